@@ -13,6 +13,9 @@ from xml.parsers import expat
 from linkwright.core.units.files import read_bytes
 from linkwright.core.units.quantities import InputError, shown
 
+_DEEPEST = 256
+"""Elements within one another: libxml2's bound (xmlParserMaxDepth)."""
+
 
 @dataclass(frozen=True)
 class Element:
@@ -94,6 +97,9 @@ def elements_in(content: bytes, file: Path) -> Element:
     open_elements: list[Element] = []
 
     def start(tag: str, attributes: dict[str, str]) -> None:
+        if len(open_elements) == _DEEPEST:
+            message = f"holds elements more than {_DEEPEST} within one another"
+            raise InputError(file, f"line {parser.CurrentLineNumber}", message)
         made = Element(tag, attributes, parser.CurrentLineNumber, file, at=parser.CurrentByteIndex)
         (open_elements[-1].children if open_elements else roots).append(made)
         open_elements.append(made)

@@ -63,6 +63,10 @@ def into_file(arm: Arm, path: Path | str) -> Exported:
     file = Path(path)
     content = read_bytes(file)
     top = elements_in(content, file)
+    try:
+        content.decode("utf-8")
+    except UnicodeDecodeError:
+        raise InputError(file, "", "is written in another encoding; save it as UTF-8") from None
     form = {"robot": "urdf", "mujoco": "mjcf"}.get(top.tag)
     if form is None:
         said = f"starts with <{top.tag}>; what was found goes into URDF (<robot>) and MJCF (<mujoco>)"

@@ -11,7 +11,7 @@ from types import MappingProxyType
 import numpy as np
 
 from linkwright.core.sections.numeric import Array
-from linkwright.core.units.quantities import InputError
+from linkwright.core.units.quantities import InputError, shown
 
 from .elements import Element
 from .urdf import read_urdf
@@ -110,6 +110,8 @@ class Mjcf:
         said: Mapping[str, str] = {} if compiler is None else compiler.attributes
         self.to_radians = 1.0 if said.get("angle", "degree") == "radian" else math.pi / 180.0
         self.order = said.get("eulerseq", "xyz")
+        if compiler is not None and (len(self.order) != 3 or not set(self.order.lower()) <= set(_AXES)):
+            raise compiler.error(f"eulerseq is {shown(self.order)}; write three of x, y, z, X, Y and Z")
         self.defaults: dict[str, dict[str, dict[str, str]]] = {}
         for element in top.all("default"):
             self._read_defaults(element, {}, "main")
@@ -137,7 +139,7 @@ class Mjcf:
     def _rotation(self, element: Element) -> Array:
         said = element.attributes
         if "quat" in said:
-            w, x, y, z = _normal(_numbers(element, said["quat"], 4))
+            w, x, y, z = _direction(element, _numbers(element, said["quat"], 4))
             return np.array(
                 [
                     [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
@@ -147,7 +149,7 @@ class Mjcf:
             )
         if "axisangle" in said:
             *axis, angle = _numbers(element, said["axisangle"], 4)
-            return turned(np.array(axis), angle * self.to_radians)
+            return turned(_direction(element, np.array(axis)), angle * self.to_radians)
         if "euler" in said:
             rotation = np.eye(3)
             for letter, angle in zip(self.order, _numbers(element, said["euler"], 3), strict=True):
@@ -156,11 +158,11 @@ class Mjcf:
             return rotation
         if "xyaxes" in said:
             numbers = _numbers(element, said["xyaxes"], 6)
-            x = _normal(numbers[:3])
-            y = _normal(numbers[3:] - x * (x @ numbers[3:]))
+            x = _direction(element, numbers[:3])
+            y = _direction(element, numbers[3:] - x * (x @ numbers[3:]))
             return np.column_stack([x, y, np.cross(x, y)])
         if "zaxis" in said:
-            z = _normal(_numbers(element, said["zaxis"], 3))
+            z = _direction(element, _numbers(element, said["zaxis"], 3))
             across = np.cross((0.0, 0.0, 1.0), z)
             angle = math.atan2(float(np.linalg.norm(across)), float(z[2]))
             return turned(across if across.any() else np.array((1.0, 0.0, 0.0)), angle)
@@ -185,9 +187,9 @@ def mjcf_standing(top: Element, names: Sequence[str]) -> Standing:
             continue
         said = read.attributes(joint, inherited)
         slides = said.get("type", "hinge") == "slide"
-        axis = _normal(_numbers(joint, said.get("axis", "0 0 1"), 3))
+        axis = _direction(joint, _numbers(joint, said.get("axis", "0 0 1"), 3))
         point = _numbers(joint, said.get("pos", "0 0 0"), 3)
-        ref = float(said.get("ref", "0")) * (1.0 if slides else read.to_radians)
+        ref = _numbers(joint, said.get("ref", "0"), 1)[0] * (1.0 if slides else read.to_radians)
         back = transform(np.eye(3), -ref * axis) if slides else about_line(axis, point, -ref)
         made = Stand(joint.attributes["name"], body, before, own, back, slides)
         found.append(_with_line(made, axis, point))
@@ -241,11 +243,20 @@ def _normal(vector: Array) -> Array:
     return vector / np.linalg.norm(vector)
 
 
+def _direction(element: Element, vector: Array) -> Array:
+    with np.errstate(over="ignore"):
+        length = float(np.linalg.norm(vector))
+    if not 0.0 < length < math.inf:
+        raise element.error("has a direction without a length, or with one beyond all numbers")
+    return vector / length
+
+
 def _numbers(element: Element, text: str, count: int) -> Array:
     try:
         values = np.array([float(word) for word in text.split()])
     except ValueError:
         values = np.zeros(0)
     if len(values) != count or not np.all(np.isfinite(values)):
-        raise element.error(f"has '{text}' where {count} numbers are due")
+        due = "a number is" if count == 1 else f"{count} numbers are"
+        raise element.error(f"has {shown(text)} where {due} due")
     return values

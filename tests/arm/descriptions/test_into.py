@@ -176,3 +176,24 @@ def test_another_arms_file_is_refused(tmp_path, change, words):
     with pytest.raises(InputError, match=words) as error:
         into_file(arm, path)
     assert "\n" not in str(error.value)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "words"),
+    [
+        ("<worldbody>", "<worldbody>" + "<body>" * 300 + "</body>" * 300, "holds elements more than 256 within"),
+        ('eulerseq="XYZ"', 'eulerseq="xy"', "eulerseq is 'xy'; write three"),
+        ('ref="15"', 'ref="a bit"', "has 'a bit' where a number is due"),
+        ('axis="1 0 0"', 'axis="0 0 0"', "a direction without a length"),
+        ('axis="1 0 0"', 'axis="0 1e300 0"', "a direction without a length"),
+        ("<mujoco", '<?xml version="1.0" encoding="iso-8859-1"?><!-- \xe9 --><mujoco', "another encoding"),
+    ],
+)
+def test_a_file_that_cannot_be_one_is_one_line(tmp_path, old, new, words):
+    """What MuJoCo would not read, or what would not be found again in the file's bytes."""
+    path = tmp_path / "robot.xml"
+    assert old in MJCF
+    path.write_bytes(MJCF.replace(old, new, 1).encode("latin-1"))
+    with pytest.raises(InputError, match=words) as error:
+        into_file(of_mjcf(MJCF), path)
+    assert "\n" not in str(error.value)

@@ -58,6 +58,7 @@ INPUTS = [
     "watch arm.yaml r.csv r.csv r.csv --catalogue {}",
     "import {} --out i.yaml",
     "export {} --to urdf",
+    "export arm.yaml --into {} --out a.urdf",
     "export arm.yaml --to urdf --catalogue {} --out a.urdf",
     "materials list --catalogue {}",
     "materials show steel-s355 --catalogue {}",
