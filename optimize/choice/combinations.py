@@ -1,4 +1,4 @@
-"""Which shape and material each link should have: every combination up to a thousand, else those that bounds leave."""
+"""Which shape and material each link should have: every combination of few, else those that bounds leave."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ Array = NDArray[np.float64]
 
 MOST_COMBINATIONS = 1000
 """Up to this many combinations every one is tried where none that is solved bounds the others."""
-_EACH = 200
+MOST_EACH = 200
 """Up to this many all are solved for the binding poses where one does; of more, those that the others' bounds leave."""
 _FEW = 24
 """Up to this many it is not asked first whether any can keep the limits."""
@@ -121,7 +121,7 @@ def chosen(
     near = Ties()
     try:
         # With lengths to choose all are bounded at once, which leaves much open and points at few of them.
-        if count(problem) <= (_EACH if problem.link_length is None else MOST_COMBINATIONS):
+        if count(problem) <= (MOST_EACH if problem.link_length is None else MOST_COMBINATIONS):
             picks = combinations(problem)
             picks = possible(chooser, picks) if len(picks) > _FEW else picks
             # What cannot keep the limits takes longest to solve.
@@ -191,6 +191,7 @@ def _rank(candidate: Candidate) -> float:
 
 __all__ = [
     "MOST_COMBINATIONS",
+    "MOST_EACH",
     "Choice",
     "Chooser",
     "Combination",

@@ -7,10 +7,12 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
+import pytest
 
 from linkwright.core.arm.chain.chain import Arm, LoadCase
 from linkwright.core.arm.errors.lost_motion import played
 from linkwright.core.arm.errors.model import beam_values, beams_of, error_model
+from linkwright.core.optimize.choice import combinations as chooser
 from linkwright.core.optimize.choice.combinations import choose, combinations
 from linkwright.core.optimize.exchange.design import arm_of, design_space, material_row, starting_points
 from linkwright.core.optimize.exchange.exchange import Exchange, Exchanged, context_of, first_pool
@@ -47,6 +49,12 @@ def jointed(lengths_mm: Sequence[float], joints: Sequence[str], *, material: str
 def ranged(*ranges: str, more: str = DRIVE) -> list[str]:
     """Joint keys: the ranges in degrees, each with the same further keys."""
     return [f"{more}, range: [{low} deg, {high} deg]" for low, high in (pair.split() for pair in ranges)]
+
+
+def taken_for_many(monkeypatch: pytest.MonkeyPatch) -> None:
+    """However few combinations there are, they are searched as too many to try each: no number of them is few."""
+    monkeypatch.setattr(chooser, "MOST_EACH", 0)
+    monkeypatch.setattr(chooser, "MOST_COMBINATIONS", 0)
 
 
 def scanned_error(arm: Arm, loads: Sequence[LoadCase], *, poses: int = 60_000, seed: int = 3) -> float:

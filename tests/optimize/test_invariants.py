@@ -18,7 +18,7 @@ from linkwright.core.optimize.exchange.exchange import context_of, objective_of
 from linkwright.core.optimize.problem import Problem
 from linkwright.core.optimize.run import optimise
 from linkwright.core.optimize.trust import doubts_of, optimum_of
-from tests.optimize.builders import jointed, problem_of, ranged
+from tests.optimize.builders import jointed, problem_of, ranged, taken_for_many
 from tests.optimize.random_problems import agreed, held, random_problem
 
 ROD = jointed((500,), ranged("-60 60"))
@@ -44,7 +44,7 @@ def test_bounds_from_few_solutions_leave_out_no_better_combination(
 ) -> None:
     """As among millions: no combination is tried but for the bounds."""
     problem = random_problem(tmp_path, 2000 + seed, most=3)
-    monkeypatch.setattr(chooser, "MOST_COMBINATIONS", 0)
+    taken_for_many(monkeypatch)
     agreed(problem)
 
 
@@ -91,7 +91,7 @@ def test_combinations_that_were_never_tried_are_noticed(tmp_path: Path, monkeypa
 def test_bounds_that_are_too_high_are_noticed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     text = f"choose: {{section: [circle, triangle, rectangle]}}\nsubject_to: {{mass: '<= 5 kg', {SIZES}}}\n"
     problem = problem_of(tmp_path, ROD, text)
-    monkeypatch.setattr(chooser, "MOST_COMBINATIONS", 0)
+    taken_for_many(monkeypatch)
     assert agreed(problem)
     learn = CombinationBounds.learn
 
@@ -119,7 +119,7 @@ def test_choice_that_is_not_exhaustive_is_never_called_certified(
         worker.link_by_link()
         return Among(gap)
 
-    monkeypatch.setattr(chooser, "MOST_COMBINATIONS", 0)
+    taken_for_many(monkeypatch)
     monkeypatch.setattr(chooser, "among_many", searched)
     result = optimise(problem)
     assert (result.status, result.gap) == (status, gap)

@@ -18,7 +18,8 @@ from tests.optimize.builders import jointed, problem_of, ranged
 SHAPES = "circle, ellipse, rectangle, triangle, i_section, tube, rectangular_tube"
 PROBLEM = (
     f"choose: {{section: [{SHAPES}], material: [aluminium-6061-t6, steel-s355]}}\n"
-    "subject_to: {mass: '<= 8 kg', section_size: [20 mm, 120 mm], thickness: [2 mm, 10 mm]}\n"
+    "subject_to: {mass: '<= 8 kg', section_size: [20 mm, 120 mm], thickness: [2 mm, 10 mm],"
+    " wall_slenderness: '<= 1'}\n"
 )
 DEPTHS, TRIALS, LOOKED_AT, SAMPLES = 6, 4, 25, 200
 

@@ -12,7 +12,6 @@ import pytest
 from scipy.optimize import minimize_scalar
 
 from linkwright.core.arm.errors.model import BEAM_FIELDS
-from linkwright.core.optimize.choice import combinations as chooser
 from linkwright.core.optimize.choice.at_once.cells import COLUMNS, LENGTH
 from linkwright.core.optimize.choice.at_once.lengths import LengthRows
 from linkwright.core.optimize.choice.pose_products import features_of
@@ -21,7 +20,7 @@ from linkwright.core.optimize.exchange.design import numeric_beams
 from linkwright.core.optimize.exchange.exchange import context_of
 from linkwright.core.optimize.run import optimise
 from linkwright.core.sections.numeric import Array
-from tests.optimize.builders import jointed, problem_of, ranged
+from tests.optimize.builders import jointed, problem_of, ranged, taken_for_many
 from tests.optimize.choice.test_many_combinations import materials, named
 
 GRAVITY = 9.81
@@ -90,7 +89,7 @@ def _least_sag(rows: Array, pair: tuple[int, int], mass: float, reach: float) ->
 
 
 def test_bound_is_below_every_pair_and_near_the_best(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(chooser, "MOST_COMBINATIONS", 0)
+    taken_for_many(monkeypatch)
     rows = materials(6, 5)
     arm = jointed((500, 400), ranged("-60 60", "0 60")) + "leave_out: [shear_deformation]\n"
     text = (

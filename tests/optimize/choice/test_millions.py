@@ -7,14 +7,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from linkwright.core.optimize.choice import combinations as chooser
 from linkwright.core.optimize.choice import many, near_ties
 from linkwright.core.optimize.choice.at_once.branching import Branching
 from linkwright.core.optimize.choice.chooser import Chooser
 from linkwright.core.optimize.choice.picks import count
 from linkwright.core.optimize.exchange.exchange import context_of
 from linkwright.core.optimize.run import optimise
-from tests.optimize.builders import jointed, problem_of, ranged
+from tests.optimize.builders import jointed, problem_of, ranged, taken_for_many
 from tests.optimize.choice.test_many_combinations import least_sags, materials, named
 
 CATALOGUE = """[aluminium-2024-t3, aluminium-5083-h111, aluminium-6061-t6, aluminium-6063-t6, aluminium-6082-t6,
@@ -24,7 +23,7 @@ CATALOGUE = """[aluminium-2024-t3, aluminium-5083-h111, aluminium-6061-t6, alumi
 def test_bound_on_all_is_below_every_combination_and_near_the_best(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(chooser, "MOST_COMBINATIONS", 0)
+    taken_for_many(monkeypatch)
     monkeypatch.setattr(many, "MOST_AT_ONCE", 0)
     rows = materials(12, 3)
     arm = jointed((500, 400), ranged("-60 60", "0 60")) + "leave_out: [shear_deformation]\n"
@@ -51,7 +50,7 @@ def test_bound_on_all_is_below_every_combination_and_near_the_best(
 
 def test_near_ties_that_are_given_up_are_counted(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Where one combination after another keeps no limit the search for near ties ends; what it leaves is said."""
-    monkeypatch.setattr(chooser, "MOST_COMBINATIONS", 0)
+    taken_for_many(monkeypatch)
     monkeypatch.setattr(many, "MOST_AT_ONCE", 0)
     rows = materials(20, 6)
     arm = jointed((500, 400), ranged("-60 60", "0 60")) + "leave_out: [shear_deformation]\n"

@@ -10,7 +10,6 @@ import pytest
 
 import linkwright as lw
 from linkwright.command_line import outcome
-from linkwright.core.optimize.choice import combinations
 from linkwright.core.optimize.choice.kept import search_journal
 from linkwright.core.optimize.exchange.program import Program
 from linkwright.core.optimize.problem import Problem
@@ -19,7 +18,7 @@ from linkwright.core.optimize.rounding.options import read_rounding
 from linkwright.core.optimize.rounding.rounding import optimise_rounded
 from linkwright.core.optimize.run import optimise
 from tests.costs import slow_but
-from tests.optimize.builders import jointed, problem_of, ranged
+from tests.optimize.builders import jointed, problem_of, ranged, taken_for_many
 
 VERSION = "linkwright 0"
 ARM = jointed((500, 400), ranged("-60 60", "0 60")) + "leave_out: [shear_deformation]\n"
@@ -65,7 +64,7 @@ def searched(problem: Problem, path: Path | None, stop_at: int | None = None) ->
 @pytest.mark.parametrize("kind", slow_but(PROBLEMS, "all at once", "bounds"))
 def test_the_answer_is_that_of_no_stop(kind: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     if kind == "bounds":
-        monkeypatch.setattr(combinations, "MOST_COMBINATIONS", 10)
+        taken_for_many(monkeypatch)
     problem = problem_of(tmp_path, ARM, PROBLEMS[kind])
     solved = 0
     solve = Program.solve
