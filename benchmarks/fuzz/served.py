@@ -158,7 +158,7 @@ def _folder(at: Path) -> None:
         assert folder.read(name) != SECRET
 
     def written(name: str) -> None:
-        folder.write(name, text)
+        folder.write(name, text, whatever=True)
 
     def named(name: str) -> None:
         assert SECRET.encode() not in folder.with_arm(name, text).values()

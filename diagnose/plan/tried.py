@@ -78,7 +78,7 @@ def tried_visits(arm: Arm, asked: Asked) -> Tried:
     ends_clear = _clear(arm, at_ends, run, asked.room)
     q = np.concatenate([poses, ends_clear])
     random, label, along = np.arange(len(q)) < spread, np.zeros(len(q), dtype=np.int64), np.zeros(len(q))
-    if asked.touches:
+    if asked.touches and len(q):
         q, random, label, along = _touching(arm, q, random, run, asked)
         if len(q) < asked.poses:
             raise TooFewPostures(f"touches something again in {len(q)} postures only of {asked.poses} asked for")

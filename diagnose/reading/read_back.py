@@ -38,7 +38,8 @@ def unlike(meant: Recording, back: Recording, arm: Arm, *, without: Collection[s
             row = int(bad[0])
             yield f"{name} in row {row + 1} was {values[row]:.9g} and reads {read[name][row]:.9g}"
     labels = dict(label_columns(back))
-    yield from (f"{name} names other places" for name, each in label_columns(meant) if labels.get(name) != each)
+    asked = ((name, each) for name, each in label_columns(meant) if name not in without)
+    yield from (f"{name} names other places" for name, each in asked if labels.get(name) != each)
 
 
 def unlike_settings(meant: Recording, back: Recording) -> Iterator[str]:
