@@ -19,7 +19,7 @@ help:
 	@echo "make demo       optimise the example welding arm; says where the report is"
 	@echo "make pictures   docs/pictures/tradeoff.svg and what was solved for it, by the command in docs/tradeoff.md (ten minutes)"
 	@echo "make picture-reports  docs/pictures/diagnosis.png and welding-arm.png, with Chromium"
-	@echo "make test       the test suite but for what is marked slow; eight minutes on two cores"
+	@echo "make test       the test suite but for what is marked slow"
 	@echo "make test-fast  the tests worth running every minute, some of every room"
 	@echo "make test-all   what make test leaves: real machines, the paper, notebooks, a browser, odd files, more seeds (MINUTES=8 begins none after that)"
 	@echo "make lint       ruff and pyright"
