@@ -213,7 +213,7 @@ lock:
 		|| { echo "make lock needs pip-tools: run make test first, or $(BIN)/pip install pip-tools" >&2; exit 1; }
 	$(PIP_COMPILE) $(LOCK_ARGS) --all-build-deps --extra browser --extra dxf --output-file requirements.lock pyproject.toml
 	$(BIN)/python -c 'import tomllib; print(*tomllib.load(open("pyproject.toml", "rb"))["dependency-groups"]["dev"], sep="\n")' \
-		| $(PIP_COMPILE) $(LOCK_ARGS) --extra browser --extra dxf --extra parquet --extra pdf --extra step --constraint requirements.lock \
+		| $(PIP_COMPILE) $(LOCK_ARGS) --extra browser --extra dxf --extra parquet --extra step --constraint requirements.lock \
 			--output-file requirements-dev.lock pyproject.toml -
 	@touch requirements.lock requirements-dev.lock
 

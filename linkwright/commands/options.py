@@ -24,7 +24,10 @@ MarkdownFile = Annotated[
     Path | None, typer.Option("--markdown", metavar="FILE", help="Write the result as Markdown, for notes and issues.")
 ]
 PdfFile = Annotated[
-    Path | None, typer.Option("--pdf", metavar="FILE", help="Write the report as a PDF of A4 pages (the extra `pdf`).")
+    Path | None,
+    typer.Option(
+        "--pdf", metavar="FILE", help="Write the report as a PDF of A4 pages; Chromium, Chrome or Edge prints it."
+    ),
 ]
 CatalogueFile = Annotated[
     Path | None,
@@ -102,11 +105,11 @@ def check_pdf(path: Path | None) -> None:
     """Refuse, before any work is done, a PDF that could not be made. Raises `InputError`."""
     if path is not None:
         from linkwright.output.files import OUTPUT
-        from linkwright.pdf.document import need_typst
+        from linkwright.report.pdf import need_browser
 
         if path == OUTPUT:
             raise InputError("", "--pdf", "needs the name of a file; a PDF is nothing for standard output")
-        need_typst()
+        need_browser()
 
 
 def tell(described: Description, markdown: Path | None, *written: Path | None) -> None:

@@ -96,19 +96,20 @@ class Reported(Result):
         folder that holds anything else."""
         place = Path(folder)
         claim_own(place, self._command, self._own)
-        origin = origin_of(map(Path, made_from), author=author, comment=comment)
-        report = signed(page_of(self._report()), origin)
+        report = self._page(made_from, author, comment)
         write_folder(place, {RESULT: self.to_json(), REPORT: report, **self._files()})
 
     def save_pdf(self, file: File, *, made_from: Iterable[File] = (), author: str = "", comment: str = "") -> None:
-        """Write the report as a PDF of A4 pages; the same result gives the same bytes where SOURCE_DATE_EPOCH stands
-        for the date. Raises `InputError` where typst is not installed or the file cannot be written."""
+        """Write the report as a PDF of A4 pages, as Chromium, Chrome or Edge prints it. Raises `InputError` where none
+        of them is installed or the file cannot be written."""
         if Path(file) == OUTPUT:
             raise InputError("", "save_pdf", "needs the name of a file; a PDF is nothing for standard output")
-        from linkwright.pdf.document import pdf_of
+        from linkwright.report.pdf import pdf_of
 
-        origin = origin_of(map(Path, made_from), author=author, comment=comment)
-        write_file(Path(file), pdf_of(self._report(), origin))
+        write_file(Path(file), pdf_of(self._page(made_from, author, comment)))
+
+    def _page(self, made_from: Iterable[File], author: str, comment: str) -> str:
+        return signed(page_of(self._report()), origin_of(map(Path, made_from), author=author, comment=comment))
 
     @abstractmethod
     def _report(self) -> Contents:

@@ -14,6 +14,7 @@ from types import MappingProxyType
 from typing import Any, Literal
 
 from linkwright.core.units.quantities import InputError
+from linkwright.report.pdf import need_browser
 
 State = Literal["sound", "left out", "wrong"]
 
@@ -24,7 +25,6 @@ _PARTS = (
     ("the browser (serve)", ("nicegui",), "pip install 'linkwright[browser]'"),
     ("drawings (export --to dxf)", ("ezdxf",), "pip install 'linkwright[dxf]'"),
     ("parquet recordings", ("pyarrow",), "pip install 'linkwright[parquet]'"),
-    ("reports as PDF (--pdf)", ("typst",), "pip install 'linkwright[pdf]'"),
     ("solids (export --to step)", ("build123d",), "pip install 'linkwright[step]'"),
     ("clusters (--dask)", ("dask", "distributed"), "pip install 'linkwright[cluster]'"),
 )
@@ -64,8 +64,17 @@ def checked() -> Checkup:
             *_folders(),
             _threads(),
             *(_part(*each) for each in _PARTS),
+            _printer(),
         )
     )
+
+
+def _printer() -> Check:
+    name = "reports as PDF (--pdf)"
+    try:
+        return Check(name, "sound", need_browser())
+    except InputError:
+        return Check(name, "left out", "no browser that prints", "install Chromium, Chrome or Edge")
 
 
 def _python() -> Check:

@@ -14,13 +14,11 @@ from linkwright.results.document import Description
 @dataclass(frozen=True)
 class Contents:
     """`pictures` are HTML by the name that the description gives them, `figures` what scripts draw in it by their own
-    names; `printed` stand in place of pictures on paper, where those need a script. `without` says what a reader misses
-    whose browser runs none."""
+    names; `without` says what a reader misses whose browser runs none."""
 
     described: Description
     pictures: Mapping[str, str]
     figures: Mapping[str, Figure] = field(default_factory=dict[str, Figure])
-    printed: Mapping[str, str] = field(default_factory=dict[str, str])
     without: str = WITHOUT_SCRIPT
 
 

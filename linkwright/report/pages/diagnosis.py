@@ -28,17 +28,16 @@ _WITHOUT = "Without JavaScript the maps to hover over are missing; all else is h
 
 def diagnosis_report(diagnosis: Diagnosis, redesign: Redesign | None = None) -> Contents:
     """What the report shows."""
-    arrows = arrow_maps(diagnosis)
     places, figures = hover_maps(diagnosis)
     pictures = {
         "curves": joint_curves(diagnosis),
         "first": side_by_side(_arm(diagnosis), ladder_picture(diagnosis)),
-        "maps": arrows + places,
+        "maps": arrow_maps(diagnosis) + places,
         "covariates": small_multiples(diagnosis),
     }
     if redesign is not None:
         pictures["redesigned"] = sections_grid((("before", redesign.old.arm), ("after", redesign.new.arm)))
-    return Contents(describe(diagnosis, redesign), pictures, figures, {"maps": arrows}, _WITHOUT)
+    return Contents(describe(diagnosis, redesign), pictures, figures, _WITHOUT)
 
 
 def _arm(diagnosis: Diagnosis) -> str:

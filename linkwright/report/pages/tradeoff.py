@@ -9,7 +9,7 @@ from linkwright.report.contents import Contents
 from linkwright.report.page import figure_place
 from linkwright.report.pictures.plots import Figure
 from linkwright.report.pictures.svg import text
-from linkwright.report.pictures.tradeoff import COLOURS, tradeoff_picture
+from linkwright.report.pictures.tradeoff import COLOURS
 from linkwright.results.figures_in_words import figure, section_words, with_unit
 from linkwright.results.tradeoff import describe, price_words, shown, slope_factor
 
@@ -25,7 +25,7 @@ def tradeoff_report(result: Tradeoff) -> Contents:
         "price": figure_place("price", f"Price in {slope_factor(result)[1]} along the front"),
     }
     figures = {"front": front_figure(result), "price": price_figure(result)}
-    return Contents(described, pictures, figures, {"front": tradeoff_picture(result), "price": ""})
+    return Contents(described, pictures, figures)
 
 
 def _hover(result: Tradeoff, point: Point, *, brief: bool) -> str:

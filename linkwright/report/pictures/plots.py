@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -70,16 +70,6 @@ def error_map_figure(
 def in_own_colours(name: str, least: float, greatest: float) -> Figure:
     """The figure called `name` with colours from `least` to `greatest`: what its second button shows, for paper."""
     return {LIKE: name, "from": least, "to": greatest}
-
-
-def whole_figure(figures: Mapping[str, Figure], name: str) -> Figure:
-    """A figure with its data, wherever those stand."""
-    found = figures[name]
-    if LIKE not in found:
-        return found
-    like = figures[found[LIKE]]
-    ends = {"zmin": found["from"], "zmax": found["to"]}
-    return {**like, "data": [{**like["data"][0], **ends}, *like["data"][1:]]}
 
 
 def with_scales(common: tuple[float, float], own: tuple[float, float], ends: tuple[str, str]) -> Figure:

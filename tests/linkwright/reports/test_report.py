@@ -15,11 +15,13 @@ from linkwright.core.arm.evaluation import evaluate
 from linkwright.core.sections import Circle, Tube
 from linkwright.report.contents import page_of
 from linkwright.report.origin import origin_of, signed
+from linkwright.report.pages.diagnosis import diagnosis_report
 from linkwright.report.pages.evaluation import evaluation_report
 from linkwright.report.pages.optimization import optimization_report
 from linkwright.report.pictures.arm import arm_picture, shared_window, skeleton
 from linkwright.report.pictures.sections import sections_grid
 from linkwright.results.figures_in_words import mm
+from tests.diagnose.made_diagnosis import made_arm, made_diagnosis
 from tests.linkwright.samples import arm_of, mapped, unpacked
 
 VOID = {"meta", "br", "link", "img", "input", "hr"}
@@ -246,3 +248,15 @@ def test_warnings_are_on_the_page(evaluation):
     """Plainly, in words."""
     warned = replace(evaluation, warnings=("link 1 yields: 300 MPa, safety factor 0.9",))
     assert "link 1 yields: 300 MPa" in Page(page_of(evaluation_report(warned, mapped(evaluation)))).text
+
+
+def test_how_long_it_took_is_left_out_where_the_date_is_given(result, monkeypatch):
+    """For two runs of one question never take as long."""
+
+    def both(seconds):
+        diagnosis = replace(made_diagnosis("named", made_arm(space=True)), seconds=seconds)
+        return [page_of(diagnosis_report(diagnosis)), page_of(optimization_report(replace(result, seconds=seconds)))]
+
+    assert all(one != other for one, other in zip(both(1.0), both(2.0), strict=True))
+    monkeypatch.setenv("SOURCE_DATE_EPOCH", "86400")
+    assert both(1.0) == both(2.0)
