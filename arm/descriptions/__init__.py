@@ -1,1 +1,1 @@
-"""Robots as other people's files describe them: read from URDF, written as URDF, MJCF and SDF."""
+"""Robots as other people's files describe them: read from URDF, written as URDF and MJCF."""

@@ -1,4 +1,4 @@
-"""The pieces of an arm as URDF, SDF and MJCF."""
+"""The pieces of an arm as URDF and MJCF."""
 
 from __future__ import annotations
 
@@ -29,7 +29,6 @@ HELD = 1e-9
 _LEAST_MASS, _LEAST_INERTIA = 1e-9, 1e-12
 _ROUNDING = 1e-9
 _DOWN: FloatVector = (0.0, 0.0, -9.81)
-_CARRIED = "names, frames, limits, efforts, speeds, masses and inertias"
 
 
 @dataclass(frozen=True)
@@ -45,9 +44,9 @@ class Exported:
 
 
 def export_arm(arm: Arm, to: str) -> Exported:
-    """An arm as `urdf`, `sdf` or `mjcf`. Raises `InputError` for another format and for an arm that none can hold."""
+    """An arm as `urdf` or `mjcf`. Raises `InputError` for another format and for an arm that none can hold."""
     if to not in _WRITERS:
-        raise InputError("", "to", f"{shown(to)} is no format; write urdf, mjcf or sdf")
+        raise InputError("", "to", f"{shown(to)} is no format; write urdf or mjcf")
     return _WRITERS[to](arm)
 
 
@@ -207,7 +206,7 @@ def _urdf(arm: Arm) -> Exported:
     assumed = (*found.assumed, *for_mujoco)
     if none:
         assumed = (*assumed, f"efforts and velocities of 0 are not known (joint {', '.join(none)})")
-    carried = (_CARRIED,)
+    carried = ("names, frames, limits, efforts, speeds, masses and inertias",)
     return Exported(arm, "urdf", _written(root, arm, _drive_words(found), lost, assumed), carried, lost, assumed)
 
 
@@ -224,71 +223,6 @@ def _inertial(link: Element, mass: Mass | None) -> None:
         SubElement(body, "origin", {"xyz": _numbers(mass.center), "rpy": "0 0 0"})
         SubElement(body, "mass", {"value": _numbers([mass.mass])})
         SubElement(body, "inertia", _inertia(mass))
-
-
-def _sdf(arm: Arm) -> Exported:
-    found = structure(arm, springs=False)
-    arm, names = found.arm, found.names
-    root = Element("sdf", {"version": "1.11"})
-    model = SubElement(root, "model", {"name": _name(arm), "canonical_link": names.base})
-    SubElement(model, "link", {"name": names.base})
-    mount = SubElement(model, "joint", {"name": names.mounting, "type": "fixed"})
-    SubElement(mount, "parent").text = "world"
-    SubElement(mount, "child").text = names.base
-    mounting = _mounting(arm)
-    if mounting != IDENTITY:
-        model.insert(0, _sdf_pose((mounting, ZERO), None))
-    for piece in found.pieces:
-        assert piece.drive is not None  # without springs every piece has a drive
-        name = names.joints[piece.drive]
-        driven = arm.joints[piece.drive]
-        joint = SubElement(model, "joint", {"name": name, "type": "revolute" if driven.revolute else "prismatic"})
-        joint.append(_sdf_pose(piece.origin, piece.on or names.base))
-        SubElement(joint, "parent").text = piece.on or names.base
-        SubElement(joint, "child").text = piece.name
-        axis = SubElement(joint, "axis")
-        SubElement(axis, "xyz").text = _numbers(driven.axis)
-        limit = SubElement(axis, "limit")
-        for tag, value in zip(("lower", "upper"), turn_range(arm, piece.drive), strict=True):
-            SubElement(limit, tag).text = _numbers([value])
-        for tag, greatest in zip(("effort", "velocity"), _greatest(driven), strict=True):
-            if greatest is not None:
-                SubElement(limit, tag).text = _numbers([greatest])
-        if (tie := mimicked(arm, piece.drive)) is not None:
-            mimic = SubElement(axis, "mimic", {"joint": names.joints[tie[0]]})
-            for tag, value in (("multiplier", tie[1]), ("offset", tie[2]), ("reference", 0.0)):
-                SubElement(mimic, tag).text = _numbers([value])
-        link = SubElement(model, "link", {"name": piece.name})
-        link.append(_sdf_pose((IDENTITY, ZERO), name))
-        _sdf_inertial(link, piece.mass)
-    for end in found.tips:
-        tool = SubElement(model, "joint", {"name": end.joint, "type": "fixed"})
-        tool.append(_sdf_pose(end.frame, end.on))
-        SubElement(tool, "parent").text = end.on
-        SubElement(tool, "child").text = end.name
-        tip = SubElement(model, "link", {"name": end.name})
-        tip.append(_sdf_pose((IDENTITY, ZERO), end.joint))
-        _sdf_inertial(tip, ball(end.payload, ZERO) if end.payload else None)
-    lost = (*found.lost, *_gravity_words(arm))
-    assumed = (*found.assumed, f"links without weight have {_LEAST_MASS:g} kg")
-    carried = (_CARRIED,)
-    return Exported(arm, "sdf", _written(root, arm, _drive_words(found), lost, assumed), carried, lost, assumed)
-
-
-def _sdf_pose(frame: Frame, relative_to: str | None) -> Element:
-    element = Element("pose", {} if relative_to is None else {"relative_to": relative_to})
-    element.text = _numbers([*frame[1], *to_roll_pitch_yaw(frame[0])])
-    return element
-
-
-def _sdf_inertial(link: Element, mass: Mass | None) -> None:
-    held = mass or Mass(_LEAST_MASS, np.zeros(3), _LEAST_INERTIA * np.eye(3))
-    body = SubElement(link, "inertial")
-    body.append(_sdf_pose((IDENTITY, (float(held.center[0]), float(held.center[1]), float(held.center[2]))), None))
-    SubElement(body, "mass").text = _numbers([held.mass])
-    inertia = SubElement(body, "inertia")
-    for name, value in _inertia(held).items():
-        SubElement(inertia, name).text = value
 
 
 def _mjcf(arm: Arm) -> Exported:
@@ -370,5 +304,5 @@ def _mujoco_springs(body: Element, piece: Piece) -> None:
         SubElement(body, "joint", {**name, **values})
 
 
-_WRITERS: Mapping[str, Callable[[Arm], Exported]] = MappingProxyType({"urdf": _urdf, "mjcf": _mjcf, "sdf": _sdf})
+_WRITERS: Mapping[str, Callable[[Arm], Exported]] = MappingProxyType({"urdf": _urdf, "mjcf": _mjcf})
 """How each format is written."""

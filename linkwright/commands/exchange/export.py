@@ -12,7 +12,7 @@ from linkwright.commands.options import CatalogueFile, JsonFile, MarkdownFile, a
 from linkwright.core.units.quantities import InputError
 from linkwright.output.files import check_target, write_result
 
-HELP = """The arm for other programs: URDF, MJCF (with all that gives), SDF, DXF (to scale), STEP (solid bodies), parts.
+HELP = """The arm for other programs: URDF, MJCF (with all that gives), DXF (to scale), STEP (solid bodies), parts.
 
 What the format cannot hold is told. --into writes what a diagnosis found into your own URDF or MJCF: a few numbers,
 and every other byte as it was.
@@ -27,7 +27,7 @@ Example: linkwright export corrected.yaml --into robot.urdf --out robot-correcte
 def export(
     arm: Annotated[Path, typer.Argument(metavar="ARM", help="The arm file; a corrected one, say.")],
     to: Annotated[
-        str | None, typer.Option("--to", metavar="FORMAT", help="urdf, mjcf, sdf, dxf, step, or bom: a list of parts.")
+        str | None, typer.Option("--to", metavar="FORMAT", help="urdf, mjcf, dxf, step, or bom: a list of parts.")
     ] = None,
     into: Annotated[
         Path | None, typer.Option("--into", metavar="FILE", help="Your own URDF or MJCF, for what was found.")

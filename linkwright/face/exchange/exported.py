@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 
 
 SUFFIXES: Mapping[str, str] = MappingProxyType(
-    {"urdf": ".urdf", "mjcf": ".xml", "sdf": ".sdf", "dxf": ".dxf", "step": ".step", "bom": "-parts.csv"}
+    {"urdf": ".urdf", "mjcf": ".xml", "dxf": ".dxf", "step": ".step", "bom": "-parts.csv"}
 )
 """How the files of each format are called."""
 
@@ -94,9 +94,9 @@ class Export(Result):
 def export_arm(
     arm: Arm | File, *, to: str | None = None, into: File | None = None, progress: Progress | None = None
 ) -> Export:
-    """The arm as `urdf`, `mjcf` (with all that gives: MuJoCo sags as the arm does), `sdf`, `dxf` (links and sections
-    drawn to scale, with dimensions), `step` (links as solid bodies, with the extra `step`) or `bom` (its parts as CSV:
-    sizes, masses, centres, inertias, prices). `progress` hears of the bodies as they are made.
+    """The arm as `urdf`, `mjcf` (with all that gives: MuJoCo sags as the arm does), `dxf` (links and sections drawn to
+    scale, with dimensions), `step` (links as solid bodies, with the extra `step`) or `bom` (its parts as CSV: sizes,
+    masses, centres, inertias, prices). `progress` hears of the bodies as they are made.
 
     `into` in place of `to` is somebody's own URDF or MJCF file, whose joints the arm names: its text with what
     `effects` say of zeros, lengths and axes (and in MJCF of drives' stiffness), byte for byte as it was otherwise.

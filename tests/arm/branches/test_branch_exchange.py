@@ -92,14 +92,14 @@ def residual(mujoco, model, data):
     return data.qfrc_passive + data.qfrc_actuator - data.qfrc_bias
 
 
-def test_sdf_holds_both_tips(file):
+def test_urdf_holds_both_tips(file):
     import xml.etree.ElementTree as ElementTree
 
-    root = ElementTree.fromstring(lw.export_arm(lw.read_arm(file), to="sdf").text)
-    joints = {each.get("name"): each for each in root.iter("joint")}
-    assert joints["joint3"].findtext("parent") == joints["joint6"].findtext("parent") == "link2"
-    assert {joints[f"{tip}_tool"].findtext("parent") for tip in ("left", "right")} == {"link5", "link7"}
-    masses = sum(float(each.text or 0) for each in root.iter("mass"))
+    root = ElementTree.fromstring(lw.export_arm(lw.read_arm(file), to="urdf").text)
+    parents = {each.get("name"): each.find("parent").get("link") for each in root.iter("joint")}
+    assert parents["joint3"] == parents["joint6"] == "link2"
+    assert {parents[f"{tip}_tool"] for tip in ("left", "right")} == {"link5", "link7"}
+    masses = sum(float(each.get("value")) for each in root.iter("mass"))
     assert masses == pytest.approx(30.0, abs=1e-6)
     assert len(lw.export_arm(lw.read_arm(file), to="bom").text.splitlines()) == 8
 

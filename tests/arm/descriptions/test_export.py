@@ -1,6 +1,5 @@
 """Arms for other programs: read back alike, and MuJoCo sags as first order says."""
 
-import xml.etree.ElementTree as ElementTree
 from dataclasses import replace
 from pathlib import Path
 
@@ -77,43 +76,6 @@ def test_a_urdf_reads_back_the_same(spatial, tmp_path, turned):
         )
         scale = np.linalg.norm(turned) / 9.81  # a URDF has no gravity of its own
         assert [scale * each for each in torques(again, q)] == pytest.approx(torques(arm, q), rel=1e-9, abs=1e-9)
-
-
-def test_an_sdf_has_the_same_frames(spatial):
-    """By its own rule: each pose stands in the frame that it names."""
-    model = ElementTree.fromstring(export_arm(spatial, "sdf").text).find("model")
-    q = poses(spatial, 1)[0]
-    above = {joint.find("child").text: joint for joint in model.findall("joint")}
-    matrix, here = np.eye(4), "tip"
-    while here != "base":
-        joint = above[here]
-        assert joint.find("pose").get("relative_to") == joint.find("parent").text
-        number = [float(word) for word in joint.find("pose").text.split()]
-        step = np.eye(4)
-        step[:3, :3], step[:3, 3] = _turned(number[3:]), number[:3]
-        if joint.get("type") != "fixed":
-            axis = np.array([float(word) for word in joint.find("axis/xyz").text.split()])
-            value = q[int(joint.get("name").removeprefix("joint")) - 1]
-            moved = np.eye(4)
-            if joint.get("type") == "revolute":
-                moved[:3, :3] = _about(axis, value)
-            else:
-                moved[:3, 3] = value * axis
-            step = step @ moved
-        matrix, here = step @ matrix, joint.find("parent").text
-    assert matrix[:3, 3] == pytest.approx(tip_position(spatial, q)[0], abs=1e-9)
-
-
-def _about(axis, angle):
-    quaternion, matrix = np.zeros(4), np.zeros(9)
-    mujoco.mju_axisAngle2Quat(quaternion, axis, angle)
-    mujoco.mju_quat2Mat(matrix, quaternion)
-    return matrix.reshape(3, 3)
-
-
-def _turned(rpy):
-    roll, pitch, yaw = (_about(axis, angle) for axis, angle in zip(np.eye(3), rpy, strict=True))
-    return yaw @ pitch @ roll
 
 
 def at_rest(model, arm, q):
@@ -207,6 +169,6 @@ def test_what_was_found_is_carried_and_the_rest_told(spatial):
     assert "stiffness of the drives (joint 1, 2, 3, 4, 5)" in told.lost
     assert "joint 2: stiffness of the drive 28.5714 kN*m/rad" in told.text
     with pytest.raises(InputError, match="angles: are absolute"):
-        export_arm(replace(spatial, angles="absolute"), "sdf")
-    with pytest.raises(InputError, match="'dxf' is no format; write urdf, mjcf or sdf"):
+        export_arm(replace(spatial, angles="absolute"), "mjcf")
+    with pytest.raises(InputError, match="'dxf' is no format; write urdf or mjcf"):
         export_arm(spatial, "dxf")

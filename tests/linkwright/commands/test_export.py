@@ -10,7 +10,7 @@ import linkwright as lw
 
 def test_each_format_is_written(linkwright, bench):
     """Under the arm file's name, once; JSON and the Python face say the same."""
-    for form, name in (("urdf", "arm.urdf"), ("mjcf", "arm.xml"), ("sdf", "arm.sdf")):
+    for form, name in (("urdf", "arm.urdf"), ("mjcf", "arm.xml")):
         status, out, err = linkwright("export", "arm.yaml", "--to", form, "--json", "said.json")
         assert (status, err) == (0, "")
         assert f"written: {name}" in out
@@ -29,7 +29,7 @@ def test_each_format_is_written(linkwright, bench):
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
-        (("arm.yaml", "--to", "collada"), "--to: 'collada' is no format; write urdf, mjcf, sdf, dxf, step, bom"),
+        (("arm.yaml", "--to", "collada"), "--to: 'collada' is no format; write urdf, mjcf, dxf, step, bom"),
         (("arm.yaml",), "--to: is due, or --into FILE"),
         (("arm.yaml", "--to", "urdf", "--into", "arm.urdf"), "--to: is due, or --into FILE, but not both"),
         (("arm.yaml", "--into", "nothing.urdf"), "nothing.urdf: there is no such file"),
