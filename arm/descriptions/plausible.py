@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from linkwright.core.materials.catalogue import shipped_layers
 from linkwright.core.sections.numeric import Array
 
 from .bodies import Mass, principal_moments
@@ -16,8 +17,9 @@ _ROUNDING = 1e-3
 """Of the greatest moment: tensors are written with three digits."""
 _LIGHTER = 15.0
 """One link in a hundred of 1,308 that public URDFs weigh is lighter by more than the lighter of its neighbours."""
-_FOAM, _STEEL = 30.0, 8100.0
-"""kg/m^3: what packaging foams weigh, and the densest stainless steels of EN 10088-1. Hollow links lie between."""
+_FOAM = 33.0
+"""kg/m^3: Plastazote LD33, a closed-cell packaging foam (data sheet, EN ISO 845; customfoams.co.uk/shop/plastazote-ld33).
+Hollow links lie between it and the densest material of the catalogue."""
 _NOTHING = 1e-20
 """m^2: times a mass, what rounding leaves of a moment of zero."""
 
@@ -64,8 +66,12 @@ def _of_link(name: str, link: UrdfLink, robot: Robot) -> list[str]:
     if held is None or held.mass == 0.0 or not known or len(known) < len(volumes):
         return said
     density = held.mass / sum(known)
-    if not _FOAM <= density <= _STEEL:
-        than = "lighter than foam" if density < _FOAM else "denser than solid steel"
+    densest = max(
+        (material for layer in shipped_layers() for material in layer.materials.values()),
+        key=lambda material: material.need("density"),
+    )
+    if not _FOAM <= density <= densest.need("density"):
+        than = "lighter than foam" if density < _FOAM else f"denser than solid {densest.name}"
         said.append(
             f"{name} weighs {_mass(held.mass)} in the {1e3 * sum(known):.3g} litres that it is drawn by: {than}"
         )

@@ -164,6 +164,26 @@ def test_quasi_isotropic_laminates_follow_from_their_plies(name, ply):
     assert got == pytest.approx(quasi_isotropic(*ply), rel=1e-3)
 
 
+# Performance Composites, Mechanical Properties of Carbon Fibre Composite Materials, retyped from
+# performance-composites.com/carbonfibre/mechanicalproperties_2.asp: E1, E2 and G12 in GPa, nu12, alpha1 in 1e-6/K.
+PLIES = {
+    "cfrp-fabric": (70, 70, 5, 0.10, 2.1),
+    "gfrp-fabric": (25, 25, 4, 0.20, 11.6),
+    "cfrp-unidirectional": (135, 10, 5, 0.30, -0.3),
+    "cfrp-high-modulus-unidirectional": (175, 8, 5, 0.30, -0.3),
+    "gfrp-unidirectional": (40, 8, 4, 0.25, 6.0),
+    "aramid-unidirectional": (75, 6, 2, 0.34, 4.0),
+}
+
+
+@pytest.mark.parametrize("name", PLIES)
+def test_plies_are_those_of_their_data_sheet(name):
+    found = shipped().find(name)
+    names = ("elastic_modulus", "transverse_modulus", "shear_modulus", "poisson_ratio", "thermal_expansion")
+    units = (1e9, 1e9, 1e9, 1.0, 1e-6)
+    assert [found.need(each) / unit for each, unit in zip(names, units, strict=True)] == pytest.approx(PLIES[name])
+
+
 # Callister and Rethwisch, Fundamentals of Materials Science and Engineering, 3rd ed., Appendix B, retyped from its
 # Tables B.1, B.2, B.4 and B.6: modulus in GPa, density in g/cm^3, tensile strength in MPa, expansion in 1e-6/K.
 CALLISTER = {

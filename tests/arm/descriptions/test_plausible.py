@@ -45,10 +45,11 @@ def test_figures_that_no_body_has(tmp_path, links, words):
 
 
 @pytest.mark.parametrize(
-    ("mass", "words"), [(3.0, None), (0.05, "lighter than foam"), (60.0, "denser than solid steel")]
+    ("mass", "words"),
+    [(3.0, None), (26.5, None), (0.05, "lighter than foam"), (27.0, "denser than solid bronze-c93200")],
 )
 def test_masses_beside_what_links_are_drawn_by(tmp_path, mass, words):
-    """A box of 0.1 x 0.1 x 0.3 m holds 3 litres: 24 kg of steel, 0.09 kg of foam."""
+    """A box of 0.1 x 0.1 x 0.3 m holds 3 litres: 26.8 kg of the catalogue's densest bronze, 0.1 kg of foam."""
     small = f'ixx="{mass / 1e3}" ixy="0" ixz="0" iyy="{mass / 1e3}" iyz="0" izz="{mass / 1e3}"'
     found = doubts(tmp_path, chain(weighs(mass, small), weighs(mass, small), drawn=(1,)))
     assert len(found) == (words is not None)
