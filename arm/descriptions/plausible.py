@@ -18,7 +18,7 @@ _ROUNDING = 1e-3
 _LIGHTER = 15.0
 """One link in a hundred of 1,308 that public URDFs weigh is lighter by more than the lighter of its neighbours."""
 _FOAM = 33.0
-"""kg/m^3: Plastazote LD33, a closed-cell packaging foam (data sheet, EN ISO 845; customfoams.co.uk/shop/plastazote-ld33).
+"""kg/m^3: Plastazote LD33, a packaging foam (data sheet, EN ISO 845: customfoams.co.uk/shop/plastazote-ld33).
 Hollow links lie between it and the densest material of the catalogue."""
 _NOTHING = 1e-20
 """m^2: times a mass, what rounding leaves of a moment of zero."""
