@@ -78,7 +78,12 @@ def page(chromium, request):
     made.set_default_timeout(120_000)
     complaints = []
     made.on("pageerror", lambda error: complaints.append(str(error)))
-    made.on("console", lambda said: complaints.append(said.text) if said.type == "error" and _ours(said) else None)
+
+    def heard(said):
+        if said.type == "error" and _ours(said):
+            complaints.append(f"{said.text} ({said.location['url']})")
+
+    made.on("console", heard)
     yield made
     wide = made.evaluate("document.documentElement.scrollWidth - window.innerWidth")
     made.close()

@@ -87,6 +87,8 @@ def test_a_locked_base_loses_no_answer(server, page):
         page.get_by_text("Evaluation: worst position error").first.wait_for()
     page.get_by_role("button", name="Keep again").click()
     page.get_by_role("button", name="Keep again").wait_for(state="detached")
+    # The page asks for the kept report now, which must not be gone before it is answered.
+    page.frame_locator("iframe").get_by_role("heading", level=1).wait_for()
     (fresh,) = {each.id for each in shelf.all()} - before
     assert "report.html" in shelf.names(fresh)
     shelf.remove(fresh)
