@@ -87,7 +87,8 @@ pictures: $(DEV)
 picture-reports: $(DEV)
 	$(ONE_THREAD) $(BIN)/python -m handbook.pictures
 
-PYTEST := $(ONE_THREAD) $(BIN)/python -m pytest -n 2 --dist loadgroup --strict-markers
+# A file's tests go to one worker, so that what they share is computed once.
+PYTEST := $(ONE_THREAD) $(BIN)/python -m pytest -n 2 --dist loadfile --strict-markers
 
 test: $(DEV)
 	@$(PYTEST) -m "not slow" $(PYTEST_ARGS)

@@ -16,9 +16,6 @@ import pytest
 
 from tests.test_house import CORE, MAY_USE, ROOT, tracked_files
 
-# The environment is built once: all these tests go to one worker.
-pytestmark = pytest.mark.xdist_group("distribution")
-
 ROOMS = tuple(MAY_USE)
 
 ARM = """\
@@ -35,11 +32,18 @@ payload: {mass: 2 kg, force: [0 N, 0 N, 0 N]}
 
 
 @dataclass(frozen=True)
-class Installed:
-    """The built archives and the environment in which the wheel is installed."""
+class Built:
+    """The built archives."""
 
     wheel: Path
     sdist: Path
+
+
+@dataclass(frozen=True)
+class Installed:
+    """The environment in which the wheel is installed."""
+
+    wheel: Path
     environment: Path
 
     def run(self, *command: str, cwd: Path) -> subprocess.CompletedProcess[str]:
@@ -64,11 +68,8 @@ def must(command: list[str], cwd: Path) -> None:
 
 
 @pytest.fixture(scope="module")
-def installed(tmp_path_factory: pytest.TempPathFactory) -> Installed:
-    """Copy the tracked files, build, and install the wheel on the pinned dependencies and nothing else.
-
-    pip gets no index for the wheel itself, so a dependency that the lock lacks is an error.
-    """
+def built(tmp_path_factory: pytest.TempPathFactory) -> Built:
+    """Copy the tracked files and build from the copy."""
     place = tmp_path_factory.mktemp("distribution")
     tree = place / "tree"
     for path in tracked_files():
@@ -81,14 +82,23 @@ def installed(tmp_path_factory: pytest.TempPathFactory) -> Installed:
     must([sys.executable, "-m", "build", "--no-isolation", "--outdir", str(place / "dist"), str(tree)], place)
     (wheel,) = (place / "dist").glob("*.whl")
     (sdist,) = (place / "dist").glob("*.tar.gz")
+    return Built(wheel, sdist)
 
+
+@pytest.fixture(scope="module")
+def installed(built: Built, tmp_path_factory: pytest.TempPathFactory) -> Installed:
+    """Install the wheel on the pinned dependencies and nothing else.
+
+    pip gets no index for the wheel itself, so a dependency that the lock lacks is an error.
+    """
+    place = tmp_path_factory.mktemp("environment")
     environment = place / "environment"
     must([sys.executable, "-m", "venv", str(environment)], place)
-    result = Installed(wheel, sdist, environment)
+    result = Installed(built.wheel, environment)
     pip = ("python", "-m", "pip", "install", "--quiet", "--disable-pip-version-check")
     for arguments in (
         ("--require-hashes", "-r", str(ROOT / "requirements.lock")),
-        ("--no-index", str(wheel)),
+        ("--no-index", str(built.wheel)),
     ):
         done = result.run(*pip, *arguments, cwd=place)
         assert done.returncode == 0, done.stderr
@@ -109,9 +119,9 @@ def answer(installed: Installed, cwd: Path, *command: str) -> str:
     return done.stdout
 
 
-def test_wheel_holds_every_file_of_the_packages(installed):
+def test_wheel_holds_every_file_of_the_packages(built):
     """Modules, catalogues, page templates: whatever lies in a package's folder, and nothing else."""
-    with zipfile.ZipFile(installed.wheel) as archive:
+    with zipfile.ZipFile(built.wheel) as archive:
         packed = {name for name in archive.namelist() if ".dist-info/" not in name}
     expected = {
         installed_as(path) for path in tracked_files() if path.relative_to(ROOT).parts[0] in ROOMS
@@ -121,9 +131,9 @@ def test_wheel_holds_every_file_of_the_packages(installed):
     assert {name.split("/")[0] for name in packed} == {"linkwright"}
 
 
-def test_sdist_holds_what_a_build_needs(installed):
+def test_sdist_holds_what_a_build_needs(built):
     """The source archive has the packages and their build file, and the tests with all that they read."""
-    with tarfile.open(installed.sdist) as archive:
+    with tarfile.open(built.sdist) as archive:
         packed = {name.partition("/")[2] for name in archive.getnames()}
     rooms = (installed_as(ROOT / room / "__init__.py") for room in ROOMS)
     assert {"pyproject.toml", "README.md", *rooms} <= packed
@@ -160,6 +170,34 @@ def test_a_major_that_nobody_tried_is_not_taken():
         assert int(pins[name]) == int(bound[1]) - 1
 
 
+UNPACKED = """\
+import linkwright as lw
+from linkwright.core.units import reading
+
+print(lw.__file__, reading.__file__, sep="\\n")
+found = lw.evaluate(lw.read_arm("arm.yaml"))
+print(found.max_error_mm, found.mass_kg, lw.materials["steel-s355"].name, lw.sections["IPE 80"].name)
+"""
+
+
+def test_a_wheel_that_is_unpacked_evaluates_an_arm(built, tmp_path):
+    """Its own modules and data files are all that it needs of ours."""
+    place = tmp_path / "unpacked"
+    with zipfile.ZipFile(built.wheel) as archive:
+        archive.extractall(place)
+    (tmp_path / "arm.yaml").write_text(ARM, encoding="utf-8")
+    environment = {**clean_surroundings(), "PYTHONPATH": str(place)}
+    done = subprocess.run([sys.executable, "-P", "-c", UNPACKED], cwd=tmp_path, env=environment, **CAPTURED)
+    assert (done.returncode, done.stderr) == (0, "")
+    *files, figures = done.stdout.splitlines()
+    assert all(Path(file).is_relative_to(place) for file in files)
+    error, mass, *names = figures.split(maxsplit=3)
+    assert 0.01 < float(error) < 10
+    assert float(mass) == pytest.approx(4.416, abs=0.1)
+    assert names == ["steel-s355", "IPE 80"]
+
+
+@pytest.mark.slow
 def test_modules_come_from_the_environment(installed, tmp_path):
     """An import that found the repository instead would prove nothing."""
     names = [installed_as(ROOT / room).replace("/", ".") for room in ROOMS]
@@ -169,6 +207,7 @@ def test_modules_come_from_the_environment(installed, tmp_path):
         assert Path(file).resolve().is_relative_to(installed.environment.resolve())
 
 
+@pytest.mark.slow
 def test_version_is_that_of_the_distribution(installed, tmp_path):
     """`python -m linkwright --version` and the command agree with the archive's name."""
     version = installed.wheel.name.split("-")[1]
@@ -176,6 +215,7 @@ def test_version_is_that_of_the_distribution(installed, tmp_path):
     assert version in answer(installed, tmp_path, "linkwright", "--version")
 
 
+@pytest.mark.slow
 def test_material_catalogue_is_installed(installed, tmp_path):
     """At least fifteen materials, by their names."""
     answer(installed, tmp_path, "linkwright", "materials", "list", "--json", "materials.json")
@@ -186,6 +226,7 @@ def test_material_catalogue_is_installed(installed, tmp_path):
     assert {"aluminium-6061-t6", "steel-s355"} <= names
 
 
+@pytest.mark.slow
 def test_section_list_is_installed(installed, tmp_path):
     """The shapes and the stock sizes, which lie in data files."""
     listing = answer(installed, tmp_path, "linkwright", "sections", "list")
@@ -193,6 +234,7 @@ def test_section_list_is_installed(installed, tmp_path):
     assert "IPE 80" in listing
 
 
+@pytest.mark.slow
 def test_an_arm_is_evaluated(installed, tmp_path):
     """A file that someone wrote at home, far from any example: an error of a plausible size comes out."""
     (tmp_path / "arm.yaml").write_text(ARM, encoding="utf-8")
@@ -210,6 +252,7 @@ print(lw.materials["steel-s355"].name, lw.sections["IPE 80"].name, lw.effects["b
 """
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("way", ["wheel", "editable"])
 def test_files_named_like_our_packages_may_stand_beside_a_script(installed, tmp_path, way):
     """One name is installed, so nobody's `arm.py` is taken for ours, nor ours for theirs."""
@@ -248,6 +291,7 @@ def with_cable_drag(installed: Installed, tmp_path_factory: pytest.TempPathFacto
     return tree
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("with_cable_drag")
 def test_an_installed_package_brings_its_effect(installed, tmp_path):
     """It is listed with those that are shipped, and keeps their contract."""
@@ -259,6 +303,7 @@ def test_an_installed_package_brings_its_effect(installed, tmp_path):
     answer(installed, tmp_path, "python", "-P", "-c", ask)
 
 
+@pytest.mark.slow
 def test_an_installed_effect_is_simulated_and_named(installed, with_cable_drag, tmp_path):
     """The example's commands, from the recording that they make to the joint and the pull."""
     entry = "{effect: cable_drag, at: 3, pull: 60 N}"

@@ -91,19 +91,23 @@ def test_change_of_an_arm_that_gives_by_millimetres():
         assert fits[-1].rms == pytest.approx(sigma * 2**0.5, rel=0.1)
 
 
-@pytest.mark.parametrize("visit_noise", [0.0, 3e-5])
-def test_intervals_cover_and_nothing_is_called_changed(visit_noise):
-    """150 pairs without a change: 95 % intervals cover them (binomial, 3 sigma), also where visits share errors."""
+@pytest.mark.parametrize(
+    ("visit_noise", "pairs"),
+    [(3e-5, 40), pytest.param(0.0, 150, marks=pytest.mark.slow), pytest.param(3e-5, 150, marks=pytest.mark.slow)],
+)
+def test_intervals_cover_and_nothing_is_called_changed(visit_noise, pairs):
+    """Pairs without a change: 95 % intervals cover them (binomial, 3 sigma), also where visits share errors."""
     arm = made_arm()
     terms, _ = common_model(diagnosis_of(2e-5, 1), diagnosis_of(2e-5, 2))
-    values, reach = np.empty(300), np.empty(300)
-    for seed in range(300):
+    values, reach = np.empty(2 * pairs), np.empty(2 * pairs)
+    for seed in range(2 * pairs):
         fitted = fit_common(arm, recording_of(2e-5, seed, visit_noise), terms)
         values[seed] = fitted.sizes[0][0]
         reach[seed] = stats.t.ppf(0.975, fitted.freedom) * fitted.errors[0][0]
     covered = np.mean(np.abs(values[::2] - values[1::2]) < np.hypot(reach[::2], reach[1::2]))
-    assert 0.95 - 3.0 * (0.95 * 0.05 / 150) ** 0.5 <= covered <= 0.999
-    assert abs(values.mean() - 2e-5) < 4.0 * values.std() / 300**0.5
+    assert covered >= 0.95 - 3.0 * (0.95 * 0.05 / pairs) ** 0.5
+    assert pairs < 150 or covered <= 0.999  # every eighth sample of 40 has no miss
+    assert abs(values.mean() - 2e-5) < 4.0 * values.std() / (2 * pairs) ** 0.5
 
 
 def test_names_that_the_data_cannot_tell_apart_are_one():

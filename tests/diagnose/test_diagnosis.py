@@ -57,6 +57,13 @@ def test_every_effect_with_a_size_is_tried_somewhere():
     assert sized - NOT_SIMULATED == (set(SINGLES) | {name for name in sized if linear(name)}) - NOT_SIMULATED
 
 
+@pytest.mark.parametrize("effect", ["joint_compliance", "encoder_offset", "backlash"])
+def test_a_single_is_named(effect):
+    """Three that no noise has taken for something else."""
+    assert named_alone(effect)
+
+
+@pytest.mark.slow
 def test_singles_are_named():
     """At three times the size that the recording could just have shown: its name, or names that hold it.
 
@@ -82,6 +89,7 @@ def named_alone(effect):
     return found.unknown is None and len(found.findings) == 1 and (effect, at) in names_of(found)
 
 
+@pytest.mark.slow
 def test_a_bent_rail_is_no_entry_of_the_library():
     """Straightness of a slide has a zone but no size to be fitted: what bends along it is called unknown."""
     arm = made_arm()
@@ -136,22 +144,27 @@ def test_a_pair_is_named(name):
     assert found.rms_after_held_out < 1.15 * found.noise_floor
 
 
-def test_an_effect_taken_out_of_the_library_is_not_named():
+@pytest.mark.parametrize(
+    ("effect", "at", "values", "without"),
+    [
+        pytest.param(
+            "gear_transmission_error", (1,), {"sine": 2e-4, "order": 3.0}, {"gear_transmission_error"},
+            marks=pytest.mark.slow,
+        ),
+        ("friction_windup", (2,), {"windup": 3e-4}, {"friction_windup", "backlash"}),
+    ],
+)  # fmt: skip
+def test_an_effect_taken_out_of_the_library_is_not_named(effect, at, values, without):
     """Unknown, or an honest name that resembles it; never the effect itself, and nothing with a wrong claim."""
     arm = made_arm()
-    cases = (
-        ("gear_transmission_error", (1,), {"sine": 2e-4, "order": 3.0}, {"gear_transmission_error"}),
-        ("friction_windup", (2,), {"windup": 3e-4}, {"friction_windup", "backlash"}),
-    )
-    for effect, at, values, without in cases:
-        recording = recorded(with_effects(arm, (effect, at, values)), **PLAN)
-        found = diagnose(arm, recording, Options(without=frozenset(without)))
-        assert found.verdict in ("unknown", "alias_class", "named"), effect
-        assert all(name not in without for name, _ in names_of(found)), effect
-        assert all(each.effect not in without for each in found.detectable), effect
-        if found.verdict != "unknown":
-            # A name was given: then it must describe what there is, or the report must say what is left.
-            assert found.rms_after < 1.3 * found.noise_floor, effect
+    recording = recorded(with_effects(arm, (effect, at, values)), **PLAN)
+    found = diagnose(arm, recording, Options(without=frozenset(without)))
+    assert found.verdict in ("unknown", "alias_class", "named")
+    assert all(name not in without for name, _ in names_of(found))
+    assert all(each.effect not in without for each in found.detectable)
+    if found.verdict != "unknown":
+        # A name was given: then it must describe what there is, or the report must say what is left.
+        assert found.rms_after < 1.3 * found.noise_floor
 
 
 def test_too_few_readings_decide_nothing():
@@ -201,20 +214,22 @@ def test_q_and_tip_are_enough(space):
     assert {"friction_windup", "latency"} <= absent
 
 
-def test_joint_side_encoders_and_commands_tell_exact_aliases_apart():
-    """To the tip a servo's droop, a drive's compliance and the base's are one; other instruments tell them."""
-    arm = made_arm()
-    channels = {"joint_side": True, "commands": True, "base_target": True, **PLAN}
-    for effect, at, size in (
-        ("joint_compliance", (1,), 6e-6),
+@pytest.mark.parametrize(
+    ("effect", "at", "size"),
+    [
+        pytest.param("joint_compliance", (1,), 6e-6, marks=pytest.mark.slow),
         ("base_compliance", (), 3e-6),
         ("servo_droop", (1,), 6e-6),
-    ):
-        true = with_effects(arm, (effect, at, {"compliance": size}))
-        found = diagnose(arm, recorded(true, **channels))
-        assert [(f.effect, f.at) for f in found.findings] == [(effect, at)]
-        others = {name for name, _ in names_of(found)} - {effect}
-        assert others.isdisjoint({"joint_compliance", "base_compliance", "servo_droop"})
+    ],
+)
+def test_joint_side_encoders_and_commands_tell_exact_aliases_apart(effect, at, size):
+    """To the tip a servo's droop, a drive's compliance and the base's are one; other instruments tell them."""
+    channels = {"joint_side": True, "commands": True, "base_target": True, **PLAN}
+    true = with_effects(made_arm(), (effect, at, {"compliance": size}))
+    found = diagnose(made_arm(), recorded(true, **channels))
+    assert [(f.effect, f.at) for f in found.findings] == [(effect, at)]
+    others = {name for name, _ in names_of(found)} - {effect}
+    assert others.isdisjoint({"joint_compliance", "base_compliance", "servo_droop"})
 
 
 def test_what_is_measured_the_same_everywhere_says_nothing():

@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 
 import linkwright.face
+from tests.costs import slow_but
 
 ROOT = Path(__file__).resolve().parents[2]
 FACE = pkgutil.walk_packages(linkwright.face.__path__, "linkwright.face.")
@@ -19,7 +20,10 @@ def examples(name):
     return [test for test in doctest.DocTestFinder().find(importlib.import_module(name)) if test.examples]
 
 
-@pytest.mark.parametrize("name", MODULES)
+DEAR = ("linkwright.face.tradeoff", "linkwright.face.diagnosis", "linkwright.paper.face")
+
+
+@pytest.mark.parametrize("name", slow_but(MODULES, *(set(MODULES) - set(DEAR))))
 def test_examples_hold(name, monkeypatch):
     """Run from the project's folder, whose examples they read."""
     monkeypatch.chdir(ROOT)

@@ -6,9 +6,12 @@ import subprocess
 import sys
 from pathlib import Path
 
+import pytest
+
 ROOT = Path(__file__).resolve().parents[2]
 
 
+@pytest.mark.slow
 def test_script_runs(tmp_path):
     """From any folder; it evaluates, sweeps, optimises, diagnoses and predicts."""
     call = [sys.executable, str(ROOT / "examples" / "python" / "face.py")]

@@ -55,6 +55,7 @@ def test_a_design_has_its_own_figures_beside_those_of_the_arm_as_given(problem: 
     assert lightest.mass_kg < best.mass_kg
 
 
+@pytest.mark.slow
 def test_the_designs_of_a_front_have_them_too(problem: lw.Problem) -> None:
     front = lw.tradeoff(problem, accuracy=0.3)
     for design, (_, row) in zip(front.designs, front.table.iterrows(), strict=True):

@@ -18,6 +18,7 @@ from handbook.commands import command_named
 from handbook.sources import ROOT
 from linkwright.cli import run
 from linkwright.command_line import COMMANDS, command_line
+from tests.costs import slow_but
 from tests.handbook.pages import PAGES, Shown, shown, spoken, told
 
 ALL = [each for page in PAGES for each in shown(page)]
@@ -202,7 +203,7 @@ def jumped():
     Path("jumped.csv").write_text("".join([*before[:97], *after[-96:]]), "utf-8")
 
 
-@pytest.mark.parametrize("page", FOLLOWED)
+@pytest.mark.parametrize("page", slow_but(FOLLOWED, "README.md", "examples/hobby-arm/README.md"))
 def test_pages_print_what_they_show(page, tmp_path, monkeypatch, capsys):
     """All commands of a page, one after the other."""
     ignored = shutil.ignore_patterns("real", "notebooks")

@@ -16,6 +16,8 @@ from linkwright.core.arm.files.read import read_arm
 from linkwright.core.units.quantities import read_quantity
 from tests.handbook.pages import shown, told
 
+pytestmark = pytest.mark.slow
+
 EXAMPLES = Path(__file__).resolve().parents[2] / "examples"
 ARCMINUTE = np.pi / 10800.0
 

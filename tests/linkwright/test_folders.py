@@ -12,9 +12,9 @@ from linkwright.results.figures_in_words import figure, mm
 
 def test_optimize_writes_its_three_files(linkwright, bench):
     """The new arm file is the design that result.json tells of, and the folder can be taken again."""
-    for _ in range(2):
-        status, out, err = linkwright("optimize", "problem.yaml", "--out", "made/result", "--json", "copy.json")
-        assert (status, err) == (0, "")
+    status, out, err = linkwright("optimize", "problem.yaml", "--out", "made/result", "--json", "copy.json")
+    assert (status, err) == (0, "")
+    claim_folder(bench / "made" / "result", "optimize")  # it can be taken again
     folder = bench / "made" / "result"
     assert {path.name for path in folder.iterdir()} == {"arm.yaml", "report.html", "result.json"}
     content = json.loads((folder / "result.json").read_text(encoding="utf-8"))
@@ -26,15 +26,10 @@ def test_optimize_writes_its_three_files(linkwright, bench):
     assert mm(1e-3 * content["max_error_mm"], 5) in out
     assert "made/result/report.html" in out
     assert json.loads((bench / "copy.json").read_text(encoding="utf-8"))["mass_kg"] > 0
-
-
-def test_the_new_design_evaluates_to_what_was_promised(linkwright, bench):
-    """`evaluate` of the written arm file finds the error that `optimize` gave."""
-    linkwright("optimize", "problem.yaml", "--out", "result")
-    promised = json.loads((bench / "result" / "result.json").read_text(encoding="utf-8"))
-    linkwright("evaluate", "result/arm.yaml", "--problem", "problem.yaml", "--json", "again.json")
+    # `evaluate` of the written arm file finds the error that `optimize` gave.
+    linkwright("evaluate", "made/result/arm.yaml", "--problem", "problem.yaml", "--json", "again.json")
     found = json.loads((bench / "again.json").read_text(encoding="utf-8"))
-    assert found["max_error_mm"] == pytest.approx(promised["max_error_mm"], rel=1e-6)
+    assert found["max_error_mm"] == pytest.approx(content["max_error_mm"], rel=1e-6)
 
 
 def test_evaluate_writes_its_report(linkwright, bench):

@@ -13,6 +13,7 @@ import linkwright as lw
 from linkwright.core.arm.evaluation import evaluate
 from linkwright.core.arm.files.read import read_arm
 from linkwright.core.optimize.problem import read_problem
+from tests.costs import slow_but
 
 ROOT = Path(__file__).resolve().parents[2]
 
@@ -49,7 +50,7 @@ def interrupted_at(folder, word, *arguments, how=signal.SIGINT):
         return run.returncode, error
 
 
-@pytest.mark.parametrize("how", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
+@pytest.mark.parametrize("how", slow_but([signal.SIGINT, signal.SIGTERM, signal.SIGHUP], signal.SIGINT))
 def test_the_best_so_far_is_written_and_called_that(bench, how):
     """While further starts are tried the first design is finished: its files are there, as sure as they say."""
     status, error = interrupted_at(bench, "further starts", "optimize", "problem.yaml", "--out", "out", how=how)
@@ -69,6 +70,7 @@ def test_the_best_so_far_is_written_and_called_that(bench, how):
     assert "its own worst case certified" in page
 
 
+@pytest.mark.slow
 def test_an_interrupt_while_sizes_are_compared_leaves_the_optimum(bench):
     """The optimum was finished, and says so; the sizes were not."""
     arguments = ("optimize", "problem.yaml", "--round", "1 mm", "--out", "out")

@@ -5,7 +5,7 @@ import pytest
 from benchmarks.real import iiwa7
 from linkwright.core.diagnose.result import Finding
 
-pytestmark = [pytest.mark.slow, pytest.mark.xdist_group("real-iiwa7")]
+pytestmark = pytest.mark.slow
 
 
 def _turns(finding: Finding) -> tuple[str, tuple[int, ...]]:

@@ -6,7 +6,7 @@ import pytest
 
 from benchmarks.real import irb120
 
-pytestmark = [pytest.mark.slow, pytest.mark.xdist_group("real-irb120")]
+pytestmark = pytest.mark.slow
 _learned = cache(irb120.learned)
 ROWS = 400
 

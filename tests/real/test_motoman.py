@@ -8,7 +8,7 @@ from benchmarks.real import motoman
 from benchmarks.real.model import GEOMETRY, Equations, found, held_out, loose, mean_rms_mm, rms_mm
 
 DAYS = list(motoman.TARGETS)
-pytestmark = [pytest.mark.slow, pytest.mark.xdist_group("real-motoman")]
+pytestmark = pytest.mark.slow
 GRAVITY = ("joint_compliance", "counterbalance")
 HARMONICS = ("gear_transmission_error", "joint_waviness", "encoder_eccentricity")
 _grid = cache(motoman.grid)

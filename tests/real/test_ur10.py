@@ -7,7 +7,7 @@ import pytest
 from benchmarks.real import ur10
 from benchmarks.real.model import GEOMETRY, Equations, rms_mm
 
-pytestmark = [pytest.mark.slow, pytest.mark.xdist_group("real-ur10")]
+pytestmark = pytest.mark.slow
 PERIODIC = ("joint_waviness", "gear_transmission_error", "encoder_eccentricity")
 ELASTIC = ("joint_compliance", "joint_hardening", "link_bending", "slope_propagation", "counterbalance", "servo_droop")
 _series = cache(ur10.series_a)

@@ -29,6 +29,7 @@ from linkwright.core.sections import (
     TSection,
     Tube,
 )
+from tests.costs import slow_but
 
 _SPEC = importlib.util.spec_from_file_location("section_reference", Path(__file__).with_name("reference.py"))
 assert _SPEC is not None
@@ -87,7 +88,19 @@ def random_sections() -> list[tuple[Section, float, float]]:
     return cases
 
 
-@pytest.mark.parametrize(("section", "nu", "tolerance"), random_sections(), ids=lambda v: getattr(v, "shape", v))
+def one_of_each(cases: list[tuple[Section, float, float]]) -> list[object]:
+    """The cases, marked slow but for the first of each shape that is not solid."""
+    marked: list[object] = []
+    seen = {"rectangle", "triangle", "octagon"}
+    for case in cases:
+        marked.append(pytest.param(*case, marks=pytest.mark.slow) if case[0].shape in seen else case)
+        seen.add(case[0].shape)
+    return marked
+
+
+@pytest.mark.parametrize(
+    ("section", "nu", "tolerance"), one_of_each(random_sections()), ids=lambda v: getattr(v, "shape", v)
+)
 def test_straight_edged_shapes(section: Section, nu: float, tolerance: float) -> None:
     expected, found = reference(section, nu), section.properties(nu)
     assert found.area == pytest.approx(expected.area, rel=1e-6)
@@ -98,16 +111,16 @@ def test_straight_edged_shapes(section: Section, nu: float, tolerance: float) ->
     assert found.shear_area_z == pytest.approx(expected.shear_area_z, rel=tolerance)
 
 
-@pytest.mark.parametrize("nu", POISSON)
+@pytest.mark.parametrize("nu", slow_but(POISSON, 0.3))
 @pytest.mark.parametrize(
     "section",
     [
-        Circle(0.1),
-        Tube(0.1, 0.004),
+        pytest.param(Circle(0.1), marks=pytest.mark.slow),
+        pytest.param(Tube(0.1, 0.004), marks=pytest.mark.slow),
         Tube(0.1, 0.03),
-        Ellipse(0.05, 0.1),
-        Ellipse(0.1, 0.04),
-        EllipticalTube(0.05, 0.1, 0.004),
+        pytest.param(Ellipse(0.05, 0.1), marks=pytest.mark.slow),
+        pytest.param(Ellipse(0.1, 0.04), marks=pytest.mark.slow),
+        pytest.param(EllipticalTube(0.05, 0.1, 0.004), marks=pytest.mark.slow),
         EllipticalTube(0.12, 0.05, 0.006),
     ],
 )
@@ -125,9 +138,9 @@ def test_round_shapes(section: Section, nu: float) -> None:
     "section",
     [
         RectangularTube(0.05, 0.1, 0.004, corner_radius=0.008),
-        RectangularTube(0.1, 0.1, 0.008, corner_radius=0.02),
+        pytest.param(RectangularTube(0.1, 0.1, 0.008, corner_radius=0.02), marks=pytest.mark.slow),
         ISection(0.046, 0.08, 0.0052, 0.0038, root_radius=0.005),
-        ISection(0.1, 0.096, 0.008, 0.005, root_radius=0.012),
+        pytest.param(ISection(0.1, 0.096, 0.008, 0.005, root_radius=0.012), marks=pytest.mark.slow),
     ],
     ids=["RHS", "SHS", "IPE80", "HEA100"],
 )
@@ -157,10 +170,13 @@ HEXAGON = tuple((0.05 * math.cos(k * math.pi / 3), 0.05 * math.sin(k * math.pi /
 HOLE = ((-0.02, -0.01), (0.01, -0.015), (0.0, 0.02))
 
 
-@pytest.mark.parametrize("nu", [0.0, 0.45])
+@pytest.mark.parametrize("nu", slow_but([0.0, 0.45], 0.45))
 @pytest.mark.parametrize(
     "section",
-    [Polygon(ANGLE), Polygon(CHANNEL), Polygon(HEXAGON), Polygon(HEXAGON, (HOLE,))],
+    [
+        *(pytest.param(Polygon(outline), marks=pytest.mark.slow) for outline in (ANGLE, CHANNEL, HEXAGON)),
+        Polygon(HEXAGON, (HOLE,)),
+    ],
     ids=["L", "C", "6", "6o"],
 )
 def test_polygons(section: Polygon, nu: float) -> None:

@@ -10,7 +10,7 @@ from linkwright.browser.server.shelf import Shelf
 
 from .conftest import ROOT
 
-pytestmark = [pytest.mark.slow, pytest.mark.xdist_group("browser")]
+pytestmark = pytest.mark.slow
 
 
 @pytest.fixture(autouse=True)

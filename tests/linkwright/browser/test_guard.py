@@ -17,7 +17,6 @@ from linkwright.core.units.quantities import InputError
 
 from .conftest import Server
 
-pytestmark = pytest.mark.xdist_group("browser")
 KEY = "dGhlIHNhbXBsZSBub25jZQ=="
 UPGRADE = {"Upgrade": "websocket", "Connection": "Upgrade", "Sec-WebSocket-Key": KEY, "Sec-WebSocket-Version": "13"}
 SOCKET = "/_nicegui_ws/socket.io/?EIO=4&transport=websocket"

@@ -12,17 +12,21 @@ SMALL = ROOT / "linkwright" / "browser" / "starters" / "example-arm.yaml"
 
 @pytest.mark.parametrize(
     "command",
-    [f"evaluate {SMALL}", f"compensate {SMALL} --grid 3", f"predict {ARM} {RECORDING}", f"budget {SMALL}"],
+    [
+        ("evaluate", SMALL),
+        ("compensate", SMALL, "--grid", "3"),
+        ("predict", ARM, RECORDING),
+        ("budget", SMALL),
+    ],
+    ids=lambda command: command[0],
 )
-@pytest.mark.parametrize("option", ["--json", "--markdown"])
-def test_the_answer_is_shown_where_its_file_cannot_be_written(process, command, option):
+def test_the_answer_is_shown_where_its_file_cannot_be_written(linkwright, command):
     """/dev/full is a disk without room."""
-    shown = process(f"$PYTHON -m linkwright {command}")
-    found = process(f"$PYTHON -m linkwright {command} {option} /dev/full")
-    assert found.returncode == 2
-    assert found.stderr == "/dev/full: cannot be written: No space left on device\n"
-    assert shown.returncode == 0
-    assert found.stdout == shown.stdout
+    status, shown, _ = linkwright(*command)
+    assert status == 0
+    for option in ("--json", "--markdown"):
+        found = linkwright(*command, option, "/dev/full")
+        assert found == (2, shown, "/dev/full: cannot be written: No space left on device\n")
 
 
 def test_the_answer_is_shown_where_its_folder_cannot_hold_it(process, bench):

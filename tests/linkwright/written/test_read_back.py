@@ -85,6 +85,7 @@ def test_a_design_that_does_not_read_back_is_shown_written_and_told(
     assert {each.name for each in out.iterdir()} == {"arm.yaml", "report.html", "result.json"}
 
 
+@pytest.mark.slow
 def test_a_design_that_cannot_be_read_is_told_with_the_reason(
     problem: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -93,6 +94,7 @@ def test_a_design_that_cannot_be_read_is_told_with_the_reason(
     assert "chain[1].link.material: there is no material" in capsys.readouterr().err
 
 
+@pytest.mark.slow
 def test_a_design_is_held_to_the_figures_promised_of_it(problem: Path) -> None:
     """The file says the arm that was meant, and the promise is another's."""
     best = lw.optimize(problem)
