@@ -45,7 +45,8 @@ if TYPE_CHECKING:
     from linkwright.face.recording import read_recording, read_recordings, simulate
     from linkwright.face.tradeoff import tradeoff
     from linkwright.output.table_file import write_table
-    from linkwright.paper.face import figures, seam, tables
+    from linkwright.paper.face import figures, tables
+    from linkwright.paper.seam import seam
 
 _HOMES = MappingProxyType(
     {
@@ -80,7 +81,8 @@ _HOMES = MappingProxyType(
         "linkwright.face.recording": ("read_recording", "read_recordings", "simulate"),
         "linkwright.face.tradeoff": ("tradeoff",),
         "linkwright.output.table_file": ("write_table",),
-        "linkwright.paper.face": ("figures", "seam", "tables"),
+        "linkwright.paper.face": ("figures", "tables"),
+        "linkwright.paper.seam": ("seam",),
     }
 )
 """Where each public name stands."""

@@ -28,8 +28,8 @@ def seam(
     catalogue: CatalogueFile = None,
 ) -> None:
     """Run the command."""
-    from linkwright.paper.output.screen import show_extended
     from linkwright.screen.console import console
+    from linkwright.screen.described import show
     from linkwright.screen.progress import waiting
 
     check_target(json, arm)
@@ -38,7 +38,6 @@ def seam(
         found = lw.seam(lw.read_arm(arm, catalogue=catalogue, tip=tip), *ends, points=points)
     write_result(json, found.to_json())
     screen = console()
-    screen.print(found.headline, style="bold")
-    show_extended(screen, [found.errors])
+    show(screen, found.described)
     if json is not None:
         screen.print(f"written: {json}", soft_wrap=True)

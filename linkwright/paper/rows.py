@@ -49,46 +49,6 @@ class Table:
     remarks: tuple[str, ...]
 
 
-Cell = str | float | None
-"""Words, a figure in its column's unit, or nothing to say."""
-
-
-@dataclass(frozen=True)
-class Column:
-    """A column of an extended table: its heading and the unit of its figures ("" for words and pure numbers)."""
-
-    name: str
-    unit: str = ""
-
-    @property
-    def heading(self) -> str:
-        """The name with its unit."""
-        return f"{self.name}, {self.unit}" if self.unit else self.name
-
-
-@dataclass(frozen=True)
-class ExtendedTable:
-    """A table that the paper lacks: `rows` hold a cell for each of the `columns`, figures in the column's unit.
-
-    `key` names it in JSON and its CSV file; `note` says what was held, what was left free and within which bounds.
-    """
-
-    key: str
-    title: str
-    columns: tuple[Column, ...]
-    rows: tuple[tuple[Cell, ...], ...]
-    note: str
-
-    def __post_init__(self) -> None:
-        if any(len(row) != len(self.columns) for row in self.rows):
-            raise ValueError(f"{self.key}: a row has a cell for each column")
-
-    def column(self, name: str) -> tuple[Cell, ...]:
-        """The cells under a heading, row by row; raises StopIteration for an unknown one."""
-        index = next(k for k, column in enumerate(self.columns) if column.name == name)
-        return tuple(row[index] for row in self.rows)
-
-
 @dataclass(frozen=True)
 class Tally:
     """How many printed figures are met to their last digit, of how many."""

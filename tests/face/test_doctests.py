@@ -12,7 +12,12 @@ from tests.costs import slow_but
 
 ROOT = Path(__file__).resolve().parents[2]
 FACE = pkgutil.walk_packages(linkwright.face.__path__, "linkwright.face.")
-MODULES = [*(each.name for each in FACE), "linkwright.output.table_file", "linkwright.paper.face"]
+MODULES = [
+    *(each.name for each in FACE),
+    "linkwright.output.table_file",
+    "linkwright.paper.face",
+    "linkwright.paper.seam",
+]
 
 
 def examples(name):

@@ -34,6 +34,6 @@ def test_notebook_is_stored_without_outputs(path):
     assert notebook.cells[0].source.startswith("# ")
 
 
-def test_there_are_three():
+def test_there_are_four():
     """The checks above would pass on none."""
-    assert [path.stem for path in ALL] == ["catalogues", "hidden-physics", "welding-arm"]
+    assert [path.stem for path in ALL] == ["catalogues", "hidden-physics", "paper", "welding-arm"]

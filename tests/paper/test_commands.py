@@ -22,15 +22,14 @@ def written(tmp_path_factory):
     """One run of `tables` with everything written."""
     folder = tmp_path_factory.mktemp("tables")
     files = ["--json", folder / "t.json", "--csv", folder / "csv", "--markdown", folder / "t.md"]
-    arguments = ["tables", "--quick", *files]
+    arguments = ["tables", *files]
     assert run([str(argument) for argument in arguments]) == 0
     return folder
 
 
 def test_json_keeps_the_contract(written, book):
-    """Five lists of rows, each with label, paper, reproduced, corrected_mm and note, and `extended`."""
+    """Five lists of rows, each with label, paper, reproduced, corrected_mm and note."""
     content = json.loads((written / "t.json").read_text(encoding="utf-8"))
-    assert isinstance(content["extended"], list)
     for key in TABLES:
         rows = content[key]
         assert [row["label"] for row in rows] == [row.label for row in book.table(key).rows]
@@ -80,19 +79,19 @@ def test_the_docs_page_holds_what_the_command_prints(book):
 
 
 def test_the_command_on_the_docs_page_leaves_it_as_it_is(tmp_path, monkeypatch):
-    """As typed there, without the extended tables, which take a minute and are held elsewhere."""
+    """As typed there."""
     (typed,) = re.findall(r"^linkwright (tables .*)$", DOCS.read_text(encoding="utf-8"), re.MULTILINE)
     (tmp_path / "docs").mkdir()
     renewed = tmp_path / "docs" / "paper.md"
     renewed.write_text(DOCS.read_text(encoding="utf-8").replace("52 of the 61", "some of the 61"), encoding="utf-8")
     monkeypatch.chdir(tmp_path)
-    assert run([*typed.split(), "--quick"]) == 0
+    assert run(typed.split()) == 0
     assert renewed.read_bytes() == DOCS.read_bytes()
 
 
 def test_tables_on_a_narrow_screen(written, capsys):  # noqa: ARG001 - only after the first run
     """Everything is there without a terminal, within 100 columns."""
-    assert run(["tables", "--quick"]) == 0
+    assert run(["tables"]) == 0
     out = capsys.readouterr().out
     for words in ("Table III", "Table VII", "≠ 0.0119", "52 of the 61", "does not hold", "(400, 300) mm"):
         assert words in out

@@ -19,24 +19,11 @@ from linkwright.output.files import check_target, write_file, write_result
 
 HELP = """The paper's Tables III to VII: printed, reproduced by its conventions, as its equations read, and corrected.
 
-After them the extended tables, which the paper lacks; they take about a minute, and --quick leaves them out.
-
 Example: linkwright tables --markdown tables.md --json tables.json
-Example: linkwright tables --quick --csv tables --as tex
+Example: linkwright tables --csv tables --as tex
 """
 KEYS = ("clearance", "backlash", "backlash_direction", "material", "shape")
 """The tables' names in JSON and of the CSV files."""
-EXTENDED_KEYS = (
-    "shapes_at_their_best",
-    "materials_fairly",
-    "step_by_step",
-    "tolerances",
-    "seam",
-    "heat_and_field",
-    "rail",
-    "dual_arm",
-)
-"""The same of the extended tables."""
 
 
 class TableKind(StrEnum):
@@ -71,7 +58,6 @@ def tables(
             "--markdown", metavar="FILE", help="Write as Markdown; between the marks of a file that has them."
         ),
     ] = None,
-    quick: Annotated[bool, typer.Option("--quick", help="Leave the extended tables out.")] = False,
 ) -> None:
     """Run the command."""
     import pandas as pd
@@ -86,13 +72,13 @@ def tables(
     if csv is not None:
         from linkwright.paper.output.folders import claim
 
-        names = [f"{key}.{kind.value}" for key in (*KEYS, *EXTENDED_KEYS)]
+        names = [f"{key}.{kind.value}" for key in KEYS]
         check_table(csv / names[0])
         claim(csv, names, names[0], _SIGNATURES[kind])
-    from linkwright.paper.output.pages import all_into, extended_csv, table_csv, tables_markdown
-    from linkwright.paper.output.screen import show_extended, show_tables
+    from linkwright.paper.output.pages import into, table_csv, tables_markdown
+    from linkwright.paper.output.screen import show_tables
 
-    made = lw.tables(extended=not quick)
+    made = lw.tables()
     screen = console()
     written: list[Path] = []
     if json is not None:
@@ -100,7 +86,6 @@ def tables(
         written.append(json)
     if csv is not None:
         files = {table.key: table_csv(table) for table in made.book.tables}
-        files |= {each.key: extended_csv(each) for each in made.extended}
         for key, text in files.items():
             file = csv / f"{key}.{kind.value}"
             if kind is TableKind.CSV:
@@ -110,10 +95,9 @@ def tables(
             written.append(file)
     if markdown is not None:
         block = tables_markdown(made.book, made.verdicts, made.proofs)
-        write_file(markdown, all_into(_text_of(markdown), block, made.extended))
+        write_file(markdown, into(_text_of(markdown), block))
         written.append(markdown)
     show_tables(screen, made.book, made.verdicts, made.proofs)
-    show_extended(screen, made.extended)
     for path in written:
         screen.print(f"written: {path}", soft_wrap=True)
 

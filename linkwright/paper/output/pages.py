@@ -8,30 +8,23 @@ import re
 from collections.abc import Iterable, Sequence
 from typing import Any
 
-from linkwright.paper.rows import Cell, ExtendedTable, Row, Table, tally
+from linkwright.paper.rows import Row, Table, tally
 from linkwright.paper.tables import Book
 from linkwright.paper.verdicts import Proof, Verdict
-from linkwright.results.figures_in_words import figure
 from linkwright.version import program_version
 
 from .figures import Figure
 
 BEGIN, END = "<!-- begin: linkwright tables -->", "<!-- end: linkwright tables -->"
 """Between these lines `--markdown` replaces, in a file that has them."""
-EXTENDED_BEGIN = "<!-- begin: linkwright tables, extended -->"
-EXTENDED_END = "<!-- end: linkwright tables, extended -->"
-"""The same for the extended tables."""
 _MEASURES = ("paper", "reproduced_mm2", "as_equations_read_mm", "corrected_mm")
 
 
-def tables_json(
-    book: Book, verdicts: Sequence[Verdict], proofs: Sequence[Proof], extended: Sequence[ExtendedTable] = ()
-) -> dict[str, Any]:
+def tables_json(book: Book, verdicts: Sequence[Verdict], proofs: Sequence[Proof]) -> dict[str, Any]:
     """All tables by their keys, with what was judged and what was fitted."""
     counted = tally(book.tables)
     content: dict[str, Any] = {"made_by": f"linkwright tables {program_version()}"}
     content.update({table.key: [_row_json(row) for row in table.rows] for table in book.tables})
-    content["extended"] = [extended_json(table) for table in extended]
     content["columns"] = {table.key: list(table.columns) for table in book.tables}
     content["remarks"] = {table.key: list(table.remarks) for table in book.tables}
     content["figures_reproduced"] = {"met": counted.met, "printed": counted.printed}
@@ -54,17 +47,6 @@ def _row_json(row: Row) -> dict[str, Any]:
         "as_equations_read_mm": [1e3 * value for value in row.as_read],
         "corrected_mm": [1e3 * value for value in row.corrected],
         "note": row.note,
-    }
-
-
-def extended_json(table: ExtendedTable) -> dict[str, Any]:
-    """A table as JSON: its columns with units, its rows, its note."""
-    return {
-        "key": table.key,
-        "title": table.title,
-        "columns": [{"name": column.name, "unit": column.unit} for column in table.columns],
-        "rows": [[plain(cell) if isinstance(cell, float) else cell for cell in row] for row in table.rows],
-        "note": table.note,
     }
 
 
@@ -118,12 +100,6 @@ def table_csv(table: Table) -> str:
         figures += [plain(1e3 * value) for value in (*row.as_read, *row.corrected)]
         lines.append([row.label, *figures, row.note])
     return _csv(lines)
-
-
-def extended_csv(table: ExtendedTable) -> str:
-    """An extended table as CSV: units in the headings, an empty field where there is no figure."""
-    rows = [[plain(cell) if isinstance(cell, float) else cell for cell in row] for row in table.rows]
-    return _csv([[column.heading for column in table.columns], *rows])
 
 
 def figure_csv(figure: Figure) -> str:
@@ -196,38 +172,9 @@ def tables_markdown(book: Book, verdicts: Sequence[Verdict], proofs: Sequence[Pr
     return "\n".join(lines) + "\n"
 
 
-def extended_markdown(tables: Sequence[ExtendedTable]) -> str:
-    """The extended tables as Markdown."""
-    lines: list[str] = []
-    for table in tables:
-        lines += ["", f"### {table.title}", "", table.note, ""]
-        lines.append(f"| {' | '.join(column.heading for column in table.columns)} |")
-        lines.append("|" + "---|" * len(table.columns))
-        lines += [f"| {' | '.join(map(cell_words, row))} |" for row in table.rows]
-    return "\n".join(lines[1:]) + "\n"
-
-
-def cell_words(cell: Cell) -> str:
-    """A cell as people read it: four digits, a dash where there is nothing."""
-    return cell if isinstance(cell, str) else figure(cell)
-
-
 def into(document: str, block: str, begin: str = BEGIN, end: str = END) -> str:
     """The document with what stands between its two marks replaced; the block alone where there are none."""
     if begin not in document or end not in document:
         return block
     between = re.compile(re.escape(begin) + ".*?" + re.escape(end), re.DOTALL)
     return between.sub(lambda _: f"{begin}\n{block}{end}", document, count=1)
-
-
-def all_into(document: str, block: str, extended: Sequence[ExtendedTable]) -> str:
-    """The document with the tables between their marks, and the extended ones between theirs where there are any.
-
-    Without marks both follow each other; marks of extended tables keep what they hold where none were computed.
-    """
-    if BEGIN not in document or END not in document:
-        return block + ("\n## Extended tables\n\n" + extended_markdown(extended) if extended else "")
-    renewed = into(document, block)
-    if not extended or EXTENDED_BEGIN not in renewed or EXTENDED_END not in renewed:
-        return renewed
-    return into(renewed, extended_markdown(extended), EXTENDED_BEGIN, EXTENDED_END)

@@ -6,12 +6,12 @@ from collections.abc import Sequence
 
 from rich.console import Console
 
-from linkwright.paper.rows import ExtendedTable, Table
+from linkwright.paper.rows import Table
 from linkwright.paper.tables import Book
 from linkwright.paper.verdicts import Proof, Verdict
 from linkwright.screen.console import table as empty_table
 
-from .pages import cell_words, cells, heading, notes, tally_words
+from .pages import cells, heading, notes, tally_words
 
 
 def show_tables(out: Console, book: Book, verdicts: Sequence[Verdict], proofs: Sequence[Proof]) -> None:
@@ -45,17 +45,3 @@ def _show(out: Console, table: Table) -> None:
     for labels, note in notes(table):
         out.print(f"- {labels}: {note}")
     out.print()
-
-
-def show_extended(out: Console, tables: Sequence[ExtendedTable]) -> None:
-    """Print the tables that the paper lacks."""
-    for each in tables:
-        out.print()
-        numbers = tuple(
-            index for index in range(len(each.columns)) if any(isinstance(row[index], float) for row in each.rows)
-        )
-        shown = empty_table(*(column.heading for column in each.columns), numbers=numbers, title=each.title)
-        for row in each.rows:
-            shown.add_row(*map(cell_words, row))
-        out.print(shown)
-        out.print(each.note)
