@@ -75,6 +75,7 @@ def points(front: Tradeoff) -> list[tuple[object, ...]]:
     return [(each.x, each.y, each.shapes, each.materials) for each in front.points]
 
 
+@pytest.mark.slow
 def test_front(dask: Dask, tmp_path: Path):
     asked = question(problem_of(tmp_path, ARM, ALIKE + LIMITS), "mass", "max_error")
     alone = trade_off(asked, accuracy=0.01)

@@ -62,7 +62,7 @@ def _dask() -> Generator[str]:
         yield made.address
 
 
-@pytest.mark.parametrize("workers", [_two_processes, _dask])
+@pytest.mark.parametrize("workers", [_two_processes, pytest.param(_dask, marks=pytest.mark.slow)])
 def test_killed_midway_with_workers(workers: Any, tmp_path: Path) -> None:
     problem = problem_of(tmp_path, jointed((500, 400), ranged("-100 100", "30 140")), CHOICE)
     whole = tmp_path / "whole"

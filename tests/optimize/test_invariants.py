@@ -18,6 +18,7 @@ from linkwright.core.optimize.exchange.exchange import context_of, objective_of
 from linkwright.core.optimize.problem import Problem
 from linkwright.core.optimize.run import optimise
 from linkwright.core.optimize.trust import doubts_of, optimum_of
+from tests.costs import slow_but
 from tests.optimize.builders import jointed, problem_of, ranged, taken_for_many
 from tests.optimize.random_problems import agreed, held, random_problem
 
@@ -27,7 +28,7 @@ PROBLEMS = int(os.environ.get("PROBLEMS", "2"))
 """Random problems of each kind; `make problems` takes more."""
 
 
-@pytest.mark.parametrize("seed", range(PROBLEMS))
+@pytest.mark.parametrize("seed", slow_but(range(PROBLEMS), 1))
 def test_answer_is_what_it_claims_and_no_worse_than_every_combination_on_its_own(seed: int, tmp_path: Path) -> None:
     agreed(random_problem(tmp_path, seed))
 
@@ -38,7 +39,7 @@ def test_with_free_lengths_too(seed: int, tmp_path: Path) -> None:
     agreed(random_problem(tmp_path, 1000 + seed, free=True))
 
 
-@pytest.mark.parametrize("seed", range(PROBLEMS))
+@pytest.mark.parametrize("seed", slow_but(range(PROBLEMS), 1))
 def test_bounds_from_few_solutions_leave_out_no_better_combination(
     seed: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

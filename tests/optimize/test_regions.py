@@ -115,6 +115,7 @@ def test_design_that_reaches_less_than_the_arm_as_given_is_doubted(tmp_path: Pat
     assert "10 % of the box unreached" in doubts_of(context, choice, before, less, lower)[0]
 
 
+@pytest.mark.slow
 def test_free_lengths_do_better_than_fixed_ones(tmp_path: Path) -> None:
     fixed, free = (optimise(problem_of(tmp_path, ARM, PATH + limits)).objective for limits in (MASS, FREE))
     assert free < 0.95 * fixed

@@ -29,6 +29,7 @@ from linkwright.core.optimize.rounding.rounding import optimise_rounded, rounded
 from linkwright.core.optimize.run import optimise
 from linkwright.core.sections import Circle, load_stock
 from linkwright.core.units.quantities import InputError
+from tests.costs import slow_but
 from tests.optimize.builders import ALUMINIUM, DRIVE, jointed, problem_of, ranged
 
 STEEL = "steel-s355"
@@ -68,7 +69,7 @@ def mass_of(arm: Arm) -> float:
 # ---- against brute force
 
 
-@pytest.mark.parametrize("arm", [TWO, PLAYED], ids=["drives", "play"])
+@pytest.mark.parametrize("arm", [pytest.param(TWO, marks=pytest.mark.slow), PLAYED], ids=["drives", "play"])
 def test_rounded_bars_are_the_best_of_all_on_the_grid(arm: str, tmp_path: Path) -> None:
     problem = problem_of(tmp_path, arm, "subject_to: {mass: '<= 6 kg', section_size: [20 mm, 90 mm]}\n")
     found = optimise_rounded(problem, read_rounding("5 mm")).rounded
@@ -166,7 +167,7 @@ def test_sizes_and_lengths_are_on_their_grids_and_every_limit_is_kept(tmp_path: 
     assert figures["first_frequency"] >= 5.0
 
 
-@pytest.mark.parametrize("step", ["0.5 mm", "2 mm", "10 mm"])
+@pytest.mark.parametrize("step", slow_but(["0.5 mm", "2 mm", "10 mm"], "2 mm"))
 def test_rounding_never_beats_the_optimum_of_a_convex_problem(step: str, tmp_path: Path) -> None:
     problem = problem_of(tmp_path, TWO, "subject_to: {mass: '<= 5 kg', section_size: [20 mm, 90 mm]}\n")
     result = optimise_rounded(problem, read_rounding(step))

@@ -189,6 +189,7 @@ def recordings(tmp_path):
     return tmp_path
 
 
+@pytest.mark.slow
 def test_a_torso_that_softened_is_seen_by_one_of_the_arms(recordings):
     without = [each for each in EFFECTS if each not in QUICK]
     arm = recordings / "arm.yaml"

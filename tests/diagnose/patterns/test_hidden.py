@@ -36,7 +36,7 @@ def test_a_sharp_magnet_between_the_points_is_not_missed_by_the_gate(seed, cell,
 
 
 @pytest.mark.parametrize("seed", slow_but([0, 1], 0))
-@pytest.mark.parametrize("cycles", [3.2, 40.3])
+@pytest.mark.parametrize("cycles", slow_but([3.2, 40.3], 3.2))
 def test_the_joint_of_the_larger_form_is_named(seed, cycles):
     """A period halfway between two of those tried takes a second form; that is no reason to accuse another joint."""
     rng = np.random.default_rng(seed)
@@ -61,7 +61,7 @@ def test_the_sentence_is_about_one_form():
 
 
 @pytest.mark.parametrize("seed", slow_but(range(3), 2))
-@pytest.mark.parametrize(("poses", "times"), [(100, 1), (30, 3)])
+@pytest.mark.parametrize(("poses", "times"), [pytest.param(100, 1, marks=pytest.mark.slow), (30, 3)])
 def test_readings_of_one_visit_do_not_count_as_so_many_observations(poses, times, seed):
     """Joints that stand off anew by 0.06 mrad at every visit, each read three times; encoder 2 is off by 0.2 mrad."""
     rng = np.random.default_rng(seed)

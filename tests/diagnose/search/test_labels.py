@@ -86,6 +86,7 @@ def test_sides_in_their_own_columns_are_left_alone(tmp_path: Path) -> None:
     assert {each.at for each in found.findings} == {(2,), (3,)}
 
 
+@pytest.mark.slow
 def test_sides_that_are_right_are_left_alone(tmp_path: Path) -> None:
     found = diagnosed(tmp_path, None)
     assert found.labels is None

@@ -30,6 +30,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return place
 
 
+@pytest.mark.slow
 def test_the_mount_is_found_beside_what_gives(folder: Path) -> None:
     diagnosis = lw.diagnose(folder / "arm.yaml", [folder / "right.csv", folder / "left.csv"], without=QUICK)
     (origin,) = diagnosis.found.origins

@@ -92,6 +92,7 @@ def test_stamps_of_one_day_are_one_clock(tmp_path):
     assert gone_on_from([one, two]) == (None, 0)
 
 
+@pytest.mark.slow
 def test_creep_goes_on_where_the_tracker_is_set_up_anew(tmp_path):
     """A drive creeps under a payload that was taken up before the tracker was moved: by the textbook, from sums of
     cosines, the drive turned by c tau (1 - exp(-t/tc)). Begun anew with the second file, creep would not be what it

@@ -29,7 +29,8 @@ def test_this_installation_is_sound(linkwright, bench):
     assert {"Python", "casadi", "solver (IPOPT)", "catalogue: materials", "threads of linear algebra"} <= set(found)
 
 
-@pytest.mark.parametrize(("asked", "taken"), [(None, "1"), pytest.param("2", "2", marks=pytest.mark.slow)])
+@pytest.mark.slow
+@pytest.mark.parametrize(("asked", "taken"), [(None, "1"), ("2", "2")])
 def test_a_command_takes_one_thread_of_linear_algebra_unless_told_otherwise(tmp_path, asked, taken):
     left = {name: value for name, value in os.environ.items() if name not in VARIABLES}
     given = left if asked is None else {**left, "OPENBLAS_NUM_THREADS": asked}

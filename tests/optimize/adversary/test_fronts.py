@@ -35,6 +35,7 @@ MIXED = (
 )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(FRONTS) if FRONTS else (2,))
 def test_points_are_what_optimise_finds(seed: int, tmp_path: Path) -> None:
     front = front_of(random_front(tmp_path, seed), ACCURACY)

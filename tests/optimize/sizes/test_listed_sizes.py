@@ -24,6 +24,7 @@ from tests.optimize.builders import jointed, problem_of, ranged
 _ELASTIC = "{name: steel, elastic_modulus: 200 GPa, poisson_ratio: 0.3, density: 1000 kg/m^3, yield_strength: 140 MPa}"
 
 
+@pytest.mark.slow
 def test_stepped_cantilever_of_thanedar_and_vanderplaats(tmp_path: Path) -> None:
     """Five segments of 1 m under 50 kN at the tip: deflection up to 27 mm, stress up to 140 MPa, height up to 20 times
     the width; the first segment in whole centimetres, the next two from lists, the others free. Thanedar and
