@@ -2,6 +2,7 @@
 
 import time
 from dataclasses import replace
+from functools import cache
 
 import pytest
 from hypothesis import HealthCheck, given, settings
@@ -15,28 +16,37 @@ from linkwright.core.units.quantities import InputError
 
 pytestmark = pytest.mark.slow
 
-KINDS = kinds()
+NAMES = (
+    *("arm", "problem", "materials", "sections", "actuators", "workbook", "materials_book", "sizes_book", "recording"),
+    *("result", "exchange", "sheet", "watch", "plan", "instruments", "journal", "request", "dropped", "folder"),
+)
+known = cache(kinds)
 
 
-@pytest.mark.parametrize("name", KINDS)
+def test_names_are_those_of_all_kinds():
+    """They are written down, since making the kinds takes longer than any test should take to be found."""
+    assert tuple(known()) == NAMES
+
+
+@pytest.mark.parametrize("name", NAMES)
 @settings(max_examples=25, deadline=None, suppress_health_check=list(HealthCheck))
 @given(data=st.data())
 def test_odd_files_are_read_or_refused_in_one_line(tmp_path_factory, name, data):
-    kind = KINDS[name]
+    kind = known()[name]
     hold(kind, data.draw(odd_files(dict(kind.odd))), tmp_path_factory.mktemp("odd"))
 
 
-@pytest.mark.parametrize("name", KINDS)
+@pytest.mark.parametrize("name", NAMES)
 def test_the_good_files_are_read(tmp_path, name):
     """Otherwise the odd ones would be odd in one way only."""
-    kind = KINDS[name]
+    kind = known()[name]
     assert hold(kind, {file: seeds[0].encode() for file, seeds in kind.odd.items()}, tmp_path)
 
 
 @pytest.mark.parametrize("name", ["arm", "problem"])
 def test_so_are_those_with_rare_keys(tmp_path, name):
-    ((file, seeds),) = KINDS[name].odd.items()
-    assert [text for text in seeds if not hold(KINDS[name], {file: text.encode()}, tmp_path)] == []
+    ((file, seeds),) = known()[name].odd.items()
+    assert [text for text in seeds if not hold(known()[name], {file: text.encode()}, tmp_path)] == []
 
 
 def test_what_is_held_can_be_missed(tmp_path):
@@ -50,7 +60,7 @@ def test_what_is_held_can_be_missed(tmp_path):
     def crash(folder):
         raise KeyError(folder)
 
-    kind = KINDS["arm"]
+    kind = known()["arm"]
     with pytest.raises(Wrong):
         hold(replace(kind, read=two_lines), {}, tmp_path)
     with pytest.raises(KeyError):
@@ -70,7 +80,7 @@ def test_reading_alone_is_timed(monkeypatch, slow, said):
 
     monkeypatch.setattr(held, "SECONDS", 1.0)
     monkeypatch.setattr(held, "odd_files", thought)
-    monkeypatch.setattr(held, "kinds", lambda: {"arm": replace(KINDS["arm"], read=read)})
+    monkeypatch.setattr(held, "kinds", lambda: {"arm": replace(known()["arm"], read=read)})
     watched = held.Watched("arm", 1, 1)
     while not watched.ended():
         time.sleep(0.05)

@@ -20,8 +20,6 @@ from linkwright.report.pictures.arm import skeleton_at
 from linkwright.report.pictures.sections import sections_grid
 from linkwright.report.pictures.side_view import side_view
 
-pytest.importorskip("build123d")
-
 UPRIGHT, LEVEL, LEANING = (0.0, 0.0, 1.0), (0.0, -1.0, 0.0), (0.0, -math.sin(0.6), math.cos(0.6))
 SECTIONS = (
     Rectangle(0.0658, 0.02),
@@ -40,6 +38,7 @@ def arm_with(axis, up=None):
 
 def boxes(arm):
     """The boxes around STEP's solids, mm: least and greatest corner of each link."""
+    pytest.importorskip("build123d")
     from linkwright.drawings.step import solids
 
     found = [each.bounding_box() for each in solids(arm).values()]
