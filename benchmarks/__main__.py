@@ -9,7 +9,6 @@ from __future__ import annotations
 import sys
 
 from benchmarks.exchange_against_grid import exchange_against_grid
-from benchmarks.scan import scan
 from benchmarks.symbolic_size import symbolic_size
 
 
@@ -23,8 +22,6 @@ def main() -> int:
     missed = symbolic_size()
     print()
     timed = exchange_against_grid(quick=quick)
-    print()
-    scan(1_000_000, rounds=2 if quick else 7)
     for line in [*missed, *timed]:
         print(f"MISSED  {line}" + (" (a timing: only printed with --quick)" if quick and line in timed else ""))
     return 1 if missed or (timed and not quick) else 0

@@ -2,8 +2,7 @@
 
 A formula is written once, as a CasADi SX expression, for the optimiser.  A scan over a million poses asks
 for its values row by row, where CasADi's interpreter is slow.  `vectorise` turns the expression into NumPy
-source that works through the rows in blocks. (`benchmarks/compiled` has C for the same, and says why no command uses
-it.)
+source that works through the rows in blocks.
 """
 
 from __future__ import annotations

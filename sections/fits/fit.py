@@ -1,4 +1,4 @@
-"""The fits by name, read once from the data files beside this module, which `benchmarks/section_fits` writes."""
+"""The fits by name, read once from the data files beside this module, from boundary and spectral elements."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from typing import Any
 from linkwright.core.sections.numeric import Number, polynomial
 
 FILES = ("closed_and_i", "open_sections", "channels")
-"""The data files, each named as the module of `benchmarks/section_fits` that makes it."""
+"""The data files, each named as the module of `benchmarks/section_fits` (at the tag `house-before`) that made it."""
 
 
 @dataclass(frozen=True)
@@ -25,7 +25,7 @@ class Fit:
         figure: the figure of that shape that it enters.
         range: least and greatest ratio of dimensions, by `width / height` and the like, in which `error` holds.
         error: greatest relative error of the figure at any Poisson's ratio from 0 to 0.45.
-        command: what makes the coefficients.
+        command: what made the coefficients, at the tag `house-before`.
         coefficients: nested as `sections.numeric.polynomial` takes them.
     """
 

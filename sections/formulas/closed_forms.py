@@ -2,7 +2,7 @@
 
 The exact series of the rectangle converge badly on one side of the square or the other, so smooth fits in
 variables
-that stay bounded for every aspect ratio stand in for them; `benchmarks/section_fits` makes them.
+that stay bounded for every aspect ratio stand in for them (`sections/fits`).
 """
 
 from __future__ import annotations

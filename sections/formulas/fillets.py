@@ -156,7 +156,7 @@ def fillet_factors(
 ) -> tuple[Number, Number, Number]:
     """How root fillets change an equal-flanged I-section: A / A_sz, and both parts of A / A_sy (nu = 0, Poisson's).
 
-    Fits to boundary element solutions (`benchmarks/section_fits`), within 0.7 % over the range of rolled
+    Fits to boundary element solutions (`sections/fits`), within 0.7 % over the range of rolled
     sections: width / height from 0.33 to 1.08, flange / height 0.028 to 0.18, web / flange 0.42 to 0.85,
     radius / flange 0.6 to 2.2; they tend to one as the radius tends to zero.
     """

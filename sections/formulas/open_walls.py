@@ -2,7 +2,7 @@
 
 Torsion is the sum over walls as whole rectangles and over junctions, whose share is that of the junction of two (or
 three) long strips, a polynomial fitted to boundary element solutions; it needs no correction beyond that. Shear areas
-are thin-wall formulas times the exponential of such a polynomial (`benchmarks/section_fits`).
+are thin-wall formulas times the exponential of such a polynomial (`sections/fits`).
 
 Three of the four shear problems at Poisson's ratio zero are those of other sections, exactly, because a plane of
 symmetry and a free surface ask the same of the shear stress (none across it):

@@ -1,7 +1,7 @@
 """Torsion and shear of rectangular tubes and I-sections, thin-walled or not.
 
 Each quantity is a thin-wall formula, improved by the exact resistance of an L-shaped corner, times the
-exponential of a polynomial fitted to a spectral element solution (`benchmarks/section_fits`). The
+exponential of a polynomial fitted to a spectral element solution (`sections/fits`). The
 polynomial's variables are p = (b - h) / (b + h), and the web and flange thickness as fractions of the solid
 section; those of the I-section also include the ratio of both thicknesses.
 

@@ -1,32 +1,17 @@
-"""The vectorised functions give what CasADi gives, in every way they may be computed."""
+"""The vectorised functions give what CasADi gives."""
 
 from __future__ import annotations
 
-import os
-import shutil
-import subprocess
-import sys
 from concurrent.futures import ThreadPoolExecutor
-from pathlib import Path
 
 import casadi as ca
 import numpy as np
 import pytest
-from hypothesis import HealthCheck, given, settings
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from benchmarks.compiled import c_build, c_code
-from benchmarks.compiled.c_build import CompilerError
-from benchmarks.compiled.c_code import BLOCK, FAR_ANGLE, c_source
-from benchmarks.compiled.function import compiled
-from benchmarks.trigonometric_quadratic import NotQuadratic, TrigQuadratic
-from linkwright.core.arm.compiled.tape import UnsupportedOperation, read_tape
+from linkwright.core.arm.compiled.tape import UnsupportedOperation
 from linkwright.core.arm.compiled.vectorise import vectorise
-
-HAS_COMPILER = any(map(shutil.which, ("cc", "gcc", "clang"))) and os.name == "posix"
-needs_compiler = pytest.mark.skipif(not HAS_COMPILER, reason="no C compiler on this machine")
-FUNCTIONS = {"numpy": vectorise, "c": compiled}
-BACKENDS = ["numpy", pytest.param("c", marks=needs_compiler)]
 
 TRIG = [ca.sin, ca.cos]
 SMOOTH_1 = [ca.exp, ca.tanh, ca.atan, ca.sinh, ca.cosh, ca.asinh, ca.erf, ca.expm1, ca.log1p]
@@ -76,15 +61,6 @@ OPERATIONS = [
 SPECIAL = [0.0, -0.0, 1.0, -1.0, 0.5, 2.0, -3.0, np.inf, -np.inf, np.nan, 1e-300, -1e300, np.pi / 2, 1e7]
 
 
-@pytest.fixture(autouse=True)
-def own_cache(tmp_path_factory, monkeypatch):
-    folder = tmp_path_factory.getbasetemp() / "linkwright-cache"
-    monkeypatch.setattr(c_build, "user_cache_dir", lambda _name: str(folder))
-    monkeypatch.delenv("LINKWRIGHT_NO_COMPILER", raising=False)
-    monkeypatch.delenv("CC", raising=False)
-    return folder
-
-
 def casadi_values(inputs, output, arrays):
     """CasADi's own interpreter, row by row."""
     function = ca.Function("f", inputs, [ca.densify(output)])
@@ -120,7 +96,9 @@ def grow(x, steps, constants):
 programs = st.lists(st.tuples(st.integers(0, 10**6), st.integers(0, 12), st.integers(0, 12)), min_size=1, max_size=25)
 
 
-def check_random_expression(steps, constants, seed, compiler):
+@settings(max_examples=150, deadline=None)
+@given(programs, st.lists(st.floats(-4, 4), max_size=3), st.integers(0, 10**6))
+def test_random_expressions_equal_casadi(steps, constants, seed):
     x = ca.SX.sym("x", 3)
     grown, errors = grow(x, steps, constants)
     if not grown:
@@ -132,7 +110,7 @@ def check_random_expression(steps, constants, seed, compiler):
     rows[25:] = np.where(rng.random((15, 3)) < 0.6, rng.choice(SPECIAL, (15, 3)), rows[25:])
     # Once equal terms are merged, CasADi itself takes y - y for 0, even where y is infinite.
     expected = casadi_values([x], ca.cse(value), [rows])
-    (found,) = FUNCTIONS[compiler]([x], [value])(rows)
+    (found,) = vectorise([x], [value])(rows)
     assert found.shape == expected.shape
 
     assert np.array_equal(found[:, exact], expected[:, exact], equal_nan=True)
@@ -149,21 +127,7 @@ def check_random_expression(steps, constants, seed, compiler):
     assert np.all(off[clear] <= allowed[clear])
 
 
-@settings(max_examples=150, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
-@given(programs, st.lists(st.floats(-4, 4), max_size=3), st.integers(0, 10**6))
-def test_random_expressions_equal_casadi_in_numpy(steps, constants, seed):
-    check_random_expression(steps, constants, seed, "numpy")
-
-
-@needs_compiler
-@settings(max_examples=15, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
-@given(programs, st.lists(st.floats(-4, 4), max_size=3), st.integers(0, 10**6))
-def test_random_expressions_equal_casadi_in_c(steps, constants, seed):
-    check_random_expression(steps, constants, seed, "c")
-
-
-@pytest.mark.parametrize("compiler", BACKENDS)
-def test_every_operation_equals_casadi_special_values_included(compiler):
+def test_every_operation_equals_casadi_special_values_included():
     x = ca.SX.sym("x", 2)
     a, b = x[0], x[1]
     one = [f(a) for f in TRIG + SMOOTH_1 + EXACT_1 + JUMPS_1]
@@ -171,52 +135,35 @@ def test_every_operation_equals_casadi_special_values_included(compiler):
     output = ca.vertcat(*one, *two, a**b, ca.if_else(a > b, a, b), a**2.5, 3.0, b)
     grid = np.array([(u, v) for u in [*SPECIAL, 0.3, -2.7] for v in [*SPECIAL, 1.9, -0.4]])
     expected = casadi_values([x], output, [grid])
-    (found,) = FUNCTIONS[compiler]([x], [output])(grid)
+    (found,) = vectorise([x], [output])(grid)
     np.testing.assert_allclose(found, expected, rtol=1e-14, atol=4e-16)
 
 
-@pytest.mark.parametrize("compiler", BACKENDS)
-def test_sine_and_cosine_are_within_the_stated_distance(compiler):
+def test_sine_and_cosine_are_within_the_stated_distance():
     x = ca.SX.sym("x")
-    f = FUNCTIONS[compiler]([x], [ca.vertcat(ca.sin(x), ca.cos(x))])
+    f = vectorise([x], [ca.vertcat(ca.sin(x), ca.cos(x))])
     rng = np.random.default_rng(3)
     angles = np.concatenate(
         [np.linspace(-7, 7, 20_001), rng.uniform(-1e3, 1e3, 40_000), np.arange(-640, 640) * np.pi / 2]
     )
     (found,) = f(angles[:, None])
-    limit = 4e-16 if compiler == "numpy" else 2.5e-16
+    limit = 4e-16
     assert np.max(np.abs(found[:, 0] - np.sin(angles))) <= limit
     assert np.max(np.abs(found[:, 1] - np.cos(angles))) <= limit
 
 
-@needs_compiler
-@pytest.mark.parametrize(("rows", "threads"), [(5 * BLOCK + 17, 1), (3 * c_build.ROWS_PER_THREAD + 77, 3)])
-def test_blocks_with_far_angles_are_computed_anew(rows, threads):
-    x = ca.SX.sym("x")
-    f = compiled([x], [ca.sin(x)], threads=threads)
-    rng = np.random.default_rng(9)
-    angles = rng.uniform(0.0, 3.0, (rows, 1))
-    for row in (3, BLOCK + 1, 2 * BLOCK - 1, rows // 3, rows // 3 + 40, rows // 2, 2 * rows // 3, rows - 1):
-        angles[row] = rng.choice([1e15, -3e18, 1e300, -2 * FAR_ANGLE])
-    angles[rows - 2] = np.inf
-    with np.errstate(invalid="ignore"):
-        np.testing.assert_allclose(f(angles)[0], np.sin(angles), rtol=0, atol=4e-16)
-
-
-@pytest.mark.parametrize("compiler", BACKENDS)
-def test_constants_keep_their_sign_and_their_every_bit(compiler):
+def test_constants_keep_their_sign_and_their_every_bit():
     x = ca.SX.sym("x")
     constants = [0.0, -0.0, 0.1, 1 / 3, np.pi, 5e-324, 1.7976931348623157e308, np.inf, -np.inf, -1e-7, 1e22]
     output = ca.vertcat(*(ca.copysign(x, c) for c in constants), *(ca.fmax(ca.fmin(x, 0), c) for c in constants))
-    (found,) = FUNCTIONS[compiler]([x], [output])([[2.0]])
+    (found,) = vectorise([x], [output])([[2.0]])
     np.testing.assert_array_equal(found, casadi_values([x], output, [[[2.0]]]))
 
 
-@pytest.mark.parametrize("compiler", BACKENDS)
-def test_rows_constants_and_layouts_broadcast(compiler):
+def test_rows_constants_and_layouts_broadcast():
     q, d = ca.SX.sym("q", 2), ca.SX.sym("d", 3)
     outputs = [ca.vertcat(q[0] * d[2] + ca.sin(d[0]), q[1]), d[1] * d[1] + 1, ca.SX(2, 1), d]
-    f = FUNCTIONS[compiler]([q, d], outputs)
+    f = vectorise([q, d], outputs)
     rng = np.random.default_rng(0)
     angles, design = rng.normal(size=(20_011, 2)), rng.normal(size=3)
     repeated = np.broadcast_to(design, (len(angles), 3))
@@ -238,27 +185,11 @@ def test_rows_constants_and_layouts_broadcast(compiler):
     assert [part.shape for part in f(np.empty((0, 2)), design)] == [(0, 2), (0, 1), (0, 2), (0, 3)]
 
 
-@pytest.mark.parametrize("compiler", BACKENDS)
-def test_programs_without_inputs_or_outputs(compiler):
+def test_programs_without_inputs_or_outputs():
     x = ca.SX.sym("x", 2)
-    assert FUNCTIONS[compiler]([x], [])(np.ones((3, 2))) == ()
-    (found,) = FUNCTIONS[compiler]([], [ca.SX(4.0)])()
+    assert vectorise([x], [])(np.ones((3, 2))) == ()
+    (found,) = vectorise([], [ca.SX(4.0)])()
     assert found.tolist() == [[4.0]]
-
-
-@pytest.mark.parametrize("compiler", BACKENDS)
-def test_a_long_program_is_split_and_still_right(compiler, monkeypatch):
-    monkeypatch.setattr(c_code, "LONGEST_STAGE", 20)
-    x = ca.SX.sym("x", 4)
-    terms, last = [x[0] * x[j % 4] + j * x[1] for j in range(60)], x[0]
-    for k in range(3 * c_code.MOST_INLINE_ANGLES):
-        last = ca.sin(0.6 * last + 0.01 * k) + x[k % 4] * (ca.exp(-(x[1] ** 2) * k) if k % 9 == 0 else 0.3)
-        terms += [last, ca.cos(x[3] * k)]
-    output = ca.vertcat(*terms)
-    rows = np.random.default_rng(5).normal(size=(300, 4)) * 0.1
-    rows[7, 3] = 1e12
-    (found,) = FUNCTIONS[compiler]([x], [output])(rows)
-    np.testing.assert_allclose(found, casadi_values([x], output, [rows]), rtol=1e-15, atol=3e-15)
 
 
 def test_shapes_that_do_not_fit_are_refused():
@@ -286,8 +217,6 @@ def test_expressions_that_do_not_fit_are_refused():
         vectorise([q, q[0]], [q])
     with pytest.raises(ValueError, match="column"):
         vectorise([q], [ca.SX(2, 2) + q[0]])
-    with pytest.raises(ValueError, match="threads"):
-        compiled([q], [q], threads=0)
     with pytest.raises(UnsupportedOperation, match="erfinv"):
         vectorise([q], [ca.erfinv(q[0])])
 
@@ -303,149 +232,12 @@ def planar_error(q):
     return ca.vertcat(-turn * lever_y + sag * ca.sin(second), turn * lever_x - sag * ca.cos(second))
 
 
-def broken_by_compiler(monkeypatch, _folder):
-    monkeypatch.setenv("CC", shutil.which("false") or "/bin/false")
-    return "false failed"
-
-
-def missing_compiler(monkeypatch, _folder):
-    monkeypatch.setenv("CC", "no-such-compiler")
-    return "no C compiler found"
-
-
-def switched_off(monkeypatch, _folder):
-    monkeypatch.setenv("LINKWRIGHT_NO_COMPILER", "1")
-    return "LINKWRIGHT_NO_COMPILER=1"
-
-
-def cache_is_a_file(monkeypatch, folder):
-    blocked = folder / "blocked"
-    blocked.write_text("")
-    monkeypatch.setattr(c_build, "user_cache_dir", lambda _name: str(blocked))
-    return "NotADirectoryError|FileExistsError" if HAS_COMPILER else "no C compiler"
-
-
-def library_does_not_load(monkeypatch, _folder):
-    def refuse(_path):
-        raise OSError("failed to map segment from shared object")
-
-    monkeypatch.setattr(c_build.ctypes, "CDLL", refuse)
-    return "failed to map" if HAS_COMPILER else "no C compiler"
-
-
-@pytest.mark.parametrize(
-    "break_it",
-    [broken_by_compiler, missing_compiler, switched_off, cache_is_a_file, library_does_not_load],
-)
-def test_without_a_working_compiler_it_says_why(break_it, monkeypatch, tmp_path):
-    message = break_it(monkeypatch, tmp_path)
-    q = ca.SX.sym("q", 2)
-    with pytest.raises(CompilerError, match=message):
-        compiled([q], [planar_error(q) * 1.5])
-
-
-@needs_compiler
-def test_a_damaged_library_in_the_cache_is_made_anew(monkeypatch, tmp_path):
-    q = ca.SX.sym("q", 2)
-    source = c_source(read_tape([q], [planar_error(q) * 1.75]), (False,))
-    name = c_build.build(source).path.name
-    # Another folder, as the system would not load a path anew that it holds already.
-    monkeypatch.setattr(c_build, "user_cache_dir", lambda _name: str(tmp_path))
-    path = tmp_path / "compiled" / name
-    path.parent.mkdir()
-    path.write_bytes(b"not a library")
-    assert c_build.build(source).path == path
-    assert path.stat().st_size > 1000
-
-
-WORKER = """
-import sys
-import casadi as ca, numpy as np
-from benchmarks.compiled import c_build
-from benchmarks.compiled.function import compiled
-c_build.user_cache_dir = lambda name: sys.argv[1]
-q = ca.SX.sym("q", 2)
-for k in range(3):
-    f = compiled([q], [ca.sin(q[0] * (k + 2)) * q[1]])
-    rows = np.linspace(-1, 1, 2000).reshape(-1, 2)
-    assert np.allclose(f(rows)[0][:, 0], np.sin(rows[:, 0] * (k + 2)) * rows[:, 1], rtol=0, atol=1e-15)
-"""
-
-
-@needs_compiler
-def test_processes_that_compile_at_once_leave_whole_libraries_only(tmp_path):
-    root = Path(c_build.__file__).parents[2]
-    words = [sys.executable, "-c", WORKER, str(tmp_path)]
-    running = [subprocess.Popen(words, cwd=root, stderr=subprocess.PIPE, text=True) for _ in range(2)]
-    for process in running:
-        _, complaint = process.communicate(timeout=120)
-        assert process.returncode == 0, complaint
-    left = list((tmp_path / "compiled").iterdir())
-    assert len(left) == 3
-    assert all(path.suffix == ".so" for path in left)
-
-
-@pytest.mark.parametrize("compiler", BACKENDS)
-def test_calls_from_many_threads_do_not_disturb_each_other(compiler):
+def test_calls_from_many_threads_do_not_disturb_each_other():
     q, d = ca.SX.sym("q", 2), ca.SX.sym("d")
-    f = FUNCTIONS[compiler]([q, d], [planar_error(q) * d])
+    f = vectorise([q, d], [planar_error(q) * d])
     rows = np.random.default_rng(1).uniform(-3, 3, (120_000, 2))
     (once,) = f(rows, [1.0])
     with ThreadPoolExecutor(8) as pool:
         results = list(pool.map(lambda k: f(rows, [float(k)])[0], range(16)))
     for k, result in enumerate(results):
         np.testing.assert_allclose(result, k * once, rtol=1e-14, atol=1e-18)
-
-
-def test_trig_quadratic_finds_the_polynomial_and_evaluates_it():
-    q = ca.SX.sym("q", 2)
-    error = planar_error(q)
-    quadratic = TrigQuadratic.detect(error, q)
-    assert quadratic.residual < 1e-14
-    assert not np.any(quadratic.linear)
-    rows = np.random.default_rng(2).uniform(-9, 9, (500, 2))
-    expected = casadi_values([q], error, [rows])
-    (found, size) = vectorise([q], [quadratic.expression(q), quadratic.size(q)])(rows)
-    np.testing.assert_allclose(found, expected, rtol=0, atol=5e-17)
-    np.testing.assert_allclose(size[:, 0], np.linalg.norm(expected, axis=1), rtol=1e-12)
-
-
-@settings(max_examples=40, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
-@given(st.integers(1, 3), st.integers(1, 3), st.integers(0, 10**6))
-def test_trig_quadratic_recovers_any_polynomial_of_second_degree(joints, components, seed):
-    rng = np.random.default_rng(seed)
-    q = ca.SX.sym("q", joints)
-    phases = np.tril(np.ones((joints, joints))) * rng.choice([-1, 1], (joints, joints))
-    phi = ca.mtimes(ca.DM(phases), q)
-    z = ca.vertcat(ca.cos(phi), ca.sin(phi))
-    error = ca.vertcat(
-        *(
-            rng.normal() + ca.dot(rng.normal(size=2 * joints), z) + ca.bilin(rng.normal(size=(2 * joints,) * 2), z, z)
-            for _ in range(components)
-        )
-    )
-    rows = rng.uniform(-9, 9, (50, joints))
-    found = vectorise([q], [TrigQuadratic.detect(error, q, phases).expression(q)])(rows)[0]
-    np.testing.assert_allclose(found, casadi_values([q], error, [rows]), rtol=0, atol=1e-12)
-
-
-def test_trig_quadratic_refuses_what_is_none():
-    q = ca.SX.sym("q", 2)
-    error = planar_error(q)
-    for other in (
-        error + 1e-9 * ca.cos(q[0]) ** 3,
-        error + 1e-9 * ca.tanh(q[1]),
-        ca.sqrt(ca.sumsqr(error)),
-        error + ca.log(q[0]),
-    ):
-        with pytest.raises(NotQuadratic):
-            TrigQuadratic.detect(other, q)
-    with pytest.raises(NotQuadratic):
-        TrigQuadratic.detect(error, q, [[1, 0], [0, 2]])
-    with pytest.raises(ValueError, match="whole numbers"):
-        TrigQuadratic.detect(error, q, [[1, 0], [1, 0.5]])
-    with pytest.raises(ValueError, match="needed"):
-        TrigQuadratic.detect(error, q, [[1, 0, 0]])
-    with pytest.raises(ValueError, match="load"):
-        TrigQuadratic.detect(error * ca.SX.sym("load"), q)
-    assert not np.any(TrigQuadratic.detect(0 * error, q).quadratic)

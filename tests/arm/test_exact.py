@@ -7,7 +7,6 @@ from types import MappingProxyType
 import numpy as np
 import pytest
 
-from benchmarks.cosserat_rod import Rod, rod_tip
 from linkwright.core.arm.chain.beam import Beam
 from linkwright.core.arm.chain.chain import Arm, EffectEntry, Joint, Link, LoadCase
 from linkwright.core.arm.chain.statics import solve
@@ -16,6 +15,7 @@ from linkwright.core.arm.errors.exact import deformed
 from linkwright.core.arm.errors.model import beams_of
 from linkwright.core.arm.errors.recorded import Asked, seen_of_model
 from linkwright.core.arm.errors.tip import ActiveEffect, active_effects, carried_to_tip
+from tests.cosserat_rod import Rod, rod_tip
 from tests.diagnose.recorded import LENGTHS, planar_arm, planar_tip, poses
 
 

@@ -7,7 +7,6 @@ from types import MappingProxyType
 import numpy as np
 import pytest
 
-from benchmarks.diagnosis_simulated import linear
 from linkwright.core.arm.chain.chain import Joint
 from linkwright.core.arm.effects import EFFECTS
 from linkwright.core.diagnose.diagnosis import diagnose
@@ -54,7 +53,9 @@ def shown(space, changed):
 
 def test_every_effect_with_a_size_is_tried_somewhere():
     sized = {name for name, effect in EFFECTS.items() if effect.sizes}
-    assert sized - NOT_SIMULATED == (set(SINGLES) | {name for name in sized if linear(name)}) - NOT_SIMULATED
+    assert (
+        sized - NOT_SIMULATED == (set(SINGLES) | {name for name in sized if not EFFECTS[name].shapes}) - NOT_SIMULATED
+    )
 
 
 @pytest.mark.parametrize("effect", ["joint_compliance", "encoder_offset", "backlash"])
@@ -67,7 +68,7 @@ def test_a_single_is_named(effect):
 def test_singles_are_named():
     """At three times the size that the recording could just have shown: its name, or names that hold it.
 
-    95 % of many (benchmarks/diagnosis_simulated.py): of these 16, one may have a second name for a whim of the noise.
+    95 % of many: of these 16, one may have a second name for a whim of the noise.
     """
     wrong = [effect for effect in SINGLES if not named_alone(effect)]
     assert len(wrong) <= 1, wrong

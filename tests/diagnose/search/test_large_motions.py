@@ -6,14 +6,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from benchmarks.cosserat_rod import rod_tip
-from benchmarks.soft_arms import as_it_is
 from linkwright.core.arm.chain.chain import Arm, Joint, Link
 from linkwright.core.diagnose.diagnosis import diagnose
 from linkwright.core.diagnose.reading.read import read_recording
 from linkwright.core.diagnose.recording import Recording
 from linkwright.core.materials.catalogue import load_catalogue
 from linkwright.core.sections import Tube
+from tests.cosserat_rod import rod_tip, rods_of
 from tests.diagnose.recorded import LENGTHS, planar_arm, planar_tip, poses, sagging_tip, table, written
 
 SIGMA = 20e-6
@@ -89,7 +88,7 @@ def test_a_link_of_half_its_modulus_is_named_alone():
     joints = tuple(Joint(range=(-1.4, 1.4), stiffness=2e5, mass=1.0) for _ in range(2))
     links = tuple(Link(length, section=Tube(d, 0.003), material=material) for length, d in ((0.6, 0.08), (0.5, 0.07)))
     arm = Arm("soft", joints, links, gravity=(0.0, -9.81, 0.0))
-    true = as_it_is(arm).rods
+    true = rods_of(arm)
     own = ("axial", "shear_y", "shear_z", "torsion", "bend_y", "bend_z")
     true[0] = replace(true[0], **{name: 0.5 * getattr(true[0], name) for name in own})
     rng = np.random.default_rng(3)

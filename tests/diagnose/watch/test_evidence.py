@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from benchmarks.watch.quiet import told_at
 from linkwright.core.diagnose.rules.rules import RULES
 from linkwright.core.diagnose.watch.course import Series, course_of
 from linkwright.core.diagnose.watch.evidence import kink, level, steps, tried
+from tests.diagnose.watch.quiet import told_at
 
 WHEN = 7.0 * np.arange(30)
 LEVEL = level(0.01, 50, RULES.watch.tests, 1)

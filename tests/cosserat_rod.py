@@ -1,12 +1,14 @@
 """A chain of elastic rods as one Cosserat rod, integrated along its length: an outside check of exact motion.
 
-Shares no code with the project. Forces are dead, so the force in every cut is known beforehand; the moment follows
-m' = -p' x n, the strains from force and moment in the rod's own axes, and the unknown moment at the base is the one
-that leaves none at the tip (shooting). S. S. Antman, Nonlinear Problems of Elasticity (Springer, 2005), chapter 8.
+The rod shares no code with the project; `rods_of` takes an arm's figures over. Forces are dead, so the force in every
+cut is known beforehand; the moment follows m' = -p' x n, the strains from force and moment in the rod's own axes, and
+the unknown moment at the base is the one that leaves none at the tip (shooting). S. S. Antman, Nonlinear Problems of
+Elasticity (Springer, 2005), chapter 8.
 """
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import Any
 
@@ -15,6 +17,10 @@ from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 from scipy.optimize import root
 from scipy.spatial.transform import Rotation
+
+from linkwright.core.arm.chain.chain import Arm
+from linkwright.core.arm.chain.vectors import Scalar
+from linkwright.core.arm.errors.model import beams_of
 
 Array = NDArray[np.float64]
 
@@ -91,3 +97,28 @@ def rod_tip(rods: list[Rod], q: Array, gravity: Array, payload: float, force: Ar
     if np.linalg.norm(left) > 1e-7:
         raise ValueError("the rod's base moment was not found")
     return place, frame
+
+
+def rods_of(arm: Arm) -> list[Rod]:
+    """The rods of an arm that is what its file says."""
+
+    def number(rigidity: Scalar | None) -> float:
+        assert isinstance(rigidity, float), "the rod takes links that are uniform and elastic"
+        return rigidity
+
+    return [
+        Rod(
+            length=float(beam.length),
+            axis=joint.axis,
+            compliance=1.0 / (joint.stiffness or math.inf),
+            axial=number(beam.axial_rigidity),
+            shear_y=number(beam.shear_rigidity_height),
+            shear_z=number(beam.shear_rigidity_width),
+            torsion=number(beam.torsional_rigidity),
+            bend_y=number(beam.flexural_rigidity_height),
+            bend_z=number(beam.flexural_rigidity_width),
+            mass_per_length=float(beam.mass_per_length),
+            joint_mass=joint.mass,
+        )
+        for joint, beam in zip(arm.joints, beams_of(arm), strict=True)
+    ]

@@ -1,1 +1,0 @@
-"""A watch over quiet weeks and over weeks in which something moves: how often it is wrong, how soon it tells."""
