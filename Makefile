@@ -12,7 +12,7 @@ PIP_INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-check
 PIP_COMPILE := $(BIN)/python -m piptools compile --quiet --generate-hashes --allow-unsafe --strip-extras \
 	--no-header --no-emit-index-url --no-emit-trusted-host --no-emit-find-links
 
-.PHONY: help demo pictures picture-reports test test-fast test-all lint benchmark results problems proof proof-sample proof-docs proof-multibody instruments rules rules-docs fuzz docs notebooks lock clean
+.PHONY: help demo pictures picture-reports test test-fast test-all lint benchmark results problems proof proof-sample proof-docs proof-multibody rules rules-docs fuzz docs notebooks lock clean
 .DELETE_ON_ERROR:
 
 help:
@@ -24,7 +24,6 @@ help:
 	@echo "make test-all   what make test leaves: real machines, the paper, notebooks, a browser, odd files, more seeds (MINUTES=8 begins none after that)"
 	@echo "make lint       ruff and pyright"
 	@echo "make benchmark  run the benchmarks (BENCHMARK_ARGS=... is passed on)"
-	@echo "make instruments  what each cheap instrument shows, and finds against a tracker (docs/recordings.md; an hour)"
 	@echo "make results    benchmarks/RESULTS.md: every measured figure beside its target (RESULTS_ARGS=--quick; many minutes)"
 	@echo "make problems   hold the optimiser against every combination of random problems and a hand calculation, 50 of each kind (PROBLEMS=50)"
 	@echo "make proof      the diagnosis on concealed physics (PROOF_CASES=1000 PROOF_SEED=... PROOF_OUT=...; an hour or more)"
@@ -127,12 +126,6 @@ lint: $(DEV)
 
 benchmark: $(DEV)
 	$(BIN)/python -m benchmarks $(BENCHMARK_ARGS)
-
-# INSTRUMENTS_ARGS: --causes backlash payload, --sizes 2 8
-instruments: $(DEV)
-	$(ONE_THREAD) $(BIN)/python -m benchmarks.instruments --page docs/recordings.md
-	$(ONE_THREAD) $(BIN)/python -m benchmarks.instruments.against $(or $(INSTRUMENTS_ARGS),--page docs/recordings.md)
-	$(ONE_THREAD) $(BIN)/python -m benchmarks.instruments.touches $(or $(INSTRUMENTS_ARGS),--page docs/recordings.md)
 
 results: $(DEV)
 	$(ONE_THREAD) $(BIN)/python -m benchmarks.results --page benchmarks/RESULTS.md $(RESULTS_ARGS)

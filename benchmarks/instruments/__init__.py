@@ -1,1 +1,0 @@
-"""Which instrument shows which effect, by the diagnosis' own figures."""
