@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import time
 from dataclasses import replace
 
@@ -9,21 +10,22 @@ from linkwright.core.arm.chain.chain import Arm
 from linkwright.core.arm.evaluation import error_map, evaluate
 from linkwright.core.optimize.balance.balance import settled
 from linkwright.core.optimize.balance.chosen import balance_of
-from linkwright.core.optimize.choice.combinations import Progress
+from linkwright.core.optimize.choice.actuators import few
 from linkwright.core.optimize.choice.near_ties import NEAR
 from linkwright.core.optimize.exchange.design import numeric_beams
 from linkwright.core.optimize.explain import binding_limits
 from linkwright.core.optimize.infeasible.answer import Infeasible
 from linkwright.core.optimize.infeasible.needed import explained
-from linkwright.core.optimize.journal import Journal
 from linkwright.core.optimize.limits import excess
+from linkwright.core.optimize.nominal import Options, nominal_optimum
 from linkwright.core.optimize.problem import Problem
-from linkwright.core.optimize.result import NearTie, OptimizationResult, Status
+from linkwright.core.optimize.result import DriveCandidate, NearTie, OptimizationResult, Status
+from linkwright.core.optimize.structures import Answer, StructureSearch
 from linkwright.core.optimize.ties import near_ties_of
 from linkwright.core.optimize.trust import GAP
-from linkwright.core.units.quantities import format_quantity
+from linkwright.core.units.quantities import NoAnswer, format_quantity
 
-from .exchange import SAMPLES, Log, RobustExchange
+from .exchange import SAMPLES, RobustExchange
 from .exchange import RobustDesign as Design
 from .figure import robust_figure
 from .result import Robust, RobustFigure
@@ -35,25 +37,63 @@ _MOST_TIES = 20
 """So many near ties are held against what is uncertain."""
 
 
-def robust_optimum(
-    problem: Problem,
-    nominal: OptimizationResult,
-    *,
-    log: Log | None = None,
-    progress: Progress | None = None,
-    journal: Journal | None = None,
-) -> OptimizationResult:
+def robust_structures(problem: Problem, options: Options) -> OptimizationResult:
+    """The best robust optimum over the drives and the places of motors that a problem chooses from.
+
+    The worst of all that may be is no less than what the arm as it is does, so that a nominal optimum bounds the robust
+    one with its drives and places; for a share nothing is left out. Of more drives than can all be looked at
+    (`choice.actuators.few`), those that are best for the arm as it is are taken. Raises `NoAnswer` where no choice that
+    was looked at has a robust optimum.
+    """
+    assert problem.uncertain is not None
+    worst, every = problem.uncertain.worst, few(problem)
+    seconds = 0.0
+
+    def solve(own: Problem, known: float) -> Answer[OptimizationResult] | None:
+        nonlocal seconds
+        own = own if every else replace(own, actuators=problem.actuators)
+        nominal = nominal_optimum(replace(own, uncertain=None), options, problem)
+        if nominal.interrupted:
+            if math.isfinite(known):
+                raise KeyboardInterrupt
+            return Answer(nominal.objective, nominal, interrupted=True)
+        if worst and nominal.objective >= known:
+            return None
+        found = robust_optimum(own, nominal, options)
+        seconds += found.seconds
+        return Answer(found.objective, found, found.interrupted)
+
+    search = StructureSearch(problem if every else replace(problem, actuators=None), solve, options.progress)
+    search.run()
+    if search.best is None:
+        raise search.failed or NoAnswer("no choice of drives and places has a design for what is uncertain")
+    result = search.best[1]
+    if search.interrupted and not result.interrupted:
+        result = replace(result, interrupted=True, status="interrupted")
+    drives = search.drives()
+    if not every:
+        chosen = next(each.actuators for each in result.drives if each.outcome == "best")
+        drives = (DriveCandidate(chosen, result.objective, "best"),)
+    return replace(
+        result,
+        drives=drives,
+        drives_exhaustive=every,
+        motor_places=search.places(),
+        seconds=seconds or result.seconds,
+    )
+
+
+def robust_optimum(problem: Problem, nominal: OptimizationResult, options: Options) -> OptimizationResult:
     """The best design of a problem for what is uncertain, as the nominal optimum's result is; drives are those of the
-    nominal optimum. `journal` answers what an earlier search has solved, and notes what is solved. Raises
-    `Infeasible` where no design keeps the limits so."""
+    nominal optimum. Raises `Infeasible` where no design keeps the limits so."""
     began = time.perf_counter()
     assert problem.uncertain is not None
     worst = problem.uncertain.worst
     problem = replace(problem, arm=_driven(problem.arm, nominal.arm), actuators=None)
-    exchange = RobustExchange(problem, progress, log, journal)
+    exchange = RobustExchange(problem, options.progress, options.log, options.journal)
     found = exchange.worst() if worst else exchange.share(nominal.arm)
     if not isinstance(found, Design):
-        raise Infeasible(explained(found, progress=progress))
+        raise Infeasible(explained(found, progress=options.progress))
     # Both designs are judged alike, by scenarios that neither was made with.
     own = robust_figure(found.arm, problem, exchange.search)
     # Of an arm with nothing left to choose, balances are constants of its model.

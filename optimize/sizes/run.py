@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
 
@@ -14,13 +13,14 @@ from linkwright.core.arm.chain.chain import Arm
 from linkwright.core.arm.evaluation import Evaluation, error_map, evaluate
 from linkwright.core.arm.worst.workspace import Unreachable
 from linkwright.core.optimize.asked import choices_in_words, limits_in_words, map_of_given, whole_error
-from linkwright.core.optimize.choice.combinations import Progress
 from linkwright.core.optimize.exchange.design import numeric_beams
 from linkwright.core.optimize.exchange.exchange import context_of
-from linkwright.core.optimize.limits import broken, excess
+from linkwright.core.optimize.limits import Limit, broken, excess
+from linkwright.core.optimize.nominal import Options
 from linkwright.core.optimize.problem import Problem
 from linkwright.core.optimize.result import Candidate, Iteration, OptimizationResult, Status, proved
 from linkwright.core.optimize.rounding.nearest import nearest_design
+from linkwright.core.optimize.structures import Answer, StructureSearch
 from linkwright.core.optimize.trust import doubts
 from linkwright.core.units.quantities import NoAnswer, format_quantity
 
@@ -28,6 +28,8 @@ from .free.search import FreeListSearch
 from .options import LinkList, link_lists
 from .search import CLOSE, Found, ListSearch
 
+_BETTER = 1e-6
+"""By how much (relative) another choice of drives must be better to be looked for."""
 _MOST_EXCLUDED = 8
 _SAMPLED = 20_000
 """Designs among which the one that breaks the limits least is looked for."""
@@ -45,27 +47,79 @@ class NoListed(NoAnswer):
         return partial(NoListed, proven=self.proven), (str(self),)
 
 
-def optimise_listed(
-    problem: Problem,
-    *,
-    progress: Progress | None = None,
-    log: Callable[[Iteration], None] | None = None,
-    begun: Callable[[Evaluation], None] | None = None,
-) -> OptimizationResult:
-    """The best design of a problem with `sizes`; `progress`, `log` and `begun` as in `optimise`.
+def listed_structures(problem: Problem, options: Options) -> OptimizationResult:
+    """The best design of a problem with `sizes` over the drives that it chooses from.
 
-    Raises `NoAnswer` where no combination keeps the limits, or none was found; `InputError` where a figure is missing
-    that the problem needs.
+    After the first choice of drives only designs better than the best so far are looked for, which its bounds rule out
+    early where there are none. Raises `NoAnswer` where no combination keeps the limits, or none was found;
+    `InputError` where a figure is missing that the problem needs.
     """
     began = time.perf_counter()
-    given = problem
+    if problem.actuators is None:
+        return listed_optimum(problem, options, problem)
+    history: list[Iteration] = []
+    bounds: list[float] = []
+    bounded = True
+
+    def heard(iteration: Iteration) -> None:
+        history.append(replace(iteration, number=len(history) + 1))
+        if options.log is not None:
+            options.log(history[-1])
+
+    def solve(own: Problem, known: float) -> Answer[OptimizationResult] | None:
+        nonlocal bounded
+        enough = known * (1.0 - _BETTER)
+        if math.isfinite(known):
+            own = replace(own, limits=(*own.limits, Limit(own.objective, "<=", enough)))
+        try:
+            found = listed_optimum(own, replace(options, log=heard), problem)
+        except NoListed as none:
+            bounded = bounded and none.proven
+            bounds.append(enough)
+            if math.isinf(known):
+                raise
+            return None
+        bounded = bounded and found.bound_of == "all_designs"
+        bounds.append(found.lower_bound)
+        return Answer(found.objective, found, found.interrupted)
+
+    options.evaluated(problem)
+    search = StructureSearch(problem, solve, options.progress)
+    search.run()
+    if search.best is None:
+        raise search.failed or NoAnswer("no choice of drives keeps all limits")
+    best = search.best[1]
+    known = search.exhaustive and bounded
+    lower_bound = min([best.objective, *bounds]) if known else best.objective
+    gap = max(0.0, 1.0 - lower_bound / best.objective) if known and best.objective else None
+    proven = gap is not None and gap <= 2.0 * CLOSE
+    found = replace(
+        best,
+        limits=limits_in_words(problem),
+        drives=search.drives(),
+        drives_exhaustive=search.exhaustive,
+        lower_bound=lower_bound,
+        bound_of="all_designs" if known else "binding_poses",
+        gap=gap,
+        exhaustive=proven,
+        iterations=tuple(history),
+        seconds=time.perf_counter() - began,
+        interrupted=search.interrupted,
+    )
+    if search.interrupted:
+        return replace(found, status="interrupted", optimum="local")
+    return found if proven or best.status == "doubtful" else replace(found, status="searched", optimum="local")
+
+
+def listed_optimum(problem: Problem, options: Options, given: Problem) -> OptimizationResult:
+    """The best design of a problem with `sizes` whose drives are chosen; `given` is the problem as people wrote it.
+    Raises as `listed_structures` does."""
+    began = time.perf_counter()
     context = context_of(replace(problem, sizes=None))
+    before = options.evaluated(given)
     try:
-        before = evaluate(given.arm, given.workspace, given.load_cases)
-        if begun is not None:
-            begun(before)
         kind = ListSearch if problem.link_length is None else FreeListSearch
-        search = kind(context, link_lists(problem), progress=progress, log=log)
+        search = kind(context, link_lists(problem), progress=options.progress, log=options.log)
         found, after = _found(search)
     except Unreachable as error:
         raise NoAnswer(f"workspace: {error}") from None
@@ -74,7 +128,7 @@ def optimise_listed(
     gap = found.gap
     known = gap is not None
     lower_bound = min(found.bound, objective) if known else objective
-    own = _among(before.arm, search.lists)
+    own = before.arm.joints == problem.arm.joints and _among(before.arm, search.lists)
     doubtful = doubts(problem, found.objective, before, after, lower_bound, own=own)
     proven = gap is not None and gap <= 2.0 * CLOSE
     links = after.arm.links
@@ -85,7 +139,7 @@ def optimise_listed(
         problem_file=problem.file,
         minimize=problem.minimize,
         limits=limits_in_words(problem),
-        choices=choices_in_words(problem),
+        choices=choices_in_words(given),
         status="doubtful" if doubtful else _status(found, after, proven=proven, uses_error=context.uses_error),
         arm=after.arm,
         before=before,

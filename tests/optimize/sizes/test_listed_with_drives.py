@@ -12,7 +12,6 @@ from linkwright.core.optimize.choice.actuators import assignments, with_actuator
 from linkwright.core.optimize.limits import broken
 from linkwright.core.optimize.problem import Problem
 from linkwright.core.optimize.run import optimise
-from linkwright.core.optimize.sizes import driven
 from linkwright.core.units.quantities import NoAnswer
 from tests.optimize.builders import jointed, problem_of, ranged
 
@@ -50,7 +49,7 @@ def best_of_each(problem: Problem) -> dict[tuple[str, ...], float]:
 def test_best_is_that_of_every_choice_of_drives(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, minimize: str, limits: str, most: int
 ) -> None:
-    monkeypatch.setattr(driven, "MOST_ASSIGNMENTS", most)
+    monkeypatch.setattr("linkwright.core.optimize.choice.actuators.MOST_ASSIGNMENTS", most)
     problem = choosing(tmp_path, minimize, limits)
     each = best_of_each(problem)
     value, drives = min((value, drives) for drives, value in each.items())

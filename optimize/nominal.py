@@ -1,0 +1,258 @@
+"""The best design for an arm as it is: over drives and places, shapes and materials, and their dimensions."""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+from linkwright.core.arm.evaluation import Evaluation, error_map, evaluate
+from linkwright.core.arm.worst.workspace import Unreachable
+from linkwright.core.executors import Executor
+from linkwright.core.optimize.balance.balance import settled
+from linkwright.core.optimize.balance.chosen import balance_of
+from linkwright.core.optimize.choice.actuators import first_driven, names_of
+from linkwright.core.optimize.choice.at_once.feasibility import Feasibility
+from linkwright.core.optimize.choice.combinations import Choice, NoChoice, Progress, chosen, count
+from linkwright.core.optimize.choice.near_ties import NEAR, Tie, Ties
+from linkwright.core.optimize.choice.picks import Combination
+from linkwright.core.optimize.exchange.design import arm_of, numeric_beams
+from linkwright.core.optimize.exchange.exchange import Context, context_of
+from linkwright.core.optimize.journal import Journal
+from linkwright.core.units.quantities import NoAnswer
+
+from .asked import choices_in_words, limits_in_words, map_of_given, whole_error
+from .dropped import dropped_of
+from .explain import binding_limits
+from .infeasible.answer import Infeasible
+from .infeasible.needed import explained
+from .infeasible.quick import out_of_reach
+from .problem import Problem
+from .result import Iteration, OptimizationResult, Status, proved
+from .structures import Answer, Structure, StructureSearch
+from .ties import near_ties_of
+from .trust import doubts_of, optimum_of
+
+Log = Callable[[Iteration], None]
+_NOTHING = 1e-5
+"""An error that is this share of what the arm as given has is none."""
+
+
+@dataclass(frozen=True)
+class Options:
+    """How a search is run: who hears of it (see `run.optimise`), who does what falls apart into steps, and what an
+    earlier search for the same problem has solved."""
+
+    log: Log | None = None
+    progress: Progress | None = None
+    told: Callable[[str], None] | None = None
+    begun: Callable[[Evaluation], None] | None = None
+    executor: Executor | None = None
+    journal: Journal | None = None
+    _before: list[Evaluation] = field(default_factory=list)
+
+    def tell(self, text: str) -> None:
+        """A sentence for whoever listens."""
+        if self.told is not None:
+            self.told(text)
+
+    def evaluated(self, problem: Problem) -> Evaluation:
+        """The arm as given, evaluated once, of which who listens hears before the first round.
+
+        Raises `NoAnswer` where the workspace holds points that it cannot reach.
+        """
+        if not self._before:
+            try:
+                self._before.append(evaluate(problem.arm, problem.workspace, problem.load_cases))
+            except Unreachable as error:
+                raise NoAnswer(f"workspace: {error}") from None
+            if self.begun is not None:
+                self.begun(self._before[0])
+        return self._before[0]
+
+
+Driven = tuple[Context, Choice]
+"""The context of the links' problem with drives and places chosen, and the best choice of its links."""
+
+
+@dataclass
+class _Solver:
+    """Solves the links' problem of one structure after another."""
+
+    options: Options
+    alone: bool
+    """Whether there is one structure only, which tells of its own progress and its near ties."""
+    unsolved: int = 0
+    """On how many combinations of shapes and materials the solver failed where there was no design."""
+    told: Feasibility | None = None
+    """What is known of how far all combinations of an only structure break the limits."""
+    journal: Journal = field(default_factory=lambda: Journal(None, ""))
+    """Near ties come back to combinations that were solved before."""
+
+    def chosen(self, context: Context, known: float, **settings: Any) -> Choice | NoChoice:
+        """The best choice of a context's links that is better than an objective (SI)."""
+        return chosen(context, known=known, executor=self.options.executor, journal=self.journal, **settings)
+
+    def solve(self, problem: Problem, known: float) -> Answer[Driven] | None:
+        """As `structures.Solve`."""
+        context = context_of(problem)
+        progress = self.options.progress if self.alone else None
+        found = self.chosen(context, known, progress=progress, log=self.options.log, ties=self.alone)
+        if isinstance(found, NoChoice):
+            self.unsolved += found.unsolved
+            self.told = found.feasibility if self.alone else None
+            return None
+        return Answer(found.objective, (context, found), found.interrupted)
+
+    def near_ties(self, search: StructureSearch[Driven], best: Choice) -> Ties:
+        """What comes near the best, over all structures looked at that may hold any of it: of each, its own best and
+        what comes near that. What was solved before is not solved again."""
+        limit = search.objective * (1.0 + NEAR)
+        found: dict[tuple[Structure, Combination], Tie] = {}
+        left, interrupted = 0, False
+        for structure, noted in search.noted.items():
+            if noted.outcome == "infeasible" or (noted.objective is not None and noted.objective > limit):
+                continue
+            try:
+                context = context_of(search.problem_with(structure))
+                choice = self.chosen(context, limit, progress=self.options.progress)
+            except KeyboardInterrupt:
+                interrupted = True
+                break
+            if isinstance(choice, NoChoice):
+                continue
+            arm = arm_of(choice.space, choice.exchanged.x, choice.combination.materials)
+            for each in (Tie(choice.combination, choice.objective, arm), *choice.ties.solved):
+                if each.objective <= limit:
+                    found[structure, each.combination] = each
+            left += choice.ties.left
+            interrupted = choice.interrupted or choice.ties.interrupted
+            if interrupted:
+                break
+        assert search.best is not None
+        found.pop((search.best[0], best.combination), None)
+        ties = tuple(sorted(found.values(), key=lambda each: each.objective))
+        return Ties(ties, left, left == 0 and not interrupted, interrupted)
+
+
+def nominal_optimum(problem: Problem, options: Options, given: Problem) -> OptimizationResult:
+    """The best design of a problem without sizes from lists, nothing of whose arm is uncertain; `given` is the problem
+    as people wrote it. Raises as `run.optimise` does."""
+    began = time.perf_counter()
+    # With motors to place, its bounds would be those of the motors where they are.
+    beyond = () if problem.motors else out_of_reach(problem)
+    if beyond:
+        for each in beyond:
+            options.tell(each.text)
+        first, names = first_driven(problem)
+        raise Infeasible(explained(context_of(first), beyond=beyond, progress=options.progress), _looked_at(names))
+    solver = _Solver(options, problem.actuators is None and not problem.motors)
+    solver.journal = options.journal or solver.journal
+    search = StructureSearch(problem, solver.solve, options.progress)
+    before = options.evaluated(given)
+    try:
+        search.run()
+        context, choice = _best(search, solver)
+    except Unreachable as error:
+        raise NoAnswer(f"workspace: {error}") from None
+    result = _result(given, context, choice, before, searched=not search.exhaustive)
+    return replace(
+        result,
+        seconds=time.perf_counter() - began,
+        drives=search.drives(),
+        drives_exhaustive=search.exhaustive,
+        motor_places=search.places(),
+    )
+
+
+def _best(search: StructureSearch[Driven], solver: _Solver) -> Driven:
+    """The best structure's choice, with what comes near it where only drives are chosen; raises `Infeasible`."""
+    if search.best is None:
+        first = next(iter(search.noted))
+        context = context_of(search.problem_with(first))
+        why = explained(context, unsolved=solver.unsolved, told=solver.told, progress=solver.options.progress)
+        raise Infeasible(why, _looked_at(names_of(first.drives)))
+    context, choice = search.best[1]
+    if not solver.alone:
+        ties = Ties()
+        if not search.interrupted and not search.problem.motors:
+            ties = solver.near_ties(search, choice)
+        search.interrupted = search.interrupted or ties.interrupted
+        choice = replace(choice, interrupted=search.interrupted, ties=ties)
+    return context, choice
+
+
+def _looked_at(names: str) -> str:
+    """With which actuators the limits were looked at, for the end of a line."""
+    return f" (looked at with {names})" if names else ""
+
+
+def _result(
+    given: Problem, context: Context, choice: Choice, before: Evaluation, *, searched: bool
+) -> OptimizationResult:
+    """A choice of links as a result; drives and places are not in it yet."""
+    problem = context.problem
+    arm = settled(arm_of(choice.space, choice.exchanged.x, choice.combination.materials))
+    after = evaluate(arm, problem.workspace, problem.load_cases)
+    lower_bound, everywhere = _bound(problem, choice, before, after)
+    doubts = doubts_of(context, choice, before, after, lower_bound)
+    # Poses of a box or a path are found one by one, some ten times as slowly.
+    poses = 200_000 if problem.workspace.kind == "joints" else 20_000
+    objective = problem.objective.value(after)
+    assert objective is not None
+    return OptimizationResult(
+        problem_file=problem.file,
+        minimize=problem.minimize,
+        limits=limits_in_words(problem),
+        choices=choices_in_words(given),
+        status="doubtful" if doubts else _status(choice, context, after, searched=searched),
+        arm=arm,
+        before=before,
+        after=after,
+        objective=objective,
+        lower_bound=lower_bound,
+        binding=binding_limits(problem, choice, after),
+        iterations=choice.history,
+        candidates=choice.candidates,
+        exhaustive=choice.exhaustive,
+        seconds=0.0,
+        before_map=map_of_given(given, context, poses),
+        after_map=error_map(whole_error(context), numeric_beams(arm, problem.load_cases), poses=poses),
+        optimum="local" if searched or doubts else optimum_of(context, choice),
+        doubts=doubts,
+        combinations=count(problem),
+        gap=choice.gap,
+        bound_of="all_designs" if everywhere else "binding_poses",
+        near_ties=near_ties_of(context, choice.ties.solved),
+        near_ties_left=choice.ties.left,
+        figures=problem.figures,
+        balance=balance_of(problem, choice),
+        interrupted=choice.interrupted,
+        dropped=() if choice.interrupted else dropped_of(context, choice),
+    )
+
+
+def _bound(problem: Problem, choice: Choice, before: Evaluation, after: Evaluation) -> tuple[float, bool]:
+    """What no design goes below (SI), and whether that holds for all designs, not only for the binding poses."""
+    if choice.bound is not None and math.isfinite(choice.bound):
+        return choice.bound, True
+    if problem.minimize != "max_error":
+        return choice.objective, False
+    found = choice.exchanged.solution.error
+    # Where loads cancel, what is left over is the solver's.
+    return min(found, after.max_error) if found < _NOTHING * before.max_error else found, False
+
+
+def _status(choice: Choice, context: Context, after: Evaluation, *, searched: bool) -> Status:
+    if choice.interrupted:
+        return "interrupted"
+    if not choice.exchanged.converged:
+        return "stopped"
+    if searched or not choice.exhaustive:
+        return "searched"
+    return proved(after) if choice.exchanged.certified and context.uses_error else "converged"
+
+
+__all__ = ["Infeasible", "Log", "Options", "nominal_optimum"]
