@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import itertools
-import math
 from collections.abc import Mapping as MappingLike
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
@@ -12,7 +11,7 @@ from typing import Literal, cast, get_args
 
 from linkwright.core.arm.actuators import Actuator, load_actuators
 from linkwright.core.arm.avoid.regions import Region
-from linkwright.core.arm.chain.chain import Arm, Calibrated, LoadCase, askew
+from linkwright.core.arm.chain.chain import Arm, Calibrated, LoadCase
 from linkwright.core.arm.chain.vectors import ZERO
 from linkwright.core.arm.errors.parts import Part
 from linkwright.core.arm.files.avoid import read_avoid
@@ -23,7 +22,7 @@ from linkwright.core.arm.worst.workspace import Workspace
 from linkwright.core.materials.catalogue import Catalogue, load_catalogue
 from linkwright.core.materials.material import Material
 from linkwright.core.sections import SHAPES
-from linkwright.core.sections.taper import MOST_TAPER, Tapered, size_ratio
+from linkwright.core.sections.taper import MOST_TAPER
 from linkwright.core.units.names import nearest
 from linkwright.core.units.quantities import format_quantity, read_quantity, shown
 from linkwright.core.units.reading import Mapping, load_yaml
@@ -31,10 +30,11 @@ from linkwright.core.units.reading import Mapping, load_yaml
 from .balance.balance import Balance
 from .balance.motor_places import MotorChoice, read_motor_places
 from .balance.read import check_balances, read_balances
-from .called import CHOICES_CALLED, PROBLEM_CALLED
-from .conditions import materials_where
 from .limits import FIGURES, RANGES, RANGES_CALLED, Figure, Limit
 from .limits.read import read_limit
+from .reading.called import CHOICES_CALLED, PROBLEM_CALLED
+from .reading.conditions import materials_where
+from .reading.contradictions import can_be_chosen, check_problem
 from .sizes.listed import Listed, read_sizes
 from .uncertain import Uncertain, read_uncertain
 
@@ -160,7 +160,7 @@ def problem_from(mapping: Mapping, arm: Arm, known: Catalogue, figures: MappingL
         avoid=avoid,
     )
     problem = replace(problem, limits=(*limits, *_assumed(problem, off)))
-    _check(mapping, problem)
+    check_problem(mapping, problem)
     return problem
 
 
@@ -185,26 +185,8 @@ def _workspace(mapping: Mapping, arm: Arm) -> Workspace:
             if body.has("error"):
                 raise body.error("error", "is for a path, whose direction tells what is across and along")
             return _joint_ranges(body, arm)
-        points = [
-            _point(point, body, f"{kinds[0]}[{number}]") for number, point in enumerate(body.items(kinds[0]), start=1)
-        ]
-        if kinds[0] == "box" and len(points) != 2:
-            raise body.error("box", f"needs two corners, [[x, y], [x, y]], not {len(points)}")
-        if not points:
-            raise body.error("path", "needs at least one point, [[x, y], ...]")
-        if arm.branches:
-            message = "is of one tip, and the arm has several; use the joint ranges (workspace: {joints: range})"
-            raise body.error(kinds[0], f"{message}, or write the arm of one branch by itself")
-        if len(points) > _MOST_POINTS:
-            message = f"has {len(points)} points; at most {_MOST_POINTS} are followed, straight from each to the next"
-            raise body.error("path", f"{message}: leave out those in between")
-        if len({len(point) for point in points}) != 1:
-            raise body.error(kinds[0], "mixes points of two and of three components")
+        points = _points(body, kinds[0], arm)
         flat = len(points[0]) == 2
-        if not flat and arm.planar() and any(point[2] != 0.0 for point in points):
-            raise body.error(kinds[0], "leaves the plane in which the arm moves: z must be 0 mm")
-        if flat and not arm.planar():
-            raise body.error(kinds[0], "needs three components (x, y, z): the arm moves in space")
         full = tuple((point[0], point[1], point[2] if len(point) == 3 else 0.0) for point in points)
         counted = cast(Part, body.choice("error", get_args(Part), "whole"))
         space = Workspace(cast(Literal["path", "box"], kinds[0]), full, None, flat or arm.planar(), counted)
@@ -213,6 +195,29 @@ def _workspace(mapping: Mapping, arm: Arm) -> Workspace:
                 "error", f"{counted} needs a direction: a path of two points or more, path: [[x, y], [x, y]]"
             )
         return space
+
+
+def _points(body: Mapping, kind: str, arm: Arm) -> list[tuple[float, ...]]:
+    """The corners of a box or the points of a path (m), all of two components or all of three."""
+    points = [_point(point, body, f"{kind}[{number}]") for number, point in enumerate(body.items(kind), start=1)]
+    if kind == "box" and len(points) != 2:
+        raise body.error("box", f"needs two corners, [[x, y], [x, y]], not {len(points)}")
+    if not points:
+        raise body.error("path", "needs at least one point, [[x, y], ...]")
+    if arm.branches:
+        message = "is of one tip, and the arm has several; use the joint ranges (workspace: {joints: range})"
+        raise body.error(kind, f"{message}, or write the arm of one branch by itself")
+    if len(points) > _MOST_POINTS:
+        message = f"has {len(points)} points; at most {_MOST_POINTS} are followed, straight from each to the next"
+        raise body.error("path", f"{message}: leave out those in between")
+    if len({len(point) for point in points}) != 1:
+        raise body.error(kind, "mixes points of two and of three components")
+    flat = len(points[0]) == 2
+    if not flat and arm.planar() and any(point[2] != 0.0 for point in points):
+        raise body.error(kind, "leaves the plane in which the arm moves: z must be 0 mm")
+    if flat and not arm.planar():
+        raise body.error(kind, "needs three components (x, y, z): the arm moves in space")
+    return points
 
 
 def _joint_ranges(body: Mapping, arm: Arm) -> Workspace:
@@ -246,21 +251,7 @@ def _load_cases(mapping: Mapping, arm: Arm) -> tuple[LoadCase, ...]:
     cases: list[LoadCase] = []
     for body in mapping.mappings("load_cases"):
         with body.reading():
-            inner = read_load(body.mapping("payload")) if body.has("payload") else LoadCase()
-            outer = {name: value for name, value in body.content.items() if name in ("mass", "force", "moment")}
-            for name in outer:
-                body.has(name)
-            beside = read_load(Mapping(outer, file=body.file, key=body.key)) if outer else LoadCase()
-            for name, empty in (("mass", 0.0), ("force", ZERO), ("moment", ZERO)):
-                if getattr(inner, name) != empty and getattr(beside, name) != empty:
-                    raise body.error(name, "is given twice: inside payload and beside it")
-            inside = body.content.get("payload")
-            named = "mass" in outer or (isinstance(inside, dict) and "mass" in inside)
-            case = LoadCase(
-                mass=inner.mass or beside.mass,
-                force=inner.force if any(inner.force) else beside.force,
-                moment=inner.moment if any(inner.moment) else beside.moment,
-            )
+            case, named = _load_case(body)
             if body.has("tip") and not arm.branches:
                 raise body.error("tip", "is of arms with branches, and this one has a single tip; leave it out")
             tips = [""]
@@ -272,6 +263,25 @@ def _load_cases(mapping: Mapping, arm: Arm) -> tuple[LoadCase, ...]:
     if not cases:
         raise mapping.error("load_cases", "is empty; leave it out to use the arm's own payload")
     return tuple(cases)
+
+
+def _load_case(body: Mapping) -> tuple[LoadCase, bool]:
+    """The load of one case, and whether it says a mass."""
+    inner = read_load(body.mapping("payload")) if body.has("payload") else LoadCase()
+    outer = {name: value for name, value in body.content.items() if name in ("mass", "force", "moment")}
+    for name in outer:
+        body.has(name)
+    beside = read_load(Mapping(outer, file=body.file, key=body.key)) if outer else LoadCase()
+    for name, empty in (("mass", 0.0), ("force", ZERO), ("moment", ZERO)):
+        if getattr(inner, name) != empty and getattr(beside, name) != empty:
+            raise body.error(name, "is given twice: inside payload and beside it")
+    inside = body.content.get("payload")
+    case = LoadCase(
+        mass=inner.mass or beside.mass,
+        force=inner.force if any(inner.force) else beside.force,
+        moment=inner.moment if any(inner.moment) else beside.moment,
+    )
+    return case, "mass" in outer or (isinstance(inside, dict) and "mass" in inside)
 
 
 def _as_driven(arm: Arm, actuators: Sequence[Sequence[Actuator]] | None) -> Arm:
@@ -378,38 +388,42 @@ def _choose(
     with mapping.mapping("choose").reading("balancer", "counterweight", "motor") as body:
         body.also_called(CHOICES_CALLED)
         shapes: tuple[str, ...] | None = None
-        materials: tuple[Material, ...] | None = None
         if body.has("section"):
             names = _names(body, "section")
-            free = {name: kind for name, kind in SHAPES.items() if _can_be_chosen(name)}
+            free = {name: kind for name, kind in SHAPES.items() if can_be_chosen(name)}
             for number, name in enumerate(names, start=1):
                 if name not in free:
                     raise body.error(f"section[{number}]", f"there is no shape '{name}' to choose{nearest(name, free)}")
             shapes = tuple(dict.fromkeys(names))
-        if body.has("material"):
-            values = body.raw("material")
-            entries = cast(list[object], values) if isinstance(values, list) else [values]
-            if not entries:
-                raise body.error("material", "is empty; name at least one material")
-            read: list[Material] = []
-            for number, entry in enumerate(entries, start=1):
-                key = body.path_of("material" if entry is values else f"material[{number}]")
-                if isinstance(entry, dict) and "where" in entry:
-                    with Mapping(cast(object, entry), file=body.file, key=key).reading() as own:
-                        read += materials_where(own, catalogue, arm, needs)
-                else:
-                    read.append(catalogue.read(entry, file=body.file, key=f"{body.path_of('material')}[{number}]"))
-            materials = tuple(dict.fromkeys(read))
-            for material in materials:
-                if any(other.name == material.name and other != material for other in materials):
-                    message = f"calls two materials {material.name}; give each a name of its own (name: ...)"
-                    raise body.error("material", message)
+        materials = _materials(body, catalogue, arm, needs) if body.has("material") else None
         same = body.items("same", [])
         for name in same:
             if name not in ("section", "material", "size", "actuator"):
                 raise body.error("same", f"takes section, material, size and actuator, not {shown(name)}")
         sizes = read_sizes(body, arm, shapes, ranges.get("section_size"), ranges.get("thickness"))
         return shapes, materials, frozenset(str(name) for name in same), _actuators(body, arm), sizes
+
+
+def _materials(body: Mapping, catalogue: Catalogue, arm: Arm, needs: frozenset[str]) -> tuple[Material, ...]:
+    """The materials to choose from, by name, in place, or by their properties."""
+    values = body.raw("material")
+    entries = cast(list[object], values) if isinstance(values, list) else [values]
+    if not entries:
+        raise body.error("material", "is empty; name at least one material")
+    read: list[Material] = []
+    for number, entry in enumerate(entries, start=1):
+        key = body.path_of("material" if entry is values else f"material[{number}]")
+        if isinstance(entry, dict) and "where" in entry:
+            with Mapping(cast(object, entry), file=body.file, key=key).reading() as own:
+                read += materials_where(own, catalogue, arm, needs)
+        else:
+            read.append(catalogue.read(entry, file=body.file, key=f"{body.path_of('material')}[{number}]"))
+    materials = tuple(dict.fromkeys(read))
+    for material in materials:
+        if any(other.name == material.name and other != material for other in materials):
+            message = f"calls two materials {material.name}; give each a name of its own (name: ...)"
+            raise body.error("material", message)
+    return materials
 
 
 def _actuators(body: Mapping, arm: Arm) -> tuple[tuple[Actuator, ...], ...] | None:
@@ -437,117 +451,9 @@ def _actuators(body: Mapping, arm: Arm) -> tuple[tuple[Actuator, ...], ...] | No
     return tuple(found)
 
 
-def _can_be_chosen(shape: str) -> bool:
-    """Whether a shape has dimensions to optimise and bends in the plane of its load, as the optimiser takes it to."""
-    kind = SHAPES[shape]
-    return bool(kind.variables) and not askew(kind.start(1e-3, (0.02, 0.2), (0.002, 0.02)))
-
-
 def _names(body: Mapping, key: str) -> list[str]:
     raw = body.raw(key)
     entries = cast(list[object], raw) if isinstance(raw, list) else [raw]
     if not entries or not all(isinstance(entry, str) for entry in entries):
         raise body.error(key, f"needs names, e.g. [circle, tube], not {shown(raw)}")
     return [str(entry) for entry in entries]
-
-
-def _check(mapping: Mapping, problem: Problem) -> None:
-    """Limits that contradict each other, whatever the design."""
-    if problem.uncertain is not None and problem.workspace.error != "whole":
-        raise mapping.error("uncertain", f"counts the whole error, not that {problem.workspace.error} the path")
-    body = mapping.mapping("subject_to") if mapping.has("subject_to") else mapping
-    for name, figure in problem.figures.items():
-        lower = max((x.value for x in problem.limit(name) if x.relation in (">=", "==")), default=0.0)
-        upper = min((x.value for x in problem.limit(name) if x.relation in ("<=", "==")), default=math.inf)
-        if lower > upper * (1.0 + 1e-9):
-            low, high = format_quantity(lower, figure.kind), format_quantity(upper, figure.kind)
-            raise body.error(name, f"asks for at least {low} and at most {high}; loosen one of them")
-    if problem.link_length is not None and any(link.runs_out for link in problem.arm.links):
-        message = "goes with links whose length stays; what runs out of a sleeve (bends_over) is as long as its slide"
-        raise body.error("link_length", f"{message} goes: leave it out")
-    if problem.taper is not None and any(link.runs_out for link in problem.arm.links):
-        raise body.error("taper", "goes without links that run out of a sleeve (bends_over), which are uniform")
-    _check_reach(body, problem)
-    driven = any(joint.actuator is not None for joint in problem.arm.joints)
-    if problem.limit("torque_use") and problem.actuators is None and not driven:
-        would_do = "name them in the arm file (joint: {actuator: RV-20E}), or choose: {actuator: [...]}"
-        raise body.error("torque_use", f"needs joints with actuators, whose rated torque is known; {would_do}")
-    if not any(link.elastic for link in problem.arm.links):
-        raise mapping.error("arm", f"{problem.arm.name}: no link has a section, so there is nothing to design")
-    if problem.minimize != "max_error" and not problem.limit("max_error"):
-        other = [limit for limit in problem.limits if limit.relation == ">=" and limit.name != "reach"]
-        if not other:
-            would_do = "give max_error (e.g. '<= 0.1 mm'), safety_factor or another limit that costs something"
-            raise mapping.error("minimize", f"{problem.minimize} alone ends at the smallest sections; {would_do}")
-    if (problem.balances or problem.motors) and problem.sizes is not None:
-        would_do = "write what the arm has of them into its file, and leave them out here"
-        raise mapping.error("choose", f"balancer, counterweight and motor go without sizes; {would_do}")
-    twice = [each.joint + 1 for each in problem.motors if problem.actuators and problem.actuators[each.joint]]
-    if twice:
-        would_do = "name its drive in the arm file, or leave out its motor"
-        raise mapping.error("choose.motor", f"joint {twice[0]} chooses its actuator as well; {would_do}")
-    if any(place.rods is not None for each in problem.motors for place in each.places):
-        _check_rods(mapping, problem)
-    if problem.sizes is not None:
-        _check_listed(mapping, problem)
-        return
-    for shape in problem.shapes or [link.section.shape for link in problem.arm.links if link.section is not None]:
-        reason = SHAPES[shape].contradiction(problem.section_size, problem.thickness)
-        if reason is not None:
-            raise body.error("thickness" if "wall" in reason or "thickness" in reason else "section_size", reason)
-    for number, link in enumerate(problem.arm.links, start=1):
-        if problem.shapes is None and isinstance(link.section, Tapered) and problem.taper is not None:
-            if size_ratio(link.section) is None:
-                would_do = "name shapes for the links: choose: {section: [...]}"
-                message = f"link {number}'s ends are not alike, one larger than the other by the same in all dimensions"
-                raise mapping.error("subject_to.taper", f"{message}; {would_do}")
-        elif problem.shapes is None and isinstance(link.section, Tapered):
-            would_do = "give subject_to: {taper: [0.4, 1]}, or name uniform shapes: choose: {section: [...]}"
-            raise mapping.error("choose", f"link {number} is tapered, and no taper is to be chosen; {would_do}")
-    own = {link.section.shape for link in problem.arm.links if link.section is not None}
-    for shape in sorted(own):
-        if problem.shapes is None and not _can_be_chosen(shape):
-            would_do = "name other shapes: choose: {section: [...]}"
-            raise mapping.error("choose", f"the dimensions of a {shape} cannot be optimised; {would_do}")
-
-
-def _check_rods(mapping: Mapping, problem: Problem) -> None:
-    """Poses that a problem lists by their coordinates would be others with rods."""
-    if problem.workspace.ranges is not None:
-        would_do = "write joints: range; each place with rods has its own"
-        raise mapping.error("workspace.joints", f"lists ranges of coordinates, which rods change; {would_do}")
-    listed = next((limit.name for limit in problem.limits if limit.poses is not None), None)
-    if listed is not None:
-        would_do = "give the limit for the whole workspace"
-        raise mapping.error(f"subject_to.{listed}", f"names poses by coordinates, which rods change; {would_do}")
-
-
-def _check_listed(mapping: Mapping, problem: Problem) -> None:
-    """What does not go with sections from a list."""
-    if problem.link_length is not None and problem.actuators is not None:
-        would_do = "name the drives in the arm file, or leave link_length out"
-        raise mapping.error("choose.sizes", f"goes with actuators where lengths stay; {would_do}")
-    if problem.taper is not None:
-        raise mapping.error("choose.sizes", "holds uniform sections; leave out subject_to.taper, or sizes")
-    if problem.uncertain is not None:
-        would_do = "leave out uncertain, and ask `evaluate --problem` of the answer"
-        raise mapping.error("choose.sizes", f"is chosen for the arm as it is; {would_do}")
-
-
-def _check_reach(body: Mapping, problem: Problem) -> None:
-    if problem.arm.branches and problem.limit("reach"):
-        would_do = "bound the lengths of the links (link_length), or leave it out"
-        raise body.error("reach", f"is of one tip, and the arm has several; {would_do}")
-    lengths: Sequence[tuple[float, float]] = [
-        problem.link_length if problem.link_length is not None and link.elastic else (link.length, link.length)
-        for link in problem.arm.links
-    ]
-    shortest, longest = sum(low for low, _ in lengths), sum(high for _, high in lengths)
-    for limit in problem.limit("reach"):
-        asked = format_quantity(limit.value, "length")
-        if limit.relation in ("==", ">=") and limit.value > longest * (1.0 + 1e-9):
-            most = format_quantity(longest, "length", digits=6)
-            raise body.error("reach", f"{asked} is beyond the longest the links can be together, {most}")
-        if limit.relation in ("==", "<=") and limit.value < shortest * (1.0 - 1e-9):
-            least = format_quantity(shortest, "length", digits=6)
-            raise body.error("reach", f"{asked} is below the shortest the links can be together, {least}")

@@ -8,7 +8,7 @@ bounds each combination by a sum of one number a link and option.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -203,38 +203,60 @@ def _lagrangian(
         sums.append(Products({(): fixed}))
     else:
         return None
+    weights = np.maximum(2.0 * solution.multipliers["errors"], 0.0)
+    of_errors = _of_errors(context, _merged(errors, weights), worth, features, p)
+    if of_errors is None:
+        return None
+    of_sums, price = _of_sums(problem, solution.limit_prices, worth, mass, rest)
+    sums += [*of_errors, *of_sums]
+    for family, prepared in context.families:
+        multipliers = solution.multipliers[family.name]
+        sums += _of_family(context, family.name, prepared, held[family.name], multipliers * worth, arm, p)
+    return total(sums), per_cost + price, features
+
+
+def _of_errors(
+    context: Context, cuts: Sequence[tuple[ErrorCut, float]], worth: float, features: Array, p: Array
+) -> list[Products] | None:
+    """The errors at poses with their multipliers: shares of one where the error is minimised, else what each would add
+    to the objective; None where an error is no sum of products."""
+    problem = context.problem
     minimised = problem.minimize == "max_error"
     limit = min((each.value for each in problem.limit("max_error")), default=math.inf)
-    weights = np.maximum(2.0 * solution.multipliers["errors"], 0.0)
+    whole, allowed = 1.0, limit - fixed_error(context.model)
     if minimised:
-        if weights.sum() <= 0.0:
+        whole, allowed = sum(weight for _, weight in cuts), 0.0
+        if whole <= 0.0:
             return None
-        weights = weights / weights.sum()
-        allowed = 0.0
-    else:
-        allowed = limit - fixed
-    for cut, weight in _merged(errors, weights):
-        if weight <= _FELT or not (minimised or math.isfinite(limit)):
+    found: list[Products] = []
+    for cut, weight in cuts:
+        if weight / whole <= _FELT or not (minimised or math.isfinite(limit)):
             continue
         error = error_products(context.model, cut, p)
         if error is None:
             return None
-        scale = weight if minimised else worth * weight / error.value(features)
-        sums += [error.scaled(scale), Products({(): -scale * allowed})]
-    for price, own in zip(solution.limit_prices, problem.limits, strict=True):
+        scale = weight / whole if minimised else worth * weight / error.value(features)
+        found += [error.scaled(scale), Products({(): -scale * allowed})]
+    return found
+
+
+def _of_sums(
+    problem: Problem, prices: Sequence[float], worth: float, mass: Products, rest: Mapping[str, float]
+) -> tuple[list[Products], float]:
+    """The limits on masses and cost with their multipliers, and what each EUR of the links' cost adds."""
+    found: list[Products] = []
+    per_cost = 0.0
+    for price, own in zip(prices, problem.limits, strict=True):
         if own.name not in ("mass", "total_mass", "cost") or abs(price) <= _FELT:
             continue
         scale = worth * price * (-1.0 if own.relation == ">=" else 1.0)
         if own.name == "cost":
             per_cost += scale / own.value
-            sums.append(Products({(): scale * (unchosen_cost(problem) / own.value - 1.0)}))
+            found.append(Products({(): scale * (unchosen_cost(problem) / own.value - 1.0)}))
         else:
-            sums.append(mass.scaled(scale / own.value))
-            sums.append(Products({(): scale * (rest[own.name] / own.value - 1.0)}))
-    for family, prepared in context.families:
-        multipliers = solution.multipliers[family.name]
-        sums += _of_family(context, family.name, prepared, held[family.name], multipliers * worth, arm, p)
-    return total(sums), per_cost, features
+            found.append(mass.scaled(scale / own.value))
+            found.append(Products({(): scale * (rest[own.name] / own.value - 1.0)}))
+    return found, per_cost
 
 
 def _merged(cuts: Sequence[ErrorCut], weights: Array) -> list[tuple[ErrorCut, float]]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,7 +16,7 @@ from linkwright.core.optimize.journal import Journal
 from linkwright.core.optimize.result import Candidate, Iteration
 
 from .at_once.feasibility import Feasibility
-from .chooser import Chooser, Progress
+from .chooser import Best, Chooser, Progress
 from .given import given_design
 from .many import CLOSE, Among, among_many, possible
 from .near_ties import Ties, near_ties
@@ -111,31 +111,66 @@ def chosen(
     A `KeyboardInterrupt` that `progress` or `log` raises ends the search with the best so far, and goes on where there
     is none yet.
     """
-    problem = context.problem
     shared = executor if executor is not None and executor.shares else None
-    chooser = Chooser(context, progress, log, known, shared, journal)
-    exhaustive = False
-    interrupted = False
+    search = _Search(Chooser(context, progress, log, known, shared, journal), ties)
+    try:
+        search.run()
+    except KeyboardInterrupt:
+        if search.chooser.best is None:
+            raise
+        search.interrupted = True
+    if search.chooser.best is None:
+        return NoChoice(tuple(search.chooser.candidates.values()), search.chooser.feasibility)
+    return search.choice(search.chooser.best)
+
+
+@dataclass
+class _Search:
+    """A chooser at work, and how far it has come: whether every combination was looked at, what bounds those that were
+    not, and what comes near the best."""
+
+    chooser: Chooser
+    ties: bool
+    exhaustive: bool = False
+    interrupted: bool = False
     gap: float | None = None
     among: Among | None = None
-    near = Ties()
-    try:
+    near: Ties = field(default_factory=Ties)
+
+    def run(self) -> None:
+        """Look at the combinations, then more closely at the best."""
+        self._look()
+        self.gap = 0.0 if self.exhaustive else self.gap
+        self._polish()
+        bounded = self.among is None or self.among.bounded
+        if self.ties and bounded and self.chooser.best is not None and count(self.chooser.context.problem) > 1:
+            self._look_near(self.chooser.best[0])
+        if self.among is not None:
+            self.exhaustive = self.gap is not None and self.gap <= CLOSE
+        self.exhaustive = self.exhaustive and not self.chooser.undecided
+
+    def _look(self) -> None:
+        """Every combination of few; of more, those that bounds leave."""
+        chooser, problem = self.chooser, self.chooser.context.problem
         # With lengths to choose all are bounded at once, which leaves much open and points at few of them.
         if count(problem) <= (MOST_EACH if problem.link_length is None else MOST_COMBINATIONS):
             picks = combinations(problem)
             picks = possible(chooser, picks) if len(picks) > _FEW else picks
             # What cannot keep the limits takes longest to solve.
-            exhaustive = not picks or not chooser.some_impossible
-            if exhaustive:
+            self.exhaustive = not picks or not chooser.some_impossible
+            if self.exhaustive:
                 chooser.try_all(picks)
-        if not exhaustive:
-            among = among_many(chooser)
-            gap = among.gap
-            if gap is None and count(problem) <= MOST_COMBINATIONS:
+        if not self.exhaustive:
+            self.among = among_many(chooser)
+            self.gap = self.among.gap
+            if self.gap is None and count(problem) <= MOST_COMBINATIONS:
                 # Nothing bounds them.
                 chooser.try_all(combinations(problem))
-                among, exhaustive = None, True
-        gap = 0.0 if exhaustive else gap
+                self.among, self.exhaustive = None, True
+
+    def _polish(self) -> None:
+        """Other local optima of the best combination, and the arm as given."""
+        chooser, problem = self.chooser, self.chooser.context.problem
         chooser.polish()
         chooser.try_other_lengths()
         own = given_design(problem)
@@ -143,46 +178,41 @@ def chosen(
             chooser.no_worse_than(own.combination, own.x)
         if problem.taper is not None:
             chooser.hold_against_uniform()
-        if ties and chooser.best is not None and count(problem) > 1 and (among is None or among.bounded):
-            first = chooser.best[0]
-            near = near_ties(chooser, among)
-            interrupted = near.interrupted
-            if chooser.best[0] != first and not interrupted:
-                chooser.polish()
-            if among is not None:
-                gap = 0.0 if near.all_solved else among.gap_of(chooser.objective)
-        if among is not None:
-            exhaustive = gap is not None and gap <= CLOSE
-        exhaustive = exhaustive and not chooser.undecided
-    except KeyboardInterrupt:
-        if chooser.best is None:
-            raise
-        interrupted = True
-    if chooser.best is None:
-        return NoChoice(tuple(chooser.candidates.values()), chooser.feasibility)
-    pick, space, materials, exchange, exchanged, objective = chooser.best
-    noted: list[Candidate] = []
-    for other, candidate in chooser.candidates.items():
-        outcome = "best" if other == pick else candidate.outcome
-        value = objective if other == pick else candidate.objective
-        noted.append(Candidate(candidate.shapes, candidate.materials, value, outcome))
-    noted.sort(key=_rank)
-    return Choice(
-        pick,
-        space,
-        materials,
-        exchange,
-        exchanged,
-        objective,
-        tuple(noted),
-        exhaustive and not interrupted,
-        tuple(chooser.history),
-        chooser.one_signed() and chooser.one_signed(everywhere=True),
-        interrupted,
-        None if interrupted else gap,
-        None if among is None or among.proof is None else among.proof.bound,
-        near,
-    )
+
+    def _look_near(self, first: Combination) -> None:
+        """What comes near the best, which may turn out better."""
+        self.near = near_ties(self.chooser, self.among)
+        self.interrupted = self.near.interrupted
+        best = self.chooser.best
+        if best is not None and best[0] != first and not self.interrupted:
+            self.chooser.polish()
+        if self.among is not None:
+            self.gap = 0.0 if self.near.all_solved else self.among.gap_of(self.chooser.objective)
+
+    def choice(self, best: Best) -> Choice:
+        """The best of all, and what became of the others."""
+        chooser = self.chooser
+        pick, space, materials, exchange, exchanged, objective = best
+        noted = [
+            replace(each, objective=objective, outcome="best") if other == pick else each
+            for other, each in chooser.candidates.items()
+        ]
+        return Choice(
+            pick,
+            space,
+            materials,
+            exchange,
+            exchanged,
+            objective,
+            tuple(sorted(noted, key=_rank)),
+            self.exhaustive and not self.interrupted,
+            tuple(chooser.history),
+            chooser.one_signed() and chooser.one_signed(everywhere=True),
+            self.interrupted,
+            None if self.interrupted else self.gap,
+            None if self.among is None or self.among.proof is None else self.among.proof.bound,
+            self.near,
+        )
 
 
 def _rank(candidate: Candidate) -> float:

@@ -102,10 +102,9 @@ def error_vectors(model: ErrorModel, cut: ErrorCut, p: Array) -> Vectors | None:
     feature), and with drives whose zones of stiffness end somewhere.
     """
     size = model.arm.size
-    since = model.cases[cut.load_case].load.relative_to
-    if since is not None and since.temperature not in (None, model.arm.temperature):
-        return None
-    if model.cases[cut.load_case].zones:
+    case = model.cases[cut.load_case]
+    since = case.load.relative_to
+    if case.zones or (since is not None and since.temperature not in (None, model.arm.temperature)):
         return None
     own = p.reshape(size, len(BEAM_FIELDS))
     weights = [(link, WEIGHT) for link in range(size) if own[link, WEIGHT] != 0.0]
@@ -113,13 +112,38 @@ def error_vectors(model: ErrorModel, cut: ErrorCut, p: Array) -> Vectors | None:
     growing = [(link, _GROWTH) for link in range(size) if own[link, _GROWTH] != 0.0]
 
     def vectors(designs: Array) -> Array:
-        arrays = model.cases[cut.load_case].arrays(np.tile(cut.q, (len(designs), 1)), designs)
+        arrays = case.arrays(np.tile(cut.q, (len(designs), 1)), designs)
         play = np.einsum("k,nki->ni", np.array(cut.signs), arrays.intervals) if len(cut.signs) else 0.0
         return arrays.vector + np.array(cut.shift) + play
 
     present = [(), *((each,) for each in (*weights, *soft, *growing)), *itertools.product(weights, soft)]
+    designs = _varied(own, (*weights, *growing), soft, present)
+    for number, place in enumerate((*weights, *soft, *growing)):
+        designs[-1][place] *= _APART[number % len(_APART)]
+    found = vectors(designs.reshape(len(designs), -1))
+    if not np.all(np.isfinite(found)):
+        return None
+    features = features_of(p, size)
+    terms = _terms(dict(zip(present, found, strict=False)), features)
+    for design, value in zip(designs[-2:], found[-2:], strict=True):
+        there = features_of(design.ravel(), size)
+        room = _CLOSE * sum(_sizes(terms, there).values())
+        if not np.linalg.norm(Vectors(terms).value(there) - value) <= room:
+            return None
+    sizes = _sizes(terms, features)
+    largest = max(sizes.values(), default=0.0)
+    return Vectors({power: c for power, c in terms.items() if not power or sizes[power] > _NOTHING * largest})
+
+
+Place = tuple[int, int]
+"""A link, and which of its beam values."""
+
+
+def _varied(own: Array, none: Sequence[Place], soft: Sequence[Place], present: Sequence[tuple[Place, ...]]) -> Array:
+    """Designs (N + 2, n, B) that have of a design's values `none` and of its flexibilities `soft` only those `present`;
+    then twice the design itself."""
     bare = own.copy()
-    for place in (*weights, *growing):
+    for place in none:
         bare[place] = 0.0
     for place in soft:
         bare[place] = np.copysign(_RIGID, own[place])
@@ -128,14 +152,12 @@ def error_vectors(model: ErrorModel, cut: ErrorCut, p: Array) -> Vectors | None:
         for place in places:
             row[place] = own[place]
     designs[-2:] = own
-    for number, place in enumerate((*weights, *soft, *growing)):
-        designs[-1][place] *= _APART[number % len(_APART)]
-    found = vectors(designs.reshape(len(designs), -1))
-    if not np.all(np.isfinite(found)):
-        return None
-    features = features_of(p, size)
+    return designs
+
+
+def _terms(alone: Mapping[tuple[Place, ...], Array], features: Array) -> dict[Power, Array]:
+    """The coefficients of a sum of products, from its values (3,) with nothing, each value alone and each pair."""
     terms: dict[Power, Array] = {}
-    alone = dict(zip(present, found, strict=False))
     for places, value in alone.items():
         term = value.copy()
         if places:
@@ -144,14 +166,12 @@ def error_vectors(model: ErrorModel, cut: ErrorCut, p: Array) -> Vectors | None:
             term -= sum(alone[(place,)] - alone[()] for place in places)
         power = tuple(sorted((link, _FEATURE[k]) for link, k in places))
         terms[power] = term / float(np.prod([features[place] for place in power]))
-    sizes = {p: float(np.linalg.norm(c)) * _size(p, features) for p, c in terms.items()}
-    for design, value in zip(designs[-2:], found[-2:], strict=True):
-        there = features_of(design.ravel(), size)
-        room = _CLOSE * sum(float(np.linalg.norm(c)) * _size(p, there) for p, c in terms.items())
-        if not np.linalg.norm(Vectors(terms).value(there) - value) <= room:
-            return None
-    largest = max(sizes.values(), default=0.0)
-    return Vectors({power: c for power, c in terms.items() if not power or sizes[power] > _NOTHING * largest})
+    return terms
+
+
+def _sizes(terms: Mapping[Power, Array], features: Array) -> dict[Power, float]:
+    """How much each term adds for the links' features."""
+    return {power: float(np.linalg.norm(c)) * _size(power, features) for power, c in terms.items()}
 
 
 def _size(power: Power, features: Array) -> float:

@@ -76,47 +76,14 @@ def explained(
     context = replace(context, problem=problem)
     total = count(problem)
     size = len(problem.limits)
-    exchanges: dict[tuple[str | None, ...], Exchange] = {}
-    near = None if total <= _ALL else _nearest(context, told, exchanges)
-    if near is not None:
-        picks, among = near.picks, "that come nearest by bounds on all of them"
-    elif total <= _ALL:
-        picks, among = combinations(problem), ""
-    else:
-        picks, among = uniform(problem), "in which the links agree"
-    pool = None if near is None else near.pool
-    trials = {pick: _Trial(context, pick, exchanges, pool) for pick in picks}
+    asker = _Asker(context, told, progress)
     # What the joint change comes to is where the others begin.
     questions = ([tuple(range(size))] if size > 1 else []) + [(k,) for k in range(size)]
     stuck = {problem.limits.index(each.limit) for each in beyond}
     answers: dict[tuple[int, ...], _Found] = {}
     for number, question in enumerate(questions):
-        if stuck - set(question):
-            answers[question] = _Found("none")
-            continue
-        closer = near.closer(question) if near is not None and len(question) == 1 else []
-        if closer is None:
-            answers[question] = _Found("none")
-            continue
-        for pick in closer:
-            if pick not in trials:
-                trials[pick] = _Trial(context, pick, exchanges, near and near.pool)
-        asked = _Question(problem, question)
-        for done, trial in enumerate(trials.values()):
-            if progress is not None:
-                progress(number * len(trials) + done, len(questions) * len(trials), "what the limits would have to be")
-            asked.put(trial, starts=_STARTS if near is None or done < _NEAREST else 1)
-        answers[question] = asked.answer()
-        for _ in range(_CLOSER if len(question) == 1 else 1):
-            if near is None or asked.best is None or asked.best[1].x is near.x:
-                break
-            # About a design that comes near, bounds tell more.
-            near = near.about(*asked.best)
-            for pick in near.closer(question) or ():
-                if pick not in trials:
-                    trials[pick] = _Trial(context, pick, exchanges, near.pool)
-                    asked.put(trials[pick])
-            answers[question] = asked.answer()
+        share = (number, len(questions))
+        answers[question] = _Found("none") if stuck - set(question) else asker.answer(question, share)
     limits = tuple(
         Needed(limit, _needed(limit, each.slacks[k]) if each.outcome == "found" else None, each.outcome)
         for k, limit in enumerate(problem.limits)
@@ -137,9 +104,59 @@ def explained(
         combinations=total,
         looked_at=total,
         unsolved=unsolved,
-        rests_on=_rests_on(len(trials), total, among),
+        rests_on=_rests_on(len(asker.trials), total, asker.among),
         kept=_sizes(problem),
     )
+
+
+class _Asker:
+    """Answers which least change of some limits does: over all combinations of few, else over those that come nearest,
+    and more of them with each question."""
+
+    def __init__(self, context: Context, told: Feasibility | None, progress: Progress | None) -> None:
+        self._context, self._progress = context, progress
+        self._exchanges: dict[tuple[str | None, ...], Exchange] = {}
+        problem = context.problem
+        few = count(problem) <= _ALL
+        self._near = None if few else _nearest(context, told, self._exchanges)
+        if self._near is not None:
+            picks, self.among = self._near.picks, "that come nearest by bounds on all of them"
+        elif few:
+            picks, self.among = combinations(problem), ""
+        else:
+            picks, self.among = uniform(problem), "in which the links agree"
+        self.trials: dict[Combination, _Trial] = {}
+        self._added(picks)
+
+    def _added(self, picks: Sequence[Combination]) -> list[_Trial]:
+        """Trials of combinations that are not looked at yet."""
+        pool = None if self._near is None else self._near.pool
+        fresh = [pick for pick in picks if pick not in self.trials]
+        self.trials |= {pick: _Trial(self._context, pick, self._exchanges, pool) for pick in fresh}
+        return [self.trials[pick] for pick in fresh]
+
+    def answer(self, question: tuple[int, ...], share: tuple[int, int]) -> _Found:
+        """The least change of the limits of a question (their numbers); it is the one of so many."""
+        closer = self._near.closer(question) if self._near is not None and len(question) == 1 else []
+        if closer is None:
+            return _Found("none")
+        self._added(closer)
+        asked = _Question(self._context.problem, question)
+        many = len(self.trials)
+        for done, trial in enumerate(self.trials.values()):
+            if self._progress is not None:
+                self._progress(share[0] * many + done, share[1] * many, "what the limits would have to be")
+            asked.put(trial, starts=_STARTS if self._near is None or done < _NEAREST else 1)
+        answer = asked.answer()
+        for _ in range(_CLOSER if len(question) == 1 else 1):
+            if self._near is None or asked.best is None or asked.best[1].x is self._near.x:
+                break
+            # About a design that comes near, bounds tell more.
+            self._near = self._near.about(*asked.best)
+            for trial in self._added(self._near.closer(question) or ()):
+                asked.put(trial)
+            answer = asked.answer()
+        return answer
 
 
 def _rests_on(looked_at: int, total: int, among: str) -> str:

@@ -69,11 +69,12 @@ class Table:
         shear = needs_shear_modulus(arm, problem.load_cases)
         strong, priced = problem.needs("yield_strength"), problem.needs("cost")
         rows = [[self._rows(option, shear, priced, strong) for option in group.options] for group in self.groups]
-        self._beams = [np.array([[entry[0] for entry in own] for own in group]) for group in rows]
-        self._sections = [np.array([[entry[1] for entry in own] for own in group]) for group in rows]
-        self._prices = [np.array([[entry[2] for entry in own] for own in group]) for group in rows]
+
+        def column(place: int) -> list[Array]:
+            return [np.array([[entry[place] for entry in own] for own in group]) for group in rows]
+
+        self._beams, self._sections, self._prices, self.yields = (column(place) for place in range(4))
         self._by_link: dict[str, list[Array]] = {}
-        self.yields = [np.array([[entry[3] for entry in own] for own in group]) for group in rows]
 
     def _rows(
         self, options: tuple[Option, ...], shear: bool, priced: bool, strong: bool

@@ -102,17 +102,10 @@ def _named(known: Stock, name: str) -> tuple[StockSize, ...]:
 def _combined(body: Mapping, shape: str, shapes: Sequence[str]) -> list[Listed]:
     """Every possible section of a shape with the values that its dimensions may have."""
     kind = SHAPES[shape]
-    names = [each.name for each in kind.dimensions if each.kind != "points" and body.has(each.name)]
-    missing = [
-        each.name
-        for each in kind.dimensions
-        if each.name not in names and not each.optional and not (each.unless and set(each.unless) <= set(names))
-    ]
+    names = _dimensions(body, shape)
     for name in body.content:  # a dimension of another of the shapes
         if any(name == each.name for other in shapes for each in SHAPES[other].dimensions):
             body.has(name)
-    if missing:
-        raise body.error("", f"needs values for the {missing[0]} of {shape}, e.g. {missing[0]}: [40 mm, 50 mm]")
     values = [_values(body, name) for name in names]
     if math.prod(len(each) for each in values) > _MOST:
         raise body.error("", f"names more than {_MOST} sections of {shape}; a coarser step would do")
@@ -127,6 +120,16 @@ def _combined(body: Mapping, shape: str, shapes: Sequence[str]) -> list[Listed]:
     if found:
         _refuse_askew(found[0].section, body.file, body.key)
     return found
+
+
+def _dimensions(body: Mapping, shape: str) -> list[str]:
+    """The dimensions of a shape that have values, all that it needs among them."""
+    dimensions = SHAPES[shape].dimensions
+    names = [each.name for each in dimensions if each.kind != "points" and body.has(each.name)]
+    for each in dimensions:
+        if each.name not in names and not each.optional and not (each.unless and set(each.unless) <= set(names)):
+            raise body.error("", f"needs values for the {each.name} of {shape}, e.g. {each.name}: [40 mm, 50 mm]")
+    return names
 
 
 def _values(body: Mapping, name: str) -> list[float]:

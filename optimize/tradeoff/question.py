@@ -144,28 +144,8 @@ def question(problem: Problem, x: str, y: str, *, by: By | None = None, reach: R
     The problem's own limits on them bound the front; what it minimises plays no part. Raises `InputError` where there
     is nothing to trade.
     """
-    if problem.uncertain is not None:
-        message = "goes with `optimize` and `evaluate`; leave it and robust out for a trade-off"
-        raise InputError(problem.file, "uncertain", message)
-    if problem.balances:
-        message = "is settled by `optimize` alone: balance can bring the error to nothing, where a front has no end"
-        raise InputError(problem.file, "choose", f"balancer or counterweight {message}; write it into the arm file")
     known = axes_of(problem.figures)
-    if problem.sizes is not None:
-        _check_listed(problem, (x, y))
-    for option, name in (("--x", x), ("--y", y)):
-        if name not in known:
-            figures = {each: axis.figure for each, axis in known.items()}
-            hint = nearest(name, figures) if meant(name, figures) else f"; take one of {', '.join(known)}"
-            raise InputError("", option, f"there is no figure '{name}'{hint}")
-    if x == y:
-        raise InputError("", "--y", f"is the same as --x ({x}); name two figures")
-    if {x, y} == {"mass", "total_mass"}:
-        raise InputError("", "--y", "total_mass is mass and a constant, so there is nothing to trade between them")
-    if by == "material" and problem.materials is None:
-        raise InputError(problem.file, "choose", "names no materials for --by material, e.g. {material: [...]}")
-    if by == "shape" and problem.shapes is None:
-        raise InputError(problem.file, "choose", "names no shapes for --by shape, e.g. {section: [circle, tube]}")
+    _check(problem, x, y, known, by)
     axes = [replace(known[n], more_is_better=reach == "long") if n == "reach" else known[n] for n in (x, y)]
     caps: list[float | None] = []
     rest = problem.limits
@@ -193,6 +173,31 @@ def question(problem: Problem, x: str, y: str, *, by: By | None = None, reach: R
         y_cap=caps[1],
         by=by,
     )
+
+
+def _check(problem: Problem, x: str, y: str, known: Mapping[str, Axis], by: By | None) -> None:
+    """What a trade-off does not go with, and names of figures that are none."""
+    if problem.uncertain is not None:
+        message = "goes with `optimize` and `evaluate`; leave it and robust out for a trade-off"
+        raise InputError(problem.file, "uncertain", message)
+    if problem.balances:
+        message = "is settled by `optimize` alone: balance can bring the error to nothing, where a front has no end"
+        raise InputError(problem.file, "choose", f"balancer or counterweight {message}; write it into the arm file")
+    if problem.sizes is not None:
+        _check_listed(problem, (x, y))
+    for option, name in (("--x", x), ("--y", y)):
+        if name not in known:
+            figures = {each: axis.figure for each, axis in known.items()}
+            hint = nearest(name, figures) if meant(name, figures) else f"; take one of {', '.join(known)}"
+            raise InputError("", option, f"there is no figure '{name}'{hint}")
+    if x == y:
+        raise InputError("", "--y", f"is the same as --x ({x}); name two figures")
+    if {x, y} == {"mass", "total_mass"}:
+        raise InputError("", "--y", "total_mass is mass and a constant, so there is nothing to trade between them")
+    if by == "material" and problem.materials is None:
+        raise InputError(problem.file, "choose", "names no materials for --by material, e.g. {material: [...]}")
+    if by == "shape" and problem.shapes is None:
+        raise InputError(problem.file, "choose", "names no shapes for --by shape, e.g. {section: [circle, tube]}")
 
 
 def _check_listed(problem: Problem, names: tuple[str, str]) -> None:

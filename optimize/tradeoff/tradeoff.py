@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import itertools
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from types import MappingProxyType
 
@@ -20,15 +20,16 @@ from linkwright.core.arm.worst.workspace import Unreachable
 from linkwright.core.executors import Executor
 from linkwright.core.optimize.choice.picks import options
 from linkwright.core.optimize.exchange.design import material_row
+from linkwright.core.optimize.exchange.exchange import context_of
 from linkwright.core.optimize.infeasible.answer import Infeasibility, Infeasible
 from linkwright.core.optimize.infeasible.needed import explained
+from linkwright.core.optimize.problem import Problem
 from linkwright.core.optimize.reaching import start_that_reaches
 from linkwright.core.units.quantities import NoAnswer
 
 from .crew import Crew
 from .front import Front, Point, Tradeoff
 from .journal import Journal
-from .point import Search
 from .question import Question
 from .refinement import Refined, Stretch, envelope, knee, logarithmic, refine, undominated
 from .steps import refine_steps
@@ -67,33 +68,9 @@ def trade_off(
     for materials in options(asked.problem)[1]:
         material_row(materials, asked.problem)  # what a material lacks is told before anything is solved
     crew = None if executor is None or not executor.shares else Crew(executor, asked)
-    tracers: list[Tracer] = []
-    without: list[tuple[str, str]] = []
-    blocked: list[Infeasibility] = []
-    interrupted = False
-    for name, problem in asked.groups():
-        tracer = Tracer(asked, name, problem, accuracy, book, told, crew)
-        try:
-            if tracer.trace():
-                tracers.append(tracer)
-            else:
-                without.append((name, "no combination of the sizes listed keeps all limits"))
-                if problem.sizes is None:
-                    blocked.append(explained(Search(asked, asked.unlimited(problem), _silent).context))
-                    without[-1] = name, blocked[-1].text
-        except Unreachable as error:
-            without.append((name, f"workspace: {error}"))
-        except NoAnswer as error:
-            without.append((name, str(error)))
-        except KeyboardInterrupt:
-            if tracer.nodes:
-                tracers.append(tracer)
-            if not tracers:
-                raise
-            interrupted = True
-            break
-    if not tracers:
-        raise Infeasible(blocked[0]) if blocked else NoAnswer(without[0][1])
+    tracers, without, interrupted = _traced(
+        asked, lambda name, problem: Tracer(asked, name, problem, accuracy, book, told, crew)
+    )
     best = None
     if len(tracers) > 1:
         try:
@@ -109,8 +86,37 @@ def trade_off(
     return replace(found, fronts=fronts, envelope=replace(found.envelope, complete=False), interrupted=True)
 
 
-def _silent(_: str) -> None:
-    return None
+def _traced(
+    asked: Question, tracer_of: Callable[[str, Problem], Tracer]
+) -> tuple[list[Tracer], list[tuple[str, str]], bool]:
+    """The fronts of all groups, those that have none with the reason, and whether an interrupt ended the work; raises
+    where there is none at all."""
+    tracers: list[Tracer] = []
+    without: list[tuple[str, str]] = []
+    blocked: list[Infeasibility] = []
+    for name, problem in asked.groups():
+        tracer = tracer_of(name, problem)
+        try:
+            if tracer.trace():
+                tracers.append(tracer)
+            else:
+                without.append((name, "no combination of the sizes listed keeps all limits"))
+                if problem.sizes is None:
+                    blocked.append(explained(context_of(asked.unlimited(problem))))
+                    without[-1] = name, blocked[-1].text
+        except Unreachable as error:
+            without.append((name, f"workspace: {error}"))
+        except NoAnswer as error:
+            without.append((name, str(error)))
+        except KeyboardInterrupt:
+            if tracer.nodes:
+                tracers.append(tracer)
+            if not tracers:
+                raise
+            return tracers, without, True
+    if not tracers:
+        raise Infeasible(blocked[0]) if blocked else NoAnswer(without[0][1])
+    return tracers, without, False
 
 
 def _unrefined(asked: Question, tracers: Sequence[Tracer]) -> Refined[Node]:
@@ -187,18 +193,21 @@ def _result(
     whole = fronts[0]
     if best is not None:
         nodes = _best_of(asked, list(kept.values()))
-        parts = [each.refined for each in tracers if each.refined is not None]
-        both = replace(
-            best,
-            error=max([best.error, *(each.error for each in parts)]),
-            steps=(*best.steps, *(step for each in parts for step in each.steps)),
-            failed=(*best.failed, *(level for each in parts for level in each.failed)),
-            complete=best.complete and all(each.complete for each in parts),
-        )
-        last = nodes[-1].group
-        whole = front("envelope", nodes, both, capped=named[last].capped)
+        both = _together(best, [each.refined for each in tracers if each.refined is not None])
+        whole = front("envelope", nodes, both, capped=named[nodes[-1].group].capped)
     resumed = sum(tracer.resumed for tracer in tracers)
     return Tradeoff(asked, accuracy, points, fronts, whole, without, logs, seconds, solved, resumed)
+
+
+def _together(best: Refined[Node], parts: Sequence[Refined[Node]]) -> Refined[Node]:
+    """The envelope with what was let stand on each front."""
+    return replace(
+        best,
+        error=max([best.error, *(each.error for each in parts)]),
+        steps=(*best.steps, *(step for each in parts for step in each.steps)),
+        failed=(*best.failed, *(level for each in parts for level in each.failed)),
+        complete=best.complete and all(each.complete for each in parts),
+    )
 
 
 def _steps(

@@ -6,8 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from linkwright.core.optimize.called import CHOICES_CALLED, PROBLEM_CALLED
 from linkwright.core.optimize.limits import FIGURES, RANGES_CALLED
+from linkwright.core.optimize.reading.called import CHOICES_CALLED, PROBLEM_CALLED
 from linkwright.core.optimize.run import optimise
 from linkwright.core.sections.shapes import SHAPES
 from linkwright.core.units.quantities import InputError

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from types import MappingProxyType
 
 from linkwright.core.arm.chain.chain import Arm
@@ -31,12 +32,7 @@ def materials_where(mapping: Mapping, catalogue: Catalogue, arm: Arm, needs: fro
     with mapping.mapping("where").reading() as body:
         found = list(catalogue)
         if body.has("family"):
-            raw = body.raw("family")
-            families = [str(each) for each in (raw if isinstance(raw, list) else [raw])]  # type: ignore[union-attr]
-            known = sorted({material.family for material in found})
-            for number, family in enumerate(families, start=1):
-                if family not in known:
-                    raise body.error(f"family[{number}]", f"there is no family '{family}'{nearest(family, known)}")
+            families = _families(body, found)
             found = [material for material in found if material.family in families]
         if body.has("magnetic"):
             magnetic = body.boolean("magnetic")
@@ -53,6 +49,17 @@ def materials_where(mapping: Mapping, catalogue: Catalogue, arm: Arm, needs: fro
         would_do = "loosen one, or add what is not known with `linkwright materials edit`"
         raise mapping.error("where", f"no material of the catalogue keeps all conditions; {would_do}")
     return tuple(found)
+
+
+def _families(body: Mapping, materials: Sequence[Material]) -> list[str]:
+    """The families that a condition names, each of which some of the materials are of."""
+    raw = body.raw("family")
+    families = [str(each) for each in (raw if isinstance(raw, list) else [raw])]  # type: ignore[union-attr]
+    known = sorted({material.family for material in materials})
+    for number, family in enumerate(families, start=1):
+        if family not in known:
+            raise body.error(f"family[{number}]", f"there is no family '{family}'{nearest(family, known)}")
+    return families
 
 
 def _known(material: Material, name: str, temperature: float) -> bool:
