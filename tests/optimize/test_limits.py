@@ -212,7 +212,10 @@ def test_a_cut_is_exact_where_it_was_made_and_no_bound_is_too_tight(tmp_path: Pa
         assert gradient[k] == pytest.approx(slope, rel=1e-4, abs=1e-9 * abs(value[0] / p[k]))
 
 
-@pytest.mark.parametrize("asked", ["'>= 45 N/mm'", "{at_least: 47 N/mm, poses: [[0 deg, 30 deg], [20 deg, 80 deg]]}"])
+AT_POSES = "{at_least: 47 N/mm, poses: [[0 deg, 30 deg], [20 deg, 80 deg]]}"
+
+
+@pytest.mark.parametrize("asked", ["'>= 45 N/mm'", pytest.param(AT_POSES, marks=pytest.mark.slow)])
 def test_stiffness_is_kept_and_priced(tmp_path: Path, asked: str) -> None:
     text = f"minimize: mass\nsubject_to: {{tip_stiffness: {asked}, section_size: [20 mm, 200 mm]}}\n"
     problem = problem_of(tmp_path, TUBES, text)

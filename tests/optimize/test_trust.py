@@ -19,6 +19,7 @@ from linkwright.core.optimize.exchange.signs import one_signed
 from linkwright.core.optimize.problem import Limit, Problem
 from linkwright.core.optimize.run import optimise
 from linkwright.core.sections import build
+from tests.costs import slow_but
 from tests.optimize.builders import jointed, problem_of, ranged, scanned_error
 
 WARM = (
@@ -56,7 +57,7 @@ def test_each_material_expands_by_its_own_coefficient(given: str, tmp_path: Path
             assert candidate.objective > result.objective
 
 
-@pytest.mark.parametrize("shapes", ["[circle]", "[rectangle]", "[tube, rectangle]"])
+@pytest.mark.parametrize("shapes", slow_but(["[circle]", "[rectangle]", "[tube, rectangle]"], "[tube, rectangle]"))
 def test_taper_of_the_arm_as_given_is_no_candidates(shapes: str, tmp_path: Path) -> None:
     text = (
         f"choose: {{section: {shapes}}}\nsubject_to: {{mass: '<= 20 kg', section_size: [10 mm, 150 mm], "
@@ -77,7 +78,7 @@ AGAINST = (
 )
 
 
-@pytest.mark.parametrize("limit", ["60 kg", "8 kg", "5.42 kg"])
+@pytest.mark.parametrize("limit", slow_but(["60 kg", "8 kg", "5.42 kg"], "5.42 kg"))
 def test_load_against_the_weight_finds_the_balance(limit: str, tmp_path: Path) -> None:
     """A force carries the bar's own weight at one diameter: the error passes through zero there, and is small again
     for the thickest bar."""

@@ -147,7 +147,7 @@ def test_a_taper_of_alike_ends_is_its_cuts() -> None:
 # ---- optima
 
 
-@pytest.mark.parametrize("shape", [ROUND, BOX])
+@pytest.mark.parametrize("shape", [ROUND, pytest.param(BOX, marks=pytest.mark.slow)])
 def test_walls_are_limited_unless_switched_off(tmp_path: Path, shape: str) -> None:
     problem = problem_of(tmp_path, tubes(shape, "steel-s355"), LIGHT + "}\n")
     limited = optimise(problem)
@@ -170,6 +170,7 @@ def test_a_taper_that_is_chosen_keeps_its_walls(tmp_path: Path) -> None:
     assert tapered.objective < 0.97 * uniform.objective
 
 
+@pytest.mark.slow
 def test_large_thin_tubes_that_bear_little_are_not_refused(tmp_path: Path) -> None:
     """A steel tube of 300 mm and 1 mm, 4 m long: were walls to yield first, it would weigh twice as much."""
     arm = (
@@ -187,6 +188,7 @@ def test_large_thin_tubes_that_bear_little_are_not_refused(tmp_path: Path) -> No
     assert yielding.objective > 2.0 * best.objective
 
 
+@pytest.mark.slow
 def test_tubes_of_plies_along_them_are_lighter_than_steel(tmp_path: Path) -> None:
     """They buckle at a sixth of what their modulus along the link says, and bear a small part of that."""
     steel, carbon = (
