@@ -12,6 +12,7 @@ from linkwright.core.arm.chain.chain import Arm, EffectEntry
 from linkwright.core.diagnose.answer.conclusion import Conclusion
 from linkwright.core.diagnose.answer.sentences import label_of, of_branches, put_right
 from linkwright.core.diagnose.answer.torques import of_unknown_weights
+from linkwright.core.diagnose.fitting.geometry import about_geometry
 from linkwright.core.diagnose.fitting.origins import located
 from linkwright.core.diagnose.fitting.prepare import prepare
 from linkwright.core.diagnose.mistakes.zeros import refuse_another_zero
@@ -104,7 +105,7 @@ def _diagnosed(arm: Arm, recording: Recording, asked: Options, hear: Progress, e
     searched = _thinned(arm, cleaned, asked)
     enough = noise.degrees_of_freedom >= rules.answer.enough_repeats
     known = noise.rms_m if noise.source == "repeats" and enough else None
-    prepared = prepare(observe(arm, searched, rules=rules), asked, known)
+    prepared = prepare(about_geometry(observe(arm, searched, rules=rules), asked.without), asked, known)
     if not isinstance(searched, Several):
         refuse_another_zero(arm, searched, prepared, asked, known)
     if not floors and len(prepared.rejected) > rules.fitting.most_outliers * searched.size:

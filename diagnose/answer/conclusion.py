@@ -54,6 +54,7 @@ from .sentences import (
     nothing_singly,
     null_vectors,
     of_small_causes,
+    put_in_first,
     reading_of,
     recording_of,
     refutation,
@@ -120,6 +121,7 @@ class Conclusion(Confirmed):
             verdict=self._verdict(),
             sentence=said_of_no_weight(arm, self._verdict())
             + self._sentence(findings, unknown, rms_before, rms_after, p_value)
+            + (put_in_first(findings) if self._beyond_first_order() else "")
             + what_differs(apart, each, rules=self.rules.answer)
             + what_was_free(origins),
             noise_floor=self.noise.rms_m,
@@ -431,9 +433,8 @@ class Conclusion(Confirmed):
         found += [f"Left out again, as it moves the tip by next to nothing: {each}." for each in self.too_little]
         if self.together:
             found.append(nothing_singly([self._place(k) for k in self.together], self._moved(list(self.together))))
-        further = rms_length(beyond_first_order(self.observed, self.observed.about)) if self.observed.about else 0.0
-        scatter = rms_length(self.observed.scale[None, : self.observed.components])
-        if further > self.rules.search.motion_matters * scatter:
+        further = self._beyond_first_order()
+        if further:
             found.append(
                 f"What was found is so large that {1e3 * further:.2g} mm RMS of it lie beyond first order: that was "
                 "allowed for here. Designs and worst cases (optimize, evaluate) are to first order, and evaluate says "
@@ -457,6 +458,12 @@ class Conclusion(Confirmed):
             if p <= self.rules.search.false_alarm:
                 found.append(f"What remains, {mm(rms_length(self._after()))} RMS, is more than chance (p = {p:.2g}).")
         return tuple(found)
+
+    def _beyond_first_order(self) -> float:
+        """The RMS length (m) of what was found moves the tip by beyond first order; nought where it does not matter."""
+        further = rms_length(beyond_first_order(self.observed, self.observed.about)) if self.observed.about else 0.0
+        scatter = rms_length(self.observed.scale[None, : self.observed.components])
+        return further if further > self.rules.search.motion_matters * scatter else 0.0
 
     def _stray(self) -> list[str]:
         """What is said of readings that lie far off what is left by the middle ones, where they are too many to be set

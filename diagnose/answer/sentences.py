@@ -10,7 +10,7 @@ from linkwright.core.arm.chain.chain import Arm
 from linkwright.core.arm.effects import EFFECTS
 from linkwright.core.arm.errors.unknown_mass import weighs_nothing
 from linkwright.core.diagnose.fitting.prepare import Prepared
-from linkwright.core.diagnose.patterns.library import Candidate
+from linkwright.core.diagnose.patterns.library import Candidate, of_one_number
 from linkwright.core.diagnose.recording import Recording
 from linkwright.core.diagnose.result import (
     Alternative,
@@ -54,10 +54,7 @@ def place_of(effect: str, at: Sequence[int]) -> str:
     if not at:
         return ""
     kind = "link" if effect in EFFECTS and EFFECTS[effect].place == "link" else "joint"
-    numbers = [str(number) for number in at]
-    if len(numbers) == 1:
-        return f" at {kind} {numbers[0]}"
-    return f" at {kind}s {', '.join(numbers[:-1])} and {numbers[-1]}"
+    return f" at {kind}{'s' if len(at) > 1 else ''} {_and([str(number) for number in at])}"
 
 
 def name_of(effect: str, at: Sequence[int], recording: str = "") -> str:
@@ -158,8 +155,7 @@ def reading_of(
 
 def listed(places: Sequence[tuple[str, tuple[int, ...]]]) -> str:
     """Effects and where they act, in words."""
-    names = [name_of(effect, at) for effect, at in places]
-    return names[0] if len(names) == 1 else f"{', '.join(names[:-1])} and {names[-1]}"
+    return _and([name_of(effect, at) for effect, at in places])
 
 
 def nothing_singly(places: Sequence[tuple[str, tuple[int, ...]]], moved: float) -> str:
@@ -218,6 +214,33 @@ def verdict_sentence(
         text += f", since {format_quantity(unknown.since, 'time', digits=4)}"
     text += "; nothing in the library explains it."
     return text + (f" What describes part of it: {named}." if named else "")
+
+
+def put_in_first(findings: Sequence[Finding]) -> str:
+    """Zeros and lengths that are off so far that they belong into the arm file, as a sentence that goes on; nothing
+    where there are none."""
+    off: dict[tuple[str, str], list[tuple[int, float]]] = {}
+    for each in findings:
+        if of_one_number(EFFECTS[each.effect]) and len(each.at) == 1 and not each.recording:
+            (found,) = each.parameters[:1]
+            what = "zero of joint" if EFFECTS[each.effect].place == "joint" else "length of link"
+            off.setdefault((what, found.kind), []).append((each.at[0], found.value))
+    said: list[str] = []
+    for (what, kind), pairs in off.items():
+        unit = "deg" if kind == "angle" else "mm"
+        sizes = [format_quantity(value, kind, unit, digits=2).partition(" ")[0] for _, value in sorted(pairs)]
+        told = f"{_and([str(at) for at, _ in sorted(pairs)])} are off by {_and(sizes)} {unit}"
+        noun, _, place = what.partition(" of ")
+        said.append(f"{noun}s of {place}s {told}" if len(pairs) > 1 else f"{what} {told.replace(' are ', ' is ')}")
+    if not said:
+        return ""
+    text = "; ".join(said)
+    them = "them" if sum(map(len, off.values())) > 1 else "it"
+    return f" {text[0].upper()}{text[1:]}: put {them} into the arm file first."
+
+
+def _and(words: Sequence[str]) -> str:
+    return words[0] if len(words) == 1 else f"{', '.join(words[:-1])} and {words[-1]}"
 
 
 def what_differs(

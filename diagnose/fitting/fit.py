@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
@@ -140,17 +141,23 @@ def why_impossible(prepared: Prepared, candidate: Candidate, sizes: Array, error
             return "only a size beyond what is possible would fit"
         if value > _most_on_a_link(candidate, name, prepared):
             return "only more than hangs on a link of that mass would fit"
-        if _far_fetched(candidate, name, value, error, rules):
-            return "only a size far beyond the usual would fit, balanced against others"
     return None
 
 
-def _far_fetched(candidate: Candidate, name: str, value: float, error: float, rules: FittingRules) -> bool:
-    """Whether a size is far beyond the usual and badly known at that: terms that all but cancel each other."""
-    if candidate.share or candidate.outside:
-        return False
-    usual = max(abs(limit) for limit in parameter_of(EFFECTS[candidate.effect], name).typical)
-    return abs(value) > rules.unusual * usual and abs(value) < rules.sure * error
+def unlikely(prepared: Prepared, fitted: Fit) -> float:
+    """By how much sizes far beyond the usual make a fit less likely, in units of the criterion: minus twice the log of
+    a Cauchy density of each group's sizes, of their largest usual ones, over that of none. Forms, shares and products
+    with unknown weights have no usual size."""
+    total = 0.0
+    for member, sizes in zip(fitted.members, fitted.sizes, strict=True):
+        candidate = prepared.pool.groups[member].candidate
+        if candidate.outside or candidate.share or len(sizes) != len(candidate.sizes):
+            continue
+        effect, found = EFFECTS[candidate.effect], candidate.from_slopes(sizes.tolist())
+        usual = (max(map(abs, parameter_of(effect, name).typical)) for name in candidate.sizes)
+        times = sum((value / most) ** 2 for value, most in zip(found, usual, strict=True))
+        total += (1.0 + len(sizes)) * math.log1p(times)
+    return total
 
 
 def bounds(candidate: Candidate, name: str, prepared: Prepared) -> tuple[float, float]:

@@ -92,6 +92,13 @@ class Candidate:
         return Settings(self.at, MappingProxyType({**self.shapes, **values}))
 
 
+def of_one_number(effect: Effect) -> bool:
+    """Whether an effect is geometry that one number at a joint or link says: a zero, a length."""
+    own = [parameter for parameter in effect.sizes if not parameter.of_all]
+    at_one = effect.place in ("joint", "link") and effect.cause == "geometry" and effect.linear
+    return at_one and len(own) == 1 and not effect.shapes
+
+
 def candidates(observed: Observed, without: frozenset[str] = frozenset()) -> Iterator[tuple[Candidate, Array]]:
     """Every candidate of the library with its columns (N, C, d); those that move nothing are left out.
 

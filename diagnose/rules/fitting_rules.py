@@ -173,8 +173,6 @@ class FittingRules:
         1.1, "times the noise floor", "What remains and is no more is called the noise floor.", JUDGED
     )
     rough: int = rule(4, "patterns", "In the first rough model, at most.", PROOF)
-    unusual: float = rule(30.0, "times the usual size", "A larger one must be beyond doubt to be believed.", PROOF)
-    sure: float = rule(100.0, "standard errors", "From here on an unusual size is beyond doubt.", PROOF)
     cancelling: float = rule(
         4.0, "times the mismatch", "A displacement whose sum of squares is more can only cancel another.", PROOF
     )

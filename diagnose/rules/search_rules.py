@@ -126,14 +126,6 @@ class SearchRules:
     motion_matters: float = rule(
         0.1, "share of the scatter", "What lies beyond first order is looked at again where it changes by more.", PROOF
     )
-    may_matter: float = rule(
-        0.1,
-        "times `motion_matters`",
-        "What moves the tip by so much (its square over the reach, or its product with how far the arm bends, of the "
-        "scatter) is worked out by finite motions.",
-        TIME,
-    )
-    motion_names: int = rule(4, "names", "Of one pattern that a search is made about, at most.", TIME)
     balanced: float = rule(
         1.2,
         "times the mismatch",

@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from linkwright.core.diagnose.fitting.fit import fit, impossible
+from linkwright.core.diagnose.fitting.fit import fit, impossible, unlikely
 from linkwright.core.diagnose.fitting.prepare import Prepared, limits
 from linkwright.core.diagnose.fitting.refit import refined_shapes
 from linkwright.core.diagnose.fitting.room.small_causes import with_room
@@ -20,6 +20,7 @@ from linkwright.core.diagnose.rules.search_rules import SearchRules
 from linkwright.core.sections.numeric import Array
 
 from .calibrate import Calibrated, Given, given_model, one_more
+from .geometry import beats, geometry_alone
 from .subsets import Subset, best_subsets, gains_beside, own_blocks, products
 
 Mask = NDArray[np.bool_]
@@ -51,7 +52,7 @@ class Namer:
         self.prepared = prepared
         self.rules: SearchRules = prepared.observed.rules.search
         self.draws = self.rules.thorough_draws if thorough else self.rules.draws
-        self.rng = np.random.default_rng(seed)
+        self.seed, self.rng = seed, np.random.default_rng(seed)
         self.visits = prepared.visits
         self.library: Mask = prepared.library()
         self.criterion = prepared.criterion
@@ -149,9 +150,11 @@ class Namer:
         taken: dict[int, Subset] = {}
         for size, subsets in found.items():
             for subset in subsets:
-                if self.possible(subset.members):
-                    taken[size] = subset
+                if size in taken and subset.criterion >= taken[size].criterion:
                     break
+                value = self.criterion_of(subset.members)
+                if (size not in taken or value < taken[size].criterion) and self.possible(subset.members):
+                    taken[size] = replace(subset, criterion=value)
         return taken
 
     def best_of_library(self) -> dict[int, Subset]:
@@ -161,9 +164,9 @@ class Namer:
         return self._best_of_library
 
     def criterion_of(self, members: Sequence[int]) -> float:
-        """The criterion of a subset."""
+        """The criterion of a subset, by how usual its sizes are too."""
         fitted = fit(self.prepared, members)
-        return self.criterion(fitted.rss, members)
+        return self.criterion(fitted.rss, members) + unlikely(self.prepared, fitted)
 
 
 def name_missing(
@@ -193,6 +196,11 @@ def name_missing(
     if len(members) > 1:
         members, p_values = _carried_on(namer, members, p_values)
         tell(0.8)
+    geometry, p_of_geometry = _sound(namer, geometry_alone(namer))
+    if geometry:
+        geometry, p_of_geometry = _carried_on(namer, geometry, p_of_geometry)
+        if not members or not beats(namer, members, geometry):
+            members, p_values = geometry, p_of_geometry
     again = namer.numbers_of(before) if len(before) > 3 else ()
     if len(again) > 3 and namer.possible(again):
         again = _swapped(namer, again)
@@ -385,10 +393,18 @@ def _still_there(
     namer: Namer, members: tuple[int, ...], outside: tuple[int, ...]
 ) -> tuple[tuple[int, ...], tuple[int, ...], tuple[float, ...]]:
     """The members that pass their own test beside a form."""
+    members, p_values = _sound(namer, members, outside)
+    return members, outside, p_values
+
+
+def _sound(
+    namer: Namer, members: tuple[int, ...], outside: tuple[int, ...] = ()
+) -> tuple[tuple[int, ...], tuple[float, ...]]:
+    """The members that pass their own test beside each other (and `outside`), with its p-values."""
     while members:
         p_values = own_tests(namer, members, outside)
         worst = int(np.argmax(p_values))
         if p_values[worst] <= namer.rules.false_alarm:
-            return members, outside, p_values
+            return members, p_values
         members = tuple(m for k, m in enumerate(members) if k != worst)
-    return (), outside, ()
+    return (), ()

@@ -26,6 +26,7 @@ NO_RULES = {
     "answer/guard/scatter.py": {"_AT_ONCE"},
     "answer/sentences.py": {"_MANY_PARAMETERS", "_MANY_FINDINGS"},
     "fitting/found_origins.py": {"_NEAR", "_TOLD"},
+    "fitting/geometry.py": {"_REWEIGHTED", "_STEPS"},
     "fitting/held_out.py": {"_TOLD"},
     "fitting/origins.py": {"_HALVINGS", "_TUKEY"},
     "fitting/room/left_at_nought.py": {"_ALIKE"},  # what rounding leaves

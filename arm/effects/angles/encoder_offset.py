@@ -25,7 +25,7 @@ ENCODER_OFFSET = Effect(
     aliases=("frame_misalignment", "tool_offset"),
     source="B. W. Mooring, Z. S. Roth & M. R. Driels, Fundamentals of Manipulator Calibration (Wiley, 1991)",
     parameters=(
-        size("offset", "angle", -0.2, 0.2, (0.1e-3, 1e-3)).means(
+        size("offset", "angle", -0.5, 0.5, (0.1e-3, 1e-3)).means(
             "true coordinate less the encoder's reading", "homing switches and index marks of industrial robots"
         ),
     ),

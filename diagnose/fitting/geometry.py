@@ -1,0 +1,76 @@
+"""Zeros and lengths of all joints and links fitted together, exactly, before anything else is sought.
+
+Zeros that are off by degrees do not add up to first order, and what lies beyond it looks like tilts, eccentricities
+and tools. So the readings are set against the arm with all zeros and lengths as they fit best: Gauss-Newton on the
+exact chain, readings that lie far off weighed down. What each is off by has a Cauchy prior of its usual size: it leaves
+large ones where the data put them, and small what the data do not tell apart.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from linkwright.core.arm.chain.chain import EffectEntry
+from linkwright.core.arm.effects import EFFECTS
+from linkwright.core.diagnose.patterns.library import Candidate, candidates, columns_of, of_one_number, parameter_of
+from linkwright.core.diagnose.residual.observe import beyond_first_order, observed_about
+from linkwright.core.diagnose.residual.observed import Observed, rms_length
+
+from .corrected_arm import as_entry
+from .prepare import nuisances
+
+_STEPS = 12
+_REWEIGHTED = 8
+
+
+def about_geometry(observed: Observed, without: frozenset[str] = frozenset()) -> Observed:
+    """The readings set against the arm with its zeros and lengths as they fit best.
+
+    Args:
+        observed: The readings against the arm file.
+        without: Ids of effects that are out of the question.
+
+    Returns:
+        The same readings, first order taken about those zeros and lengths (`Observed.about`); as they came where first
+        order about the arm file is off by no more than a small part of what zeros and lengths leave.
+    """
+    others = frozenset(effect.id for effect in EFFECTS.values() if not of_one_number(effect))
+    single = [each for each, _ in candidates(observed, without | others) if len(each.at) == 1 and each.only is None]
+    now = observed
+    for _ in range(_STEPS if single else 0):
+        entries, left = _fitted(now, single)
+        change = beyond_first_order(now, entries) - beyond_first_order(now, now.about)
+        if rms_length(change) <= observed.rules.search.motion_matters * left:
+            break
+        now = observed_about(observed, entries, ())
+    return now
+
+
+def _fitted(observed: Observed, single: Sequence[Candidate]) -> tuple[tuple[EffectEntry, ...], float]:
+    """Zeros and lengths as they fit best to first order about the state observed, and the RMS length (m) that they
+    leave of the tip."""
+    width, weighed_down = observed.components, observed.rules.fitting.weighed_down
+    shown = [(each, columns) for each in single if (columns := columns_of(observed, each)) is not None]
+    usual = np.array([max(map(abs, parameter_of(EFFECTS[c.effect], c.sizes[0]).typical)) for c, _ in shown])
+    beside, _ = nuisances(observed)
+    design = np.concatenate([*(columns for _, columns in shown), beside], axis=2)[:, :width]
+    scale = np.linalg.norm(design.reshape(-1, design.shape[2]), axis=0)
+    scale = np.where(scale > 0.0, scale, 1.0)
+    target, sizes = observed.tip_residual(), np.zeros(len(shown))
+    weight, left = np.ones(len(target)), target
+    for _ in range(_REWEIGHTED):
+        unit = float(np.sqrt(np.sum(weight[:, None] * left**2) / left.size))
+        held = np.zeros(design.shape[2])
+        held[: len(shown)] = unit / np.hypot(usual, sizes)
+        root = np.sqrt(weight)[:, None]
+        rows = np.vstack([(design * root[:, :, None]).reshape(-1, design.shape[2]), np.diag(held)]) / scale
+        wanted = np.concatenate([(target * root).reshape(-1), np.zeros(len(held))])
+        values = np.linalg.lstsq(rows, wanted, rcond=1e-9)[0] / scale
+        sizes, left = values[: len(shown)], target - design @ values
+        distance = np.linalg.norm(left, axis=1)
+        middle = float(np.median(distance))
+        weight = np.minimum(1.0, weighed_down * middle / np.maximum(distance, 1e-300)) if middle > 0.0 else weight
+    entries = tuple(as_entry(each, [size]) for (each, _), size in zip(shown, sizes.tolist(), strict=True))
+    return entries, rms_length(left)

@@ -1,0 +1,47 @@
+"""Zeros and lengths alone as an answer: what has more numbers must tell readings that were held out better."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+from linkwright.core.arm.effects import EFFECTS
+from linkwright.core.diagnose.fitting.held_out import hardest, rms_held_out, splits
+from linkwright.core.diagnose.patterns.library import Candidate, of_one_number
+
+if TYPE_CHECKING:
+    from .naming import Namer
+
+
+def geometry_alone(namer: Namer) -> tuple[int, ...]:
+    """The zeros and lengths that explain a recording best by the criterion: all of them, less one after the other
+    whatever is not worth its number."""
+    found = [number for number, group in enumerate(namer.pool.groups) if _single(group.candidate)]
+    value = namer.criterion_of(found)
+    while found:
+        fewer = [[m for m in found if m != member] for member in found]
+        values = [namer.criterion_of(each) for each in fewer]
+        least = min(range(len(fewer)), key=values.__getitem__)
+        if values[least] > value:
+            break
+        found, value = fewer[least], values[least]
+    return tuple(found) if namer.possible(found) else ()
+
+
+def _single(candidate: Candidate) -> bool:
+    """Whether a candidate is one zero or one length, in all recordings."""
+    known = not candidate.outside and not candidate.share and candidate.only is None
+    return known and len(candidate.at) == 1 and of_one_number(EFFECTS[candidate.effect])
+
+
+def beats(namer: Namer, members: Sequence[int], geometry: Sequence[int]) -> bool:
+    """Whether groups are a better answer than others of fewer numbers: by the criterion, and on readings held out."""
+    if namer.criterion_of(members) >= namer.criterion_of(geometry):
+        return False
+    return _held_out(namer, members) < _held_out(namer, geometry)
+
+
+def _held_out(namer: Namer, members: Sequence[int]) -> float:
+    prepared = namer.prepared
+    columns = [prepared.beside, *(prepared.columns[member] for member in members)]
+    return rms_held_out(prepared.observed, columns, hardest(splits(prepared.observed, namer.seed)))
