@@ -1,66 +1,37 @@
 """A dask cluster: a scheduler somewhere, and workers that have this program installed.
 
-dask itself gives a step to another worker when one is killed. Work and items are sent packed, so that a worker needs
-nothing but the same version of this program.
+dask's client is an executor of `concurrent.futures`, and dask itself gives a step to another worker when one is killed.
+Work and items are sent packed, so that a worker needs nothing but the same version of this program.
 """
 
 from __future__ import annotations
 
 import logging
-import queue
 import time
 import uuid
-from collections.abc import Generator, Sequence
+from collections.abc import Generator
+from concurrent.futures import CancelledError, Future
 from contextlib import ExitStack, contextmanager, suppress
-from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from linkwright.core.units.quantities import InputError
 
-from .executor import Executor, Item, Kept, Pulse, Result, Work, WorkersLost, no_pulse
-from .packing import packed, unpacked
+from .executor import Work, WorkersLost
+from .packing import packed
+from .shared import BEAT, Begin, Shared
 
 if TYPE_CHECKING:
-    from distributed import Client, Future
+    from distributed import Client
 
 ANSWER = 5.0
 """Seconds within which a scheduler must answer, and within which it must have a worker."""
 ALONE = 30.0
 """Seconds after which a scheduler that has lost all its workers is given up."""
-_BEAT = 0.1
 _LOOK = 2.0
-"""Seconds between two looks at whether anybody is left."""
+"""Seconds between two looks at whether any worker is left."""
 
 
-def _ended(done: queue.SimpleQueue[tuple[int, Future[bytes]]], number: int, future: Future[bytes]) -> None:
-    done.put((number, future))
-
-
-class _WhileConnected(logging.Filter):
-    """Lets what dask's client logs pass while it is connected. What it makes of a scheduler that is gone, tracebacks of
-    its own tasks among it, adds nothing to the one line that is said of that here."""
-
-    def __init__(self, client: Client) -> None:
-        super().__init__()
-        self._client = client
-        self._loggers: list[logging.Logger] = []
-        for name, logger in list(logging.root.manager.loggerDict.items()):
-            if isinstance(logger, logging.Logger) and name.split(".")[0] == "distributed":
-                self._loggers.append(logger)
-                logger.addFilter(self)
-
-    def filter(self, record: logging.LogRecord) -> bool:
-        """Whether it is passed on."""
-        del record
-        return self._client.status == "running"
-
-    def close(self) -> None:
-        """Let the loggers be as they were."""
-        for logger in self._loggers:
-            logger.removeFilter(self)
-
-
-class Cluster(Executor):
+class Cluster(Shared):
     """The workers of the dask scheduler at an address such as `tcp://10.0.0.1:8786`.
 
     Raises `InputError` where dask is not installed, nothing answers at the address within seconds, the scheduler has no
@@ -78,13 +49,15 @@ class Cluster(Executor):
         """`patience`: seconds within which the scheduler must answer and have a worker."""
         self.address = address
         self._client: Any = self._connected(patience)
-        self._quiet = _WhileConnected(self._client)
-        with ExitStack() as undo:
-            undo.callback(self._leave)
-            self._check(patience)
-            undo.pop_all()
         self._work: Work[Any, Any, Any] | None = None
         self._name = ""
+        self._executor: Any = None
+        self._looked = self._met = 0.0
+        with ExitStack() as undo:
+            self._quieten(undo)
+            undo.callback(self._client.close)
+            self._check(patience)
+            self._undo = undo.pop_all()
 
     def _connected(self, patience: float) -> Client:
         try:
@@ -102,6 +75,18 @@ class Cluster(Executor):
             message = f"no dask scheduler answers at {self.address} ({reason}); write --dask tcp://HOST:8786"
             raise InputError("", "--dask", message) from None
 
+    def _quieten(self, undo: ExitStack) -> None:
+        """Let what dask's client logs pass while it is connected. What it makes of a scheduler that is gone, tracebacks
+        of its own tasks among it, adds nothing to the one line that is said of that here."""
+
+        def connected(_: logging.LogRecord) -> bool:
+            return self._running
+
+        for name, logger in list(logging.root.manager.loggerDict.items()):
+            if isinstance(logger, logging.Logger) and name.split(".")[0] == "distributed":
+                logger.addFilter(connected)
+                undo.callback(logger.removeFilter, connected)
+
     def _check(self, patience: float) -> None:
         """See that there are workers and that they can do what is asked of them."""
         from .station import installed
@@ -111,7 +96,7 @@ class Cluster(Executor):
             if time.monotonic() > until:
                 message = f"the scheduler at {self.address} has no workers; start some: dask worker {self.address}"
                 raise InputError("", "--dask", message)
-            time.sleep(_BEAT)
+            time.sleep(BEAT)
         own = installed()
         for worker, found in self._client.run(installed, on_error="return").items():
             if found != own:
@@ -124,42 +109,60 @@ class Cluster(Executor):
         """How many steps can be done at the same time: the workers' threads."""
         return sum(self._client.nthreads().values())
 
-    @property
-    def shares(self) -> bool:
-        """It is."""
-        return True
-
     def __repr__(self) -> str:
         """Where, and how many."""
         return f"<Cluster: {self.workers} workers at {self.address}>"
 
-    def completed(
-        self, work: Work[Kept, Item, Result], items: Sequence[Item], pulse: Pulse = no_pulse
-    ) -> Generator[tuple[int, Result]]:
-        """The results as they come."""
+    def _open(self, work: Work[Any, Any, Any], steps: int) -> list[Begin]:
+        """The scheduler takes all steps at once; its workers know the work, those that join later as well."""
+        from .station import Station
+
+        with self._reached():
+            if self._work is not work:
+                self._forget()
+                self._work, self._name = work, f"linkwright-{uuid.uuid4().hex}"
+                self._client.register_plugin(Station(self._name, packed(work)), name=self._name)
+            self._executor = self._client.get_executor(pure=False)
+        self._looked = self._met = time.monotonic()
+        return [self._begin] * steps
+
+    def _begin(self, item: bytes) -> Future[bytes]:
         from .station import step
 
-        done: queue.SimpleQueue[tuple[int, Future[bytes]]] = queue.SimpleQueue()
-        futures: list[Future[bytes]] = []
+        with self._reached():
+            return self._executor.submit(step, self._name, item)
+
+    def _error(self, future: Future[bytes], number: int, tries: int) -> BaseException | None:
+        from distributed import KilledWorker
+        from distributed.comm.core import CommClosedError
+
+        del number, tries
         try:
-            with self._reached():
-                self._prepare(work)
-            for number, item in enumerate(items):
-                with self._reached():
-                    future = self._client.submit(step, self._name, packed(item), pure=False)
-                future.add_done_callback(partial(_ended, done, number))
-                futures.append(future)
-            for _ in items:
-                number, future = self._waited(done, pulse)
-                yield number, unpacked(self._result(future))
-        finally:
-            left = [future for future in futures if not future.done()]
-            if left and self._connected_still:
-                with suppress(WorkersLost), self._reached():
-                    self._client.cancel(left, force=True)
+            error = future.exception()
+        except CancelledError:
+            # A client that loses its scheduler cancels all that it waits for.
+            dropped = WorkersLost(f"the scheduler at {self.address} dropped a step")
+            return dropped if self._running else self._gone
+        if isinstance(error, KilledWorker):
+            return WorkersLost(f"at {self.address} one step ended every worker that took it; have they enough memory?")
+        return self._gone if isinstance(error, CommClosedError) else error
+
+    def _look(self) -> None:
+        """See that the scheduler is there, and every now and then that it has workers."""
+        now = time.monotonic()
+        with self._reached():
+            if now - self._looked >= _LOOK:
+                self._looked = now
+                self._met = now if self._client.nthreads() else self._met
+        if now - self._met > ALONE:
+            raise WorkersLost(f"the scheduler at {self.address} has lost all its workers; start some again")
+
+    def _give_up(self) -> None:
+        with suppress(WorkersLost), self._reached():
+            self._executor.shutdown(wait=False)
 
     @property
-    def _connected_still(self) -> bool:
+    def _running(self) -> bool:
         return self._client.status == "running"
 
     @property
@@ -169,60 +172,15 @@ class Cluster(Executor):
     @contextmanager
     def _reached(self) -> Generator[None]:
         """While the scheduler is asked something: where it is not there, or goes meanwhile, the one line."""
-        if not self._connected_still:
+        if not self._running:
             raise self._gone
         try:
             yield
         except OSError:
             raise self._gone from None
 
-    def _prepare(self, work: Work[Any, Any, Any]) -> None:
-        """Tell the workers what the work is, those that join later as well."""
-        from .station import Station
-
-        if self._work is work:
-            return
-        self._forget()
-        self._work, self._name = work, f"linkwright-{uuid.uuid4().hex}"
-        self._client.register_plugin(Station(self._name, packed(work)), name=self._name)
-
-    def _waited(self, done: queue.SimpleQueue[tuple[int, Future[bytes]]], pulse: Pulse) -> tuple[int, Future[bytes]]:
-        """The next step that ended, and its number."""
-        looked = met = time.monotonic()
-        while True:
-            pulse()
-            try:
-                return done.get(timeout=_BEAT)
-            except queue.Empty:
-                now = time.monotonic()
-            if not self._connected_still:
-                raise self._gone
-            if now - looked >= _LOOK:
-                looked = now
-                with self._reached():
-                    met = now if self._client.nthreads() else met
-            if now - met > ALONE:
-                raise WorkersLost(f"the scheduler at {self.address} has lost all its workers; start some again")
-
-    def _result(self, future: Future[bytes]) -> bytes:
-        from distributed import KilledWorker
-        from distributed.client import FutureCancelledError
-        from distributed.comm.core import CommClosedError
-
-        try:
-            return future.result()
-        except KilledWorker:
-            message = f"at {self.address} one step ended every worker that took it; have they enough memory?"
-            raise WorkersLost(message) from None
-        except CommClosedError:
-            raise self._gone from None
-        except FutureCancelledError:
-            # A client that loses its scheduler cancels all that it waits for.
-            dropped = WorkersLost(f"the scheduler at {self.address} dropped a step")
-            raise dropped if self._connected_still else self._gone from None
-
     def _forget(self) -> None:
-        if self._work is not None and self._connected_still:
+        if self._work is not None:
             with suppress(WorkersLost), self._reached():
                 self._client.unregister_worker_plugin(self._name)
         self._work = None
@@ -230,8 +188,4 @@ class Cluster(Executor):
     def close(self) -> None:
         """Leave the cluster; its workers stay, and forget this work."""
         self._forget()
-        self._leave()
-
-    def _leave(self) -> None:
-        self._client.close()
-        self._quiet.close()
+        self._undo.close()

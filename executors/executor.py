@@ -26,7 +26,7 @@ class WorkersLost(KeyboardInterrupt):
 
 
 def no_pulse() -> None:
-    """Nobody wants to hear."""
+    """No pulse is asked for."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,9 +68,9 @@ class Executor(ABC):
         """How many steps can be done at the same time."""
 
     @property
-    @abstractmethod
     def shares(self) -> bool:
         """Whether work is shared out at all; otherwise this process does one step after another."""
+        return True
 
     @abstractmethod
     def completed(
@@ -113,7 +113,7 @@ class Executor(ABC):
 
 
 class Here(Executor):
-    """Does everything in this process, one step after another."""
+    """Does everything in this process, one step after another; what was prepared for the last work is kept."""
 
     def __init__(self) -> None:
         self._work: Work[Any, Any, Any] | None = None
@@ -138,7 +138,7 @@ class Here(Executor):
             yield number, self.step(work, item)
 
     def step(self, work: Work[Kept, Item, Result], item: Item) -> Result:
-        """One step; what was prepared for the last work is kept."""
+        """One step."""
         if self._work is not work:
             self._work, self._kept = work, work.prepare()
         return work.step(self._kept, item)

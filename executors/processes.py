@@ -12,19 +12,18 @@ import signal
 import sys
 import threading
 import time
-from collections import deque
 from collections.abc import Generator, Sequence
-from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
+from concurrent.futures import Future, ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from contextvars import ContextVar
-from dataclasses import dataclass, field
 from multiprocessing import get_context, parent_process
 from typing import Any
 
 from linkwright.core.units.quantities import InputError
 
-from .executor import Executor, Here, Item, Kept, Pulse, Result, Work, WorkersLost, no_pulse
+from .executor import Here, Item, Kept, Pulse, Result, Work, WorkersLost, no_pulse
 from .packing import packed, unpacked
+from .shared import Begin, Shared
 from .threads import one_thread_for_children
 
 PATIENCE = 2.0
@@ -33,23 +32,9 @@ TRIES = 3
 """How often a step is begun whose worker is killed."""
 FORKED = sys.platform == "linux"
 """Whether workers are forked."""
-_BEAT = 0.1
-"""Seconds between two signs of life while results are waited for."""
 
-
-class _Prepared:
-    """What a worker has to do, and what it keeps for it."""
-
-    def __init__(self, work: Work[Any, Any, Any]) -> None:
-        self._work, self._here = work, Here()
-
-    def step(self, item: bytes) -> bytes:
-        """One step."""
-        return packed(self._here.step(self._work, unpacked(item)))
-
-
-_PREPARED: ContextVar[_Prepared] = ContextVar("prepared")
-"""Of a worker: what it was started for."""
+_PREPARED: ContextVar[tuple[Work[Any, Any, Any], Here]] = ContextVar("prepared")
+"""Of a worker: what it was started for, and what it keeps for it."""
 
 
 def _begin(work: Work[Any, Any, Any] | bytes) -> None:
@@ -59,7 +44,7 @@ def _begin(work: Work[Any, Any, Any] | bytes) -> None:
         if hasattr(signal, name):
             signal.signal(getattr(signal, name), signal.SIG_IGN)
     threading.Thread(target=_end_with_parent, daemon=True).start()
-    _PREPARED.set(_Prepared(unpacked(work) if isinstance(work, bytes) else work))
+    _PREPARED.set((unpacked(work) if isinstance(work, bytes) else work, Here()))
 
 
 def _end_with_parent() -> None:
@@ -71,34 +56,50 @@ def _end_with_parent() -> None:
 
 
 def _step(item: bytes) -> bytes:
-    return _PREPARED.get().step(item)
+    work, here = _PREPARED.get()
+    return packed(here.step(work, unpacked(item)))
 
 
-@dataclass(eq=False)
 class _Worker:
-    """One process, and the number of the item that it has."""
+    """A pool of one process for one work, started anew where it is killed."""
 
-    pool: ProcessPoolExecutor
-    pid: int | None = None
-    future: Future[bytes] | None = None
-    number: int = -1
-    born: Future[int] | None = field(default=None, repr=False)
+    def __init__(self, work: Work[Any, Any, Any]) -> None:
+        self._given = work if FORKED else packed(work)
+        self._start()
 
-    def give(self, number: int, item: bytes) -> None:
-        """Give it an item."""
-        self.born = self.born or self.pool.submit(os.getpid)
-        self.number, self.future = number, self.pool.submit(_step, item)
+    def _start(self) -> None:
+        with one_thread_for_children():
+            context = get_context("fork" if FORKED else "spawn")
+            self._pool = ProcessPoolExecutor(1, mp_context=context, initializer=_begin, initargs=(self._given,))
+            self._born = self._pool.submit(os.getpid)
+        self._step: Future[bytes] | None = None
+
+    def begin(self, item: bytes) -> Future[bytes]:
+        """Begin a step."""
+        try:
+            self._step = self._pool.submit(_step, item)
+        except BrokenProcessPool:  # killed since its last step
+            self._pool.shutdown(wait=False)
+            self._start()
+            self._step = self._pool.submit(_step, item)
+        return self._step
+
+    def pid(self) -> int | None:
+        """The number of its process; None where that was killed before it could tell."""
+        with contextlib.suppress(BrokenProcessPool):
+            return self._born.result()
+        return None
 
     def end(self) -> None:
         """End the process, at once where it is at work."""
-        if self.future is not None and not self.future.done() and self.born is not None:
-            with contextlib.suppress(ProcessLookupError, BrokenProcessPool):
-                # One that is only just being started tells who it is before it begins.
-                os.kill(self.born.result(), getattr(signal, "SIGKILL", signal.SIGTERM))
-        self.pool.shutdown(wait=True, cancel_futures=True)
+        # One that is only just being started tells who it is before it begins.
+        if self._step is not None and not self._step.done() and (pid := self.pid()) is not None:
+            with contextlib.suppress(ProcessLookupError):
+                os.kill(pid, getattr(signal, "SIGKILL", signal.SIGTERM))
+        self._pool.shutdown(wait=True, cancel_futures=True)
 
 
-class Processes(Executor):
+class Processes(Shared):
     """Worker processes of this machine, started once there is work for more than `patience` seconds.
 
     `workers` is how many (None: as many as there are cores that this process may use), `tries` how often a step is
@@ -136,11 +137,7 @@ class Processes(Executor):
 
     def processes(self) -> list[int]:
         """The process numbers of the workers that run."""
-        found: list[int] = []
-        for each in self._crew:
-            with contextlib.suppress(BrokenProcessPool):
-                found += [] if each.born is None else [each.born.result()]
-        return found
+        return [pid for worker in self._crew if (pid := worker.pid()) is not None]
 
     def completed(
         self, work: Work[Kept, Item, Result], items: Sequence[Item], pulse: Pulse = no_pulse
@@ -151,17 +148,10 @@ class Processes(Executor):
             pulse()
             yield number, self._here.step(work, items[number])
             number += 1
-        for other, result, error in self._shared(work, items, range(number, len(items)), pulse):
+        for other, result, error in self.outcomes(work, items, pulse, number):
             if error is not None:
                 raise error
             yield other, result
-
-    def outcomes(
-        self, work: Work[Kept, Item, Result], items: Sequence[Item], pulse: Pulse = no_pulse
-    ) -> Generator[tuple[int, Result | None, BaseException | None]]:
-        """Each item's number with its result, or with what its step raised (`WorkersLost` where it killed its
-        workers), as they come; all in processes of their own."""
-        yield from self._shared(work, items, range(len(items)), pulse)
 
     def _stays(self, work: Work[Any, Any, Any], left: int, seconds: float) -> bool:
         """Whether the next step is this process's own: there is one worker alone, or little has been done yet."""
@@ -169,73 +159,27 @@ class Processes(Executor):
             return False
         return self._count == 1 or left == 1 or seconds < self._patience
 
-    def _shared(
-        self, work: Work[Any, Any, Any], items: Sequence[Any], numbers: Sequence[int], pulse: Pulse
-    ) -> Generator[tuple[int, Any, BaseException | None]]:
-        if self._work is not work and numbers:
+    def _open(self, work: Work[Any, Any, Any], steps: int) -> list[Begin]:
+        if self._work is not work:
             self.close()
             self._work = work
-        left = deque(numbers)
-        tried = dict.fromkeys(numbers, 0)
-        while len(self._crew) < min(self._count, len(left)):
-            self._crew.append(self._worker())
-        try:
-            busy = [each for each in self._crew if self._next(each, left, items, tried)]
-            while busy:
-                pulse()
-                ended, _ = wait([each.future for each in busy if each.future is not None], _BEAT, FIRST_COMPLETED)
-                for worker in [each for each in busy if each.future in ended]:
-                    number, future = worker.number, worker.future
-                    assert future is not None
-                    worker.future, error = None, future.exception()
-                    if isinstance(error, BrokenProcessPool):
-                        self._replace(worker)
-                        error = self._lost(number, tried[number])
-                    again = isinstance(error, WorkersLost) and tried[number] < self._tries
-                    if again:
-                        left.appendleft(number)
-                    # The worker has its next item before anybody works on this one's result.
-                    if not self._next(worker, left, items, tried):
-                        busy.remove(worker)
-                    if not again:
-                        yield number, None if error else unpacked(future.result()), error
-        finally:
-            if any(each.future is not None for each in self._crew):
-                self.close()
+        while len(self._crew) < min(self._count, steps):
+            self._crew.append(_Worker(work))
+        return [each.begin for each in self._crew]
 
-    def _next(self, worker: _Worker, left: deque[int], items: Sequence[Any], tried: dict[int, int]) -> bool:
-        """Give a worker the next item; False where there is none left."""
-        while left:
-            number = left.popleft()
-            tried[number] += 1
-            try:
-                worker.give(number, packed(items[number]))
-            except BrokenProcessPool:  # killed while it had nothing to do
-                tried[number] -= 1
-                left.appendleft(number)
-                self._replace(worker)
-                continue
-            return True
-        return False
-
-    def _lost(self, number: int, tries: int) -> WorkersLost:
+    def _error(self, future: Future[bytes], number: int, tries: int) -> BaseException | None:
+        error = future.exception()
+        if not isinstance(error, BrokenProcessPool):
+            return error
         guard = "" if FORKED else "; a script needs its work under `if __name__ == '__main__':`"
         message = f"a process was killed {tries} times at step {number + 1}; one worker needs the least memory"
         return WorkersLost(f"workers: {message}{guard}")
 
-    def _replace(self, worker: _Worker) -> None:
-        worker.pool.shutdown(wait=False)
-        fresh = self._worker()
-        worker.pool, worker.born, worker.future = fresh.pool, None, None
+    def _look(self) -> None:
+        """A process that ends says so in what it was at."""
 
-    def _worker(self) -> _Worker:
-        assert self._work is not None
-        given = self._work if FORKED else packed(self._work)
-        with one_thread_for_children():
-            pool = ProcessPoolExecutor(
-                1, mp_context=get_context("fork" if FORKED else "spawn"), initializer=_begin, initargs=(given,)
-            )
-            return _Worker(pool, born=pool.submit(os.getpid))
+    def _give_up(self) -> None:
+        self.close()
 
     def close(self) -> None:
         """End the processes; what they are at is given up."""
