@@ -9,9 +9,9 @@ from __future__ import annotations
 
 import os
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
-from typing import ClassVar, Generic, Protocol, TypeAlias, TypeVar, cast
+from typing import Any, Generic, Protocol, TypeAlias, TypeVar, cast
 
 from linkwright.core.catalogues.store import edit_text
 from linkwright.core.catalogues.yaml_edit import YamlText
@@ -38,9 +38,9 @@ E = TypeVar("E", bound=Named)
 class Editor(ABC, Generic[E]):
     """Edits of one kind of catalogue. Each returns what it did, and raises `InputError` where it cannot."""
 
-    what: ClassVar[str]
+    what: str
     """What an entry is, in one word."""
-    new_file: ClassVar[str]
+    new_file: str
     """What a missing or empty file begins as."""
 
     @abstractmethod
@@ -129,6 +129,33 @@ class Editor(ABC, Generic[E]):
                 raise InputError(path, self.key(new_name), "is there already")
             self.set_name(document, place, new_name)
             return f"renamed {name} to {new_name}"
+
+        return self.edit(path, change)
+
+    def set_price(self, path: Path | str, name: str, price: Mapping[str, Any], known: Sequence[str]) -> str:
+        """Write the price of an entry, and nothing else of it; `known` are the names that other catalogues have.
+
+        `price` has `value`, `date` and `source`, and may have `spread` and `note`.
+        """
+
+        def change(document: YamlText) -> str:
+            if name not in (*known, *self.names(document)):
+                raise InputError(path, f"prices.{name}", f"there is no such {self.what}{nearest(name, list(known))}")
+            document.set(["prices", name], dict(price))
+            return f"set the price of {name}"
+
+        return self.edit(path, change)
+
+    def remove_price(self, path: Path | str, name: str) -> str:
+        """Take the price of an entry out of the file."""
+
+        def change(document: YamlText) -> str:
+            priced: dict[str, Any] = document.get(["prices"]) or {}
+            if name not in priced:
+                message = f"there is no price of that in this file{nearest(name, list(priced))}"
+                raise InputError(path, f"prices.{name}", message)
+            document.remove(["prices"] if len(priced) == 1 else ["prices", name])
+            return f"removed the price of {name}"
 
         return self.edit(path, change)
 

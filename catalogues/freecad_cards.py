@@ -18,7 +18,7 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Any, Literal, cast
 
-from linkwright.core.catalogues.materials_as_text import Entry
+from linkwright.core.catalogues.keyed import Entry
 from linkwright.core.materials.material import Material, PropertyName, property_kinds
 from linkwright.core.units.quantities import InputError, format_quantity, read_quantity
 from linkwright.core.units.reading import parse_yaml, read_text, yaml_line

@@ -10,7 +10,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from types import MappingProxyType
-from typing import Any, ClassVar, cast
+from typing import Any, cast
 
 from linkwright.core.catalogues.editor import Editor, Place
 from linkwright.core.catalogues.yaml_edit import YamlText
@@ -98,8 +98,8 @@ def cell(shape: str, key: str, text: str) -> tuple[str, float]:
 class StockEditor(Editor[Row]):
     """Edits of a file of stock sizes."""
 
-    what: ClassVar[str] = "size"
-    new_file: ClassVar[str] = NEW_FILE
+    what = "size"
+    new_file = NEW_FILE
 
     def check(self, text: str, path: Path | str) -> tuple[StockSize, ...]:
         """The sizes of a text that is to stand in a file, each recomputed."""

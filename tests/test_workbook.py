@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from openpyxl import Workbook
 
 from linkwright.core.arm.files.read import read_arm
-from linkwright.core.catalogues.materials_csv import read_table as read_materials
+from linkwright.core.catalogues.materials import MATERIALS
 from linkwright.core.diagnose.reading.read import read_recording
 from linkwright.core.units.quantities import InputError
 from linkwright.core.units.workbook import workbook_text
@@ -63,7 +63,7 @@ def test_which_sheet(tmp_path: Path):
 
 def test_materials_from_a_workbook(tmp_path: Path):
     path = saved(tmp_path / "m.xlsx", ["name", "title", "density"], ["our-alloy", "Ours", "2800 kg/m^3"])
-    (entry,) = read_materials(path)
+    (entry,) = MATERIALS.read_table(path)
     assert (entry.name, entry.content["density"]) == ("our-alloy", "2800 kg/m^3")
 
 

@@ -14,7 +14,7 @@ from linkwright.core.arm.actuators import load_actuators
 from linkwright.core.arm.chain.chain import Arm
 from linkwright.core.arm.files.read import read_arm
 from linkwright.core.arm.files.write import arm_to_yaml
-from linkwright.core.catalogues import freecad_cards, materials_csv, stock_csv
+from linkwright.core.catalogues import freecad_cards, materials, stock_csv
 from linkwright.core.diagnose.reading.read import read_recording
 from linkwright.core.materials.catalogue import load_layer
 from linkwright.core.optimize.problem import read_problem
@@ -58,7 +58,7 @@ def kinds() -> dict[str, Kind]:
             lambda at: read_recording(_workbook(at), drives),
             {},
         ),
-        "materials_book": Kind(_book(MATERIALS), lambda at: materials_csv.read_table(_workbook(at)), {}),
+        "materials_book": Kind(_book(MATERIALS), lambda at: materials.MATERIALS.read_table(_workbook(at)), {}),
         "sizes_book": Kind(_book(STOCK), lambda at: stock_csv.read_table(_workbook(at)), {}),
         "recording": Kind(
             {"r.csv": recordings, "recording.yaml": (cable, UNUSUAL_SETTINGS, "sigma: 15 um\n")},
@@ -162,7 +162,7 @@ def _exchange(at: Path, arm: Arm) -> object:
     """Each of the files, and the first refusal."""
     each_of(
         lambda: freecad_cards.read_card(at / "card.FCMat"),
-        lambda: materials_csv.read_table(at / "materials.csv"),
+        lambda: materials.MATERIALS.read_table(at / "materials.csv"),
         lambda: stock_csv.read_table(at / "stock.csv"),
         lambda: read_poses(at / "poses.csv", arm),
         lambda: lw.import_arm(at / "robot.urdf", tip="tip"),

@@ -3,8 +3,8 @@
 import pytest
 
 from linkwright.core.catalogues import store
-from linkwright.core.catalogues.materials_as_text import Entry, entries_text, find_entry, read_entries, shipped_entry
-from linkwright.core.catalogues.materials_editor import MATERIALS
+from linkwright.core.catalogues.keyed import Entry
+from linkwright.core.catalogues.materials import MATERIALS, find_entry
 from linkwright.core.materials.catalogue import load_catalogue, load_layer, shipped_layers
 from linkwright.core.units.quantities import InputError
 
@@ -73,7 +73,7 @@ def test_changing_a_shipped_material_copies_it_with_its_sources(own):
 
 def test_every_shipped_material_can_be_copied_whole(own):
     names = load_catalogue(user=False).names
-    MATERIALS.add(own, [entry for name in names if (entry := shipped_entry(name)) is not None])
+    MATERIALS.add(own, [entry for name in names if (entry := MATERIALS.shipped(name)) is not None])
     MATERIALS.set_keys(own, names[0], {"title": "mine"})
     assert sorted(load_layer(own).materials) == list(names)
     layers = {name: each for layer in shipped_layers() for name, each in layer.materials.items()}
@@ -159,10 +159,10 @@ def test_entries_travel_between_files_as_they_are_written(tmp_path):
     catalogue = load_catalogue(user=False)
     names = [name for name in catalogue.names if not name.startswith("paper")]
     out = tmp_path / "out.yaml"
-    out.write_text(entries_text([find_entry(catalogue, name) for name in names]), encoding="utf-8")
+    out.write_text(MATERIALS.text([find_entry(catalogue, name) for name in names]), encoding="utf-8")
     copies = load_layer(out).materials
     assert sorted(copies) == names
-    for entry in read_entries(out):
+    for entry in MATERIALS.entries(out):
         copy, original = copies[entry.name], catalogue.find(entry.name)
         for key, item in original.properties.items():
             twin = copy.properties[key]

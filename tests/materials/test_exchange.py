@@ -5,9 +5,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from linkwright.core.catalogues.freecad_cards import MECHANICAL, THERMAL, read_card, write_card
-from linkwright.core.catalogues.materials_as_text import entries_text
-from linkwright.core.catalogues.materials_csv import read_table, write_table
-from linkwright.core.catalogues.materials_editor import MATERIALS
+from linkwright.core.catalogues.materials import MATERIALS, write_table
 from linkwright.core.materials.catalogue import load_catalogue
 from linkwright.core.materials.material import Constant, Material, Property
 from linkwright.core.units.quantities import InputError
@@ -134,7 +132,7 @@ def test_a_card_reads_back_as_it_was_written(tmp_path_factory, values, title, fo
     path = tmp_path_factory.mktemp("card") / "m.FCMat"
     path.write_text(write_card(made, form), encoding="utf-8")
     entry = read_card(path)
-    path.with_suffix(".yaml").write_text(entries_text([entry]), encoding="utf-8")
+    path.with_suffix(".yaml").write_text(MATERIALS.text([entry]), encoding="utf-8")
     found = load_catalogue([path.with_suffix(".yaml")], user=False).find("m-1")
     for name, value in values.items():
         assert found.need(name) == pytest.approx(value, rel=1e-11)
@@ -152,7 +150,7 @@ def test_every_isotropic_shipped_material_survives_a_card(tmp_path):
             continue
         path = tmp_path / f"{material.name}.FCMat"
         path.write_text(write_card(material), encoding="utf-8")
-        path.with_suffix(".yaml").write_text(entries_text([read_card(path)]), encoding="utf-8")
+        path.with_suffix(".yaml").write_text(MATERIALS.text([read_card(path)]), encoding="utf-8")
         found = load_catalogue([path.with_suffix(".yaml")], user=False).find(material.name)
         for name in pairs.values():
             assert found.has(name) == material.has(name)
@@ -164,10 +162,10 @@ def test_a_table_reads_back_as_it_was_written(tmp_path):
     catalogue = load_catalogue(user=False)
     path = tmp_path / "t.csv"
     path.write_text(write_table(catalogue), encoding="utf-8")
-    entries = read_table(path)
+    entries = MATERIALS.read_table(path)
     assert [entry.name for entry in entries] == list(catalogue.names)
     own = tmp_path / "own.yaml"
-    own.write_text(entries_text(entries), encoding="utf-8")
+    own.write_text(MATERIALS.text(entries), encoding="utf-8")
     copies = load_catalogue([own], user=False)
     for material in catalogue:
         assert copies.find(material.name).isotropic == material.isotropic
@@ -190,4 +188,4 @@ def test_a_table_reads_back_as_it_was_written(tmp_path):
 def test_a_wrong_table_is_told_with_its_line(tmp_path, text, words):
     (tmp_path / "t.csv").write_text(text)
     with pytest.raises(InputError, match=words):
-        read_table(tmp_path / "t.csv")
+        MATERIALS.read_table(tmp_path / "t.csv")

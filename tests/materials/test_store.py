@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from linkwright.core.catalogues import store
-from linkwright.core.catalogues.materials_editor import MATERIALS
+from linkwright.core.catalogues.materials import MATERIALS
 from linkwright.core.materials.catalogue import load_layer
 from linkwright.core.units.quantities import InputError
 

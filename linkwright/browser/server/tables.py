@@ -10,15 +10,13 @@ from pathlib import Path
 from types import MappingProxyType
 
 import linkwright as lw
-from linkwright.commands.actuators.editor import ACTUATORS, actuator_entry
+from linkwright.commands.actuators.schema import ACTUATORS
 from linkwright.commands.catalogues.own import value_of_text
 from linkwright.commands.materials.edit import OWN
 from linkwright.commands.materials.query import QUERY, value_of
 from linkwright.core.arm.actuators import Actuator, read_actuators, shipped_actuators, user_actuators_path
 from linkwright.core.catalogues import store
-from linkwright.core.catalogues.materials_as_text import find_entry
-from linkwright.core.catalogues.materials_editor import MATERIALS
-from linkwright.core.catalogues.prices import remove_price, set_price
+from linkwright.core.catalogues.materials import MATERIALS, find_entry
 from linkwright.core.catalogues.stock_editor import STOCK, columns_of, row_of
 from linkwright.core.materials.catalogue import load_layer, user_catalogue_path
 from linkwright.core.sections.stock.tables import user_stock_path
@@ -215,15 +213,15 @@ class ActuatorsTable(CatalogueTable):
 
     def _price(self, name: str, text: str, source: str) -> str:
         if not text:
-            return remove_price(ACTUATORS, self.path, name)
+            return ACTUATORS.remove_price(self.path, name)
         if not source:
             raise InputError("", "Source of your figures", "is empty; say where the price is from")
         price = {"value": text, "date": datetime.now(UTC).strftime("%Y-%m"), "source": source}
-        return set_price(ACTUATORS, self.path, name, price, list(shipped_actuators()))
+        return ACTUATORS.set_price(self.path, name, price, list(shipped_actuators()))
 
     def copy(self, name: str, new_name: str) -> str:
         """An actuator like another."""
-        entry = actuator_entry(name, [self.path] if self.path.exists() else [])
+        entry = ACTUATORS.entry(name, [self.path] if self.path.exists() else [])
         if entry is None:
             raise InputError("", "Entry", "is empty; choose the one to copy")
         return ACTUATORS.add(self.path, [replace(entry, name=_named(new_name))])
@@ -233,7 +231,7 @@ class ActuatorsTable(CatalogueTable):
         own = read_actuators(load_yaml(self.path)) if self.path.exists() else {}
         if name in own or not self.path.exists():
             return ACTUATORS.remove(self.path, name)
-        return remove_price(ACTUATORS, self.path, name)
+        return ACTUATORS.remove_price(self.path, name)
 
 
 _DRIVE: Mapping[str, str] = MappingProxyType(

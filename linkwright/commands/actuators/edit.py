@@ -16,14 +16,13 @@ from linkwright.commands.catalogues.own import (
 )
 from linkwright.commands.groups import Commands
 from linkwright.core.arm.actuators import read_actuators, shipped_actuators, user_actuators_path
-from linkwright.core.catalogues.materials_as_text import Entry
+from linkwright.core.catalogues.keyed import Entry
 from linkwright.core.units.quantities import InputError
 from linkwright.core.units.reading import load_yaml
 from linkwright.output.files import check_target
 from linkwright.output.table_file import rows_of
 
-from .editor import ACTUATORS, actuator_entry, entries_text, read_entries
-from .spreadsheet import read_table, write_table
+from .schema import ACTUATORS, write_table
 
 ADD_HELP = """Add an actuator to your file.
 
@@ -69,7 +68,7 @@ OWN = OwnCatalogue(
     such_as="mass='2 kg'",
     made=_made,
     table=lambda path: lw.actuators.with_file(path).table,
-    read={".yaml": read_entries, ".csv": read_table, ".xlsx": read_table},
+    read={".yaml": ACTUATORS.entries, ".csv": ACTUATORS.read_table, ".xlsx": ACTUATORS.read_table},
 )
 
 
@@ -87,11 +86,11 @@ def export_actuators(
     known = lw.actuators.with_file(catalogue)
     found = [known[name].name for name in names] if names else [each.name for each in known.values()]
     files = [path for path in (user_actuators_path(), catalogue) if path is not None and path.exists()]
-    entries = [entry for name in found if (entry := actuator_entry(name, files)) is not None]
+    entries = [entry for name in found if (entry := ACTUATORS.entry(name, files)) is not None]
     OWN.write(
         out,
         entries,
-        {".yaml": entries_text, ".csv": write_table},
+        {".yaml": ACTUATORS.text, ".csv": write_table},
         lambda: rows_of(known.table, found),
     )
 

@@ -11,14 +11,14 @@ from dataclasses import replace as renamed
 from datetime import UTC, datetime
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Protocol, TypeVar
+from typing import TYPE_CHECKING, Annotated, Any, TypeVar
 
 import typer
 
 from linkwright.commands.groups import Commands
 from linkwright.core.catalogues import store
 from linkwright.core.catalogues.editor import Editor
-from linkwright.core.catalogues.prices import remove_price, set_price
+from linkwright.core.catalogues.keyed import KeyedEditor
 from linkwright.core.units.quantities import InputError
 from linkwright.core.units.reading import parse_yaml
 from linkwright.output.files import write_file
@@ -42,18 +42,6 @@ _UsedIn = Annotated[
     list[Path] | None,
     typer.Option("--used-in", metavar="FILE", help="Warn if this arm or problem file uses it; may be repeated."),
 ]
-
-
-class KeysEditor(Protocol):
-    """An editor of entries that have keys."""
-
-    def set_keys(self, path: Path | str, name: str, values: Mapping[str, Any], *, source: str = "") -> str:
-        """Set keys of an entry, all of them or none; what was done, in words."""
-        ...
-
-    def remove_key(self, path: Path | str, name: str, key: str) -> str:
-        """Take a key away; what was done, in words."""
-        ...
 
 
 _AS_WRITTEN = 1e-4
@@ -287,7 +275,7 @@ class OwnCatalogue:
         return {name: every[name] for name in order if name in every}
 
 
-def edit_keys_command(own: OwnCatalogue, editor: KeysEditor) -> Callable[..., None]:
+def edit_keys_command(own: OwnCatalogue, editor: KeyedEditor) -> Callable[..., None]:
     """The command that changes keys of an entry, or hands the file to the user's editor."""
 
     def edit(
@@ -335,7 +323,7 @@ def price_command(own: OwnCatalogue, shipped: Callable[[], Sequence[str]]) -> Ca
         if unset:
             if value is not None:
                 raise InputError("", "--unset", "takes no price")
-            say(remove_price(own.editor, path, name), path)
+            say(own.editor.remove_price(path, name), path)
             return
         if value is None:
             raise InputError("", "PRICE", "is missing; give one with its unit, or --unset")
@@ -344,7 +332,7 @@ def price_command(own: OwnCatalogue, shipped: Callable[[], Sequence[str]]) -> Ca
         told: dict[str, Any] = {"value": value, "date": date or datetime.now(UTC).strftime("%Y-%m"), "source": source}
         if spread is not None:
             told["spread"] = list(spread)
-        say(set_price(own.editor, path, name, told, shipped()), path)
+        say(own.editor.set_price(path, name, told, shipped()), path)
 
     return price
 

@@ -20,9 +20,8 @@ from linkwright.commands.groups import Commands
 from linkwright.commands.materials.query import SHORT
 from linkwright.commands.options import CatalogueFile
 from linkwright.core.catalogues.freecad_cards import read_card, write_card
-from linkwright.core.catalogues.materials_as_text import Entry, entries_text, find_entry, read_entries
-from linkwright.core.catalogues.materials_csv import read_table, write_table
-from linkwright.core.catalogues.materials_editor import MATERIALS
+from linkwright.core.catalogues.keyed import Entry
+from linkwright.core.catalogues.materials import MATERIALS, find_entry, write_table
 from linkwright.core.materials.catalogue import load_layer, shipped_layers, user_catalogue_path
 from linkwright.core.materials.material import Material
 from linkwright.core.materials.plausible import doubts_of
@@ -78,7 +77,12 @@ OWN = OwnCatalogue(
     table=lambda path: lw.materials.with_file(path).table,
     doubts=lambda path: [doubt for material in load_layer(path).materials.values() for doubt in doubts_of(material)],
     keys=MappingProxyType({short: name for name, short in SHORT.items()}),
-    read={".yaml": read_entries, ".FCMat": lambda path: (read_card(path),), ".csv": read_table, ".xlsx": read_table},
+    read={
+        ".yaml": MATERIALS.entries,
+        ".FCMat": lambda path: (read_card(path),),
+        ".csv": MATERIALS.read_table,
+        ".xlsx": MATERIALS.read_table,
+    },
 )
 
 
@@ -100,7 +104,7 @@ def export_materials(
         return write_card(found[0], "ini" if old else "yaml")
 
     ways: Mapping[str, Callable[[Sequence[Material]], str]] = {
-        ".yaml": lambda found: entries_text(find_entry(known, material.name) for material in found),
+        ".yaml": lambda found: MATERIALS.text(find_entry(known, material.name) for material in found),
         ".FCMat": card,
         ".csv": write_table,
     }
