@@ -20,16 +20,22 @@ def _inherited(data: Mapping[str, Any], stem: str, content: Mapping[str, Any]) -
     return {**{key: data[key] for key in told}, **content}
 
 
-def _torques(text: str, path: Path | str, where: str) -> list[str]:
-    """Where zones of torque end: `14 N*m; 48 N*m`."""
+def _listed(text: str, path: Path | str, where: str) -> list[str]:
+    """Several values: `14 N*m; 48 N*m`."""
     del path, where
     return [each.strip() for each in text.split(";") if each.strip()]
 
 
 def _stiffness(text: str, path: Path | str, where: str) -> str | list[str]:
     """One value, or those of zones: `31 kN*m/rad; 50 kN*m/rad`."""
-    found = _torques(text, path, where)
+    found = _listed(text, path, where)
     return found if len(found) > 1 else text
+
+
+def _cost(text: str, path: Path | str, where: str) -> str | dict[str, Any]:
+    """A price with the lowest and highest to expect and its date: `800 EUR; 700 EUR; 950 EUR; 2026-01`."""
+    parts = _listed(text, path, where)
+    return {"value": parts[0], "spread": parts[1:3], "date": parts[3]} if len(parts) == 4 else text
 
 
 def _number(text: str, path: Path | str, where: str) -> float:
@@ -54,9 +60,11 @@ ACTUATORS = KeyedEditor(
             Column("rated_torque", needed=True),
             Column("peak_torque"),
             Column("stiffness", _stiffness, needed=True),
-            Column("zone_torques", _torques),
+            Column("zone_torques", _listed),
             *(Column(name, needed=True) for name in ("backlash", "mass")),
-            *(Column(name) for name in ("tilting_stiffness", "cost", "source", "found_in", "unconfirmed")),
+            Column("tilting_stiffness"),
+            Column("cost", _cost),
+            *(Column(name) for name in ("source", "found_in", "unconfirmed")),
         ),
     )
 )
@@ -67,7 +75,7 @@ def write_table(entries: Sequence[Entry]) -> str:
     columns = ACTUATORS.schema.heading
     rows: list[dict[str, object]] = []
     for entry in entries:
-        cells = {key: _cell(entry.content[key]) for key in columns if key in entry.content}
+        cells = {key: _cell(entry.content[key]) for key in columns[:-1] if key in entry.content}
         marks = entry.content.get("unconfirmed", {})
         each = cast(dict[str, str], marks)
         said = each if isinstance(marks, dict) else dict.fromkeys(list[str](CONFIRMABLE), str(marks))
@@ -79,4 +87,7 @@ def write_table(entries: Sequence[Entry]) -> str:
 def _cell(value: Any) -> object:
     if isinstance(value, list):
         return "; ".join(map(str, cast(list[object], value)))
-    return cast(dict[str, object], value).get("value", "") if isinstance(value, dict) else value
+    if isinstance(value, dict):
+        price = cast(dict[str, Any], value)
+        return "; ".join(map(str, (price["value"], *price["spread"], price["date"])))
+    return value

@@ -106,8 +106,8 @@ def test_marks_go_with_a_table(linkwright, bench, name):
     assert one.found_in == ("" if name == "RV-6E" else shipped.found_in)
 
 
-def test_two_zones_of_stiffness_go_with_a_table(linkwright, bench):
-    """Which end at one torque, in a cell by itself."""
+def test_zones_of_stiffness_and_prices_go_with_a_table(linkwright, bench):
+    """Which end at one torque, in a cell by itself; and so does a price, with its spread and its date."""
     (bench / "own.yaml").write_text(
         OWN.replace("stiffness: 5 kN*m/rad", "stiffness: [5 kN*m/rad, 7 kN*m/rad], zone_torques: [3 N*m]")
     )
@@ -115,6 +115,7 @@ def test_two_zones_of_stiffness_go_with_a_table(linkwright, bench):
     assert linkwright("actuators", "import", "one.csv", "--catalogue", "other.yaml")[0] == 0
     again = read_actuators(load_yaml(bench / "other.yaml"))["TURNER 1"]
     assert (again.stiffnesses, again.zone_torques) == ((5e3, 7e3), (3.0,))
+    assert (again.cost, again.cost_spread, again.cost_date) == (800.0, (700.0, 950.0), "2026-01")
 
 
 @pytest.mark.parametrize(
