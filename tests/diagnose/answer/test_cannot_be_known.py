@@ -3,16 +3,20 @@
 import numpy as np
 import pytest
 
+from linkwright.core.arm.effects import EFFECTS
 from linkwright.core.diagnose.diagnosis import diagnose
+from linkwright.core.diagnose.options import Options
 from linkwright.core.diagnose.residual.observe import observe
 from tests.costs import slow_but
 from tests.diagnose.by_cosines import GIVES, SIGMA, file, noise, poses, recording, tips
 
+NAMES = {"encoder_offset", "encoder_scale", "joint_compliance", "link_bending", "link_length", "backlash"}
 
-@pytest.mark.parametrize("turns", slow_but([0.0, 2e-4], 0.0))
+
+@pytest.mark.parametrize("turns", [0.0, 2e-4])
 def test_a_target_that_hardly_turns_leaves_the_tool_alone(turns):
     """Frame and tool are free, the tool keeps its direction to within `turns`: it must not run off, and encoder 2, 0.3
-    mrad off, is found as it is."""
+    mrad off, is found as it is among a few names."""
     q = poses(1)
     q[:, 2] = -q[:, 0] - q[:, 1] + turns * np.random.default_rng(2).standard_normal(len(q))
     q = np.repeat(q, 2, axis=0)
@@ -20,7 +24,7 @@ def test_a_target_that_hardly_turns_leaves_the_tool_alone(turns):
     turned = tip @ np.array([[0.8, 0.6], [-0.6, 0.8]]) + [2.0, -1.0]
     read = recording(q, turned, frame="free", tool="free")
     assert np.abs(observe(file(), read).alignment.tool).max() < 1e-5
-    found = diagnose(file(), read)
+    found = diagnose(file(), read, Options(without=frozenset(EFFECTS) - NAMES))
     assert "along x and y cannot be told" in found.notes[0]
     offset = next(each for each in found.findings if each.effect == "encoder_offset").parameters[0]
     assert offset.interval[0] < 3e-4 < offset.interval[1]
