@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import lru_cache
 from types import MappingProxyType
 
 import numpy as np
@@ -19,6 +20,7 @@ from linkwright.core.arm.errors.lost_motion import played
 from linkwright.core.arm.errors.model import ErrorModel, beam_values, beams_of, error_model
 from linkwright.core.arm.errors.parts import part_of
 from linkwright.core.arm.errors.rigid_links import rigid, values_of_rigid
+from linkwright.core.arm.errors.structure import Identity
 from linkwright.core.arm.errors.tip import active_effects
 from linkwright.core.arm.errors.unknown_mass import gives_unknown, of_unknown_mass, unknown_taken_out
 from linkwright.core.arm.limits.drive_loads import DriveLoads, drive_case, greatest_drive_loads
@@ -47,6 +49,8 @@ from linkwright.core.sections.numeric import Array
 
 from .effects import EFFECTS
 
+_CACHED = 8
+"""Evaluations that are cached."""
 _STRENGTH_POSES = 4096
 _EXACT_POSES = 128
 _MAPPED_POSES = 100_000
@@ -165,58 +169,67 @@ def evaluate(
     `pose` (rad, m) is where the compliance is asked for; the worst pose by default. Raises `PropertyNeeded`,
     `MissingProperty`, `OutOfRange` or `Unreachable` where the question cannot be put.
     """
-    space = workspace or Workspace()
     cases = tuple(load_cases) or arm.cases
-    given, unweighed = arm, of_unknown_mass(arm)
-    arm = unknown_taken_out(arm, cases)
-    model = error_model(arm, cases)
+    at = None if pose is None else tuple(float(value) for value in pose)
+    return _of_question(Identity(arm, workspace or Workspace(), cases, at, gap))
+
+
+@lru_cache(maxsize=_CACHED)
+def _of_question(question: Identity) -> Evaluation:
+    return _evaluated(*question.values)
+
+
+@dataclass(frozen=True)
+class _Design:
+    """An arm of known masses under its load cases, with what all its figures take: a design p (see `beam_values`), the
+    search of its workspace, and poses (N, n) spread over that."""
+
+    arm: Arm
+    cases: tuple[LoadCase, ...]
+    beams: tuple[Beam, ...]
+    p: Array
+    search: WorstSearch
+    worst: WorstCase
+    poses: Array
+
+    @property
+    def planar(self) -> bool:
+        return self.search.model.planar
+
+
+def _design(arm: Arm, space: Workspace, cases: tuple[LoadCase, ...], gap: float) -> _Design:
     beams = beams_of(arm, cases)
     p = beam_values(beams)
-    search = worst_search(model, space, gap=gap)
+    search = worst_search(error_model(arm, cases), space, gap=gap)
     worst = search.of_loads(search.worst(p))
-    masses = link_masses(beams)
-    carried = heaviest_carried(arm, cases)
-    poses = search.poses(p, _STRENGTH_POSES)
-    poses = np.vstack([poses, [entry.q for entry in worst.poses]])
-    strength = strength_over(arm, cases, poses, p, search)
+    poses = np.vstack([search.poses(p, _STRENGTH_POSES), [entry.q for entry in worst.poses]])
+    return _Design(arm, cases, beams, p, search, worst, poses)
+
+
+def _evaluated(
+    given: Arm, space: Workspace, cases: tuple[LoadCase, ...], pose: tuple[float, ...] | None, gap: float
+) -> Evaluation:
+    unweighed = of_unknown_mass(given)
+    of = _design(unknown_taken_out(given, cases), space, cases, gap)
+    arm, beams, p, search, worst, poses = of.arm, of.beams, of.p, of.search, of.worst, of.poses
     unknown = _lacking_masses(unweighed, given)
+    masses = link_masses(beams)
     cost = _cost(arm, masses, unknown)
-    if strength.least_safety_factor is None:
-        unknown["min_safety_factor"] = "a link's material has no yield strength, or no link has a section"
-    give = tip_compliance(arm, planar=model.planar, tips=tips_of(cases))
-    walls = walls_of(arm)
-    if walls.unknown is not None:
-        unknown["wall_slenderness"] = walls.unknown
-    buckling = local_buckling(arm, [loads_case(arm, case) for case in cases], beams, poses, p, search)
-    if buckling.unknown is not None:
-        unknown["local_buckling"] = buckling.unknown
-    sideways = None
-    try:
-        sideways = least_sideways(arm, cases, poses, search) if model.planar else None
-    except MissingProperty as error:
-        unknown["sideways_stiffness"] = str(error)
+    strength, walls, buckling = _strength(of, unknown)
+    sideways = _sideways(of, unknown)
     frequency = None if unweighed else least_frequency(arm, search, beams, p, cases)
     if frequency is None and not unweighed:
         unknown["first_frequency"] = "nothing in the model gives, so there is no bending frequency"
-    of_drives = None if frequency is None else frequency_of_drives(arm, search, beams, p, cases)
-    drives = None
-    if not unweighed and any(joint.actuator is not None for joint in arm.joints):
-        drives = greatest_drive_loads(arm, [drive_case(arm, case) for case in cases], poses, p, search)
-    beside_links = None
-    if any(link.elastic for link in arm.links):
-        ideal = [_ideal(beam) if link.elastic else beam for beam, link in zip(beams, arm.links, strict=True)]
-        beside_links = search.worst(values_of_rigid(ideal), certify=False).error
+    drives = None if unweighed else _drives(of)
     growth = growth_left_out(arm, cases, space, p, gap=gap)
-    seam = seam_errors(model, space, p, worst)
     missed = unreached(space, lambda q: search.tip(q, p), search.lower, search.upper)
-    holes = [] if missed is None else [missed.text(space.kind)]
-    top = worst.poses[0]
+    top, tips = worst.poses[0], tips_of(cases)
     spread_poses = np.vstack([search.poses(p, _EXACT_POSES), [entry.q for entry in worst.poses]])
-    counted = projections_at(model, space, search.tip(np.vstack([[top.q], spread_poses]), p))
+    counted = projections_at(search.model, space, search.tip(np.vstack([[top.q], spread_poses]), p))
     beyond = beyond_first_order(arm, cases, (top.q, top.load_case), spread_poses, counted)
-    where = top.q if pose is None else tuple(float(value) for value in pose)
-    tips = tips_of(cases)
-    own = give if len(tips) == 1 else tip_compliance(arm, planar=model.planar, tips=(cases[top.load_case].tip,))
+    give = tip_compliance(arm, planar=of.planar, tips=tips)
+    own = give if len(tips) == 1 else tip_compliance(arm, planar=of.planar, tips=(cases[top.load_case].tip,))
+    where = np.array(top.q if pose is None else pose)
     return Evaluation(
         arm=given,
         workspace=space,
@@ -228,7 +241,7 @@ def evaluate(
         ),
         link_masses=tuple(None if index in unweighed else mass for index, mass in enumerate(masses)),
         mass=None if unweighed else sum(masses),
-        total_mass=None if unweighed else sum(masses) + carried,
+        total_mass=None if unweighed else sum(masses) + heaviest_carried(arm, cases),
         cost=cost,
         reach=max(sum(arm.lengths[index] for index in arm.on(tip).to_tip) for tip in tips),
         strength=strength,
@@ -236,9 +249,9 @@ def evaluate(
         local_buckling=buckling,
         frequency=frequency,
         stiffness=None if gives_unknown(given) else least_stiffness(give, poses, p, search),
-        compliance=_compliance(np.array(where), own.matrices(np.array([where]), p)[0]),
+        compliance=_compliance(where, own.matrices(where[None], p)[0]),
         warnings=(
-            *holes,
+            *([] if missed is None else [missed.text(space.kind)]),
             *([] if growth is None else [growth.words(worst.error)]),
             *idle_effects(arm),
             *nothing_errs(arm),
@@ -253,11 +266,50 @@ def evaluate(
         unreached=missed,
         growth=growth,
         sideways=sideways,
-        seam=seam,
-        frequency_of_drives=of_drives,
+        seam=seam_errors(search.model, space, p, worst),
+        frequency_of_drives=None if frequency is None else frequency_of_drives(arm, search, beams, p, cases),
         notes=notes_of(given, cases),
-        rigid_links_error=beside_links,
+        rigid_links_error=_rigid_links_error(of),
     )
+
+
+def _strength(of: _Design, unknown: dict[str, str]) -> tuple[StrengthResult, WallsResult, LocalBuckling]:
+    """Strength, walls and how near those are to buckling; why one is not known goes to `unknown`."""
+    strength = strength_over(of.arm, of.cases, of.poses, of.p, of.search)
+    walls = walls_of(of.arm)
+    loads = [loads_case(of.arm, case) for case in of.cases]
+    buckling = local_buckling(of.arm, loads, of.beams, of.poses, of.p, of.search)
+    if strength.least_safety_factor is None:
+        unknown["min_safety_factor"] = "a link's material has no yield strength, or no link has a section"
+    if walls.unknown is not None:
+        unknown["wall_slenderness"] = walls.unknown
+    if buckling.unknown is not None:
+        unknown["local_buckling"] = buckling.unknown
+    return strength, walls, buckling
+
+
+def _sideways(of: _Design, unknown: dict[str, str]) -> TipStiffness | None:
+    """A planar arm's least stiffness out of its plane; why it is not known goes to `unknown`."""
+    try:
+        return least_sideways(of.arm, of.cases, of.poses, of.search) if of.planar else None
+    except MissingProperty as error:
+        unknown["sideways_stiffness"] = str(error)
+        return None
+
+
+def _drives(of: _Design) -> DriveLoads | None:
+    """What the drives hold; None where no joint has an actuator."""
+    if all(joint.actuator is None for joint in of.arm.joints):
+        return None
+    return greatest_drive_loads(of.arm, [drive_case(of.arm, case) for case in of.cases], of.poses, of.p, of.search)
+
+
+def _rigid_links_error(of: _Design) -> float | None:
+    """The worst error (m) were the links rigid and weightless; None where none gives."""
+    if not any(link.elastic for link in of.arm.links):
+        return None
+    ideal = [_ideal(beam) if link.elastic else beam for beam, link in zip(of.beams, of.arm.links, strict=True)]
+    return of.search.worst(values_of_rigid(ideal), certify=False).error
 
 
 def _ideal(beam: Beam) -> Beam:

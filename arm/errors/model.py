@@ -29,6 +29,7 @@ from linkwright.core.sections.symbols import column_of_symbols
 from linkwright.core.sections.taper import FreeTaper, Tapered
 
 from .calibrated import calibrated_temperature, error_since_calibrated, planar_in
+from .structure import by_structure
 from .tip import ActiveEffect, TipError, TipInterval, active_effects, tip_error
 
 BEAM_FIELDS = (
@@ -239,7 +240,12 @@ def error_model(
 
     With `drives` the row p goes on with a factor of each joint's stiffness, then of each joint's backlash.
     """
-    cases = tuple(_case(arm, load, only, drives) for load in (loads or arm.cases))
+    return replace(_modelled(arm, tuple(loads or arm.cases), only, drives), arm=arm)
+
+
+@by_structure
+def _modelled(arm: Arm, loads: tuple[LoadCase, ...], only: str | None, drives: bool) -> ErrorModel:
+    cases = tuple(_case(arm, load, only, drives) for load in loads)
     q, p = symbols(arm), beam_symbols(arm, drives=drives)
     position = place(arm, parts(q), [p[len(BEAM_FIELDS) * index] for index in range(arm.size)]).tip()
     # Clearances in the plane are one sum apart from all else; where tips have their own, each case keeps them.

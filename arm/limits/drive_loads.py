@@ -19,6 +19,7 @@ from linkwright.core.arm.chain.kinematics import parts
 from linkwright.core.arm.chain.statics import solve
 from linkwright.core.arm.compiled.expressions import Expressions
 from linkwright.core.arm.errors.model import beam_symbols, symbolic_beams
+from linkwright.core.arm.errors.structure import by_structure
 from linkwright.core.sections.numeric import Array
 from linkwright.core.sections.symbols import column_of_symbols
 
@@ -51,6 +52,7 @@ def rated_torques(arm: Arm) -> tuple[float | None, ...]:
     return tuple(None if joint.actuator is None else joint.actuator.rated_torque for joint in arm.joints)
 
 
+@by_structure
 def drive_case(arm: Arm, load: LoadCase) -> Expressions:
     """The loads on an arm's drives under a load case (N*m; N for a slide), one a joint, for symbols (q, p)."""
     q = column_of_symbols("q", arm.size)

@@ -16,6 +16,7 @@ from linkwright.core.arm.chain.statics import LinkState, solve
 from linkwright.core.arm.chain.vectors import dot
 from linkwright.core.arm.compiled.expressions import Expressions
 from linkwright.core.arm.errors.model import beam_symbols, symbolic_beams
+from linkwright.core.arm.errors.structure import by_structure
 from linkwright.core.sections.numeric import Array
 from linkwright.core.sections.taper import Tapered
 
@@ -45,6 +46,7 @@ class LoadsCase(Expressions):
     links: tuple[int, ...]
 
 
+@by_structure
 def loads_case(arm: Arm, load: LoadCase) -> LoadsCase:
     """The loads of an arm's elastic links under a load case."""
     q = ca.SX.sym("q", arm.size)  # pyright: ignore[reportCallIssue]

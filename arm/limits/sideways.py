@@ -26,7 +26,7 @@ SIDEWAYS = LoadCase(force=(0.0, 0.0, 1.0))
 def sideways_compliance(arm: Arm, tips: Sequence[str] = ()) -> TipCompliance:
     """A planar arm's compliance at its tip across its plane, as a function of poses and designs; `tips` are as for
     `compliance_along`."""
-    return compliance_along(arm, (2,), tips)
+    return compliance_along(arm, (2,), tuple(tips))
 
 
 def least_sideways(arm: Arm, cases: Sequence[LoadCase], poses: Array, search: WorstSearch) -> TipStiffness | None:

@@ -25,6 +25,7 @@ from linkwright.core.arm.chain.vectors import Scalar, Vector, add, cross, dot, p
 from linkwright.core.arm.compiled.expressions import Expressions
 from linkwright.core.arm.effects.elastic.link_bending import bent_end, in_both_planes
 from linkwright.core.arm.errors.model import beam_symbols, symbolic_beams
+from linkwright.core.arm.errors.structure import by_structure
 from linkwright.core.sections.numeric import Array
 from linkwright.core.sections.symbols import column_of_symbols
 
@@ -60,6 +61,7 @@ def strength_values(sections: Sequence[SectionProperties | None]) -> Array:
     return np.array(rows).ravel()
 
 
+@by_structure
 def strength_case(arm: Arm, load: LoadCase) -> StrengthCase:
     """The strength of an arm's links under a load case."""
     q = column_of_symbols("q", arm.size)

@@ -17,6 +17,7 @@ import numpy as np
 from linkwright.core.arm.chain.chain import Arm, LoadCase
 from linkwright.core.arm.compiled.expressions import Expressions
 from linkwright.core.arm.errors.model import beam_symbols, error_model
+from linkwright.core.arm.errors.structure import by_structure
 from linkwright.core.sections.numeric import Array
 from linkwright.core.sections.symbols import column_of_symbols
 
@@ -52,7 +53,7 @@ class TipStiffness:
 
 def tip_compliance(arm: Arm, *, planar: bool, tips: Sequence[str] = ()) -> TipCompliance:
     """An arm's compliance at its tip; with `planar` in the x-y plane alone. `tips` are as for `compliance_along`."""
-    return compliance_along(arm, range(2 if planar else 3), tips)
+    return compliance_along(arm, (0, 1) if planar else (0, 1, 2), tuple(tips))
 
 
 def tips_of(cases: Sequence[LoadCase]) -> tuple[str, ...]:
@@ -60,7 +61,8 @@ def tips_of(cases: Sequence[LoadCase]) -> tuple[str, ...]:
     return tuple(dict.fromkeys(case.tip for case in cases))
 
 
-def compliance_along(arm: Arm, axes: Sequence[int], tips: Sequence[str] = ()) -> TipCompliance:
+@by_structure
+def compliance_along(arm: Arm, axes: tuple[int, ...], tips: tuple[str, ...] = ()) -> TipCompliance:
     """What the tip gives along some axes of the base frame (0, 1, 2) under unit forces along them.
 
     Of several `tips` each gives for itself, one after the other along the diagonal: the largest singular value is then
