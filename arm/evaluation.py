@@ -186,24 +186,22 @@ class _Design:
 
     arm: Arm
     cases: tuple[LoadCase, ...]
+    model: ErrorModel
     beams: tuple[Beam, ...]
     p: Array
     search: WorstSearch
     worst: WorstCase
     poses: Array
 
-    @property
-    def planar(self) -> bool:
-        return self.search.model.planar
-
 
 def _design(arm: Arm, space: Workspace, cases: tuple[LoadCase, ...], gap: float) -> _Design:
     beams = beams_of(arm, cases)
     p = beam_values(beams)
-    search = worst_search(error_model(arm, cases), space, gap=gap)
+    model = error_model(arm, cases)
+    search = worst_search(model, space, gap=gap)
     worst = search.of_loads(search.worst(p))
     poses = np.vstack([search.poses(p, _STRENGTH_POSES), [entry.q for entry in worst.poses]])
-    return _Design(arm, cases, beams, p, search, worst, poses)
+    return _Design(arm, cases, model, beams, p, search, worst, poses)
 
 
 def _evaluated(
@@ -222,13 +220,13 @@ def _evaluated(
         unknown["first_frequency"] = "nothing in the model gives, so there is no bending frequency"
     drives = None if unweighed else _drives(of)
     growth = growth_left_out(arm, cases, space, p, gap=gap)
-    missed = unreached(space, lambda q: search.tip(q, p), search.lower, search.upper)
+    missed = unreached(space, lambda q: search.motion(q, p), search.lower, search.upper)
     top, tips = worst.poses[0], tips_of(cases)
     spread_poses = np.vstack([search.poses(p, _EXACT_POSES), [entry.q for entry in worst.poses]])
-    counted = projections_at(search.model, space, search.tip(np.vstack([[top.q], spread_poses]), p))
+    counted = projections_at(of.model, space, search.tip(np.vstack([[top.q], spread_poses]), p))
     beyond = beyond_first_order(arm, cases, (top.q, top.load_case), spread_poses, counted)
-    give = tip_compliance(arm, planar=of.planar, tips=tips)
-    own = give if len(tips) == 1 else tip_compliance(arm, planar=of.planar, tips=(cases[top.load_case].tip,))
+    give = tip_compliance(arm, planar=of.model.planar, tips=tips)
+    own = give if len(tips) == 1 else tip_compliance(arm, planar=of.model.planar, tips=(cases[top.load_case].tip,))
     where = np.array(top.q if pose is None else pose)
     return Evaluation(
         arm=given,
@@ -266,7 +264,7 @@ def _evaluated(
         unreached=missed,
         growth=growth,
         sideways=sideways,
-        seam=seam_errors(search.model, space, p, worst),
+        seam=seam_errors(of.model, space, p, worst),
         frequency_of_drives=None if frequency is None else frequency_of_drives(arm, search, beams, p, cases),
         notes=notes_of(given, cases),
         rigid_links_error=_rigid_links_error(of),
@@ -291,7 +289,7 @@ def _strength(of: _Design, unknown: dict[str, str]) -> tuple[StrengthResult, Wal
 def _sideways(of: _Design, unknown: dict[str, str]) -> TipStiffness | None:
     """A planar arm's least stiffness out of its plane; why it is not known goes to `unknown`."""
     try:
-        return least_sideways(of.arm, of.cases, of.poses, of.search) if of.planar else None
+        return least_sideways(of.arm, of.cases, of.poses, of.search) if of.model.planar else None
     except MissingProperty as error:
         unknown["sideways_stiffness"] = str(error)
         return None

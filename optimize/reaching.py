@@ -17,7 +17,7 @@ import numpy as np
 from linkwright.core.arm.chain.chain import Arm
 from linkwright.core.arm.chain.kinematics import place, tip_position
 from linkwright.core.arm.worst.coverage import Unreached, unreached
-from linkwright.core.arm.worst.workspace import joint_box, pull, spread
+from linkwright.core.arm.worst.workspace import by_differences, joint_box, pull, spread
 from linkwright.core.sections.numeric import Array
 from linkwright.core.units.quantities import NoAnswer
 
@@ -76,7 +76,9 @@ def _in_mm(arm: Arm) -> str:
 
 
 def _missed(problem: Problem, arm: Arm) -> Unreached | None:
-    return unreached(problem.workspace, lambda q: tip_position(arm, q), *joint_box(arm, problem.workspace))
+    return unreached(
+        problem.workspace, by_differences(lambda q: tip_position(arm, q)), *joint_box(arm, problem.workspace)
+    )
 
 
 def _would_do(problem: Problem) -> str:
@@ -176,7 +178,7 @@ class _Finder:
             return np.stack([np.broadcast_to(each, len(q)) for each in at], axis=1)
 
         used = np.array([1.0, 1.0, 0.0 if self.problem.workspace.in_plane else 1.0])
-        _, miss = pull(tip, starts, targets, self.lower, self.upper, used)
+        _, miss = pull(by_differences(tip), starts, targets, self.lower, self.upper, used)
         return miss.reshape(count, places, TRIES).min(axis=2)
 
     def in_vain(self) -> str:

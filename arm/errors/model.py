@@ -229,6 +229,8 @@ class ErrorModel:
     planar: bool
     cases: tuple[CaseModel, ...]
     tip: VectorFunction
+    motion: VectorFunction
+    """The nominal tip (m) and its slopes, those of the first joint's coordinate first."""
     drives: bool = False
     """Whether a row p goes on with factors of the drives."""
 
@@ -251,7 +253,9 @@ def _modelled(arm: Arm, loads: tuple[LoadCase, ...], only: str | None, drives: b
     # Clearances in the plane are one sum apart from all else; where tips have their own, each case keeps them.
     alike = arm.play != "worst" or len({round(float(case.radii.sum()), 15) for case in cases}) == 1
     planar = alike and all(planar_in(arm, case.load) for case in cases)
-    return ErrorModel(arm, planar, cases, vectorise([q, p], [_column(position)]), drives)
+    tip = _column(position)
+    motion = vectorise([q, p], [tip, ca.vec(ca.densify(ca.jacobian(tip, q)))])
+    return ErrorModel(arm, planar, cases, vectorise([q, p], [tip]), motion, drives)
 
 
 def beam_symbols(arm: Arm, *, drives: bool = False) -> Any:

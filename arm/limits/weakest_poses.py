@@ -56,7 +56,7 @@ def climbed(
 
     box = (search.lower, search.upper)
     if search.workspace.kind != "joints":
-        return wander_in_region(load, starts, search.workspace, lambda q: search.tip(q, p), box)
+        return wander_in_region(load, starts, search.workspace, lambda q: search.motion(q, p), box)
     return wrapped(search.arm, compass(load, starts, climbing_bounds(search.arm, *box)), *box)
 
 

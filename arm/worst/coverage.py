@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from linkwright.core.sections.numeric import Array
 
-from .workspace import TipFunction, Workspace, pull, spread
+from .workspace import Motion, Workspace, pull, spread
 
 _ALONG = 241
 """Places along a path, over all its segments, beside its vertices."""
@@ -51,14 +51,14 @@ class Unreached:
         return f"{part} of the {kind} cannot be reached ({away})"
 
 
-def unreached(workspace: Workspace, tip: TipFunction, lower: Array, upper: Array) -> Unreached | None:
+def unreached(workspace: Workspace, motion: Motion, lower: Array, upper: Array) -> Unreached | None:
     """What of a box or path no pose within the joint box reaches, as far as a search tells; None where all is reached,
-    and for joint ranges. `tip` maps poses (N, n) to nominal tips (N, 3), m."""
-    return None if workspace.kind == "joints" else reached(workspace, tip, lower, upper)[1]
+    and for joint ranges. `motion` maps poses (N, n) to nominal tips and their slopes."""
+    return None if workspace.kind == "joints" else reached(workspace, motion, lower, upper)[1]
 
 
 def reached(
-    workspace: Workspace, tip: TipFunction, lower: Array, upper: Array, *, near: Array | None = None
+    workspace: Workspace, motion: Motion, lower: Array, upper: Array, *, near: Array | None = None
 ) -> tuple[Array, Unreached | None]:
     """Poses (N, n) for places all over a box or path, as near as any where a place has none, and what is `unreached`.
 
@@ -73,7 +73,7 @@ def reached(
         """Pull poses (N, starts, n) onto the places left; what comes nearer is kept."""
         each = starts.shape[1]
         pulled, miss = pull(
-            tip, starts.reshape(-1, q.shape[1]), np.repeat(places[left], each, axis=0), lower, upper, used
+            motion, starts.reshape(-1, q.shape[1]), np.repeat(places[left], each, axis=0), lower, upper, used
         )
         best = miss.reshape(-1, each).argmin(axis=1)
         pulled, miss = pulled.reshape(starts.shape)[range(len(left)), best], miss.reshape(-1, each).min(axis=1)
@@ -84,7 +84,7 @@ def reached(
         try_from(np.arange(len(places)), near[:, None])
     left = np.flatnonzero(missing > _REACHED)
     if len(left):
-        tips = tip(q) * used
+        tips = motion(q)[0] * used
         distances = (((tips - place) ** 2).sum(axis=1) for place in places[left] * used)
         try_from(left, np.stack([q[np.argpartition(each, _NEAREST)[:_NEAREST]] for each in distances]))
     left = np.flatnonzero(missing > _REACHED)

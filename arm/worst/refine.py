@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Callable
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,12 +13,11 @@ from scipy.optimize import minimize
 from linkwright.core.sections.numeric import Array
 
 from .certificate import climb
-from .workspace import Workspace, distance_to_path, path_points, pull
+from .workspace import Motion, Workspace, distance_to_path, path_points, pull
 
 Bounds = tuple[Array, Array]
 ErrorFunction = Callable[[Array], Array]
 """Poses (N, n) to errors (N,), m."""
-TipFunction = Callable[[Array], Array]
 
 _ON_REGION = 1e-7
 
@@ -61,7 +61,7 @@ def uphill_in_region(
     value_and_gradient: Callable[[Array], tuple[float, Array]],
     start: Array,
     workspace: Workspace,
-    tip: TipFunction,
+    motion: Motion,
     bounds: Bounds,
 ) -> Array:
     """A constrained local maximum from `start` with the tip in a box or on its segment of a path (SLSQP).
@@ -71,8 +71,18 @@ def uphill_in_region(
     axes = 2 if workspace.in_plane else 3
     points = np.array(workspace.points)[:, :axes]
 
-    def place(q: Array) -> Array:
-        return tip(q[None])[0, :axes]
+    @lru_cache(maxsize=2)
+    def place(q: bytes) -> tuple[Array, Array]:
+        """The tip and its slopes: values and derivatives of all constraints are asked for at one pose after another."""
+        tips, slopes = motion(np.frombuffer(q)[None])
+        return tips[0, :axes], slopes[0, :axes]
+
+    def constraint(kind: str, matrix: Array, constant: Array) -> dict[str, object]:
+        return {
+            "type": kind,
+            "fun": lambda q: matrix @ place(q.tobytes())[0] + constant,
+            "jac": lambda q: matrix @ place(q.tobytes())[1],
+        }
 
     scale = max(abs(value_and_gradient(start)[0]), 1e-30)
 
@@ -81,56 +91,46 @@ def uphill_in_region(
         return -value / scale, -gradient / scale
 
     if workspace.kind == "box":
-        low, high = points.min(axis=0), points.max(axis=0)
-        constraints = _in_box(place, low, high)
+        rows = _in_box(points.min(axis=0), points.max(axis=0))
     else:
-        constraints = _on_segment(place, place(start), points)
+        rows = _on_segment(place(start.tobytes())[0], points)
     result = minimize(
         objective,
         start,
         jac=True,
         bounds=list(zip(*bounds, strict=True)),
-        constraints=constraints,
+        constraints=[constraint(*row) for row in rows if len(row[1])],
         method="SLSQP",
         options={"maxiter": 100, "ftol": 1e-14},
     )
     reached = np.clip(np.asarray(result.x, dtype=float), *bounds)
-    better = -objective(reached)[0] >= 1.0 - 1e-9 and bool(in_region(workspace, tip(reached[None]))[0])
+    better = -objective(reached)[0] >= 1.0 - 1e-9 and bool(in_region(workspace, motion(reached[None])[0])[0])
     return reached if better else start
 
 
-def _in_box(place: Callable[[Array], Array], low: Array, high: Array) -> list[dict[str, object]]:
-    free = high > low
-
-    def inside(q: Array) -> Array:
-        return np.concatenate([place(q) - low, high - place(q)])[np.tile(free, 2)]
-
-    def on_plane(q: Array) -> Array:
-        return (place(q) - low)[~free]
-
-    rows: list[dict[str, object]] = [{"type": "ineq", "fun": inside}]
-    return rows if np.all(free) else [*rows, {"type": "eq", "fun": on_plane}]
+def _in_box(low: Array, high: Array) -> list[tuple[str, Array, Array]]:
+    """Matrices and constants that a place in the box makes not negative (`ineq`) or zero (`eq`)."""
+    free, eye = high > low, np.eye(len(low))
+    inside = np.vstack([eye[free], -eye[free]]), np.concatenate([-low[free], high[free]])
+    return [("ineq", *inside), ("eq", eye[~free], -low[~free])]
 
 
-def _on_segment(place: Callable[[Array], Array], here: Array, points: Array) -> list[dict[str, object]]:
+def _on_segment(here: Array, points: Array) -> list[tuple[str, Array, Array]]:
+    """Matrices and constants that a place on the segment nearest to `here` makes zero (`eq`) or not negative."""
     segments = [(a, b) for a, b in itertools.pairwise(points)] or [(points[0], points[0])]
     a, b = min(segments, key=lambda ends: float(distance_to_path(here[None], np.array(ends))[0]))
     along = b - a
     length = float(np.sqrt(along @ along))
     across = np.linalg.svd(along[None] / length)[2][1:] if length > 0.0 else np.eye(len(a))
-
-    def off_line(q: Array) -> Array:
-        return across @ (place(q) - a)
-
-    def between_ends(q: Array) -> Array:
-        return np.array([(place(q) - a) @ along, (b - place(q)) @ along]) / length
-
-    rows: list[dict[str, object]] = [{"type": "eq", "fun": off_line}]
-    return [*rows, {"type": "ineq", "fun": between_ends}] if length > 0.0 else rows
+    off_line = ("eq", across, -across @ a)
+    if length == 0.0:
+        return [off_line]
+    unit = along / length
+    return [off_line, ("ineq", np.vstack([unit, -unit]), np.array([-a @ unit, b @ unit]))]
 
 
 def wander_in_region(
-    error: ErrorFunction, starts: Array, workspace: Workspace, tip: TipFunction, bounds: Bounds, *, seed: int = 5
+    error: ErrorFunction, starts: Array, workspace: Workspace, motion: Motion, bounds: Bounds, *, seed: int = 5
 ) -> Array:
     """Worse poses near `starts` with the tip in a box or on a path: ever closer random neighbours, pulled back."""
     generator = np.random.default_rng(seed)
@@ -143,9 +143,9 @@ def wander_in_region(
         trial = np.repeat(best, each, axis=0)
         trial = np.clip(trial + reach * generator.standard_normal(trial.shape), *bounds)
         if workspace.kind == "path":
-            gaps = ((path[None, :, :axes] - tip(trial)[:, None, :axes]) ** 2).sum(axis=2)
-            trial, _ = pull(tip, trial, path[gaps.argmin(axis=1)], *bounds, used, steps=20)
-        values = np.where(in_region(workspace, tip(trial)), error(trial), -np.inf).reshape(len(best), each)
+            gaps = ((path[None, :, :axes] - motion(trial)[0][:, None, :axes]) ** 2).sum(axis=2)
+            trial, _ = pull(motion, trial, path[gaps.argmin(axis=1)], *bounds, used, steps=20)
+        values = np.where(in_region(workspace, motion(trial)[0]), error(trial), -np.inf).reshape(len(best), each)
         better = values.max(axis=1) > value
         picked = trial.reshape(len(best), each, -1)[np.arange(len(best)), values.argmax(axis=1)]
         best = np.where(better[:, None], picked, best)

@@ -33,6 +33,8 @@ _DISTINCT, _MOST_POSES = 0.05, 12
 _LOOKED_AT = 64
 _FARTHEST = 1e6
 """An error of so many reaches says that a figure is wrong, not that an arm is bad."""
+_SAMPLED = 4
+"""Samples of poses that are cached: designs of the same lengths have the same ones."""
 _SAME_TURN = 1e-9
 """Errors that differ by less than this share are the same a turn further."""
 _MOST_CELLS = 2_000_000
@@ -87,6 +89,7 @@ class WorstSearch:
             tuple(zip(self.lower.tolist(), self.upper.tolist(), strict=True)),
         )
         self._matter: dict[int, tuple[int, ...]] = {}
+        self._sampled: dict[tuple[bytes, int, int], Array] = {}
 
     def _widen_where_turns_differ(self) -> None:
         """Keep the whole range of a joint that turns once or more, where the error is not the same a turn further."""
@@ -146,12 +149,25 @@ class WorstSearch:
 
     def poses(self, p: Array, count: int, seed: int = 1) -> Array:
         """About `count` poses (N, n) spread over the workspace of a design p."""
-        count = min(count, self.scan)
-        return sample(self.workspace, lambda q: self.tip(q, p), self.lower, self.upper, count, seed)
+        lengths = p[: len(BEAM_FIELDS) * self.arm.size : len(BEAM_FIELDS)]
+        key = (lengths.tobytes(), min(count, self.scan), seed)
+        if key not in self._sampled:
+            if len(self._sampled) >= _SAMPLED:
+                del self._sampled[next(iter(self._sampled))]
+            self._sampled[key] = sample(
+                self.workspace, lambda q: self.motion(q, p), self.lower, self.upper, key[1], seed
+            )
+            self._sampled[key].flags.writeable = False
+        return self._sampled[key]
 
     def tip(self, q: Array, p: Array) -> Array:
         """Nominal tips (N, 3) at poses q for a design p, m."""
         return np.ascontiguousarray(self.model.tip(np.atleast_2d(q), p)[0])
+
+    def motion(self, q: Array, p: Array) -> tuple[Array, Array]:
+        """Nominal tips (N, 3) at poses q (N, n) for a design p, m, and their slopes (N, 3, n)."""
+        tips, slopes = self.model.motion(q, p)
+        return tips, slopes.reshape(len(q), self.arm.size, 3).transpose(0, 2, 1)
 
     def case_at(self, q: Array, p: Array, load_case: int) -> int:
         """Which of the model's cases tells of a pose q (n,) under a load case."""
@@ -325,7 +341,7 @@ class WorstSearch:
             return float(value[0]), gradient * slope
 
         return uphill_in_region(
-            value_and_gradient, start, self.workspace, lambda q: self.tip(q, p), (self.lower, self.upper)
+            value_and_gradient, start, self.workspace, lambda q: self.motion(q, p), (self.lower, self.upper)
         )
 
     def _certify(
@@ -380,7 +396,7 @@ class WorstSearch:
             reached = self._in_range(uphill(error, starts, self._climbing))
         else:
             bounds = (self.lower, self.upper)
-            reached = wander_in_region(error, starts, self.workspace, lambda q: self.tip(q, p), bounds)
+            reached = wander_in_region(error, starts, self.workspace, lambda q: self.motion(q, p), bounds)
         return self.worst_poses_at(reached, p, case)
 
 

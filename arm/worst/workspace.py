@@ -23,8 +23,8 @@ from linkwright.core.units.quantities import NoAnswer
 
 from .polynomial import Coefficients, Terms, terms_of
 
-TipFunction = Callable[[Array], Array]
-"""Joint coordinates (N, n) to nominal tips (N, 3), m."""
+Motion = Callable[[Array], tuple[Array, Array]]
+"""Joint coordinates (N, n) to nominal tips (N, 3) in m and their slopes (N, 3, n) in m per rad or m."""
 
 PATH_POINTS = 25
 """Points looked at along each segment of a path, ends included, when poses are sampled."""
@@ -153,40 +153,50 @@ def path_points(workspace: Workspace) -> Array:
     return np.unique(np.vstack(pieces), axis=0)
 
 
+def by_differences(tip: Callable[[Array], Array], step: float = 1e-7) -> Motion:
+    """The motion of a tip that is known by its places (N, 3) alone, its slopes by forward differences."""
+
+    def motion(q: Array) -> tuple[Array, Array]:
+        here = tip(q)
+        return here, np.stack([(tip(q + row) - here) / step for row in step * np.eye(q.shape[1])], axis=2)
+
+    return motion
+
+
 def pull(
-    tip: TipFunction, starts: Array, targets: Array, lower: Array, upper: Array, used: Array, steps: int = 60
+    motion: Motion, starts: Array, targets: Array, lower: Array, upper: Array, used: Array, steps: int = 60
 ) -> tuple[Array, Array]:
     """Joint coordinates near `starts` whose tips meet `targets` (N, 3) in the components `used`, within the box.
 
     Levenberg-Marquardt on all rows at once, clipped to the box. Returns (q, remaining distance in m).
     """
     q = np.clip(starts, lower, upper)
-    size = q.shape[1]
     damping = np.full(len(q), 1e-3)
-    miss = (targets - tip(q)) * used
+    place, jacobian = motion(q)
+    miss, jacobian = (targets - place) * used, jacobian * used[:, None]
     distance = np.sqrt((miss * miss).sum(axis=1))
     for _ in range(steps):
-        step = 1e-7
-        jacobian = np.stack([(tip(q + step * np.eye(size)[j]) - tip(q)) * used / step for j in range(size)], axis=2)
         held_low = (q <= lower) & (np.einsum("nij,ni->nj", jacobian, miss) < 0.0)
         held_high = (q >= upper) & (np.einsum("nij,ni->nj", jacobian, miss) > 0.0)
-        jacobian = jacobian * ~(held_low | held_high)[:, None, :]
-        square = np.einsum("nij,nkj->nik", jacobian, jacobian)
+        free = jacobian * ~(held_low | held_high)[:, None, :]
+        square = np.einsum("nij,nkj->nik", free, free)
         scale = np.einsum("nii->n", square)[:, None, None] + 1e-30
         solved = np.linalg.solve(square + damping[:, None, None] * scale * np.eye(3), miss[:, :, None])
-        trial = np.clip(q + np.clip(np.einsum("nij,nik->nj", jacobian, solved), -0.5, 0.5), lower, upper)
-        new_miss = (targets - tip(trial)) * used
+        trial = np.clip(q + np.clip(np.einsum("nij,nik->nj", free, solved), -0.5, 0.5), lower, upper)
+        place, slopes = motion(trial)
+        new_miss = (targets - place) * used
         new_distance = np.sqrt((new_miss * new_miss).sum(axis=1))
         better = new_distance < distance
         damping = np.where(better, np.maximum(damping * 0.1, 1e-14), np.minimum(damping * 10.0, 1e2))
         q = np.where(better[:, None], trial, q)
         miss, distance = np.where(better[:, None], new_miss, miss), np.where(better, new_distance, distance)
+        jacobian = np.where(better[:, None, None], slopes * used[:, None], jacobian)
         if np.all((distance < _ON_PATH) | (damping >= 1e2)):
             break
     return q, distance
 
 
-def sample(workspace: Workspace, tip: TipFunction, lower: Array, upper: Array, count: int, seed: int = 1) -> Array:
+def sample(workspace: Workspace, motion: Motion, lower: Array, upper: Array, count: int, seed: int = 1) -> Array:
     """Poses of the workspace, spread over it; raises `Unreachable` where a path has a point without any pose."""
     q = spread(lower, upper, count, seed)
     if workspace.kind == "joints":
@@ -194,12 +204,12 @@ def sample(workspace: Workspace, tip: TipFunction, lower: Array, upper: Array, c
     used = np.array([1.0, 1.0, 0.0 if workspace.in_plane else 1.0])
     if workspace.kind == "box":
         low, high = np.min(workspace.points, axis=0), np.max(workspace.points, axis=0)
-        reached = tip(q)
+        reached, _ = motion(q)
         targets = np.clip(reached, low, high)
         inside = np.all((np.abs(targets - reached) * used) == 0.0, axis=1)
         near = np.argsort(np.sqrt((((targets - reached) * used) ** 2).sum(axis=1)) + np.where(inside, np.inf, 0.0))
         outside = near[: min(len(near) - int(inside.sum()), max(64, count // 8))]
-        pulled, distance = pull(tip, q[outside], targets[outside], lower, upper, used)
+        pulled, distance = pull(motion, q[outside], targets[outside], lower, upper, used)
         found = np.vstack([q[inside], pulled[distance < 1e-7]])
         if not len(found):
             nearest = outside[int(np.argmin(distance))]
@@ -209,7 +219,7 @@ def sample(workspace: Workspace, tip: TipFunction, lower: Array, upper: Array, c
     each = max(8, count // len(points))
     starts = np.tile(q[:each], (len(points), 1)) if each <= len(q) else np.tile(q, (len(points), 1))
     targets = np.repeat(points, len(starts) // len(points), axis=0)
-    pulled, distance = pull(tip, starts, targets, lower, upper, used)
+    pulled, distance = pull(motion, starts, targets, lower, upper, used)
     nearest = distance.reshape(len(points), -1).min(axis=1)
     if np.any(nearest > 1e-7):
         first = int(np.argmax(nearest > 1e-7))
@@ -247,7 +257,7 @@ class RegionCells:
         and box consistency, ICLP 1999).
         """
         values, slopes, beside = self._linear(centers, half)
-        axes = range(2 if self.workspace.in_plane else 3)
+        axes = range(len(values))
         points = np.array(self.workspace.points)
         low, high = -half, half.copy()
         possible = np.ones(len(centers), dtype=bool)
@@ -290,13 +300,13 @@ class RegionCells:
         return np.all((places >= points.min(axis=0)) & (places <= points.max(axis=0)), axis=1)
 
     def _linear(self, centers: Array, half: Array) -> tuple[Array, Array, Array]:
-        """Per axis: the tips (3, N) at the centres, their slopes (3, N, n), and what is beside those in cells
-        (3, N), m."""
-        count = len(centers)
+        """Per axis that counts: the tips (d, N) at the centres, their slopes (d, N, n), and what is beside those in
+        cells (d, N), m."""
+        count, axes = len(centers), range(2 if self.workspace.in_plane else 3)
         beside = self.tip.remainder(half, 1)
-        found = [self.tip.at(centers, np.full(count, axis, dtype=np.intp), order=1) for axis in range(3)]
+        found = [self.tip.at(centers, np.full(count, axis, dtype=np.intp), order=1) for axis in axes]
         values, slopes = np.stack([each[0] for each in found]), np.stack([each[1] for each in found])
-        return values, slopes, np.stack([np.broadcast_to(beside[axis], (count,)) for axis in range(3)])
+        return values, slopes, np.stack([np.broadcast_to(beside[axis], (count,)) for axis in axes])
 
     def _tips(self, centers: Array, half: Array) -> tuple[Array, Array]:
         values, slopes, beside = self._linear(centers, half)

@@ -85,7 +85,7 @@ class Postures:
         """The starts moved so that their tips are at their points, those that can."""
         used = np.array([1.0, 1.0, 0.0 if self.search.model.planar else 1.0])
         lower, upper = self.search.lower, self.search.upper
-        q, distance = pull(lambda at: self.search.tip(at, self.design), starts, points[owner], lower, upper, used)
+        q, distance = pull(lambda at: self.search.motion(at, self.design), starts, points[owner], lower, upper, used)
         return q[distance < _HELD], owner[distance < _HELD]
 
     def _missing(self, starts: Array, point: Array) -> float:
@@ -93,7 +93,7 @@ class Postures:
         targets = np.tile(point, (min(len(starts), 64), 1))
         used = np.array([1.0, 1.0, 0.0 if self.search.model.planar else 1.0])
         few = starts[: len(targets)]
-        return float(pull(lambda at: self.search.tip(at, self.design), few, targets, lower, upper, used)[1].min())
+        return float(pull(lambda at: self.search.motion(at, self.design), few, targets, lower, upper, used)[1].min())
 
     def _best(
         self, q: Array, owner: NDArray[np.intp], directions: Array, points: int

@@ -53,7 +53,7 @@ def reaches_less(problem: Problem, given: Problem) -> bool:
     shares: list[float] = []
     for each in (problem, given):
         search = WorstSearch(error_model(each.arm, each.load_cases), each.workspace)
-        tip = partial(search.tip, p=numeric_beams(each.arm, each.load_cases))
-        missed = unreached(each.workspace, tip, search.lower, search.upper)
+        motion = partial(search.motion, p=numeric_beams(each.arm, each.load_cases))
+        missed = unreached(each.workspace, motion, search.lower, search.upper)
         shares.append(0.0 if missed is None else missed.share)
     return shares[0] > shares[1]

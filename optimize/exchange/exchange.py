@@ -238,7 +238,7 @@ class Exchange:
         used = np.array([1.0, 1.0, float(not self.context.model.planar)])
         starts = search.poses(p, 64)
         places = np.tile(place, (len(starts), 1))
-        q, miss = pull(lambda q: search.tip(q, p), starts, places, search.lower, search.upper, used)
+        q, miss = pull(lambda q: search.motion(q, p), starts, places, search.lower, search.upper, used)
         if miss.min() > 1e-7:
             return ()
         nearest = q[[int(np.argmin(miss))]]
@@ -251,7 +251,7 @@ class Exchange:
         """Raises `Unreachable` with the place of a box or path that a design, with its beam values, misses by most."""
         search = self.context.search
         self._reached, missed = reached(
-            search.workspace, lambda q: search.tip(q, p), search.lower, search.upper, near=self._reached
+            search.workspace, lambda q: search.motion(q, p), search.lower, search.upper, near=self._reached
         )
         if missed is not None:
             raise Unreachable(missed.point, missed.missing)
@@ -388,7 +388,12 @@ def _anchored_again(context: Context, pool: Pool, p: Array) -> Pool:
         if cut.anchor is None:
             continue
         q, miss = pull(
-            lambda q: search.tip(q, p), np.array([cut.q]), np.array([cut.anchor.tip]), search.lower, search.upper, used
+            lambda q: search.motion(q, p),
+            np.array([cut.q]),
+            np.array([cut.anchor.tip]),
+            search.lower,
+            search.upper,
+            used,
         )
         if miss[0] < 1e-7:
             anchor = replace(_anchor(context, q[0], p), free=cut.anchor.free)

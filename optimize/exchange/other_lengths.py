@@ -75,7 +75,7 @@ def share_unreached(context: Context, space: DesignSpace, x: Array, chosen: Sequ
     """The share of a box or a path that a design does not reach."""
     p = numeric_beams(arm_of(space, x, chosen), context.problem.load_cases)
     search = context.search
-    missed = unreached(search.workspace, lambda q: search.tip(q, p), search.lower, search.upper)
+    missed = unreached(search.workspace, lambda q: search.motion(q, p), search.lower, search.upper)
     return 0.0 if missed is None else missed.share
 
 
@@ -91,7 +91,7 @@ def _reached(context: Context, space: DesignSpace, x: Array, chosen: Sequence[Ma
         np.array([1.0, 1.0, float(not context.problem.workspace.in_plane)]),
     )
     start = np.tile(starts, (len(places), 1))
-    _, miss = pull(lambda q: search.tip(q, p), start, targets, search.lower, search.upper, used)
+    _, miss = pull(lambda q: search.motion(q, p), start, targets, search.lower, search.upper, used)
     return int((miss.reshape(len(places), -1).min(axis=1) <= REACHED).sum())
 
 

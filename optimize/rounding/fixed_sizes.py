@@ -253,7 +253,7 @@ class RoundSearch:
         search, p = self.context.search, self._with_lengths(lengths)
         used = np.array([1.0, 1.0, float(not self.context.model.planar)])
         target = np.array([pose.tip])
-        q, miss = pull(lambda q: search.tip(q, p), np.array([pose.q]), target, search.lower, search.upper, used)
+        q, miss = pull(lambda q: search.motion(q, p), np.array([pose.q]), target, search.lower, search.upper, used)
         return q[0] if miss[0] < 1e-7 else None
 
     def _bound(self, case: int, q: Array, picks: Integers, figures: Figures) -> Array:
@@ -308,7 +308,7 @@ class RoundSearch:
         if self.problem.must_reach and lengths not in self._whole:
             search, p = self.context.search, self._with_lengths(lengths)
             self._near, missed = reached(
-                search.workspace, lambda q: search.tip(q, p), search.lower, search.upper, near=self._near
+                search.workspace, lambda q: search.motion(q, p), search.lower, search.upper, near=self._near
             )
             self._whole[lengths] = missed is None
         return self._whole.get(lengths, True)

@@ -75,7 +75,7 @@ def test_no_pose_of_the_region_is_worse_than_the_bound(tmp_path: Path, workspace
     span = share if workspace is BOX else share[:, :1]
     places = one + np.column_stack([np.broadcast_to(span, (3000, 2)), np.zeros(3000)]) * (other - one)
     used = np.array([1.0, 1.0, 0.0])
-    q, miss = pull(lambda q: search.tip(q, p), starts, places, search.lower, search.upper, used)
+    q, miss = pull(lambda q: search.motion(q, p), starts, places, search.lower, search.upper, used)
     errors = search.errors(q[miss < 1e-9], p, 0).error
     assert len(errors) > 1000
     assert errors.max() <= confined
