@@ -78,11 +78,13 @@ def uphill_in_region(
         return tips[0, :axes], slopes[0, :axes]
 
     def constraint(kind: str, matrix: Array, constant: Array) -> dict[str, object]:
-        return {
-            "type": kind,
-            "fun": lambda q: matrix @ place(q.tobytes())[0] + constant,
-            "jac": lambda q: matrix @ place(q.tobytes())[1],
-        }
+        def value(q: Array) -> Array:
+            return matrix @ place(q.tobytes())[0] + constant
+
+        def slope(q: Array) -> Array:
+            return matrix @ place(q.tobytes())[1]
+
+        return {"type": kind, "fun": value, "jac": slope}
 
     scale = max(abs(value_and_gradient(start)[0]), 1e-30)
 
