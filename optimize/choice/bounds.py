@@ -16,7 +16,6 @@ from numpy.typing import NDArray
 
 from linkwright.core.arm.errors.model import beams_of
 from linkwright.core.arm.limits.strength import STATIONS
-from linkwright.core.materials.material import Material
 from linkwright.core.optimize.exchange.binding_poses import ErrorCut, Pool
 from linkwright.core.optimize.exchange.design import MATERIAL_FIELDS, arm_of, numeric_beams
 from linkwright.core.optimize.exchange.exchange import Context, Exchange
@@ -27,7 +26,7 @@ from linkwright.core.sections.numeric import Array
 
 from .at_once.feasibility import Feasibility
 from .link_options import LinkOptions
-from .picks import Combination, options
+from .picks import Combination, OptionTable, option_table
 from .pose_products import (
     compression_products,
     error_products,
@@ -48,8 +47,7 @@ class CombinationBounds:
     """A bound from below (SI) for every combination: `bounds` has an axis for each elastic link, with its options."""
 
     context: Context
-    links: tuple[int, ...]
-    choices: tuple[tuple[tuple[str, Material], ...], ...]
+    options: OptionTable
     tables: tuple[LinkOptions, ...]
     bounds: Array
     impossible: NDArray[np.bool_]
@@ -60,26 +58,10 @@ class CombinationBounds:
     feasibility: Feasibility | None
     """What rules out others where one cannot keep the limits."""
 
-    def combination(self, place: Sequence[int]) -> Combination:
-        """The combination at a place of `bounds`."""
-        size = self.context.problem.arm.size
-        shapes: list[str | None] = [None] * size
-        materials: list[Material | None] = [None] * size
-        for link, own, k in zip(self.links, self.choices, place, strict=True):
-            shapes[link], materials[link] = own[k]
-        return Combination(tuple(shapes), tuple(materials))
-
-    def place(self, pick: Combination) -> tuple[int, ...]:
-        """Where a combination stands in `bounds`."""
-        return tuple(
-            own.index((pick.shapes[link] or "", pick.materials[link]))  # type: ignore[arg-type]
-            for link, own in zip(self.links, self.choices, strict=True)
-        )
-
     def rule_out(self, exchange: Exchange, solution: Solution, pick: Combination, pool: Pool) -> None:
         """Tell what cannot keep the limits from a combination that cannot, and the solution in which they give way as
         little as they can."""
-        self.impossible[self.place(pick)] = True
+        self.impossible[self.options.place(pick)] = True
         if self.feasibility is not None:
             self.feasibility.learn(exchange, solution, pick, pool)
             self.impossible |= self.feasibility.impossible
@@ -104,11 +86,11 @@ class CombinationBounds:
         lengths = self.context.problem.arm.lengths
         bound = np.array(constant)
         low = ~self.closed & (self.bounds < enough)
-        for axis, (link, table) in enumerate(zip(self.links, self.tables, strict=True)):
+        for axis, (link, table) in enumerate(zip(self.options.links, self.tables, strict=True)):
             # An option that is in none of those need not be looked at.
             asked = np.asarray(low.any(axis=tuple(k for k in range(low.ndim) if k != axis)))
             least = table.least(parts[link], per_cost * float(lengths[link]), asked)
-            shape = [1] * len(self.links)
+            shape = [1] * len(self.tables)
             shape[axis] = len(least)
             bound = bound + least.reshape(shape)
         np.maximum(self.bounds, bound, out=self.bounds)
@@ -125,29 +107,22 @@ def combination_bounds(context: Context, feasibility: Feasibility | None) -> Com
         or (problem.arm.play != "worst" and context.uses_error)
     ):
         return None
-    links = tuple(k for k, link in enumerate(problem.arm.links) if link.section is not None)
-    shapes, materials = options(problem)
-    choices = tuple(
-        tuple((shape, material) for shape in shapes[k] if shape for material in materials[k] if material) for k in links
-    )
-    if math.prod(len(own) for own in choices) > MOST_AT_ONCE:
+    options = option_table(problem)
+    if math.prod(options.shape) > MOST_AT_ONCE:
         return None
     # Links that can be the same share what that can be.
-    alike = {own: LinkOptions(problem, own) for own in dict.fromkeys(choices)}
-    tables = tuple(alike[own] for own in choices)
-    sizes = tuple(len(own) for own in choices)
-    out = ~_agreeing(problem, choices, sizes)
+    alike = {own: LinkOptions(problem, own) for own in dict.fromkeys(options.options)}
+    tables = tuple(alike[own] for own in options.options)
+    out = ~_agreeing(problem, options)
     if feasibility is not None:
         out |= feasibility.impossible
-    least, unsolved = np.full(sizes, -np.inf), np.zeros(sizes, dtype=bool)
-    return CombinationBounds(context, links, choices, tables, least, out, out.copy(), unsolved, feasibility)
+    least, unsolved = np.full(options.shape, -np.inf), np.zeros(options.shape, dtype=bool)
+    return CombinationBounds(context, options, tables, least, out, out.copy(), unsolved, feasibility)
 
 
-def _agreeing(
-    problem: Problem, choices: Sequence[Sequence[tuple[str, Material]]], sizes: tuple[int, ...]
-) -> NDArray[np.bool_]:
+def _agreeing(problem: Problem, options: OptionTable) -> NDArray[np.bool_]:
     """Which combinations agree in what must be the same."""
-    found = np.ones(sizes, dtype=bool)
+    found = np.ones(options.shape, dtype=bool)
     sames: list[int] = []
     if "section" in problem.same or "size" in problem.same:
         sames.append(0)
@@ -156,9 +131,9 @@ def _agreeing(
     for part in sames:
         names: dict[object, int] = {}
         first: Array | None = None
-        for axis, own in enumerate(choices):
+        for axis, own in enumerate(options.options):
             kinds = [entry[0] if part == 0 else entry[1].name for entry in own]
-            shape = [1] * len(choices)
+            shape = [1] * len(options.options)
             shape[axis] = len(own)
             codes = np.array([names.setdefault(kind, len(names)) for kind in kinds], dtype=float).reshape(shape)
             if first is None:

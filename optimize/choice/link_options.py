@@ -15,19 +15,18 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
-from linkwright.core.arm.chain.beam import elastic_beam
 from linkwright.core.arm.errors.model import needs_shear_modulus
 from linkwright.core.materials.material import Material, MaterialValues
 from linkwright.core.optimize.exchange.design import MATERIAL_FIELDS, material_row, material_values, symbolic_properties
 from linkwright.core.optimize.exchange.program import ipopt_options
 from linkwright.core.optimize.exchange.rows import symbol
-from linkwright.core.optimize.limits import Limit, OfLinks
+from linkwright.core.optimize.limits import OfLinks
 from linkwright.core.optimize.problem import Problem
 from linkwright.core.sections import SHAPES
 from linkwright.core.sections.numeric import Array
-from linkwright.core.sections.properties import SectionProperties
 from linkwright.core.sections.section import Section
 
+from .at_once.cells import features, held
 from .products import EXPANSION, OfLink
 
 _GRID = MappingProxyType({1: 129, 2: 40, 3: 14, 4: 8})
@@ -86,7 +85,7 @@ class LinkOptions:
         grid = grid.reshape(-1, len(kind.variables))
         with np.errstate(all="ignore"):
             section = kind.from_variables([*self._sizes(shape, grid.T[:, None])])
-            columns = self._features(section.properties(materials.poisson_ratio), materials)
+            columns = features(section.properties(materials.poisson_ratio), materials, shear=self._shear)
             size = (len(places), len(grid))
             logarithms = np.log(np.stack([np.broadcast_to(each, size) for each in columns], axis=-1))
             allowed = np.ones(size, dtype=bool)
@@ -101,25 +100,11 @@ class LinkOptions:
         bounds = SHAPES[shape].variable_bounds(self.problem.section_size, self.problem.thickness)
         return [low * (high / low) ** at[k] for k, (low, high) in enumerate(bounds)]
 
-    def _features(self, found: SectionProperties, materials: MaterialValues) -> list[Any]:
-        """A section's features but for expansion (see `products.FEATURES`), in floats, arrays or symbols."""
-        beam = elastic_beam(1.0, found, materials, shear=self._shear)
-        shear = (beam.torsional_rigidity, beam.shear_rigidity_height, beam.shear_rigidity_width)
-        rigid = [beam.axial_rigidity, beam.flexural_rigidity_height, beam.flexural_rigidity_width, *shear]
-        strong = [
-            each * materials.yield_strength for each in (found.area, found.section_modulus_y, found.section_modulus_z)
-        ]
-        return [
-            beam.mass_per_length,
-            *(1.0 if each is None or (k > 2 and not self._shear) else 1.0 / each for k, each in enumerate(rigid)),
-            *(1.0 / each for each in strong),
-        ]
-
     def _rows(self, section: Section, materials: MaterialValues) -> list[Any]:
         """What must not be above zero for a section to be possible and keep the limits on single links."""
         problem = self.problem
         own = (*section.constraints(), *section.bound_constraints(problem.section_size, problem.thickness))
-        return [*(each.value for each in own), *(x for limit in self._limits for x in _held(limit, section, materials))]
+        return [*(each.value for each in own), *(x for limit in self._limits for x in held(limit, section, materials))]
 
     def _least(self, group: _Group, part: OfLink, per_price: float, wanted: NDArray[np.bool_]) -> Array:
         growth = group.rows[:, MATERIAL_FIELDS.index("thermal_expansion"), None]
@@ -177,15 +162,15 @@ class LinkOptions:
         materials = _with_strength(row)
         sizes = self._sizes(shape, [at[k] for k in range(len(kind.variables))])
         found = symbolic_properties(shape, sizes, materials.poisson_ratio)
-        features = self._features(found, materials)
-        logarithms = ca.log(ca.vertcat(*[ca.fmin(each, _MOST_FEATURE) for each in features]))
+        columns = features(found, materials, shear=self._shear)
+        logarithms = ca.log(ca.vertcat(*[ca.fmin(each, _MOST_FEATURE) for each in columns]))
         growth = row[MATERIAL_FIELDS.index("thermal_expansion")]
         table = ca.reshape(powers, width, count).T
         products = ca.exp(ca.mtimes(table[:, :EXPANSION], logarithms))
         # Expansion may be nought or below: it enters as it is.
         products = products * ca.if_else(table[:, EXPANSION] > 0.0, growth, 1.0)
         least = ca.dot(coefficients, products) + ca.dot(logs[:EXPANSION], logarithms)
-        least = least + price * row[MATERIAL_FIELDS.index("cost")] * features[0]
+        least = least + price * row[MATERIAL_FIELDS.index("cost")] * columns[0]
         rows = self._symbolic_rows(shape, at, materials)
         program = {
             "x": at,
@@ -208,10 +193,3 @@ def _with_strength(row: Any) -> MaterialValues:
     materials = material_values(row, 0)
     strong: Any = materials.yield_strength
     return replace(materials, yield_strength=ca.fmax(strong, 1.0))
-
-
-def _held(limit: Limit, section: Section, materials: MaterialValues) -> list[Any]:
-    follows = limit.figure.follows
-    assert isinstance(follows, OfLinks)
-    sign = -1.0 if limit.relation == ">=" else 1.0
-    return [sign * (value / limit.value - 1.0) for value in follows.values(section, materials) or ()]

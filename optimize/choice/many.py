@@ -115,7 +115,9 @@ def _one_by_one(chooser: Chooser, bounds: CombinationBounds | None) -> float | N
         # What has no bound of its own tells nothing of where the best is.
         finite = running & np.isfinite(bounds.bounds)
         place = np.argmin(np.where(finite, bounds.bounds, np.inf)) if finite.any() else np.argmax(running)
-        _solve(chooser, bounds, bounds.combination([int(k) for k in np.unravel_index(int(place), running.shape)]))
+        _solve(
+            chooser, bounds, bounds.options.combination([int(k) for k in np.unravel_index(int(place), running.shape)])
+        )
     chooser.link_by_link()
     return _settled(chooser, bounds)
 
@@ -125,7 +127,7 @@ def _settled(chooser: Chooser, bounds: CombinationBounds) -> float:
     for place in np.argwhere(bounds.unsolved).tolist():
         bound = float(bounds.bounds[tuple(place)])
         if bound >= chooser.objective * (1.0 - CLOSE):
-            chooser.note(bounds.combination(place), bound, "bounded out")
+            chooser.note(bounds.options.combination(place), bound, "bounded out")
     return _gap(chooser, bounds)
 
 
@@ -157,9 +159,9 @@ def _gap(chooser: Chooser, bounds: CombinationBounds) -> float:
 def _begin(chooser: Chooser, bounds: CombinationBounds) -> bool | None:
     """Solve a first combination; False where it raises no bound: there is no such sum for this model. None where no
     combination in which the links agree has a solution."""
-    starts = [pick for pick in uniform(chooser.context.problem) if not bounds.impossible[bounds.place(pick)]]
+    starts = [pick for pick in uniform(chooser.context.problem) if not bounds.impossible[bounds.options.place(pick)]]
     for pick in starts:
-        if pick in chooser.candidates or bounds.impossible[bounds.place(pick)]:
+        if pick in chooser.candidates or bounds.impossible[bounds.options.place(pick)]:
             continue
         learnt = _solve(chooser, bounds, pick)
         if learnt is not None:
@@ -175,7 +177,7 @@ def _solve(chooser: Chooser, bounds: CombinationBounds, pick: Combination) -> bo
     if solved.objective is None or solved.solution is None:
         return None
     if solved.objective < chooser.objective:
-        place = bounds.place(pick)
+        place = bounds.options.place(pick)
         chooser.finish(pick, solved.solution.x)
         candidate = chooser.candidates[pick]
         if candidate.objective is not None:
@@ -187,7 +189,7 @@ def _solve(chooser: Chooser, bounds: CombinationBounds, pick: Combination) -> bo
 def learn_from(bounds: CombinationBounds, pick: Combination, solved: Solved, enough: float) -> bool | None:
     """Raise the bounds by what a combination came to, of combinations whose bound is below `enough` (SI); whether they
     could be, None where it has no solution that could."""
-    place = bounds.place(pick)
+    place = bounds.options.place(pick)
     known = float(bounds.bounds[place])
     bounds.closed[place] = True
     if solved.objective is None or solved.solution is None:

@@ -158,4 +158,4 @@ class _Search:
                 return
             place = np.unravel_index(int(np.argmin(np.where(could, bounds.bounds, np.inf))), could.shape)
             told[place] = True
-            yield bounds.combination([int(k) for k in place]), int(could.sum()) - 1
+            yield bounds.options.combination([int(k) for k in place]), int(could.sum()) - 1

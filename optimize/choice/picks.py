@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 from linkwright.core.materials.material import Material
@@ -37,6 +37,44 @@ def options(problem: Problem) -> tuple[list[tuple[str | None, ...]], list[tuple[
             shapes.append(problem.shapes or (link.section.shape,))
             materials.append(problem.materials or (link.material,))
     return shapes, materials
+
+
+@dataclass(frozen=True)
+class OptionTable:
+    """The options (shape with material) of each elastic link (from 0) of an arm of so many links; a combination is a
+    place in the table of them all, one number a link."""
+
+    size: int
+    links: tuple[int, ...]
+    options: tuple[tuple[tuple[str, Material], ...], ...]
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """How many options each link has."""
+        return tuple(len(own) for own in self.options)
+
+    def combination(self, place: Sequence[int]) -> Combination:
+        """The combination at a place."""
+        shapes: list[str | None] = [None] * self.size
+        materials: list[Material | None] = [None] * self.size
+        for link, own, k in zip(self.links, self.options, place, strict=True):
+            shapes[link], materials[link] = own[k]
+        return Combination(tuple(shapes), tuple(materials))
+
+    def place(self, pick: Combination) -> tuple[int, ...]:
+        """Where a combination stands."""
+        return tuple(
+            own.index((pick.shapes[link], pick.materials[link]))  # type: ignore[arg-type]
+            for link, own in zip(self.links, self.options, strict=True)
+        )
+
+
+def option_table(problem: Problem) -> OptionTable:
+    """What each elastic link may be."""
+    links = tuple(k for k, link in enumerate(problem.arm.links) if link.section is not None)
+    shapes, materials = options(problem)
+    own = (tuple((shape, stuff) for shape in shapes[k] if shape for stuff in materials[k] if stuff) for k in links)
+    return OptionTable(problem.arm.size, links, tuple(own))
 
 
 def _agreeing(picks: Iterable[tuple[object, ...]], same: bool) -> list[tuple[object, ...]]:

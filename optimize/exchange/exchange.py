@@ -29,7 +29,7 @@ from linkwright.core.units.quantities import InputError
 
 from .binding_poses import Anchor, ErrorCut, Pool, Room
 from .design import DesignSpace, arm_of, numeric_beams, with_chosen_links
-from .program import Program, Solution, anchored, carried_mass, fixed_error, groups_of
+from .program import Program, Solution, anchored, carried_mass, cut_of, groups_of
 from .rescue import LEAST_ERROR, solved
 from .scenarios import Scenarios
 
@@ -358,12 +358,9 @@ def _change(space: DesignSpace, old: Array, new: Array) -> float:
 
 
 def error_cut(context: Context, pose: WorstPose, p: Array, space: DesignSpace) -> ErrorCut:
-    """The cut that a worst pose makes; where clearances add up whatever the pose, they stay out of it."""
-    shift = np.array(pose.shifts).reshape(-1, 3).sum(axis=0)
-    if fixed_error(context.model) > 0.0:
-        shift = np.zeros(3)
+    """The cut that a worst pose makes, held at its place where lengths are free and the workspace is fixed in space."""
     anchor = _anchor(context, np.array(pose.q), p) if anchored(space) else None
-    return ErrorCut(pose.q, pose.load_case, pose.signs, (float(shift[0]), float(shift[1]), float(shift[2])), anchor)
+    return replace(cut_of(context.model, pose), anchor=anchor)
 
 
 def _anchor(context: Context, q: Array, p: Array) -> Anchor:

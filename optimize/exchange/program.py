@@ -24,6 +24,7 @@ from numpy.typing import NDArray
 from linkwright.core.arm.chain.prices import fixed_price, price_by_length
 from linkwright.core.arm.errors.model import ErrorModel
 from linkwright.core.arm.evaluation import heaviest_carried
+from linkwright.core.arm.worst.search import WorstPose
 from linkwright.core.arm.worst.workspace import climbing_bounds, joint_box
 from linkwright.core.optimize.limits import Cut, Held, Limit, OfDesign, PoseFamily, Totals
 from linkwright.core.optimize.problem import Problem
@@ -141,6 +142,12 @@ def anchored(space: DesignSpace) -> bool:
 def fixed_error(model: ErrorModel) -> float:
     """The part of the worst error (m) that no design changes: in the plane the clearances add up, whatever the pose."""
     return float(model.cases[0].radii.sum()) if model.planar and model.arm.play == "worst" else 0.0
+
+
+def cut_of(model: ErrorModel, pose: WorstPose) -> ErrorCut:
+    """The cut that a worst pose makes; where clearances add up whatever the pose, they stay out of it."""
+    shift = np.array(pose.shifts).reshape(-1, 3).sum(axis=0) if fixed_error(model) == 0.0 else np.zeros(3)
+    return ErrorCut(pose.q, pose.load_case, pose.signs, (float(shift[0]), float(shift[1]), float(shift[2])))
 
 
 def _without_floor(y: float, floor: float) -> float:

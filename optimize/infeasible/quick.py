@@ -24,14 +24,13 @@ from linkwright.core.arm.limits.sideways import sideways_compliance
 from linkwright.core.arm.limits.slowest_pose import least_frequency
 from linkwright.core.arm.limits.tip_stiffness import least_stiffness, tip_compliance, tips_of
 from linkwright.core.arm.worst.parts import worst_search
-from linkwright.core.arm.worst.search import WorstPose, WorstSearch
+from linkwright.core.arm.worst.search import WorstSearch
 from linkwright.core.arm.worst.workspace import Unreachable
 from linkwright.core.materials.material import Material
 from linkwright.core.optimize.balance.balance import with_counterweights
 from linkwright.core.optimize.choice.picks import options
-from linkwright.core.optimize.exchange.binding_poses import ErrorCut
 from linkwright.core.optimize.exchange.design import with_chosen_links
-from linkwright.core.optimize.exchange.program import carried_mass, fixed_error
+from linkwright.core.optimize.exchange.program import carried_mass, cut_of, fixed_error
 from linkwright.core.optimize.exchange.signs import one_signed
 from linkwright.core.optimize.limits import KEPT_WITHIN, Limit, excess
 from linkwright.core.optimize.problem import Problem
@@ -319,7 +318,7 @@ def _least_error(
     own = beams_of(problem.arm, problem.load_cases)
     ends = [beam_values(_growing(own, extremes, end)) for end in (0, 1)]
     for pose in search.worst(p, certify=False).poses:
-        if all(one_signed(model, (_cut(pose, fixed),), end, growth=True) for end in ends):
+        if all(one_signed(model, (cut_of(model, pose),), end, growth=True) for end in ends):
             return pose.error
     return fixed if fixed > 0.0 else None
 
@@ -332,8 +331,3 @@ def _growing(own: Sequence[Beam], extremes: dict[int, _Extremes], end: int) -> l
         else replace(beam, thermal_expansion=extremes[link].expansion[end])
         for link, beam in enumerate(own)
     ]
-
-
-def _cut(pose: WorstPose, fixed: float) -> ErrorCut:
-    shift = np.zeros(3) if fixed > 0.0 else np.array(pose.shifts).reshape(-1, 3).sum(axis=0)
-    return ErrorCut(pose.q, pose.load_case, pose.signs, (float(shift[0]), float(shift[1]), float(shift[2])))

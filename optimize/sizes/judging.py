@@ -8,10 +8,9 @@ from collections.abc import Callable
 import numpy as np
 
 from linkwright.core.arm.chain.chain import Arm
-from linkwright.core.arm.worst.search import WorstPose
-from linkwright.core.optimize.exchange.binding_poses import ErrorCut, Pool
+from linkwright.core.optimize.exchange.binding_poses import Pool
 from linkwright.core.optimize.exchange.exchange import Context
-from linkwright.core.optimize.exchange.program import fixed_error
+from linkwright.core.optimize.exchange.program import cut_of
 from linkwright.core.optimize.limits import Cut
 from linkwright.core.optimize.rounding.designs_at_once import Group, Table
 from linkwright.core.optimize.rounding.fixed_sizes import RoundSearch
@@ -55,7 +54,7 @@ class Judge(RoundSearch):
         for row, case in zip(q, load_cases, strict=True):
             if self.context.uses_error:
                 pose = search.worst_poses_at(row[None], p, search.case_at(row, p, case))[0]
-                self.pool = self.pool.with_errors((cut_of(self.context, pose),))
+                self.pool = self.pool.with_errors((cut_of(self.context.model, pose),))
             for family, prepared in self.context.families:
                 if family.bounds_many and family.more(prepared) == 0:
                     self.pool = self.pool.with_cuts(family.name, [Cut(tuple(row.tolist()), case)])
@@ -83,11 +82,3 @@ def table_of(context: Context, lists: tuple[LinkList, ...]) -> Table:
     """All options of the links, ready to be combined."""
     groups = [Group((each.link,), tuple((own,) for own in each.options), len(each.options)) for each in lists]
     return Table(context.problem, context.problem.arm, groups, [context.problem.arm.lengths])
-
-
-def cut_of(context: Context, pose: WorstPose) -> ErrorCut:
-    """The cut that a worst pose makes; where clearances add up whatever the pose, they stay out of it."""
-    shift = np.array(pose.shifts).reshape(-1, 3).sum(axis=0)
-    if fixed_error(context.model) > 0.0:
-        shift = np.zeros(3)
-    return ErrorCut(pose.q, pose.load_case, pose.signs, (float(shift[0]), float(shift[1]), float(shift[2])))

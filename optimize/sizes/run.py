@@ -25,8 +25,9 @@ from linkwright.core.optimize.trust import doubts
 from linkwright.core.units.quantities import NoAnswer, format_quantity
 
 from .free.search import FreeListSearch
+from .listed_search import Found
 from .options import LinkList, link_lists
-from .search import CLOSE, Found, ListSearch
+from .search import CLOSE, ListSearch
 
 _BETTER = 1e-6
 """By how much (relative) another choice of drives must be better to be looked for."""

@@ -8,11 +8,9 @@ by what the mixture of a link differs in (Land and Doig 1960, doi:10.2307/191012
 
 from __future__ import annotations
 
-import heapq
-import itertools
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,12 +23,10 @@ from linkwright.core.optimize.result import Iteration
 from linkwright.core.optimize.rounding.designs_at_once import Table
 from linkwright.core.sections.numeric import Array
 
-from .judging import Judge
+from .listed_search import AGREE, Found, ListedSearch, Progress
 from .options import LinkList, agreeing
 from .relaxation import Part, Relaxation, Relaxed
 from .rows import Integers, greatest, table_row
-
-Progress = Callable[[int, int, str], None]
 
 CLOSE = 1e-4
 """A part whose bound is this near to the best design (relative) holds nothing worth winning: the exchange's own gap."""
@@ -47,34 +43,10 @@ _MOST_IN_ALL = 5_000_000
 _OFFERED = 512
 """Designs searched over their workspaces before rows are made of the poses that turned up."""
 _MOST_OFFERS = 40
-_AGREE = 1e-6
-"""A row may be this far (relative) above what the whole evaluation of a design says."""
 
 
-@dataclass(frozen=True)
-class Found:
-    """How a search ended: the best design (an option of each link, then a choice of lengths) or None, its objective
-    (SI), the bound that no design goes below, parts looked at, designs compared and searched, and whether it was
-    interrupted."""
-
-    pick: tuple[int, ...] | None
-    objective: float
-    bound: float
-    parts: int
-    compared: int
-    searched: int
-    interrupted: bool = False
-
-    @property
-    def gap(self) -> float | None:
-        """By how much (relative) the objective is above the bound; None where nothing is known."""
-        if self.pick is None or not math.isfinite(self.bound):
-            return None
-        return max(0.0, 1.0 - self.bound / self.objective) if self.objective else 0.0
-
-
-class ListSearch:
-    """Looks for the best design of a problem whose sections are listed."""
+class ListSearch(ListedSearch[Part]):
+    """Looks for the best design where lengths stay."""
 
     def __init__(
         self,
@@ -86,57 +58,25 @@ class ListSearch:
         table: Table | None = None,
     ) -> None:
         """`table` is that of the lists (`judging.table_of`), where it is there already."""
-        self.context, self.lists, self.progress, self._log = context, lists, progress, log
-        self.same = context.problem.same
-        self.history: list[Iteration] = []
-        self.judge = Judge(context, lists, self._heard, table)
+        super().__init__(context, lists, "bounding all combinations", progress=progress, log=log, table=table)
         self.relaxation = Relaxation(lists)
-        self.worth = 1.0
-        self.parts = self.compared = 0
-        self.bounded = True
-        """Whether there are rows, so that anything can be bounded."""
         self._known = Pool()
         self._own = 0
-        self._order = itertools.count()
-        self._heap: list[tuple[float, int, Part]] = []
-        self._out = math.inf
-        """The least bound (relative to `worth`) of the parts that are done with."""
 
     @property
-    def objective(self) -> float:
-        """The best objective so far, relative to `worth`."""
-        return math.inf if self.judge.best is None else self.judge.best[1] / self.worth
-
-    @property
-    def bound(self) -> float:
-        """The bound so far, relative to `worth`."""
-        return min([self._out, self.objective, *(entry[0] for entry in self._heap[:1])])
-
-    @property
-    def gap(self) -> float:
-        """By how much (relative) the best design is above the bound."""
-        return math.inf if math.isinf(self.objective) else max(0.0, 1.0 - self.bound / self.objective)
-
-    @property
-    def combinations(self) -> int:
-        """How many designs there are."""
-        return sum(math.prod(len(own) for own in part.options) for part in self._roots())
-
-    def exclude(self, pick: tuple[int, ...]) -> None:
-        """Leave a design out of the next run: it turned out to break a limit after all."""
-        self.judge.exclude(pick)
+    def _pool(self) -> Pool:
+        return self.judge.pool
 
     def run(self) -> Found:
         """Split and compare until nothing better can be left, or enough parts were looked at."""
-        self._heap, self._out, self.parts = [], math.inf, 0
+        self._begin_again()
         try:
             if not self._known.size:
                 self._begin()
             for part in self._roots():
-                self._push(part)
+                self._push(part, part.bound)
             while self._heap and self.gap > CLOSE and self._worth_going_on():
-                self._tell()
-                self._step(heapq.heappop(self._heap)[2])
+                self._next()
             if not self.bounded and self.gap > CLOSE:
                 self._link_by_link()
         except KeyboardInterrupt:
@@ -146,10 +86,7 @@ class ListSearch:
         return self._found()
 
     def _found(self, *, interrupted: bool = False) -> Found:
-        best = self.judge.best
-        bound = -math.inf if interrupted or not self._agrees() else self.bound * self.worth
-        pick, objective = (None, math.inf) if best is None else best
-        return Found(pick, objective, bound, self.parts, self.compared, self.judge.searched, interrupted)
+        return self._ended(known=not interrupted and self._agrees(), interrupted=interrupted)
 
     def _agrees(self) -> bool:
         """Whether the best design, which was looked at as a whole, is where its rows say: above those of the objective,
@@ -158,7 +95,7 @@ class ListSearch:
             return True
         pick = np.array([self.judge.best[0][:-1]])
         values = [(row, float(row.values(pick)[0])) for row in self.relaxation.rows]
-        return all(value <= (self.objective * (1.0 + _AGREE) if row.objective else _AGREE) for row, value in values)
+        return all(value <= (self.objective * (1.0 + AGREE) if row.objective else AGREE) for row, value in values)
 
     # ---- begin
 
@@ -204,17 +141,13 @@ class ListSearch:
 
     def _roots(self) -> list[Part]:
         """All designs, in parts that agree in what must be the same."""
-        return [Part(options) for options in agreeing(self.lists, self.same)]
+        return [Part(options) for options in agreeing(self.lists, self.context.problem.same)]
 
     # ---- parts
 
-    def _push(self, part: Part) -> None:
-        heapq.heappush(self._heap, (part.bound, next(self._order), part))
-
     def _step(self, part: Part) -> None:
-        self.parts += 1
         if part.bound >= self._enough():
-            self._out = min(self._out, part.bound)
+            self._done_with(part.bound)
             return
         if self._compared_all(part):
             return
@@ -224,16 +157,16 @@ class ListSearch:
             self._try(found)
         enough = self._enough()
         if bound >= enough:
-            self._out = min(self._out, bound)
+            self._done_with(bound)
             return
         left = self._filtered(found, enough - bound)
         found = replace(found, part=replace(left[0], bound=bound), losses=left[1], shares=left[2], bound=bound)
         if any(len(own) == 0 for own in found.part.options):
-            self._out = min(self._out, enough)
+            self._done_with(enough)
             return
         picks = combined(found.losses, enough - bound, _MOST_COMPARED)
         if picks is not None and self._compare(self._picks(found.part, picks)):
-            self._out = min(self._out, enough)
+            self._done_with(enough)
             return
         self._split(found)
 
@@ -276,7 +209,7 @@ class ListSearch:
         enough = self._enough()
         if not self._compare(picks):
             return False
-        self._out = min(self._out, enough if math.isinf(self.objective) else self._enough())
+        self._done_with(enough if math.isinf(self.objective) else self._enough())
         return True
 
     def _filtered(self, found: Relaxed, room: float) -> tuple[Part, tuple[Array, ...], tuple[Array, ...]]:
@@ -347,26 +280,7 @@ class ListSearch:
         for side in (below, ~below):
             options = list(found.part.options)
             options[k] = options[k][side]
-            self._push(replace(found.part, options=tuple(options)))
-
-    # ---- telling
-
-    def _note(self) -> None:
-        """A line of the log: a better design."""
-        assert self.judge.best is not None
-        number = len(self.history) + 1
-        self.history.append(Iteration(number, self.judge.best[1], math.nan, self.judge.pool.size, 0.0, False))
-        if self._log is not None:
-            self._log(self.history[-1])
-
-    def _heard(self, offered: int, searched: int) -> None:
-        if self.progress is not None:
-            self.progress(searched, searched + 1, f"listed sizes: {offered} designs compared")
-
-    def _tell(self) -> None:
-        if self.progress is not None:
-            told = "" if math.isinf(self.gap) else f", none more than {self.gap:.2%} better"
-            self.progress(self.parts, self.parts + len(self._heap) + 1, f"bounding all combinations{told}")
+            self._push(replace(found.part, options=tuple(options)), found.part.bound)
 
 
 def combined(losses: Sequence[Array], room: float, most: int) -> Integers | None:

@@ -16,17 +16,17 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from linkwright.core.arm.chain.chain import Arm
-from linkwright.core.materials.material import Material
 from linkwright.core.optimize.choice.chooser import Chooser
-from linkwright.core.optimize.choice.picks import Combination, uniform
+from linkwright.core.optimize.choice.picks import Combination, option_table, uniform
 from linkwright.core.optimize.exchange.binding_poses import Pool
 from linkwright.core.optimize.exchange.design import arm_of, design_space, material_row, numeric_beams, starting_points
 from linkwright.core.optimize.exchange.exchange import first_pool
 from linkwright.core.optimize.exchange.program import carried_mass
 from linkwright.core.sections.numeric import Array
 
-from .cells import elastic_links, link_cells
+from .cells import link_cells
 from .lengths import LengthRows
+from .parts import BranchAndBound
 from .pose_rows import PoseRow, rows_of
 from .relaxation import LOOSE, Node, Relaxation, Relaxed
 from .splitting import split
@@ -49,43 +49,28 @@ class Proof:
     reached: bool
 
 
-class Branching:
+class Branching(BranchAndBound[Node]):
     """Bounds all combinations of a problem against a chooser's best design."""
 
     def __init__(self, chooser: Chooser, wanted: float) -> None:
+        super().__init__("bounding all combinations")
         self.chooser, self.wanted = chooser, wanted
         self.context = chooser.context
-        self.links = elastic_links(self.context.problem)
+        self.options = option_table(self.context.problem)
         problem = self.context.problem
         span = problem.link_length
         logs = (0.0, 0.0) if span is None else (math.log(span[0]), math.log(span[1]))
-        self.relaxation = Relaxation(link_cells(self.context.problem), self.links, problem.arm.size, logs)
+        self.relaxation = Relaxation(link_cells(self.context.problem), self.options.links, problem.arm.size, logs)
         self._free = None if span is None else LengthRows(self.context, span)
-        self.worth = 1.0
-        self.parts = 0
         self._rows_for: object = None
         self._read_off: tuple[Arm, Array] | None = None
-        self._order = itertools.count()
-        self._heap: list[tuple[float, int, Node]] = []
-        self._out = math.inf
-        """The least bound (relative to `worth`) of the parts that are done with."""
+        self._summed = True
+        """Whether the model is a sum of products, so that parts can be bounded."""
 
     @property
     def objective(self) -> float:
         """The best objective so far, relative to `worth`."""
         return self.chooser.objective / self.worth
-
-    @property
-    def bound(self) -> float:
-        """The bound so far, relative to `worth`."""
-        return min([self._out, *(entry[0] for entry in self._heap[:1])])
-
-    @property
-    def gap(self) -> float:
-        """By how much (relative) the best design is above the bound."""
-        if math.isinf(self.chooser.objective) or self.bound == -math.inf:
-            return math.inf
-        return max(0.0, 1.0 - self.bound / self.objective)
 
     def run(self, most: int) -> Proof | None:
         """Split until the gap is what is wanted, or so many parts were looked at; None where the model is no sum of
@@ -94,22 +79,18 @@ class Branching:
             return None
         for node in self._roots():
             found = self.relaxation.solve(node, math.inf, rough=True)
-            self._push(replace(found.node, bound=found.bound))
+            self._push(replace(found.node, bound=found.bound), found.bound)
         if self._heap and self._heap[0][2].prices is not None:
             first = self.relaxation.solve(self._heap[0][2], math.inf, rough=True)
             self._try(next(self._picks(first)))
             if not self._refresh():
                 return None
-        while self._heap and self.parts < most:
-            if self.gap <= self.wanted:
-                break
-            self._tell()
+        while self._summed and self._heap and self.parts < most and self.gap > self.wanted:
             if self._free is not None:
                 # Many parts differ in lengths: cells are split as finely as the gap is worth.
                 self.relaxation.loose = min(max(LOOSE, _SHARE * self.gap), _LOOSEST)
-            if not self._step(heapq.heappop(self._heap)[2]):
-                return None
-        return self.proof()
+            self._next()
+        return self.proof() if self._summed else None
 
     def proof(self) -> Proof:
         """What stands now."""
@@ -133,7 +114,10 @@ class Branching:
         while heap:
             bound, _, places, ranked = heapq.heappop(heap)
             left -= 1
-            yield self.combination([each[k][1] for each, k in zip(ranked, places, strict=True)]), max(left, len(heap))
+            yield (
+                self.options.combination([each[k][1] for each, k in zip(ranked, places, strict=True)]),
+                max(left, len(heap)),
+            )
             # Each next worse one has one parent: only links from the last that was moved on are moved.
             last = max((j for j, k in enumerate(places) if k), default=0)
             for j in range(last, len(places)):
@@ -145,18 +129,13 @@ class Branching:
 
     def could_reach(self, pick: Combination, objective: float) -> bool:
         """Whether one combination could do as well as an objective (SI), by its own bound as far as that is cheap."""
-        alone = [
-            np.array([(pick.shapes[link], pick.materials[link]) == each for each in own.options]).nonzero()[0]
-            for link, own in zip(self.links, self.relaxation.cells, strict=True)
-        ]
+        alone = [np.array([place]) for place in self.options.place(pick)]
         enough = objective / self.worth
         return self.relaxation.solve(self.relaxation.root(alone), enough, rough=True).bound < enough
 
-    def _tell(self) -> None:
-        progress = self.chooser.progress
-        if progress is not None:
-            told = "" if math.isinf(self.gap) else f", none more than {self.gap:.2%} better"
-            progress(self.parts, self.parts + len(self._heap), f"bounding all combinations{told}")
+    def _say(self, done: int, of: int, text: str) -> None:
+        if self.chooser.progress is not None:
+            self.chooser.progress(done, of, text)
 
     def _begin(self) -> bool:
         """Rows of some poses read off a first design; False where the error is no sum of products."""
@@ -208,32 +187,26 @@ class Branching:
             found.append(self.relaxation.root(allowed))
         return found
 
-    def _push(self, node: Node) -> None:
-        heapq.heappush(self._heap, (node.bound, next(self._order), node))
-
-    def _step(self, node: Node) -> bool:
-        self.parts += 1
+    def _step(self, part: Node) -> None:
         enough = self.objective * (1.0 - 0.9 * self.wanted)
-        if node.bound >= enough:
-            self._out = min(self._out, node.bound)
-            return True
-        found = self.relaxation.solve(node, enough)
-        bound = max(found.bound, node.bound)
+        if part.bound >= enough:
+            self._done_with(part.bound)
+            return
+        found = self.relaxation.solve(part, enough)
+        bound = max(found.bound, part.bound)
         if bound >= enough:
-            self._out = min(self._out, bound)
-            return True
+            self._done_with(bound)
+            return
         untried = (pick for pick in self._picks(found) if pick not in self.chooser.candidates)
         pick = next(untried, None)
         if pick is not None:
             self._try(pick)
-            if not self._refresh():
-                return False
+            self._summed = self._refresh()
         parts = split(self.relaxation, replace(found.node, bound=bound), found)
         if not parts:
-            self._out = min(self._out, bound)
-        for part in parts:
-            self._push(part)
-        return True
+            self._done_with(bound)
+        for each in parts:
+            self._push(each, bound)
 
     def _picks(self, found: Relaxed) -> Iterator[Combination]:
         """The combinations that a relaxed solution is mixed of, the nearest first."""
@@ -249,16 +222,7 @@ class Branching:
         every.sort(key=lambda each: -each[0])
         for weight, each in every:
             if weight >= _NEAR * every[0][0]:
-                yield self.combination([option for option, _ in each])
-
-    def combination(self, chosen: Sequence[int]) -> Combination:
-        """The combination of an option of each elastic link."""
-        size = self.context.problem.arm.size
-        shapes: list[str | None] = [None] * size
-        materials: list[Material | None] = [None] * size
-        for link, cells, option in zip(self.links, self.relaxation.cells, chosen, strict=True):
-            shapes[link], materials[link] = cells.options[option]
-        return Combination(tuple(shapes), tuple(materials))
+                yield self.options.combination([option for option, _ in each])
 
     def _try(self, pick: Combination) -> None:
         """Solve a combination, with an exchange where it could win."""

@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from linkwright.core.arm.chain.beam import elastic_beam
 from linkwright.core.arm.errors.model import needs_shear_modulus
 from linkwright.core.materials.material import Material, MaterialValues
-from linkwright.core.optimize.choice.picks import options
+from linkwright.core.optimize.choice.picks import option_table
 from linkwright.core.optimize.choice.products import FEATURES
 from linkwright.core.optimize.exchange.design import MATERIAL_FIELDS, material_row, material_values
 from linkwright.core.optimize.limits import Limit, OfLinks
@@ -378,20 +378,8 @@ def held(limit: Limit, section: Section, materials: MaterialValues) -> list[Any]
     return [sign * (value / limit.value - 1.0) for value in follows.values(section, materials) or ()]
 
 
-def elastic_links(problem: Problem) -> tuple[int, ...]:
-    """The links that have a section, from 0."""
-    return tuple(k for k, link in enumerate(problem.arm.links) if link.section is not None)
-
-
 def link_cells(problem: Problem) -> tuple[Cells, ...]:
     """The cells of each elastic link; links with the same options share them."""
-    shapes, materials = options(problem)
-    made: dict[tuple[tuple[str, str], ...], Cells] = {}
-    found: list[Cells] = []
-    for k in elastic_links(problem):
-        own = [(shape, material) for shape in shapes[k] if shape for material in materials[k] if material]
-        key = tuple((shape, material.name) for shape, material in own)
-        if key not in made:
-            made[key] = Cells(problem, own)
-        found.append(made[key])
-    return tuple(found)
+    table = option_table(problem).options
+    made = {own: Cells(problem, own) for own in dict.fromkeys(table)}
+    return tuple(made[own] for own in table)

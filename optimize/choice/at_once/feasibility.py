@@ -9,21 +9,20 @@ Chinneck, Feasibility and Infeasibility in Optimization, Springer 2008, ch. 2).
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from linkwright.core.materials.material import Material
-from linkwright.core.optimize.choice.picks import Combination, options
+from linkwright.core.optimize.choice.picks import Combination, option_table
 from linkwright.core.optimize.exchange.binding_poses import Pool
 from linkwright.core.optimize.exchange.design import arm_of, numeric_beams
 from linkwright.core.optimize.exchange.exchange import Context, Exchange
 from linkwright.core.optimize.exchange.program import Solution
 from linkwright.core.sections.numeric import Array
 
-from .cells import Ids, elastic_links, link_cells
+from .cells import Ids, link_cells
 from .pose_rows import rows_of
 from .relaxation import LOOSE, Node, Relaxation, Relaxed
 
@@ -55,14 +54,12 @@ class Feasibility:
     def __init__(self, context: Context) -> None:
         problem = context.problem
         self.context = context
-        self.relaxation = Relaxation(link_cells(problem), elastic_links(problem), problem.arm.size)
+        self.relaxation = Relaxation(link_cells(problem), option_table(problem).links, problem.arm.size)
         # By how much limits are broken is told to thousandths of them, however little that is.
         self.relaxation.little = 1.0
         self._root = self.relaxation.root()
-        self._places: list[dict[tuple[str | None, Material | None], int]] = [
-            {option: number for number, option in enumerate(cells.options)} for cells in self.relaxation.cells
-        ]
-        self.impossible = np.zeros(tuple(len(own) for own in self._places), dtype=bool)
+        self._options = option_table(problem)
+        self.impossible = np.zeros(self._options.shape, dtype=bool)
         self.shown: Shown | None = None
         self._broken = np.zeros(self.impossible.shape)
         """How far limits are broken at least (relative), as far as that is known."""
@@ -72,12 +69,12 @@ class Feasibility:
 
     def rules_out(self, pick: Combination) -> bool:
         """Whether a combination is known to keep the limits nowhere."""
-        return bool(self.impossible[self._place(pick)])
+        return bool(self.impossible[self._options.place(pick)])
 
     def learn(self, exchange: Exchange, relaxed: Solution, pick: Combination, pool: Pool) -> None:
         """Rule out what a combination shows that has no solution for a pool: in `relaxed` limits give way as little as
         they can, `exchange` is one of its shapes."""
-        self.impossible[self._place(pick)] = True
+        self.impossible[self._options.place(pick)] = True
         if self._in_vain >= _IN_VAIN:
             return
         # Where the limits give way, other poses than the pool's break them as well.
@@ -135,7 +132,7 @@ class Feasibility:
     def _least(self, table: NDArray[np.float64], number: int) -> list[Combination]:
         picks: list[Combination] = []
         for place in np.argsort(table, axis=None, kind="stable").tolist():
-            near = self._combination([int(k) for k in np.unravel_index(place, table.shape)])
+            near = self._options.combination([int(k) for k in np.unravel_index(place, table.shape)])
             if near.agrees(self.context.problem.same):
                 picks.append(near)
             if len(picks) == number:
@@ -155,23 +152,9 @@ class Feasibility:
         self.relaxation.rows = [row for row in rows or () if not row.objective]
         return bool(self.relaxation.rows)
 
-    def _place(self, pick: Combination) -> tuple[int, ...]:
-        return tuple(
-            own[pick.shapes[link], pick.materials[link]]
-            for link, own in zip(self.relaxation.links, self._places, strict=True)
-        )
-
-    def _combination(self, place: Sequence[int]) -> Combination:
-        size = self.context.problem.arm.size
-        shapes: list[str | None] = [None] * size
-        materials: list[Material | None] = [None] * size
-        for link, cells, k in zip(self.relaxation.links, self.relaxation.cells, place, strict=True):
-            shapes[link], materials[link] = cells.options[k]
-        return Combination(tuple(shapes), tuple(materials))
-
     def _only(self, pick: Combination) -> Node:
         """The part of all designs in which every link is what a combination says."""
-        allowed: list[Ids] = [np.array([place]) for place in self._place(pick)]
+        allowed: list[Ids] = [np.array([place]) for place in self._options.place(pick)]
         return self.relaxation.root(allowed)
 
     def _note(self, node: Node) -> None:
@@ -206,6 +189,5 @@ def feasibility_of(context: Context) -> Feasibility | None:
         return None
     if problem.arm.play != "worst" and context.uses_error:
         return None
-    links = elastic_links(problem)
-    own = [len(shapes) * len(materials) for shapes, materials in zip(*options(problem), strict=True)]
-    return Feasibility(context) if links and math.prod(own) <= _MOST else None
+    options = option_table(problem)
+    return Feasibility(context) if options.links and math.prod(options.shape) <= _MOST else None

@@ -9,8 +9,6 @@ sections for settled lengths and lengths for settled sections are looked for by 
 
 from __future__ import annotations
 
-import heapq
-import itertools
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import replace
@@ -25,11 +23,12 @@ from linkwright.core.optimize.choice.at_once.splitting import split
 from linkwright.core.optimize.exchange.binding_poses import Pool
 from linkwright.core.optimize.exchange.design import numeric_beams
 from linkwright.core.optimize.exchange.exchange import Context, context_of
+from linkwright.core.optimize.exchange.program import cut_of
 from linkwright.core.optimize.result import Iteration
-from linkwright.core.optimize.sizes.judging import Judge, cut_of
+from linkwright.core.optimize.sizes.listed_search import AGREE, Found, ListedSearch, Progress
 from linkwright.core.optimize.sizes.options import LinkList, agreeing
 from linkwright.core.optimize.sizes.rows import Integers, greatest, table_row
-from linkwright.core.optimize.sizes.search import Found, ListSearch, Progress
+from linkwright.core.optimize.sizes.search import ListSearch
 from linkwright.core.sections.numeric import Array
 
 from .fitting import fitted, moved
@@ -51,8 +50,6 @@ _TOLERANCE = 2e-5
 """A pose that is worse than the rows say by more (relative) becomes a row."""
 _ADDED = 2
 _BETTER = 1e-6
-_AGREE = 1e-6
-"""A row may be this far (relative) above what the whole evaluation of a design says."""
 _STEPS = (0.1, 0.03, 0.01, 0.003)
 """By how much lengths are changed where they are looked for one by one, relative."""
 _WORTH = 0.05
@@ -61,8 +58,8 @@ _TURNS = 4
 _SUMS = ("mass", "total_mass", "cost")
 
 
-class FreeListSearch:
-    """Looks for the best design of a problem whose sections are listed and whose lengths are free."""
+class FreeListSearch(ListedSearch[Node]):
+    """Looks for the best design where lengths are free."""
 
     def __init__(
         self,
@@ -72,11 +69,9 @@ class FreeListSearch:
         progress: Progress | None = None,
         log: Callable[[Iteration], None] | None = None,
     ) -> None:
+        super().__init__(context, lists, "bounding all sections and lengths", progress=progress, log=log)
         problem = context.problem
         assert problem.link_length is not None
-        self.context, self.lists, self.progress, self._log = context, lists, progress, log
-        self.history: list[Iteration] = []
-        self.judge = Judge(context, lists, self._heard)
         self.span = problem.link_length
         self.links = tuple(each.link for each in lists)
         logs = (math.log(self.span[0]), math.log(self.span[1]))
@@ -85,46 +80,20 @@ class FreeListSearch:
         self.relaxation = Relaxation(self._points, self.links, problem.arm.size, logs)
         sums = problem.arm.play == "worst" or not context.uses_error
         self.bounded = sums and problem.workspace.kind == "joints" and problem.minimize in ("max_error", *_SUMS)
-        """Whether there are rows, so that anything can be bounded."""
-        self.worth = 1.0
-        self.parts = self.compared = 0
         self._rows = LengthRows(context, self.span)
-        self._pool = Pool()
+        self._held = Pool()
         self._settled: list[SettledRow] = []
         self._program: LengthProgram | None = None
         self._tried: set[tuple[int, ...]] = set()
-        self._order = itertools.count()
-        self._heap: list[tuple[float, int, Node]] = []
-        self._out = math.inf
         self._begun = False
 
     @property
-    def objective(self) -> float:
-        """The best objective so far, relative to `worth`."""
-        return math.inf if self.judge.best is None else self.judge.best[1] / self.worth
-
-    @property
-    def bound(self) -> float:
-        """The bound so far, relative to `worth`."""
-        return min([self._out, self.objective, *(entry[0] for entry in self._heap[:1])])
-
-    @property
-    def gap(self) -> float:
-        """By how much (relative) the best design is above the bound."""
-        return math.inf if math.isinf(self.objective) else max(0.0, 1.0 - self.bound / self.objective)
-
-    @property
-    def combinations(self) -> int:
-        """How many combinations of sections there are."""
-        return sum(math.prod(len(own) for own in part) for part in agreeing(self.lists, self.context.problem.same))
-
-    def exclude(self, pick: tuple[int, ...]) -> None:
-        """Leave a design out of the next run: it turned out to break a limit after all."""
-        self.judge.exclude(pick)
+    def _pool(self) -> Pool:
+        return self._held
 
     def run(self) -> Found:
         """Split and settle until nothing much better can be left, or enough parts were looked at."""
-        self._heap, self._out, self.parts = [], math.inf, 0
+        self._begin_again()
         self._tried = set()
         try:
             if not self._begun:
@@ -143,11 +112,8 @@ class FreeListSearch:
         return self._found()
 
     def _found(self, *, interrupted: bool = False) -> Found:
-        best = self.judge.best
-        known = self.bounded and bool(self._heap or math.isfinite(self._out) or best is None) and self._agrees()
-        bound = self.bound * self.worth if known else -math.inf
-        pick, objective = (None, math.inf) if best is None else best
-        return Found(pick, objective, bound, self.parts, self.compared, self.judge.searched, interrupted)
+        looked = bool(self._heap or math.isfinite(self._out) or self.judge.best is None)
+        return self._ended(known=self.bounded and looked and self._agrees(), interrupted=interrupted)
 
     def _agrees(self) -> bool:
         """Whether the best design, which was looked at as a whole, is where its rows say: above those of the objective,
@@ -158,7 +124,7 @@ class FreeListSearch:
         at = self._columns(pick[:-1])
         at[LENGTH :: len(COLUMNS)] = np.log(self.judge.table.lengths[pick[-1]])
         values = [(row, row.value(at)) for row in self.relaxation.rows]
-        return all(value <= (self.objective * (1.0 + _AGREE) if row.objective else _AGREE) for row, value in values)
+        return all(value <= (self.objective * (1.0 + AGREE) if row.objective else AGREE) for row, value in values)
 
     # ---- rows
 
@@ -188,7 +154,7 @@ class FreeListSearch:
         worst = self.context.search.worst(p, certify=False)
         worse = [pose for pose in worst.poses if pose.error > max(allowed * (1.0 + _TOLERANCE), 0.9 * worst.error)]
         before = self._pool.size
-        self._pool = self._pool.with_errors(tuple(cut_of(self.context, pose) for pose in worse[:_ADDED]))
+        self._held = self._held.with_errors(tuple(cut_of(self.context.model, pose) for pose in worse[:_ADDED]))
         return self._pool.size > before
 
     def _refresh(self) -> None:
@@ -213,43 +179,38 @@ class FreeListSearch:
         for options in agreeing(self.lists, self.context.problem.same):
             node = self.relaxation.root(options)
             found = self.relaxation.solve(node, math.inf)
-            self._push(replace(found.node, bound=found.bound))
+            self._push(replace(found.node, bound=found.bound), found.bound)
             self._try(found)
         while self._heap and self.parts < MOST_PARTS and self.gap > WANTED:
-            self._tell()
-            self._step(heapq.heappop(self._heap)[2])
-
-    def _push(self, node: Node) -> None:
-        heapq.heappush(self._heap, (node.bound, next(self._order), node))
+            self._next()
 
     def _enough(self) -> float:
         return self.objective * (1.0 - _SHARE * WANTED)
 
-    def _step(self, node: Node) -> None:
-        self.parts += 1
-        if node.bound >= self._enough():
-            self._out = min(self._out, node.bound)
+    def _step(self, part: Node) -> None:
+        if part.bound >= self._enough():
+            self._done_with(part.bound)
             return
-        found = self.relaxation.solve(node, self._enough())
-        bound = max(found.bound, node.bound)
+        found = self.relaxation.solve(part, self._enough())
+        bound = max(found.bound, part.bound)
         if bound < self._enough():
             self._try(found)
         enough = self._enough()
         if bound >= enough:
-            self._out = min(self._out, bound)
+            self._done_with(bound)
             return
         left = self._filtered(replace(found.node, bound=bound), found, enough)
         if any(len(ids) == 0 for ids in left.cells):
-            self._out = min(self._out, enough)
+            self._done_with(enough)
             return
         parts = split(self.relaxation, left, found, by_kind=False)
         if not parts:
-            self._out = min(self._out, bound)
-        for part in parts:
+            self._done_with(bound)
+        for each in parts:
             # What cells hold says where they are; sides of their columns would only be rows more.
-            low, high = np.full_like(part.low, -np.inf), np.full_like(part.high, np.inf)
-            low[:, LENGTH], high[:, LENGTH] = part.low[:, LENGTH], part.high[:, LENGTH]
-            self._push(replace(part, low=low, high=high))
+            low, high = np.full_like(each.low, -np.inf), np.full_like(each.high, np.inf)
+            low[:, LENGTH], high[:, LENGTH] = each.low[:, LENGTH], each.high[:, LENGTH]
+            self._push(replace(each, low=low, high=high), bound)
 
     def _losses(self, found: Relaxed) -> list[Array]:
         """By how much the bound rises at least where a link must be each of a part's options."""
@@ -370,22 +331,3 @@ class FreeListSearch:
                 self._offer(pick[:-1], list(moved(self.context.problem, lengths, self.links, step)))
                 if not self.judge.complete or self.judge.best[1] >= before * (1.0 - step * _WORTH):
                     break
-
-    # ---- telling
-
-    def _note(self) -> None:
-        """A line of the log: a better design."""
-        assert self.judge.best is not None
-        number = len(self.history) + 1
-        self.history.append(Iteration(number, self.judge.best[1], math.nan, self._pool.size, 0.0, False))
-        if self._log is not None:
-            self._log(self.history[-1])
-
-    def _heard(self, offered: int, searched: int) -> None:
-        if self.progress is not None:
-            self.progress(searched, searched + 1, f"listed sizes: {offered} designs compared")
-
-    def _tell(self) -> None:
-        if self.progress is not None:
-            told = "" if math.isinf(self.gap) else f", none more than {self.gap:.2%} better"
-            self.progress(self.parts, self.parts + len(self._heap) + 1, f"bounding all sections and lengths{told}")

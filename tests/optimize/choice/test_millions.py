@@ -85,7 +85,7 @@ def test_what_one_combination_could_reach_is_told_from_what_it_could_not(tmp_pat
     could = np.zeros(every.shape, dtype=bool)
     for place, _ in np.ndenumerate(every):
         chosen = [names.index(f"m{number}") for number in place]
-        could[place] = branching.could_reach(branching.combination(chosen), enough)
+        could[place] = branching.could_reach(branching.options.combination(chosen), enough)
     assert could[every < enough * (1.0 - 1e-3)].all()  # the closest grid of diameters is a thousandth coarse
     assert np.mean(~could[every > 2.0 * enough]) > 0.5
 

@@ -1,0 +1,113 @@
+"""What searches for the best design from lists share: designs are judged whole, and parts of them bounded."""
+
+from __future__ import annotations
+
+import math
+from abc import abstractmethod
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TypeVar
+
+from linkwright.core.optimize.choice.at_once.parts import BranchAndBound
+from linkwright.core.optimize.exchange.binding_poses import Pool
+from linkwright.core.optimize.exchange.exchange import Context
+from linkwright.core.optimize.result import Iteration
+from linkwright.core.optimize.rounding.designs_at_once import Table
+
+from .judging import Judge
+from .options import LinkList, agreeing
+
+Part = TypeVar("Part")
+Progress = Callable[[int, int, str], None]
+AGREE = 1e-6
+"""A row may be this far (relative) above what the whole evaluation of a design says."""
+
+
+@dataclass(frozen=True)
+class Found:
+    """How a search ended: the best design (an option of each link, then a choice of lengths) or None, its objective
+    (SI), the bound that no design goes below, parts looked at, designs compared and searched, and whether it was
+    interrupted."""
+
+    pick: tuple[int, ...] | None
+    objective: float
+    bound: float
+    parts: int
+    compared: int
+    searched: int
+    interrupted: bool = False
+
+    @property
+    def gap(self) -> float | None:
+        """By how much (relative) the objective is above the bound; None where nothing is known."""
+        if self.pick is None or not math.isfinite(self.bound):
+            return None
+        return max(0.0, 1.0 - self.bound / self.objective) if self.objective else 0.0
+
+
+class ListedSearch(BranchAndBound[Part]):
+    """Looks for the best design of a problem whose sections are listed."""
+
+    def __init__(
+        self,
+        context: Context,
+        lists: tuple[LinkList, ...],
+        doing: str,
+        *,
+        progress: Progress | None = None,
+        log: Callable[[Iteration], None] | None = None,
+        table: Table | None = None,
+    ) -> None:
+        """`doing` as for `BranchAndBound`; `table` is that of the lists (`judging.table_of`), where it is there
+        already."""
+        super().__init__(doing)
+        self.context, self.lists, self.progress, self._log = context, lists, progress, log
+        self.history: list[Iteration] = []
+        self.judge = Judge(context, lists, self._heard, table)
+        self.compared = 0
+        self.bounded = True
+        """Whether there are rows, so that anything can be bounded."""
+
+    @property
+    def objective(self) -> float:
+        """The best objective so far, relative to `worth`."""
+        return math.inf if self.judge.best is None else self.judge.best[1] / self.worth
+
+    @property
+    def combinations(self) -> int:
+        """How many combinations of sections there are."""
+        return sum(math.prod(len(own) for own in part) for part in agreeing(self.lists, self.context.problem.same))
+
+    @property
+    @abstractmethod
+    def _pool(self) -> Pool:
+        """The poses that are rows."""
+
+    @abstractmethod
+    def run(self) -> Found:
+        """Look for the best design until nothing much better can be left, or enough parts were looked at."""
+
+    def exclude(self, pick: tuple[int, ...]) -> None:
+        """Leave a design out of the next run: it turned out to break a limit after all."""
+        self.judge.exclude(pick)
+
+    def _ended(self, *, known: bool, interrupted: bool) -> Found:
+        """How the search ended; `known`: whether the bound holds."""
+        bound = min(self.bound, self.objective) * self.worth if known else -math.inf
+        pick, objective = self.judge.best or (None, math.inf)
+        return Found(pick, objective, bound, self.parts, self.compared, self.judge.searched, interrupted)
+
+    def _note(self) -> None:
+        """A line of the log: a better design."""
+        assert self.judge.best is not None
+        number = len(self.history) + 1
+        self.history.append(Iteration(number, self.judge.best[1], math.nan, self._pool.size, 0.0, False))
+        if self._log is not None:
+            self._log(self.history[-1])
+
+    def _heard(self, offered: int, searched: int) -> None:
+        self._say(searched, searched + 1, f"listed sizes: {offered} designs compared")
+
+    def _say(self, done: int, of: int, text: str) -> None:
+        if self.progress is not None:
+            self.progress(done, of, text)
