@@ -11,6 +11,7 @@ from linkwright.core.arm.chain.chain import Joint
 from linkwright.core.arm.effects import EFFECTS
 from linkwright.core.diagnose.diagnosis import diagnose
 from linkwright.core.diagnose.options import Options
+from tests.costs import slow_but
 from tests.diagnose.core_cases import recorded, with_effects
 from tests.diagnose.made_diagnosis import made_arm
 
@@ -134,7 +135,7 @@ PAIRS = {
 }
 
 
-@pytest.mark.parametrize("name", PAIRS)
+@pytest.mark.parametrize("name", slow_but(PAIRS, "geometry"))
 def test_a_pair_is_named(name):
     arm = made_arm()
     found = diagnose(arm, recorded(with_effects(arm, *PAIRS[name]), **PLAN))
@@ -151,16 +152,14 @@ def test_a_pair_is_named(name):
     assert found.rms_after_held_out < 1.15 * found.noise_floor
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("effect", "at", "values", "without"),
     [
-        pytest.param(
-            "gear_transmission_error", (1,), {"sine": 2e-4, "order": 3.0}, {"gear_transmission_error"},
-            marks=pytest.mark.slow,
-        ),
+        ("gear_transmission_error", (1,), {"sine": 2e-4, "order": 3.0}, {"gear_transmission_error"}),
         ("friction_windup", (2,), {"windup": 3e-4}, {"friction_windup", "backlash"}),
     ],
-)  # fmt: skip
+)
 def test_an_effect_taken_out_of_the_library_is_not_named(effect, at, values, without):
     """Unknown, or an honest name that resembles it; never the effect itself, and nothing with a wrong claim."""
     arm = made_arm()

@@ -181,23 +181,7 @@ def problem():
     )
 
 
-def test_optimization(problem, tmp_path):
-    """A better arm with its log; the folder is that of the command."""
-    heard = []
-    best = lw.optimize(problem, progress=lambda text, share: heard.append((text, share)))
-    assert best.found.after.max_error < best.before.found.max_error
-    assert len(best.log) == len(best.found.iterations)
-    assert "objective_mm" in best.log
-    assert not best.interrupted
-    assert heard
-    assert all(0.0 <= share <= 1.0 for _, share in heard)
-    best.save(tmp_path / "out")
-    assert {path.name for path in (tmp_path / "out").iterdir()} == {"arm.yaml", "report.html", "result.json"}
-    assert (tmp_path / "out" / "arm.yaml").read_text(encoding="utf-8") == best.arm.to_yaml()
-    assert (tmp_path / "out" / "result.json").read_text(encoding="utf-8") == best.to_json()
-    a_result(best)
-
-
+@pytest.mark.slow
 def test_interrupt_leaves_the_best_so_far(problem):
     """Once a design is finished; before that there is nothing to give."""
 

@@ -25,7 +25,7 @@ def examples(name):
     return [test for test in doctest.DocTestFinder().find(importlib.import_module(name)) if test.examples]
 
 
-DEAR = ("linkwright.face.tradeoff", "linkwright.face.diagnosis", "linkwright.paper.face")
+DEAR = tuple(f"linkwright.{name}" for name in ("face.design", "face.diagnosis", "face.tradeoff", "paper.face"))
 
 
 @pytest.mark.parametrize("name", slow_but(MODULES, *(set(MODULES) - set(DEAR))))

@@ -27,6 +27,7 @@ def test_script_runs(tmp_path):
     assert kinds == ["<Evaluation", "<Optimization", "<Diagnosis", "<Prediction", "<Prediction"]
 
 
+@pytest.mark.slow
 def test_page_on_python_holds(monkeypatch):
     """Its examples are run from the project's folder."""
     monkeypatch.chdir(ROOT)

@@ -1,16 +1,19 @@
-"""Every design result of the face tells its figures: those that everybody asks for, and a table of all."""
+"""Every design result of the face: its log and files, its figures that everybody asks for, and a table of all."""
 
 from __future__ import annotations
 
 import json
 import math
+from pathlib import Path
+from typing import Any
 
 import pytest
 
 import linkwright as lw
 from linkwright.core.optimize.limits import FIGURES
+from tests.face.test_contract import a_result
 
-LIMITS = {"mass": "<= 26 kg", "max_error": "<= 0.5 mm", "section_size": ["40 mm", "120 mm"]}
+LIMITS = {"mass": "<= 30 kg", "max_error": "<= 0.5 mm", "section_size": ["40 mm", "120 mm"]}
 
 
 @pytest.fixture(scope="module")
@@ -38,8 +41,36 @@ def test_an_evaluation_has_all_that_its_json_has(problem: lw.Problem) -> None:
     assert table.loc["mass", "value"] == found.mass_kg == written["mass_kg"]
 
 
-def test_a_design_has_its_own_figures_beside_those_of_the_arm_as_given(problem: lw.Problem) -> None:
-    best = lw.optimize(problem, round_to="1 mm")
+@pytest.fixture(scope="module")
+def heard() -> list[float]:
+    """The shares that were heard while the best design was found."""
+    return []
+
+
+@pytest.fixture(scope="module")
+def best(problem: lw.Problem, heard: list[float]) -> Any:
+    """The best design, its sizes rounded."""
+    return lw.optimize(problem, round_to="1 mm", progress=lambda _, share: heard.append(share))
+
+
+def test_optimization(best: Any, heard: list[float], tmp_path: Path) -> None:
+    """A better arm with its log; the folder is that of the command."""
+    assert best.found.after.max_error < best.before.found.max_error
+    assert len(best.log) == len(best.found.iterations)
+    assert "objective_mm" in best.log
+    assert not best.interrupted
+    assert heard
+    assert all(0.0 <= share <= 1.0 for share in heard)
+    best.save(tmp_path / "out")
+    assert {path.name for path in (tmp_path / "out").iterdir()} == {"arm.yaml", "report.html", "result.json"}
+    assert (tmp_path / "out" / "arm.yaml").read_text(encoding="utf-8") == best.arm.to_yaml()
+    assert (tmp_path / "out" / "result.json").read_text(encoding="utf-8") == best.to_json()
+    a_result(best)
+
+
+def test_a_design_has_its_own_figures_beside_those_of_the_arm_as_given(
+    problem: lw.Problem, best: Any
+) -> None:
     table = best.figures
     assert list(table.columns) == ["title", "before", "after", "rounded", "unit"]
     assert table.loc["max_error", "before"] == best.before.max_error_mm

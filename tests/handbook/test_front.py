@@ -50,7 +50,7 @@ def test_points_are_what_their_arms_err_by(again):
         assert made.mass == pytest.approx(point["mass_kg"], rel=1e-8)
 
 
-@pytest.mark.parametrize("share", [0.4, 0.85])
+@pytest.mark.parametrize("share", [pytest.param(0.4, marks=pytest.mark.slow), 0.85])
 def test_points_of_the_envelope_are_found_anew(again, tmp_path, share):
     """By `optimize`, which knows nothing of what is kept, with the point's mass as limit and its shape alone."""
     points = [each for each in found_in(again)["points"] if each["on_envelope"]]
@@ -64,6 +64,7 @@ def test_points_of_the_envelope_are_found_anew(again, tmp_path, share):
     assert 1e3 * best.after.max_error == pytest.approx(point["max_error_mm"], rel=2e-3)
 
 
+@pytest.mark.slow
 def test_a_front_that_was_stopped_is_gone_on_with(tmp_path, monkeypatch):
     """As the page types it, of a small problem whose journal lost the second half of its points."""
     given = yaml.safe_load((EXAMPLE / "problem.yaml").read_text(encoding="utf-8"))

@@ -122,6 +122,7 @@ def test_stock_tubes_are_the_best_of_all_that_can_be_bought(tmp_path: Path) -> N
     assert found.objective == pytest.approx(best, rel=1e-5)
 
 
+@pytest.mark.slow
 def test_the_same_material_for_all_links_holds_in_stock(tmp_path: Path) -> None:
     text = (
         "subject_to: {mass: '<= 4 kg', section_size: [30 mm, 80 mm], thickness: [2 mm, 5 mm]}\n"
@@ -269,7 +270,7 @@ NONE = {
 }
 
 
-@pytest.mark.parametrize("name", NONE)
+@pytest.mark.parametrize("name", slow_but(NONE, "mass", "stock"))
 def test_the_limit_that_no_rounded_design_keeps_is_named_and_the_optimum_kept(name: str, tmp_path: Path) -> None:
     limits, step, message = NONE[name]
     shape = "tube" if name == "stock" else "circle"

@@ -11,6 +11,7 @@ from linkwright.core.arm.worst.loose_bound import THOROUGH, loose_bound
 from linkwright.core.arm.worst.polynomial import Coordinates, fit
 from linkwright.core.sections.numeric import Array
 from tests.arm.worst.test_worst_case import DOWN_Z, X, Y, Z, errors, rods, search_of
+from tests.costs import slow_but
 
 KINDS = [(True, 2), (False, 2), (True, 1)]
 
@@ -71,7 +72,7 @@ def test_no_point_of_a_cell_is_longer_than_its_bound(plays: int, half: float) ->
 
 
 @pytest.mark.parametrize("plays", [0, 2])
-@pytest.mark.parametrize("half", [0.7, 0.5])
+@pytest.mark.parametrize("half", slow_but([0.7, 0.5], 0.5))
 def test_no_point_within_is_longer_than_the_bound_of_a_cell_that_lies_mostly_outside(plays: int, half: float) -> None:
     """A vector that goes with two functions is much shorter where those are near nought than at a cell's far ends."""
     generator = np.random.default_rng(5)

@@ -13,6 +13,7 @@ from linkwright.core.diagnose.patterns.library import parameter_of
 from linkwright.core.diagnose.rules.rules import RULES
 from linkwright.core.diagnose.search.calibrate import given_model, p_value
 from linkwright.core.diagnose.search.naming import Namer
+from tests.costs import slow_but
 from tests.diagnose.core_cases import group_of, noise_of, prepared_null, with_residual
 
 TRIALS = 240
@@ -34,7 +35,10 @@ def statistic(prepared, number):
     return -prepared.criterion.count * np.log1p(-share) - float(prepared.criterion.price[number])
 
 
-@pytest.mark.parametrize("effect", ["encoder_offset", "joint_compliance", "encoder_eccentricity", "payload"])
+EFFECTS_TRIED = ("encoder_offset", "joint_compliance", "encoder_eccentricity", "payload")
+
+
+@pytest.mark.parametrize("effect", slow_but(EFFECTS_TRIED, "encoder_eccentricity", "payload"))
 def test_power_at_the_stated_size(gate, effect):
     """Monte Carlo: noise and the effect at that size, how often its own statistic passes the gate."""
     null, tested = gate

@@ -89,7 +89,7 @@ def test_what_a_level_is_promised_to_show_is_found(levelled):
     assert own.value == pytest.approx(promised.smallest, rel=0.3)
 
 
-@pytest.mark.parametrize("camera", ["fixed", "on_tool"])
+@pytest.mark.parametrize("camera", [pytest.param("fixed", marks=pytest.mark.slow), "on_tool"])
 def test_sizes_by_a_camera_are_those_of_least_squares(camera):
     """Both frames and the depths' scale are found along; each component has its own scatter."""
     noise, on_tool = (30e-6, 200e-6, 80e-6), camera == "on_tool"
@@ -130,7 +130,7 @@ def test_sizes_by_a_camera_are_those_of_least_squares(camera):
     kept(found, errors(columns, np.stack(beside, axis=1)))
 
 
-@pytest.mark.parametrize("instrument", ["same_point", "plane"])
+@pytest.mark.parametrize("instrument", ["same_point", pytest.param("plane", marks=pytest.mark.slow)])
 def test_sizes_by_touches_are_those_of_least_squares(instrument):
     """Where each point or plane is, is found along; each is touched often enough, there within the joint ranges."""
     arm = spatial_arm()
@@ -166,7 +166,7 @@ def test_sizes_by_touches_are_those_of_least_squares(instrument):
     kept(found, errors(columns, np.stack(beside, axis=1)))
 
 
-@pytest.mark.parametrize("bars", [0, 1, 6])
+@pytest.mark.parametrize("bars", [pytest.param(0, marks=pytest.mark.slow), 1, pytest.param(6, marks=pytest.mark.slow)])
 def test_sizes_by_a_bar_are_those_of_least_squares(bars):
     """Of a bar of 0.3 m where it lies and which way it points is found along; how long it is, is known."""
     arm, length = spatial_arm(), 0.3
@@ -197,7 +197,9 @@ def test_sizes_by_a_bar_are_those_of_least_squares(bars):
     kept(found, errors(columns, np.stack(beside, axis=1)))
 
 
-@pytest.mark.parametrize(("instrument", "bar"), [("same_point", ()), ("bar", (0.0, 0.3))])
+@pytest.mark.parametrize(
+    ("instrument", "bar"), [pytest.param("same_point", (), marks=pytest.mark.slow), ("bar", (0.0, 0.3))]
+)
 def test_what_touches_have_told_counts(instrument, bar):
     """The sizes of a plan after a recording are those of least squares of both, each with its own places."""
     arm, effects = spatial_arm(), tuple(("joint_compliance", (joint,)) for joint in (1, 2, 4))

@@ -110,8 +110,15 @@ def test_in_space_too_transposed_matrices_are_left_out():
     assert with_sound_orientation(made_arm(space=True), transposed).seat == "unused"
 
 
-@pytest.mark.parametrize("space", [False, True], ids=["plane", "space"])
-@pytest.mark.parametrize("free", [False, True], ids=["known frame", "free frame"])
+@pytest.mark.parametrize(
+    ("space", "free"),
+    [
+        (False, False),
+        (True, True),
+        pytest.param(False, True, marks=pytest.mark.slow),
+        pytest.param(True, False, marks=pytest.mark.slow),
+    ],
+)
 def test_no_mismatch_stays_none(space, free):
     arm = made_arm(space)
     plan = Plan(poses=16, repeats=2, payloads=(0.0, 5.0), orientation=True, free_frame=free, seed=5)

@@ -39,7 +39,8 @@ def _arms(problem: Problem, lengths: list[tuple[float, ...]]) -> list[Arm]:
     return found
 
 
-@pytest.mark.parametrize("minimize", [pytest.param("max_error", marks=pytest.mark.slow), "mass"])
+@pytest.mark.slow
+@pytest.mark.parametrize("minimize", ["max_error", "mass"])
 def test_no_combination_at_any_length_is_better(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, minimize: str) -> None:
     """Tubes of two materials for two links whose lengths add up to 850 mm: against a grid of 2.5 mm, and of 0.1 mm
     about the best of that."""
