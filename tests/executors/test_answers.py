@@ -52,6 +52,7 @@ def same(one: OptimizationResult, other: OptimizationResult) -> bool:
     return (one.status, kinds[0], tried[0]) == (other.status, kinds[1], tried[1])
 
 
+@pytest.mark.slow
 def test_choice_among_combinations(dask: Dask, tmp_path: Path):
     problem = problem_of(tmp_path, ARM, FREE + LIMITS)
     alone = optimise(problem)

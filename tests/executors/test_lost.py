@@ -92,6 +92,7 @@ def lossy(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return tmp_path
 
 
+@pytest.mark.slow
 def test_a_command_writes_the_best_so_far_and_goes_on(
     lossy: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ):
@@ -118,6 +119,7 @@ def test_a_command_says_what_would_let_it_go_on(lossy: Path, capsys: pytest.Capt
     assert capsys.readouterr().err == f"{GONE}; this is the best design so far; {needs}\n"
 
 
+@pytest.mark.slow
 def test_a_front_keeps_its_points_in_the_folder(lossy: Path, capsys: pytest.CaptureFixture[str]):
     problem_of(lossy, ARM, ALIKE + LIMITS)
     assert run(["tradeoff", "problem.yaml", "--out", "out"]) == 1
@@ -127,6 +129,7 @@ def test_a_front_keeps_its_points_in_the_folder(lossy: Path, capsys: pytest.Capt
     assert (lossy / "out" / "journal.jsonl").exists()
 
 
+@pytest.mark.slow
 def test_a_page_shows_the_best_so_far_and_why_it_is_no_more(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ):
@@ -145,6 +148,7 @@ def test_a_page_shows_the_best_so_far_and_why_it_is_no_more(
     assert (tmp_path / "out" / "arm.yaml").exists()
 
 
+@pytest.mark.slow
 def test_a_scheduler_that_is_killed_ends_the_work_at_once(caplog: pytest.LogCaptureFixture):
     """In the midst of a work, and again before the next one; dask's client says nothing more of it."""
     got: list[float] = []

@@ -155,6 +155,7 @@ def test_who_uses_a_material(tmp_path):
     ]
 
 
+@pytest.mark.slow
 def test_entries_travel_between_files_as_they_are_written(tmp_path):
     catalogue = load_catalogue(user=False)
     names = [name for name in catalogue.names if not name.startswith("paper")]

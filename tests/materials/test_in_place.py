@@ -11,6 +11,7 @@ import linkwright as lw
 from linkwright.core.materials.catalogue_entry import read_inline
 from linkwright.core.materials.material import property_kinds
 from linkwright.core.units.quantities import InputError
+from tests.costs import slow_but
 
 PLY = {"elastic_modulus": "135 GPa", "transverse_modulus": "9 GPa", "shear_modulus": "5 GPa", "poisson_ratio": 0.3,
        "density": "1550 kg/m^3", "isotropic": False}  # fmt: skip
@@ -61,7 +62,7 @@ def test_the_same_description_on_another_link_is_written_there_too() -> None:
     assert "material: my alloy" not in written
 
 
-@pytest.mark.parametrize("kind", IN_PLACE)
+@pytest.mark.parametrize("kind", slow_but(IN_PLACE, "of figures"))
 def test_a_material_chosen_in_place_can_be_read_back(kind: str, tmp_path: Path) -> None:
     problem = lw.Problem(
         arm=arm_with("steel-s355", "steel-s355"),

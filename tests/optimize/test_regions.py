@@ -56,7 +56,7 @@ def poses_in_region(result: OptimizationResult, problem: Problem) -> np.ndarray:
     [
         (PATH, MASS),
         pytest.param(PATH, FREE, marks=pytest.mark.slow),
-        (BOX, MASS),
+        pytest.param(BOX, MASS, marks=pytest.mark.slow),
         pytest.param(BOX, FREE, marks=pytest.mark.slow),
     ],
     ids=["path", "path, free", "box", "box, free"],
@@ -74,6 +74,7 @@ def test_no_pose_of_the_region_is_worse_than_claimed(region: str, limits: str, t
     assert result.objective <= result.lower_bound * (1.0 + 2e-4)
 
 
+@pytest.mark.slow
 def test_hole_in_a_path_is_told(tmp_path: Path) -> None:
     """An elbow that folds to 150 degrees keeps the tip out of a disc, and the path cuts 25 mm off its edge, between two
     of the points at which it is sampled."""

@@ -138,7 +138,7 @@ def test_a_walk_agrees_with_the_ring():
         pytest.param((0.3, 0.9), (-0.9, 0.1), marks=pytest.mark.slow),
         pytest.param((1.0, 0.1), (0.2, -0.1), marks=pytest.mark.slow),
         ((0.9, 0.5), (0.2, 0.9)),
-        ((0.9, -0.3), (0.4, 0.7)),
+        pytest.param((0.9, -0.3), (0.4, 0.7), marks=pytest.mark.slow),
     ],
 )
 def test_seams_under_joint_limits_against_a_dense_grid(start, end):
@@ -190,6 +190,7 @@ def test_gaps_beside_each_other_are_one():
     assert low < 0.5 < high
 
 
+@pytest.mark.slow
 def test_a_seam_in_space_with_a_rail():
     """A rail of 2 m under two joints: along it everything within reach, beyond its end nothing."""
     rail = Joint(type="prismatic", axis=(1.0, 0.0, 0.0), range=(0.0, 2.0))

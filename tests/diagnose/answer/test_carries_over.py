@@ -52,6 +52,7 @@ def test_few_poses_tell_nothing_of_what_carries_over():
     assert not found.unconfirmed
 
 
+@pytest.mark.slow
 def test_what_moves_next_to_nothing_beside_others_goes():
     """A fifth of the noise floor and less; all there is stays, however small, since it was tested against nothing."""
     effects, found = named_in(prepared_null(), {OFFSET: 5.0, PLAY: 0.7, GIVES: 0.0})

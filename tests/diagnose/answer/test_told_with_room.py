@@ -126,7 +126,7 @@ OF_JOINTS = {"gear_transmission_error", "encoder_eccentricity", "encoder_offset"
 OF_JOINTS |= {"joint_compliance", "joint_waviness", "link_length", "backlash"}
 
 
-@pytest.mark.parametrize("seed", [1, 2])
+@pytest.mark.parametrize("seed", [1, pytest.param(2, marks=pytest.mark.slow)])
 def test_a_gear_errs_twice_a_turn_though_its_joint_turns_by_less_than_half(seed):
     """Joint 2 goes through 0.83 of a wave: neither an eccentricity nor order 3, among what joints may err by."""
     q = np.repeat(poses(seed, 60), 2, axis=0)

@@ -134,6 +134,7 @@ def test_a_tracker_that_was_mounted_anew_wanders_on():
         assert any(note.startswith("The instrument may wander") for note in found.notes)
 
 
+@pytest.mark.slow
 def test_a_drive_is_found_beside_a_tracker_that_wanders():
     found = diagnose(file(), read(1, walk, softer=4e-6))
     assert [(each.effect, each.at) for each in found.findings] == [("joint_compliance", (2,))]

@@ -85,6 +85,7 @@ def test_what_has_no_form_is_not_named(what: str) -> None:
     assert found.rms_after > 1.3 * np.sqrt(2.0) * SIGMA
 
 
+@pytest.mark.slow
 def test_a_joint_that_is_off_by_its_product_with_another_is_described_and_not_named() -> None:
     """The form names both joints; no cause of the library is the answer."""
     q = poses_of(1)

@@ -115,7 +115,8 @@ def test_a_stiff_arm_is_pulled_nowhere():
     assert pull_found(prepared.observed, prepared.pool, prepared.vector, ()) is None
 
 
-@pytest.mark.parametrize("seed", [0, pytest.param(1, marks=pytest.mark.slow), pytest.param(2, marks=pytest.mark.slow)])
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", range(3))
 def test_a_force_that_wanders_with_time(seed):
     """A hose that is dragged along: 3 N that keep nine tenths of themselves from visit to visit, at random poses."""
     rng = np.random.default_rng(seed)

@@ -23,9 +23,8 @@ def magnet(seed, cell, core, strength=1.0, poses=120):
     return read(q, given_way(q, drawn(planar_tip(q), place, strength, core)), rng), place
 
 
-@pytest.mark.parametrize(
-    ("seed", "cell", "core"), [pytest.param(1, (3, 2), 0.1, marks=pytest.mark.slow), (3, (3, 3), 0.05)]
-)
+@pytest.mark.slow
+@pytest.mark.parametrize(("seed", "cell", "core"), [(1, (3, 2), 0.1), (3, (3, 3), 0.05)])
 def test_a_sharp_magnet_between_the_points_is_not_missed_by_the_gate(seed, cell, core):
     recording, place = magnet(seed, cell, core)
     found = diagnose(ARM, recording)

@@ -53,6 +53,7 @@ def test_the_last_joints_zero_is_not_taken_for_the_tool(tmp_path):
     assert ("tool_offset", ()) in [(each.effect, each.at) for each in found.findings[0].alternatives]
 
 
+@pytest.mark.slow
 def test_a_zero_and_a_length_together(tmp_path):
     arm, recording = measured(tmp_path, (0.0, math.radians(1.5), 0.0), (0.006, 0.0, 0.0))
     found = diagnose(arm, recording)

@@ -51,7 +51,8 @@ def test_what_lasts_is_named_where_poses_are_come_back_to(seed):
     assert returning_note(found)
 
 
-@pytest.mark.parametrize("seed", [pytest.param(0, marks=pytest.mark.slow), pytest.param(1, marks=pytest.mark.slow), 2])
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", range(3))
 def test_what_leaves_most_explains_nothing_where_no_pose_is_seen_again(seed):
     """The same arm, each pose visited once: the rest may be there for good, and what was named is small beside it."""
     found = diagnose(ARM, that_does_not_return(seed, 1))

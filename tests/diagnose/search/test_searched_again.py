@@ -39,6 +39,7 @@ def candidates(namer, members):
     return [namer.pool.groups[member].candidate for member in members]
 
 
+@pytest.mark.slow
 def test_what_was_named_is_found_again_in_the_pool(namer):
     named = named_of(namer)
     assert len(named.members) > 3

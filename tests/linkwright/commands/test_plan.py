@@ -211,6 +211,7 @@ def test_a_plan_that_is_no_better_than_random_poses_says_so():
     assert "random" not in headline_of(found, [])
 
 
+@pytest.mark.slow
 def test_a_plan_says_where_its_poses_were_taken_from(linkwright, tmp_path):
     """All of the joint ranges, or clear of a half-space by the option or the arm file."""
     arguments = ("--poses", "8", "--for", "encoder_offset", "--repeats", "1", "--payload", "1 kg")

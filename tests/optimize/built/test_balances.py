@@ -68,6 +68,7 @@ def test_the_torque_of_a_balancer(tmp_path: Path) -> None:
     assert result.optimum == "local"
 
 
+@pytest.mark.slow
 def test_a_balancer_that_could_do_too_much(tmp_path: Path) -> None:
     """The torque that lifts the tip by as much as the link bends leaves nothing at any pose."""
     result = optimise(lifting(tmp_path, "balancer: [{joint: 1, torque: [0 N*m, 300 N*m]}]", ""))

@@ -101,6 +101,7 @@ def _worst(m1: float, m2: float, phi1: Array, phi2: Array, *, rods: bool) -> flo
     return float(np.hypot(*tip).max())
 
 
+@pytest.mark.slow
 def test_the_best_place_is_that_of_a_scan(tmp_path: Path) -> None:
     places = (AT_JOINT, RODS)
     scans = {each: least_by_scan(rods=each == RODS) for each in places}
