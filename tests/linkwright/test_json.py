@@ -68,6 +68,10 @@ def test_evaluation_figures_are_those_of_the_evaluation(evaluation):
     pose = content["worst_poses"][0]
     assert [math.radians(q) for q in pose["q_deg"]] == pytest.approx(list(evaluation.worst.poses[0].q))
     assert pose["load_case"] == evaluation.worst.poses[0].load_case + 1
+    assert [each["link"] for each in content["strength"]] == [1, 2]
+    for each in content["strength"]:
+        limit = evaluation.arm.links[each["link"] - 1].material.need("yield_strength")
+        assert 1e6 * each["stress_MPa"] * each["safety_factor"] == pytest.approx(limit)
 
 
 def test_optimize_writes_those_and_before(result):
