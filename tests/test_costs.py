@@ -1,5 +1,6 @@
 """The suite's own plugin: CPU seconds in reports, shares of slow tests, and that no test is left to nobody."""
 
+import re
 import time
 from pathlib import Path
 from types import SimpleNamespace
@@ -76,6 +77,7 @@ def test_all_cases_but_those_kept_are_slow():
 def test_what_one_target_leaves_the_other_runs():
     recipes = (ROOT / "Makefile").read_text(encoding="utf-8")
     assert '\ntest: $(DEV)\n\t@$(PYTEST) -m "not slow" ' in recipes
+    assert re.search(r"^PYTEST := .* -n 2 --dist loadfile ", recipes, re.MULTILINE)  # what a file shares is made once
     assert "\ntest-all: $(DEV)\n\t@$(PYTEST) -m slow " in recipes
     build = (ROOT / ".ci" / "run").read_text(encoding="utf-8").splitlines()
     assert any(line.startswith("make test ") for line in build)

@@ -203,7 +203,7 @@ def jumped():
     Path("jumped.csv").write_text("".join([*before[:97], *after[-96:]]), "utf-8")
 
 
-@pytest.mark.parametrize("page", slow_but(FOLLOWED, "README.md", "examples/hobby-arm/README.md"))
+@pytest.mark.parametrize("page", slow_but(FOLLOWED, "examples/hobby-arm/README.md"))
 def test_pages_print_what_they_show(page, tmp_path, monkeypatch, capsys):
     """All commands of a page, one after the other."""
     ignored = shutil.ignore_patterns("real", "notebooks")
