@@ -39,6 +39,7 @@ if TYPE_CHECKING:
     from linkwright.face.inverse import inverse
     from linkwright.face.planning.budget import budget
     from linkwright.face.planning.plan import plan
+    from linkwright.face.planning.sweep import sweep
     from linkwright.face.planning.watch import watch
     from linkwright.face.prediction import predict
     from linkwright.face.problem import Problem, read_problem
@@ -75,6 +76,7 @@ _HOMES = MappingProxyType(
         "linkwright.face.inverse": ("inverse",),
         "linkwright.face.planning.budget": ("budget",),
         "linkwright.face.planning.plan": ("plan",),
+        "linkwright.face.planning.sweep": ("sweep",),
         "linkwright.face.planning.watch": ("watch",),
         "linkwright.face.prediction": ("predict",),
         "linkwright.face.problem": ("Problem", "read_problem"),
@@ -134,6 +136,7 @@ __all__ = [
     "sections",
     "shapes",
     "simulate",
+    "sweep",
     "tables",
     "tradeoff",
     "watch",

@@ -54,11 +54,12 @@ class Structure(Identity):
 
     def _entries(self) -> object:
         arm = self.arm
-        links = tuple(_of_link(link) for link in arm.links)
+        links = tuple(link_entries(link) for link in arm.links)
         return (links, *(entries(getattr(arm, each.name)) for each in fields(arm) if each.name != "links"))
 
 
-def _of_link(link: Link) -> object:
+def link_entries(link: Link) -> object:
+    """What expressions depend on of a link."""
     if link.section is None or isinstance(link.section, Tapered | FreeTaper):
         return entries(link)
     expands = link.material is not None and link.material.has("thermal_expansion")

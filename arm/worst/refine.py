@@ -24,16 +24,28 @@ _ON_REGION = 1e-7
 
 def uphill(error: ErrorFunction, starts: Array, bounds: Bounds, *, step: float = 1e-4, steps: int = 25) -> Array:
     """Local maxima of an error from `starts`, by Newton steps with central differences; bounds may be infinite."""
+    return uphill_each(lambda q, _: error(q), starts, bounds, step=step, steps=steps)
+
+
+def uphill_each(
+    error: Callable[[Array, NDArray[np.intp]], Array],
+    starts: Array,
+    bounds: Bounds,
+    *,
+    step: float = 1e-4,
+    steps: int = 25,
+) -> Array:
+    """As `uphill`, each start by its error: of poses (N, n) and the starts (N,) that they are on the way from."""
     size = starts.shape[1]
     unit = step * np.eye(size)
     pairs = list(itertools.combinations(range(size), 2))
     mixed = [sign * unit[a] + other * unit[b] for a, b in pairs for sign in (1.0, -1.0) for other in (1.0, -1.0)]
     offsets = np.vstack([np.zeros((1, size)), unit, -unit, *([mixed] if mixed else [])])
-    scale = max(float(error(starts).max()), 1e-30)
+    scale = max(float(error(starts, np.arange(len(starts))).max()), 1e-30)
 
-    def at(q: Array, _: NDArray[np.intp]) -> tuple[Array, Array, Array]:
+    def at(q: Array, rows: NDArray[np.intp]) -> tuple[Array, Array, Array]:
         around = (q[:, None, :] + offsets).reshape(-1, size)
-        values = (error(around) / scale).reshape(len(q), -1)
+        values = (error(around, np.repeat(rows, len(offsets))) / scale).reshape(len(q), -1)
         middle, ahead, behind = values[:, 0], values[:, 1 : size + 1], values[:, size + 1 : 2 * size + 1]
         hessian = np.empty((len(q), size, size))
         diagonal = np.arange(size)

@@ -58,7 +58,9 @@ class Torques(PoseFamily):
         return [Worst(TORQUE_USE.name, 0.0 if use is None else use, Cut(*at)) for use, at in pairs]
 
     def at_pose(self, prepared: _Drives, group: int, q: Array, designs: Designs) -> Mapping[str, Array]:
-        """The greatest use over the drives."""
+        """The greatest use over the drives; NaN where none has a rated torque."""
+        if all(torque is None for torque in prepared.rated):
+            return {TORQUE_USE.name: np.full(len(q), np.nan)}
         loads = np.abs(prepared.cases[group].vectorised(q, designs.p)[0])
         rated = np.array([math.inf if torque is None else torque for torque in prepared.rated])
         return {TORQUE_USE.name: (loads / rated).max(axis=1)}

@@ -24,7 +24,7 @@ PROMISED = {
     *("read_arm", "Arm", "Joint", "Link", "evaluate", "read_problem", "Problem", "optimize", "tradeoff"),
     *("read_recording", "read_recordings", "diagnose", "predict", "compare", "compensate", "simulate", "redesign"),
     *("shapes", "materials", "sections", "actuators", "effects", "limits", "inverse", "seam", "tables", "figures"),
-    *("import_arm", "export_arm", "budget", "plan", "watch", "write_table"),
+    *("import_arm", "export_arm", "budget", "plan", "watch", "write_table", "sweep"),
     *("Effect", "Parameter", "Settings", "Twist", "PoseState", "drive_motion", "Shape", "Dimension", "numeric"),
     *("Figure", "OfDesign", "OfLinks"),
     *("InputError", "NoAnswer", "MissingProperty", "Processes", "Cluster"),
