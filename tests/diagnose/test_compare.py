@@ -55,6 +55,8 @@ def test_change_is_measured():
     assert change.first.interval[0] < 2e-5 < change.first.interval[1]
     assert change.second.interval[0] < 3.5e-5 < change.second.interval[1]
     assert change.interval[0] < 1.5e-5 < change.interval[1]
+    wide, *of_each = (np.ptp(each) for each in (change.interval, change.first.interval, change.second.interval))
+    assert wide == pytest.approx(np.hypot(*of_each), rel=0.02)
     assert change.changed
     assert found.unexplained == pytest.approx((NOISE * 2**0.5,) * 2, rel=0.15)
     sentence = comparison_sentence(found)
