@@ -213,6 +213,7 @@ def test_a_torso_is_watched_by_the_recordings_of_both(recordings):
     assert steps["change"].iloc[0] == pytest.approx(20e-6, rel=0.02)
 
 
+@pytest.mark.slow
 def test_step_has_the_torso_once_and_both_arms(both):
     pytest.importorskip("build123d")
     from linkwright.drawings.step import solids

@@ -71,7 +71,7 @@ def test_no_point_of_a_cell_is_longer_than_its_bound(plays: int, half: float) ->
         assert tops == pytest.approx(reached, rel=0.05)
 
 
-@pytest.mark.parametrize("plays", [0, 2])
+@pytest.mark.parametrize("plays", slow_but([0, 2], 0))
 @pytest.mark.parametrize("half", slow_but([0.7, 0.5], 0.5))
 def test_no_point_within_is_longer_than_the_bound_of_a_cell_that_lies_mostly_outside(plays: int, half: float) -> None:
     """A vector that goes with two functions is much shorter where those are near nought than at a cell's far ends."""

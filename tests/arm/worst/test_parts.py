@@ -96,7 +96,7 @@ def by_hand(arm: Arm, load: LoadCase, start: Array, end: Array, part: str) -> fl
     return float(off.max()) + sum(joint.clearance for joint in arm.joints)
 
 
-@pytest.mark.parametrize("part", ["across", "along"])
+@pytest.mark.parametrize("part", ["across", pytest.param("along", marks=pytest.mark.slow)])
 def test_round_a_corner_each_piece_counts_by_its_own_direction(part: str) -> None:
     arm, path = planar_arm(), Workspace("path", CORNER, error=part)  # type: ignore[arg-type]
     cases = (LoadCase(2.0), LoadCase(0.0, force=(30.0, 0.0, 0.0)))

@@ -127,8 +127,8 @@ def a_compliance(seed):
 @pytest.mark.parametrize(
     ("made", "true", "size"),
     [
-        (a_backlash, ("backlash", (2,)), 1e-4),
-        (a_length, ("link_length", (1,)), 1e-4),
+        pytest.param(a_backlash, ("backlash", (2,)), 1e-4, marks=pytest.mark.slow),
+        pytest.param(a_length, ("link_length", (1,)), 1e-4, marks=pytest.mark.slow),
         (a_compliance, ("joint_compliance", (2,)), 5e-6),
     ],
 )

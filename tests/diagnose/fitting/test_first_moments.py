@@ -37,7 +37,10 @@ def recorded(seed: int, link: int, at: float) -> Recording:
     return read(q, planar_tip(q + turned) - planar_tip(q), rng)
 
 
-@pytest.mark.parametrize(("link", "share"), [(0, 0.25), (1, 0.25), (1, 0.9), (2, 0.25)])
+@pytest.mark.parametrize(
+    ("link", "share"),
+    [pytest.param(0, 0.25, marks=pytest.mark.slow), (1, 0.25), (1, 0.9), pytest.param(2, 0.25, marks=pytest.mark.slow)],
+)
 def test_a_lump_is_told_by_its_first_moment(link: int, share: float) -> None:
     at = share * LENGTHS[link]
     found = with_written(diagnose(ARM, recorded(3, link, at)), load_catalogue(user=False))

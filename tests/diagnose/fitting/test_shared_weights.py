@@ -145,10 +145,10 @@ def standing_arm(*, mast: bool) -> Arm:
 @pytest.mark.parametrize(
     ("base", "mast", "drive", "named"),
     [
-        (3e-6, 0.0, 0.0, {("base_compliance", ())}),
+        pytest.param(3e-6, 0.0, 0.0, {("base_compliance", ())}, marks=pytest.mark.slow),
         (2e-6, 0.0, 2e-5, {("base_compliance", ()), ("joint_compliance", (3,))}),
         pytest.param(0.0, 2e-6, 2e-5, {("column_bending", (1,)), ("joint_compliance", (4,))}, marks=pytest.mark.slow),
-        (0.0, 0.0, 2e-5, {("joint_compliance", (3,))}),
+        pytest.param(0.0, 0.0, 2e-5, {("joint_compliance", (3,))}, marks=pytest.mark.slow),
     ],
 )
 def test_base_and_mast_share_the_weights_of_the_drives(

@@ -35,7 +35,12 @@ def loaded(visits: int, seed: int) -> tuple[Array, Array, Array, Array]:
 
 @pytest.mark.parametrize(
     ("seed", "share"),
-    [(1, 0.3), pytest.param(2, 0.45, marks=pytest.mark.slow), pytest.param(3, 0.6, marks=pytest.mark.slow), (4, 0.8)],
+    [
+        (1, 0.3),
+        pytest.param(2, 0.45, marks=pytest.mark.slow),
+        pytest.param(3, 0.6, marks=pytest.mark.slow),
+        pytest.param(4, 0.8, marks=pytest.mark.slow),
+    ],
 )
 def test_each_reading_stands_on_the_side_of_the_threshold_that_it_stood_on(
     tmp_path: Path, seed: int, share: float

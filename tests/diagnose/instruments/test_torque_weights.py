@@ -74,7 +74,8 @@ def test_loads_are_those_of_a_straight_arm() -> None:
 
 
 @pytest.mark.parametrize(
-    ("masses", "centres"), [(1.4 * MASSES, CENTRES), (MASSES, CENTRES + np.array([0.0, 0.05, 0.1]))]
+    ("masses", "centres"),
+    [(1.4 * MASSES, CENTRES), pytest.param(MASSES, CENTRES + np.array([0.0, 0.05, 0.1]), marks=pytest.mark.slow)],
 )
 def test_the_written_file_has_the_weights_that_the_torques_show(masses: Array, centres: Array) -> None:
     recording = recorded(1, masses, centres)

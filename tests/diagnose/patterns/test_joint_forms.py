@@ -32,7 +32,8 @@ def test_a_joint_that_is_off_in_a_part_of_its_travel(seed, low, high):
     assert found.unknown.amplitude == pytest.approx(found.rms_before, rel=0.35)
 
 
-@pytest.mark.parametrize("joint", [pytest.param(1, marks=pytest.mark.slow), pytest.param(2, marks=pytest.mark.slow), 3])
+@pytest.mark.slow
+@pytest.mark.parametrize("joint", [1, 2, 3])
 def test_a_joint_that_goes_to_and_fro_with_time(joint):
     """0.1 mrad with a period of 9 visits, in 150 visits to random poses."""
     rng = np.random.default_rng(joint)

@@ -197,9 +197,8 @@ def test_sizes_by_a_bar_are_those_of_least_squares(bars):
     kept(found, errors(columns, np.stack(beside, axis=1)))
 
 
-@pytest.mark.parametrize(
-    ("instrument", "bar"), [pytest.param("same_point", (), marks=pytest.mark.slow), ("bar", (0.0, 0.3))]
-)
+@pytest.mark.slow
+@pytest.mark.parametrize(("instrument", "bar"), [("same_point", ()), ("bar", (0.0, 0.3))])
 def test_what_touches_have_told_counts(instrument, bar):
     """The sizes of a plan after a recording are those of least squares of both, each with its own places."""
     arm, effects = spatial_arm(), tuple(("joint_compliance", (joint,)) for joint in (1, 2, 4))

@@ -66,7 +66,9 @@ def measured(arm, found):
     return simulate(arm, Plan(1, at=found.recording, noise=ASKED.sigma, seed=3)).recording
 
 
-@pytest.mark.parametrize(("effect", "at"), [("joint_compliance", (2,)), ("backlash", (1,))])
+@pytest.mark.parametrize(
+    ("effect", "at"), [("joint_compliance", (2,)), pytest.param("backlash", (1,), marks=pytest.mark.slow)]
+)
 def test_what_is_promised_is_found(found, effect, at):
     """Planted at twice the smallest size, measured at the plan's readings, a diagnosis sees it; at a fifth not, and by
     its own account it would see what was promised."""

@@ -28,7 +28,10 @@ def test_one_coarse_column_does_not_switch_the_check_off(step):
     assert found.scatter is None  # what rounding leaves is no scatter of the arm
 
 
-@pytest.mark.parametrize(("together", "lasts"), [pytest.param(1, 60.0, marks=pytest.mark.slow), (4, 32.0), (15, 60.0)])
+@pytest.mark.parametrize(
+    ("together", "lasts"),
+    [pytest.param(1, 60.0, marks=pytest.mark.slow), pytest.param(4, 32.0, marks=pytest.mark.slow), (15, 60.0)],
+)
 def test_what_warms_up_is_no_outlier(together, lasts):
     """0.3 mm at first, then less with every reading: alone, in repeats of four and in one long stay."""
     q = np.repeat(poses(2, 120 // together), together, axis=0)

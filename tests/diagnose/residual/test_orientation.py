@@ -88,6 +88,7 @@ def test_orientations_are_used_only_where_the_settings_say_so(tmp_path):
         read_recording(tmp_path / "recording.csv", planar_arm())
 
 
+@pytest.mark.slow
 def test_orientations_of_another_convention_are_left_out(tmp_path):
     """Angles with the wrong sign: said once, and the places are used as if there were no orientations."""
     q, recording = scaled(tmp_path)

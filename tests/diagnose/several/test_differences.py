@@ -60,6 +60,7 @@ def test_nothing_differs_where_nothing_does(seed):
     assert not found.differences
 
 
+@pytest.mark.slow
 def test_what_lasts_as_long_as_an_arm_differs_between_units_alone():
     """Links of another length: no day makes them; two arms of one type may have them."""
     other = tuple(length + more for length, more in zip(LENGTHS, (1e-3, -1.5e-3, 0.0), strict=True))

@@ -25,7 +25,7 @@ KINDS = [kind for kind in product((2, 3), (False, True), (False, True)) if PROBL
 
 def slow_kinds():
     """The dearest kinds are slow."""
-    dear = ((2, True, False), (2, True, True), (3, True, False))
+    dear = ((2, False, False), (2, True, False), (2, True, True), (3, False, False), (3, True, False))
     return [pytest.param(*kind, marks=pytest.mark.slow) if kind in dear else kind for kind in KINDS]
 
 

@@ -46,6 +46,7 @@ def choosing(*places: str, workspace: str = "") -> str:
     return f"{workspace}choose: {{motor: [{{joint: 2, places: [{', '.join(places)}]}}]}}\n"
 
 
+@pytest.mark.slow
 def test_places_with_and_without_rods_are_arms_written_by_hand(tmp_path: Path) -> None:
     """A wrist that was level stays level: what it follows is written anew."""
     result = optimise(lifter(tmp_path, BEFORE, choosing(AT_JOINT, RODS), wrist=LEVEL))

@@ -42,7 +42,7 @@ def best_of_each(problem: Problem) -> dict[tuple[str, ...], float]:
 @pytest.mark.parametrize(
     ("minimize", "limits", "most"),
     [
-        ("max_error", "total_mass: '<= 16 kg'", 64),
+        pytest.param("max_error", "total_mass: '<= 16 kg'", 64, marks=pytest.mark.slow),
         pytest.param("mass", "max_error: '<= 1.2 mm', first_frequency: '>= 12 Hz'", 2, marks=pytest.mark.slow),
     ],
 )
@@ -71,6 +71,7 @@ def test_best_is_that_of_every_choice_of_drives(
         assert found.drives[0].actuators == drives
 
 
+@pytest.mark.slow
 def test_without_a_design_it_says_so(tmp_path: Path) -> None:
     with pytest.raises(NoAnswer, match="no combination of the sizes listed keeps all limits"):
         optimise(choosing(tmp_path, "mass", "max_error: '<= 1 um'"))
