@@ -23,8 +23,6 @@ from linkwright.json.tradeoff import made_by
 from linkwright.output.files import DESIGN
 from linkwright.output.read_back import ReadBack
 from linkwright.redesigning import Redesign as FoundRedesign
-from linkwright.report.contents import Contents
-from linkwright.report.pages.optimization import optimization_report
 from linkwright.report.pictures.plots import exchange_figure
 from linkwright.results.figures_in_words import section_words
 from linkwright.results.redesign import redesign_json, redesign_sentences
@@ -151,9 +149,6 @@ class Optimization(Figured, Reported):
         found = self.found
         promised = found.after if found.rounded is None else found.rounded.evaluation
         return {DESIGN: self.arm.to_file(promised)}
-
-    def _report(self) -> Contents:
-        return optimization_report(self.found)
 
 
 def optimize(

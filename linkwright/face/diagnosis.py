@@ -24,13 +24,14 @@ from linkwright.json.diagnosis import diagnosis_json, in_unit, unit_of
 from linkwright.output.diagnosis_folder import claim_diagnosis, residuals_csv, write_diagnosis
 from linkwright.output.written_arm import with_written
 from linkwright.redesigning import redesign as redesigned
-from linkwright.report.contents import Contents, page_of
+from linkwright.report.described import page_of
 from linkwright.report.origin import origin_of, signed
-from linkwright.report.pages.diagnosis import diagnosis_report
 from linkwright.report.pictures.plots import LIKE
-from linkwright.report.pictures.residual_map import hover_maps
+from linkwright.report.pictures.residual_map import residual_maps
 from linkwright.results.diagnoses.comparison import comparison_json, comparison_sentence
+from linkwright.results.diagnoses.described import describe
 from linkwright.results.diagnoses.words import name_words
+from linkwright.results.document import Description
 from linkwright.results.redesign import redesign_json
 
 from .arm import Arm, arm_of, catalogue_of
@@ -137,8 +138,13 @@ class Diagnosis(Reported):
 
     def plot(self) -> go.Figure:
         """The length of the residual at each reading, with what was found taken off."""
-        _, figures = hover_maps(self.found)
+        figures = residual_maps(self.found).figures
         return figure_of([each for each in figures.values() if LIKE not in each][-1])
+
+    @property
+    def description(self) -> Description:
+        """With the design problem that was solved with it."""
+        return describe(self.found, None if self.redesign is None else self.redesign.found)
 
     def save(self, folder: File, *, made_from: Iterable[File] = (), author: str = "", comment: str = "") -> None:
         """Write what `diagnose --out` writes, the report with its origin as other results have it. Raises `InputError`
@@ -146,11 +152,8 @@ class Diagnosis(Reported):
         place = Path(folder)
         claim_diagnosis(place)
         origin = origin_of(map(Path, made_from), author=author, comment=comment)
-        page = signed(page_of(self._report()), origin)
+        page = signed(page_of(self.description), origin)
         write_diagnosis(place, self.found, self.to_json(), page, catalogue_of(self.arm.catalogue))
-
-    def _report(self) -> Contents:
-        return diagnosis_report(self.found, None if self.redesign is None else self.redesign.found)
 
     def _content(self) -> Mapping[str, Any]:
         content: dict[str, Any] = diagnosis_json(self.found)

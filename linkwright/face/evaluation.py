@@ -10,21 +10,17 @@ import numpy as np
 
 from linkwright.core.arm.chain.chain import Arm as Model
 from linkwright.core.arm.chain.following import completed
-from linkwright.core.arm.errors.model import beam_values, beams_of, error_model
-from linkwright.core.arm.errors.unknown_mass import unknown_taken_out
-from linkwright.core.arm.evaluation import ErrorMap, error_map
 from linkwright.core.arm.evaluation import Evaluation as Found
 from linkwright.core.arm.evaluation import evaluate as evaluated
-from linkwright.core.arm.worst.search import WorstSearch
 from linkwright.core.optimize.limits import FIGURES, Figure
 from linkwright.core.optimize.robust.figure import robust_figure
 from linkwright.core.optimize.robust.result import RobustFigure
 from linkwright.core.units.quantities import InputError
 from linkwright.json.design import evaluation_json
 from linkwright.json.fields import joint_columns
-from linkwright.report.contents import Contents
-from linkwright.report.pages.evaluation import evaluation_report
-from linkwright.report.pictures.plots import colour_range, error_map_figure, shared_spans
+from linkwright.report.pictures.plots import colour_range, error_map_figure, field_of, shared_spans
+from linkwright.results.document import Description
+from linkwright.results.evaluation import describe
 from linkwright.results.figures_in_words import effect_title
 
 from .arm import Arm, arm_of
@@ -101,6 +97,11 @@ class Evaluation(Figured, Reported):
         colours, spans = colour_range([field], [self.found]), shared_spans([field])
         return figure_of(error_map_figure(field, self.found, colours, spans))
 
+    @property
+    def description(self) -> Description:
+        """With what the problem calls uncertain."""
+        return describe(self.found, self.robust)
+
     def _designs(self) -> Mapping[str, Values]:
         robust = None if self.robust is None else self.robust.value
         return {"value": values_of(self.found, {ROBUST: robust})}
@@ -113,9 +114,6 @@ class Evaluation(Figured, Reported):
 
     def _tables(self) -> Mapping[str, pd.DataFrame]:
         return {"Worst poses": self.worst_poses, "By effect": self.by_effect}
-
-    def _report(self) -> Contents:
-        return evaluation_report(self.found, field_of(self.found), self.robust)
 
 
 def evaluate(
@@ -158,11 +156,3 @@ def pose_of(model: Model, pose: Sequence[Quantity]) -> tuple[float, ...]:
         raise InputError("", "pose", f"needs {model.size} numbers, one for each joint, not {len(pose)}")
     kinds = ["angle" if joint.revolute else "length" for joint in model.joints]
     return tuple(in_si(value, kind, f"pose[{k}]") for k, (value, kind) in enumerate(zip(pose, kinds, strict=True), 1))
-
-
-def field_of(found: Found) -> ErrorMap:
-    """The worst error at each place of the tip."""
-    arm = unknown_taken_out(found.arm, found.load_cases)
-    model = error_model(arm, found.load_cases)
-    beams = beams_of(arm, found.load_cases)
-    return error_map(WorstSearch(model, found.workspace), beam_values(beams))

@@ -11,9 +11,10 @@ from typing import TYPE_CHECKING, Any
 from linkwright.core.units.quantities import InputError
 from linkwright.output.files import DESIGN, OUTPUT, REPORT, RESULT, claim_own, json_text, write_file, write_folder
 from linkwright.output.read_back import ReadBack
-from linkwright.report.contents import Contents, page_of
+from linkwright.report.described import page_of
 from linkwright.report.origin import origin_of, signed
 from linkwright.results.describe import describe
+from linkwright.results.document import Description
 from linkwright.results.document import plain as plain_words
 
 from .given import File
@@ -40,9 +41,14 @@ class Result(ABC):
         """What `linkwright.results.describe` describes; None where the class does it itself."""
         return getattr(self, "found", None)
 
+    @property
+    def description(self) -> Description:
+        """What screen, page and Markdown say of it."""
+        return describe(self._described)
+
     def _line(self) -> str:
         """What was found, in a line."""
-        described = describe(self._described)
+        described = self.description
         stopped = "interrupted, " if getattr(self._described, "interrupted", False) else ""
         return stopped + plain_words(described.brief or described.headline)
 
@@ -109,11 +115,7 @@ class Reported(Result):
         write_file(Path(file), pdf_of(self._page(made_from, author, comment)))
 
     def _page(self, made_from: Iterable[File], author: str, comment: str) -> str:
-        return signed(page_of(self._report()), origin_of(map(Path, made_from), author=author, comment=comment))
-
-    @abstractmethod
-    def _report(self) -> Contents:
-        """What the report shows."""
+        return signed(page_of(self.description), origin_of(map(Path, made_from), author=author, comment=comment))
 
 
 def _short(value: float) -> str:

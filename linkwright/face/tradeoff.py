@@ -19,9 +19,8 @@ from linkwright.core.optimize.tradeoff.trace import Progress as Traced
 from linkwright.core.optimize.tradeoff.tradeoff import ACCURACY, trade_off
 from linkwright.json.tradeoff import tradeoff_csv, tradeoff_json
 from linkwright.output.tradeoff_folder import claim_tradeoff, write_tradeoff
-from linkwright.report.contents import Contents
+from linkwright.report.charts.fronts import front_figure
 from linkwright.report.origin import origin_of
-from linkwright.report.pages.tradeoff import front_figure, tradeoff_report
 
 from .arm import Arm, catalogue_of
 from .figures import Figured, Values
@@ -95,9 +94,6 @@ class Tradeoff(Reported):
         claim_tradeoff(place)
         origin = origin_of(map(Path, made_from), author=author, comment=comment)
         write_tradeoff(self.found, place, origin, catalogue_of(self.problem.arm.catalogue))
-
-    def _report(self) -> Contents:
-        return tradeoff_report(self.found)
 
     def _content(self) -> Mapping[str, Any]:
         return tradeoff_json(self.found)

@@ -10,8 +10,8 @@ from typing import Any
 from linkwright.core.optimize.tradeoff.front import Front, Point, Tradeoff
 from linkwright.core.optimize.tradeoff.question import Axis
 from linkwright.core.units.spreadsheet import defused
+from linkwright.report.charts.front_words import slope_factor
 from linkwright.results.figures_in_words import section_words
-from linkwright.results.tradeoff import slope_factor
 from linkwright.version import program_version
 
 from .design import links_json

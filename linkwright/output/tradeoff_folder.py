@@ -8,10 +8,10 @@ from linkwright.core.materials.catalogue import Catalogue
 from linkwright.core.optimize.tradeoff.front import Tradeoff
 from linkwright.core.optimize.tradeoff.journal import JOURNAL, LOCK
 from linkwright.json.tradeoff import point_file, tradeoff_csv, tradeoff_json
-from linkwright.report.contents import page_of
+from linkwright.report.described import page_of
 from linkwright.report.origin import Origin, signed
-from linkwright.report.pages.tradeoff import tradeoff_report
 from linkwright.report.pictures.tradeoff import tradeoff_picture
+from linkwright.results.tradeoff import describe
 
 from .arm_file import arm_file
 from .files import REPORT, RESULT, claim_own, json_text, made_folder, refuse_strangers, write_each
@@ -34,7 +34,7 @@ def write_tradeoff(result: Tradeoff, out: Path, origin: Origin, catalogue: Catal
         point_file(result, point): arm_file(point.arm, catalogue) for point in result.points
     }
     _clear_points(out / POINTS, {Path(name).name for name in files})
-    files[REPORT] = signed(page_of(tradeoff_report(result)), origin)
+    files[REPORT] = signed(page_of(describe(result)), origin)
     files[PICTURE] = tradeoff_picture(result)
     files[CSV] = tradeoff_csv(result)
     files[RESULT] = json_text(tradeoff_json(result))

@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 
+from linkwright.report.page import page
+from linkwright.report.pictures.plots import Figure
 from linkwright.report.pictures.svg import element
 from linkwright.report.pictures.svg import text as escaped
 from linkwright.results.document import (
     Bars,
     Cell,
     Description,
+    Drawn,
     Fact,
     Facts,
     Item,
@@ -34,25 +37,31 @@ def text(content: str) -> str:
     return escaped(plain(content))
 
 
-def body(description: Description, pictures: Mapping[str, str]) -> list[str]:
-    """The parts of a page: what is not under a heading first, then tiles, then a part for each section."""
-    tiles = [_tiles(item.facts) for item in description.items if isinstance(item, Facts)]
-    rest = [item for item in description.items if not isinstance(item, Facts)]
-    opening = [item for item in rest if not isinstance(item, Section)]
-    sections = [item for item in rest if isinstance(item, Section)]
-    return [*items_html(opening, pictures), *tiles, *(_section(each, pictures, 2) for each in sections)]
+def page_of(described: Description) -> str:
+    """A result's page as one HTML file that loads nothing: what is not under a heading first, then tiles, then a part
+    for each section."""
+    figures: dict[str, Figure] = {}
+    tiles = [_tiles(item.facts) for item in described.items if isinstance(item, Facts)]
+    rest = [item for item in described.items if not isinstance(item, Facts)]
+    opening = _items([item for item in rest if not isinstance(item, Section)], figures, 3)
+    sections = [_section(item, figures, 2) for item in rest if isinstance(item, Section)]
+    parts = [*opening, *tiles, *sections]
+    return page(plain(described.title), plain(described.headline), parts, figures, described.without)
 
 
-def items_html(items: Iterable[Item], pictures: Mapping[str, str], level: int = 3) -> list[str]:
-    """Items as HTML, in order."""
+def _items(items: Iterable[Item], figures: dict[str, Figure], level: int) -> list[str]:
+    """Items as HTML, in order; `figures` gets those of their pictures."""
     made: list[str] = []
     for item in items:
         if isinstance(item, Picture):
-            made.append(pictures.get(item.name, ""))
+            drawn = item.draw()
+            drawn = Drawn(drawn) if isinstance(drawn, str) else drawn
+            figures.update(drawn.figures)
+            made.append(drawn.html)
         elif isinstance(item, Facts):
             made.append(_tiles(item.facts))
         elif isinstance(item, Section):
-            made.append(_section(item, pictures, level))
+            made.append(_section(item, figures, level))
         elif isinstance(item, Paragraph):
             class_ = item.tone if item.tone in ("lead", "warning", "statement", "under") else None
             said = element("strong", text(item.text)) if item.tone == "strong" else text(item.text)
@@ -62,15 +71,15 @@ def items_html(items: Iterable[Item], pictures: Mapping[str, str], level: int = 
             made.append(element("ul", *lines, class_="binding") if item.lines else "")
         else:
             title = element("h3", text(item.title)) if item.title else ""
-            drawn = table_html(item)
-            folded = element("details", element("summary", text(item.title)), drawn) if item.folded else ""
-            made.append(folded or title + drawn)
+            shown = table_html(item)
+            folded = element("details", element("summary", text(item.title)), shown) if item.folded else ""
+            made.append(folded or title + shown)
     return made
 
 
-def _section(item: Section, pictures: Mapping[str, str], level: int) -> str:
+def _section(item: Section, figures: dict[str, Figure], level: int) -> str:
     opening = element("p", text(item.lead), class_="lead") if item.lead else ""
-    inside = items_html(item.items, pictures, level + 1)
+    inside = _items(item.items, figures, level + 1)
     heading = element(f"h{level}", text(item.title))
     return element("section" if level == 2 else "div", heading, opening, *inside)
 

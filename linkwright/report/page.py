@@ -60,12 +60,7 @@ def packed(source: str) -> str:
     return base64.b85encode(gzip.compress(source.encode(), 9, mtime=0)).translate(_SAFE).decode()
 
 
-WITHOUT_SCRIPT = "Without JavaScript the maps are not drawn; result.json has the figures."
-
-
-def page(
-    title: str, summary: str, body: Sequence[str], figures: Mapping[str, Figure], without: str = WITHOUT_SCRIPT
-) -> str:
+def page(title: str, summary: str, body: Sequence[str], figures: Mapping[str, Figure], without: str) -> str:
     """The whole page. It loads nothing: styles, script, figures and plotly stand in the file.
 
     `without` says what a reader misses whose browser runs no scripts.

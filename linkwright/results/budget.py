@@ -6,6 +6,7 @@ from types import MappingProxyType
 
 from linkwright.core.optimize.budget.parts import EACH_TIME, REPEATABILITY, TEMPERATURE
 from linkwright.core.optimize.budget.result import Budget, Gain
+from linkwright.report.charts.causes import causes_picture
 
 from .document import (
     Description,
@@ -64,8 +65,9 @@ def describe(found: Budget) -> Description:
         (cause_title(each.name), length(each.at_worst, 3), length(each.average, 3), share(each.share))
         for each in found.causes
     ]
+    bars = Picture(lambda: causes_picture([(cause_title(x.name), x.at_worst, x.average) for x in found.causes]))
     columns = ("each cause alone", "at the worst pose", "average", "share of the square")
-    items.append(section("Causes", Picture("causes"), table(columns, rows)))
+    items.append(section("Causes", bars, table(columns, rows)))
     if found.options:
         priced = [
             (each.name, _euro(each.price), length(each.worst, 3), length(each.average, 3), _per_euro(each))

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import math
 import unicodedata
-from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from typing import Any, Literal
 
 from .figures_in_words import figure, with_unit
@@ -130,10 +130,18 @@ class Lines:
 
 
 @dataclass(frozen=True)
-class Picture:
-    """Where a page shows the picture of that name; elsewhere nothing is shown."""
+class Drawn:
+    """A picture of a page: HTML, and the figures that its script draws in it, by their names."""
 
-    name: str
+    html: str
+    figures: Mapping[str, Any] = field(default_factory=dict[str, Any])
+
+
+@dataclass(frozen=True)
+class Picture:
+    """Where a page shows what `draw` draws, HTML alone or with figures; elsewhere nothing is shown, nor drawn."""
+
+    draw: Callable[[], Drawn | str]
 
 
 @dataclass(frozen=True)
@@ -188,7 +196,8 @@ Item = Paragraph | Lines | Table | Picture | Facts | Section
 class Description:
     """A result: `title` heads a page, `headline` is the answer in a sentence, `items` are the rest in order.
 
-    `brief` is the answer in a few words; `subject` is what a screen, which shows no title, puts before the headline.
+    `brief` is the answer in a few words; `subject` is what a screen, which shows no title, puts before the headline;
+    `without` what a reader of the page misses whose browser runs no scripts.
     """
 
     title: str
@@ -196,6 +205,7 @@ class Description:
     items: tuple[Item, ...]
     brief: str = ""
     subject: str = ""
+    without: str = "Without JavaScript the maps are not drawn; result.json has the figures."
 
 
 def section(title: str, *items: Item | None, lead: str = "", opened: bool = False, detail: bool = False) -> Section:

@@ -4,6 +4,11 @@ from __future__ import annotations
 
 from linkwright.core.arm.evaluation import Evaluation
 from linkwright.core.optimize.robust.result import RobustFigure
+from linkwright.report.charts import designs
+from linkwright.report.pictures.loads import loads_picture
+from linkwright.report.pictures.plots import field_of
+from linkwright.report.pictures.sections import sections_grid
+from linkwright.report.pictures.side_view import side_view
 
 from . import design
 from .document import Description, Fact, Facts, Item, Lines, Paragraph, Picture, Value, section, table
@@ -19,6 +24,10 @@ _SCALE = "Drawn to scale, each link as it stands in this pose."
 def describe(evaluation: Evaluation, robust: RobustFigure | None = None) -> Description:
     """All that is known of an arm as given; `robust`: over what is uncertain of it."""
     arm, named = evaluation.arm, (("", evaluation),)
+    side = Picture(lambda: side_view(arm, evaluation.load_cases))
+    over = Picture(lambda: designs.maps(named, (field_of(evaluation),)))
+    loads = Picture(lambda: loads_picture(evaluation))
+    links = Picture(lambda: sections_grid((("", arm),)))
     drives = design.drives(evaluation)
     unknown = tuple(f"{name.replace('_', ' ')} is not known: {reason}" for name, reason in evaluation.unknown.items())
     given = design.settings(design.asked(evaluation))
@@ -34,13 +43,13 @@ def describe(evaluation: Evaluation, robust: RobustFigure | None = None) -> Desc
         *design.rigid_links_words(evaluation),
         *design.notes(evaluation),
         *design.warnings(evaluation),
-        section("The arm at its worst pose", Picture("arms"), lead=_SCALE, detail=True),
-        section("Side view", Picture("side"), detail=True),
-        section("What the joints carry", Picture("loads"), design.joint_loads(evaluation), lead=LOADS, detail=True),
-        section("Error over the workspace", Picture("map"), poses),
+        section("The arm at its worst pose", Picture(lambda: designs.arms(named)), lead=_SCALE, detail=True),
+        section("Side view", side, detail=True),
+        section("What the joints carry", loads, design.joint_loads(evaluation), lead=LOADS, detail=True),
+        section("Error over the workspace", over, poses),
         section("What each effect adds", design.effects(named)),
         facts,
-        section("Links", Picture("sections"), design.links(named)),
+        section("Links", links, design.links(named)),
         section("Strength", design.strength(named)),
         *([section("Drives", drives)] if drives is not None else []),
         _compliance(evaluation),

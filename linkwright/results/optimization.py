@@ -9,6 +9,10 @@ from linkwright.core.optimize.infeasible.answer import Infeasibility, changed
 from linkwright.core.optimize.result import BindingLimit, Iteration, OptimizationResult
 from linkwright.core.units.quantities import format_quantity
 from linkwright.json.design import objective_unit
+from linkwright.report.charts import designs
+from linkwright.report.pictures.loads import loads_picture
+from linkwright.report.pictures.sections import sections_grid
+from linkwright.report.pictures.side_view import side_view
 
 from . import design, rounding
 from .document import (
@@ -46,6 +50,11 @@ def describe(result: OptimizationResult) -> Description:
     poses = design.worst_poses(result.after, detail=True)
     effects = design.effects(named, detail=True)
     alone = "Each effect alone; together they add as vectors."
+    arms = Picture(lambda: designs.arms(named))
+    side = Picture(lambda: side_view(result.after.arm, result.after.load_cases))
+    loads = Picture(lambda: loads_picture(result.after))
+    shapes = Picture(lambda: sections_grid((("before", result.before.arm), ("after", result.after.arm))))
+    over = Picture(lambda: designs.maps(named, (result.before_map, result.after_map)))
     items: list[Item] = [
         Paragraph(status_words(result), "under"),
         Paragraph(f"worst case of the new design: {bound}", "under"),
@@ -64,11 +73,11 @@ def describe(result: OptimizationResult) -> Description:
         *_dropped(result),
         *rounding.warnings(result),
         _facts(result),
-        section("Before and after, each at its worst pose", Picture("arms"), lead=_SCALE, detail=True),
-        section("Side view of the new design", Picture("side"), detail=True),
-        section("What its joints carry", Picture("loads"), design.joint_loads(result.after), lead=LOADS, detail=True),
-        section("Cross-sections", Picture("sections"), design.links(named), lead="All drawn to one scale."),
-        section("Error over the workspace", Picture("map"), poses, lead=_COLOURS, detail=True),
+        section("Before and after, each at its worst pose", arms, lead=_SCALE, detail=True),
+        section("Side view of the new design", side, detail=True),
+        section("What its joints carry", loads, design.joint_loads(result.after), lead=LOADS, detail=True),
+        section("Cross-sections", shapes, design.links(named), lead="All drawn to one scale."),
+        section("Error over the workspace", over, poses, lead=_COLOURS, detail=True),
         section("What each effect adds at the worst pose", effects, lead=alone, detail=True),
         section("What binds, and its price", _binding(result), lead="Limits that hold the design where it is."),
         *_balance(result),
@@ -295,8 +304,9 @@ def _search(result: OptimizationResult) -> Section:
     headings = ("iteration", "objective", "design change", "poses", "worst violation", "")
     log = table(headings, rows, detail=True)
     lead = f"{status_words(result).capitalize()}."
+    chart = Picture(lambda: designs.exchange(result, f"Objective over the iterations: {effort_words(result)}."))
     effort = Paragraph(effort_words(result))
-    return section("How the design was found", Picture("exchange"), log, _candidates(result), effort, lead=lead)
+    return section("How the design was found", chart, log, _candidates(result), effort, lead=lead)
 
 
 def _problem(result: OptimizationResult) -> Table:

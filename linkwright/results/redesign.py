@@ -8,6 +8,7 @@ from typing import Any
 from linkwright.json.design import links_json
 from linkwright.json.fields import fields, in_mm
 from linkwright.redesigning import STIFFER, Decision, Redesign
+from linkwright.report.pictures.sections import sections_grid
 
 from . import design
 from .document import Description, Fact, Facts, Lines, Paragraph, Picture, Section, length, section
@@ -36,7 +37,7 @@ def redesign_section(redesign: Redesign) -> Section:
         Facts(facts, detail=True),
         Lines(tuple(redesign_sentences(redesign))),
         Paragraph(words, "lead", detail=True),
-        Picture("redesigned"),
+        Picture(lambda: sections_grid((("before", redesign.old.arm), ("after", redesign.new.arm)))),
         replace(links, detail=True),
         opened=True,
     )

@@ -8,6 +8,7 @@ from linkwright.core.optimize.result import KeptLimit, NotRounded, OptimizationR
 from linkwright.core.optimize.worse import worse_figures
 from linkwright.core.units.quantities import format_quantity
 from linkwright.json.design import objective_unit
+from linkwright.report.pictures.sections import sections_grid
 
 from . import design
 from .document import Column, Paragraph, Picture, Section, Value, section, share, table
@@ -46,7 +47,7 @@ def _made(result: OptimizationResult, rounded: Rounded) -> Section:
         _worse_paragraph(result, rounded),
         *design.warnings(rounded.evaluation, "rounded design"),
         *design.sideways(result.before, rounded.evaluation, result.limits, "rounded design"),
-        Picture("rounded"),
+        Picture(lambda: sections_grid((("before", result.arm), ("after", rounded.arm)))),
         design.links((("", rounded.evaluation),), 6),
         table(headings, limits) if limits else None,
         lead="Before and after rounding; arm.yaml holds the rounded design.",

@@ -7,6 +7,8 @@ from pathlib import PurePath
 
 from linkwright.core.optimize.tradeoff.front import Front, Point, Tradeoff
 from linkwright.core.optimize.tradeoff.question import Axis
+from linkwright.report.charts import fronts
+from linkwright.report.charts.front_words import picture_words, price_words, shown, slope_factor
 
 from .design import settings
 from .document import (
@@ -24,7 +26,7 @@ from .document import (
     section,
     table,
 )
-from .figures_in_words import figure, lasted, load_case_words, percent, workspace_words
+from .figures_in_words import lasted, load_case_words, percent, workspace_words
 from .optimization import names_words
 
 MOST_ROWS = 25
@@ -36,7 +38,7 @@ def describe(result: Tradeoff) -> Description:
     """The fronts and their envelope."""
     x, y = result.asked.x, result.asked.y
     name = result.asked.given.arm.name
-    fronts = [_front_words(result, front) for front in result.fronts] if len(result.fronts) > 1 else []
+    each = [_front_words(result, front) for front in result.fronts] if len(result.fronts) > 1 else []
     without = [f"{front}: {reason}" for front, reason in result.without]
     told = [*ends_words(result, result.envelope), *gap_words(result, result.envelope)]
     told += [knee_words(result, result.envelope)]
@@ -47,12 +49,12 @@ def describe(result: Tradeoff) -> Description:
     ends = "Where the front ends, and where it jumps or rests."
     items: list[Item] = [
         Facts(_facts(result), detail=True),
-        *(Paragraph(line, "under") for line in (*fronts, *without)),
+        *(Paragraph(line, "under") for line in (*each, *without)),
         *([] if result.start is None else [Paragraph(result.start, "warning")]),
         *unreached_words(result),
-        section("The front", Picture("front"), lead=_POINT, detail=True),
+        section("The front", Picture(lambda: fronts.front(result)), lead=_POINT, detail=True),
         section("Ends, steps and idle stretches", *(Paragraph(line, "under") for line in told), lead=ends),
-        section("The price along the front", Picture("price"), lead=price, detail=True),
+        section("The price along the front", Picture(lambda: fronts.price(result)), lead=price, detail=True),
         section("Points", _points(result)),
         section("How it was found", Paragraph(effort_words(result))),
         section("The problem as solved", settings(_problem(result)), detail=True),
@@ -142,18 +144,6 @@ def _problem(result: Tradeoff) -> list[tuple[str, str]]:
     return [*rows, ("knee", f"{_KNEE} (Das 1999, doi:10.1007/BF01195985)")]
 
 
-def shown(axis: Axis, value: float, digits: int = 4) -> str:
-    """A value (SI) of an axis with its unit."""
-    return f"{figure(axis.factor * value, digits)} {axis.unit}".strip()
-
-
-def slope_factor(result: Tradeoff) -> tuple[float, str]:
-    """What one SI unit of the slope dy/dx is in the unit people read, and that unit."""
-    x, y = result.asked.x, result.asked.y
-    over = f"/{x.unit}" if x.unit else ""
-    return y.factor / x.factor, f"{y.unit or '1'}{over}" if over else y.unit
-
-
 def ends_words(result: Tradeoff, front: Front) -> list[str]:
     """Where the front ends, and why."""
     x, y = result.asked.x, result.asked.y
@@ -208,34 +198,12 @@ def knee_words(result: Tradeoff, front: Front) -> str:
     return f"knee: point {point.number}, {x.title} {shown(x, point.x)}, {y.title} {shown(y, point.y)}"
 
 
-def price_words(result: Tradeoff, point: Point) -> str:
-    """The price at a point: what one unit more of x does to y."""
-    if point.slope is None:
-        return "–"
-    factor, unit = slope_factor(result)
-    return f"{figure(factor * point.slope, 3)} {unit}".strip()
-
-
 def effort_words(result: Tradeoff) -> str:
     """How much was solved, how long it took, and how right the straight lines are."""
     known = f", {result.resumed} of them from the journal" if result.resumed else ""
     count = result.solved + result.resumed
     lines = f"straight lines between points were right within {percent(result.envelope.error)} half-way"
     return f"{count} points solved{known}{lasted(result.seconds)}; {lines}"
-
-
-def picture_words(result: Tradeoff) -> str:
-    """The picture in a sentence, for those who cannot see it."""
-    x, y = result.asked.x, result.asked.y
-    first, last = result.of(result.envelope)[0], result.of(result.envelope)[-1]
-    words = (
-        f"{y.title} against {x.title}: from {shown(y, first.y)} at {shown(x, first.x)} to {shown(y, last.y)} at "
-        f"{shown(x, last.x)}"
-    )
-    if result.envelope.knee is not None:
-        knee = result.points[result.envelope.knee - 1]
-        words += f", with the knee at {shown(x, knee.x, 3)} and {shown(y, knee.y, 3)}"
-    return words + "."
 
 
 def spread(points: Sequence[Point], most: int, always: int | None) -> list[Point]:

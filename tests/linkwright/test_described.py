@@ -10,7 +10,7 @@ from linkwright.core.arm.compensation import table_over
 from linkwright.core.diagnose.compare.compare import compare
 from linkwright.markdown.described import escaped
 from linkwright.markdown.described import markdown as written
-from linkwright.report.described import body
+from linkwright.report.described import page_of
 from linkwright.results.describe import describe
 from linkwright.results.document import (
     Bars,
@@ -111,7 +111,7 @@ def _read(source):
 def test_page_says_all_of_it(described):
     """Every cell and every sentence of the description, and no cell that it has not."""
     _, description = described
-    page = Page("".join(body(description, {})))
+    page = Page(page_of(description))
     assert page.open == []
     for text in _said(description) - {_one_line(description.headline)}:
         assert text in page.text, text
@@ -165,10 +165,10 @@ def test_odd_names_stay_text_everywhere():
     shown = "a|b <i>&amp; [red]*x*_y_`z`\\ \ufffd[31m # c"
     rows = [(ODD, amount(1.0, "mm"))]
     description = Description(ODD, ODD, (Paragraph(ODD), Lines((ODD,)), table((ODD, "size"), rows)))
-    assert "\x1b" not in _screen(description) + written(description) + "".join(body(description, {}))
+    assert "\x1b" not in _screen(description) + written(description) + page_of(description)
     assert _screen(description).count(_one_line(shown)) >= 2
-    page = Page("".join(body(description, {})))
-    assert page.text.count(_one_line(shown)) == 4
+    page = Page(page_of(description))
+    assert page.text.count(_one_line(shown)) == 6  # the title, twice, and all four places of the body
     assert "i" not in {tag for tag, _ in page.tags}
     found, cells = _read(written(description))
     assert found.count(_one_line(shown)) == 6
@@ -194,7 +194,7 @@ def test_a_long_table_is_short_on_the_screen():
     assert "row 2" in text
     assert "row 3 " not in text
     assert "and 57 more" in text
-    page = Page("".join(body(description, {})))
+    page = Page(page_of(description))
     assert "57 more" in page.text
     assert "row 59" in page.text
     assert "row 59" in written(description)

@@ -24,9 +24,8 @@ from linkwright.core.units.units import kinds
 from linkwright.json.diagnosis import diagnosis_json, in_unit, minimum_detectable, unit_of
 from linkwright.output.diagnosis_folder import compensation_csv, residuals_csv
 from linkwright.output.files import json_text
-from linkwright.report.contents import page_of
-from linkwright.report.pages.covariates import covariates
-from linkwright.report.pages.diagnosis import diagnosis_report
+from linkwright.report.charts.covariates import covariates
+from linkwright.report.described import page_of
 from linkwright.report.pictures.ladder import ladder_picture
 from linkwright.report.pictures.svg_plot import Plot, binned, round_ticks
 from linkwright.results.diagnoses.answer import answer, to_do
@@ -116,7 +115,7 @@ def test_nothing_unknown_becomes_nan():
     assert "Infinity" not in text
     assert json.loads(text)["missing"][0]["parameters"]["lag"]["ci95"] == [0.0, None]
     assert value(fitted).text == interval(fitted).text == "–"
-    assert "nan" not in Page(page_of(diagnosis_report(diagnosis))).text.lower()
+    assert "nan" not in Page(page_of(describe(diagnosis))).text.lower()
 
 
 @pytest.mark.parametrize(
@@ -136,8 +135,8 @@ def test_figures_have_the_digits_that_their_interval_supports(size, ends, words)
 def page(request):
     """The report of each verdict, and of an arm in space."""
     if request.param == "in space":
-        return Page(page_of(diagnosis_report(made_diagnosis("named", made_arm(space=True)))))
-    return Page(page_of(diagnosis_report(made_diagnosis(request.param))))
+        return Page(page_of(describe(made_diagnosis("named", made_arm(space=True)))))
+    return Page(page_of(describe(made_diagnosis(request.param))))
 
 
 def test_page_is_whole_and_loads_nothing(page):
@@ -151,7 +150,7 @@ def test_page_is_whole_and_loads_nothing(page):
 def test_page_opens_with_the_plain_sentence():
     """First the heading, then the answer and what to do, then the whole sentence, then all figures."""
     diagnosis = made_diagnosis("unknown")
-    text = Page(page_of(diagnosis_report(diagnosis))).text
+    text = Page(page_of(describe(diagnosis))).text
     places = [text.index(part) for part in (answer(diagnosis), *to_do(diagnosis), diagnosis.sentence, "RMS of the")]
     assert places == sorted(places)
 
@@ -221,9 +220,9 @@ def test_small_findings_stand_below_by_their_cause():
     small = replace(
         made.findings[0], effect="encoder_offset", at=(3,), rms_explained=0.1 * made.findings[0].rms_explained
     )
-    page = Page(page_of(diagnosis_report(replace(made, findings=(*made.findings, small))))).text
+    page = Page(page_of(describe(replace(made, findings=(*made.findings, small))))).text
     assert f"Small beside that: {EFFECTS[small.effect].cause}: " in page
-    assert "Small beside that" not in Page(page_of(diagnosis_report(made))).text
+    assert "Small beside that" not in Page(page_of(describe(made))).text
 
 
 def test_the_ladder_is_drawn_to_scale():
@@ -242,7 +241,7 @@ def test_the_ladder_is_drawn_to_scale():
 def test_page_says_everything_that_was_found():
     """Findings, aliases, ladder, rejected forms, detectable sizes, next poses, standards, rows set aside, notes."""
     diagnosis = made_diagnosis("alias_class")
-    text = Page(page_of(diagnosis_report(diagnosis))).text
+    text = Page(page_of(describe(diagnosis))).text
     for words in (
         "21 urad/(N·m)",
         "20 to 22 urad/(N·m)",
@@ -262,7 +261,7 @@ def test_page_says_everything_that_was_found():
 
 
 def test_page_describes_the_unknown():
-    text = Page(page_of(diagnosis_report(made_diagnosis("unknown")))).text
+    text = Page(page_of(describe(made_diagnosis("unknown")))).text
     for words in ("a step of 0.28 mm at 700 s", "it grows evenly, the mismatch does not", "step in time", "93 %"):
         assert words in text
 
@@ -270,7 +269,7 @@ def test_page_describes_the_unknown():
 def test_pictures_need_no_script():
     """Arrow maps before and after and a plot for every covariate are SVG in the page itself."""
     diagnosis = made_diagnosis()
-    source = page_of(diagnosis_report(diagnosis))
+    source = page_of(describe(diagnosis))
     for label in ("Residuals before over the workspace", "Residuals after over the workspace"):
         assert f'aria-label="{label}' in source
     names = [each.name for each in covariates(diagnosis)]
@@ -281,7 +280,7 @@ def test_pictures_need_no_script():
 def test_arrows_run_from_model_to_measured():
     """Arrows start where the tip nominally is and have the residual's direction, y up on the page."""
     diagnosis = made_diagnosis()
-    source = page_of(diagnosis_report(diagnosis))
+    source = page_of(describe(diagnosis))
     start = source.index('aria-label="Residuals before over the workspace')
     svg = source[source.rindex("<svg", 0, start) : source.index("</svg>", start) + 6]
     paths = [e.attrib["d"] for e in ET.fromstring(svg).iter("path") if e.attrib["class"] == "arrows before"]
@@ -340,7 +339,7 @@ def test_many_readings_stay_a_page_of_bearable_size():
         residual_before=small.residual_before[pick],
         residual_after=small.residual_after[pick],
     )
-    assert len(page_of(diagnosis_report(big))) - len(page_of(diagnosis_report(small))) < 3_000_000
+    assert len(page_of(describe(big))) - len(page_of(describe(small))) < 3_000_000
 
 
 def test_screen_tells_the_same(diagnosis):

@@ -31,8 +31,7 @@ from linkwright.core.sections.shapes import EllipticalTube
 from linkwright.core.units.quantities import InputError, NoAnswer
 from linkwright.json.design import evaluation_json, optimization_json
 from linkwright.markdown.described import markdown
-from linkwright.report.contents import page_of
-from linkwright.report.pages.optimization import optimization_report
+from linkwright.report.described import page_of
 from linkwright.results.describe import describe
 from linkwright.results.design import figures as told
 from linkwright.screen.described import show
@@ -287,7 +286,7 @@ def test_a_new_limit_is_one_object(tmp_path: Path) -> None:
     content = optimization_json(result)
     assert content["girth_mm"] == pytest.approx(130.0, rel=1e-6)
     assert content["before"]["girth_mm"] == pytest.approx(280.0)
-    assert "girth &lt;= 130 mm" in page_of(optimization_report(result))
+    assert "girth &lt;= 130 mm" in page_of(describe(result))
     made = rounded(problem, result, Rounding(0.5e-3))
     assert max(2.0 * (x.section.width + x.section.height) for x in made.arm.links) <= 0.13 * (1.0 + 1e-9)
     impossible = replace(problem, limits=(*problem.limits[:1], replace(problem.limit("girth")[0], value=0.05)))

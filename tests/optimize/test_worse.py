@@ -24,8 +24,7 @@ from linkwright.core.sections import Circle, ISection, Rectangle, Section
 from linkwright.core.units.quantities import InputError
 from linkwright.json.design import evaluation_json, optimization_json
 from linkwright.markdown.described import markdown
-from linkwright.report.contents import page_of
-from linkwright.report.pages.optimization import optimization_report
+from linkwright.report.described import page_of
 from linkwright.results.describe import describe
 from tests.optimize.builders import measured_price, problem_of
 
@@ -141,7 +140,7 @@ def test_a_figure_that_only_this_test_knows_follows(tmp_path: Path) -> None:
     assert entry == {"name": "slim", "before": pytest.approx(60.0), "after": pytest.approx(width), "unit": "mm"}
     words = f"least width from 60 to {width:.4g} mm"
     described = describe(result)
-    for text in (described.headline, markdown(described), page_of(optimization_report(result))):
+    for text in (described.headline, markdown(described), page_of(describe(result))):
         assert words in text.replace("\N{NO-BREAK SPACE}", " ")
         assert "sideways stiffness from" in text
     (share,) = optimization_json(result)["softer_sideways"]

@@ -14,7 +14,7 @@ from linkwright.core.arm.worst.search import WorstPose
 from linkwright.core.units.quantities import InputError
 from linkwright.face.tradeoff import Tradeoff, TradeoffDesign
 from linkwright.json.tradeoff import point_file
-from linkwright.report.pages.tradeoff import front_figure
+from linkwright.report.charts.fronts import front_figure
 from linkwright.report.pictures.arm import (
     arm_caption,
     arm_picture,

@@ -22,8 +22,6 @@ from linkwright.face.progress import Progress, told
 from linkwright.face.result import Reported, figure_of
 from linkwright.json.budget import budget_json
 from linkwright.output.files import REPORT, RESULT
-from linkwright.report.contents import Contents
-from linkwright.report.pages.budget import budget_report
 from linkwright.results.budget import cause_title
 
 if TYPE_CHECKING:
@@ -89,9 +87,6 @@ class Budget(Reported):
     def _tables(self) -> Mapping[str, pd.DataFrame]:
         tables = {"Causes": self.causes, "Better parts": self.better, "Twice as good": self.twice_as_good}
         return {name: table for name, table in tables.items() if len(table)}
-
-    def _report(self) -> Contents:
-        return budget_report(self.found)
 
 
 def budget(

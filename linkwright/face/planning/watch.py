@@ -28,8 +28,6 @@ from linkwright.face.workers import at_work
 from linkwright.json.diagnosis import in_unit, unit_of
 from linkwright.json.watch import watch_json
 from linkwright.output.files import REPORT, RESULT
-from linkwright.report.contents import Contents
-from linkwright.report.pages.watch import watch_report
 from linkwright.results.diagnoses.watch import title_of, watch_sentence
 
 if TYPE_CHECKING:
@@ -105,9 +103,6 @@ class Watch(Reported):
 
     def _tables(self) -> Mapping[str, pd.DataFrame]:
         return {"What moved": self.alarms} if self.moved else {}
-
-    def _report(self) -> Contents:
-        return watch_report(self.found)
 
 
 def watch(

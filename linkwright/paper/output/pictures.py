@@ -56,7 +56,8 @@ def page(figures: Sequence[Figure]) -> str:
         )
         words = [element("p", text(remark)) for remark in figure.remarks]
         body.append(section(f"Figure {figure.number}: {figure.title}", beside, *words))
-    return report_page(_TITLE, _SUMMARY, body, plots)
+    without = "Without JavaScript the maps are not drawn; result.json has the figures."
+    return report_page(_TITLE, _SUMMARY, body, plots, without)
 
 
 def _maps(figure: Figure) -> tuple[Plot, Plot]:

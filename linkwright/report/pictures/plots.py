@@ -8,7 +8,10 @@ from typing import Any
 import numpy as np
 
 from linkwright.core.arm.chain.kinematics import tip_position
-from linkwright.core.arm.evaluation import ErrorMap, Evaluation
+from linkwright.core.arm.errors.model import beam_values, beams_of, error_model
+from linkwright.core.arm.errors.unknown_mass import unknown_taken_out
+from linkwright.core.arm.evaluation import ErrorMap, Evaluation, error_map
+from linkwright.core.arm.worst.search import WorstSearch
 from linkwright.core.optimize.result import Iteration
 from linkwright.json.design import objective_unit
 from linkwright.results.design import poses_that_differ
@@ -18,6 +21,13 @@ MOST_MARKS = 5
 Figure = dict[str, Any]
 LIKE = "like"
 """A figure that is another one in other colours holds that one's name by this key, and no data of its own."""
+
+
+def field_of(evaluation: Evaluation) -> ErrorMap:
+    """The worst error at each place of the tip."""
+    arm, cases = unknown_taken_out(evaluation.arm, evaluation.load_cases), evaluation.load_cases
+    search = WorstSearch(error_model(arm, cases), evaluation.workspace)
+    return error_map(search, beam_values(beams_of(arm, cases)))
 
 
 def colour_range(maps: Sequence[ErrorMap], evaluations: Sequence[Evaluation]) -> tuple[float, float]:

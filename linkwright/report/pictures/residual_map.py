@@ -11,6 +11,7 @@ from linkwright.core.diagnose.several.recordings import nominal_tips as tips_of
 from linkwright.core.sections.numeric import Array
 from linkwright.report.page import figure_place, in_own_place, only_on_paper, side_by_side
 from linkwright.results.diagnoses.words import row_words
+from linkwright.results.document import Drawn
 from linkwright.results.figures_in_words import figure, mm, pose
 
 from .plots import Figure, in_own_colours, with_scales
@@ -116,8 +117,8 @@ def _map(
     return element("figure", heading, drawn, element("figcaption", text(words)))
 
 
-def hover_maps(diagnosis: Diagnosis) -> tuple[str, dict[str, Figure]]:
-    """Every reading to hover over, with its row, pose and residual: where the maps go, and the figures by name."""
+def residual_maps(diagnosis: Diagnosis) -> Drawn:
+    """The arrows, and every reading to hover over, with its row, pose and residual."""
     rows = chosen_rows(diagnosis.recording.size, MOST_HOVERED)
     lengths = [1e3 * np.linalg.norm(residual, axis=1) for _, residual in states(diagnosis)]
     greatest = max(float(length.max()) for length in lengths)
@@ -134,7 +135,7 @@ def hover_maps(diagnosis: Diagnosis) -> tuple[str, dict[str, Figure]]:
         if 0.0 < float(length.max()) < greatest:
             figures[f"{name}-own"] = in_own_colours(name, 0.0, float(length.max()))
             on_paper.append(in_own_place(name, when, words))
-    return side_by_side(*places) + only_on_paper(on_paper), figures
+    return Drawn(arrow_maps(diagnosis) + side_by_side(*places) + only_on_paper(on_paper), figures)
 
 
 def _hovered(diagnosis: Diagnosis, length: Array, rows: NDArray[np.int64], greatest: float) -> Figure:

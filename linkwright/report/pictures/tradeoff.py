@@ -7,8 +7,8 @@ from collections.abc import Callable, Sequence
 
 from linkwright.core.optimize.tradeoff.front import Front, Point, Tradeoff
 from linkwright.core.optimize.tradeoff.question import Axis
+from linkwright.report.charts.front_words import picture_words, shown
 from linkwright.results.figures_in_words import figure
-from linkwright.results.tradeoff import picture_words, shown
 
 from .svg import element, nice_below, text
 

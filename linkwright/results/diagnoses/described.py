@@ -11,6 +11,12 @@ from linkwright.core.diagnose.answer.sentences import about_of, name_of
 from linkwright.core.diagnose.result import Diagnosis, Finding, FittedParameter, LackOfFit, Unknown
 from linkwright.core.diagnose.rules.rules import RULES
 from linkwright.redesigning import Redesign
+from linkwright.report.charts.covariates import small_multiples
+from linkwright.report.charts.mismatch import arm_at_mismatch
+from linkwright.report.page import side_by_side
+from linkwright.report.pictures.joint_curves import joint_curves
+from linkwright.report.pictures.ladder import ladder_picture
+from linkwright.report.pictures.residual_map import residual_maps
 from linkwright.results.design import settings
 from linkwright.results.document import (
     Cell,
@@ -64,6 +70,8 @@ from .words import (
     whole_sentence,
 )
 
+_WITHOUT = "Without JavaScript the maps to hover over are missing; all else is here. diagnosis.json has the figures."
+
 
 def describe(diagnosis: Diagnosis, redesign: Redesign | None = None) -> Description:
     """A diagnosis, with the design that follows from it where one was asked for."""
@@ -71,7 +79,7 @@ def describe(diagnosis: Diagnosis, redesign: Redesign | None = None) -> Descript
     could = detectable(diagnosis, detail=diagnosis.verdict not in ("none", "insufficient_data"))
     items: list[Item | None] = [
         _next_steps(diagnosis),
-        Picture("first"),
+        Picture(lambda: side_by_side(arm_at_mismatch(diagnosis), ladder_picture(diagnosis))),
         Paragraph(diagnosis.sentence),
         _facts(diagnosis),
         Paragraph(diagnosis.noise_source),
@@ -83,9 +91,9 @@ def describe(diagnosis: Diagnosis, redesign: Redesign | None = None) -> Descript
         _origins(diagnosis) if diagnosis.origins else None,
         None if diagnosis.unknown is None else _unknown(diagnosis.unknown),
         where_it_sits(diagnosis) if anything else could,
-        section("Residuals over the workspace", Picture("maps"), detail=True),
+        section("Residuals over the workspace", Picture(lambda: residual_maps(diagnosis)), detail=True),
         ladder(diagnosis) if diagnosis.ladder else None,
-        section("Residuals against what was recorded", Picture("covariates"), detail=True),
+        section("Residuals against what was recorded", Picture(lambda: small_multiples(diagnosis)), detail=True),
         considered(diagnosis) if diagnosis.rejected_forms else None,
         could if anything else None,
         standards(diagnosis) if diagnosis.figures else None,
@@ -97,7 +105,8 @@ def describe(diagnosis: Diagnosis, redesign: Redesign | None = None) -> Descript
         section("What was asked", settings(_asked(diagnosis)), detail=True),
     ]
     title = f"{diagnosis.arm.name}: what the model leaves out"
-    return Description(title, answer(diagnosis), tuple(x for x in items if x is not None), _brief(diagnosis))
+    held = tuple(item for item in items if item is not None)
+    return Description(title, answer(diagnosis), held, _brief(diagnosis), without=_WITHOUT)
 
 
 def _brief(diagnosis: Diagnosis) -> str:
@@ -244,7 +253,7 @@ def _findings(diagnosis: Diagnosis) -> Section:
         if small
         else None,
         *(Paragraph(said) for each in diagnosis.findings if (said := alias_sentence(each))),
-        Picture("curves"),
+        Picture(lambda: joint_curves(diagnosis)),
         table(columns, alike, title=title, detail=True) if alike else None,
     )
 

@@ -6,6 +6,8 @@ import math
 from pathlib import PurePath
 
 from linkwright.core.diagnose.watch.watch import LEFT, Moved, Watch, Watched
+from linkwright.report.charts.control import chart
+from linkwright.report.pictures.svg import element
 from linkwright.results.document import (
     Cell,
     Column,
@@ -112,14 +114,26 @@ def describe(found: Watch) -> Description:
             "Dots are what each recording says, with its 95 % interval; the line is the level; the band is where one "
             "recording lies as long as the parameter stays as it began; red: when it changed, and between which dates."
         )
-        items.append(section("What moved", Picture("moved"), _moves(found), lead=lead))
-    items.append(section("Each parameter", _parameters(found), Picture("quiet")))
+        moved = Picture(lambda: "".join(_chart(found, each) for each in found.moved))
+        items.append(section("What moved", moved, _moves(found), lead=lead))
+    items.append(section("Each parameter", _parameters(found), Picture(lambda: _quiet(found))))
     items.append(section("Recordings", _recordings(found), detail=True))
     items.append(section("Values", *(_values(found, each) for each in (*found.parameters, found.left)), detail=True))
     items.append(section("What it rests on", Lines(_rests_on(found))))
     name = found.arm.name
     brief = sentence.split(". ")[0].rstrip(".")
     return Description(f"{name}: watched over {len(found.recordings)} recordings", sentence, tuple(items), brief)
+
+
+def _chart(found: Watch, each: Watched) -> str:
+    changes = [change_words(found, each, change) for change in each.changes]
+    return chart(found, each, title_of(each), changes, large=each.moved)
+
+
+def _quiet(found: Watch) -> str:
+    """Small charts of what did not move, as far as a recording shows it."""
+    known = [x for x in (*found.parameters, found.left) if not x.moved and any(map(math.isfinite, x.values))]
+    return element("div", *(_chart(found, each) for each in known), class_="multiples") if known else ""
 
 
 def _shown(each: Watched) -> bool:

@@ -13,16 +13,14 @@ import pytest
 from linkwright.core.arm.chain.chain import Joint
 from linkwright.core.arm.evaluation import evaluate
 from linkwright.core.sections import Circle, Tube
-from linkwright.report.contents import page_of
+from linkwright.report.described import page_of
 from linkwright.report.origin import origin_of, signed
-from linkwright.report.pages.diagnosis import diagnosis_report
-from linkwright.report.pages.evaluation import evaluation_report
-from linkwright.report.pages.optimization import optimization_report
 from linkwright.report.pictures.arm import arm_picture, shared_window, skeleton
 from linkwright.report.pictures.sections import sections_grid
+from linkwright.results.describe import describe
 from linkwright.results.figures_in_words import mm
 from tests.diagnose.made_diagnosis import made_arm, made_diagnosis
-from tests.linkwright.samples import arm_of, mapped, unpacked
+from tests.linkwright.samples import arm_of, unpacked
 
 VOID = {"meta", "br", "link", "img", "input", "hr"}
 
@@ -65,7 +63,7 @@ class Page(HTMLParser):
 @pytest.fixture(scope="module")
 def page(result):
     """The report of the optimisation."""
-    return Page(page_of(optimization_report(result)))
+    return Page(page_of(describe(result)))
 
 
 def test_page_is_well_formed(page):
@@ -84,7 +82,7 @@ def test_page_loads_nothing(page):
 
 def test_styles_and_own_script_load_nothing(result):
     """Plotly is left out of the search: its code names addresses that these figures never ask for."""
-    source = page_of(optimization_report(result))
+    source = page_of(describe(result))
     style = source[source.index("<style>") : source.index("</style>")]
     own = source[source.rindex("<script>") :]
     for text in (style, own):
@@ -93,14 +91,14 @@ def test_styles_and_own_script_load_nothing(result):
 
 def test_plotly_stands_in_the_page_once_and_packed(page, result):
     """It has more than four megabytes of its own; a report can be mailed."""
-    assert 1_000_000 < len(page.scripts["plotly"]) < len(page_of(optimization_report(result))) <= 2_000_000
+    assert 1_000_000 < len(page.scripts["plotly"]) < len(page_of(describe(result))) <= 2_000_000
 
 
 @pytest.mark.skipif(shutil.which("chromium") is None, reason="needs Debian's chromium")
 def test_a_browser_draws_every_figure(page, result, tmp_path):
     """Unpacked by the page's own script, from a file, without a network."""
     report = tmp_path / "report.html"
-    report.write_text(page_of(optimization_report(result)), encoding="utf-8")
+    report.write_text(page_of(describe(result)), encoding="utf-8")
     options = ["--headless", "--no-sandbox", "--disable-gpu", "--virtual-time-budget=20000", "--dump-dom"]
     drawn = subprocess.run(
         ["chromium", *options, report.as_uri()], capture_output=True, text=True, check=True, timeout=120
@@ -116,7 +114,7 @@ def test_a_report_says_where_it_is_from(result, tmp_path, monkeypatch):
     problem = tmp_path / "problem.yaml"
     problem.write_text("abc")
     origin = origin_of([problem, tmp_path / "gone.yaml"], author="<Ada>", comment="second study")
-    told = Page(signed(page_of(optimization_report(result)), origin))
+    told = Page(signed(page_of(describe(result)), origin))
     assert told.open == []
     for words in (
         "1970-01-02",
@@ -231,13 +229,13 @@ def test_an_arm_in_space_is_drawn_upright_through_its_tip():
     drawn = skeleton(found)
     second = found.worst.poses[0].q[1]
     assert drawn.tip == pytest.approx((400.0 + 300.0 * math.cos(second), 300.0 * math.sin(second)), abs=1e-6)
-    page = Page(page_of(evaluation_report(found, mapped(found))))
+    page = Page(page_of(describe(found)))
     assert "seen from the side" in page.text
 
 
 def test_page_of_a_single_arm(evaluation):
     """The same parts, without before and after."""
-    page = Page(page_of(evaluation_report(evaluation, mapped(evaluation))))
+    page = Page(page_of(describe(evaluation)))
     assert page.open == []
     assert mm(evaluation.max_error) in page.text
     assert set(page.figures) == {"map-arm"}
@@ -247,7 +245,7 @@ def test_page_of_a_single_arm(evaluation):
 def test_warnings_are_on_the_page(evaluation):
     """Plainly, in words."""
     warned = replace(evaluation, warnings=("link 1 yields: 300 MPa, safety factor 0.9",))
-    assert "link 1 yields: 300 MPa" in Page(page_of(evaluation_report(warned, mapped(evaluation)))).text
+    assert "link 1 yields: 300 MPa" in Page(page_of(describe(warned))).text
 
 
 def test_how_long_it_took_is_left_out_where_the_date_is_given(result, monkeypatch):
@@ -255,7 +253,7 @@ def test_how_long_it_took_is_left_out_where_the_date_is_given(result, monkeypatc
 
     def both(seconds):
         diagnosis = replace(made_diagnosis("named", made_arm(space=True)), seconds=seconds)
-        return [page_of(diagnosis_report(diagnosis)), page_of(optimization_report(replace(result, seconds=seconds)))]
+        return [page_of(describe(diagnosis)), page_of(describe(replace(result, seconds=seconds)))]
 
     assert all(one != other for one, other in zip(both(1.0), both(2.0), strict=True))
     monkeypatch.setenv("SOURCE_DATE_EPOCH", "86400")

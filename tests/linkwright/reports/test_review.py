@@ -13,14 +13,14 @@ from linkwright.core.arm.evaluation import evaluate
 from linkwright.core.arm.limits.joint_loads import JointLoad, joint_loads
 from linkwright.core.sections import Circle, RectangularTube, Tube
 from linkwright.report.described import MOST_FOLDED, MOST_ROWS, table_html
-from linkwright.report.pages.evaluation import evaluation_report
+from linkwright.report.pictures.loads import loads_picture
 from linkwright.report.pictures.sections import sections_grid
 from linkwright.report.pictures.side_view import side_view
 from linkwright.results.design import joint_loads as joint_loads_told
 from linkwright.results.design import poses_that_differ
 from linkwright.results.document import Bars, count, share, table, words
 from linkwright.results.figures_in_words import factor_words
-from tests.linkwright.samples import arm_of, mapped
+from tests.linkwright.samples import arm_of
 
 G = 9.81
 
@@ -71,13 +71,12 @@ def test_the_side_view_is_to_scale_and_says_the_sizes():
 
 
 def test_the_report_holds_loads_and_the_bent_shape(evaluation):
-    contents = evaluation_report(evaluation, mapped(evaluation))
-    assert 'class="bent"' in contents.pictures["loads"]
+    assert 'class="bent"' in loads_picture(evaluation)
     unweighed = replace(evaluation.arm.links[0], section=None, material=None, mass=None)
     arm = replace(evaluation.arm, links=(unweighed, *evaluation.arm.links[1:]))
     found = evaluate(arm)
     assert found.joint_loads is None
-    assert evaluation_report(found, mapped(evaluation)).pictures["loads"] == ""
+    assert loads_picture(found) == ""
 
 
 def test_a_pose_turned_with_its_base_is_shown_once(evaluation):

@@ -1,10 +1,11 @@
-"""Pictures that the reports of an evaluation and of an optimisation share."""
+"""Pictures that the pages of an evaluation and of an optimisation share: arms, and maps of the error."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 
 from linkwright.core.arm.evaluation import ErrorMap
+from linkwright.core.optimize.result import OptimizationResult
 from linkwright.report.page import figure_place, in_own_place, only_on_paper, side_by_side
 from linkwright.report.pictures.arm import arm_caption, arm_picture, numbered, shared_window, skeleton
 from linkwright.report.pictures.plots import (
@@ -12,11 +13,15 @@ from linkwright.report.pictures.plots import (
     colour_range,
     error_map_figure,
     error_map_words,
+    exchange_figure,
     in_own_colours,
     shared_spans,
 )
 from linkwright.report.pictures.svg import element, text
 from linkwright.results.design import Named
+from linkwright.results.document import Drawn
+
+_EXCHANGE = "The exchange ends where no pose is worse than those it has already designed for."
 
 
 def arms(named: Named) -> str:
@@ -32,7 +37,7 @@ def arms(named: Named) -> str:
     return side_by_side(*figures)
 
 
-def maps(named: Named, fields: Sequence[ErrorMap]) -> tuple[str, Mapping[str, Figure]]:
+def maps(named: Named, fields: Sequence[ErrorMap]) -> Drawn:
     """The error maps with one colour scale, and for paper each in its own: where they go, and the figures by name."""
     colours = colour_range(fields, [evaluation for _, evaluation in named])
     spans = shared_spans(fields)
@@ -49,4 +54,12 @@ def maps(named: Named, fields: Sequence[ErrorMap]) -> tuple[str, Mapping[str, Fi
         if own != colours:
             figures[f"{name}-own"] = in_own_colours(name, *own)
             on_paper.append(in_own_place(name, when, words))
-    return side_by_side(*places) + only_on_paper(on_paper), figures
+    return Drawn(side_by_side(*places) + only_on_paper(on_paper), figures)
+
+
+def exchange(result: OptimizationResult, words: str) -> Drawn | str:
+    """The objective over the iterations; nothing where there was but one."""
+    if len(result.iterations) < 2:
+        return ""
+    figures = {"exchange": exchange_figure(result.iterations, result.minimize)}
+    return Drawn(figure_place("exchange", words, text(_EXCHANGE)), figures)

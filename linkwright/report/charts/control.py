@@ -1,8 +1,9 @@
-"""The report of a watch: a control chart for each parameter."""
+"""Control charts of a watch, one for each parameter."""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from datetime import timedelta
 
 import numpy as np
@@ -10,10 +11,8 @@ import numpy as np
 from linkwright.core.diagnose.watch.watch import Watch, Watched
 from linkwright.core.sections.numeric import Array
 from linkwright.core.units.quantities import format_quantity
-from linkwright.report.contents import Contents
 from linkwright.report.pictures.svg import element, label, line, path, text
 from linkwright.report.pictures.svg_plot import Plot, course, dots, spanned
-from linkwright.results.diagnoses.watch import change_words, describe, title_of
 from linkwright.results.diagnoses.words import whole_sentence
 
 _TEXT = 12.0
@@ -21,21 +20,9 @@ _LARGE, _SMALL = (760.0, 240.0), (300.0, 150.0)
 _TICKS = 5
 
 
-def watch_report(found: Watch) -> Contents:
-    """What the report shows."""
-    moved = [chart(found, each, _LARGE) for each in found.moved]
-    known = [each for each in (*found.parameters, found.left) if not each.moved and np.isfinite(each.values).any()]
-    quiet = [chart(found, each, _SMALL) for each in known]
-    pictures = {
-        "moved": "".join(moved),
-        "quiet": element("div", *quiet, class_="multiples") if quiet else "",
-    }
-    return Contents(describe(found), pictures)
-
-
-def chart(found: Watch, each: Watched, size: tuple[float, float]) -> str:
+def chart(found: Watch, each: Watched, title: str, changes: Sequence[str], *, large: bool) -> str:
     """A control chart: what each recording says with its interval, the level, the band of quiet recordings, and red
-    where it changed."""
+    where it changed; `title` says of what, `changes` what changed."""
     days = [one.date for one in found.recordings]
     when = np.array([float((day - days[0]).days) for day in days])
     factor, unit = _unit(each)
@@ -46,7 +33,7 @@ def chart(found: Watch, each: Watched, size: tuple[float, float]) -> str:
     reach = factor * np.clip(each.intervals, np.nanmin(each.values) - 3.0 * _width(each), None)
     every = np.concatenate([value, low, high, level])
     span = float(when[-1] - when[0])
-    plot = Plot(*size, (-0.03 * span, 1.03 * span), spanned(every), left=66.0, right=34.0)
+    plot = Plot(*(_LARGE if large else _SMALL), (-0.03 * span, 1.03 * span), spanned(every), left=66.0, right=34.0)
     parts: list[str] = []
     if np.isfinite(low).any():
         place = np.flatnonzero(np.isfinite(low))
@@ -77,17 +64,16 @@ def chart(found: Watch, each: Watched, size: tuple[float, float]) -> str:
         element("circle", cx=float(a), cy=float(b), r=3.2, class_="tip")
         for a, b in zip(plot.x(when[outside]), plot.y(value[outside]), strict=True)
     ]
-    title = title_of(each)
-    said = "; ".join(change_words(found, each, change) for change in each.changes)
+    said = "; ".join(changes)
     names = ("", f"in {unit}" if unit else "")
     about = f"{title} over the recordings" + (f": {said}" if said else ": nothing but noise")
     drawn = plot.drawn(about, names, *parts, ticks=())
-    caption = element("figcaption", element("strong", text(whole_sentence(title)[:-1])), text(_after(each, said)))
+    caption = element("figcaption", element("strong", text(whole_sentence(title)[:-1])), text(_after(title, said)))
     return element("figure", caption, drawn)
 
 
-def _after(each: Watched, said: str) -> str:
-    return "" if not said else f": {said.removeprefix(title_of(each)).replace('; ' + title_of(each), '; ').strip()}"
+def _after(title: str, said: str) -> str:
+    return "" if not said else f": {said.removeprefix(title).replace('; ' + title, '; ').strip()}"
 
 
 def _width(each: Watched) -> float:

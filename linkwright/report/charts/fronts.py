@@ -1,31 +1,31 @@
-"""The report of a trade-off: the front to look into, its ends and knee, the price along it, and every point."""
+"""The fronts of a trade-off as plotly draws them: the front to look into, and the price along it."""
 
 from __future__ import annotations
 
 from typing import Any
 
 from linkwright.core.optimize.tradeoff.front import Front, Point, Tradeoff
-from linkwright.report.contents import Contents
+from linkwright.report.charts.front_words import picture_words, price_words, shown, slope_factor
 from linkwright.report.page import figure_place
 from linkwright.report.pictures.plots import Figure
 from linkwright.report.pictures.svg import text
 from linkwright.report.pictures.tradeoff import COLOURS
+from linkwright.results.document import Drawn
 from linkwright.results.figures_in_words import figure, section_words, with_unit
-from linkwright.results.tradeoff import describe, price_words, shown, slope_factor
 
 _ENVELOPE = "rgba(140,150,165,0.45)"
 
 
-def tradeoff_report(result: Tradeoff) -> Contents:
-    """What the report shows."""
-    described = describe(result)
-    words = described.headline
-    pictures = {
-        "front": figure_place("front", words, text(words)),
-        "price": figure_place("price", f"Price in {slope_factor(result)[1]} along the front"),
-    }
-    figures = {"front": front_figure(result), "price": price_figure(result)}
-    return Contents(described, pictures, figures)
+def front(result: Tradeoff) -> Drawn:
+    """The front to look into."""
+    words = picture_words(result)
+    return Drawn(figure_place("front", words, text(words)), {"front": front_figure(result)})
+
+
+def price(result: Tradeoff) -> Drawn:
+    """The price along the front."""
+    place = figure_place("price", f"Price in {slope_factor(result)[1]} along the front")
+    return Drawn(place, {"price": price_figure(result)})
 
 
 def _hover(result: Tradeoff, point: Point, *, brief: bool) -> str:

@@ -1,1 +1,0 @@
-"""The report pages, and the parts that they share."""
