@@ -12,12 +12,12 @@ from typing import Any
 
 from linkwright.core.units.temperature import REFERENCE_TEMPERATURE
 
-from .balance import End, PointMass
+from .acting import Acting, Branches, Counterbalances, Couplings, Load, PointLoads, masses_on
 from .beam import Beam
 from .branches import alone
-from .chain import Arm, LoadCase, Zones
+from .chain import Arm, Joint, Link, LoadCase, Zones
 from .conditions import Conditions
-from .following import coordinates, ties_to, turns
+from .following import coordinates, turns
 from .kinematics import Frames, LinkFrame, place, section_directions
 from .vectors import (
     Scalar,
@@ -25,7 +25,6 @@ from .vectors import (
     add,
     cross,
     dot,
-    is_zero,
     minus,
     plus,
     rotate,
@@ -141,110 +140,56 @@ def solve(
     """
     case = arm.payload if load is None else load
     arm = arm.on(case.tip)
+    held = Conditions() if conditions is None else conditions
     rise = arm.temperature - REFERENCE_TEMPERATURE if warming is None else warming
     placed = place(arm, q, [beam.length for beam in beams]) if frames is None else frames
     # On a shape that is given, beams are as long as they have run out to there.
     beams = beams if frames is not None else run_out(arm, beams, q)
-    held = Conditions() if conditions is None else conditions
     pull: Vector = arm.gravity if gravity is None else gravity
     pushed: Vector = case.force if tip_force is None else tip_force
     carried = case.mass if payload_mass is None else payload_mass
-    force = add(pushed, scale(carried, pull))
-    moment: Vector = add(case.moment, cross(placed.tool, force))
+    acting: list[Acting] = [Couplings(arm, placed), Counterbalances(arm, beams, turns(arm, q))]
+    if point_forces is not None or point_moments is not None:
+        acting.append(PointLoads(point_forces, point_moments or {}))
+    if arm.branches:
+        acting.insert(0, Branches(arm, _hanging(arm, placed, q, beams, pull)))
+    coordinate = coordinates(arm, q)
     joints: list[JointState] = []
     links: list[LinkState] = []
-    ends: dict[int, Vector] = {}
-    couplings, own_turns, own_coordinates = _Couplings(arm, placed), turns(arm, q), coordinates(arm, q)
+    ends: dict[int, Load] = {}
+    at = Load(moment=case.moment).pushed(add(pushed, scale(carried, pull)), placed.tool)
     for index in range(arm.size - 1, -1, -1):
-        beam, frame, joint = beams[index], placed.links[index], arm.joints[index]
-        away: Scalar = 0.0
-        if arm.branches:
-            away = arm.away(index)
-            if index == arm.branches[0].first - 1:
-                force, moment = _with_branches(arm, frame, q, beams, pull, force, moment)
-        beyond = force, moment
-        moment = couplings.taken_on(index, moment)
-        if point_forces is not None:
-            force = add(force, point_forces[index])
-        if point_moments is not None and index in point_moments:
-            moment = add(moment, point_moments[index])
-        ends[index] = moment
-        own = [_chosen(each, beam) if each.chosen else each for each in arm.links[index].masses]
-        force, moment = _hung(own, "end", frame, pull, force, moment)
-        weight = scale(times(beam.mass_per_length, beam.length), pull)
-        half = add(force, scale(beam.taper.balance, weight))
-        base_moment = add(moment, cross(frame.vector, half))
-        base_force = add(add(force, weight), scale(beam.housed, pull))
-        if not (isinstance(beam.lumped_mass, float) and beam.lumped_mass == 0.0):
-            lumped = scale(beam.lumped_mass, pull)
-            base_moment = add(base_moment, cross(scale(beam.lumped_at, frame.along), lumped))
-            base_force = add(base_force, lumped)
-        if not is_zero(beam.first_moment):
-            along, height, width = beam.first_moment
-            eccentric = add(scale(along, frame.along), add(scale(height, frame.height), scale(width, frame.width)))
-            base_moment = add(base_moment, cross(eccentric, pull))
-        links.append(
-            LinkState(
-                frame.vector,
-                frame.along,
-                frame.height,
-                frame.width,
-                beam,
-                force,
-                moment,
-                weight,
-                rise if held.warming is None else held.warming[index],
-                base_moment,
-            )
-        )
-        base_force, base_moment = _hung(own, "joint", frame, pull, base_force, base_moment)
-        axis = placed.joints[index].axis
-        past = couplings.given_back(index, base_moment)
+        joint, beam, beyond = arm.joints[index], beams[index], at
+        for each in acting:
+            at = each.at_end(index, at)
+        ends[index] = at
+        warm = rise if held.warming is None else held.warming[index]
+        link, at = _along(arm.links[index], beam, placed.links[index], pull, at, warm)
+        axis, past = placed.joints[index].axis, at
+        for each in acting:
+            past = each.past(index, past)
         # A slide's mass rides on it, so what moves the slide moves that too.
-        rides = base_force if joint.revolute else add(base_force, scale(joint.mass, pull))
-        couplings.carried(index, dot(axis, past if joint.revolute else rides))
-        if not joint.revolute:
-            drive_load = dot(axis, rides)
-        elif arm.angles == "absolute":
+        riding = at.pushed(scale(joint.mass, pull)).force
+        on_axis = dot(axis, past.moment if joint.revolute else riding)
+        drive_load = dot(axis, at.moment if joint.revolute else riding)
+        if joint.revolute and arm.angles == "absolute":
             # Such a drive turns its own link and carries the rest along unturned, so only the link's own moment counts.
-            drive_load = dot(axis, subtract(base_moment, ends[index + joint.spans - 1]))
-        else:
-            drive_load = dot(axis, base_moment)
-        drive_load = plus(drive_load, couplings.across(index))
-        if joint.counterbalance is not None:
-            counterbalance = joint.counterbalance
-            if joint.balancer_chosen:
-                figure: dict[str, Any] = {joint.balancer_chosen: beam.balancer}
-                counterbalance = replace(counterbalance, **figure)
-            drive_load = plus(drive_load, counterbalance.turning(own_turns[index]))
-        joints.append(
-            JointState(
-                joint.revolute,
-                axis,
-                base_force,
-                base_moment,
-                drive_load,
-                joint.stiffness,
-                joint.clearance,
-                joint.backlash,
-                joint.mass,
-                own_coordinates[index],
-                joint.spans,
-                joint.zones,
-                tilting_stiffness=joint.tilting_stiffness,
-            )
-        )
-        force = add(base_force, scale(joint.mass, pull))
-        lead = placed.joints[index].lead
-        moment = past if is_zero(lead) else add(past, cross(lead, force))
-        if not (isinstance(away, float) and away == 0.0):
-            here = minus(1.0, away)
-            links[-1], joints[-1] = _only(here, links[-1]), _only_drive(here, joints[-1])
-            force = add(scale(away, beyond[0]), scale(here, force))
-            moment = add(scale(away, beyond[1]), scale(here, moment))
+            drive_load = dot(axis, subtract(at.moment, ends[index + joint.spans - 1].moment))
+        for each in acting:
+            drive_load = plus(drive_load, each.on_drive(index, on_axis))
+        links.append(link)
+        joints.append(_joint_state(joint, axis, at, drive_load, coordinate[index]))
+        force = add(at.force, scale(joint.mass, pull))
+        at = Load(force, add(past.moment, cross(placed.joints[index].lead, force)))
+        for each in acting:
+            at = each.passed_by(index, beyond, at)
+    links, joints = links[::-1], joints[::-1]
+    for index in [index for index in range(arm.size) if not _always(arm.away(index), 0.0)]:
+        here = minus(1.0, arm.away(index))
+        links[index], joints[index] = _only(here, links[index]), _only_drive(here, joints[index])
     return PoseState(
-        tuple(reversed(joints)),
-        tuple(reversed(links)),
+        tuple(joints),
+        tuple(links),
         tuple(joint.lead for joint in placed.joints),
         placed.tool,
         arm.angles == "absolute",
@@ -259,27 +204,66 @@ def solve(
     )
 
 
-def _with_branches(
-    arm: Arm, frame: LinkFrame, q: Sequence[Scalar], beams: Sequence[Beam], pull: Vector, force: Vector, moment: Vector
-) -> tuple[Vector, Vector]:
-    """Force and moment at the far end of a torso's last link with the weights of the branches that the tip is not of,
-    each as its own joints have it."""
-    link, joint = arm.links[arm.branches[0].first - 1], arm.joints[arm.branches[0].first - 1]
-    own = (link.direction, *section_directions(link, joint))
-    placed = (frame.along, frame.height, frame.width)
+def _along(
+    link: Link, beam: Beam, frame: LinkFrame, pull: Vector, far: Load, warming: Scalar
+) -> tuple[LinkState, Load]:
+    """A link's state under the load at its far end, and the load at its joint: with its weight and all that hangs
+    there."""
+    masses = masses_on(link.masses, beam)
+    far = far.with_hung(masses, "end", frame, pull)
+    weight = scale(times(beam.mass_per_length, beam.length), pull)
+    half = add(far.force, scale(beam.taper.balance, weight))
+    along, height, width = beam.first_moment
+    eccentric = add(scale(along, frame.along), add(scale(height, frame.height), scale(width, frame.width)))
+    near = Load(add(add(far.force, weight), scale(beam.housed, pull)), add(far.moment, cross(frame.vector, half)))
+    near = near.pushed(scale(beam.lumped_mass, pull), scale(beam.lumped_at, frame.along))
+    near = near.turned(cross(eccentric, pull))
+    directions = frame.vector, frame.along, frame.height, frame.width
+    state = LinkState(*directions, beam, far.force, far.moment, weight, warming, near.moment)
+    return state, near.with_hung(masses, "joint", frame, pull)
+
+
+def _joint_state(joint: Joint, axis: Vector, load: Load, drive_load: Scalar, coordinate: Scalar) -> JointState:
+    return JointState(
+        joint.revolute,
+        axis,
+        load.force,
+        load.moment,
+        drive_load,
+        joint.stiffness,
+        joint.clearance,
+        joint.backlash,
+        joint.mass,
+        coordinate,
+        joint.spans,
+        joint.zones,
+        tilting_stiffness=joint.tilting_stiffness,
+    )
+
+
+def _hanging(
+    arm: Arm, placed: Frames, q: Sequence[Scalar], beams: Sequence[Beam], pull: Vector
+) -> list[tuple[Scalar, Load]]:
+    """How far the tip is away from each branch that it is not of, and the load at the torso's end of that branch's
+    weights, as its own joints have it."""
+    torso = arm.branches[0].first - 1
+    link, frame = arm.links[torso], placed.links[torso]
+    own = (link.direction, *section_directions(link, arm.joints[torso]))
+    there = (frame.along, frame.height, frame.width)
 
     def to_base(vector: Vector) -> Vector:
         turned = rotate(link.end_rotation, vector)
-        parts = [scale(dot(axis, turned), there) for axis, there in zip(own, placed, strict=True)]
+        parts = [scale(dot(axis, turned), axis_there) for axis, axis_there in zip(own, there, strict=True)]
         return add(add(parts[0], parts[1]), parts[2])
 
     def from_base(vector: Vector) -> Vector:
-        parts = [scale(dot(there, vector), axis) for axis, there in zip(own, placed, strict=True)]
+        parts = [scale(dot(axis_there, vector), axis) for axis, axis_there in zip(own, there, strict=True)]
         return rotate(transpose(link.end_rotation), add(add(parts[0], parts[1]), parts[2]))
 
     down = from_base(pull)
+    found: list[tuple[Scalar, Load]] = []
     for branch in arm.branches:
-        if isinstance(branch.away, float) and branch.away == 0.0:
+        if _always(branch.away, 0.0):
             continue
         rows = slice(branch.first, branch.end)
         weighs = LoadCase(branch.payload.mass)
@@ -287,9 +271,12 @@ def _with_branches(
         first = state.joints[0]
         weight = add(first.force, scale(first.mass, down))
         turning = add(first.moment, cross(state.leads[0], weight))
-        force = add(force, scale(branch.away, to_base(weight)))
-        moment = add(moment, scale(branch.away, to_base(turning)))
-    return force, moment
+        found.append((branch.away, Load(to_base(weight), to_base(turning))))
+    return found
+
+
+def _always(away: Scalar, value: float) -> bool:
+    return isinstance(away, float) and away == value
 
 
 def _only(here: Scalar, link: LinkState) -> LinkState:
@@ -318,59 +305,3 @@ def run_out(arm: Arm, beams: Sequence[Beam], q: Sequence[Scalar]) -> Sequence[Be
         beam.run_out(plus(own[k], arm.joints[k].zero)) if arm.links[k].runs_out else beam
         for k, beam in enumerate(beams)
     ]
-
-
-class _Couplings:
-    """What the loads of joints that follow others come to on the way to the base (see `arm.chain.following`)."""
-
-    def __init__(self, arm: Arm, placed: Frames) -> None:
-        self.ties, self.placed = ties_to(arm), placed
-        self.loads: dict[int, Scalar] = {}
-        self.last = {index + arm.joints[index].spans - 1: index for index in self.ties}
-
-    def carried(self, joint: int, load: Scalar) -> None:
-        """Note the load on a joint's axis, all that lies beyond it counted as if nothing were coupled."""
-        self.loads[joint] = load
-
-    def _coupled(self, joint: int, along: bool) -> Scalar:
-        total: Scalar = 0.0
-        for follower, tie in self.ties.get(joint, ()):
-            if tie.along == along:
-                total = plus(total, times(tie.weight, self.loads[follower]))
-        return total
-
-    def across(self, joint: int) -> Scalar:
-        """What the drive of a joint holds for followers that no rod along its link couples to it."""
-        return self._coupled(joint, along=False)
-
-    def taken_on(self, link: int, moment: Vector) -> Vector:
-        """The moment at a link's far end, less what rods along it carry; the links of one body share them."""
-        return moment if link not in self.last else self._with(self.last[link], 1.0, moment)
-
-    def given_back(self, joint: int, moment: Vector) -> Vector:
-        """The moment that a joint hands on to what is before it, rods along its link included."""
-        return moment if joint not in self.ties else self._with(joint, -1.0, moment)
-
-    def _with(self, joint: int, sign: float, moment: Vector) -> Vector:
-        coupled = self._coupled(joint, along=True)
-        return add(moment, scale(times(sign, coupled), self.placed.joints[joint].axis))
-
-
-def _chosen(mass: PointMass, beam: Beam) -> PointMass:
-    """A counterweight as the link's beam has it."""
-    own: dict[str, Any] = {"mass": beam.counterweight, "at": (beam.counterweight_at, *mass.at[1:])}
-    return replace(mass, **own)
-
-
-def _hung(
-    masses: Sequence[PointMass], end: End, frame: LinkFrame, pull: Vector, force: Vector, moment: Vector
-) -> tuple[Vector, Vector]:
-    """Force and moment at one end of a link with the weights of what hangs there."""
-    for each in masses:
-        if each.on != end:
-            continue
-        weight = scale(each.mass, pull)
-        along, height, width = each.at
-        arm = add(add(scale(along, frame.along), scale(height, frame.height)), scale(width, frame.width))
-        force, moment = add(force, weight), add(moment, cross(arm, weight))
-    return force, moment
