@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import pkgutil
 from collections.abc import Callable
 from pathlib import Path
 
@@ -36,13 +37,11 @@ def problem(tmp_path: Path) -> Path:
     return tmp_path / "problem.yaml"
 
 
-def altered(module: str, name: str, change: Callable[[str], str], patch: pytest.MonkeyPatch) -> None:
-    """Let what a function writes be something else."""
-    import importlib
-
-    home = importlib.import_module(module)
-    right = getattr(home, name)
-    patch.setattr(home, name, lambda *given, **more: change(right(*given, **more)))
+def altered(home: str, name: str, change: Callable[[str], str], patch: pytest.MonkeyPatch) -> None:
+    """Let what a function of a module, or of a class there, writes be something else."""
+    where = pkgutil.resolve_name(home)
+    right = getattr(where, name)
+    patch.setattr(where, name, lambda *given, **more: change(right(*given, **more)))
 
 
 CHANGED = {
@@ -175,10 +174,11 @@ def test_an_exported_catalogue_is_imported_again(
 ) -> None:  # fmt: skip
     for ending in ("yaml", "csv"):
         assert run([command, "export", name, "--out", str(tmp_path / f"own.{ending}")]) == 0
-    writer = "rows_text" if command == "sections" else "entries_text"
+    keyed = ("linkwright.core.catalogues.keyed:KeyedEditor", "text")
+    writer = ("linkwright.commands.sections.edit", "rows_text") if command == "sections" else keyed
     written = (tmp_path / "own.yaml").read_text()
     assert change[0] in written, written
-    altered(f"linkwright.commands.{command}.edit", writer, lambda text: text.replace(*change, 1), monkeypatch)
+    altered(*writer, lambda text: text.replace(*change, 1), monkeypatch)
     capsys.readouterr()
     assert run([command, "export", name, "--out", str(tmp_path / "own.yaml")]) == 1
     told = capsys.readouterr().err
