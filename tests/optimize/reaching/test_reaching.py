@@ -14,6 +14,7 @@ import pytest
 from linkwright.core.arm.chain.chain import Arm
 from linkwright.core.arm.evaluation import evaluate
 from linkwright.core.optimize.problem import Problem
+from linkwright.core.optimize.reaching import start_that_reaches
 from linkwright.core.optimize.rounding.options import read_rounding
 from linkwright.core.optimize.rounding.rounding import optimise_rounded
 from linkwright.core.optimize.run import optimise
@@ -45,11 +46,21 @@ def test_free_lengths_reach_all_of_a_box(tmp_path: Path) -> None:
     assert len(poses_in_region(result, problem)) >= 81**2 - 2  # rounding may take the two corners
 
 
+SHORT = jointed((375, 375), ranged("-120 120", "-10 150"))
+"""Stops 12 mm short of two corners of the box alone; lengths that reach them are within what is allowed."""
+
+
+def test_lengths_to_start_from_reach_all_of_a_box(tmp_path: Path) -> None:
+    start = start_that_reaches(problem_of(tmp_path, SHORT, BOX + FREE))
+    assert start is not None
+    assert "the tip stays 11.6 mm away" in start.why
+    assert sum(start.problem.arm.lengths) > np.hypot(0.7, 0.3)
+    assert start_that_reaches(problem_of(tmp_path, REACHING, BOX + FREE)) is None
+
+
 @pytest.mark.slow
 def test_search_begins_with_lengths_that_reach_all_of_a_box(tmp_path: Path) -> None:
-    """The arm as given stops 12 mm short of two corners alone; lengths that reach them are within what is allowed."""
-    short = jointed((375, 375), ranged("-120 120", "-10 150"))
-    result = optimise(problem_of(tmp_path, short, BOX + FREE))
+    result = optimise(problem_of(tmp_path, SHORT, BOX + FREE))
     assert result.start is not None
     assert "of the box cannot be reached" in result.start
     assert "the tip stays 11.6 mm away" in result.start
