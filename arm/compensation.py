@@ -13,9 +13,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.interpolate import RegularGridInterpolator
 
+from linkwright.core.arm.chain.arrays import jacobian
 from linkwright.core.arm.chain.chain import Arm, Joint
 from linkwright.core.arm.chain.following import completed
-from linkwright.core.arm.chain.jacobian import jacobian
 from linkwright.core.arm.chain.kinematics import tip_position
 from linkwright.core.arm.chain.statics import solve
 from linkwright.core.arm.effects import EFFECTS

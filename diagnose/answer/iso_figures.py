@@ -16,8 +16,8 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial import KDTree
 
+from linkwright.core.arm.chain.arrays import motion_directions
 from linkwright.core.arm.chain.chain import Arm
-from linkwright.core.arm.chain.jacobian import motion_directions
 from linkwright.core.diagnose.recording import Recording
 from linkwright.core.diagnose.residual.visits import blocks_of, same_pose
 from linkwright.core.diagnose.result import Covered

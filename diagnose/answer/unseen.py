@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from linkwright.core.arm.chain.jacobian import motion_directions
+from linkwright.core.arm.chain.arrays import motion_directions
 from linkwright.core.diagnose.fitting.fit import beyond_nuisances
 from linkwright.core.diagnose.fitting.prepare import Prepared
 from linkwright.core.diagnose.instruments.view import rigid_motions

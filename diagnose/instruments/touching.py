@@ -8,10 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from linkwright.core.arm.chain.arrays import nominal
+from linkwright.core.arm.chain.arrays import jacobian, nominal
 from linkwright.core.arm.chain.chain import Arm
 from linkwright.core.arm.chain.following import completed
-from linkwright.core.arm.chain.jacobian import jacobian
 from linkwright.core.sections.numeric import Array
 from linkwright.core.units.quantities import InputError
 

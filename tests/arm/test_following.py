@@ -9,8 +9,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from linkwright.core.arm.chain.arrays import jacobian
 from linkwright.core.arm.chain.chain import Arm
-from linkwright.core.arm.chain.jacobian import jacobian
 from linkwright.core.arm.chain.kinematics import tip_position
 from linkwright.core.arm.chain.statics import solve
 from linkwright.core.arm.compensation import table_over

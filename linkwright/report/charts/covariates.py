@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from linkwright.core.arm.chain.jacobian import motion_directions
+from linkwright.core.arm.chain.arrays import motion_directions
 from linkwright.core.diagnose.result import Diagnosis
 from linkwright.core.sections.numeric import Array
 from linkwright.core.units.temperature import ZERO_CELSIUS

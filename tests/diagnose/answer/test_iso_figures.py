@@ -6,8 +6,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from linkwright.core.arm.chain.arrays import jacobian
 from linkwright.core.arm.chain.chain import Arm, Joint, Link
-from linkwright.core.arm.chain.jacobian import jacobian
 from linkwright.core.arm.chain.kinematics import tip_position
 from linkwright.core.diagnose.answer import iso_figures as iso
 from linkwright.core.diagnose.recording import Recording
