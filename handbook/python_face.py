@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import inspect
+import pkgutil
 from collections.abc import Iterator
 from importlib import import_module
 
 import linkwright as lw
+import linkwright.face
+import linkwright.paper
 from linkwright.face.result import Reported, Result
 
 
@@ -19,12 +22,22 @@ def homes() -> dict[str, list[str]]:
     return dict(sorted(found.items(), key=lambda each: each[1][0].lower()))
 
 
-def results(home: str) -> Iterator[str]:
-    """The results that what stands there gives."""
-    module = import_module(home)
-    for name, value in vars(module).items():
-        if inspect.isclass(value) and issubclass(value, Result) and value.__module__ == home:
-            yield name
+def results(names: list[str]) -> Iterator[str]:
+    """Where the results stand that functions of these names give."""
+    for package in (linkwright.face, linkwright.paper):
+        for each in pkgutil.walk_packages(package.__path__, f"{package.__name__}."):
+            import_module(each.name)
+    known = {kind.__name__: f"{kind.__module__}.{kind.__name__}" for kind in _kinds(Result)}
+    for name in names:
+        given = getattr(getattr(lw, name), "__annotations__", {}).get("return")
+        if given in known:
+            yield known[given]
+
+
+def _kinds(kind: type) -> Iterator[type]:
+    for each in kind.__subclasses__():
+        yield each
+        yield from _kinds(each)
 
 
 def python_pages() -> dict[str, str]:
@@ -33,10 +46,9 @@ def python_pages() -> dict[str, str]:
     rows: list[str] = []
     for home, names in homes().items():
         page = f"{names[0].lower()}.md"
-        given = list(results(home))
         parts = [f"# {', '.join(f'lw.{name}' for name in names)}", ""]
-        for name in [*names, *(name for name in given if name not in names)]:
-            parts += [f"::: {home}.{name}", ""]
+        for place in [*(f"{home}.{name}" for name in names), *results(names)]:
+            parts += [f"::: {place}", ""]
         pages[f"python/{page}"] = "\n".join(parts)
         rows += [f"| [`lw.{name}`]({page}) | {first_sentence(getattr(lw, name))} |" for name in names]
     common = [f"::: {each.__module__}.{each.__name__}" for each in (Result, Reported)]

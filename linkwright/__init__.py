@@ -14,6 +14,11 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from linkwright.api.design import budget, evaluate, inverse, optimize, tradeoff
+    from linkwright.api.diagnosis import compare, compensate, diagnose, predict, redesign, watch
+    from linkwright.api.exchange import export_arm, import_arm
+    from linkwright.api.paper import figures, seam, tables
+    from linkwright.api.recording import plan, simulate
     from linkwright.core.arm.chain.statics import PoseState
     from linkwright.core.arm.effects import Effect, Parameter, Settings, Twist
     from linkwright.core.arm.effects.effect import drive_motion
@@ -30,27 +35,18 @@ if TYPE_CHECKING:
     from linkwright.face.catalogues.materials import materials
     from linkwright.face.catalogues.sections import sections
     from linkwright.face.catalogues.shapes import Shape, shapes
-    from linkwright.face.compensation import compensate
-    from linkwright.face.design import optimize
-    from linkwright.face.diagnosis import compare, diagnose, redesign
-    from linkwright.face.evaluation import evaluate
-    from linkwright.face.exchange.exported import export_arm
-    from linkwright.face.exchange.imported import import_arm
-    from linkwright.face.inverse import inverse
-    from linkwright.face.planning.budget import budget
-    from linkwright.face.planning.plan import plan
     from linkwright.face.planning.sweep import sweep
-    from linkwright.face.planning.watch import watch
-    from linkwright.face.prediction import predict
     from linkwright.face.problem import Problem, read_problem
-    from linkwright.face.recording import read_recording, read_recordings, simulate
-    from linkwright.face.tradeoff import tradeoff
+    from linkwright.face.recording import read_recording, read_recordings
     from linkwright.output.table_file import write_table
-    from linkwright.paper.face import figures, tables
-    from linkwright.paper.seam import seam
 
 _HOMES = MappingProxyType(
     {
+        "linkwright.api.design": ("budget", "evaluate", "inverse", "optimize", "tradeoff"),
+        "linkwright.api.diagnosis": ("compare", "compensate", "diagnose", "predict", "redesign", "watch"),
+        "linkwright.api.exchange": ("export_arm", "import_arm"),
+        "linkwright.api.paper": ("figures", "seam", "tables"),
+        "linkwright.api.recording": ("plan", "simulate"),
         "linkwright.core.arm.chain.statics": ("PoseState",),
         "linkwright.core.arm.effects": ("Effect", "Parameter", "Settings", "Twist"),
         "linkwright.core.arm.effects.effect": ("drive_motion",),
@@ -67,24 +63,10 @@ _HOMES = MappingProxyType(
         "linkwright.face.catalogues.materials": ("materials",),
         "linkwright.face.catalogues.sections": ("sections",),
         "linkwright.face.catalogues.shapes": ("Shape", "shapes"),
-        "linkwright.face.compensation": ("compensate",),
-        "linkwright.face.design": ("optimize",),
-        "linkwright.face.diagnosis": ("compare", "diagnose", "redesign"),
-        "linkwright.face.evaluation": ("evaluate",),
-        "linkwright.face.exchange.exported": ("export_arm",),
-        "linkwright.face.exchange.imported": ("import_arm",),
-        "linkwright.face.inverse": ("inverse",),
-        "linkwright.face.planning.budget": ("budget",),
-        "linkwright.face.planning.plan": ("plan",),
         "linkwright.face.planning.sweep": ("sweep",),
-        "linkwright.face.planning.watch": ("watch",),
-        "linkwright.face.prediction": ("predict",),
         "linkwright.face.problem": ("Problem", "read_problem"),
-        "linkwright.face.recording": ("read_recording", "read_recordings", "simulate"),
-        "linkwright.face.tradeoff": ("tradeoff",),
+        "linkwright.face.recording": ("read_recording", "read_recordings"),
         "linkwright.output.table_file": ("write_table",),
-        "linkwright.paper.face": ("figures", "tables"),
-        "linkwright.paper.seam": ("seam",),
     }
 )
 """Where each public name stands."""

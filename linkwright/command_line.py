@@ -6,9 +6,8 @@ import os
 import sys
 from collections.abc import Mapping, Sequence
 from importlib import import_module
-from keyword import iskeyword
 from types import MappingProxyType
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -25,42 +24,29 @@ from linkwright.output.stream import (
 from linkwright.version import program_version
 
 from .commands.groups import PLAIN, command_group
-from .commands.options import with_loudness
+
+if TYPE_CHECKING:
+    from .commands.made import Made
 
 VERSION = "--version"
 NO_ANSWER, WRONG_INPUT, READER_GONE = 1, 2, 141
 
-COMMANDS: Mapping[str, str] = MappingProxyType(
+COMMANDS: Mapping[str, tuple[str, str]] = MappingProxyType(
     {
-        "evaluate": "evaluate",
-        "optimize": "optimize",
-        "tables": "paper.tables",
-        "figures": "paper.figures",
-        "seam": "seam",
-        "inverse": "inverse",
-        "simulate": "simulate",
-        "tradeoff": "tradeoff",
-        "diagnose": "diagnose",
-        "compare": "compare",
-        "predict": "predict",
-        "compensate": "compensate",
-        "plan": "planning.plan",
-        "budget": "planning.budget",
-        "watch": "planning.watch",
-        "import": "exchange.import_",
-        "export": "exchange.export",
-        "materials": "materials",
-        "sections": "sections",
-        "effects": "effects",
-        "actuators": "actuators",
-        "serve": "serve",
-        "doctor": "installation.doctor",
+        **dict.fromkeys(("evaluate", "optimize", "tradeoff", "inverse", "budget"), ("design", "Design")),
+        **dict.fromkeys(("diagnose", "compare", "predict", "compensate"), ("diagnosis", "Diagnose")),
+        **dict.fromkeys(("plan", "watch", "simulate"), ("diagnosis", "Diagnose")),
+        **dict.fromkeys(("import", "export"), ("exchange", "Files")),
+        **{name: (name, "Catalogues") for name in ("materials", "sections", "actuators", "effects")},
+        **dict.fromkeys(("tables", "figures", "seam"), ("paper", "Paper")),
+        "serve": ("serve", "Program"),
+        "doctor": ("installation.doctor", "Program"),
     }
 )
-"""Every command and its module, in the order of the help. A module has `HELP` and a function of the command's name
-(`import_` where Python keeps the name for itself; and `SETTINGS` where its arguments are read otherwise), or `group()`
-where the command has commands of its own. What they work with they import inside their functions, for the help of all
-commands imports every one of these modules."""
+"""Every command with its module and the part of the help where it stands, in their order. A module has `commands()`,
+those that are made of the functions of `linkwright`, by name; or `HELP` and a function of the command's name; or
+`group()` where the command has commands of its own. What they work with they import inside their functions, for the
+help of all commands imports every one of these modules."""
 
 STATUSES = (
     "Exit status: 0 done, 1 a well-formed question without an answer, 2 wrong input (one line says which), "
@@ -96,14 +82,17 @@ def command_line(asked: str = "") -> typer.Typer:
     root: dict[str, Any] = {**PLAIN, "add_completion": True}
     made: Any = typer.Typer(help=HELP, epilog=STATUSES, callback=_start, invoke_without_command=True, **root)
     for name in (asked,) if asked in COMMANDS else () if asked == VERSION else COMMANDS:
-        module: Any = import_module(f"linkwright.commands.{COMMANDS[name]}")
+        home, panel = COMMANDS[name]
+        module: Any = import_module(f"linkwright.commands.{home}")
         if hasattr(module, "group"):
-            made.add_typer(module.group() if name == asked else command_group(module.HELP, {}), name=name)
+            group = module.group() if name == asked else command_group(module.HELP, {})
+            made.add_typer(group, name=name, rich_help_panel=panel)
+        elif hasattr(module, "commands"):
+            own: Made = module.commands()[name]
+            settings = {"ignore_unknown_options": True} if own.negative else {}
+            made.command(name, help=own.help, context_settings=settings, rich_help_panel=panel)(own.typed())
         else:
-            settings = dict(getattr(module, "SETTINGS", {}))
-            made.command(name, help=module.HELP, context_settings=settings)(
-                with_loudness(getattr(module, name + "_" * iskeyword(name)))
-            )
+            made.command(name, help=module.HELP, rich_help_panel=panel)(getattr(module, name))
     return made
 
 

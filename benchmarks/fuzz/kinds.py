@@ -9,7 +9,6 @@ from functools import cache
 from pathlib import Path
 
 import linkwright as lw
-from linkwright.commands.compensate import read_poses
 from linkwright.core.arm.actuators import load_actuators
 from linkwright.core.arm.chain.chain import Arm
 from linkwright.core.arm.files.read import read_arm
@@ -19,6 +18,7 @@ from linkwright.core.diagnose.reading.read import read_recording
 from linkwright.core.materials.catalogue import load_layer
 from linkwright.core.optimize.problem import read_problem
 from linkwright.core.sections.stock.tables import read_file
+from linkwright.face.compensation import read_poses
 from linkwright.output.diagnosis_folder import learned_from
 from linkwright.output.files import made_by
 

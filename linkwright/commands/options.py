@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-import inspect
-from collections.abc import Callable, Generator
+from collections.abc import Callable, Generator, Sequence
 from contextlib import contextmanager
-from functools import wraps
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, NoReturn
+from typing import TYPE_CHECKING, Annotated, NoReturn
 
 import typer
 
@@ -15,7 +13,6 @@ from linkwright.core.units.quantities import InputError, NoAnswer
 
 if TYPE_CHECKING:
     from linkwright.core.executors import Executor
-    from linkwright.results.document import Description
 
 JsonFile = Annotated[
     Path | None, typer.Option("--json", metavar="FILE", help="Write the result for machines; - for standard output.")
@@ -40,23 +37,6 @@ OutFolder = Annotated[
 Author = Annotated[str, typer.Option("--author", metavar="NAME", help="Who made the report; it says so at its end.")]
 Comment = Annotated[str, typer.Option("--comment", metavar="TEXT", help="What the report shall say beside that.")]
 
-Direction = Annotated[
-    str | None, typer.Option("--direction", metavar="LIST", help="Of a height, for along: '0, 0, 1'.")
-]
-Anchor = Annotated[str | None, typer.Option("--anchor", metavar="LIST", help="Of distances: '1 m, 0 m, 0.3 m'.")]
-TiltLink = Annotated[
-    str | None, typer.Option("--tilt-link", metavar="LINK", help="Where a level stands, for tilt: base, or 2.")
-]
-Torques = Annotated[
-    str | None,
-    typer.Option("--torques", metavar="LIST", help="Drives' torques too, which scatter by so much: '0.5 N*m'."),
-]
-Camera = Annotated[str | None, typer.Option("--camera", metavar="WHERE", help="Of a camera: fixed, or on_tool.")]
-
-Bar = Annotated[
-    str | None, typer.Option("--bar", metavar="LIST", help="Places along a bar that are touched: '0 mm, 500 mm'.")
-]
-
 Tip = Annotated[
     str | None, typer.Option("--tip", metavar="NAME", help="Which arm counts, of several on one torso (`branches`).")
 ]
@@ -75,32 +55,6 @@ Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="Show the answer and 
 Verbose = Annotated[bool, typer.Option("--verbose", "-v", help="Show what is else left to the report too.")]
 
 
-def with_loudness(command: Callable[..., None]) -> Callable[..., None]:
-    """A command that shows a described result, with `--quiet` and `--verbose`; any other as it is."""
-    given = inspect.signature(command, eval_str=True)
-    if "markdown" not in given.parameters:
-        return command
-
-    @wraps(command)
-    def loud(*positional: Any, quiet: bool = False, verbose: bool = False, **named: Any) -> None:
-        from linkwright.screen.loudness import showing
-
-        with showing(quiet=quiet, verbose=verbose):
-            command(*positional, **named)
-
-    extra = {"quiet": Quiet, "verbose": Verbose}
-    own = [inspect.Parameter(k, inspect.Parameter.KEYWORD_ONLY, default=False, annotation=v) for k, v in extra.items()]
-    every = [*given.parameters.values(), *own]
-    vars(loud)["__signature__"] = given.replace(parameters=every)
-    loud.__annotations__ = {each.name: each.annotation for each in every}
-    return loud
-
-
-def files_of(*given: Path | None) -> list[Path]:
-    """The files among what may have been given."""
-    return [path for path in given if path is not None]
-
-
 def check_pdf(path: Path | None) -> None:
     """Refuse, before any work is done, a PDF that could not be made. Raises `InputError`."""
     if path is not None:
@@ -112,25 +66,18 @@ def check_pdf(path: Path | None) -> None:
         need_browser()
 
 
-def tell(described: Description, markdown: Path | None, *written: Path | None) -> None:
-    """Write a described result where `--markdown` names a file, show it, and list the files that were `written`."""
-    from linkwright.output.files import write_markdown
+def tell_written(written: Sequence[Path]) -> None:
+    """List the files that were written, but for whoever wants the answer alone."""
     from linkwright.screen.console import console
-    from linkwright.screen.described import show
     from linkwright.screen.loudness import loudness
 
-    screen = console()
-    with not_lost(described):
-        write_markdown(markdown, described)
-    show(screen, described)
-    if loudness() == "answer":
-        return
-    for path in files_of(*written, markdown):
-        screen.print(f"written: {path}", soft_wrap=True)
+    if loudness() != "answer":
+        for path in written:
+            console().print(f"written: {path}", soft_wrap=True)
 
 
 @contextmanager
-def not_lost(described: Description) -> Generator[None]:
+def not_lost(answer: Callable[[], None]) -> Generator[None]:
     """While an answer is written: where that fails (a full disk), or what was written does not read back as it, it is
     shown before the error is told."""
     from linkwright.output.read_back import NotAsWritten
@@ -138,10 +85,7 @@ def not_lost(described: Description) -> Generator[None]:
     try:
         yield
     except (InputError, NotAsWritten, OSError):
-        from linkwright.screen.console import console
-        from linkwright.screen.described import show
-
-        show(console(), described)
+        answer()
         raise
 
 

@@ -14,7 +14,7 @@ from linkwright.core.executors import Executor
 from linkwright.core.optimize.choice.kept import search_journal
 from linkwright.core.optimize.limits import Figure
 from linkwright.core.optimize.result import Iteration, OptimizationResult
-from linkwright.core.optimize.rounding.options import read_rounding
+from linkwright.core.optimize.rounding.options import Rounding, read_rounding
 from linkwright.core.optimize.rounding.rounding import optimise_rounded
 from linkwright.core.optimize.run import optimise
 from linkwright.core.units.quantities import InputError, format_quantity
@@ -30,11 +30,10 @@ from linkwright.results.redesign import redesign_json, redesign_sentences
 from .arm import Arm
 from .evaluation import Evaluation
 from .figures import LOWER, ROBUST, Figured, Values, values_of
-from .given import File, Quantity
-from .problem import Problem, problem_of
+from .given import Quantity
+from .problem import Problem
 from .progress import Progress, interrupts, told
 from .result import Reported, Result, figure_of
-from .workers import at_work
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -151,57 +150,30 @@ class Optimization(Figured, Reported):
         return {DESIGN: self.arm.to_file(promised)}
 
 
-def optimize(
-    problem: Problem | File,
-    *,
-    round_to: str | None = None,
-    round_length: Quantity | None = None,
-    progress: Progress | None = None,
-    log: Callable[[Iteration], None] | None = None,
-    out_of_reach: Callable[[str], None] | None = None,
-    begun: Callable[[Evaluation], None] | None = None,
-    workers: int | None = None,
-    executor: Executor | None = None,
-    resume: str | Path | None = None,
+def rounding_of(to: str | None, length: Quantity | None) -> Rounding | None:
+    """What sizes are rounded to. Raises `InputError`."""
+    if to is None:
+        if length is not None:
+            raise InputError("", "round_length", "goes with `round_to`; write 'stock' there, or '0.5 mm'")
+        return None
+    if length is None or isinstance(length, str):
+        return read_rounding(to, length)
+    return read_rounding(to, format_quantity(float(length), "length"))
+
+
+def optimized(
+    problem: Problem,
+    rounding: Rounding | None,
+    resume: Path | None,
+    progress: Progress | None,
+    log: Callable[[Iteration], None] | None,
+    out_of_reach: Callable[[str], None] | None,
+    begun: Callable[[Evaluation], None] | None,
+    executor: Executor,
 ) -> Optimization:
-    """The best design within a problem's limits.
-
-    `round_to` asks for stock sizes (`"stock"`) or a grid (`"0.5 mm"`) too, `round_length` for a grid of link lengths
-    (text, or m; 1 mm by default); where no such design keeps the limits, `found.not_rounded` says why and which comes
-    nearest. `progress(text, share)` hears of combinations tried, by default a bar where somebody looks; `log` of every
-    round; `out_of_reach` at once of a limit that no design can keep; `begun` of the arm as given, before the first
-    round (its `notes`, and what no link takes away: `rigid_links_mm`). What takes long is done by so many `workers`,
-    processes of this machine (one a core), or by an `executor` (`lw.Processes`, `lw.Cluster`). Ctrl-C ends it with the
-    best design so far, marked `interrupted`. `resume` names a file in which every combination solved is noted at once:
-    a search that was stopped, however, goes on there when it is asked again, to the same design as without the stop.
-    Raises `InputError` (where that file is of another problem or version, too), `MissingProperty`, and `NoAnswer`,
-    whose `infeasible` says what each limit would have to be.
-
-    >>> import linkwright as lw
-    >>> problem = lw.Problem(
-    ...     arm="examples/welding-arm/arm.yaml",
-    ...     workspace={"path": [["600 mm", "300 mm"], ["700 mm", "300 mm"]]},
-    ...     subject_to={"mass": "<= 30 kg", "section_size": ["20 mm", "150 mm"]},
-    ...     choose={"section": ["circle"], "same": ["size"]},
-    ... )
-    >>> best = lw.optimize(problem)
-    >>> best.found.after.max_error < best.found.before.max_error, best.interrupted
-    (True, False)
-    >>> list(best.links.columns)
-    ['link', 'length_mm', 'section', 'material', 'mass_kg']
-    """
-    asked = problem_of(problem)
-    if round_to is None and round_length is not None:
-        raise InputError("", "round_length", "goes with round_to; write 'stock' there, or '0.5 mm'")
-    length = round_length if round_length is None or isinstance(round_length, str) else _metres(round_length)
-    rounding = None if round_to is None else read_rounding(round_to, length)
-    journal = search_journal(asked.model, None if resume is None else Path(resume), made_by())
-    with (
-        journal or nullcontext(),
-        told(progress) as tell,
-        interrupts() as check,
-        at_work(executor, workers) as crew,
-    ):
+    """The best design, and whoever wants to hear told on the way; Ctrl-C is heard between two steps."""
+    journal = search_journal(problem.model, resume, made_by())
+    with journal or nullcontext(), told(progress) as tell, interrupts() as check:
 
         def tries(done: int, total: int, text: str) -> None:
             check()
@@ -214,19 +186,13 @@ def optimize(
 
         def starts(before: Evaluated) -> None:
             if begun is not None:
-                begun(Evaluation(asked.arm, before))
+                begun(Evaluation(problem.arm, before))
 
         settings: Any = {"log": heard, "progress": tries, "told": out_of_reach, "begun": starts}
-        settings |= {"executor": crew, "journal": journal}
+        settings |= {"executor": executor, "journal": journal}
         if rounding is not None:
-            found = optimise_rounded(asked.model, rounding, **settings)
-        else:
-            found = optimise(asked.model, **settings)
-    return Optimization(asked, found)
-
-
-def _metres(length: float) -> str:
-    return format_quantity(float(length), "length")
+            return Optimization(problem, optimise_rounded(problem.model, rounding, **settings))
+        return Optimization(problem, optimise(problem.model, **settings))
 
 
 @dataclass(frozen=True, repr=False)

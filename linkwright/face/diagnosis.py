@@ -10,20 +10,17 @@ from typing import TYPE_CHECKING, Any, cast
 
 from linkwright.core.arm.effects import EFFECTS
 from linkwright.core.diagnose.compare.compare import Comparison as FoundComparison
-from linkwright.core.diagnose.compare.compare import compare as compared
+from linkwright.core.diagnose.compare.compare import compare
 from linkwright.core.diagnose.diagnosis import diagnose as diagnosed
 from linkwright.core.diagnose.options import Options
 from linkwright.core.diagnose.reading.branches import refuse_unmeasured_origins
 from linkwright.core.diagnose.result import Diagnosis as Found
 from linkwright.core.diagnose.result import FittedParameter
 from linkwright.core.diagnose.several.recordings import Several, together
-from linkwright.core.executors import Executor
 from linkwright.core.units.names import nearest
 from linkwright.core.units.quantities import InputError
 from linkwright.json.diagnosis import diagnosis_json, in_unit, unit_of
-from linkwright.output.diagnosis_folder import claim_diagnosis, residuals_csv, write_diagnosis
-from linkwright.output.written_arm import with_written
-from linkwright.redesigning import redesign as redesigned
+from linkwright.output.diagnosis_folder import claim_diagnosis, residuals_csv, write_diagnosis, written_files
 from linkwright.report.described import page_of
 from linkwright.report.origin import origin_of, signed
 from linkwright.report.pictures.plots import LIKE
@@ -34,14 +31,12 @@ from linkwright.results.diagnoses.words import name_words
 from linkwright.results.document import Description
 from linkwright.results.redesign import redesign_json
 
-from .arm import Arm, arm_of, catalogue_of
+from .arm import Arm, catalogue_of
 from .design import Redesign
 from .given import File
-from .problem import Problem, problem_of
-from .progress import Progress, told
+from .progress import Progress
 from .recording import Recording, read_recording
 from .result import Reported, Result, figure_of
-from .workers import at_work
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -146,14 +141,23 @@ class Diagnosis(Reported):
         """With the design problem that was solved with it."""
         return describe(self.found, None if self.redesign is None else self.redesign.found)
 
-    def save(self, folder: File, *, made_from: Iterable[File] = (), author: str = "", comment: str = "") -> None:
-        """Write what `diagnose --out` writes, the report with its origin as other results have it. Raises `InputError`
-        for a folder that holds anything else."""
+    @property
+    def settings_read(self) -> list[Path]:
+        """The files beside those that were named: settings of the recordings, the arm of the problem."""
+        arm = None if self.redesign is None else self.redesign.problem.arm_file
+        return [*settings_of(self.recording), *([] if arm is None else [arm])]
+
+    def save(
+        self, folder: File, *, made_from: Iterable[File] = (), author: str = "", comment: str = ""
+    ) -> Sequence[Path]:
+        """Write what `diagnose --out` writes, the report with its origin as other results have it; gives which files.
+        Raises `InputError` for a folder that holds anything else."""
         place = Path(folder)
         claim_diagnosis(place)
         origin = origin_of(map(Path, made_from), author=author, comment=comment)
         page = signed(page_of(self.description), origin)
         write_diagnosis(place, self.found, self.to_json(), page, catalogue_of(self.arm.catalogue))
+        return written_files(place, self.found)
 
     def _content(self) -> Mapping[str, Any]:
         content: dict[str, Any] = diagnosis_json(self.found)
@@ -174,44 +178,6 @@ def _parameter(fitted: FittedParameter) -> dict[str, Any]:
         "high": high,
         "unit": unit,
     }
-
-
-def diagnose(
-    arm: Arm | File,
-    recording: Recording | File | pd.DataFrame | Sequence[Recording | File | pd.DataFrame],
-    *,
-    thorough: bool = False,
-    without: Collection[str] = (),
-    settings: File | Sequence[File] | None = None,
-    units: bool = False,
-    progress: Progress | None = None,
-    workers: int | None = None,
-    executor: Executor | None = None,
-) -> Diagnosis:
-    """What the model of an arm leaves out, by a recording of the real one: where, what, how sure.
-
-    A list of recordings is diagnosed at once: their physics is shared; frame, tool and noise are each one's own, and
-    `found.recordings` tells what comes of each, `differences` what is not the same in all (a zero that moved, a drive
-    that softened); with `units` they are of several arms of one type, of which anything may differ.
-    `thorough` calibrates the whole search and takes longer; `without` names effects that are no candidates; `settings`
-    is the recording's recording.yaml where a file is named (of several: one for all, or one each).
-    `progress(text, share)` hears of the steps, by default a bar where somebody looks. What takes long is done by so
-    many `workers`, processes of this machine (one a core), or by an `executor` (`lw.Processes`, `lw.Cluster`). Raises
-    `InputError`, and `MissingProperty` where the model lacks a figure.
-
-    >>> import linkwright as lw
-    >>> dia = lw.diagnose("examples/hidden-backlash/arm.yaml", "examples/hidden-backlash/recording.csv")
-    >>> dia.verdict
-    'named'
-    >>> dia
-    <Diagnosis: backlash at joint 2, 97 % of 0.122 mm explained>
-    """
-    given = arm_of(arm, tips="first", unknown_origins=True)
-    read = recordings_of(recording, given, settings, units=units)
-    options = Options(thorough=thorough, without=_known(without))
-    with told(progress) as tell, at_work(executor, workers) as crew:
-        found = diagnosed(given.model, read.found, options, tell, crew)
-        return Diagnosis(given, read, with_written(found, catalogue_of(given.catalogue)))
 
 
 def recordings_of(
@@ -258,10 +224,11 @@ def recording_of(given: Recording | File | pd.DataFrame, arm: Arm, settings: Fil
     return given if isinstance(given, Recording) else read_recording(given, arm, settings=settings)
 
 
-def _known(names: Collection[str]) -> frozenset[str]:
+def known_effects(names: Collection[str], key: str = "without") -> frozenset[str]:
+    """Names of effects; raises `InputError` with the nearest for one that is not known."""
     for name in names:
         if name not in EFFECTS:
-            raise InputError("", "without", f"there is no effect '{name}'{nearest(name, list(EFFECTS))}")
+            raise InputError("", key, f"there is no effect '{name}'{nearest(name, list(EFFECTS))}")
     return frozenset(names)
 
 
@@ -312,65 +279,17 @@ class Comparison(Result):
         return {"Changes": self.changes}
 
 
-def compare(
-    arm: Arm | File,
-    before: Recording | File | pd.DataFrame,
-    after: Recording | File | pd.DataFrame,
-    *,
-    thorough: bool = False,
-    without: Collection[str] = (),
-    settings: File | None = None,
-    progress: Progress | None = None,
-) -> Comparison:
-    """What changed between two recordings of one arm: both are diagnosed, then fitted with one common model.
-
-    The keywords are those of `diagnose`, and so are the errors.
-
-    >>> import linkwright as lw
-    >>> folder = "examples/hidden-backlash"
-    >>> changed = lw.compare(f"{folder}/arm.yaml", f"{folder}/recording.csv", f"{folder}/after-service.csv")
-    >>> list(changed.changes["effect"])
-    ['backlash']
-    """
-    given = arm_of(arm, tips="first")
-    both = [recording_of(each, given, settings) for each in (before, after)]
+def compared(arm: Arm, both: Sequence[Recording], options: Options, tell: Progress) -> Comparison:
+    """Both recordings diagnosed, then fitted with one common model. Raises `InputError` for those of two tips."""
     tips = [each.found.branch for each in both]
     if tips[0] != tips[1]:
         said = f"are of different tips ({' and '.join(tips)}); compare two recordings of one, diagnose takes both"
         raise InputError("", "recordings", said)
-    options = Options(thorough=thorough, without=_known(without))
     diagnoses: list[Found] = []
     for number, read in enumerate(both):
-        with told(progress) as tell:
 
-            def half(text: str, share: float, done: int = number, tell: Progress = tell) -> None:
-                tell(text, 0.5 * (done + share))
+        def half(text: str, share: float, done: int = number) -> None:
+            tell(text, 0.5 * (done + share))
 
-            diagnoses.append(diagnosed(given.model, read.found, options, half))
-    return Comparison(given, compared(given.model.on(tips[0]), *diagnoses))
-
-
-def redesign(problem: Problem | File, diagnosis: Diagnosis, *, progress: Progress | None = None) -> Redesign:
-    """A design problem solved again with what a diagnosis found: what the old optimum really has, what changes.
-
-    Errors are worst cases over the problem's workspace. Raises `InputError` where the problem is for another arm, and
-    what `optimize` raises.
-
-    >>> import linkwright as lw
-    >>> bar = {"section": lw.shapes.Circle(diameter="60 mm"), "material": "steel-s355"}
-    >>> drive = lw.Joint(range=["-60 deg", "60 deg"], stiffness="50 kN*m/rad")
-    >>> arm = lw.Arm([(drive, lw.Link(length=0.4, **bar)), (drive, lw.Link(length=0.3, **bar))], payload={"mass": 5})
-    >>> soft = {"effect": "joint_compliance", "at": 1, "compliance": "60 urad/(N*m)"}
-    >>> dia = lw.diagnose(arm, lw.simulate(arm, poses=20, with_=[soft]))
-    >>> seam = {"path": [["600 mm", "200 mm"]]}
-    >>> problem = lw.Problem(arm, workspace=seam, subject_to={"mass": "<= 14 kg"}, choose={"same": ["size"]})
-    >>> anew = lw.redesign(problem, dia)
-    >>> anew.found.promised < anew.found.has <= anew.found.had
-    True
-    >>> list(anew.table["design"])
-    ['old, promised', 'old, really', 'new']
-    """
-    asked = problem_of(problem)
-    with told(progress) as tell:
-        found = redesigned(asked.model, diagnosis.found.arm, diagnosis.found.corrected, tell)
-    return Redesign(asked, found)
+        diagnoses.append(diagnosed(arm.model, read.found, options, half))
+    return Comparison(arm, compare(arm.model.on(tips[0]), *diagnoses))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
@@ -11,9 +12,7 @@ import numpy as np
 from linkwright.core.arm.chain.chain import Arm as Model
 from linkwright.core.arm.chain.following import completed
 from linkwright.core.arm.evaluation import Evaluation as Found
-from linkwright.core.arm.evaluation import evaluate as evaluated
 from linkwright.core.optimize.limits import FIGURES, Figure
-from linkwright.core.optimize.robust.figure import robust_figure
 from linkwright.core.optimize.robust.result import RobustFigure
 from linkwright.core.units.quantities import InputError
 from linkwright.json.design import evaluation_json
@@ -23,10 +22,9 @@ from linkwright.results.document import Description
 from linkwright.results.evaluation import describe
 from linkwright.results.figures_in_words import effect_title
 
-from .arm import Arm, arm_of
+from .arm import Arm
 from .figures import ROBUST, Figured, Values, values_of
-from .given import File, Quantity, in_si
-from .problem import Problem, cases_at, problem_of
+from .given import Quantity, in_si
 from .result import Reported, figure_of
 
 if TYPE_CHECKING:
@@ -116,43 +114,24 @@ class Evaluation(Figured, Reported):
         return {"Worst poses": self.worst_poses, "By effect": self.by_effect}
 
 
-def evaluate(
-    arm: Arm | File, problem: Problem | File | None = None, *, pose: Sequence[Quantity] | None = None
-) -> Evaluation:
-    """The worst position error of an arm over its workspace, where it is and what each effect adds.
-
-    `problem` lends its workspace, its load cases and what it calls uncertain (`robust`); without one they are the joint
-    ranges and the arm's own payload. `pose` (angles as text or rad, slides m) is where the compliance is asked for, the
-    worst pose by default. Raises `InputError`, `MissingProperty` where the arm lacks a figure, `NoAnswer` where the
-    workspace cannot be reached.
-
-    >>> import linkwright as lw
-    >>> found = lw.evaluate(lw.read_arm("examples/welding-arm/arm.yaml"))
-    >>> round(found.max_error_mm, 4)
-    0.1939
-    >>> list(found.by_effect.columns)
-    ['effect', 'title', 'error_mm']
-    """
-    given = arm_of(arm, tips="every")
-    at = None if pose is None else pose_of(given.model, pose)
-    if problem is None:
-        return Evaluation(given, evaluated(given.model, pose=at))
-    asked = problem_of(problem).model
-    ranges = asked.workspace.ranges
-    if ranges is not None and len(ranges) != given.model.size:
-        message = f"is for {len(ranges)} joints; {given.name} has {given.model.size}"
-        raise InputError(asked.file, "workspace", message)
-    if asked.uncertain is not None and asked.arm.size != given.model.size:
-        message = f"is for {asked.arm.size} joints; {given.name} has {given.model.size}"
-        raise InputError(asked.file, "uncertain", message)
-    found = evaluated(given.model, asked.workspace, cases_at(asked, given), pose=at)
-    robust = None if asked.uncertain is None else robust_figure(given.model, asked)
-    return Evaluation(given, found, robust)
-
-
-def pose_of(model: Model, pose: Sequence[Quantity]) -> tuple[float, ...]:
-    """Joint coordinates in SI. Raises `InputError` for another number of them than joints."""
-    if len(pose) != model.size:
-        raise InputError("", "pose", f"needs {model.size} numbers, one for each joint, not {len(pose)}")
+def pose_of(model: Model, pose: Sequence[Quantity] | str) -> tuple[float, ...]:
+    """Joint coordinates in SI, of quantities or of numbers in degrees (mm for slides) in one text, apart by blanks or
+    commas. Raises `InputError`, also for another number of them than joints."""
+    words = pose.replace(",", " ").split() if isinstance(pose, str) else pose
+    if len(words) != model.size:
+        raise InputError("", "pose", f"needs {model.size} numbers, one for each joint, not {len(words)}")
+    if isinstance(pose, str):
+        pairs = zip(map(_number, map(str, words)), model.joints, strict=True)
+        return tuple(math.radians(value) if joint.revolute else 1e-3 * value for value, joint in pairs)
     kinds = ["angle" if joint.revolute else "length" for joint in model.joints]
     return tuple(in_si(value, kind, f"pose[{k}]") for k, (value, kind) in enumerate(zip(pose, kinds, strict=True), 1))
+
+
+def _number(word: str) -> float:
+    try:
+        value = float(word)
+    except ValueError:
+        value = math.nan
+    if not math.isfinite(value):
+        raise InputError("", "pose", f"'{word}' is not a number of degrees (or mm)")
+    return value

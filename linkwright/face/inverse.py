@@ -13,13 +13,14 @@ from linkwright.core.arm.chain.following import completed
 from linkwright.core.arm.chain.kinematics import tip_position
 from linkwright.core.arm.chain.vectors import Rotation, about
 from linkwright.core.arm.worst.inverse import InversePose
-from linkwright.core.arm.worst.inverse import inverse as found_poses
 from linkwright.core.units.quantities import InputError
 from linkwright.json.fields import joint_columns
 from linkwright.json.inverse import inverse_json
+from linkwright.results.document import Description
+from linkwright.results.inverse import describe
 
-from .arm import Arm, arm_of
-from .given import File, Quantity, in_si
+from .arm import Arm
+from .given import Quantity, in_si
 from .result import Result, figure_of
 
 if TYPE_CHECKING:
@@ -54,11 +55,10 @@ class Inverse(Result):
         marks = {"type": "scatter", "mode": "markers", "x": tips[:, 0].tolist(), "y": tips[:, 1].tolist()}
         return figure_of({"data": [marks]})
 
-    def _line(self) -> str:
-        count = len(self.found)
-        family = "" if all(pose.isolated for pose in self.found) else ", samples of a family"
-        point = ", ".join(f"{1e3 * x:.6g}" for x in self.point)
-        return f"{count} pose{'s' if count > 1 else ''} at ({point}) mm{family}"
+    @property
+    def description(self) -> Description:
+        """Each pose by its coordinates."""
+        return describe(self.arm.model, self.point, self.found)
 
     def _content(self) -> Mapping[str, Any]:
         return inverse_json(self.arm.model, self.point, self.found)
@@ -67,41 +67,7 @@ class Inverse(Result):
         return {"Poses": self.table}
 
 
-def inverse(
-    arm: Arm | File,
-    x: Quantity,
-    y: Quantity,
-    z: Quantity | None = None,
-    *,
-    inclination: Quantity | None = None,
-    most: int = 16,
-) -> Inverse:
-    """The joint coordinates within the joint ranges that put the tip at a point of the base frame, all branches.
-
-    Lengths as text or in m; z is 0 where left out. `inclination` (text, or rad) asks a planar arm's last link to stand
-    at this angle from the x axis. An arm with more joints than is asked for has a continuum of poses: samples of it are
-    given, `most` at most. Of several arms on one torso it is the tip that the arm was read for (`read_arm(..., tip=)`);
-    the joints of the others stand in the middle of their ranges. Raises `InputError`, and `NoAnswer` with what is
-    missing where none reaches it.
-
-    >>> import linkwright as lw
-    >>> arm = lw.Arm(
-    ...     chain=[
-    ...         (lw.Joint(), lw.Link(length="400 mm", rigid=True, mass="1 kg")),
-    ...         (lw.Joint(), lw.Link(length="300 mm", rigid=True, mass="1 kg")),
-    ...     ]
-    ... )
-    >>> lw.inverse(arm, "400 mm", "300 mm")
-    <Inverse: 2 poses at (400, 300) mm>
-    """
-    named = (("x", x), ("y", y)) if z is None else (("x", x), ("y", y), ("z", z))
-    point = tuple(in_si(value, "length", name) for name, value in named)
-    given = arm_of(arm, tips="one")
-    turned = None if inclination is None else _inclined(given, inclination)
-    return Inverse(given, point, found_poses(given.model, point, turned, most=most))
-
-
-def _inclined(arm: Arm, inclination: Quantity) -> Rotation:
+def inclined(arm: Arm, inclination: Quantity) -> Rotation:
     """How the last link's frame is turned when it has this angle from the x axis."""
     if not arm.model.planar():
         raise InputError("", "inclination", f"is for planar arms; {arm.name} leaves the x-y plane")

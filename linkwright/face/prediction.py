@@ -4,28 +4,21 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from dataclasses import replace as replaced
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from linkwright.core.diagnose.predict import Prediction as Found
-from linkwright.core.diagnose.predict import predict as predicted
 from linkwright.json.fields import joint_columns
 from linkwright.json.prediction import prediction_json
 
-from .arm import Arm, arm_of
-from .diagnosis import recording_of
-from .given import File
-from .progress import Progress, told
+from .arm import Arm
 from .recording import Recording
 from .result import Result, figure_of
 
 if TYPE_CHECKING:
     import pandas as pd
     import plotly.graph_objects as go
-
-Nuisance = Literal["known", "free"]
 
 
 @dataclass(frozen=True, repr=False)
@@ -109,31 +102,3 @@ class Prediction(Result):
 
     def _tables(self) -> Mapping[str, pd.DataFrame]:
         return {"Readings": self.table}
-
-
-def predict(
-    arm: Arm | File,
-    recording: Recording | File | pd.DataFrame,
-    *,
-    frame: Nuisance | None = None,
-    tool: Nuisance | None = None,
-    settings: File | None = None,
-    progress: Progress | None = None,
-) -> Prediction:
-    """What an arm file is worth on a recording: how far its model is off, with nothing fitted but frame and tool.
-
-    Those are fitted where the recording's settings say `free`; `frame` and `tool` say otherwise.
-    `progress(text, share)` hears of the rows, by default a bar where somebody looks. Raises `InputError`, and
-    `MissingProperty` where the model lacks a figure.
-
-    >>> import linkwright as lw
-    >>> folder = "examples/hidden-backlash"
-    >>> told = lw.predict(f"{folder}/arm.yaml", f"{folder}/after-service.csv")
-    >>> told.rows, told.frame, 0.0 < told.rms_mm < told.nominal_rms_mm
-    (192, 'known', True)
-    """
-    given = arm_of(arm, tips="first")
-    read = recording_of(recording, given, settings)
-    asked = replaced(read.found, frame=frame or read.found.frame, tool=tool or read.found.tool)
-    with told(progress) as tell:
-        return Prediction(given, read, predicted(given.model, asked, given.learned, tell))

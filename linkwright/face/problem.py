@@ -111,3 +111,15 @@ def cases_at(asked: Model, arm: Arm) -> tuple[LoadCase, ...]:
     if not own:
         raise InputError(asked.file, "load_cases", f"hold none of the tip {model.tip}")
     return own
+
+
+def for_joints_of(arm: Arm, asked: Model) -> None:
+    """Refuse a problem whose workspace, or what it calls uncertain, is of another number of joints. Raises
+    `InputError`."""
+    ranges = asked.workspace.ranges
+    for key, size in (
+        ("workspace", None if ranges is None else len(ranges)),
+        ("uncertain", None if asked.uncertain is None else asked.arm.size),
+    ):
+        if size is not None and size != arm.model.size:
+            raise InputError(asked.file, key, f"is for {size} joints; {arm.name} has {arm.model.size}")

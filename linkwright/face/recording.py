@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import math
+import os
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from dataclasses import replace as replaced
 from functools import partial
 from pathlib import Path, PurePath
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any
 
 from linkwright.core.arm.avoid.poses import NoRoom
 from linkwright.core.arm.chain.chain import EffectEntry
@@ -30,9 +31,12 @@ from linkwright.core.diagnose.simulate import simulate as simulated
 from linkwright.core.units.names import nearest
 from linkwright.core.units.quantities import InputError, shown
 from linkwright.core.units.reading import Mapping as Reader
+from linkwright.core.units.reading import load_yaml, parse_yaml
 from linkwright.json.simulation import simulation_json
 from linkwright.output.files import json_text, write_file
 from linkwright.output.read_back import ReadBack
+from linkwright.results.diagnoses.simulation import describe
+from linkwright.results.document import Description
 
 from .arm import Arm, arm_of, catalogue_of
 from .given import File, Quantity, in_si, plain
@@ -42,6 +46,13 @@ if TYPE_CHECKING:
 
 _SIDES = ("both", "one", "random")
 _MOST_ROWS = 2_000_000
+_SETTINGS = frozenset(
+    {
+        "sigma", "sigma_angle", "frame", "tool", "orientation", "observes", "direction", "anchor", "tilt_link",
+        "camera", "tip",
+    }
+)  # fmt: skip
+"""What settings of a simulated recording hold."""
 
 
 @dataclass(frozen=True, repr=False)
@@ -73,13 +84,14 @@ class Recording:
         """Sentences on what was not used, and why."""
         return self.found.warnings
 
-    def save(self, path: File) -> None:
-        """Write the recording as CSV and its settings beside it, as `simulate --out` does, and read it back. Raises
-        `InputError`."""
+    def save(self, path: File) -> Sequence[Path]:
+        """Write the recording as CSV and its settings beside it, as `simulate --out` does, and read it back; gives
+        which files. Raises `InputError`, also where settings of another's stand beside it."""
         place = Path(path)
-        settings = place.with_suffix(".yaml")
+        settings = settings_beside(place)
         write_file(settings, settings_text(self.found))
         write_file(place, ReadBack(recording_text(self.found, self.arm.model), partial(self._unlike, settings)))
+        return [place, settings]
 
     def _unlike(self, settings: Path, path: Path) -> Iterator[str]:
         """What the recording that is read from a file says otherwise."""
@@ -150,100 +162,54 @@ class Simulation(Recording):
     made: Made
     plan: Plan
 
+    @property
+    def description(self) -> Description:
+        """By how much the physics moves the tip."""
+        return describe(self.arm.model, self.made, self.plan)
+
     def to_json(self) -> str:
         """What `simulate --json` writes."""
         return json_text(simulation_json(self.made, self.arm.model, self.plan))
 
 
-def simulate(
-    arm: Arm | File,
-    *,
-    poses: int = 40,
-    with_: Sequence[Mapping[str, Any]] = (),
-    noise: Quantity = "15 um",
-    repeats: int = 3,
-    payloads: Sequence[Quantity] = (),
-    sides: Literal["both", "one", "random"] = "both",
-    temperature: tuple[Quantity, Quantity] | None = None,
-    hours: float | None = None,
-    seed: int = 1,
-    frame_free: bool = False,
-    outliers: float = 0.0,
-    joint_side: bool = False,
-    commands: bool = False,
-    base_target: bool = False,
-    orientation: bool = False,
-    declare_sigma: bool = False,
-    observe: str = "position",
-    direction: Sequence[float] | None = None,
-    anchor: Sequence[Quantity] | None = None,
-    anchor_free: bool = False,
-    tilt_link: str | int | None = None,
-    bar: Sequence[Quantity] | None = None,
-    camera: Literal["fixed", "on_tool"] | None = None,
-    torques: Quantity | Sequence[Quantity] | None = None,
-    at: File | None = None,
-) -> Simulation:
-    """A recording from a model, with noise and repeats: poses spread over the joint ranges.
+def settings_beside(recording: Path) -> Path:
+    """Where the settings of a recording stand that is to be written. Raises `InputError` where a YAML file is there
+    that is not just a simulated recording's settings."""
+    settings = recording.with_suffix(".yaml")
+    if settings == recording:
+        raise InputError(recording, "", "ends in .yaml; name a CSV file")
+    if os.path.isfile(settings) and not set(load_yaml(settings).content) <= _SETTINGS:
+        message = "is there already and holds more than a simulation's settings; name another recording"
+        raise InputError(settings, "", message)
+    return settings
 
-    `with_` holds entries of an arm file's `effects` beside the arm's own. `noise` is the standard deviation of each
-    component (text, or m), `payloads` masses (text, or kg), `temperature` from and to (text, or K), between which it
-    wanders. `at` is a plan (or a recording), whose poses, sides, payloads and times are taken instead of `poses`,
-    `repeats`, `payloads`, `sides`, `temperature` and `hours`. `sides`: joints arrive from both, one, or random ones.
-    `outliers` is a share of readings. The same `seed` gives the same recording. `observe` says what is read: the
-    `position`, some of its coordinates (`z`, `xy`), the height `along` a `direction`, or the `distance` from an
-    `anchor` (lengths; `anchor_free`: the recording does not tell where it is), the `tilt` of a level on a `tilt_link`
-    (`base`, or a link's number; its noise counts in a metre: 15 um are 15 urad), or that the `same_point` or `plane`
-    was touched again, or a `bar` at places along it (lengths), or where a `camera` (`fixed`, or `on_tool`) sees a
-    target: its depths are five times noisier, and its turns by the noise over 0.1 m. `torques` is what
-    a drive's measured torque scatters by (text, or N m; one for each joint, of a slide a force): what each holds at
-    rest is written then, without friction. Raises `InputError`, and `MissingProperty` where the arm lacks a figure.
 
-    >>> import linkwright as lw
-    >>> lw.simulate(
-    ...     "examples/welding-arm/arm.yaml",
-    ...     poses=5,
-    ...     with_=[{"effect": "encoder_offset", "at": 2, "offset": "0.05 deg"}],
-    ... )
-    <Simulation: made by a model, 30 readings, frame known, tool known>
-    """
-    given = with_effects(arm_of(arm, tips="one"), with_)
-    readings = None if at is None else read_plan(at, given.model)
+def instrument_of(
+    arm: Arm,
+    at: File | None,
+    observe: str,
+    direction: Sequence[float] | None,
+    anchor: Sequence[Quantity] | None,
+    anchor_free: bool,
+    tilt_link: str | int | None,
+    bar: Sequence[Quantity] | None,
+    camera: str | None,
+) -> dict[str, Any]:
+    """What is read, and the readings of a plan or a recording that say where: fields of `Plan`. Raises `InputError`."""
     reads: dict[str, Any] = {
         "observe": observe, "direction": direction, "anchor": _lengths("anchor", anchor), "anchor_free": anchor_free,
         "tilt_link": tilt_link, "bar": _lengths("bar", bar), "camera": camera,
     }  # fmt: skip
-    if at is not None and observe == "position":
+    if at is None:
+        return observed_by(arm=arm.model, **reads)
+    readings = read_plan(at, arm.model)
+    if observe == "position":
         reads = _planned(Path(at), reads)
-    if readings is not None and readings.bar_at is not None and reads["observe"] == "bar":
+    if readings.bar_at is not None and reads["observe"] == "bar":
         reads["bar"] = sorted(set(readings.bar_at.tolist()))
-    if readings is not None and reads["observe"] in LABELS and readings.instrument.kinds != (reads["observe"],):
+    if reads["observe"] in LABELS and readings.instrument.kinds != (reads["observe"],):
         raise InputError("", "at", f"names nothing that is touched: it needs a {LABELS[reads['observe']]} in each row")
-    plan = _plan(
-        poses=poses if readings is None else int(visits(readings, given.model)[-1]) + 1,
-        noise=in_si(noise, "length", "noise"),
-        repeats=repeats if readings is None else 1,
-        payloads=tuple(in_si(each, "mass", "payloads") for each in payloads),
-        sides=sides,
-        temperature=None if temperature is None else _span(temperature),
-        hours=hours,
-        seed=seed,
-        free_frame=frame_free,
-        outliers=outliers,
-        joint_side=joint_side,
-        commands=commands,
-        base_target=base_target,
-        orientation=orientation,
-        torque_noise=torque_noise(torques, given),
-        **observed_by(arm=given.model, **reads),
-        at=readings,
-    )
-    try:
-        made = simulated(given.model, plan)
-    except NoRoom as error:
-        raise InputError("", "avoid", str(error)) from None
-    recording = plan.declared_in(made.recording) if declare_sigma else made.recording
-    return Simulation(given, recording, made, plan)
+    return {**observed_by(arm=arm.model, **reads), "at": readings}
 
 
 def _planned(plan: Path, reads: dict[str, Any]) -> dict[str, Any]:
@@ -263,16 +229,25 @@ def _planned(plan: Path, reads: dict[str, Any]) -> dict[str, Any]:
     return {**found, "observe": kind, "anchor_free": free}
 
 
-def with_effects(arm: Arm, entries: Sequence[Mapping[str, Any]], *, as_in_files: bool = False) -> Arm:
-    """The arm with further `effects` entries, those it holds taken as they are; `as_in_files`, where a number needs its
-    unit. Raises `InputError`."""
+def with_effects(arm: Arm, entries: Sequence[Mapping[str, Any] | str]) -> Arm:
+    """The arm with further `effects` entries, those it holds taken as they are; an entry as text is one of a file,
+    where a number needs its unit. Raises `InputError`."""
     if not entries:
         return arm
     # The entries are read in the place of the arm's own, so that a mistake names them.
-    content = {**arm.content, "effects": [each if as_in_files else plain(each) for each in entries]}
+    content = {**arm.content, "effects": [_entry(each) for each in entries]}
     reader = Reader(content, file="with_")
     added: tuple[EffectEntry, ...] = arm_from(reader, catalogue_of(arm.catalogue), tip=arm.model.tip).effects
     return Arm.of(replaced(arm.model, effects=(*arm.model.effects, *added)), catalogue=arm.catalogue)
+
+
+def _entry(given: Mapping[str, Any] | str) -> Any:
+    """An entry of `effects` as a file has it. Raises `InputError`."""
+    entry = parse_yaml(given, file="with_") if isinstance(given, str) else plain(given)
+    if not isinstance(entry, dict):
+        example = "'{effect: joint_compliance, at: 2, compliance: 21 urad/(N*m)}'"
+        raise InputError("", "with_", f"needs an entry such as {example}, not {given!r}")
+    return entry
 
 
 def torque_noise(given: Quantity | Sequence[Quantity] | None, arm: Arm) -> tuple[float, ...]:
@@ -305,7 +280,18 @@ def _span(temperature: tuple[Quantity, Quantity]) -> tuple[float, float]:
     return low, high
 
 
-def _plan(**asked: Any) -> Plan:
+def masses_of(given: Sequence[Quantity]) -> tuple[float, ...]:
+    """Payloads, kg. Raises `InputError`."""
+    return tuple(in_si(each, "mass", "payloads") for each in given)
+
+
+def plan_of(arm: Arm, reads: Mapping[str, Any], **asked: Any) -> Plan:
+    """What to simulate. Raises `InputError`."""
+    asked["noise"] = in_si(asked["noise"], "length", "noise")
+    if asked["temperature"] is not None:
+        asked["temperature"] = _span(asked["temperature"])
+    if "at" in reads:
+        asked |= {"poses": int(visits(reads["at"], arm.model)[-1]) + 1, "repeats": 1}
     if asked["sides"] not in _SIDES:
         given = str(asked["sides"])
         raise InputError("", "sides", f"{shown(given)} is not one of {', '.join(_SIDES)}{nearest(given, _SIDES)}")
@@ -316,11 +302,21 @@ def _plan(**asked: Any) -> Plan:
     for key in ("poses", "repeats"):
         if asked[key] < 1:
             raise InputError("", key, f"needs at least 1, not {asked[key]}")
-    if not 0.0 <= asked["outliers"] <= 0.5 or (asked["hours"] is not None and not asked["hours"] > 0.0):
-        key = "hours" if 0.0 <= asked["outliers"] <= 0.5 else "outliers"
-        raise InputError("", key, "must be positive" if key == "hours" else "is a share from 0 to 0.5")
+    if not 0.0 <= asked["outliers"] <= 0.5:
+        raise InputError("", "outliers", "is a share from 0 to 0.5")
+    if asked["hours"] is not None and not asked["hours"] > 0.0:
+        raise InputError("", "hours", "must be positive")
     both = 2 if asked["sides"] == "both" else 1
     rows = asked["poses"] * asked["repeats"] * max(1, len(asked["payloads"])) * both
     if rows > _MOST_ROWS or not math.isfinite(rows):
         raise InputError("", "poses", f"would make {rows} rows; at most {_MOST_ROWS} are simulated")
-    return Plan(**asked)
+    return Plan(**asked, **reads)
+
+
+def simulated_by(arm: Arm, plan: Plan, *, declare_sigma: bool) -> Simulation:
+    """The recording that an arm's model would give. Raises `InputError` where the arm has no room for it."""
+    try:
+        made = simulated(arm.model, plan)
+    except NoRoom as error:
+        raise InputError("", "avoid", str(error)) from None
+    return Simulation(arm, plan.declared_in(made.recording) if declare_sigma else made.recording, made, plan)

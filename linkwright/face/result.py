@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import html
 from abc import ABC, abstractmethod
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -72,11 +72,14 @@ class Result(ABC):
         """The result as the command's `--json` writes it."""
         return json_text(self._content())
 
-    def save(self, folder: File) -> None:
-        """Write what the command's `--out` writes. Raises `InputError` for a folder that holds anything else."""
+    def save(self, folder: File) -> Sequence[Path]:
+        """Write what the command's `--out` writes; gives which files. Raises `InputError` for a folder that holds
+        anything else."""
         place = Path(folder)
         claim_own(place, self._command, self._own)
-        write_folder(place, {RESULT: self.to_json(), **self._files()})
+        files = {**self._files(), RESULT: self.to_json()}
+        write_folder(place, files)
+        return [place / name for name in files]
 
     def __repr__(self) -> str:
         """One line."""
@@ -96,14 +99,17 @@ class Result(ABC):
 class Reported(Result):
     """A result with a report: a page beside the result, or a PDF."""
 
-    def save(self, folder: File, *, made_from: Iterable[File] = (), author: str = "", comment: str = "") -> None:
-        """Write what the command's `--out` writes. The report says when it was made, and of the files that it was
-        `made_from` their names and SHA-256 sums; `author` and `comment` stand beside that. Raises `InputError` for a
-        folder that holds anything else."""
+    def save(
+        self, folder: File, *, made_from: Iterable[File] = (), author: str = "", comment: str = ""
+    ) -> Sequence[Path]:
+        """Write what the command's `--out` writes; gives which files. The report says when it was made, and of the
+        files that it was `made_from` their names and SHA-256 sums; `author` and `comment` stand beside that. Raises
+        `InputError` for a folder that holds anything else."""
         place = Path(folder)
         claim_own(place, self._command, self._own)
-        report = self._page(made_from, author, comment)
-        write_folder(place, {RESULT: self.to_json(), REPORT: report, **self._files()})
+        files = {REPORT: self._page(made_from, author, comment), **self._files(), RESULT: self.to_json()}
+        write_folder(place, files)
+        return [place / name for name in files]
 
     def save_pdf(self, file: File, *, made_from: Iterable[File] = (), author: str = "", comment: str = "") -> None:
         """Write the report as a PDF of A4 pages, as Chromium, Chrome or Edge prints it. Raises `InputError` where none

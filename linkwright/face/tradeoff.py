@@ -3,32 +3,36 @@
 from __future__ import annotations
 
 import io
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Generator, Iterable, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any
 
 from linkwright.core.arm.chain.chain import Arm as Model
 from linkwright.core.executors import Executor
 from linkwright.core.optimize.limits import Figure
 from linkwright.core.optimize.tradeoff.front import Point
 from linkwright.core.optimize.tradeoff.front import Tradeoff as Found
-from linkwright.core.optimize.tradeoff.journal import Journal
-from linkwright.core.optimize.tradeoff.question import Question, question
+from linkwright.core.optimize.tradeoff.journal import JOURNAL, LOCK, Journal, journal_digest
+from linkwright.core.optimize.tradeoff.question import Question, digest
 from linkwright.core.optimize.tradeoff.trace import Progress as Traced
-from linkwright.core.optimize.tradeoff.tradeoff import ACCURACY, trade_off
-from linkwright.json.tradeoff import tradeoff_csv, tradeoff_json
-from linkwright.output.tradeoff_folder import claim_tradeoff, write_tradeoff
+from linkwright.core.optimize.tradeoff.tradeoff import trade_off
+from linkwright.core.units.quantities import InputError
+from linkwright.json.tradeoff import made_by, tradeoff_csv, tradeoff_json
+from linkwright.output.files import RESULT, made_folder, refuse_strangers, write_file
+from linkwright.output.table_file import WAYS, write_table
+from linkwright.output.tradeoff_folder import FILES, claim_tradeoff, write_tradeoff
 from linkwright.report.charts.fronts import front_figure
 from linkwright.report.origin import origin_of
+from linkwright.results.figures_in_words import percent
 
 from .arm import Arm, catalogue_of
 from .figures import Figured, Values
 from .given import File
-from .problem import Problem, problem_of
+from .problem import Problem
 from .progress import Progress, interrupts, told
 from .result import Reported, figure_of
-from .workers import at_work
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -88,12 +92,23 @@ class Tradeoff(Reported):
         """The fronts, a line each."""
         return figure_of(front_figure(self.found))
 
-    def save(self, folder: File, *, made_from: Iterable[File] = (), author: str = "", comment: str = "") -> None:
-        """Write what `tradeoff --out` does but the journal. Raises `InputError` for a folder with other files."""
+    def save(
+        self, folder: File, *, made_from: Iterable[File] = (), author: str = "", comment: str = ""
+    ) -> Sequence[Path]:
+        """Write what `tradeoff --out` does but the journal; gives which files. Raises `InputError` for a folder with
+        other files."""
         place = Path(folder)
-        claim_tradeoff(place)
+        if journal_digest(place / JOURNAL) is None:
+            claim_tradeoff(place)
         origin = origin_of(map(Path, made_from), author=author, comment=comment)
-        write_tradeoff(self.found, place, origin, catalogue_of(self.problem.arm.catalogue))
+        return write_tradeoff(self.found, place, origin, catalogue_of(self.problem.arm.catalogue))
+
+    def save_table(self, file: File) -> None:
+        """Write the points as `--csv` does: .csv, .parquet, .md or .tex. Raises `InputError`."""
+        if Path(file).suffix.lower() in WAYS:
+            write_table(self.table, file)
+        else:
+            write_file(Path(file), tradeoff_csv(self.found))
 
     def _content(self) -> Mapping[str, Any]:
         return tradeoff_json(self.found)
@@ -102,62 +117,58 @@ class Tradeoff(Reported):
         return {"Designs": self.table}
 
 
-def tradeoff(
-    problem: Problem | File,
-    *,
-    x: str = "mass",
-    y: str = "max_error",
-    by: Literal["material", "shape"] | None = None,
-    reach: Literal["long", "short"] = "long",
-    accuracy: float = ACCURACY,
-    progress: Progress | None = None,
-    workers: int | None = None,
-    executor: Executor | None = None,
+@contextmanager
+def journal_in(folder: File | None, asked: Question, accuracy: float, *, resume: bool) -> Generator[Journal]:
+    """The journal in an output folder, which is made or taken again; without a folder, one that is not written. Raises
+    `InputError`."""
+    own = digest(asked, accuracy)
+    if folder is None:
+        if resume:
+            raise InputError("", "resume", "needs --out DIR, where the journal of the earlier run is")
+        yield Journal(None, own)
+        return
+    out = Path(folder)
+    names = made_folder(out) - {LOCK}
+    refuse_strangers(out, names, FILES)
+    there = journal_digest(out / JOURNAL)
+    if names and there is None:
+        # A kill in the first instant leaves an empty journal, which is as good as none.
+        if names != {JOURNAL} or (out / JOURNAL).stat().st_size > 0:
+            would_do = "name a new or empty folder"
+            raise InputError(out, "", f"holds files that are not of `linkwright tradeoff`; {would_do}")
+    elif there == own and RESULT not in names and not resume:
+        would_do = "--resume goes on with it, or name another folder"
+        raise InputError(out, "", f"holds this trade-off, unfinished; {would_do}")
+    with Journal(out / JOURNAL, own, resume=resume, made_by=made_by()) as journal:
+        # Until the new result is there, none is: a folder with a journal alone is known for unfinished.
+        (out / RESULT).unlink(missing_ok=True)
+        yield journal
+
+
+def points_kept(folder: File) -> int:
+    """How many solved points the journal in an output folder holds."""
+    try:
+        return max((Path(folder) / JOURNAL).read_bytes().count(b"\n") - 1, 0)
+    except OSError:
+        return 0
+
+
+def traced(
+    given: Problem, asked: Question, accuracy: float, journal: Journal, progress: Progress | None, executor: Executor
 ) -> Tradeoff:
-    """The Pareto front between two figures of a problem's designs.
+    """Trace the fronts of a question; Ctrl-C is heard between two points."""
+    with told(progress) as tell, interrupts() as check:
 
-    `x` and `y` are two of `lw.limits`, all but those not `traded`. `by` asks for a front of each material or shape;
-    `reach` says which reach is the better one. `accuracy` is the relative error that straight lines between points may
-    have. `progress(text, share)` hears of each point; the share is that of the first points, then an estimate. What
-    takes long is done by so many `workers`, processes of this machine (one a core), or by an `executor`
-    (`lw.Processes`, `lw.Cluster`). Ctrl-C ends it with the points so far, marked `interrupted`. Raises `InputError`,
-    and `NoAnswer` where no design keeps the limits.
-
-    >>> import linkwright as lw
-    >>> problem = lw.Problem(
-    ...     arm="examples/welding-arm/arm.yaml",
-    ...     workspace={"path": [["600 mm", "300 mm"], ["700 mm", "300 mm"]]},
-    ...     subject_to={"mass": "<= 26 kg", "max_error": "<= 0.5 mm", "section_size": ["40 mm", "120 mm"]},
-    ...     choose={"section": ["circle"], "same": ["size"]},
-    ... )
-    >>> front = lw.tradeoff(problem, x="mass", y="max_error", accuracy=0.2)
-    >>> heavier = front.table["mass_kg"].is_monotonic_increasing
-    >>> bool(heavier), front.designs[0].arm
-    (True, <Arm: cathode-bus welding arm, 3 joints, reach 1240 mm>)
-    """
-    given = problem_of(problem)
-    asked = question(given.model, x, y, by=by, reach=reach)
-    with told(progress) as tell, at_work(executor, workers) as crew:
-
-        def heard(traced: Traced) -> None:
-            tell(f"{traced.front}: {traced.points} points, {traced.doing}", traced.share)
-
-        return traced_front(given, asked, accuracy, Journal(None, ""), heard, crew)
-
-
-def traced_front(
-    given: Problem,
-    asked: Question,
-    accuracy: float,
-    book: Journal,
-    heard: Callable[[Traced], None],
-    executor: Executor | None = None,
-) -> Tradeoff:
-    """Trace the fronts of a question, with a journal that may know some points already."""
-    with interrupts() as check:
-
-        def told_of(traced: Traced) -> None:
+        def heard(done: Traced) -> None:
             check()
-            heard(traced)
+            tell(_words(done, groups=asked.by is not None), done.share)
 
-        return Tradeoff(given, trade_off(asked, accuracy=accuracy, journal=book, told=told_of, executor=executor))
+        return Tradeoff(given, trade_off(asked, accuracy=accuracy, journal=journal, told=heard, executor=executor))
+
+
+def _words(done: Traced, *, groups: bool) -> str:
+    """How far a front has come; `groups`: fronts have names of their own."""
+    name = f"{done.front}: " if groups else ""
+    off = "" if done.error is None else f", straight lines right within {percent(done.error)}"
+    known = f" ({done.resumed} from the journal)" if done.resumed else ""
+    return f"{name}{done.points} points{known}{off}: {done.doing}"

@@ -6,16 +6,15 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from linkwright.face.progress import Progress, told
 from linkwright.face.result import Result, figure_of
 from linkwright.output.files import REPORT, RESULT
 
-from .output.figures import Figure, make_figures
+from .output.figures import Figure
 from .output.pages import figure_csv, figures_json, tables_json
 from .output.pictures import page
 from .rows import tally
-from .tables import Book, make_tables
-from .verdicts import Proof, Verdict, proofs, verdicts
+from .tables import Book
+from .verdicts import Proof, Verdict
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -78,22 +77,6 @@ class Tables(Result):
         return found
 
 
-def tables(*, progress: Progress | None = None) -> Tables:
-    """The paper's Tables III to VII: printed, reproduced by its conventions, and corrected; some seconds.
-
-    `progress(text, share)` hears of it.
-
-    >>> import linkwright as lw
-    >>> paper = lw.tables()
-    >>> list(paper["clearance"].columns)[:3]
-    ['label', 'paper_1', 'paper_2']
-    """
-    with told(progress) as tell:
-        tell("the paper's tables", 0.0)
-        book = make_tables()
-    return Tables(book, verdicts(book), proofs(book))
-
-
 @dataclass(frozen=True, repr=False)
 class Figures(Result):
     """The paper's Figures 5 to 9 as data, each by its conventions and in truth; by number."""
@@ -127,14 +110,3 @@ class Figures(Result):
 
     def _files(self) -> Mapping[str, str]:
         return {REPORT: page(self.figures), **{f"figure-{each.number}.csv": figure_csv(each) for each in self.figures}}
-
-
-def figures() -> Figures:
-    """The paper's Figures 5 to 9: what it plots by its own conventions, and the truth beside it; some seconds.
-
-    >>> import linkwright as lw
-    >>> drawn = lw.figures()
-    >>> list(drawn[7].columns)[:2]
-    ['clearance_mm', 'corrected_clearance_mm']
-    """
-    return Figures(make_figures())

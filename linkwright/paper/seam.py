@@ -14,8 +14,8 @@ from linkwright.core.arm.worst.seam import SeamCheck, check_seam
 from linkwright.core.arm.worst.workspace import Unreachable
 from linkwright.core.sections.numeric import Array
 from linkwright.core.units.quantities import InputError
-from linkwright.face.arm import Arm, arm_of
-from linkwright.face.given import File, Quantity, in_si
+from linkwright.face.arm import Arm
+from linkwright.face.given import Quantity, in_si
 from linkwright.face.result import Result, figure_of
 from linkwright.results.document import Description, Paragraph, Value
 from linkwright.results.document import table as described_table
@@ -58,7 +58,7 @@ class Seam(Result):
         return pd.DataFrame(self._rows, columns=[_ACROSS, *(f"{name}, mm" for name in _MEASURES)])
 
     @property
-    def described(self) -> Description:
+    def description(self) -> Description:
         """The result as screen and Markdown show it."""
         rows = [(place, *(Value(figure(value)) for value in errors)) for place, *errors in self._rows]
         shown = described_table((_ACROSS, *(f"{name}, mm" for name in _MEASURES)), rows, title=_TITLE)
@@ -109,30 +109,16 @@ class Seam(Result):
         return {_TITLE: self.table}
 
 
-def seam(arm: Arm | File, start: Sequence[Quantity], end: Sequence[Quantity], *, points: int = 9) -> Seam:
-    """The worst error of a planar arm along a straight seam and across it, over every posture at each of `points`.
-
-    `start` and `end` are points [x, y], text or m. Of several arms on one torso it is the tip that the arm was read
-    for, whatever the others do meanwhile. Raises `InputError`, and `NoAnswer` with the first point that cannot be
-    reached.
-
-    >>> import linkwright as lw
-    >>> lw.seam("examples/welding-arm/arm.yaml", ["600 mm", "500 mm"], ["-600 mm", "500 mm"], points=3)
-    <Seam: cathode-bus welding arm: every point can be reached, proved>
-    """
-    given = arm_of(arm, tips="one")
-    first, last = _point(start, "start"), _point(end, "end")
-    if first == last:
-        raise InputError("", "end", "is the same point as the start; a seam has a length")
-    if points < 2:
-        raise InputError("", "points", f"needs 2 or more, not {points}")
-    if not given.model.planar():
-        raise InputError("", "arm", f"{given.name} leaves the x-y plane; a seam's normal is one direction in it only")
-    check = check_seam(way_to(given.model, given.model.tip).arm, first, last)
+def seam_of(arm: Arm, first: tuple[float, float], last: tuple[float, float], points: int) -> Seam:
+    """A seam between two points (m), looked at in `points`. Raises `InputError` for an arm that leaves the plane, and
+    `NoAnswer` with the first point that it cannot reach."""
+    if not arm.model.planar():
+        raise InputError("", "arm", f"{arm.name} leaves the x-y plane; a seam's normal is one direction in it only")
+    check = check_seam(way_to(arm.model, arm.model.tip).arm, first, last)
     if check.verdict == "unreachable" and check.first_unreachable is not None:
         raise Unreachable(check.first_unreachable, check.missing)
-    places, errors = seam_errors(given.model, first, last, points=points)
-    return Seam(given, check, tuple((1e3 * places).tolist()), tuple(map(tuple, (1e3 * errors).tolist())))
+    places, errors = seam_errors(arm.model, first, last, points=points)
+    return Seam(arm, check, tuple((1e3 * places).tolist()), tuple(map(tuple, (1e3 * errors).tolist())))
 
 
 def seam_errors(
@@ -160,7 +146,8 @@ def seam_errors(
     return share * length, np.column_stack([reach[:, :2].max(axis=1), reach[:, 2:4].max(axis=1), reach.max(axis=1)])
 
 
-def _point(given: Sequence[Quantity], key: str) -> tuple[float, float]:
+def point_of(given: Sequence[Quantity], key: str) -> tuple[float, float]:
+    """A point in the plane, m. Raises `InputError`."""
     if len(given) != 2:
         raise InputError("", key, f"needs two lengths, e.g. 600 mm, 500 mm, not {', '.join(map(str, given))}")
     x, y = (in_si(each, "length", key) for each in given)

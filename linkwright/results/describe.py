@@ -17,7 +17,7 @@ _DESCRIBED = MappingProxyType(
         "Comparison": "diagnoses.comparison",
         "Table": "compensation",
         "Redesign": "redesign",
-        "Prediction": "prediction",
+        "Prediction": "diagnoses.prediction",
         "Imported": "imported",
         "Exported": "exported",
         "Budget": "budget",

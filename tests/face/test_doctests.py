@@ -7,17 +7,16 @@ from pathlib import Path
 
 import pytest
 
+import linkwright.api
 import linkwright.face
 from tests.costs import slow_but
 
 ROOT = Path(__file__).resolve().parents[2]
-FACE = pkgutil.walk_packages(linkwright.face.__path__, "linkwright.face.")
-MODULES = [
-    *(each.name for each in FACE),
-    "linkwright.output.table_file",
-    "linkwright.paper.face",
-    "linkwright.paper.seam",
+FACE = [
+    *pkgutil.walk_packages(linkwright.face.__path__, "linkwright.face."),
+    *pkgutil.walk_packages(linkwright.api.__path__, "linkwright.api."),
 ]
+MODULES = [*(each.name for each in FACE), "linkwright.output.table_file"]
 
 
 def examples(name):

@@ -10,8 +10,8 @@ import linkwright as lw
 from linkwright import command_line
 from linkwright.cli import INTERRUPTED
 from linkwright.command_line import NO_ANSWER, READER_GONE, WRONG_INPUT
-from linkwright.commands import evaluate
 from linkwright.core.arm.chain.chain import Arm, Joint, Link
+from linkwright.face.evaluation import pose_of
 from linkwright.screen.console import PLAIN_WIDTH
 
 COMMANDS = (
@@ -198,7 +198,7 @@ def test_poses_of_slides_are_lengths():
     """Degrees for what turns, millimetres for what slides."""
     slide = Joint("prismatic", (1.0, 0.0, 0.0), (0.0, 0.5))
     arm = Arm("slide", (slide, Joint()), (Link(0.1, mass=1.0), Link(0.1, mass=1.0)))
-    assert evaluate.read_pose("250 90", arm) == pytest.approx((0.25, math.pi / 2))
+    assert pose_of(arm, "250 90") == pytest.approx((0.25, math.pi / 2))
 
 
 def test_usage_errors_have_one_known_ancestor():
@@ -223,7 +223,7 @@ def test_output_that_cannot_be_written_is_one_line(process):
 
 def test_an_interrupt_while_modules_load_is_quiet(process):
     """It comes as the module of the command is looked for, and as CasADi is: much of a short run goes into imports."""
-    for module in ("linkwright.commands.evaluate", "casadi"):
+    for module in ("linkwright.commands.design", "casadi"):
         done = process(f"\"$PYTHON\" -c '{INTERRUPTED_AT}' {module} evaluate arm.yaml")
         assert (done.returncode, done.stdout, done.stderr) == (130, "", "")
 

@@ -106,7 +106,7 @@ def test_before_any_design_there_is_nothing_to_keep(bench, linkwright, monkeypat
     status, _, error = linkwright("optimize", "problem.yaml", "--out", "out")
     assert status == 130
     assert error == "stopped: no design was finished yet, so there is none to keep\n"
-    assert list((bench / "out").iterdir()) == []
+    assert not (bench / "out").exists()
 
 
 @pytest.mark.parametrize(

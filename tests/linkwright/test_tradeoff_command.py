@@ -11,7 +11,7 @@ import xml.etree.ElementTree as ET
 
 import pytest
 
-from linkwright.commands.tradeoff import HELP
+import linkwright as lw
 from linkwright.core.arm.evaluation import evaluate
 from linkwright.core.arm.files.read import read_arm
 from linkwright.core.optimize.limits import FIGURES
@@ -204,5 +204,5 @@ def test_listed_points_hold_ends_and_knee():
 
 def test_the_help_names_every_figure_that_is_shipped():
     """It is asked for before the figures are loaded, so that it names them by hand."""
-    named = re.findall(r"[a-z]+(?:_[a-z]+)*", HELP.split("Any two figures:")[1].split(".")[0])
+    named = re.findall(r"[a-z]+(?:_[a-z]+)*", (lw.tradeoff.__doc__ or "").split("Any two figures:")[1].split(".")[0])
     assert sorted(named) == sorted(axes_of(FIGURES))

@@ -4,24 +4,20 @@ from __future__ import annotations
 
 import io
 import os
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from enum import StrEnum
 from pathlib import Path
 from types import MappingProxyType
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
-import linkwright as lw
-from linkwright.commands.options import JsonFile
+from linkwright.commands.made import Made, Targets
 from linkwright.core.units.quantities import InputError
 from linkwright.core.units.reading import read_text
-from linkwright.output.files import check_target, write_file, write_result
+from linkwright.output.files import write_file
 
-HELP = """The paper's Tables III to VII: printed, reproduced by its conventions, as its equations read, and corrected.
-
-Example: linkwright tables --markdown tables.md --json tables.json
-Example: linkwright tables --csv tables --as tex
-"""
 KEYS = ("clearance", "backlash", "backlash_direction", "material", "shape")
 """The tables' names in JSON and of the CSV files."""
 
@@ -46,61 +42,76 @@ _SIGNATURES = MappingProxyType(
 """What the first table begins with."""
 
 
-def tables(
-    json: JsonFile = None,
-    csv: Annotated[
-        Path | None, typer.Option("--csv", metavar="DIR", help="Write each table there, as CSV or what --as names.")
-    ] = None,
-    kind: Annotated[TableKind, typer.Option("--as", help="How the tables in --csv DIR are written.")] = TableKind.CSV,
-    markdown: Annotated[
-        Path | None,
-        typer.Option(
-            "--markdown", metavar="FILE", help="Write as Markdown; between the marks of a file that has them."
-        ),
-    ] = None,
-) -> None:
-    """Run the command."""
-    import pandas as pd
+TABLES: Mapping[str, Any] = MappingProxyType(
+    {
+        "csv": Annotated[
+            Path | None, typer.Option("--csv", metavar="DIR", help="Write each table there, as CSV or what --as names.")
+        ],
+        "kind": Annotated[TableKind | None, typer.Option("--as", help="How the tables in --csv DIR are written.")],
+        "markdown": Annotated[
+            Path | None,
+            typer.Option(
+                "--markdown", metavar="FILE", help="Write as Markdown; between the marks of a file that has them."
+            ),
+        ],
+    }
+)
+"""The options of `tables`."""
 
-    from linkwright.output.table_file import check_table, write_table
-    from linkwright.screen.console import console
 
-    check_target(json)
-    check_target(markdown)
-    if json is not None and markdown is not None and json.absolute() == markdown.absolute():
-        raise InputError(json, "", "is named for JSON and for Markdown; name two files")
-    if csv is not None:
+class Tables(Made):
+    """`tables`: each can be written as a file of its own, and all into a page of Markdown that is there."""
+
+    def checked(self, targets: Targets, words: dict[str, Any], inputs: Sequence[Path]) -> Targets:
+        """The folder of tables too."""
+        from linkwright.output.table_file import check_table
         from linkwright.paper.output.folders import claim
 
-        names = [f"{key}.{kind.value}" for key in KEYS]
-        check_table(csv / names[0])
-        claim(csv, names, names[0], _SIGNATURES[kind])
-    from linkwright.paper.output.pages import into, table_csv, tables_markdown
-    from linkwright.paper.output.screen import show_tables
+        json, csv, kind = targets.json, targets.csv, targets.kind or TableKind.CSV
+        found = super().checked(replace(targets, csv=None), words, inputs)
+        if json is not None and targets.markdown is not None and json.absolute() == targets.markdown.absolute():
+            raise InputError(json, "", "is named for JSON and for Markdown; name two files")
+        if csv is not None:
+            names = [f"{key}.{kind.value}" for key in KEYS]
+            check_table(csv / names[0])
+            claim(csv, names, names[0], _SIGNATURES[kind])
+        return replace(found, csv=csv, kind=kind)
 
-    made = lw.tables()
-    screen = console()
+    def write(self, result: Any, targets: Targets, read: Sequence[Path]) -> list[Path]:
+        """Each table, and the page between its marks."""
+        from linkwright.paper.output.pages import into, tables_markdown
+
+        markdown = targets.markdown
+        written = super().write(result, replace(targets, markdown=None), read)
+        if targets.csv is not None:
+            written += _write_each(result, targets.csv, targets.kind)
+        if markdown is not None:
+            text = read_text(markdown) if os.path.isfile(markdown) else ""
+            write_file(markdown, into(text, tables_markdown(result.book, result.verdicts, result.proofs)))
+            written.append(markdown)
+        return written
+
+    def answer(self, result: Any) -> None:
+        """The tables and the verdicts."""
+        from linkwright.paper.output.screen import show_tables
+        from linkwright.screen.console import console
+
+        show_tables(console(), result.book, result.verdicts, result.proofs)
+
+
+def _write_each(made: Any, folder: Path, kind: TableKind) -> list[Path]:
+    """Write each table as a file of its kind."""
+    import pandas as pd
+
+    from linkwright.output.table_file import write_table
+    from linkwright.paper.output.pages import table_csv
+
     written: list[Path] = []
-    if json is not None:
-        write_result(json, made.to_json())
-        written.append(json)
-    if csv is not None:
-        files = {table.key: table_csv(table) for table in made.book.tables}
-        for key, text in files.items():
-            file = csv / f"{key}.{kind.value}"
-            if kind is TableKind.CSV:
-                write_file(file, text)
-            else:
-                write_table(pd.read_csv(io.StringIO(text)), file)
-            written.append(file)
-    if markdown is not None:
-        block = tables_markdown(made.book, made.verdicts, made.proofs)
-        write_file(markdown, into(_text_of(markdown), block))
-        written.append(markdown)
-    show_tables(screen, made.book, made.verdicts, made.proofs)
-    for path in written:
-        screen.print(f"written: {path}", soft_wrap=True)
-
-
-def _text_of(path: Path) -> str:
-    return read_text(path) if os.path.isfile(path) else ""
+    for table in made.book.tables:
+        file = folder / f"{table.key}.{kind.value}"
+        if kind is TableKind.CSV:
+            write_file(file, table_csv(table))
+        else:
+            write_table(pd.read_csv(io.StringIO(table_csv(table))), file)
+        written.append(file)
+    return written

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -11,11 +11,10 @@ from typing import TYPE_CHECKING, Any
 
 from linkwright.core.arm.descriptions.formats import Exported as Found
 from linkwright.core.arm.descriptions.formats import export_arm as exported
-from linkwright.core.arm.descriptions.into import into_file
 from linkwright.core.arm.descriptions.read_back import unlike
 from linkwright.core.units.quantities import InputError, shown
 from linkwright.drawings.parts import listed, parts
-from linkwright.face.arm import Arm, arm_of
+from linkwright.face.arm import Arm
 from linkwright.face.given import File
 from linkwright.face.progress import Progress, told
 from linkwright.face.result import Result
@@ -72,7 +71,7 @@ class Export(Result):
         """The joints and the tip with all joints at 0."""
         return skeleton(self.arm.model)
 
-    def save(self, folder: File) -> None:
+    def save(self, folder: File) -> Sequence[Path]:
         """Write the file; into a folder under the name `arm` with the format's ending. A list of parts is a table, of
         the kind that its name says: .csv, .parquet, .md, .tex."""
         place = Path(folder)
@@ -83,6 +82,7 @@ class Export(Result):
             text = self.found.text
             read = partial(unlike, self.arm.model) if self.found.format == "urdf" and self.into is None else None
             write_file(target, text if read is None else ReadBack(text, read))
+        return [target]
 
     def _content(self) -> Mapping[str, Any]:
         return export_json(self.found)
@@ -91,34 +91,17 @@ class Export(Result):
         return {"Carried": self.table}
 
 
-def export_arm(
-    arm: Arm | File, *, to: str | None = None, into: File | None = None, progress: Progress | None = None
-) -> Export:
-    """The arm as `urdf`, `mjcf` (with all that gives: MuJoCo sags as the arm does), `dxf` (links and sections drawn to
-    scale, with dimensions), `step` (links as solid bodies, with the extra `step`) or `bom` (its parts as CSV: sizes,
-    masses, centres, inertias, prices). `progress` hears of the bodies as they are made.
-
-    `into` in place of `to` is somebody's own URDF or MJCF file, whose joints the arm names: its text with what
-    `effects` say of zeros, lengths and axes (and in MJCF of drives' stiffness), byte for byte as it was otherwise.
-
-    Raises `InputError` for another format, for an arm with absolute angles, which no simulator's format knows, and
-    for `step` without build123d; `MissingProperty` for parts of unknown mass.
-
-    >>> import linkwright as lw
-    >>> found = lw.export_arm("examples/welding-arm/arm.yaml", to="mjcf")
-    >>> found
-    <Export: MJCF, nothing left out>
-    """
-    if into is not None:
-        if to is not None:
-            raise InputError("", "into", "goes without a format, which is that of its file; leave one out")
-        given = arm_of(arm, tips="every")
-        return Export(given, into_file(given.model, into), into)
-    if to is None:
-        raise InputError("", "to", f"is missing; write {', '.join(SUFFIXES)}, or into: a file of your own")
-    if to not in SUFFIXES:
+def format_of(to: str | None, into: File | None) -> str | None:
+    """The format to write, None for what somebody's own file is in. Raises `InputError`."""
+    if (to is None) == (into is None):
+        raise InputError("", "to", "is due, or `into` FILE, but not both; e.g. urdf")
+    if to is not None and to not in SUFFIXES:
         raise InputError("", "to", f"{shown(to)} is no format; write {', '.join(SUFFIXES)}")
-    given = arm_of(arm, tips="every")
+    return to
+
+
+def written_as(arm: Arm, to: str, progress: Progress | None) -> Found:
+    """The arm in a format. Raises `InputError` for one that needs what is not installed."""
     if to == "dxf":
         try:
             from linkwright.drawings.dxf import drawn
@@ -126,10 +109,10 @@ def export_arm(
             message = "DXF needs ezdxf, which is not installed: pip install 'linkwright[dxf]'"
             raise InputError("", "to", message) from None
 
-        return Export(given, drawn(given.model))
+        return drawn(arm.model)
     if to == "step":
         from linkwright.drawings.step import stepped
 
         with told(progress) as tell:
-            return Export(given, stepped(given.model, tell))
-    return Export(given, listed(given.model) if to == "bom" else exported(given.model, to))
+            return stepped(arm.model, tell)
+    return listed(arm.model) if to == "bom" else exported(arm.model, to)

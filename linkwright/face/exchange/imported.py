@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Any
 
 from linkwright.core.arm.chain.chain import Arm as Model
 from linkwright.core.arm.chain.kinematics import place
-from linkwright.core.arm.descriptions.imported import import_urdf
 from linkwright.core.arm.descriptions.imported_arm import Imported as Found
 from linkwright.core.materials.catalogue import load_catalogue
 from linkwright.face.arm import Arm
@@ -66,36 +65,20 @@ class Import(Result):
         """The joints and the tip with all joints at 0."""
         return skeleton(self.found.arm)
 
-    def save(self, folder: File) -> None:
+    def save(self, folder: File) -> Sequence[Path]:
         """Write the arm file, with the names of the description and what is lacking as comments; into a folder as
         `arm.yaml`."""
         place_ = Path(folder)
         text = arm_file(self.found.arm, load_catalogue(), text=self.found.to_yaml())
-        write_file(place_ / "arm.yaml" if place_.is_dir() else place_, text)
+        target = place_ / "arm.yaml" if place_.is_dir() else place_
+        write_file(target, text)
+        return [target]
 
     def _content(self) -> Mapping[str, Any]:
         return import_json(self.found)
 
     def _tables(self) -> Mapping[str, pd.DataFrame]:
         return {"Chain": self.table, "Lacking": self.lacking}
-
-
-def import_arm(file: File, *, tip: str | Sequence[str] | None = None, base: str | None = None) -> Import:
-    """The arm that a URDF file describes, from a link `base` (the root by default) to a link `tip` (the only end by
-    default), with a list of what the file does not say. With several tips it is as many arms on the torso that they
-    share (`branches`), each named by its tip.
-
-    Lengths, axes, limits and weights are those of the file. Raises `InputError` for what is no URDF, for a tip that is
-    ambiguous (the line lists them), and for joints on the way that an arm cannot have.
-
-    >>> import linkwright as lw
-    >>> found = lw.import_arm("examples/urdf/tabletop.urdf", tip="tip")
-    >>> found
-    <Import: 3 joints from base to tip, 2.5 kg that move>
-    >>> list(found.lacking["what"][:2])
-    ['stiffness of the drives', 'backlash']
-    """
-    return Import(import_urdf(file, base=base, tip=tip))
 
 
 def skeleton(arm: Model) -> go.Figure:

@@ -7,18 +7,14 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from linkwright.core.arm.avoid.poses import NoRoom
 from linkwright.core.arm.chain.chain import Arm as Model
 from linkwright.core.optimize.budget.result import Budget as Found
-from linkwright.core.optimize.budget.result import budget as budgeted
 from linkwright.core.optimize.budget.sheet import Sheet, read_sheet
 from linkwright.core.units.quantities import InputError
 from linkwright.core.units.reading import Mapping as Reader
 from linkwright.core.units.reading import load_yaml
-from linkwright.face.arm import Arm, arm_of
+from linkwright.face.arm import Arm
 from linkwright.face.given import File, plain
-from linkwright.face.problem import Problem, cases_at, problem_of
-from linkwright.face.progress import Progress, told
 from linkwright.face.result import Reported, figure_of
 from linkwright.json.budget import budget_json
 from linkwright.output.files import REPORT, RESULT
@@ -87,43 +83,6 @@ class Budget(Reported):
     def _tables(self) -> Mapping[str, pd.DataFrame]:
         tables = {"Causes": self.causes, "Better parts": self.better, "Twice as good": self.twice_as_good}
         return {name: table for name, table in tables.items() if len(table)}
-
-
-def budget(
-    arm: Arm | File,
-    *,
-    sheet: File | Mapping[str, Any] | None = None,
-    problem: Problem | File | None = None,
-    progress: Progress | None = None,
-) -> Budget:
-    """What an arm is to be expected to err by, cause by cause, before anything is bought or built.
-
-    `sheet` is a file, or its keys as a mapping, with what data sheets and drawings say (docs/workshop.md): tolerances,
-    repeatability, temperature, and better parts with their prices. `problem` lends its workspace, its load cases and
-    what it avoids. Of several arms on one torso the worst of all tips counts, or that which the arm was read for
-    (`read_arm(..., tip=)`).
-    Seeded, so the same again. Raises `InputError`, `MissingProperty`, `NoAnswer`.
-
-    >>> import linkwright as lw
-    >>> arm = lw.read_arm("examples/welding-arm/arm.yaml")
-    >>> found = lw.budget(arm, sheet={"tolerances": [{"effect": "link_length", "length": "0.3 mm"}]})
-    >>> list(found.causes.columns)
-    ['cause', 'at_worst_mm', 'average_mm', 'share']
-    """
-    given = arm_of(arm, tips="every")
-    asked = sheet_of(given, sheet)
-    space, loads, avoid = None, (), ()
-    if problem is not None:
-        own = problem_of(problem).model
-        if own.arm.size != given.model.size:
-            message = f"is for {own.arm.size} joints; {given.name} has {given.model.size}"
-            raise InputError(own.file, "arm", message)
-        space, loads, avoid = own.workspace, cases_at(own, given), own.avoid
-    with told(progress) as hear:
-        try:
-            return Budget(given, budgeted(given.model, asked, space, loads, avoid=avoid, progress=hear))
-        except NoRoom as error:
-            raise InputError("", "avoid", str(error)) from None
 
 
 def sheet_of(given: Arm, sheet: Mapping[str, object] | File | None) -> Sheet:

@@ -2,29 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path, PurePath
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from linkwright.core.arm.effects import EFFECTS
-from linkwright.core.diagnose.options import Options
 from linkwright.core.diagnose.recording import Recording as Read
 from linkwright.core.diagnose.watch.watch import Watch as Found
-from linkwright.core.diagnose.watch.watch import basics, dates_of
-from linkwright.core.diagnose.watch.watch import watch as watched
-from linkwright.core.executors import Executor
-from linkwright.core.units.names import nearest
+from linkwright.core.diagnose.watch.watch import dates_of
 from linkwright.core.units.quantities import InputError
-from linkwright.face.arm import Arm, arm_of
+from linkwright.face.arm import Arm
 from linkwright.face.diagnosis import recording_of
 from linkwright.face.given import File
-from linkwright.face.progress import Progress, told
 from linkwright.face.recording import Recording
 from linkwright.face.result import Reported, figure_of
-from linkwright.face.workers import at_work
 from linkwright.json.diagnosis import in_unit, unit_of
 from linkwright.json.watch import watch_json
 from linkwright.output.files import REPORT, RESULT
@@ -46,6 +39,12 @@ class Watch(Reported):
 
     arm: Arm
     found: Found
+    recordings: tuple[Recording, ...]
+
+    @property
+    def settings_read(self) -> list[Path]:
+        """The settings that the recordings were read with."""
+        return [Path(each.found.settings) for each in self.recordings if each.found.settings]
 
     @property
     def sentence(self) -> str:
@@ -103,56 +102,6 @@ class Watch(Reported):
 
     def _tables(self) -> Mapping[str, pd.DataFrame]:
         return {"What moved": self.alarms} if self.moved else {}
-
-
-def watch(
-    arm: Arm | File,
-    recordings: Iterable[Recording | File | pd.DataFrame],
-    *,
-    for_: Collection[str] | None = None,
-    search: bool = True,
-    without: Collection[str] = (),
-    settings: File | Sequence[File] | None = None,
-    progress: Progress | None = None,
-    workers: int | None = None,
-    executor: Executor | None = None,
-) -> Watch:
-    """An arm's parameters over at least three recordings, each with a `date` in its recording.yaml: what moved and
-    when, what drifts, what is noise.
-
-    What there is to watch is what a diagnosis of some of them together finds (not without `search`), and of the effects
-    `for_` (ids; by default encoders' zeros, drives' compliance and backlash) whatever the recordings can tell beside
-    it. Each recording is fitted by itself, frame and tool its own where they are free. Alarms are false once in a
-    hundred series of 50 quiet recordings. `without` names effects to leave out; `settings` is a recording.yaml for all,
-    or one each. Raises `InputError` and `MissingProperty`.
-
-    >>> import linkwright as lw
-    >>> arm = lw.read_arm("examples/hidden-backlash/arm.yaml")
-    >>> rec = lw.read_recording("examples/hidden-backlash/recording.csv", arm)
-    >>> try:
-    ...     lw.watch(arm, [rec, rec, rec])
-    ... except lw.InputError as error:
-    ...     print(error.key, error.message)
-    date is missing; a watch needs to know when it was made, e.g. `date: 2026-05-16`
-    """
-    given = arm_of(arm, tips="first")
-    if isinstance(recordings, str | Path) or hasattr(recordings, "columns"):
-        raise InputError("", "recordings", "is a list of recordings here; name three or more")
-    read = read_dated(list(recordings), given, settings)
-    options = Options(without=known_effects(without, "without"))
-    asked = basics() if for_ is None else tuple(for_)
-    known_effects(asked, "for_")
-    with told(progress) as tell, at_work(executor, workers) as crew:
-        held = [each.found for each in read]
-        return Watch(given, watched(given.model, held, asked, options, tell, crew, search=search))
-
-
-def known_effects(names: Collection[str], key: str) -> frozenset[str]:
-    """Names of effects; raises `InputError` with the nearest for one that is not known."""
-    for name in names:
-        if name not in EFFECTS:
-            raise InputError("", key, f"there is no effect '{name}'{nearest(name, list(EFFECTS))}")
-    return frozenset(names)
 
 
 def read_dated(

@@ -182,7 +182,7 @@ def test_simulate_takes_poses_or_a_plan(linkwright, tmp_path):
     ],
 )
 def test_wrong_input_is_told_before_what_was_recorded_is_diagnosed(linkwright, bench, monkeypatch, option, named):
-    monkeypatch.setattr("linkwright.face.planning.plan.diagnose", lambda *_, **__: pytest.fail("diagnosed"))
+    monkeypatch.setattr("linkwright.diagnose", lambda *_, **__: pytest.fail("diagnosed"))
     (bench / "r.csv").write_text("q1_deg,q2_deg,x_mm,y_mm\n0,0,700,0\n10,0,690,100\n")
     status, out, err = linkwright("plan", "arm.yaml", "--poses", "20", "--after", "r.csv", *option)
     assert (status, out, err.count("\n")) == (2, "", 1)

@@ -101,12 +101,12 @@ def test_actuators_come_back_from_a_spreadsheet(linkwright, bench, monkeypatch):
 @pytest.mark.slow
 def test_the_papers_tables_as_latex_and_parquet(linkwright, bench):
     for kind in ("parquet", "tex"):
-        status, _, said = linkwright("tables", "--quick", "--csv", f"as-{kind}", "--as", kind)
+        status, _, said = linkwright("tables", "--csv", f"as-{kind}", "--as", kind)
         assert status == 0, said
-        status, _, said = linkwright("tables", "--quick", "--csv", f"as-{kind}", "--as", kind)
+        status, _, said = linkwright("tables", "--csv", f"as-{kind}", "--as", kind)
         assert status == 0, said
-    assert linkwright("tables", "--quick", "--csv", "as-tex")[0] == 2
-    assert linkwright("tables", "--quick", "--csv", "as-csv")[0] == 0
+    assert linkwright("tables", "--csv", "as-tex")[0] == 2
+    assert linkwright("tables", "--csv", "as-csv")[0] == 0
     for key in ("clearance", "material"):
         csv, parquet = (
             pd.read_csv(bench / "as-csv" / f"{key}.csv"),

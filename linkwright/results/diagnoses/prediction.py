@@ -10,9 +10,8 @@ import numpy as np
 from linkwright.core.arm.errors.unknown_mass import payloads_left_out
 from linkwright.core.diagnose.mistakes.row_lists import rows_text
 from linkwright.core.diagnose.predict import Leaving, Prediction
-
-from .document import Description, Item, Lines, Paragraph, length, table
-from .figures_in_words import mm
+from linkwright.results.document import Description, Item, Lines, Paragraph, length, table
+from linkwright.results.figures_in_words import mm
 
 
 def describe(found: Prediction) -> Description:

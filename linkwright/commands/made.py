@@ -1,0 +1,279 @@
+"""Commands made of the functions of `linkwright`. One procedure for all: the files are read, the function is called
+with what the options say, and what it gives is written and shown."""
+
+from __future__ import annotations
+
+import inspect
+import re
+from collections.abc import Callable, Generator, Mapping, Sequence
+from contextlib import contextmanager, nullcontext, suppress
+from dataclasses import dataclass, field
+from importlib import import_module
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+import linkwright as lw
+from linkwright.core.units.quantities import InputError
+from linkwright.output.files import (
+    DESIGN,
+    OUTPUT,
+    REPORT,
+    RESULT,
+    check_target,
+    claim_own,
+    write_markdown,
+    write_result,
+)
+
+from . import options
+from .parameters import Parameter, help_of, parameters_of, paths_in
+
+if TYPE_CHECKING:
+    from linkwright.core.executors import Executor
+
+
+@dataclass(frozen=True)
+class Out:
+    """What `--out` names: a folder, whose files are its `own`, or where there are none a file. `beside`: settings are
+    written beside it; `required`: it must be given."""
+
+    help: str = "Write report.html and the other files there; nothing is without it."
+    own: tuple[str, ...] = (RESULT, REPORT, DESIGN)
+    beside: bool = False
+    required: bool = False
+
+    def typed(self) -> Any:
+        """As typer reads it."""
+        option = typer.Option("--out", metavar="DIR" if self.own else "FILE", help=self.help)
+        return Annotated[Path, option] if self.required else Annotated[Path | None, option]
+
+
+@dataclass(frozen=True)
+class Targets:
+    """What the options that all commands share name: files to write, and who signs."""
+
+    out: Path | None = None
+    json: Path | None = None
+    markdown: Path | None = None
+    pdf: Path | None = None
+    csv: Path | None = None
+    kind: Any = None
+    author: str = ""
+    comment: str = ""
+
+    @property
+    def signed(self) -> dict[str, str]:
+        """Who made a report, and what it shall say."""
+        return {"author": self.author, "comment": self.comment}
+
+
+@dataclass(frozen=True)
+class Made:
+    """A command made of the function of `linkwright` that `home` holds.
+
+    Attributes:
+        name: the command's.
+        function: the function's, if it is another.
+        home: its module.
+        doing: what is shown until more is heard.
+        out: what `--out` writes, if anything.
+        pdf: there is a report for `--pdf`, and whoever made it can sign.
+        tip: `--tip` names one of several arms on one torso.
+        catalogue: files of materials can be added.
+        kept: what is left of a result that was interrupted.
+        negative: an argument may begin with a minus.
+        also: options of its own for files to write, by name.
+    """
+
+    name: str
+    home: str
+    function: str = ""
+    doing: str = "reading"
+    out: Out | None = None
+    pdf: bool = False
+    tip: bool = False
+    catalogue: bool = True
+    markdown: bool = True
+    kept: str = ""
+    negative: bool = False
+    also: Mapping[str, Any] = field(default_factory=dict[str, Any])
+
+    @property
+    def called(self) -> str:
+        """The function's name in `linkwright`."""
+        return self.function or self.name
+
+    def _function(self) -> Callable[..., Any]:
+        """The function itself, whatever stands for it in `linkwright`: its signature is read."""
+        return getattr(import_module(self.home), self.called)
+
+    @property
+    def help(self) -> str:
+        """The help: what the function's docstring begins with."""
+        return help_of(self._function())
+
+    @property
+    def parameters(self) -> list[Parameter]:
+        """The function's parameters that are options here."""
+        return list(parameters_of(self._function()))
+
+    def typed(self) -> Callable[..., None]:
+        """The command as typer reads it: the function's parameters, then what all commands share."""
+        own = [each.typed() for each in self.parameters]
+        executor = "executor" in inspect.signature(self._function()).parameters
+        shared: list[tuple[bool, str, Any, Any]] = [
+            (self.tip, "tip", options.Tip, None),
+            (self.out is not None, "out", None if self.out is None else self.out.typed(), None),
+            *((True, name, annotation, None) for name, annotation in self.also.items()),
+            (True, "json", options.JsonFile, None),
+            (self.markdown, "markdown", options.MarkdownFile, None),
+            (self.pdf, "pdf", options.PdfFile, None),
+            (self.catalogue, "catalogue", options.CatalogueFile, None),
+            (self.pdf, "author", options.Author, ""),
+            (self.pdf, "comment", options.Comment, ""),
+            (executor, "workers", options.Workers, None),
+            (executor, "dask", options.Dask, None),
+            (self.markdown, "quiet", options.Quiet, False),
+            (self.markdown, "verbose", options.Verbose, False),
+        ]
+        for _, name, annotation, default in (each for each in shared if each[0]):
+            required = name == "out" and self.out is not None and self.out.required
+            given = inspect.Parameter.empty if required else default
+            own.append(inspect.Parameter(name, inspect.Parameter.KEYWORD_ONLY, default=given, annotation=annotation))
+
+        def command(**words: Any) -> None:
+            from linkwright.screen.loudness import showing
+
+            with showing(quiet=words.pop("quiet", False), verbose=words.pop("verbose", False)):
+                self.run(words)
+
+        vars(command)["__signature__"] = inspect.Signature(own)
+        command.__annotations__ = {each.name: each.annotation for each in own}
+        return command
+
+    def run(self, words: dict[str, Any]) -> None:
+        """Run the command with the words of the command line, by the names of its parameters. Raises `InputError`."""
+        targets = Targets(**{name: words[name] for name in Targets.__dataclass_fields__ if name in words})
+        catalogue, tip = words.get("catalogue"), words.get("tip")
+        named = [path for each in self.parameters for path in paths_in(words[each.name])]
+        inputs = [*named, *([] if catalogue is None else [catalogue])]
+        with self.named_as_options(words):
+            targets = self.checked(targets, words, inputs)
+        from linkwright.screen.progress import waiting
+
+        with self.named_as_options(words), options.crew_of(words.get("workers"), words.get("dask")) as crew:
+            with waiting("reading"):
+                given = {each.name: self._read(each, words[each.name], catalogue, tip) for each in self.parameters}
+            with self.claimed(targets.out):
+                result = self.call(given, targets, crew)
+        problems = [value.arm_file for value in given.values() if isinstance(value, lw.Problem)]
+        read = _once([*named, *(path for path in problems if path is not None), *read_by(result), *inputs])
+        with options.not_lost(lambda: self.answer(result)), waiting("writing"):
+            written = self.write(result, targets, read)
+        self.answer(result)
+        options.tell_written(written)
+        if getattr(result, "interrupted", False):
+            options.stop(crew, self.left(self.kept, given, crew))
+
+    def checked(self, targets: Targets, words: dict[str, Any], inputs: Sequence[Path]) -> Targets:
+        """What is to be written, by default too. Raises `InputError` for what could not be, before any work is done."""
+        del words
+        if self.out is not None and self.out.beside and targets.out == OUTPUT:
+            raise InputError("", "--out", "needs the name of a file; the settings are written beside it")
+        if self.out is not None and not self.out.own:
+            check_target(targets.out, *inputs)
+        for target in (targets.json, targets.markdown, targets.pdf, targets.csv):
+            check_target(target, *inputs)
+        options.check_pdf(targets.pdf)
+        return targets
+
+    def _read(self, parameter: Parameter, word: Any, catalogue: Path | None, tip: str | None) -> Any:
+        """What the function takes for a word: an arm and a problem are read with the catalogue. Raises `InputError`."""
+        reads = parameter.option.reads
+        if reads == "arm":
+            return lw.read_arm(word, catalogue=catalogue, tip=tip)
+        if reads == "problem" and word is not None:
+            return lw.read_problem(word, catalogue=catalogue)
+        return parameter.value(word)
+
+    @contextmanager
+    def claimed(self, folder: Path | None) -> Generator[None]:
+        """The folder that `--out` names, made or taken again; one that was made goes again where nothing came of it."""
+        if folder is None or self.out is None or not self.out.own:
+            yield
+            return
+        there = folder.exists()
+        self.claim(folder)
+        try:
+            yield
+        finally:
+            if not there:
+                with suppress(OSError):  # it holds something, as it should
+                    folder.rmdir()
+
+    def claim(self, folder: Path) -> None:
+        """Make the folder, or take an earlier one of this command again. Raises `InputError`."""
+        claim_own(folder, self.name, self.out.own if self.out is not None else ())
+
+    def call(self, given: dict[str, Any], targets: Targets, crew: Executor) -> Any:
+        """Call the function; a bar shows how far it is."""
+        from linkwright.screen.progress import waiting
+
+        del targets
+        takes = inspect.signature(self._function()).parameters
+        with waiting(self.doing) as steps:
+            more = {name: value for name, value in (("progress", steps), ("executor", crew)) if name in takes}
+            return getattr(lw, self.called)(**given, **more)
+
+    def write(self, result: Any, targets: Targets, read: Sequence[Path]) -> list[Path]:
+        """Write the files that are asked for; gives which, those in the folder first. Raises `InputError`."""
+        made = {"made_from": read, **targets.signed} if self.pdf else {}
+        write_result(targets.json, result.to_json())
+        if targets.pdf is not None:
+            result.save_pdf(targets.pdf, **made)
+        written = [] if targets.out is None else [*result.save(targets.out, **made)]
+        if targets.markdown is not None:
+            write_markdown(targets.markdown, result.description)
+        beside = (targets.pdf, targets.json, targets.markdown)
+        return [*written, *(path for path in beside if path is not None)]
+
+    def answer(self, result: Any) -> None:
+        """Show the result."""
+        from linkwright.screen.console import console
+        from linkwright.screen.described import show
+
+        show(console(), result.description)
+
+    def left(self, kept: str, given: dict[str, Any], crew: Executor) -> str:
+        """What an interrupt leaves, in words."""
+        del given, crew
+        return kept
+
+    @contextmanager
+    def named_as_options(self, words: dict[str, Any]) -> Generator[None]:
+        """Errors of the function in the command line's words: a parameter by its option (others between backticks in
+        the message), what an arm lacks by the arm's file."""
+        first = next((words[each.name] for each in self.parameters if each.option.reads), None)
+        try:
+            with nullcontext() if first is None else options.asked_of(first):
+                yield
+        except InputError as error:
+            flags = {each.name: each.flag for each in self.parameters if not each.option.reads}
+            if error.file == "with_":
+                raise InputError("--with", error.key, error.message) from None
+            if error.file or error.key not in flags:
+                raise
+            message = re.sub(r"`(\w+)`", lambda found: flags.get(found[1], found[0]), error.message)
+            raise InputError("", flags[error.key], message) from None
+
+
+def read_by(result: Any) -> list[Path]:
+    """The files that a result was made from beside those that were named: settings beside recordings."""
+    return list(getattr(result, "settings_read", ()))
+
+
+def _once(paths: Sequence[Path]) -> list[Path]:
+    """Each file once, where it is named first."""
+    return list({path.absolute(): path for path in paths}.values())
