@@ -39,45 +39,11 @@ def parts(arm: Arm) -> pd.DataFrame:
     inertias in kg*m^2 about them, in the link's directions (along, height, width); where that height points with all
     joints at zero; prices in EUR, with all work that the arm file prices, and when they were such."""
     rows: list[dict[str, Any]] = []
-    pointings = heights(arm)
-    for number, (joint, link, beam) in enumerate(zip(arm.joints, arm.links, beams_of(arm), strict=True), start=1):
-        pointing = pointings[number - 1]
-        drive = joint.actuator
-        if drive is not None or joint.mass > 0.0 or joint.cost is not None:
-            price = price_of(joint) if drive is not None or joint.cost is not None else None
-            rows.append(
-                {
-                    "part": f"drive of joint {number}",
-                    "size": "" if drive is None else drive.name,
-                    "made_of": "" if drive is None else drive.maker,
-                    "mass_kg": joint.mass,
-                    "price_EUR": price,
-                    "price_date": ", ".join(date for date in joint_price_dates(joint) if date),
-                }
-            )
-        height, width = section_directions(link, joint)
-        axes = np.array([link.direction, height, width], dtype=float).T
-        material = None if link.material is None else link.material.at(arm.temperature)
-        body = rod(link, beam, axes, material)
-        center, inertia = axes.T @ body.center, axes.T @ body.inertia @ axes
-        price = price_of_link(arm, link, body.mass)
-        section = "" if link.section is None else shape_words(link.section.shape, link.section.given())
-        rows.append(
-            {
-                "part": f"link {number}",
-                "size": link.section_name or "",
-                "section": section + (" (tapered)" if isinstance(link.section, Tapered) else ""),
-                "height_at_zero": "" if pointing is None else pointing.words,
-                "made_of": "" if link.material is None else link.material.name,
-                "length_mm": 1e3 * link.length,
-                "mass_kg": body.mass,
-                **{f"center_{name}_mm": 1e3 * value for name, value in zip(_AXES, center, strict=True)},
-                **{f"I_{_AXES[i]}_{_AXES[k]}_kg_m2": inertia[i, k] for i in range(3) for k in range(i, 3)},
-                "price_EUR": price,
-                "price_date": ", ".join(sorted({date for date in link_price_dates(arm, link) if date})),
-            }
-        )
-        rows += [{"part": f"mass at the {each.on} end of link {number}", "mass_kg": each.mass} for each in link.masses]
+    for index, link in enumerate(arm.links):
+        rows += [*_drive(arm, index), _link(arm, index)]
+        rows += [
+            {"part": f"mass at the {each.on} end of link {index + 1}", "mass_kg": each.mass} for each in link.masses
+        ]
     first = ["part", "size", "section", "height_at_zero", "made_of", "length_mm", "mass_kg"]
     inertias = [f"I_{_AXES[i]}_{_AXES[k]}_kg_m2" for i in range(3) for k in range(i, 3)]
     columns = [*first, *(f"center_{name}_mm" for name in _AXES), *inertias, "price_EUR", "price_date"]
@@ -89,6 +55,49 @@ def parts(arm: Arm) -> pd.DataFrame:
 
 
 _AXES = ("along", "height", "width")
+
+
+def _drive(arm: Arm, index: int) -> list[dict[str, Any]]:
+    """The row of a joint's drive; none where nothing is known of it."""
+    joint = arm.joints[index]
+    drive = joint.actuator
+    if drive is None and joint.mass <= 0.0 and joint.cost is None:
+        return []
+    return [
+        {
+            "part": f"drive of joint {index + 1}",
+            "size": "" if drive is None else drive.name,
+            "made_of": "" if drive is None else drive.maker,
+            "mass_kg": joint.mass,
+            "price_EUR": price_of(joint) if drive is not None or joint.cost is not None else None,
+            "price_date": ", ".join(date for date in joint_price_dates(joint) if date),
+        }
+    ]
+
+
+def _link(arm: Arm, index: int) -> dict[str, Any]:
+    """The row of a link."""
+    joint, link = arm.joints[index], arm.links[index]
+    pointing = heights(arm)[index]
+    height, width = section_directions(link, joint)
+    axes = np.array([link.direction, height, width], dtype=float).T
+    material = None if link.material is None else link.material.at(arm.temperature)
+    body = rod(link, beams_of(arm)[index], axes, material)
+    center, inertia = axes.T @ body.center, axes.T @ body.inertia @ axes
+    section = "" if link.section is None else shape_words(link.section.shape, link.section.given())
+    return {
+        "part": f"link {index + 1}",
+        "size": link.section_name or "",
+        "section": section + (" (tapered)" if isinstance(link.section, Tapered) else ""),
+        "height_at_zero": "" if pointing is None else pointing.words,
+        "made_of": "" if link.material is None else link.material.name,
+        "length_mm": 1e3 * link.length,
+        "mass_kg": body.mass,
+        **{f"center_{name}_mm": 1e3 * value for name, value in zip(_AXES, center, strict=True)},
+        **{f"I_{_AXES[i]}_{_AXES[k]}_kg_m2": inertia[i, k] for i in range(3) for k in range(i, 3)},
+        "price_EUR": price_of_link(arm, link, body.mass),
+        "price_date": ", ".join(sorted({date for date in link_price_dates(arm, link) if date})),
+    }
 
 
 def _rounded(value: float) -> float:

@@ -179,15 +179,20 @@ def effects(named: Named, *, detail: bool = False) -> Table:
     parts = [(when or "error", evaluation.by_effect) for when, evaluation in named]
     largest = max((value for _, by_effect in parts for value in by_effect.values()), default=0.0)
     names = {name for _, by_effect in parts for name in by_effect}
+    largest_first = sorted(names, key=lambda each: -max(by_effect.get(each, 0.0) for _, by_effect in parts))
+    colours = ["before" if when == "before" else "after" for when, _ in parts]
     rows: list[list[Cell]] = []
-    for name in sorted(names, key=lambda each: -max(by_effect.get(each, 0.0) for _, by_effect in parts)):
-        values = [by_effect.get(name) for _, by_effect in parts]
-        kept = [None if x is None else x if largest > 0.0 and x >= _NOTHING * largest else 0.0 for x in values]
-        cells = [Value("not in the model") if x is None else length(x) for x in kept]
-        shares = [(x or 0.0) / largest if largest > 0.0 else 0.0 for x in kept]
-        colours = ["before" if when == "before" else "after" for when, _ in parts]
+    for name in largest_first:
+        known = [_unless_nothing(by_effect.get(name), largest) for _, by_effect in parts]
+        cells = [Value("not in the model") if x is None else length(x) for x in known]
+        shares = [(x or 0.0) / (largest or 1.0) for x in known]
         rows.append([effect_title(name), *cells, Bars(tuple(zip(colours, shares, strict=True)))])
     return table(["each effect alone, at the worst pose", *(when for when, _ in parts), ""], rows, detail=detail)
+
+
+def _unless_nothing(value: float | None, largest: float) -> float | None:
+    """A value, zero where it is what rounding leaves of nothing beside the largest."""
+    return 0.0 if value is not None and value < _NOTHING * largest else value
 
 
 def _label(number_: int, when: str, *, again: bool) -> list[Cell]:

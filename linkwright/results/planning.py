@@ -194,23 +194,7 @@ def _reading(found: Planned) -> tuple[str, ...]:
     if reads.direction is not None:
         return (f"Read is the tip's height along {', '.join(f'{value:.4g}' for value in reads.direction)}.",)
     if found.touched:
-        what = {"same_point": "point"}.get(found.asked.instrument, found.asked.instrument)
-        near = ", ".join(f"{each.label} at ({', '.join(mm(value) for value in each.at)})" for each in found.touched)
-        normals = [
-            f"{each.label} ({', '.join(f'{value:.2f}' for value in each.normal)})"
-            for each in found.touched
-            if each.normal
-        ]
-        across = f"; normals {', '.join(normals)}" if normals else ""
-        ways = [
-            f"{each.label} ({', '.join(f'{value:.2f}' for value in each.way)})" for each in found.touched if each.way
-        ]
-        if ways:
-            what, across = "bar", f"; along it {', '.join(ways)}"
-        return (
-            f"Each visit touches the {what} that it names: {near}{across}; about there is near enough.",
-            "Its joint coordinates are about where that is: write over them what the encoders read at each touch.",
-        )
+        return _touching(found)
     if reads.kinds == ("tilt",):
         where = f"link {reads.tilt_link}" if reads.tilt_link else "the base"
         return (f"Read is how a level on {where} is tilted; how exactly it sits there the recording tells.",)
@@ -227,6 +211,23 @@ def _reading(found: Planned) -> tuple[str, ...]:
     where = ", ".join(mm(value) for value in reads.anchor)
     known = "about there; the recording has to tell just where" if found.asked.anchor_free else "which is known"
     return (f"Read is the tip's distance from {where}, {known}.",)
+
+
+def _touching(found: Planned) -> tuple[str, ...]:
+    """What is touched, and about where that is."""
+    what = {"same_point": "point"}.get(found.asked.instrument, found.asked.instrument)
+    near = ", ".join(f"{each.label} at ({', '.join(mm(value) for value in each.at)})" for each in found.touched)
+    normals = [
+        f"{each.label} ({', '.join(f'{value:.2f}' for value in each.normal)})" for each in found.touched if each.normal
+    ]
+    across = f"; normals {', '.join(normals)}" if normals else ""
+    ways = [f"{each.label} ({', '.join(f'{value:.2f}' for value in each.way)})" for each in found.touched if each.way]
+    if ways:
+        what, across = "bar", f"; along it {', '.join(ways)}"
+    return (
+        f"Each visit touches the {what} that it names: {near}{across}; about there is near enough.",
+        "Its joint coordinates are about where that is: write over them what the encoders read at each touch.",
+    )
 
 
 def _compared(found: Planned) -> str:

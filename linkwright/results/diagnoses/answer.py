@@ -56,15 +56,7 @@ def _clauses(diagnosis: Diagnosis) -> list[str]:
     if diagnosis.verdict == "insufficient_data":
         return [diagnosis.sentence.removesuffix(".")]
     if diagnosis.verdict == "none" and diagnosis.labels is None:
-        if diagnosis.scatter is not None:
-            times = figure(diagnosis.scatter, 2)
-            return [f"Visits scatter by {times} times the noise floor, {mismatch} RMS, and nothing explains it"]
-        over = _over(diagnosis.left) or "scatter"
-        if diagnosis.unexplained:
-            return [f"More than noise, {mismatch} RMS, {over}, and nothing explains it beyond chance"]
-        plain = diagnosis.left.floor is None or diagnosis.left.is_noise
-        rest = f"the {mismatch} that remain are {over}" if plain else f"{mismatch} remain, {over}"
-        return [f"Nothing is missing that this recording could show: {rest}"]
+        return [_nothing(diagnosis, mismatch)]
     if diagnosis.other_arms is not None:
         leaves = mm(diagnosis.other_arms.leaves, 3)
         return [
@@ -80,6 +72,24 @@ def _clauses(diagnosis: Diagnosis) -> list[str]:
         return [opening, f"; it depends on {listed(on)}" if on else "", found]
     if largest is None:
         return [diagnosis.sentence]
+    return _cause(diagnosis, largest, mismatch, left)
+
+
+def _nothing(diagnosis: Diagnosis, mismatch: str) -> str:
+    """That nothing is named, and what is left."""
+    if diagnosis.scatter is not None:
+        times = figure(diagnosis.scatter, 2)
+        return f"Visits scatter by {times} times the noise floor, {mismatch} RMS, and nothing explains it"
+    over = _over(diagnosis.left) or "scatter"
+    if diagnosis.unexplained:
+        return f"More than noise, {mismatch} RMS, {over}, and nothing explains it beyond chance"
+    plain = diagnosis.left.floor is None or diagnosis.left.is_noise
+    rest = f"the {mismatch} that remain are {over}" if plain else f"{mismatch} remain, {over}"
+    return f"Nothing is missing that this recording could show: {rest}"
+
+
+def _cause(diagnosis: Diagnosis, largest: Finding, mismatch: str, left: str) -> list[str]:
+    """The largest cause with its share, and what remains."""
     name = name_words(largest)
     others = [name_words(each) for each in largest.alternatives[:1]]
     more = len(largest.alternatives) - 1
