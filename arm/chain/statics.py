@@ -153,37 +153,9 @@ def solve(
         acting.append(PointLoads(point_forces, point_moments or {}))
     if arm.branches:
         acting.insert(0, Branches(arm, _hanging(arm, placed, q, beams, pull)))
-    coordinate = coordinates(arm, q)
-    joints: list[JointState] = []
-    links: list[LinkState] = []
-    ends: dict[int, Load] = {}
+    warm = [rise] * arm.size if held.warming is None else held.warming
     at = Load(moment=case.moment).pushed(add(pushed, scale(carried, pull)), placed.tool)
-    for index in range(arm.size - 1, -1, -1):
-        joint, beam, beyond = arm.joints[index], beams[index], at
-        for each in acting:
-            at = each.at_end(index, at)
-        ends[index] = at
-        warm = rise if held.warming is None else held.warming[index]
-        link, at = _along(arm.links[index], beam, placed.links[index], pull, at, warm)
-        axis, past = placed.joints[index].axis, at
-        for each in acting:
-            past = each.past(index, past)
-        # A slide's mass rides on it, so what moves the slide moves that too.
-        riding = at.pushed(scale(joint.mass, pull)).force
-        on_axis = dot(axis, past.moment if joint.revolute else riding)
-        drive_load = dot(axis, at.moment if joint.revolute else riding)
-        if joint.revolute and arm.angles == "absolute":
-            # Such a drive turns its own link and carries the rest along unturned, so only the link's own moment counts.
-            drive_load = dot(axis, subtract(at.moment, ends[index + joint.spans - 1].moment))
-        for each in acting:
-            drive_load = plus(drive_load, each.on_drive(index, on_axis))
-        links.append(link)
-        joints.append(_joint_state(joint, axis, at, drive_load, coordinate[index]))
-        force = add(at.force, scale(joint.mass, pull))
-        at = Load(force, add(past.moment, cross(placed.joints[index].lead, force)))
-        for each in acting:
-            at = each.passed_by(index, beyond, at)
-    links, joints = links[::-1], joints[::-1]
+    links, joints = _inward(arm, placed, beams, acting, pull, at, warm, coordinates(arm, q))
     for index in [index for index in range(arm.size) if not _always(arm.away(index), 0.0)]:
         here = minus(1.0, arm.away(index))
         links[index], joints[index] = _only(here, links[index]), _only_drive(here, joints[index])
@@ -202,6 +174,47 @@ def solve(
         carried,
         pushed,
     )
+
+
+def _inward(
+    arm: Arm,
+    placed: Frames,
+    beams: Sequence[Beam],
+    acting: Sequence[Acting],
+    pull: Vector,
+    at: Load,
+    warming: Sequence[Scalar],
+    coordinate: Sequence[Scalar],
+) -> tuple[list[LinkState], list[JointState]]:
+    """The links and joints from the base out, by a walk inward from the load `at` the end of the last link."""
+    joints: list[JointState] = []
+    links: list[LinkState] = []
+    ends: dict[int, Load] = {}
+    for index in range(arm.size - 1, -1, -1):
+        joint, beam, beyond = arm.joints[index], beams[index], at
+        for each in acting:
+            at = each.at_end(index, at)
+        ends[index] = at
+        link, at = _along(arm.links[index], beam, placed.links[index], pull, at, warming[index])
+        axis, past = placed.joints[index].axis, at
+        for each in acting:
+            past = each.past(index, past)
+        # A slide's mass rides on it, so what moves the slide moves that too.
+        riding = at.pushed(scale(joint.mass, pull)).force
+        on_axis = dot(axis, past.moment if joint.revolute else riding)
+        drive_load = dot(axis, at.moment if joint.revolute else riding)
+        if joint.revolute and arm.angles == "absolute":
+            # Such a drive turns its own link and carries the rest along unturned, so only the link's own moment counts.
+            drive_load = dot(axis, subtract(at.moment, ends[index + joint.spans - 1].moment))
+        for each in acting:
+            drive_load = plus(drive_load, each.on_drive(index, on_axis))
+        links.append(link)
+        joints.append(_joint_state(joint, axis, at, drive_load, coordinate[index]))
+        force = add(at.force, scale(joint.mass, pull))
+        at = Load(force, add(past.moment, cross(placed.joints[index].lead, force)))
+        for each in acting:
+            at = each.passed_by(index, beyond, at)
+    return links[::-1], joints[::-1]
 
 
 def _along(

@@ -18,7 +18,7 @@ from scipy import special
 
 from linkwright.core.sections.numeric import Array
 
-from .tape import Tape, literal, with_half_angles
+from .tape import Node, Tape, literal, with_half_angles
 
 BLOCK_BYTES = 3 << 20
 """Registers, inputs and outputs of one block share about this much memory: in smaller blocks, which a level-2 cache
@@ -146,6 +146,25 @@ def _call(op: str, args: Sequence[str], out: str) -> str:
     return f"{UFUNCS.get(op, op)}({', '.join(args)}{', ' + out if out else ''})"
 
 
+class _Registers:
+    """Buffers of a block, reused as soon as their values are no longer needed."""
+
+    def __init__(self) -> None:
+        self.count = 0
+        self._free: list[str] = []
+
+    def take(self) -> str:
+        """A buffer that is free."""
+        if self._free:
+            return self._free.pop()
+        self.count += 1
+        return f"r{self.count - 1}"
+
+    def release(self, names: Sequence[str]) -> None:
+        """Buffers whose values are no longer needed."""
+        self._free.extend(names)
+
+
 def _source(tape: Tape, uniform_inputs: Sequence[bool], uniform: Sequence[bool]) -> tuple[str, int]:
     """Python text of the two functions, and the number of registers."""
     last_use = {arg: position for position, node in enumerate(tape.nodes) for arg in node.args}
@@ -153,53 +172,60 @@ def _source(tape: Tape, uniform_inputs: Sequence[bool], uniform: Sequence[bool])
     place = {node: f"o{k}" for k, node in reversed(list(enumerate(ends)))}
     column_of = _columns(tape, uniform_inputs)
     name: dict[int, str] = {}
-    head = [f"a{k}" for k, same in enumerate(uniform_inputs) if same]
     scalar_lines: list[str] = []
     scalars: list[str] = []
     lines: list[str] = []
-    free: list[str] = []
-    count = 0
+    registers = _Registers()
+
+    def step(position: int, node: Node) -> None:
+        """One step of a block: into its output, or a register."""
+        ended = sorted(a for a in set(node.args) if last_use[a] == position and name[a].startswith("r"))
+        in_place = node.op not in NOT_IN_PLACE
+        args, done = [name[arg] for arg in node.args], [name[arg] for arg in ended]
+        registers.release(done if in_place else ())
+        name[position] = place[position] if position in place else registers.take()
+        registers.release(() if in_place else done)
+        lines.append("    " + _call(node.op, args, name[position]))
+
     for position, node in enumerate(tape.nodes):
-        args = [name[arg] for arg in node.args]
         if node.op == "const":
             name[position] = literal(node.value)
         elif node.op == "input" and not uniform[position]:
             name[position] = f"c{column_of[node.source]}"
         elif uniform[position]:
+            args = [name[arg] for arg in node.args]
             name[position] = f"u{position}"
             value = "a{}[{}]".format(*node.source) if node.op == "input" else _call(node.op, args, "")
             scalar_lines.append(f"    u{position} = float64({value})")
             scalars.append(name[position])
         else:
-            ended = [arg for arg in set(node.args) if last_use[arg] == position and name[arg].startswith("r")]
-            ended.sort()
-            if node.op not in NOT_IN_PLACE:
-                free.extend(name[arg] for arg in ended)
-            if position in place:
-                name[position] = place[position]
-            elif free:
-                name[position] = free.pop()
-            else:
-                name[position] = f"r{count}"
-                count += 1
-            if node.op in NOT_IN_PLACE:
-                free.extend(name[arg] for arg in ended)
-            lines.append("    " + _call(node.op, args, name[position]))
-    for k, node in enumerate(ends):
-        if name[node] != f"o{k}":
-            lines.append(f"    copyto(o{k}, {name[node]})")
-    columns = [f"c{k}" for k in range(len(column_of))]
+            step(position, node)
+    lines += [f"    copyto(o{k}, {name[node]})" for k, node in enumerate(ends) if name[node] != f"o{k}"]
+    return _text(uniform_inputs, scalar_lines, scalars, len(column_of), registers.count, len(ends), lines)
+
+
+def _text(
+    uniform_inputs: Sequence[bool],
+    scalar_lines: Sequence[str],
+    scalars: Sequence[str],
+    columns: int,
+    registers: int,
+    ends: int,
+    lines: Sequence[str],
+) -> tuple[str, int]:
+    """The two functions around their lines, and the number of registers."""
+    head = [f"a{k}" for k, same in enumerate(uniform_inputs) if same]
     text = [f"def uniform({', '.join(head)}):", *scalar_lines, f"    return {_tuple(scalars)}", ""]
     text.append("def block(columns, scalars, registers, ends):")
     unpacked = (
-        ("columns", columns),
+        ("columns", [f"c{k}" for k in range(columns)]),
         ("scalars", scalars),
-        ("registers", [f"r{k}" for k in range(count)]),
-        ("ends", [f"o{k}" for k in range(len(ends))]),
+        ("registers", [f"r{k}" for k in range(registers)]),
+        ("ends", [f"o{k}" for k in range(ends)]),
     )
     text.extend(f"    {_tuple(names)} = {source}" for source, names in unpacked if names)
     text.extend([*lines, "    return None", ""])
-    return "\n".join(text), count
+    return "\n".join(text), registers
 
 
 def _columns(tape: Tape, uniform_inputs: Sequence[bool]) -> dict[tuple[int, int], int]:

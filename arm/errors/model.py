@@ -296,7 +296,7 @@ def _case(arm: Arm, load: LoadCase, only: str | None, drives: bool = False) -> C
     q, p = symbols(arm), beam_symbols(arm, drives=drives)
     effects = [active for active in active_effects(arm) if only is None or active.effect.id == only]
     beams = symbolic_beams(arm, p)
-    looser: list[Any] | None = None
+    looser: list[Any] = []
     if drives:
         first = len(BEAM_FIELDS) * arm.size
         stiffer, looser = ([p[first + k * arm.size + joint] for joint in range(arm.size)] for k in (0, 1))
@@ -305,9 +305,16 @@ def _case(arm: Arm, load: LoadCase, only: str | None, drives: bool = False) -> C
     state = solve(arm, parts(q), beams, load)
     whole = load.relative_to is None
     error = tip_error(state, effects) if whole else error_since_calibrated(state, effects, arm.play)
-    if looser is not None:
+    if looser:
         error = replace(error, intervals=tuple(_loosened(each, looser) for each in error.intervals))
-    outputs = (
+    outputs = _outputs(error, state)
+    function = ca.Function("error", [q, p], list(outputs))
+    return CaseModel(load, q, p, state, error, outputs, function)
+
+
+def _outputs(error: TipError, state: PoseState) -> tuple[Any, ...]:
+    """The columns that `PoseArrays` lists."""
+    return (
         _column(error.vector),
         _column([component for interval in error.intervals for component in interval.vector]),
         _column([interval.seating for interval in error.intervals]),
@@ -317,8 +324,6 @@ def _case(arm: Arm, load: LoadCase, only: str | None, drives: bool = False) -> C
         _column([component for kink in error.kinks for component in kink.vector]),
         _column([kink.load for kink in error.kinks]),
     )
-    function = ca.Function("error", [q, p], list(outputs))
-    return CaseModel(load, q, p, state, error, outputs, function)
 
 
 def _with_factors(active: ActiveEffect, stiffer: Sequence[Any]) -> list[ActiveEffect]:

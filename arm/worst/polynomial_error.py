@@ -4,7 +4,7 @@ for each zone in which drives that stiffen under load can be."""
 from __future__ import annotations
 
 import itertools
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -106,42 +106,17 @@ def error_polynomials(
         raise NotPolynomial("statistical play, or too much of it")
     loaded = mode == "loaded"
     pushed = _pushed(case, p, coordinates) if loaded else np.zeros(len(case.error.discs), dtype=bool)
-    held = bool(pushed.any())
     size = 1.0
     if zones:
         size = max(float(case.arrays(sample_grid(coordinates, 1), p).load_scale.max()), 1e-300)
-
-    def columns(q: Array) -> Array:
-        arrays = case.arrays(q, p)
-        vector = arrays.vector
-        if held:
-            # In the plane a pin's load is a dead load, so the pin lies on the same side of its bore at every pose.
-            only_discs = replace(
-                arrays,
-                intervals=arrays.intervals[:, :0],
-                interval_seating=arrays.interval_seating[:, :0],
-                taken=(0, arrays.taken[1]),
-            )
-            vector = played(only_discs, np.where(pushed, case.radii, 0.0), "loaded", planar=planar).vector
-        rows = [arrays.intervals.reshape(len(q), -1)]
-        for k, own in enumerate(zones):
-            # What a drive winds up by is no polynomial, but within each zone it is its load and a constant.
-            load, moved = arrays.kink_loads[:, k], arrays.kinks[:, k]
-            vector = vector - wound_up(load, own)[:, None] * moved
-            rows += [load[:, None] * moved / own[0][1], moved * (own[0][0] / own[0][1])]
-        rows = [vector, *rows]
-        if loaded:
-            # Only the signs of the loads count: in parts of all loads they are pure numbers.
-            rows.append(arrays.interval_seating / np.maximum(arrays.load_scale, 1e-300)[:, None])
-        return np.concatenate([*rows, arrays.kink_loads / size] if zones else rows, axis=1)
-
+    columns = _columns(case, p, pushed, size, loaded=loaded, planar=planar)
     vectors = 3 + 3 * count + 6 * len(zones)
-    if confined:
-        matter = coordinates.moving
-    elif matter is None or not still_all_that_matter(columns, vectors, coordinates, matter):
-        matter = joints_that_matter(columns, vectors, case.state.arm, coordinates)
-    if len(matter) > MOST_JOINTS:
+    known = coordinates.moving if confined else matter
+    if known is None or not (confined or still_all_that_matter(columns, vectors, coordinates, known)):
+        known = joints_that_matter(columns, vectors, case.state.arm, coordinates)
+    if len(known) > MOST_JOINTS:
         raise NotPolynomial("the error depends on too many joints")
+    matter = known
     kept = coordinates.of(matter)
     # Vectors and loads are fitted apart, each by the measure of its own size.
     shapes = fit(lambda q: columns(coordinates.placed(matter, q))[:, :vectors], kept)
@@ -153,11 +128,7 @@ def error_polynomials(
     if seating_terms is not None and zones:
         greatest = size * (np.abs(seating_terms.amplitude).sum(axis=1) + seating_terms.neglected)[-len(zones) :]
     regions = ways(zones, greatest, size, _MOST_FUNCTIONS // 2**count)
-    signs = sign_vertices(count)
-    weights = np.array([[*own, *region.weights] for own, region in _pairs(signs, regions)])
-    seats = signs if loaded else np.zeros((len(signs), 0))
-    least = np.array([[*np.where(own > 0.0, 0.0, -np.inf), *region.least] for own, region in _pairs(seats, regions)])
-    most = np.array([[*np.where(own > 0.0, np.inf, 0.0), *region.most] for own, region in _pairs(seats, regions)])
+    weights, least, most = _standings(count, regions, loaded=loaded)
     functions = _squares(shapes, weights)
     # Of a pin that nothing pushed a calibration took the middle.
     free = np.arange(len(pushed)) < len(pushed) - case.taken[1]
@@ -175,6 +146,49 @@ def error_polynomials(
         least.reshape(len(weights), -1),
         most.reshape(len(weights), -1),
     )
+
+
+def _standings(count: int, regions: Sequence[Way], *, loaded: bool) -> tuple[Array, Array, Array]:
+    """The weights of each function, and the least and most of the loads between which it counts."""
+    signs = sign_vertices(count)
+    weights = np.array([[*own, *region.weights] for own, region in _pairs(signs, regions)])
+    seats = signs if loaded else np.zeros((len(signs), 0))
+    least = np.array([[*np.where(own > 0.0, 0.0, -np.inf), *region.least] for own, region in _pairs(seats, regions)])
+    most = np.array([[*np.where(own > 0.0, np.inf, 0.0), *region.most] for own, region in _pairs(seats, regions)])
+    return weights, least, most
+
+
+def _columns(
+    case: CaseModel, p: Array, pushed: NDArray[np.bool_], size: float, *, loaded: bool, planar: bool
+) -> Callable[[Array], Array]:
+    """The columns that are fitted, of poses (N, n): the vector, what adds to it in the ways that play and drives stand,
+    and the loads that say which way (those on drives in parts of `size`); `pushed` discs lie where loads push them."""
+
+    def columns(q: Array) -> Array:
+        arrays = case.arrays(q, p)
+        vector = arrays.vector
+        if pushed.any():
+            # In the plane a pin's load is a dead load, so the pin lies on the same side of its bore at every pose.
+            only_discs = replace(
+                arrays,
+                intervals=arrays.intervals[:, :0],
+                interval_seating=arrays.interval_seating[:, :0],
+                taken=(0, arrays.taken[1]),
+            )
+            vector = played(only_discs, np.where(pushed, case.radii, 0.0), "loaded", planar=planar).vector
+        rows = [arrays.intervals.reshape(len(q), -1)]
+        for k, own in enumerate(case.zones):
+            # What a drive winds up by is no polynomial, but within each zone it is its load and a constant.
+            load, moved = arrays.kink_loads[:, k], arrays.kinks[:, k]
+            vector = vector - wound_up(load, own)[:, None] * moved
+            rows += [load[:, None] * moved / own[0][1], moved * (own[0][0] / own[0][1])]
+        rows = [vector, *rows]
+        if loaded:
+            # Only the signs of the loads count: in parts of all loads they are pure numbers.
+            rows.append(arrays.interval_seating / np.maximum(arrays.load_scale, 1e-300)[:, None])
+        return np.concatenate([*rows, arrays.kink_loads / size] if case.zones else rows, axis=1)
+
+    return columns
 
 
 def _pairs(signs: Array, regions: Sequence[Way]) -> list[tuple[Array, Way]]:

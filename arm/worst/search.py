@@ -238,30 +238,31 @@ class WorstSearch:
         worst = max(poses, key=lambda pose: pose.error)
         if worst.error > certify_up_to:
             return WorstCase(worst.error, None, False, distinct(poses, matter))
-        bound = worst.error
-        for each in polynomials:
-            plain = cells is None and each.seatings is None
-            few = plain and each.exact and len(each.joints) <= _FEW_JOINTS
-            certified = self._certify(each, worst.error, cells, _FEW_CELLS) if few else None
-            if certified is None or not certified.complete:
-                effort = QUICK if each.exact else THOROUGH
-                quick = self._loose_bound(p, each.case, worst.error, effort) if plain else None
-                if quick is not None and (self._closed(worst.error, quick) or not each.exact):
-                    bound = max(bound, quick)
-                    continue
-                most = _MOST_CELLS if cells is None else _MOST_REGION_CELLS
-                certified = self._certify(each, worst.error, cells, most)
-            if certified.function >= 0:
-                # The certificate knows a worse pose than the climbs found: it counts.
-                poses += self.worst_poses_at(self._whole(each, certified.point)[None], p, each.case)
-                worst = max(poses, key=lambda pose: pose.error)
-            own = math.sqrt(max(certified.bound, 0.0)) + each.radius
-            if cells is None and not self._closed(worst.error, own):
-                closer = self._loose_bound(p, each.case, worst.error, THOROUGH)
-                own = own if closer is None else min(own, closer)
-            bound = max(bound, own)
+        bound = max(self._bound(p, each, poses, cells) for each in polynomials)
+        worst = max(poses, key=lambda pose: pose.error)
         bound = max(bound, worst.error)
         return WorstCase(worst.error, bound, self._closed(worst.error, bound), distinct(poses, matter))
+
+    def _bound(self, p: Array, of: ErrorPolynomials, poses: list[WorstPose], cells: RegionCells | None) -> float:
+        """What no pose of a load case exceeds, m; a worse pose than those known is added to them."""
+        worst = max(pose.error for pose in poses)
+        plain = cells is None and of.seatings is None
+        few = plain and of.exact and len(of.joints) <= _FEW_JOINTS
+        certified = self._certify(of, worst, cells, _FEW_CELLS) if few else None
+        if certified is None or not certified.complete:
+            quick = self._loose_bound(p, of.case, worst, QUICK if of.exact else THOROUGH) if plain else None
+            if quick is not None and (self._closed(worst, quick) or not of.exact):
+                return quick
+            certified = self._certify(of, worst, cells, _MOST_CELLS if cells is None else _MOST_REGION_CELLS)
+        if certified.function >= 0:
+            # The certificate knows a worse pose than the climbs found: it counts.
+            poses += self.worst_poses_at(self._whole(of, certified.point)[None], p, of.case)
+            worst = max(pose.error for pose in poses)
+        bound = math.sqrt(max(certified.bound, 0.0)) + of.radius
+        if cells is None and not self._closed(worst, bound):
+            closer = self._loose_bound(p, of.case, worst, THOROUGH)
+            bound = bound if closer is None else min(bound, closer)
+        return bound
 
     def _cells(self, p: Array) -> RegionCells | None:
         """What tells which cells of all moving joints reach a box or path; None for joint ranges."""

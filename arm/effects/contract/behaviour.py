@@ -51,6 +51,22 @@ def _faults(effect: Effect, chain: Chain) -> Iterator[str]:
     if not all(np.isfinite(part).all() for part in whole.values()):
         yield "gives values that are not finite"
         return
+    yield from _breaches(effect, chain, readings, usual, whole)
+    # A lag asks for the readings before: one alone knows nothing of it.
+    alone = {**usual, **{shape.name: shape.default for shape in effect.shapes if "time" in shape.requires}}
+    every = _table(_moved(effect, readings, alone))
+    for row in range(ROWS):
+        one = _table(_moved(effect, chain.reading(row), alone), 1)
+        if not _alike(one, {node: part[:, row : row + 1] for node, part in every.items()}):
+            yield "gives other values for floats than for arrays"
+            break
+    yield from _symbolic(effect, chain, usual)
+
+
+def _breaches(
+    effect: Effect, chain: Chain, readings: PoseState, usual: dict[str, float], whole: Mapping[tuple[str, int], Array]
+) -> Iterator[str]:
+    """Where an effect does not keep what it promises; `whole` is what it does by its `usual` values."""
     if effect.sizes and _moves(effect, readings, {**usual, **{size.name: 0.0 for size in effect.sizes}}):
         yield "moves something at a size of 0"
     if effect.linear and effect.sizes:
@@ -63,15 +79,6 @@ def _faults(effect: Effect, chain: Chain) -> Iterator[str]:
     for condition in effect.requires:
         if _moves(effect, chain.readings(condition), usual):
             yield f"moves something without {condition}, which it requires"
-    # A lag asks for the readings before: one alone knows nothing of it.
-    alone = {**usual, **{shape.name: shape.default for shape in effect.shapes if "time" in shape.requires}}
-    every = _table(_moved(effect, readings, alone))
-    for row in range(ROWS):
-        one = _table(_moved(effect, chain.reading(row), alone), 1)
-        if not _alike(one, {node: part[:, row : row + 1] for node, part in every.items()}):
-            yield "gives other values for floats than for arrays"
-            break
-    yield from _symbolic(effect, chain, usual)
 
 
 def _values(effect: Effect) -> dict[str, float]:
