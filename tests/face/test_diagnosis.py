@@ -55,6 +55,7 @@ def test_first_finding_is_told_while_the_search_goes_on(dia, heard):
     assert set(dia.findings["at"]) == {(2,)}
 
 
+@pytest.mark.slow
 def test_saved_folder_is_the_command_s(dia, tmp_path):
     """File for file, but for the seconds that it took."""
     files = [str(BACKLASH / name) for name in ("arm.yaml", "recording.csv")]

@@ -28,6 +28,7 @@ choose: {section: [tube], material: [aluminium-6061-t6]}
 """
 
 
+@pytest.mark.slow
 def test_command_designs_anew(linkwright, bench):
     """The old optimum is worse than it was promised, and the new one no worse than that; said on screen and page."""
     write_recording(bench)

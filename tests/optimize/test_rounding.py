@@ -99,6 +99,7 @@ def test_a_light_design_within_an_error_is_the_lightest_on_the_grid(tmp_path: Pa
     assert found.objective == pytest.approx(lightest, rel=1e-9)
 
 
+@pytest.mark.slow
 def test_stock_tubes_are_the_best_of_all_that_can_be_bought(tmp_path: Path) -> None:
     text = (
         "subject_to: {mass: '<= 4 kg', section_size: [40 mm, 65 mm], thickness: [2 mm, 5 mm], "

@@ -85,7 +85,8 @@ def test_a_pull_moves_off_a_point_whose_coordinate_is_next_to_nought(monkeypatch
     assert np.linalg.norm(place_of(candidate) - place) < 0.01
 
 
-@pytest.mark.parametrize("seed", [pytest.param(0, marks=pytest.mark.slow), pytest.param(4, marks=pytest.mark.slow), 7])
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", [0, 4, 7])
 def test_a_true_finding_is_not_left_out_because_of_a_form(seed):
     """Encoder 2 is off by 0.3 mrad; beside it something bends that no reading held out predicts. The library's
     names for that fit better than any form; readings held out refute them, and then a form takes their place."""

@@ -209,6 +209,7 @@ def test_a_token_is_due_beyond_this_machine(tmp_path):
     assert out.endswith("stopped\n")
 
 
+@pytest.mark.slow
 def test_a_taken_port_is_one_line(server, process):
     """And so are a folder that is none, a host that is none, a token that guesses itself."""
     for line, said in (

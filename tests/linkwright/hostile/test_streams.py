@@ -7,12 +7,14 @@ import pytest
     ("line", "status", "said"),
     [
         ("effects list >&-", 2, "standard output: cannot be written: Bad file descriptor\n"),
-        ("--help >&-", 2, "standard output: cannot be written: Bad file descriptor\n"),
+        pytest.param(
+            "--help >&-", 2, "standard output: cannot be written: Bad file descriptor\n", marks=pytest.mark.slow
+        ),
         ("effects list 2>&- >/dev/null", 0, ""),
-        ("evaluate missing.yaml 2>&-", 2, ""),
+        pytest.param("evaluate missing.yaml 2>&-", 2, "", marks=pytest.mark.slow),
         ("evaluate missing.yaml 2>/dev/full", 2, ""),
-        ("evaluate missing.yaml >&-", 2, "missing.yaml: there is no such file\n"),
-        ("effects list <&- >/dev/null", 0, ""),
+        pytest.param("evaluate missing.yaml >&-", 2, "missing.yaml: there is no such file\n", marks=pytest.mark.slow),
+        pytest.param("effects list <&- >/dev/null", 0, "", marks=pytest.mark.slow),
     ],
 )
 def test_closed_and_full_streams(process, line, status, said):
@@ -40,6 +42,7 @@ def test_names_are_shown_and_not_obeyed(linkwright, bench):
     assert "\x1b" not in out
 
 
+@pytest.mark.slow
 def test_the_solver_does_not_talk(process, bench):
     """Sizes at which a trial step leaves what can be computed: CasADi would warn of each."""
     path = bench / "problem.yaml"

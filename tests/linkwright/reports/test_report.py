@@ -248,6 +248,7 @@ def test_warnings_are_on_the_page(evaluation):
     assert "link 1 yields: 300 MPa" in Page(page_of(describe(warned))).text
 
 
+@pytest.mark.slow
 def test_how_long_it_took_is_left_out_where_the_date_is_given(result, monkeypatch):
     """For two runs of one question never take as long."""
 

@@ -109,6 +109,7 @@ def test_choice_among_1225_is_the_best_of_all(tmp_path: Path) -> None:
     assert len(result.candidates) < 200
 
 
+@pytest.mark.slow
 def test_what_is_ruled_out_at_once_has_no_design(tmp_path: Path) -> None:
     """One combination without a design rules out others, and none of those has one by the formulas."""
     rows = materials(20, 5)

@@ -61,7 +61,7 @@ def searched(problem: Problem, path: Path | None, stop_at: int | None = None) ->
             return None, told
 
 
-@pytest.mark.parametrize("kind", slow_but(PROBLEMS, "all at once", "bounds"))
+@pytest.mark.parametrize("kind", slow_but(PROBLEMS, "bounds"))
 def test_the_answer_is_that_of_no_stop(kind: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     if kind == "bounds":
         taken_for_many(monkeypatch)
