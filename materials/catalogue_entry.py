@@ -36,7 +36,7 @@ from types import MappingProxyType
 from typing import TypeAlias, cast, get_args
 
 from linkwright.core.materials.in_place import with_units
-from linkwright.core.materials.laminate import Ply, Unbalanced, wall_of
+from linkwright.core.materials.laminate import Ply, Unbalanced, Wall, wall_of
 from linkwright.core.materials.material import (
     Constant,
     Law,
@@ -291,16 +291,19 @@ def read_laminate(
             raise keys.error(wrong, "must be one for each ply, the thicknesses above zero")
         source = _source(keys, references, default_source)
         ply = _ply(keys, find)
-    needed: list[PropertyName] = [name for name in FOLLOWING if name in FOLLOWING[:4] or ply.has(name)]
-    for name in needed:
+    for name in FOLLOWING[:4]:
         if not ply.has(name):
             message = f"{ply.name} has no {name}; a ply needs its modulus along, across and in shear, and its Poisson's"
             raise mapping.error("laminate.ply", f"{message} ratio")
-    valid = [ply.properties[name].valid for name in needed if name in ply.properties]
-    span = (max(low for low, _ in valid), min(high for _, high in valid))
-    values: dict[PropertyName, float] = {name: ply.need(name) for name in needed}
+    wall = _wall(mapping, ply, angles, thicknesses)
+    return _of_wall(wall, ply, source), wall.bending
+
+
+def _wall(mapping: Mapping, ply: Material, angles: tuple[float, ...], thicknesses: tuple[float, ...] | None) -> Wall:
+    """The wall of such plies by laminate theory."""
+    values: dict[PropertyName, float] = {name: ply.need(name) for name in FOLLOWING if ply.has(name)}
     try:
-        wall = wall_of(
+        return wall_of(
             Ply(
                 along=values["elastic_modulus"],
                 across=values["transverse_modulus"],
@@ -315,6 +318,13 @@ def read_laminate(
     except Unbalanced:
         message = "are not balanced: as much must lie at + as at - each angle, or the link would twist under its load"
         raise mapping.error("laminate.angles", message) from None
+
+
+def _of_wall(wall: Wall, ply: Material, source: str) -> dict[PropertyName, Property]:
+    """The properties of a laminate: those of its wall, and what it has of its ply."""
+    needed: list[PropertyName] = [name for name in FOLLOWING if ply.has(name)]
+    valid = [ply.properties[name].valid for name in needed if name in ply.properties]
+    span = (max(low for low, _ in valid), min(high for _, high in valid))
     found: dict[PropertyName, float | None] = {
         "elastic_modulus": wall.along,
         "transverse_modulus": wall.around,
@@ -330,7 +340,7 @@ def read_laminate(
     for name in _ALIKE:
         if name in ply.properties:
             made[name] = replace(ply.properties[name], source=source)
-    return made, wall.bending
+    return made
 
 
 def _ply(keys: Mapping, find: Finder) -> Material:

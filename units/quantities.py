@@ -196,9 +196,8 @@ def read_quantity(value: object, kind: str, *, file: object, key: str) -> float:
     """Return the quantity `value` in SI.
 
     `value` is what YAML gave: a string `NUMBER UNIT` (`400 mm`, `12 kN*m/rad`, `30 EUR/kg`), or a bare number
-    where `kind` is `dimensionless`; or an `SIFloat` or `SIInt` that a program gave. Nought is nought in any unit, but
-    of temperature, so it needs none. Temperatures are absolute
-    (`20 degC` is 293.15). `kind` is a name in
+    where `kind` is `dimensionless`; or an `SIFloat` or `SIInt` that a program gave. Zero needs no unit, but
+    of temperature. Temperatures are absolute (`20 degC` is 293.15). `kind` is a name in
     `units.kinds()`. Raises `InputError` for a missing or unknown unit, a wrong dimension, nan or infinity, or
     anything else.
     """
@@ -215,24 +214,30 @@ def read_quantity(value: object, kind: str, *, file: object, key: str) -> float:
         if number == 0.0 and due.name != "temperature":
             return 0.0
         raise InputError(file, key, f"needs a unit, {would_do}, not the bare number {shown(value)}")
-    text = _with_ascii_symbols(value)
+    number, unit = _number_and_unit(value, due, file, key)
+    si_value = _finite(_to_si(number, unit, due, value, file, key), file, key)
+    if abs(si_value) > due.most or 0.0 < abs(si_value) < _LEAST:
+        than = f"less than {_LEAST:g} {due.si}; write 0" if abs(si_value) < _LEAST else f"beyond {due.most:g} {due.si}"
+        raise InputError(file, key, f"{shown(value)} is no {due.name.replace('_', ' ')} of an arm ({than})")
+    return si_value
+
+
+def _number_and_unit(value: str, due: Kind, file: object, key: str) -> tuple[str, pint.Unit]:
+    """The two parts of a quantity as text. Raises `InputError`."""
+    text, would_do = _with_ascii_symbols(value), _what_would_do(due)
     if _NOT_FINITE.fullmatch(text):
         raise InputError(file, key, f"needs a finite number, {would_do}, not {shown(value)}")
     found = _QUANTITY.fullmatch(text) if len(text) <= _LONGEST else None
     if not found:
         raise InputError(file, key, f"{shown(value)} is not a quantity; write {would_do}")
     unit = _unit(found[2])
-    if unit is None:
-        if re.fullmatch(r",[0-9]+\b.*", found[2]):
-            raise InputError(file, key, f"{shown(value)} has a decimal comma; write a point, {would_do}")
-        if _CURRENCY.search(found[2]) or re.fullmatch(r"[A-Za-zµμ°%_*/^() 1-9-]+", found[2]):
-            raise InputError(file, key, _unknown_unit(found[2].strip(), due))
-        raise InputError(file, key, f"{shown(value)} is not a quantity; write {would_do}")
-    si_value = _finite(_to_si(found[1], unit, due, value, file, key), file, key)
-    if abs(si_value) > due.most or 0.0 < abs(si_value) < _LEAST:
-        than = f"less than {_LEAST:g} {due.si}; write 0" if abs(si_value) < _LEAST else f"beyond {due.most:g} {due.si}"
-        raise InputError(file, key, f"{shown(value)} is no {due.name.replace('_', ' ')} of an arm ({than})")
-    return si_value
+    if unit is not None:
+        return found[1], unit
+    if re.fullmatch(r",[0-9]+\b.*", found[2]):
+        raise InputError(file, key, f"{shown(value)} has a decimal comma; write a point, {would_do}")
+    if _CURRENCY.search(found[2]) or re.fullmatch(r"[A-Za-zµμ°%_*/^() 1-9-]+", found[2]):
+        raise InputError(file, key, _unknown_unit(found[2].strip(), due))
+    raise InputError(file, key, f"{shown(value)} is not a quantity; write {would_do}")
 
 
 def _si_number(value: float, due: Kind, file: object, key: str) -> float:

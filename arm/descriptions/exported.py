@@ -9,7 +9,7 @@ bends it as its spread weight does (deflection w L^4/8EI, slope w L^3/6EI).
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Literal
 
@@ -312,22 +312,18 @@ def mimicked(arm: Arm, index: int) -> tuple[int, float, float] | None:
 
 def _lost(arm: Arm, beams: Sequence[Beam], *, springs: bool) -> tuple[str, ...]:
     """What the pieces do not hold of an arm."""
-    found: list[str] = []
-
-    def of_joints(name: str, chosen: list[bool]) -> None:
-        if places := [str(number) for number, each in enumerate(chosen, start=1) if each]:
-            found.append(f"{name} (joint {', '.join(places)})")
-
-    of_joints("backlash", [joint.backlash > 0.0 for joint in arm.joints])
-    of_joints("clearance of bearings", [joint.clearance > 0.0 for joint in arm.joints])
-    of_joints("that bearings give in tilt", [joint.tilting_stiffness is not None for joint in arm.joints])
-    of_joints("balancers", [joint.counterbalance is not None for joint in arm.joints])
-    told = [
+    tied = [
         joint.follows is not None and (springs or mimicked(arm, index) is None)
         for index, joint in enumerate(arm.joints)
     ]
-    of_joints("that joints follow others: what is asked of each here is its turn against the link before", told)
-    of_joints("that joints are passive", [joint.passive for joint in arm.joints])
+    found = [
+        *_of_joints("backlash", [joint.backlash > 0.0 for joint in arm.joints]),
+        *_of_joints("clearance of bearings", [joint.clearance > 0.0 for joint in arm.joints]),
+        *_of_joints("that bearings give in tilt", [joint.tilting_stiffness is not None for joint in arm.joints]),
+        *_of_joints("balancers", [joint.counterbalance is not None for joint in arm.joints]),
+        *_of_joints("that joints follow others: what is asked of each here is its turn against the link before", tied),
+        *_of_joints("that joints are passive", [joint.passive for joint in arm.joints]),
+    ]
     for number, link in enumerate(arm.links, start=1):
         if (moment := negative_moment(link)) is not None:
             said = f"a principal moment of {moment:.4g} kg*m^2, which no body has; a rod's stands there"
@@ -339,19 +335,32 @@ def _lost(arm: Arm, beams: Sequence[Beam], *, springs: bool) -> tuple[str, ...]:
         for entry in arm.effects
         if entry.effect not in (*GEOMETRY, JOINT_COMPLIANCE.id) or entry.parameters.get("stretch", 0.0)
     ]
-    if springs:
-        of_joints("zones of the drives' stiffness, which is that of the softest", [bool(x.zones) for x in arm.joints])
-        if SLOPE_PROPAGATION.id in arm.leave_out:
-            found.append("that slopes are left out: what bends turns all beyond it")
-        if any(isinstance(link.section, Tapered) for link in arm.links):
-            found.append("where along a tapered link it bends: at its middle, as a uniform one of the same rigidities")
-        if any(float(beam.flexural_rigidity_coupling) != 0.0 for beam in beams):
-            found.append("that sections bend askew")
-    else:
-        of_joints("stiffness of the drives", [drive_compliance(arm, index) > 0.0 for index in range(arm.size)])
+    return tuple(dict.fromkeys([*found, *_lost_flexibility(arm, beams, springs=springs)]))
+
+
+def _of_joints(name: str, chosen: Sequence[bool]) -> list[str]:
+    """What is not held of the chosen joints; nothing where there are none."""
+    places = [str(number) for number, each in enumerate(chosen, start=1) if each]
+    return [f"{name} (joint {', '.join(places)})"] if places else []
+
+
+def _lost_flexibility(arm: Arm, beams: Sequence[Beam], *, springs: bool) -> Iterator[str]:
+    """What pieces with springs, or rigid ones, do not hold of what gives."""
+    if not springs:
+        yield from _of_joints(
+            "stiffness of the drives", [drive_compliance(arm, index) > 0.0 for index in range(arm.size)]
+        )
         if bent := [str(number) for number, link in enumerate(arm.links, start=1) if link.elastic]:
-            found.append(f"flexibility of the links ({', '.join(bent)})")
-    return tuple(dict.fromkeys(found))
+            yield f"flexibility of the links ({', '.join(bent)})"
+        return
+    softest = "zones of the drives' stiffness, which is that of the softest"
+    yield from _of_joints(softest, [bool(joint.zones) for joint in arm.joints])
+    if SLOPE_PROPAGATION.id in arm.leave_out:
+        yield "that slopes are left out: what bends turns all beyond it"
+    if any(isinstance(link.section, Tapered) for link in arm.links):
+        yield "where along a tapered link it bends: at its middle, as a uniform one of the same rigidities"
+    if any(float(beam.flexural_rigidity_coupling) != 0.0 for beam in beams):
+        yield "that sections bend askew"
 
 
 def _assumed(arm: Arm) -> tuple[str, ...]:

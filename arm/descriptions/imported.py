@@ -37,11 +37,7 @@ def import_urdf(path: Path | str, *, base: str | None = None, tip: str | Sequenc
 
 def _several(robot: Robot, start: str, ends: Sequence[str], chains: Sequence[Sequence[UrdfJoint]]) -> Imported:
     """Several arms on one torso: each way read by itself, without the weights of the others, and put together."""
-    moving = [[joint.name for joint in chain if joint.kind != "fixed"] for chain in chains]
-    ways: list[Imported] = []
-    for number, chain in enumerate(chains):
-        beyond = {name for k, names in enumerate(moving) if k != number for name in names}
-        ways.append(Way(robot, start, ends[number], list(chain), frozenset(beyond)).made())
+    ways = _ways(robot, start, ends, chains)
     shared = _shared(robot, ends, [way.joint_names for way in ways])
     first = ways[0].arm
     joints, links = list(first.joints), list(first.links)
@@ -50,26 +46,21 @@ def _several(robot: Robot, start: str, ends: Sequence[str], chains: Sequence[Seq
     branches = [Branch(_branch_name(ends[0], ()), shared, first.size, first.tool)]
     for end, way in zip(ends[1:], ways[1:], strict=True):
         at, own = len(joints), way.arm
+        _check_torso(robot, way, shared)
         places = {k: at + k - shared for k in range(shared, own.size)}
         onward = own.links[shared - 1]
         standing = subtract(scale(onward.length, onward.direction), foot)
-        for k in range(shared, own.size):
-            joint = own.joints[k]
-            if k == shared:
-                joint = replace(joint, origin_translation=plain(standing))
-            if joint.follows is not None:
-                if joint.follows.ties[0].joint < shared:
-                    _refuse_torso(robot, way.joint_names[k])
-                joint = replace(joint, follows=joint.follows.moved(places))
-            joints.append(joint)
-            links.append(own.links[k])
+        beyond = [
+            joint if joint.follows is None else replace(joint, follows=joint.follows.moved(places))
+            for joint in own.joints[shared:]
+        ]
+        joints += [replace(beyond[0], origin_translation=plain(standing)), *beyond[1:]]
+        links += own.links[shared:]
         numbers.append([*range(shared), *places.values()])
         branches.append(
             Branch(_branch_name(end, [each.name for each in branches]), at, len(joints), own.tool, away=1.0)
         )
-    for k in range(shared, first.size):
-        if (follows := first.joints[k].follows) is not None and follows.ties[0].joint < shared:
-            _refuse_torso(robot, ways[0].joint_names[k])
+    _check_torso(robot, ways[0], shared)
     arm = replace(first, joints=tuple(joints), links=tuple(links), branches=tuple(branches), every_tip=True)
     names = [(way.joint_names, way.link_names) for way in ways]
     return Imported(
@@ -86,6 +77,16 @@ def _several(robot: Robot, start: str, ends: Sequence[str], chains: Sequence[Seq
     )
 
 
+def _ways(robot: Robot, start: str, ends: Sequence[str], chains: Sequence[Sequence[UrdfJoint]]) -> list[Imported]:
+    """Each way by itself, without the weights of the others."""
+    moving = [{joint.name for joint in chain if joint.kind != "fixed"} for chain in chains]
+    found: list[Imported] = []
+    for number, (end, chain) in enumerate(zip(ends, chains, strict=True)):
+        beyond = frozenset[str]().union(*(names for k, names in enumerate(moving) if k != number))
+        found.append(Way(robot, start, end, list(chain), beyond).made())
+    return found
+
+
 def _shared(robot: Robot, ends: Sequence[str], names: Sequence[Sequence[str]]) -> int:
     """How many joints several ways have in common, all of them the same; raises `InputError` for none, and for more."""
     count = 0
@@ -100,9 +101,12 @@ def _shared(robot: Robot, ends: Sequence[str], names: Sequence[Sequence[str]]) -
     return count
 
 
-def _refuse_torso(robot: Robot, name: str) -> None:
-    message = "mimics a joint that its arm shares with others, which no branch can; import its arm by itself"
-    raise robot.joints[name].element.error(message)
+def _check_torso(robot: Robot, way: Imported, shared: int) -> None:
+    """Refuse a joint beyond the shared ones that mimics one of them."""
+    for joint, name in list(zip(way.arm.joints, way.joint_names, strict=True))[shared:]:
+        if joint.follows is not None and joint.follows.ties[0].joint < shared:
+            message = "mimics a joint that its arm shares with others, which no branch can; import its arm by itself"
+            raise robot.joints[name].element.error(message)
 
 
 def _branch_name(link: str, taken: Sequence[str]) -> str:

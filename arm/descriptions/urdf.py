@@ -150,14 +150,7 @@ def read_urdf(path: Path | str) -> Robot:
     for tag in ("xacro:include", "xacro:macro", "xacro:property", "include"):
         if (found := next(top.all(tag), None)) is not None:
             raise found.error("is a macro, not URDF; expand it first: xacro FILE.xacro > arm.urdf")
-    links: dict[str, UrdfLink] = {}
-    for element in top.all("link"):
-        name = element.text("name", 'name="forearm", say')
-        if name in links:
-            raise element.error("is there already; names are unique")
-        links[name] = UrdfLink(_inertial(element), _shapes(element), _beside(element, _OF_A_LINK))
-    if not links:
-        raise InputError(file, "", "holds no <link>")
+    links = _links(top)
     joints: dict[str, UrdfJoint] = {}
     above: dict[str, UrdfJoint] = {}
     below: dict[str, list[UrdfJoint]] = {name: [] for name in links}
@@ -174,7 +167,26 @@ def read_urdf(path: Path | str) -> Robot:
         if joint.mimic is not None and joint.mimic.joint not in joints:
             message = f"mimics {shown(joint.mimic.joint)}, which is no joint{nearest(joint.mimic.joint, list(joints))}"
             raise joint.element.error(message)
-    roots = [name for name in links if name not in above]
+    root = _root(file, [name for name in links if name not in above], below)
+    name = " ".join(top.attributes.get("name", "").split()) or file.stem
+    tree = {key: tuple(value) for key, value in below.items()}
+    return Robot(name, file, root, links, joints, above, tree, _beside(top, _OF_A_ROBOT))
+
+
+def _links(top: Element) -> dict[str, UrdfLink]:
+    links: dict[str, UrdfLink] = {}
+    for element in top.all("link"):
+        name = element.text("name", 'name="forearm", say')
+        if name in links:
+            raise element.error("is there already; names are unique")
+        links[name] = UrdfLink(_inertial(element), _shapes(element), _beside(element, _OF_A_LINK))
+    if not links:
+        raise InputError(top.file, "", "holds no <link>")
+    return links
+
+
+def _root(file: Path, roots: list[str], below: Mapping[str, list[UrdfJoint]]) -> str:
+    """The only link that no joint carries, from which all others are reached."""
     if len(roots) != 1:
         told = f"several roots ({', '.join(map(shown, roots[:6]))})" if roots else "no root: its joints form a ring"
         raise InputError(file, "", f"has {told}; an arm's links form one tree")
@@ -182,11 +194,9 @@ def read_urdf(path: Path | str) -> Robot:
     while pending:
         reached += 1
         pending += [joint.child for joint in below[pending.pop()]]
-    if reached < len(links):
+    if reached < len(below):
         raise InputError(file, "", "has joints that form a ring; an arm's links form one tree")
-    name = " ".join(top.attributes.get("name", "").split()) or file.stem
-    tree = {key: tuple(value) for key, value in below.items()}
-    return Robot(name, file, roots[0], links, joints, above, tree, _beside(top, _OF_A_ROBOT))
+    return roots[0]
 
 
 def _beside(element: Element, read: tuple[str, ...]) -> tuple[str, ...]:

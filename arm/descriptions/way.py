@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -238,32 +239,35 @@ class Way:
 
     def _lost(self, bodies: list[Body]) -> tuple[str, ...]:
         """What of the file an arm file has no place for."""
-        found: list[str] = []
+        return (*self._lost_of_bodies(bodies), *self._lost_names(bodies))
+
+    def _lost_of_bodies(self, bodies: list[Body]) -> Iterator[str]:
         pictured = [name for body in bodies for name, _ in body.links if self.robot.links[name].shapes]
         if pictured:
-            found.append(f"what links are drawn by and collide with ({len(pictured)} links)")
+            yield f"what links are drawn by and collide with ({len(pictured)} links)"
         resting = {joint.parent for joint in self.chain[: self.chain.index(bodies[0].joint) + 1]}
         if weight := sum(self.robot.links[name].mass for name in resting):
-            found.append(f"the weight of what stands still ({', '.join(sorted(resting))}: {weight:.6g} kg)")
-        rubbed = [f"joint {n}: {body.joint.friction:g}" for n, body in enumerate(bodies, 1) if body.joint.friction]
-        damped = [f"joint {n}: {body.joint.damping:g}" for n, body in enumerate(bodies, 1) if body.joint.damping]
-        found += [f"friction ({', '.join(rubbed)} N*m or N)"] * bool(rubbed)
-        found += [f"damping ({', '.join(damped)} N*m*s/rad or N*s/m)"] * bool(damped)
+            yield f"the weight of what stands still ({', '.join(sorted(resting))}: {weight:.6g} kg)"
+        if rubbed := [f"joint {n}: {body.joint.friction:g}" for n, body in enumerate(bodies, 1) if body.joint.friction]:
+            yield f"friction ({', '.join(rubbed)} N*m or N)"
+        if damped := [f"joint {n}: {body.joint.damping:g}" for n, body in enumerate(bodies, 1) if body.joint.damping]:
+            yield f"damping ({', '.join(damped)} N*m*s/rad or N*s/m)"
         endless = [str(number) for number, body in enumerate(bodies, 1) if body.joint.kind == "continuous"]
         if endless:
-            found.append(f"that joints turn without end (joint {', '.join(endless)}): they have one turn")
+            yield f"that joints turn without end (joint {', '.join(endless)}): they have one turn"
+
+    def _lost_names(self, bodies: list[Body]) -> Iterator[str]:
         folded = [name for body in bodies for name, _ in body.links if name not in (body.joint.child, self.end)]
         if folded:
-            found.append(f"names of links that are rigid with others ({', '.join(folded)})")
+            yield f"names of links that are rigid with others ({', '.join(folded)})"
         ends = [f"{name}, as `{told}`" for name, told in ((self.start, "base"), (self.end, "tip")) if name != told]
         if ends:
-            found.append(f"names of the base and the tip in exports ({'; '.join(ends)})")
+            yield f"names of the base and the tip in exports ({'; '.join(ends)})"
         tags = [child.tag for joint in self.robot.joints.values() for child in joint.element.children]
         own = [tag for tag in (*tags, *self.robot.beside) if tag not in _OF_A_JOINT]
         own += [tag for link in self.robot.links.values() for tag in link.beside]
         if own:
-            found.append(f"what the tags {', '.join(dict.fromkeys(own))} say")
-        return tuple(found)
+            yield f"what the tags {', '.join(dict.fromkeys(own))} say"
 
     def _lacking(self, bodies: list[Body], unknown: frozenset[int]) -> tuple[Lacking, ...]:
         def places(chosen: list[bool]) -> tuple[int, ...]:

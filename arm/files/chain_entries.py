@@ -80,22 +80,8 @@ def read_entry(mapping: Mapping, catalogue: Catalogue, number: int, size: int) -
         given = body is not None and body.has("length")
         origin, modified = None, is_modified(mapping)
         if mapping.has("dh"):
-            raw = mapping.content["joint"]
-            if isinstance(raw, dict) and "axis" in raw:
-                raise mapping.error("joint.axis", "contradicts dh, whose joints turn about z; leave it out")
-            for name in ("direction", "end_rotation", *(("length",) if modified else ())):
-                if body is not None and body.has(name):
-                    raise body.error(name, "is given by dh already; leave it out")
-        if modified:
-            origin, joint = modified_dh(mapping.mapping("dh"), joint)
-            link = Link(0.0)
-        elif mapping.has("dh"):
-            joint, link = standard_dh(mapping.mapping("dh"), joint)
-            given = True
-            if body is not None and body.has("length"):
-                length = body.quantity("length", "length")
-                if abs(length - link.length) > 1e-9:
-                    raise body.error("length", "is given by dh already (from a and d); leave it out")
+            joint, link, origin = _of_dh(mapping, body, joint, modified=modified)
+            given = given or not modified
         else:
             link = Link(_length(body) if body is not None and given else 0.0)
         link = replace(link, mass=0.0) if body is None else _link(body, link, catalogue)
@@ -107,6 +93,26 @@ def read_entry(mapping: Mapping, catalogue: Catalogue, number: int, size: int) -
             origin, free = read_origin(mapping)
             joint = replace(joint, origin_free=free)
     return Entry(joint, link, given, origin, has_link, modified, motor)
+
+
+def _of_dh(
+    mapping: Mapping, body: Mapping | None, joint: Joint, *, modified: bool
+) -> tuple[Joint, Link, tuple[Rotation, FloatVector] | None]:
+    """The joint, its link and the transform in front of it by Denavit-Hartenberg parameters. Raises `InputError` for
+    what stands beside them and contradicts."""
+    raw = mapping.content["joint"]
+    if isinstance(raw, dict) and "axis" in raw:
+        raise mapping.error("joint.axis", "contradicts dh, whose joints turn about z; leave it out")
+    for name in ("direction", "end_rotation", *(("length",) if modified else ())):
+        if body is not None and body.has(name):
+            raise body.error(name, "is given by dh already; leave it out")
+    if modified:
+        origin, joint = modified_dh(mapping.mapping("dh"), joint)
+        return joint, Link(0.0), origin
+    joint, link = standard_dh(mapping.mapping("dh"), joint)
+    if body is not None and body.has("length") and abs(body.quantity("length", "length") - link.length) > 1e-9:
+        raise body.error("length", "is given by dh already (from a and d); leave it out")
+    return joint, link, None
 
 
 def _length(body: Mapping) -> float:
@@ -369,15 +375,7 @@ def joined(mapping: Mapping, entries: list[Entry]) -> tuple[tuple[Joint, ...], t
     links: list[Link] = []
     for index, entry in enumerate(entries):
         joint = entry.joint
-        after = entries[index + 1] if index + 1 < len(entries) else None
-        runs_on = after is not None and after.origin is not None and not after.shift_free
-        if entry.modified_dh and index and entries[index - 1].length_given:
-            raise mapping.error(f"chain[{index + 1}].dh", "is modified, but the entry before gives a length of its own")
-        if entry.has_link and not entry.length_given and not runs_on and not entry.modified_dh:
-            would_do = "write length: 400 mm, say (0 mm for none)"
-            if after is not None and after.shift_free:
-                would_do = f"the next joint's origin is free and does not say it; {would_do}"
-            raise mapping.error(f"chain[{index + 1}].link.length", f"is missing; {would_do}")
+        _check_length(mapping, entries, index)
         if entry.origin is not None:
             rotation, xyz = entry.origin
             joint = replace(joint, origin_rotation=compose(rotation, joint.origin_rotation))
@@ -393,6 +391,20 @@ def joined(mapping: Mapping, entries: list[Entry]) -> tuple[tuple[Joint, ...], t
             motor = PointMass(entry.motor.mass, motor_of=number)
             links[entry.motor.on - 1] = replace(link, masses=(*link.masses, motor))
     return tuple(joints), tuple(links)
+
+
+def _check_length(mapping: Mapping, entries: list[Entry], index: int) -> None:
+    """Refuse an entry (from 0) whose link has no length, or two."""
+    entry = entries[index]
+    after = entries[index + 1] if index + 1 < len(entries) else None
+    runs_on = after is not None and after.origin is not None and not after.shift_free
+    if entry.modified_dh and index and entries[index - 1].length_given:
+        raise mapping.error(f"chain[{index + 1}].dh", "is modified, but the entry before gives a length of its own")
+    if entry.has_link and not entry.length_given and not runs_on and not entry.modified_dh:
+        would_do = "write length: 400 mm, say (0 mm for none)"
+        if after is not None and after.shift_free:
+            would_do = f"the next joint's origin is free and does not say it; {would_do}"
+        raise mapping.error(f"chain[{index + 1}].link.length", f"is missing; {would_do}")
 
 
 def not_negative(mapping: Mapping, name: str, kind: str, default: float) -> float:

@@ -5,8 +5,8 @@ from __future__ import annotations
 import ast
 import math
 import re
+from collections.abc import Iterator, Sequence
 from collections.abc import Mapping as MappingLike
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import cast
 
@@ -16,7 +16,7 @@ from linkwright.core.arm.chain.branches import ways
 from linkwright.core.arm.chain.chain import Arm, Joint
 from linkwright.core.arm.chain.following import Following, Tie
 from linkwright.core.arm.chain.kinematics import place
-from linkwright.core.units.quantities import InputError, format_quantity, read_quantity
+from linkwright.core.units.quantities import format_quantity, read_quantity
 from linkwright.core.units.reading import Mapping
 
 _QUANTITY = re.compile(r"(?<![\w.])((?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(deg|arcmin|mrad|rad|mm|um|cm|m)\b")
@@ -24,6 +24,7 @@ _COORDINATE = re.compile(r"q([1-9]\d*)")
 _LONGEST = 500
 _ALONGSIDE = 1e-9
 _POSES = 5
+_NO_SUM = "only sums of coordinates times numbers"
 
 
 @dataclass(frozen=True)
@@ -91,14 +92,19 @@ def _sum(node: ast.expr, constants: Sequence[float]) -> _Sum:
     if isinstance(node, ast.UnaryOp) and isinstance(node.op, ast.UAdd | ast.USub):
         return _sum(node.operand, constants).scaled(-1.0 if isinstance(node.op, ast.USub) else 1.0)
     if isinstance(node, ast.BinOp):
-        left, right = _sum(node.left, constants), _sum(node.right, constants)
-        if isinstance(node.op, ast.Add | ast.Sub):
-            return left.plus(right.scaled(-1.0 if isinstance(node.op, ast.Sub) else 1.0))
-        if isinstance(node.op, ast.Mult) and (left.number is not None or right.number is not None):
-            return right.scaled(left.number) if left.number is not None else left.scaled(right.number or 0.0)
-        if isinstance(node.op, ast.Div) and right.number is not None:
-            return left.scaled(1.0 / right.number)
-    raise ValueError("only sums of coordinates times numbers")
+        return _combined(node.op, _sum(node.left, constants), _sum(node.right, constants))
+    raise ValueError(_NO_SUM)
+
+
+def _combined(operator: ast.operator, left: _Sum, right: _Sum) -> _Sum:
+    """Two sums added, or one of them times a number."""
+    if isinstance(operator, ast.Add | ast.Sub):
+        return left.plus(right.scaled(-1.0 if isinstance(operator, ast.Sub) else 1.0))
+    if isinstance(operator, ast.Mult) and (left.number is not None or right.number is not None):
+        return right.scaled(left.number) if left.number is not None else left.scaled(right.number or 0.0)
+    if isinstance(operator, ast.Div) and right.number is not None:
+        return left.scaled(1.0 / right.number)
+    raise ValueError(_NO_SUM)
 
 
 def tied(mapping: Mapping, arm: Arm) -> Arm:
@@ -141,27 +147,12 @@ def _parallel(one: object, other: object) -> bool:
 
 def _checked(mapping: Mapping, arm: Arm, index: int, joint: Joint, follows: Following) -> Joint:
     given, base, key = _given(mapping, arm, index)
-
-    def refused(reason: str) -> InputError:
-        return mapping.error(f"{key}.follows", reason)
-
-    own = next((tie.weight for tie in follows.ties if tie.joint == index), None)
-    if own is not None and abs(own - 1.0) > 1e-12:
-        raise refused(
-            f"has its own coordinate q{index + 1 - base} {own:g} times; once, or not at all where it only follows"
-        )
-    if own is not None and follows.constant:
-        raise refused("has a constant beside its own coordinate; write it as the joint's zero")
+    reason = next(_refusals(arm, index, follows, base), None)
+    if reason is not None:
+        raise mapping.error(f"{key}.follows", reason)
+    own = any(tie.joint == index for tie in follows.ties)
     ties = tuple(tie for tie in follows.ties if tie.joint != index)
-    for tie in ties:
-        other, name = arm.joints[tie.joint], f"q{tie.joint + 1 - base}"
-        if tie.joint > index:
-            raise refused(f"names {name}, which comes after it; a joint follows those nearer the base")
-        if other.follows is not None and not any(each.joint == tie.joint for each in other.follows.ties):
-            raise refused(f"names {name}, which itself only follows; write what that follows")
-        if other.revolute != joint.revolute:
-            raise refused(f"names {name}, which {'turns' if other.revolute else 'slides'} where it does not")
-    found = Following(ties, follows.constant, driven=own is not None)
+    found = Following(ties, follows.constant, driven=own)
     if found.driven and not joint.revolute and "range" not in given:
         raise mapping.error(f"{key}.range", "is missing; a slide needs its range, e.g. [0 mm, 1 m]")
     if not found.driven and "range" in given:
@@ -170,8 +161,30 @@ def _checked(mapping: Mapping, arm: Arm, index: int, joint: Joint, follows: Foll
         return replace(joint, follows=found if ties else None)
     if joint.actuator is not None or joint.counterbalance is not None:
         what = "actuator" if joint.actuator is not None else "balancer"
-        raise refused(f"leaves the joint no drive of its own; leave out its {what}")
+        raise mapping.error(f"{key}.follows", f"leaves the joint no drive of its own; leave out its {what}")
     return replace(joint, follows=found, range=_reached(arm, found))
+
+
+def _refusals(arm: Arm, index: int, follows: Following, base: int) -> Iterator[str]:
+    """Why a joint (from 0) cannot follow what its file says; `base` is the joint whose coordinate is q1 there."""
+    for tie in follows.ties:
+        if tie.joint != index:
+            continue
+        if abs(tie.weight - 1.0) > 1e-12:
+            times = f"{tie.weight:g} times; once, or not at all where it only follows"
+            yield f"has its own coordinate q{index + 1 - base} {times}"
+        if follows.constant:
+            yield "has a constant beside its own coordinate; write it as the joint's zero"
+    for tie in follows.ties:
+        other, name = arm.joints[tie.joint], f"q{tie.joint + 1 - base}"
+        if tie.joint == index:
+            continue
+        if tie.joint > index:
+            yield f"names {name}, which comes after it; a joint follows those nearer the base"
+        if other.follows is not None and not any(each.joint == tie.joint for each in other.follows.ties):
+            yield f"names {name}, which itself only follows; write what that follows"
+        if other.revolute != arm.joints[index].revolute:
+            yield f"names {name}, which {'turns' if other.revolute else 'slides'} where it does not"
 
 
 def _given(mapping: Mapping, arm: Arm, index: int) -> tuple[MappingLike[str, object], int, str]:

@@ -143,40 +143,52 @@ def _joint(joint: Joint) -> dict[str, Any]:
         out["axis"] = list(joint.axis)
     if joint.driven:
         out["range"] = [_neatest(value, motion) for value in joint.range]
-    if joint.clearance:
-        out["clearance"] = format_quantity(joint.clearance, "length")
+    out |= _figures(("clearance", joint.clearance, 0.0, "length"))
+    drive = joint.actuator
+    if drive is not None:
+        out["actuator"] = drive.name
     # Beside an actuator only what differs from its own figures is written, be it a zero.
-    backlash, stiffness, mass = 0.0, None, 0.0
-    if joint.actuator is not None:
-        out["actuator"] = joint.actuator.name
-        backlash, stiffness, mass = joint.actuator.backlash, joint.actuator.stiffness, joint.actuator.mass
-    if joint.backlash != backlash:
-        out["backlash"] = _neatest(joint.backlash, motion)
-    zones = () if joint.actuator is None else joint.actuator.zones
-    if joint.stiffness is not None and (joint.stiffness != stiffness or joint.zones != zones):
-        kind = "torsional_stiffness" if joint.revolute else "linear_stiffness"
-        out["stiffness"] = format_quantity(joint.stiffness, kind)
-    tilting = None if joint.actuator is None else joint.actuator.tilting_stiffness
-    if joint.tilting_stiffness is not None and joint.tilting_stiffness != tilting:
-        out["tilting_stiffness"] = format_quantity(joint.tilting_stiffness, "torsional_stiffness")
-    if joint.mass != mass:
-        out["mass"] = format_quantity(joint.mass, "mass")
+    out |= _figures(
+        ("backlash", joint.backlash, 0.0 if drive is None else drive.backlash, motion),
+        (
+            "stiffness",
+            joint.stiffness,
+            None if drive is None or joint.zones != drive.zones else drive.stiffness,
+            "torsional_stiffness" if joint.revolute else "linear_stiffness",
+        ),
+        (
+            "tilting_stiffness",
+            joint.tilting_stiffness,
+            None if drive is None else drive.tilting_stiffness,
+            "torsional_stiffness",
+        ),
+        ("mass", joint.mass, 0.0 if drive is None else drive.mass, "mass"),
+    )
     if joint.cost is not None:
         out["cost"] = cost_to_value(joint.cost, joint.cost_date)
     if joint.passive:
         out["passive"] = True
-    if joint.zero:
-        out["zero"] = format_quantity(joint.zero, motion)
-    if joint.effort is not None:
-        out["effort"] = format_quantity(joint.effort, "torque" if joint.revolute else "force")
-    if joint.velocity is not None:
-        out["velocity"] = _neatest(joint.velocity, "angular_speed" if joint.revolute else "speed")
+    out |= _figures(
+        ("zero", joint.zero, 0.0, motion),
+        ("effort", joint.effort, None, "torque" if joint.revolute else "force"),
+        ("velocity", joint.velocity, None, "angular_speed" if joint.revolute else "speed"),
+    )
     if joint.counterbalance is not None:
         kinds = _COUNTERBALANCES
         out["balancer"] = {
             name: format_quantity(value, kinds[name]) for name, value in asdict(joint.counterbalance).items()
         }
     return out
+
+
+def _figures(*figures: tuple[str, float | None, float | None, str]) -> dict[str, str]:
+    """By key those figures that are known and are not what is understood without them; each with its kind."""
+    ways = {"backlash": _neatest, "velocity": _neatest}
+    return {
+        key: ways.get(key, format_quantity)(value, kind)
+        for key, value, understood, kind in figures
+        if value is not None and value != understood
+    }
 
 
 def _neatest(value: float, kind: str) -> str:

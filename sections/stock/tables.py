@@ -259,7 +259,8 @@ def _wrong(where: str, message: str) -> SectionError:
     return SectionError("section", f"{where}: {message}")
 
 
-def _read_table(table: Any, where: str) -> list[StockSize]:
+def _head(table: Any, where: str) -> tuple[str, str, str, list[str], list[Any]]:
+    """The family, shape, source, columns and rows of a table."""
     needed, more = ("family", "shape", "source", "columns", "rows"), ("found_in", "unconfirmed")
     if not isinstance(table, dict) or not set(needed) <= set(table) <= {*needed, *more}:
         raise _wrong(where, f"needs {', '.join(needed)}, may have {' and '.join(more)}, and nothing else")
@@ -278,6 +279,11 @@ def _read_table(table: Any, where: str) -> list[StockSize]:
             raise _wrong(where, f"a {shape} has no column {shown(column)}{nearest(str(column), sorted(known))}")
     if not isinstance(rows, list) or not rows:
         raise _wrong(where, "rows is a list of at least one row")
+    return family, shape, source, columns, cast(list[Any], rows)
+
+
+def _read_table(table: Any, where: str) -> list[StockSize]:
+    family, shape, source, columns, rows = _head(table, where)
     sizes = [_read_row(row, columns, family, shape, source, where) for row in rows]
     dimensions = {name: np.array([size.dimensions[name] for size in sizes]) for name in sizes[0].dimensions}
     _check_buildable(sizes, shape, dimensions, where)

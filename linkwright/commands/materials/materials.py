@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -100,22 +101,8 @@ def show_material(
     screen = console()
     screen.print(f"{material.name}: {material.title or material.family}", style="bold")
     shown = table("property", "at 20 degC", "valid", "spread", "source", numbers=(1,))
-    for property_name in property_kinds():
-        found = material.properties.get(property_name)
-        if found is None:
-            continue
-        spread = "" if found.spread is None else " to ".join(written(x, property_name) for x in found.spread)
-        value = value_of(material, property_name)
-        shown.add_row(property_name.replace("_", " "), value, _valid(found.valid), spread, found.source)
-        said = "; ".join(text for text in (found.date and f"price of {found.date}", found.note) if text)
-        if said:
-            shown.add_row("", "", "", "", said)
-        if found.unconfirmed:
-            shown.add_row("", "", "", "", f"not confirmed: {found.unconfirmed}")
-    if material.magnetic is not None:
-        shown.add_row("magnetic", "yes" if material.magnetic else "no", "", "", material.magnetic_source)
-        if material.magnetic_unconfirmed:
-            shown.add_row("", "", "", "", f"not confirmed: {material.magnetic_unconfirmed}")
+    for row in _property_rows(material):
+        shown.add_row(*row)
     screen.print(shown)
     modulus = material.properties.get("elastic_modulus")
     if modulus is not None and _varies(modulus):
@@ -128,6 +115,28 @@ def show_material(
     for text in dict.fromkeys(item.found_in for item in material.properties.values() if item.found_in):
         screen.print(f"found in: {text}", soft_wrap=True)
     screen.print(f"from {', then '.join(known.where(material.name))}", soft_wrap=True)
+
+
+def _property_rows(material: Material) -> Iterator[tuple[str, ...]]:
+    """A row for each property, and one for what is said of it beside."""
+    for name in property_kinds():
+        found = material.properties.get(name)
+        if found is None:
+            continue
+        spread = "" if found.spread is None else " to ".join(written(x, name) for x in found.spread)
+        yield name.replace("_", " "), value_of(material, name), _valid(found.valid), spread, found.source
+        said = "; ".join(text for text in (found.date and f"price of {found.date}", found.note) if text)
+        yield from _beside(said, found.unconfirmed)
+    if material.magnetic is not None:
+        yield "magnetic", "yes" if material.magnetic else "no", "", "", material.magnetic_source
+        yield from _beside("", material.magnetic_unconfirmed)
+
+
+def _beside(said: str, unconfirmed: str) -> Iterator[tuple[str, ...]]:
+    if said:
+        yield "", "", "", "", said
+    if unconfirmed:
+        yield "", "", "", "", f"not confirmed: {unconfirmed}"
 
 
 def compare_materials(
