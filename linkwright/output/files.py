@@ -134,17 +134,12 @@ def refuse_strangers(folder: Path, there: set[str], own: Collection[str]) -> Non
         raise InputError(folder, "", f"holds other files ({strangers[0]}); name a new or empty folder")
 
 
-def claim_folder(folder: Path | None, command: str) -> None:
+def claim_own(folder: Path, command: str, own: Collection[str], result: str = RESULT) -> None:
     """Make the output folder of a command, or take an earlier one of the same command again.
 
-    A folder that holds anything else is refused, so that nobody's files are written over. Raises `InputError`.
+    A folder that holds anything but its `own` files is refused, so that nobody's are written over. Raises
+    `InputError`.
     """
-    if folder is not None:
-        claim_own(folder, command, (RESULT, REPORT, DESIGN))
-
-
-def claim_own(folder: Path, command: str, own: Collection[str], result: str = RESULT) -> None:
-    """The same for a command with files of its own names. Raises `InputError`."""
     names = made_folder(folder)
     refuse_strangers(folder, names, own)
     if any(left_over_of(name) is None for name in names) and made_by(folder / result) != command:
