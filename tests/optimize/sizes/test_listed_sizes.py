@@ -24,8 +24,17 @@ from tests.optimize.builders import jointed, problem_of, ranged
 _ELASTIC = "{name: steel, elastic_modulus: 200 GPa, poisson_ratio: 0.3, density: 1000 kg/m^3, yield_strength: 140 MPa}"
 
 
-@pytest.mark.slow
-def test_stepped_cantilever_of_thanedar_and_vanderplaats(tmp_path: Path) -> None:
+@pytest.mark.parametrize(
+    ("steps", "above"),
+    [
+        (("0.1 mm", "2 mm", "0.1 mm", "1 mm"), 1.002),
+        pytest.param(("0.01 mm", "0.2 mm", "0.05 mm", "0.5 mm"), 1.0002, marks=pytest.mark.slow),
+    ],
+    ids=["coarse", "fine"],
+)
+def test_stepped_cantilever_of_thanedar_and_vanderplaats(
+    tmp_path: Path, steps: tuple[str, str, str, str], above: float
+) -> None:
     """Five segments of 1 m under 50 kN at the tip: deflection up to 27 mm, stress up to 140 MPa, height up to 20 times
     the width; the first segment in whole centimetres, the next two from lists, the others free. Thanedar and
     Vanderplaats 1995, doi:10.1061/(ASCE)0733-9445(1995)121:2(301); the best known volume is 64,578.19 cm^3, with
@@ -36,8 +45,9 @@ def test_stepped_cantilever_of_thanedar_and_vanderplaats(tmp_path: Path) -> None
     arm += "payload: {mass: 0 kg, force: [0 N, -50 kN, 0 N]}\n"
     listed = "{width: [24 mm, 26 mm, 28 mm, 31 mm], height: [450 mm, 500 mm, 550 mm, 600 mm]}"
     whole = "{width: {from: 10 mm, to: 50 mm, step: 10 mm}, height: {from: 300 mm, to: 650 mm, step: 10 mm}}"
-    fourth = "{width: {from: 22 mm, to: 24 mm, step: 0.01 mm}, height: {from: 440 mm, to: 470 mm, step: 0.2 mm}}"
-    fifth = "{width: {from: 17 mm, to: 18.5 mm, step: 0.05 mm}, height: {from: 330 mm, to: 360 mm, step: 0.5 mm}}"
+    width, height, of_fifth, high = (f"step: {step}" for step in steps)
+    fourth = f"{{width: {{from: 22 mm, to: 24 mm, {width}}}, height: {{from: 440 mm, to: 470 mm, {height}}}}}"
+    fifth = f"{{width: {{from: 17 mm, to: 18.5 mm, {of_fifth}}}, height: {{from: 330 mm, to: 360 mm, {high}}}}}"
     stretched = ", ".join(["[-0.0001 deg, 0 deg]"] * 5)
     problem = problem_of(
         tmp_path,
@@ -48,10 +58,10 @@ def test_stepped_cantilever_of_thanedar_and_vanderplaats(tmp_path: Path) -> None
     )
     result = optimise(problem)
     cubic_centimetres = 1e3 * result.objective
-    assert result.combinations > 1e11
+    assert result.combinations > 1e8
     assert result.basis == "certified"
     # Steps of the last two segments leave it a little above the optimum of free ones.
-    assert 64_578.19 <= cubic_centimetres <= 64_578.19 * 1.0002
+    assert 64_578.19 <= cubic_centimetres <= 64_578.19 * above
     assert result.lower_bound <= result.objective <= result.lower_bound * 1.0002
     sections = [link.section for link in result.arm.links[:3]]
     assert [None if each is None else list(each.given().values()) for each in sections] == [
