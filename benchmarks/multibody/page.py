@@ -127,14 +127,33 @@ def _wrapped(text: str) -> str:
 
 def section(score: Score) -> str:
     """The section: what was run, the targets, the three figures, the tables, every miss."""
-    count = sum(number for _, number in score.cases)
     lines = [HEADING, ""]
     for paragraph in WORDS:
         lines += [_wrapped(paragraph), ""]
+    lines += [_ran(score), "", *_targets(score), *_trials(score), "", *_figures(score), *_tables(score)]
+    lines += ["", "Verdicts by kind: " + "; ".join(f"{kind}: {_tally(tally)}" for kind, tally in score.verdicts) + "."]
+    if score.impossible:
+        lines += ["", "Impossible sizes:", "", *(f"- {each}" for each in score.impossible)]
+    if score.misses:
+        lines += ["", "Misses, each with its case's number:", "", *(f"- {each}" for each in score.misses)]
+    return "\n".join(lines).rstrip() + "\n"
+
+
+def _half(score: Score) -> str:
+    return "proof" if score.half == "sealed" else "development"
+
+
+def _count(score: Score) -> int:
+    return sum(number for _, number in score.cases)
+
+
+def _ran(score: Score) -> str:
+    """What was run."""
     kinds = ", ".join(f"{name} {number}" for name, number in score.cases)
-    half, two = "proof" if score.half == "sealed" else "development", score.remounted
+    half, two = _half(score), score.remounted
     ran = [
-        f"**What was run: {count} cases of the {half} half**, seed {' and '.join(map(str, score.seeds))} ({kinds});",
+        f"**What was run: {_count(score)} cases of the {half} half**, seed {' and '.join(map(str, score.seeds))} "
+        f"({kinds});",
         f"{len(score.failed)} without an answer; {_spread(score.seconds)} seconds a case.",
         f"{two.total} of them have two mountings of the tracker, and {two.count} of these an answer."
         if two.total
@@ -142,39 +161,47 @@ def section(score: Score) -> str:
         "The proof half has not been opened." if half == "development" else "",
         "Shares with their 95 % Clopper-Pearson interval.",
     ]
-    lines += [_wrapped(" ".join(ran)), "", "| | target | reached |", "|---|---|---|"]
+    return _wrapped(" ".join(ran))
+
+
+def _targets(score: Score) -> list[str]:
+    """Each target beside what was reached."""
+    lines = ["| | target | reached |", "|---|---|---|"]
     for target in score.targets:
         reached = _rate(target.reached) if isinstance(target.reached, Rate) else _spread(target.reached)
         verdict = "**MISSED** " if target.met is False else ""
         lines.append(f"| {target.what} | {target.wanted} | {verdict}{reached} |")
-    if half == "proof":
-        lines += ["", _wrapped(_of_others(score))]
-    before = itertools.takewhile(lambda seed: seed not in score.seeds, TRIALS) if half == "proof" else ()
-    earlier = [TRIALS[seed] for seed in before]
-    for told in [*earlier, *([NO_FORM] if earlier else [])]:
-        lines += ["", _wrapped(told)]
-    lines += [
-        "",
-        "| the three figures | |",
-        "|---|---|",
-        f"| relative error of right parameters | {_spread(score.bias)} |",
-    ]
-    lines += [
+    return lines
+
+
+def _trials(score: Score) -> list[str]:
+    """Of a proof half what is proof of it, and what earlier trials found."""
+    if _half(score) != "proof":
+        return []
+    earlier = [TRIALS[seed] for seed in itertools.takewhile(lambda seed: seed not in score.seeds, TRIALS)]
+    said = [_of_others(score), *earlier, *([NO_FORM] if earlier else [])]
+    return [line for each in said for line in ("", _wrapped(each))]
+
+
+def _figures(score: Score) -> list[str]:
+    """The three figures."""
+    localised = [
         f"| F1, {name} | {each.f1:.2f} (precision {each.hits}/{each.claimed}, recall {each.hits}/{each.true}) |"
         for name, each in score.localised
         if each.claimed + each.true
     ]
-    lines.append(f"| false discoveries | {_rate(score.false_discoveries)} |")
+    head = ["| the three figures | |", "|---|---|", f"| relative error of right parameters | {_spread(score.bias)} |"]
+    return [*head, *localised, f"| false discoveries | {_rate(score.false_discoveries)} |"]
+
+
+def _tables(score: Score) -> list[str]:
+    """The rates by kind, dose, effect and the like, as far as there are cases enough."""
+    lines: list[str] = []
     for title, table in score.tables:
         shown = [(label, rate) for label, rate in table if rate.total]
-        if shown and (count >= ENOUGH or not any(word in title for word in FINE)):
+        if shown and (_count(score) >= ENOUGH or not any(word in title for word in FINE)):
             lines += ["", f"| {title} | |", "|---|---|", *(f"| {label} | {_rate(rate)} |" for label, rate in shown)]
-    lines += ["", "Verdicts by kind: " + "; ".join(f"{kind}: {_tally(tally)}" for kind, tally in score.verdicts) + "."]
-    if score.impossible:
-        lines += ["", "Impossible sizes:", "", *(f"- {each}" for each in score.impossible)]
-    if score.misses:
-        lines += ["", "Misses, each with its case's number:", "", *(f"- {each}" for each in score.misses)]
-    return "\n".join(lines).rstrip() + "\n"
+    return lines
 
 
 def _of_others(score: Score) -> str:

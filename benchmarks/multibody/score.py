@@ -344,20 +344,24 @@ def _miss(t: Truth, a: Answer) -> str:
     """A line for a case that is not answered as it should be; empty where it is."""
     said = a.verdict + (": " + ", ".join(_entry(e) for e in a.entries) if a.entries else "")
     about = f"{t['case']} ({t['kind']}, {t['arm']}, {_recording(t)}, {t['rows']} rows): "
-    if t["kind"] == "mislabelled":
-        return "" if a.verdict not in NAMES else f"{about}{t['mislabelled']}; said {said}"
-    if a.verdict == "failed":
+    if a.verdict == "failed" and t["kind"] != "mislabelled":
         return f"{about}no answer"
+    wrong = _wrong(t, a)
+    return "" if wrong is None else f"{about}{wrong}; said {said}"
+
+
+def _wrong(t: Truth, a: Answer) -> str | None:
+    """What is true of a case that is not answered as it should be; None where it is."""
+    if t["kind"] == "mislabelled":
+        return t["mislabelled"] if a.verdict in NAMES else None
     if t["kind"] == "null":
-        return f"{about}{t['vice']}; said {said}" if a.verdict in ALARMS else ""
+        return t["vice"] if a.verdict in ALARMS else None
     if t["kind"] == "unknown":
-        return "" if a.verdict == "unknown" else f"{about}{t['unknown']['class']}; said {said}"
-    lost = [e for e in t["effects"] if e["large"] and e["snr"] >= LOUD and not _right(a, e)]
-    false = [entry for entry in a.entries if a.verdict in NAMES and not _true_one(t, entry)]
-    if not lost and not false:
-        return ""
-    told = ", ".join(f"{e['effect']} {e['at']} at {e['snr']:.1f}" for e in t["effects"] if e["large"])
-    return f"{about}{told}; said {said}"
+        return None if a.verdict == "unknown" else t["unknown"]["class"]
+    lost = any(e["large"] and e["snr"] >= LOUD and not _right(a, e) for e in t["effects"])
+    false = a.verdict in NAMES and any(not _true_one(t, entry) for entry in a.entries)
+    large = [f"{e['effect']} {e['at']} at {e['snr']:.1f}" for e in t["effects"] if e["large"]]
+    return ", ".join(large) if lost or false else None
 
 
 def _entry(entry: Mapping[str, Any]) -> str:
