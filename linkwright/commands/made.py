@@ -83,6 +83,7 @@ class Made:
         tip: `--tip` names one of several arms on one torso.
         catalogue: files of materials can be added.
         kept: what is left of a result that was interrupted.
+        unwritten: what is said where no file was asked for.
         negative: an argument may begin with a minus.
         also: options of its own for files to write, by name.
     """
@@ -97,6 +98,7 @@ class Made:
     catalogue: bool = True
     markdown: bool = True
     kept: str = ""
+    unwritten: str = ""
     negative: bool = False
     also: Mapping[str, Any] = field(default_factory=dict[str, Any])
 
@@ -173,7 +175,7 @@ class Made:
         with options.not_lost(lambda: self.answer(result)), waiting("writing"):
             written = self.write(result, targets, read)
         self.answer(result)
-        options.tell_written(written)
+        options.tell_written(written, self.unwritten)
         if getattr(result, "interrupted", False):
             options.stop(crew, self.left(self.kept, given, crew))
 

@@ -66,14 +66,14 @@ def check_pdf(path: Path | None) -> None:
         need_browser()
 
 
-def tell_written(written: Sequence[Path]) -> None:
-    """List the files that were written, but for whoever wants the answer alone."""
+def tell_written(written: Sequence[Path], unwritten: str = "") -> None:
+    """List the files that were written, or say that there are none, but for whoever wants the answer alone."""
     from linkwright.screen.console import console
     from linkwright.screen.loudness import loudness
 
     if loudness() != "answer":
-        for path in written:
-            console().print(f"written: {path}", soft_wrap=True)
+        for line in [f"written: {path}" for path in written] or ([unwritten] if unwritten else []):
+            console().print(line, soft_wrap=True)
 
 
 @contextmanager
@@ -116,17 +116,14 @@ def stop(crew: Executor, kept: str) -> NoReturn:
 
 
 @contextmanager
-def as_options(**named: str) -> Generator[None]:
-    """Name what a call was given wrongly as the command line has it: `payload` is `--payload`, unless `named`."""
+def as_options() -> Generator[None]:
+    """Name what a call was given wrongly as the command line has it: `family` is `--family`."""
     try:
         yield
     except InputError as error:
-        if error.file == "with_":
-            raise InputError("--with", error.key, error.message) from None
         if error.file or not error.key.isidentifier():
             raise
-        option = f"--{error.key.rstrip('_').replace('_', '-')}"
-        raise InputError("", named.get(error.key, option), error.message) from None
+        raise InputError("", f"--{error.key}", error.message) from None
 
 
 @contextmanager

@@ -13,6 +13,8 @@ from .tables import TABLES, Tables
 HOME = "linkwright.api.paper"
 FIGURES = (RESULT, REPORT, *(f"figure-{number}.csv" for number in range(5, 10)))
 
+NOTHING = "Nothing is written without --out DIR or --json FILE."
+
 
 class Figures(Made):
     """`figures`: their titles and remarks are shown; the pictures are written."""
@@ -31,10 +33,11 @@ class Figures(Made):
 def commands() -> Mapping[str, Made]:
     """These commands by name."""
     folder = Out("Write report.html, result.json and a CSV file per figure there.", FIGURES)
-    plain: Any = {"markdown": False}
+    plain: Any = {"markdown": False, "catalogue": False}
+    drawing: Any = {"doing": "computing the paper's figures", "out": folder, "unwritten": NOTHING}
     made = (
-        Tables("tables", HOME, also=TABLES, catalogue=False, **plain),
-        Figures("figures", HOME, doing="computing the paper's figures", out=folder, catalogue=False, **plain),
+        Tables("tables", HOME, also=TABLES, **plain),
+        Figures("figures", HOME, **drawing, **plain),
         Made("seam", HOME, doing="following the seam", tip=True),
     )
     return {each.name: each for each in made}
