@@ -15,7 +15,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from linkwright.core.arm.errors.model import beams_of
-from linkwright.core.arm.limits.strength import STATIONS
 from linkwright.core.optimize.exchange.binding_poses import ErrorCut, Pool
 from linkwright.core.optimize.exchange.design import MATERIAL_FIELDS, arm_of, numeric_beams
 from linkwright.core.optimize.exchange.exchange import Context, Exchange
@@ -25,14 +24,13 @@ from linkwright.core.optimize.problem import Problem
 from linkwright.core.sections.numeric import Array
 
 from .at_once.feasibility import Feasibility
+from .at_once.pose_rows import strength_products
 from .link_options import LinkOptions
 from .picks import Combination, OptionTable, option_table
 from .pose_products import (
-    compression_products,
     error_products,
     features_of,
     inertia_products,
-    stress_products,
 )
 from .products import Products, minorant, total
 
@@ -265,7 +263,9 @@ def _of_family(
         if own.max(initial=0.0) <= _FELT:
             continue
         if name == "strengths":
-            found += _strength_rows(problem, prepared[cut.group], cut, own, p)  # type: ignore[index]
+            rows = strength_products(problem, prepared[cut.group], cut, p)  # type: ignore[index]
+            weighed = zip(rows, own.tolist(), strict=False)
+            found += [row.scaled(weight) for (_, row), weight in weighed if weight > _FELT]
         elif name == "modes":
             beams = beams_of(arm, problem.load_cases)  # type: ignore[arg-type]
             limits = [limit for limit in problem.limits if limit.name == "first_frequency"]
@@ -273,26 +273,4 @@ def _of_family(
                 sums = inertia_products(prepared[0], prepared[1], cut, beams, p, limit.value)  # type: ignore[index]
                 if sums is not None and multiplier > _FELT:
                     found.append(sums[0].scaled(multiplier / sums[1]))
-    return found
-
-
-def _strength_rows(problem: Problem, case: object, cut: Cut, multipliers: Array, p: Array) -> list[Products]:
-    found: list[Products] = []
-    one = Products({(): -1.0})
-    place = 0
-    stresses = stress_products(case, cut, p)  # type: ignore[arg-type]
-    presses = compression_products(case, cut, p)  # type: ignore[arg-type]
-    for limit in problem.limits:
-        for entry in range(len(presses)):
-            if limit.name == "buckling":
-                rows = [presses[entry]]
-            elif limit.name == "safety_factor":
-                rows = [stresses[entry, station] for station in range(len(STATIONS))]
-            else:
-                continue
-            for row in rows:
-                weight = float(multipliers[place])
-                place += 1
-                if weight > _FELT:
-                    found += [row.scaled(weight * limit.value), one.scaled(weight)]
     return found

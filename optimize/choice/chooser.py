@@ -7,8 +7,9 @@ worse than a finished one needs no exchange of its own: it is bounded out.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -58,6 +59,7 @@ _KEPT = 2
 """Compiled programs are large: so many are kept."""
 
 
+Known = TypeVar("Known", Answer, Ended)
 Best = tuple[Combination, DesignSpace, Array, Exchange, Exchanged, float]
 """A combination with its space and its materials' row, the exchange and how it ended, and the objective (SI)."""
 
@@ -143,7 +145,7 @@ class Chooser:
         keys: dict[Combination, Key] = {}
         if self._answers is not None:
             keys = {pick: self._answers.key("bound", pick, self.pool) for _, pick in left}
-            found = {pick: each for pick, key in keys.items() if (each := self._answers.bounded(key)) is not None}
+            found = {pick: each for pick, key in keys.items() if (each := self._answers.get(key)) is not None}
         known = len(found)
 
         def told(done: int) -> None:
@@ -153,7 +155,7 @@ class Chooser:
         def keep(pick: Combination, each: Bounded) -> None:
             found[pick] = each
             if self._answers is not None:
-                self._answers.note_bounded(keys[pick], each)
+                self._answers.put(keys[pick], each)
 
         fresh = [pick for _, pick in left if pick not in found]
         bound_all(executor, self._bounding, fresh, self.pool, told, keep)
@@ -336,74 +338,47 @@ class Chooser:
             self._exchanges[shapes] = Exchange(self.context, design_space(self.context.problem, shapes))
         return self._exchanges[shapes]
 
+    def _known(
+        self, what: str, pick: Combination, exchange: Exchange, given: tuple[Any, ...], found: Callable[[], Known]
+    ) -> tuple[Known, bool]:
+        """What a combination came to for the poses known, and whether it was found now, not kept from before."""
+        assert self.pool is not None
+        if self._answers is None:
+            return found(), True
+        key = self._answers.key(what, pick, self.pool, *given, _slots(exchange.room))
+        answer = self._answers.get(key)
+        if answer is not None:
+            exchange.room = answer.room
+            return answer, False
+        answer = found()
+        self._answers.put(key, answer)
+        return answer, True
+
     def solve(self, pick: Combination, *, explain: bool = False) -> Solved:
         """A combination for the pool alone; with `explain` also how little the limits would have to give way."""
         exchange = self._exchange(pick.shapes)
         materials = material_row(pick.materials, self.context.problem)
-        unsolved = False
         starts = starting_points(exchange.space, materials, 2)
-        self.pool = self.pool or first_pool(self.context, exchange.space, starts[0], pick.materials)
-        key = None
-        if self._answers is not None:
-            key = self._answers.key("solve", pick, self.pool, explain, _slots(exchange.room))
-            answer = self._answers.answer(key)
-            if answer is not None:
-                exchange.room = answer.room
-                return self._solved(pick, exchange, materials, answer)
-        for start in starts:
-            found = exchange.bound(materials, self.pool, start)
-            if found is not None:
-                return self._answered(key, pick, exchange, materials, found, unsolved=False)
-            unsolved = unsolved or not exchange.infeasible
-        relaxed = None
-        if explain and not unsolved:
-            program = exchange.program(self.pool, spare=False)
-            relaxed = program.solve(starts[0], materials, self.pool, relax=True, limits=self.context.problem.limits)
-        return self._answered(key, pick, exchange, materials, (None, None), unsolved=unsolved, relaxed=relaxed)
+        pool = self.pool = self.pool or first_pool(self.context, exchange.space, starts[0], pick.materials)
+
+        def found() -> Answer:
+            alone = _alone(exchange, materials, pool, starts)
+            if not explain or alone.solution is not None or alone.unsolved:
+                return alone
+            program = exchange.program(pool, spare=False)
+            limits = self.context.problem.limits
+            return replace(alone, relaxed=program.solve(starts[0], materials, pool, relax=True, limits=limits))
+
+        answer, _ = self._known("solve", pick, exchange, (explain,), found)
+        if answer.solution is None:
+            self.note(pick, None, "unsolved" if answer.unsolved else "infeasible")
+        return Solved(exchange, materials, pool, answer.objective, answer.solution, answer.relaxed, answer.unsolved)
 
     def _from(self, pick: Combination, exchange: Exchange, materials: Array, start: Array) -> Answer:
         """What a combination comes to for the pool alone from one start."""
-        assert self.pool is not None
-        key = None
-        if self._answers is not None:
-            key = self._answers.key("start", pick, self.pool, start, _slots(exchange.room))
-            answer = self._answers.answer(key)
-            if answer is not None:
-                exchange.room = answer.room
-                return answer
-        found = exchange.bound(materials, self.pool, start)
-        assert exchange.room is not None
-        solution, objective = (None, None) if found is None else found
-        answer = Answer(exchange.room, objective, solution, found is None and not exchange.infeasible, None)
-        if self._answers is not None and key is not None:
-            self._answers.note_answer(key, answer)
-        return answer
-
-    def _answered(
-        self,
-        key: Key | None,
-        pick: Combination,
-        exchange: Exchange,
-        materials: Array,
-        found: tuple[Solution, float] | tuple[None, None],
-        *,
-        unsolved: bool,
-        relaxed: Solution | None = None,
-    ) -> Solved:
-        """What a combination came to, kept where answers are."""
-        assert exchange.room is not None
-        answer = Answer(exchange.room, found[1], found[0], unsolved, relaxed)
-        if self._answers is not None and key is not None:
-            self._answers.note_answer(key, answer)
-        return self._solved(pick, exchange, materials, answer)
-
-    def _solved(self, pick: Combination, exchange: Exchange, materials: Array, answer: Answer) -> Solved:
-        assert self.pool is not None
-        if answer.solution is None:
-            self.note(pick, None, "unsolved" if answer.unsolved else "infeasible")
-        return Solved(
-            exchange, materials, self.pool, answer.objective, answer.solution, answer.relaxed, answer.unsolved
-        )
+        pool = self.pool
+        assert pool is not None
+        return self._known("start", pick, exchange, (start,), lambda: _alone(exchange, materials, pool, [start]))[0]
 
     @property
     def some_impossible(self) -> bool:
@@ -470,37 +445,33 @@ class Chooser:
         known: float,
     ) -> Ended:
         """How an exchange ends that is given up above what is known; as it ended before where that is kept."""
-        assert self.pool is not None
-        key = None
-        if self._answers is not None:
-            key = self._answers.key("finish", pick, self.pool, start, within, known, _slots(exchange.room))
-            ended = self._answers.ended(key)
-            if ended is not None:
-                exchange.room, exchange.infeasible = ended.room, ended.infeasible
-                for each in ended.rounds:
-                    self._heard(each)
-                return ended
+        pool = self.pool
+        assert pool is not None
         rounds: list[Iteration] = []
 
         def heard(iteration: Iteration) -> None:
             rounds.append(iteration)
             self._heard(iteration)
 
-        done, objective, unreachable = None, None, False
-        try:
-            done = exchange.run(
-                materials, pick.materials, self.pool, start, give_up_above=known, log=heard, within=within
-            )
-        except Unreachable:
-            unreachable = True
-        if done is not None:
-            program = exchange.program(done.pool)
-            error = done.solution.error if done.worst is None else done.worst.error
-            objective = objective_of(self.context, program, done.x, materials, error)
-        assert exchange.room is not None
-        ended = Ended(exchange.room, done, objective, exchange.infeasible, unreachable, tuple(rounds))
-        if self._answers is not None and key is not None:
-            self._answers.note_ended(key, ended)
+        def found() -> Ended:
+            done, objective, unreachable = None, None, False
+            try:
+                done = exchange.run(
+                    materials, pick.materials, pool, start, give_up_above=known, log=heard, within=within
+                )
+            except Unreachable:
+                unreachable = True
+            if done is not None:
+                error = done.solution.error if done.worst is None else done.worst.error
+                objective = objective_of(self.context, exchange.program(done.pool), done.x, materials, error)
+            assert exchange.room is not None
+            return Ended(exchange.room, done, objective, exchange.infeasible, unreachable, tuple(rounds))
+
+        ended, fresh = self._known("finish", pick, exchange, (start, within, known), found)
+        if not fresh:
+            exchange.infeasible = ended.infeasible
+            for each in ended.rounds:
+                self._heard(each)
         return ended
 
     def _heard(self, iteration: Iteration) -> None:
@@ -531,6 +502,19 @@ class Chooser:
                 trials = one_link_changed(problem, self.best[0], link)
                 self.try_all([trial for trial in trials if trial not in self.candidates])
             improved = self.objective < before * (1.0 - 1e-6)
+
+
+def _alone(exchange: Exchange, materials: Array, pool: Pool, starts: Sequence[Array]) -> Answer:
+    """What a combination comes to for a pool alone, from one start after another until there is a solution."""
+    found, unsolved = None, False
+    for start in starts:
+        found = exchange.bound(materials, pool, start)
+        if found is not None:
+            break
+        unsolved = unsolved or not exchange.infeasible
+    assert exchange.room is not None
+    solution, objective = (None, None) if found is None else found
+    return Answer(exchange.room, objective, solution, found is None and unsolved, None)
 
 
 def _slots(room: Room | None) -> object:

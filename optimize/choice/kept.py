@@ -12,27 +12,29 @@ from collections.abc import Mapping
 from dataclasses import asdict, dataclass, fields, is_dataclass
 from pathlib import Path
 from types import MappingProxyType
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 
 from linkwright.core.arm.chain.chain import Arm
 from linkwright.core.arm.files.write import arm_to_yaml
 from linkwright.core.arm.worst.search import WorstCase, WorstPose
-from linkwright.core.optimize.exchange.binding_poses import Pool, Room, pool_of
+from linkwright.core.optimize.exchange.binding_poses import Anchor, ErrorCut, Pool, Room
 from linkwright.core.optimize.exchange.exchange import Exchanged
 from linkwright.core.optimize.exchange.program import Solution
 from linkwright.core.optimize.exchange.scenarios import Scenarios
-from linkwright.core.optimize.journal import Journal, Record
+from linkwright.core.optimize.journal import Journal
+from linkwright.core.optimize.limits import Cut
 from linkwright.core.optimize.problem import Problem
 from linkwright.core.optimize.result import Iteration
-from linkwright.core.sections.numeric import Array
 from linkwright.core.units.quantities import InputError
 
 from .bounding import Bounded
 from .picks import Combination
 
 Key = tuple[str, ...]
+_RECORDS = 2
+"""How answers are written: journals of another way are of another version."""
 _ASIDE = ("file", "figures", "sizes", "uncertain")
 """Fields of a problem that its search for a nominal design does not depend on."""
 
@@ -76,74 +78,14 @@ class Kept:
         names = [None if material is None else material.name for material in pick.materials]
         return self._arm, what, _digest([pick.shapes, names, asdict(pool), plain])
 
-    def answer(self, key: Key) -> Answer | None:
-        """What a combination came to; None where it is not known."""
-        found = self._found(key)
-        if found is None:
-            return None
-        own, relaxed = found["solution"], found["relaxed"]
-        return Answer(
-            _room(found["room"]),
-            found["objective"],
-            None if own is None else _solution(own),
-            found["unsolved"],
-            None if relaxed is None else _solution(relaxed),
-        )
+    def get(self, key: Key) -> Any:
+        """The answer under a key; None where it is not known."""
+        found = self._journal.get(key) if self._journal.has(key) else None
+        return None if found is None else unpacked(found)
 
-    def note_answer(self, key: Key, answer: Answer) -> None:
-        """Keep what a combination came to."""
-        self._journal.put(
-            key,
-            {
-                "room": asdict(answer.room),
-                "objective": answer.objective,
-                "solution": None if answer.solution is None else _solution_record(answer.solution),
-                "unsolved": answer.unsolved,
-                "relaxed": None if answer.relaxed is None else _solution_record(answer.relaxed),
-            },
-        )
-
-    def ended(self, key: Key) -> Ended | None:
-        """How an exchange ended; None where it is not known."""
-        found = self._found(key)
-        if found is None:
-            return None
-        done = found["done"]
-        rounds = tuple(Iteration(**each) for each in found["rounds"])
-        return Ended(
-            _room(found["room"]),
-            None if done is None else _exchanged(done),
-            found["objective"],
-            found["infeasible"],
-            found["unreachable"],
-            rounds,
-        )
-
-    def note_ended(self, key: Key, ended: Ended) -> None:
-        """Keep how an exchange ended."""
-        self._journal.put(
-            key,
-            {
-                "room": asdict(ended.room),
-                "done": None if ended.done is None else _exchanged_record(ended.done),
-                "objective": ended.objective,
-                "infeasible": ended.infeasible,
-                "unreachable": ended.unreachable,
-                "rounds": [_plain(asdict(each)) for each in ended.rounds],
-            },
-        )
-
-    def bounded(self, key: Key) -> Bounded | None:
-        """What a combination came to elsewhere; None where it is not known."""
-        found = self._found(key)
-        return None if found is None else Bounded(found["objective"], tuple(found["x"]), found["outcome"])
-
-    def note_bounded(self, key: Key, bounded: Bounded) -> None:
-        """Keep what a combination came to elsewhere."""
-        self._journal.put(key, asdict(bounded))
-
-    def _found(self, key: Key) -> Record | None:
-        return self._journal.get(key) if self._journal.has(key) else None
+    def put(self, key: Key, answer: Answer | Ended | Bounded) -> None:
+        """Keep an answer."""
+        self._journal.put(key, packed(answer))
 
 
 def search_journal(problem: Problem, path: Path | None, made_by: str) -> Journal | None:
@@ -181,7 +123,7 @@ def digest_of(problem: Problem, made_by: str) -> str:
         "same": sorted(problem.same),
     }
     rest = {each.name: getattr(problem, each.name) for each in fields(problem) if each.name not in (*told, *_ASIDE)}
-    return _digest([told, rest, made_by])
+    return _digest([told, rest, made_by, _RECORDS])
 
 
 def _digest(content: Any) -> str:
@@ -199,78 +141,43 @@ def _as_list(value: Any) -> Any:
     return str(value)
 
 
-def _plain(content: Any) -> Any:
-    return json.loads(json.dumps(content, default=_as_list))
-
-
-def _room(content: Record) -> Room:
-    return Room(tuple(content["errors"]), tuple((name, tuple(slots)) for name, slots in content["held"]))
-
-
-def _solution_record(solution: Solution) -> dict[str, Any]:
-    found = {name: value for name, value in vars(solution).items() if name not in ("active", "multipliers")}
-    multipliers = {name: value.tolist() for name, value in solution.multipliers.items()}
-    return _plain({**found, "active": asdict(solution.active), "multipliers": multipliers})
-
-
-def _solution(content: Record) -> Solution:
-    multipliers = {name: _array(value) for name, value in content["multipliers"].items()}
-    own: dict[str, Any] = {
-        **content,
-        "x": _array(content["x"]),
-        "limit_prices": tuple(content["limit_prices"]),
-        "bound_prices": _array(content["bound_prices"]),
-        "shape_prices": tuple((text, price) for text, price in content["shape_prices"]),
-        "slacks": tuple(content["slacks"]),
-        "active": pool_of(content["active"]),
-        "multipliers": MappingProxyType(multipliers),
-    }
-    return Solution(**own)
-
-
-def _array(values: list[float]) -> Array:
-    return np.array(values, dtype=float)
-
-
-def _exchanged_record(done: Exchanged) -> dict[str, Any]:
-    return _plain(
-        {
-            "x": done.x,
-            "solution": _solution_record(done.solution),
-            "pool": asdict(done.pool),
-            "worst": None if done.worst is None else asdict(done.worst),
-            "iterations": [asdict(each) for each in done.iterations],
-            "certified": done.certified,
-            "converged": done.converged,
-            "bounded_out": done.bounded_out,
-        }
-    )
-
-
-def _exchanged(content: Record) -> Exchanged:
-    worst = content["worst"]
-    return Exchanged(
-        _array(content["x"]),
-        _solution(content["solution"]),
-        pool_of(content["pool"]),
-        None if worst is None else _worst(worst),
-        tuple(Iteration(**each) for each in content["iterations"]),
-        content["certified"],
-        content["converged"],
-        content["bounded_out"],
-    )
-
-
-def _worst(content: Record) -> WorstCase:
-    poses = tuple(
-        WorstPose(
-            tuple(each["q"]),
-            each["load_case"],
-            each["error"],
-            (each["vector"][0], each["vector"][1], each["vector"][2]),
-            tuple(each["signs"]),
-            tuple((shift[0], shift[1], shift[2]) for shift in each["shifts"]),
+_KINDS = MappingProxyType(
+    {
+        kind.__name__: kind
+        for kind in (
+            *(Answer, Ended, Bounded, Room, Solution, Exchanged, Iteration),
+            *(Pool, ErrorCut, Anchor, Cut, WorstCase, WorstPose),
         )
-        for each in content["poses"]
-    )
-    return WorstCase(content["error"], content["upper_bound"], content["certified"], poses)
+    }
+)
+"""What answers are made of."""
+
+
+def packed(value: Any) -> Any:
+    """A value as JSON holds it: dataclasses by their names, arrays and mappings marked, tuples as lists."""
+    if isinstance(value, np.ndarray):
+        return {"array": value.tolist()}
+    if isinstance(value, np.generic):
+        return value.item()
+    if isinstance(value, Mapping):
+        return {"mapping": {str(name): packed(each) for name, each in cast(Mapping[object, Any], value).items()}}
+    if isinstance(value, tuple):
+        return [packed(each) for each in cast(tuple[Any, ...], value)]
+    if is_dataclass(value) and not isinstance(value, type):
+        own = {each.name: packed(getattr(value, each.name)) for each in fields(value)}
+        return {"kind": type(value).__name__, **own}
+    return value
+
+
+def unpacked(content: Any) -> Any:
+    """The value that `packed` made JSON of."""
+    if isinstance(content, list):
+        return tuple(unpacked(each) for each in cast(list[Any], content))
+    if not isinstance(content, dict):
+        return content
+    own = cast(dict[str, Any], content)
+    if "array" in own:
+        return np.array(own["array"], dtype=float)
+    if "mapping" in own:
+        return MappingProxyType({name: unpacked(each) for name, each in own["mapping"].items()})
+    return _KINDS[own["kind"]](**{name: unpacked(each) for name, each in own.items() if name != "kind"})

@@ -173,7 +173,7 @@ def _own(problem: Problem, arm: Arm) -> tuple[dict[str, dict[Power, Array]], dic
 def _family_rows(problem: Problem, name: str, prepared: Any, cut: Cut, arm: Arm, p: Array) -> list[PoseRow]:
     size = arm.size
     if name == "strengths":
-        return [_scalar(each, size, limit) for limit, each in _strength(problem, prepared[cut.group], cut, p)]
+        return [_scalar(each, size, limit) for limit, each in strength_products(problem, prepared[cut.group], cut, p)]
     if isinstance(prepared, PreparedStiffness):
         return _stiffness(problem, prepared, cut, p)
     if name != "modes":
@@ -217,7 +217,7 @@ def _scalar(products: Products, size: int, limit: int) -> PoseRow:
     return row_of(terms, size, objective=False, scale=1.0, limit=limit)
 
 
-def _strength(problem: Problem, case: Any, cut: Cut, p: Array) -> list[tuple[int, Products]]:
+def strength_products(problem: Problem, case: Any, cut: Cut, p: Array) -> list[tuple[int, Products]]:
     """Stresses and compressions of a pose that tell, over what is allowed, less one; each with its limit's number."""
     stresses = stress_products(case, cut, p)
     presses = compression_products(case, cut, p)
