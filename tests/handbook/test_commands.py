@@ -90,6 +90,8 @@ def test_spoken_targets_are_there():
     """`make ...` within sentences and blocks."""
     targets = set(re.findall(r"^([a-z-]+):", (ROOT / "Makefile").read_text(encoding="utf-8"), re.MULTILINE))
     for page in PAGES:
+        if page.name == "CHANGELOG.md":  # which speaks of what is gone, too
+            continue
         text = page.read_text(encoding="utf-8")
         assert set(re.findall(r"(?:`|^)make ([a-z-]+)", text, re.MULTILINE)) <= targets, page
 
