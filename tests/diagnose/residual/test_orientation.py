@@ -126,7 +126,8 @@ def test_no_mismatch_stays_none(space, free):
     assert diagnose(arm, simulate(arm, plan).recording).verdict == "none"
 
 
-@pytest.mark.parametrize("free", [pytest.param(False, marks=pytest.mark.slow), True], ids=["known frame", "free frame"])
+@pytest.mark.slow
+@pytest.mark.parametrize("free", [False, True], ids=["known frame", "free frame"])
 def test_a_drive_that_gives_is_found_by_place_and_turn(free):
     arm = made_arm(space=True)
     plan = Plan(poses=20, repeats=3, payloads=(0.0, 5.0), orientation=True, free_frame=free, seed=3)
