@@ -121,7 +121,7 @@ def _read(
     find: Finder = nothing_found,
     found_in: MappingLike[str, str] = MappingProxyType({}),
 ) -> Material:
-    title = mapping.text("title", "") if mapping.has("title") else ""
+    title = mapping.text("title", "")
     family = mapping.text("family", family)
     isotropic = mapping.boolean("isotropic", True)
     default_source = _source(mapping, references, "") if mapping.has("source") else ""
@@ -214,7 +214,7 @@ def _read_property(
     law, span = _read_law(inner, ways[0], kind)
     valid = inner.range("range", "temperature") if inner.has("range") else span
     spread = inner.range("spread", kind) if inner.has("spread") else None
-    note = inner.text("note", "") if inner.has("note") else ""
+    note = inner.text("note", "")
     source = _source(inner, references, default_source)
     date = inner.when("date", "") if name in _PRICES else ""
     inner.close()
@@ -229,11 +229,7 @@ def _read_law(inner: Mapping, way: str, kind: str) -> tuple[Law, tuple[float, fl
         return _read_table(inner, kind)
     polynomial = inner.mapping("polynomial")
     origin = polynomial.quantity("origin", "temperature")
-    path = polynomial.path_of("coefficients")
-    coefficients = tuple(
-        read_quantity(item, kind, file=inner.file, key=f"{path}[{number}]")
-        for number, item in enumerate(polynomial.items("coefficients"), start=1)
-    )
+    coefficients = polynomial.vector("coefficients", kind)
     polynomial.close()
     if not coefficients:
         raise inner.error("polynomial", "needs at least one coefficient")
@@ -284,8 +280,8 @@ def read_laminate(
     """The properties that a material's `laminate` gives it, over the temperatures that all of the ply's are known for,
     and how its walls bend. Raises `InputError`."""
     with mapping.mapping("laminate").reading() as keys:
-        angles = _quantities(keys, "angles", "angle")
-        thicknesses = _quantities(keys, "thicknesses", "length") if keys.has("thicknesses") else None
+        angles = keys.vector("angles", "angle")
+        thicknesses = keys.vector("thicknesses", "length") if keys.has("thicknesses") else None
         if not angles or (thicknesses is not None and (len(thicknesses) != len(angles) or min(thicknesses) <= 0.0)):
             wrong = "angles" if not angles else "thicknesses"
             raise keys.error(wrong, "must be one for each ply, the thicknesses above zero")
@@ -354,14 +350,6 @@ def _ply(keys: Mapping, find: Finder) -> Material:
     if found is None:
         raise keys.error("ply", f"there is no material '{name}' here; give a ply's properties in place")
     return found
-
-
-def _quantities(keys: Mapping, name: str, kind: str) -> tuple[float, ...]:
-    path = keys.path_of(name)
-    return tuple(
-        read_quantity(item, kind, file=keys.file, key=f"{path}[{number}]")
-        for number, item in enumerate(keys.items(name), start=1)
-    )
 
 
 def _temperatures_to_check(item: Property) -> list[float]:

@@ -34,6 +34,6 @@ def read_prices(keys: Mapping, kind: str) -> dict[str, Price]:
             spread = price.range("spread", kind) if price.has("spread") else None
             if spread is not None and not 0.0 <= spread[0] <= value <= spread[1]:
                 raise price.error("spread", "must hold the value, and nothing below zero")
-            note = price.text("note", "") if price.has("note") else ""
+            note = price.text("note", "")
             found[name] = Price(value, spread, price.when("date"), price.text("source"), note)
     return found

@@ -326,10 +326,10 @@ class Mapping:
         """Return `[low, high]` in SI."""
         return read_range(self.raw(name, "a range [low, high]"), kind, file=self.file, key=self.path_of(name))
 
-    def vector(self, name: str, kind: str, length: int) -> tuple[float, ...]:
-        """Return `length` quantities of one kind, in SI."""
+    def vector(self, name: str, kind: str, length: int | None = None) -> tuple[float, ...]:
+        """Return `length` quantities of one kind (None: however many), in SI."""
         values = self.items(name)
-        if len(values) != length:
+        if length not in (None, len(values)):
             raise self.error(name, f"needs {length} values, not {len(values)}")
         path = self.path_of(name)
         return tuple(

@@ -45,7 +45,7 @@ from platformdirs import user_config_dir
 
 from linkwright.core.units.names import nearest
 from linkwright.core.units.prices import read_prices
-from linkwright.core.units.quantities import InputError, read_quantity, shown
+from linkwright.core.units.quantities import InputError, shown
 from linkwright.core.units.reading import Mapping as Keys
 from linkwright.core.units.reading import load_yaml, shipped_files
 
@@ -189,11 +189,11 @@ def read_actuators(keys: Keys) -> dict[str, Actuator]:
         read_prices(keys, "cost")
         if keys.has("prices") and not keys.has("actuators"):
             return {}
-        maker = keys.text("maker", "") if keys.has("maker") else ""
+        maker = keys.text("maker", "")
         references = keys.mapping("references")
         sources = {name: references.text(name) for name in references.content}
         entries = keys.mapping("actuators")
-        told = _Told(maker, _marks(keys), keys.text("found_in", "") if keys.has("found_in") else "")
+        told = _Told(maker, _marks(keys), keys.text("found_in", ""))
         return {name: _read(entries.mapping(name), name, sources, told) for name in entries.content}
 
 
@@ -255,9 +255,9 @@ def _read(keys: Keys, name: str, sources: Mapping[str, str], told: _Told) -> Act
             cost=cost,
             cost_spread=spread,
             cost_date=date,
-            note=keys.text("note", "") if keys.has("note") else "",
+            note=keys.text("note", ""),
             unconfirmed=tuple(each for each in marks if tilting is not None or each[0] != "tilting_stiffness"),
-            found_in=keys.text("found_in", told.found_in) if keys.has("found_in") else told.found_in,
+            found_in=keys.text("found_in", told.found_in),
         )
 
 
@@ -272,21 +272,13 @@ def _stiffnesses(keys: Keys) -> tuple[tuple[float, ...], tuple[float, ...]]:
     """The stiffness of each zone of torque, and the torques at which the zones end."""
     if not isinstance(keys.content.get("stiffness"), list):
         return (_positive(keys, "stiffness", "torsional_stiffness"),), ()
-    zones = _quantities(keys, "stiffness", "torsional_stiffness")
-    ends = _quantities(keys, "zone_torques", "torque")
+    zones = keys.vector("stiffness", "torsional_stiffness")
+    ends = keys.vector("zone_torques", "torque")
     if len(ends) != len(zones) - 1:
         raise keys.error("zone_torques", f"needs {len(zones) - 1} torques for {len(zones)} zones of stiffness")
     if not zones or min(zones) <= 0.0 or any(end <= start for start, end in itertools.pairwise((0.0, *ends))):
         raise keys.error("zone_torques", "must rise from zone to zone, and every stiffness must be positive")
     return zones, ends
-
-
-def _quantities(keys: Keys, name: str, kind: str) -> tuple[float, ...]:
-    path = keys.path_of(name)
-    return tuple(
-        read_quantity(item, kind, file=keys.file, key=f"{path}[{number}]")
-        for number, item in enumerate(keys.items(name), start=1)
-    )
 
 
 def _cost(keys: Keys) -> tuple[float | None, tuple[float, float] | None, str | None]:

@@ -38,7 +38,7 @@ from linkwright.core.units.quantities import InputError
 
 from .bodies import Mass, ball, known_body, negative_moment, rod, together
 from .names import Names, names_of
-from .urdf import Frame
+from .urdf import Frame, onward
 
 OUTER = 5.0 / 6.0
 """Where, as a share of the length, the outer half of a uniform link's weight bends it as the whole does."""
@@ -164,11 +164,6 @@ def _tips(arm: Arm, ends: Mapping[int | None, tuple[str, Frame]], names: Names) 
     return tuple(found)
 
 
-def onward(first: Frame, second: Frame) -> Frame:
-    """Where a frame stands that stands at `second` in one that stands at `first`."""
-    return compose(first[0], second[0]), add(first[1], rotate(first[0], second[1]))
-
-
 def standing(joint: Joint) -> Frame:
     """Where a joint stands in the frame of the link before at coordinate 0, its zero included."""
     rotation, translation = joint.origin_rotation, joint.origin_translation
@@ -239,10 +234,10 @@ def _masses(arm: Arm, index: int, beam: Beam, axes: Array, *, halved: bool) -> t
         )
     if not joint.revolute:
         inner.append(ball(joint.mass, ZERO))
-    for onward in (arm.joints[k] for k, before in enumerate(_before(arm)) if before == index):
-        if onward.revolute:
-            place = add(vector, rotate(link.end_rotation, onward.origin_translation))
-            outer.append(ball(onward.mass, place))
+    for other in (arm.joints[k] for k, before in enumerate(_before(arm)) if before == index):
+        if other.revolute:
+            place = add(vector, rotate(link.end_rotation, other.origin_translation))
+            outer.append(ball(other.mass, place))
     return inner, outer
 
 

@@ -21,11 +21,11 @@ from linkwright.core.units.quantities import InputError, shown
 from linkwright.core.units.reading import nearest
 
 from .elements import Element, elements_in
-from .exported import GEOMETRY, found_geometry, onward, standing
+from .exported import GEOMETRY, found_geometry, standing
 from .formats import Exported
 from .imported import import_urdf
 from .stands import Stand, Standing, mjcf_standing, transform, urdf_standing
-from .urdf import NO_STEP
+from .urdf import NO_STEP, onward
 
 _SAME = 1e-6
 """m or rad: by so much a joint of the file may stand elsewhere than the arm file's, whose numbers are rounded."""

@@ -9,6 +9,7 @@ from pathlib import Path
 from types import MappingProxyType
 
 import numpy as np
+from scipy.spatial.transform import Rotation as Turn
 
 from linkwright.core.sections.numeric import Array
 from linkwright.core.units.quantities import InputError, shown
@@ -69,8 +70,9 @@ def urdf_standing(file: Path, names: Sequence[str]) -> Standing:
     for joint in way_to(robot, robot.root, last.child):
         own = transform(*joint.origin)
         if joint.name in names:
-            made = Stand(joint.name, joint.element, before, own, np.eye(4), joint.kind == "prismatic")
-            found.append(_with_line(made, np.array(joint.axis), np.zeros(3)))
+            slides = joint.kind == "prismatic"
+            axis = np.array(joint.axis)
+            found.append(Stand(joint.name, joint.element, before, own, np.eye(4), slides, axis, np.zeros(3)))
             before = np.eye(4)
             continue
         before = before @ own
@@ -87,19 +89,6 @@ def urdf_standing(file: Path, names: Sequence[str]) -> Standing:
     # A frame that others stand on moves with the first that does.
     first = {id(tip.element): tip for tip in tips}
     return Standing(tuple(found), tuple(bases), tuple(first.values()))
-
-
-def _with_line(stand: Stand, axis: Array, point: Array) -> Stand:
-    return Stand(
-        stand.name,
-        stand.element,
-        stand.before,
-        stand.own,
-        stand.after,
-        stand.slides,
-        axis / np.linalg.norm(axis),
-        point,
-    )
 
 
 class Mjcf:
@@ -140,13 +129,7 @@ class Mjcf:
         said = element.attributes
         if "quat" in said:
             w, x, y, z = _direction(element, _numbers(element, said["quat"], 4))
-            return np.array(
-                [
-                    [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
-                    [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
-                    [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
-                ]
-            )
+            return Turn.from_quat([x, y, z, w]).as_matrix()
         if "axisangle" in said:
             *axis, angle = _numbers(element, said["axisangle"], 4)
             return turned(_direction(element, np.array(axis)), angle * self.to_radians)
@@ -191,8 +174,7 @@ def mjcf_standing(top: Element, names: Sequence[str]) -> Standing:
         point = _numbers(joint, said.get("pos", "0 0 0"), 3)
         ref = _numbers(joint, said.get("ref", "0"), 1)[0] * (1.0 if slides else read.to_radians)
         back = transform(np.eye(3), -ref * axis) if slides else about_line(axis, point, -ref)
-        made = Stand(joint.attributes["name"], body, before, own, back, slides)
-        found.append(_with_line(made, axis, point))
+        found.append(Stand(joint.attributes["name"], body, before, own, back, slides, axis, point))
         before = np.eye(4)
     last = way[-1][0]
     tips = [
@@ -228,19 +210,13 @@ def _everywhere(element: Element, tag: str) -> Iterator[Element]:
 
 def turned(axis: Array, angle: float) -> Array:
     """A turn (3, 3) about an axis."""
-    x, y, z = _normal(axis)
-    skew = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
-    return np.eye(3) + math.sin(angle) * skew + (1.0 - math.cos(angle)) * skew @ skew
+    return Turn.from_rotvec(angle * axis / np.linalg.norm(axis)).as_matrix()
 
 
 def about_line(axis: Array, point: Array, angle: float) -> Array:
     """A turn (4, 4) about a line through a point."""
     rotation = turned(axis, angle)
     return transform(rotation, point - rotation @ point)
-
-
-def _normal(vector: Array) -> Array:
-    return vector / np.linalg.norm(vector)
 
 
 def _direction(element: Element, vector: Array) -> Array:

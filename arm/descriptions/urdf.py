@@ -15,7 +15,17 @@ from typing import Literal, cast, get_args
 import numpy as np
 
 from linkwright.core.arm.chain.chain import FloatVector
-from linkwright.core.arm.chain.vectors import IDENTITY, ZERO, Rotation, from_roll_pitch_yaw, norm, unit
+from linkwright.core.arm.chain.vectors import (
+    IDENTITY,
+    ZERO,
+    Rotation,
+    add,
+    compose,
+    from_roll_pitch_yaw,
+    norm,
+    rotate,
+    unit,
+)
 from linkwright.core.sections.numeric import Array
 from linkwright.core.units.names import nearest
 from linkwright.core.units.quantities import InputError, shown
@@ -27,6 +37,13 @@ Frame = tuple[Rotation, FloatVector]
 """A rotation and a translation (m): where a frame stands in another."""
 
 NO_STEP: Frame = (IDENTITY, ZERO)
+
+
+def onward(first: Frame, second: Frame) -> Frame:
+    """Where a frame stands that stands at `second` in one that stands at `first`."""
+    return compose(first[0], second[0]), add(first[1], rotate(first[0], second[1]))
+
+
 _MOMENTS = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
 _SIZES: Mapping[str, tuple[str, ...]] = MappingProxyType(
     {

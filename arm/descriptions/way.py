@@ -16,7 +16,6 @@ from linkwright.core.arm.chain.vectors import (
     IDENTITY,
     ZERO,
     about,
-    add,
     compose,
     dot,
     norm,
@@ -31,7 +30,7 @@ from linkwright.core.units.quantities import InputError, shown
 from .bodies import Mass, together
 from .imported_arm import Imported, Lacking, one_line
 from .plausible import doubts_of
-from .urdf import NO_STEP, Frame, Mimic, Robot, UrdfJoint
+from .urdf import NO_STEP, Frame, Mimic, Robot, UrdfJoint, onward
 
 _STANDARD = 9.81
 _TURN = (-math.pi, math.pi)
@@ -52,11 +51,6 @@ def way_to(robot: Robot, start: str, end: str) -> list[UrdfJoint]:
         found.append(joint)
         here = joint.parent
     return found[::-1]
-
-
-def after(first: Frame, second: Frame) -> Frame:
-    """Where a frame stands that stands at `second` in a frame that stands at `first`."""
-    return compose(first[0], second[0]), add(first[1], rotate(first[0], second[1]))
 
 
 @dataclass
@@ -164,7 +158,7 @@ class Way:
         step = NO_STEP
         on_way = {joint.name for joint in self.chain} | self.beyond
         for joint in self.chain:
-            step = after(step, joint.origin)
+            step = onward(step, joint.origin)
             value = self._standing(joint)
             if value is None:
                 if found:
@@ -172,7 +166,7 @@ class Way:
                 found.append(Body(joint, step))
                 step = NO_STEP
             else:
-                step = after(step, _moved(joint, value))
+                step = onward(step, _moved(joint, value))
             if found:
                 self._weigh(found[-1], joint.child, step, on_way)
                 body = found[-1]
@@ -204,7 +198,7 @@ class Way:
             body.links.append((name, frame))
             inertial = self.robot.links[name].inertial
             if inertial is not None and inertial.mass > 0.0:
-                place, axes = after(frame, (IDENTITY, inertial.center))[1], np.array(frame[0], dtype=float)
+                place, axes = onward(frame, (IDENTITY, inertial.center))[1], np.array(frame[0], dtype=float)
                 own = np.zeros((3, 3)) if inertial.inertia is None else axes @ inertial.inertia @ axes.T
                 body.masses.append(Mass(inertial.mass, np.array(place, dtype=float), own))
                 if inertial.inertia is None:
@@ -217,7 +211,7 @@ class Way:
                     value = 0.0 if joint.mimic is None else joint.mimic.offset
                 if joint.kind != "fixed":
                     self.held.append(joint.name)
-                pending.append((joint.child, after(after(frame, joint.origin), _moved(joint, value))))
+                pending.append((joint.child, onward(onward(frame, joint.origin), _moved(joint, value))))
 
     def _gravity(self) -> FloatVector:
         """Down along z of the root, all joints before the base at 0."""
