@@ -69,9 +69,9 @@ def link_entries(link: Link) -> object:
 
 def entries(value: object) -> object:
     """A value as something to compare and to hash: dataclasses by all their fields, those that their own comparison
-    leaves out too; mappings and arrays by what they hold."""
-    if isinstance(value, tuple):
-        return tuple(map(entries, cast("tuple[object, ...]", value)))
+    leaves out too; mappings, lists and arrays by what they hold."""
+    if isinstance(value, tuple | list):
+        return tuple(map(entries, cast("tuple[object, ...] | list[object]", value)))
     if is_dataclass(value):
         return (type(value), *(entries(getattr(value, each.name)) for each in fields(value)))
     if isinstance(value, Mapping):
