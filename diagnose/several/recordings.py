@@ -75,6 +75,12 @@ class Several(Recording):
         other = MappingProxyType({name: values[rows] for name, values in self.other.items()})
         return replace(own, **taken, other=other, seat=self.seat)  # pyright: ignore[reportArgumentType]
 
+    @property
+    def tips(self) -> NDArray[np.int64]:
+        """A number (N,) for the tip that each reading is of, of several arms on one torso."""
+        own = np.unique([each.branch for each in self.each], return_inverse=True)[1].reshape(-1)
+        return own[self.which].astype(np.int64)
+
     def place_of(self, row: int) -> tuple[int, int]:
         """The recording (from 0) and the row in its file of a reading by its number in `row`."""
         index = int(np.searchsorted(self.first_row, row, side="right")) - 1

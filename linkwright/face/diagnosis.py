@@ -14,6 +14,7 @@ from linkwright.core.diagnose.compare.compare import compare
 from linkwright.core.diagnose.diagnosis import diagnose as diagnosed
 from linkwright.core.diagnose.options import Options
 from linkwright.core.diagnose.reading.branches import refuse_unmeasured_origins
+from linkwright.core.diagnose.recording import Recording as FoundRecording
 from linkwright.core.diagnose.result import Diagnosis as Found
 from linkwright.core.diagnose.result import FittedParameter
 from linkwright.core.diagnose.several.recordings import Several, together
@@ -203,7 +204,8 @@ def recordings_of(
     twice = next((file for k, file in enumerate(files) if file in files[:k]), None)
     if twice is not None:
         raise InputError(twice, "", "is named twice; each recording counts once")
-    refuse_unmeasured_origins(arm.model, {one.found.branch for one in read}, arm.model.name)
+    tips = {part.branch for one in read for part in _parts(one)}
+    refuse_unmeasured_origins(arm.model, tips, arm.model.name)
     widths = {one.found.q.shape[1] for one in read}
     if len(widths) > 1:
         raise InputError("", "recording", f"are of arms with {' and '.join(map(str, sorted(widths)))} joints")
@@ -212,9 +214,12 @@ def recordings_of(
 
 def settings_of(recording: Recording) -> list[Path]:
     """The settings files that a recording, or each of several, was read with."""
-    found = recording.found
-    own = found.each if isinstance(found, Several) else (found,)
-    return list(dict.fromkeys(Path(each.settings) for each in own if each.settings))
+    return list(dict.fromkeys(Path(each.settings) for each in _parts(recording) if each.settings))
+
+
+def _parts(recording: Recording) -> Sequence[FoundRecording]:
+    """The recordings that one is made of: itself, or each of several."""
+    return recording.found.each if isinstance(recording.found, Several) else (recording.found,)
 
 
 def recording_of(given: Recording | File | pd.DataFrame, arm: Arm, settings: File | None = None) -> Recording:
