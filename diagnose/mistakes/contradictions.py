@@ -65,6 +65,9 @@ def _refuse_units(
         # Relative to the motion: in units that are small enough, everything is close to everything.
         share = tried.misfit / max(_spread(tried.modelled), 1e-3 * reach)
         good = share < rules.whole and tried.misfit < rules.better * place.misfit
+        if recording.frame == "free" or recording.tool == "free":
+            # What is free takes a point to anywhere: a unit that shrinks the data to one explains nothing.
+            good &= tried.misfit < rules.whole * _spread(recording.tip * change.tip)
         if good and (best is None or share < 0.999 * best[0]):
             best = (share, tried.misfit, change)
     if best is None:

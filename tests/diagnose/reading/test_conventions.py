@@ -204,3 +204,12 @@ def test_no_row_of_a_stuck_encoder_is_kept(tmp_path: Path) -> None:
     found = read(tmp_path, stuck, tip)
     assert {each.row for each in found.rejected} >= set(range(42, 80))
     assert {each.row for each in found.rejected} <= set(range(41, 81))
+
+
+@pytest.mark.parametrize("settings", ["frame: free\n", "frame: free\ntool: free\n", "tool: free\n"])
+def test_no_unit_shrinks_a_motion_to_nothing(tmp_path: Path, settings: str) -> None:
+    """Joints that all but stand still while the tip moves by a metre: um in place of mm would bring every tip to one
+    point."""
+    q, tip = clean()
+    with pytest.raises(InputError, match="no other unit, frame, tool, zero, sign or order explains it"):
+        read(tmp_path, 0.3 + 1e-5 * q, tip, settings)
