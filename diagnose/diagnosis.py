@@ -24,12 +24,12 @@ from linkwright.core.diagnose.residual.orientation import with_sound_orientation
 from linkwright.core.diagnose.residual.unweighed import weighed_by_torque
 from linkwright.core.diagnose.residual.visits import one_condition, visits
 from linkwright.core.diagnose.rules.rules import Rules
-from linkwright.core.diagnose.search.coupling import coupled, through_what_is_named
+from linkwright.core.diagnose.search.coupling import coupled, may_couple, through_what_is_named
 from linkwright.core.diagnose.search.labels import mislabelled
 from linkwright.core.diagnose.search.large_motions import about_large, candidates_of
 from linkwright.core.diagnose.search.naming import Named, Namer, name_missing
 from linkwright.core.diagnose.search.one_set_of_weights import under_one_set
-from linkwright.core.diagnose.search.subsets import gains, products
+from linkwright.core.diagnose.search.subsets import gains
 from linkwright.core.diagnose.search.whole_search import whole_search_p
 from linkwright.core.diagnose.several.floors import floor_of_all
 from linkwright.core.diagnose.several.other_arms import of_different_arms, of_other_arms
@@ -60,7 +60,7 @@ class _SoFar:
         """What is named now, that by its name which explains most alone; nothing where it was given up again."""
         self._found = ""
         if members:
-            alone = gains(namer.pool, products(namer.pool, namer.prepared.vector))
+            alone = gains(namer.pool, namer.prepared.products)
             (first,) = candidates_of(namer, [max(members, key=lambda member: alone[member])])
             more = f" and {len(members) - 1} more" if len(members) > 1 else ""
             self._found = f"provisional: {label_of(first, namer.prepared.observed.recording)}{more}; "
@@ -132,7 +132,7 @@ def _diagnosed(arm: Arm, recording: Recording, asked: Options, hear: Progress, e
         tell.found(namer, named.members)
         if min(test.p_value for test in named.gate) <= rules.search.false_alarm:
             namer, named = about_large(namer, named, about)
-        if named.members:
+        if may_couple(namer, named):
             again = coupled(namer, asked.without, lambda share: tell("loads and flexibility", 0.6 + 0.05 * share))
             if again is not namer:
                 before = candidates_of(namer, named.members)

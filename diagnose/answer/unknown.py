@@ -19,7 +19,7 @@ from linkwright.core.diagnose.residual.visits import looks_quieter
 from linkwright.core.diagnose.result import Dependence, Form, RejectedForm, Unknown
 from linkwright.core.diagnose.rules.answer_rules import AnswerRules
 from linkwright.core.diagnose.search.naming import Namer
-from linkwright.core.diagnose.search.subsets import gains, products
+from linkwright.core.diagnose.search.subsets import gains
 from linkwright.core.sections.numeric import Array
 
 from .gaussian_process import smooth_model
@@ -206,7 +206,7 @@ def _ranked_forms(namer: Namer, known: Sequence[int], folds: Folds) -> list[Form
     """The forms that describe most of what the known physics leaves, the best variant of each, checked on held-out
     rows."""
     prepared, observed = namer.prepared, namer.prepared.observed
-    given = products(namer.pool, prepared.vector)
+    given = prepared.products
     given = given.beside(namer.pool.columns(list(known))) if known else given
     gained = gains(namer.pool, given)
     price = namer.criterion.price
@@ -236,7 +236,7 @@ def _ranked_forms(namer: Namer, known: Sequence[int], folds: Folds) -> list[Form
 def rejected_forms(namer: Namer, known: Sequence[int], others: Sequence[int]) -> tuple[RejectedForm, ...]:
     """The entries of the library that came nearest without being taken, and why."""
     prepared = namer.prepared
-    start = products(namer.pool, prepared.vector)
+    start = prepared.products
     given = start.beside(namer.pool.columns(list(known))) if known else start
     gained = gains(namer.pool, given)
     whole = [*known, *others]

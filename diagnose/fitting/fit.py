@@ -44,10 +44,10 @@ def fit(prepared: Prepared, members: Sequence[int]) -> Fit:
     """Least squares of some groups beside the nuisances."""
     pool, vector = prepared.pool, prepared.vector
     columns = pool.columns(members)
-    against = pool.basis[:, columns].T @ vector
+    against = prepared.products.against[columns]
     inverse = np.linalg.pinv(pool.gram[np.ix_(columns, columns)], rcond=1e-9, hermitian=True)
     coefficients = inverse @ against
-    rss = max(float(vector @ vector) - float(against @ coefficients), 0.0)
+    rss = max(prepared.products.rss - float(against @ coefficients), 0.0)
     freedom = len(vector) - pool.nuisance.shape[1] - len(columns)
     variance = rss / max(freedom, 1)
     sizes: list[Array] = []

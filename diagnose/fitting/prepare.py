@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -30,7 +31,7 @@ from linkwright.core.diagnose.residual.visits import blocks_of, looks_quieter, p
 from linkwright.core.diagnose.residual.wander import clock, remembered, still, wander_in, without
 from linkwright.core.diagnose.rules.fitting_rules import FittingRules
 from linkwright.core.diagnose.rules.rules import RULES
-from linkwright.core.diagnose.search.subsets import Criterion, criterion_for, gains, products
+from linkwright.core.diagnose.search.subsets import Criterion, Products, criterion_for, gains, products
 from linkwright.core.diagnose.several.nuisances import of_each
 from linkwright.core.sections.numeric import Array
 
@@ -74,6 +75,11 @@ class Prepared:
     rejected: tuple[RejectedRow, ...]
     independent: float = 1.0
     together: int = 1
+
+    @cached_property
+    def products(self) -> Products:
+        """The pool's products with the residual."""
+        return products(self.pool, self.vector)
 
     @property
     def criterion(self) -> Criterion:
@@ -411,7 +417,7 @@ def _rough_model(prepared: Prepared, besides: Sequence[str]) -> _Rough:
     bad rows weighed down."""
     pool, criterion, observed = prepared.pool, prepared.criterion, prepared.observed
     rules = observed.rules.fitting
-    given, members = products(pool, prepared.vector), list[int]()
+    given, members = prepared.products, list[int]()
     barred = np.array([group.candidate.effect in besides for group in pool.groups], dtype=bool)
     for _ in range(rules.rough if pool.groups else 0):
         gained = gains(pool, given)

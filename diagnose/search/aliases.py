@@ -13,7 +13,7 @@ from linkwright.core.diagnose.fitting.fit import Fit, fit, typical
 from linkwright.core.sections.numeric import Array
 
 from .naming import Named, Namer
-from .subsets import gains, products
+from .subsets import taken_off
 
 
 @dataclass(frozen=True)
@@ -29,19 +29,23 @@ def likenesses(namer: Namer, members: Sequence[int], member: int) -> tuple[Array
     """How alike each group's pattern is to a member's, as fitted beside the other members (0 to 1), and what each
     explains beside them, in sum of squares; both (G,)."""
     pool = namer.pool
-    others = [m for m in members if m != member]
-    start = products(pool, namer.prepared.vector).beside(pool.columns(others))
-    group = pool.groups[member]
-    own = slice(group.start, group.stop)
-    pattern = np.linalg.pinv(start.gram[own, own], rcond=1e-9) @ start.against[own]
-    mixed = start.gram[:, own] @ pattern
-    signal = max(float(pattern @ start.gram[own, own] @ pattern), 1e-300)
-    shared = np.zeros(len(pool.groups))
-    for number in np.flatnonzero(namer.library).tolist():
-        part = slice(pool.groups[number].start, pool.groups[number].stop)
-        block = np.linalg.pinv(start.gram[part, part], rcond=1e-9)
-        shared[number] = np.sqrt(max(float(mixed[part] @ block @ mixed[part]), 0.0) / signal)
-    return np.minimum(shared, 1.0), gains(pool, start)
+    start = namer.prepared.products
+    taken, explained = taken_off(start, pool.columns([m for m in members if m != member]))
+    left = start.against - taken @ explained
+    own = pool.columns([member])
+    gram = start.gram[:, own] - taken @ taken[own].T
+    pattern = np.linalg.pinv(gram[own], rcond=1e-9, hermitian=True) @ left[own]
+    mixed = gram @ pattern
+    signal = max(float(pattern @ mixed[own]), 1e-300)
+    shared, gained = np.zeros(len(pool.groups)), np.zeros(len(pool.groups))
+    layout = pool.layout
+    spans = [(layout.single_groups, layout.single_columns[:, None]), *((at_of, at) for at_of, at in layout.wide)]
+    for groups, at in spans:
+        block = start.gram[at[:, :, None], at[:, None, :]] - taken[at] @ taken[at].transpose(0, 2, 1)
+        inverse = np.linalg.pinv(block, rcond=1e-9, hermitian=True)
+        shared[groups] = np.sqrt(np.maximum(np.einsum("gi,gij,gj->g", mixed[at], inverse, mixed[at]), 0.0) / signal)
+        gained[groups] = np.einsum("gi,gij,gj->g", left[at], inverse, left[at])
+    return np.where(namer.library, np.minimum(shared, 1.0), 0.0), gained
 
 
 def rivals(namer: Namer, members: Sequence[int], member: int, judges: Sequence[Namer] = ()) -> list[Rival]:

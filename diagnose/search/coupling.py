@@ -51,6 +51,14 @@ def softened(prepared: Prepared, entries: Sequence[EffectEntry], without: frozen
     return replace(again, pool=pool)
 
 
+def may_couple(namer: Namer, named: Named) -> bool:
+    """Whether loads may act through flexibility that nobody knows of: one of both is named, or something is left."""
+    candidates_named = (namer.pool.groups[member].candidate for member in named.members)
+    acts = any(flexible(each) or through_flexibility(each) for each in candidates_named)
+    left = named.left is None or min(test.p_value for test in named.left) <= namer.rules.false_alarm
+    return bool(named.members) and (acts or left or bool(named.outside))
+
+
 def coupled(namer: Namer, without: frozenset[str], tell: Callable[[float], None]) -> Namer:
     """The namer whose loads act through the flexibility that it finds, of all beginnings the one that explains best.
 

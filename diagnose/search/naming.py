@@ -19,9 +19,9 @@ from linkwright.core.diagnose.patterns.pool import Pool, with_group
 from linkwright.core.diagnose.rules.search_rules import SearchRules
 from linkwright.core.sections.numeric import Array
 
-from .calibrate import Calibrated, Given, given_model, one_more
+from .calibrate import Calibrated, Given, given_model, one_more, p_value
 from .geometry import beats, geometry_alone
-from .subsets import Subset, best_subsets, gains_beside, own_blocks, products
+from .subsets import Subset, best_subsets, gains_beside, own_blocks
 
 Mask = NDArray[np.bool_]
 
@@ -198,9 +198,11 @@ def name_missing(
         tell(0.8)
     geometry, p_of_geometry = _sound(namer, geometry_alone(namer))
     if geometry:
-        geometry, p_of_geometry = _carried_on(namer, geometry, p_of_geometry)
-        if not members or not beats(namer, members, geometry):
-            members, p_values = geometry, p_of_geometry
+        further, p_of_further = _carried_on(namer, geometry, p_of_geometry)
+        enough = set(further) <= set(geometry)
+        worse = beats(namer, members, further) if enough else namer.criterion_of(further) >= namer.criterion_of(members)
+        if not (members and worse):
+            members, p_values = further, p_of_further
     again = namer.numbers_of(before) if len(before) > 3 else ()
     if len(again) > 3 and namer.possible(again):
         again = _swapped(namer, again)
@@ -242,12 +244,13 @@ def _of_library(namer: Namer) -> tuple[tuple[int, ...], tuple[float, ...]]:
 
 
 def own_tests(namer: Namer, members: Sequence[int], others: Sequence[int] = ()) -> tuple[float, ...]:
-    """The p-value of each group given all the others (and `others`)."""
+    """The p-value of each group given all the others (and `others`): how often chance lets the best of the library
+    explain as much as it does."""
     found: list[float] = []
     for member in members:
         rest = [m for m in (*members, *others) if m != member]
-        tested = namer.test(rest)
-        found.append(tested[0].p_value)
+        tested = namer.test(rest)[0]
+        found.append(p_value(float(tested.each[member]), tested.drawn))
     return tuple(found)
 
 
@@ -299,7 +302,7 @@ def _best_addition(namer: Namer, members: tuple[int, ...], tested: Calibrated) -
 
 def _swapped(namer: Namer, members: tuple[int, ...]) -> tuple[int, ...]:
     """The members after exchanging one at a time for whatever explains more, as long as that helps."""
-    start = products(namer.pool, namer.prepared.vector)
+    start = namer.prepared.products
     blocks = own_blocks(namer.pool, start)
     for _ in range(3):
         changed = False

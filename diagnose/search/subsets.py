@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import heapq
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -20,6 +20,8 @@ from numpy.typing import NDArray
 from linkwright.core.diagnose.patterns.pool import Layout, Pool
 from linkwright.core.diagnose.rules.rules import RULES
 from linkwright.core.sections.numeric import Array
+
+from .pairs import Blocks, blocks_of
 
 _GONE = 1e-9
 """A direction whose squared norm falls below this share beside the others adds nothing that rounding does not."""
@@ -46,7 +48,7 @@ class Products:
 
     def beside(self, columns: NDArray[np.int64]) -> Products:
         """The same beside further columns that are taken as given."""
-        mixed, explained = _beside(self, columns)
+        mixed, explained = taken_off(self, columns)
         return Products(
             self.gram - mixed @ mixed.T,
             self.against - mixed @ explained,
@@ -71,7 +73,7 @@ def gains_beside(
 
     `blocks` are the groups' own blocks of `given.gram` (see `own_blocks`).
     """
-    mixed, explained = _beside(given, columns)
+    mixed, explained = taken_off(given, columns)
     diagonal = given.gram.diagonal() - np.einsum("ij,ij->i", mixed, mixed)
     less: list[Array] = []
     for (_, at), block in zip(pool.layout.wide, blocks, strict=True):
@@ -89,8 +91,10 @@ def _blocks(pool: Pool, gram: Array) -> list[Array]:
     return [gram[at[:, :, None], at[:, None, :]] for _, at in pool.layout.wide]
 
 
-def _beside(given: Products, columns: NDArray[np.int64]) -> tuple[Array, Array]:
-    """The products with an orthonormal basis of some columns: (M, k) of all columns, (k,) of the vector."""
+def taken_off(given: Products, columns: NDArray[np.int64]) -> tuple[Array, Array]:
+    """The products with an orthonormal basis of some columns: (M, k) of all columns, (k,) of the vector. Beside those
+    columns the Gram matrix is less by the first times itself, and products with the vector by the first times the
+    second."""
     values, vectors = np.linalg.eigh(given.gram[np.ix_(columns, columns)])
     good = values > _GONE
     root = vectors[:, good] / np.sqrt(values[good])
@@ -197,66 +201,72 @@ def best_subsets(
     kept = pool.rules.search.kept
     found[1] = _ranked(start.rss, singles, criterion, kept)
     if largest >= 2:
-        pairs = _best(_pairs(pool, start, alone, usable, criterion), kept)
-        found[2] = _ranked(start.rss, pairs, criterion, kept)
+        found[2] = _ranked(start.rss, _pairs(pool, start, usable, criterion), criterion, kept)
     if largest >= 3 and found.get(2):
         reduced = _worth_a_triple(pool, start, found, usable)
-        found[3] = _ranked(start.rss, _best(_triples(pool, start, reduced, criterion), kept), criterion, kept)
+        found[3] = _ranked(start.rss, _triples(pool, start, reduced, criterion), criterion, kept)
     return {size: subsets for size, subsets in found.items() if subsets}
-
-
-def _best(found: Iterator[tuple[float, float, tuple[int, ...]]], kept: int) -> list[tuple[float, tuple[int, ...]]]:
-    """What the subsets of the smallest criterion gain: a group of many coefficients always gains much."""
-    return [(gain, members) for _, gain, members in heapq.nsmallest(kept, found)]
 
 
 def _ranked(
     rss: float, gained: Sequence[tuple[float, tuple[int, ...]]], criterion: Criterion, kept: int
 ) -> list[Subset]:
-    subsets = [Subset(members, rss - gain, criterion(rss - gain, members)) for gain, members in gained]
+    subsets = [
+        Subset(tuple(sorted(members)), rss - float(gain), criterion(rss - float(gain), members))
+        for gain, members in gained
+    ]
     return sorted(subsets, key=lambda subset: subset.criterion)[:kept]
 
 
+def _ordered(pool: Pool, start: Products, members: Sequence[int]) -> tuple[NDArray[np.int64], Blocks]:
+    """Some groups by their rank, and their products."""
+    among = np.array(members, dtype=np.int64)
+    order = among[np.argsort(pool.ranks[among], kind="stable")]
+    return order, blocks_of(start.gram, start.against, [pool.columns([number]) for number in order.tolist()])
+
+
 def _pairs(
-    pool: Pool, start: Products, alone: Array, usable: NDArray[np.bool_], criterion: Criterion
-) -> Iterator[tuple[float, float, tuple[int, ...]]]:
-    family, blocks, ranks = _family_of(pool), own_blocks(pool, start), pool.ranks
-    for first in np.flatnonzero(usable).tolist():
-        both = gains_beside(pool, start, pool.columns([first]), blocks)[0] + alone[first]
-        both[: first + 1] = -1.0
-        both[~usable] = -1.0
-        both[family == family[first]] = -1.0
-        price = criterion.price[first] + criterion.price
-        value = np.where(both > 0.0, criterion.of_many(start.rss, both, price, ranks[first] + ranks), np.inf)
-        for second in np.argsort(value)[: pool.rules.search.kept].tolist():
-            if value[second] < np.inf:
-                yield float(value[second]), float(both[second]), (first, second)
+    pool: Pool, start: Products, usable: NDArray[np.bool_], criterion: Criterion
+) -> list[tuple[float, tuple[int, ...]]]:
+    """What the pairs of the smallest criterion gain: a group of many coefficients always gains much."""
+    order, blocks = _ordered(pool, start, np.flatnonzero(usable).tolist())
+    family, price, ranks = _family_of(pool)[order], criterion.price[order], pool.ranks[order]
+    gained = blocks.together()
+    value = criterion.of_many(start.rss, gained, price[:, None] + price, ranks[:, None] + ranks)
+    value[(family[:, None] == family) | ~np.triu(np.ones(value.shape, dtype=bool), 1) | (gained <= 0.0)] = np.inf
+    return [(gained[at], tuple(order[list(at)].tolist())) for at in _smallest(value, pool.rules.search.kept)]
 
 
 def _triples(
     pool: Pool, start: Products, reduced: Sequence[int], criterion: Criterion
-) -> Iterator[tuple[float, float, tuple[int, ...]]]:
-    family = _family_of(pool)[list(reduced)]
-    ranks, prices = pool.ranks[list(reduced)], criterion.price[list(reduced)]
-    small = _sub_pool(pool, reduced)
-    columns = pool.columns(reduced)
-    begun = Products(start.gram[np.ix_(columns, columns)], start.against[columns], start.rss)
-    for first in range(len(reduced)):
-        one = begun.beside(small.columns([first]))
-        blocks = own_blocks(small, one)
-        for second in range(first + 1, len(reduced)):
-            if family[second] == family[first]:
-                continue
-            third_gains, second_gain = gains_beside(small, one, small.columns([second]), blocks)
-            gained = third_gains + second_gain + (start.rss - one.rss)
-            gained[: second + 1] = -1.0
-            gained[(family == family[first]) | (family == family[second])] = -1.0
-            price, rank = prices[first] + prices[second] + prices, ranks[first] + ranks[second] + ranks
-            value = np.where(gained > 0.0, criterion.of_many(start.rss, gained, price, rank), np.inf)
-            third = int(np.argmin(value))
-            if value[third] < np.inf:
-                members = sorted((reduced[first], reduced[second], reduced[third]))
-                yield float(value[third]), float(gained[third]), tuple(members)
+) -> list[tuple[float, tuple[int, ...]]]:
+    """The same of triples among some groups."""
+    order, blocks = _ordered(pool, start, reduced)
+    family, price, ranks = _family_of(pool)[order], criterion.price[order], pool.ranks[order]
+    alone = blocks.alone()
+    found: list[tuple[float, float, tuple[int, ...]]] = []
+    for first in range(len(order) - 2):
+        rest = slice(first + 1, None)
+        own = family[rest]
+        gained = alone[first] + blocks.without(first).beside(0).without(1).together()
+        whole, rank = (
+            price[first] + price[rest][:, None] + price[rest],
+            ranks[first] + ranks[rest][:, None] + ranks[rest],
+        )
+        value = criterion.of_many(start.rss, gained, whole, rank)
+        apart = (own[:, None] != own) & (own != family[first]) & (own[:, None] != family[first])
+        value[~np.triu(apart, 1) | (gained <= 0.0)] = np.inf
+        for at in _smallest(value, pool.rules.search.kept):
+            members = order[[first, first + 1 + at[0], first + 1 + at[1]]]
+            found.append((float(value[at]), float(gained[at]), tuple(members.tolist())))
+    return [(gain, members) for _, gain, members in heapq.nsmallest(pool.rules.search.kept, found)]
+
+
+def _smallest(value: Array, count: int) -> list[tuple[int, int]]:
+    """Where the smallest finite values of a matrix stand, at most so many."""
+    flat = value.reshape(-1)
+    best = np.argpartition(flat, count)[:count] if len(flat) > count else np.arange(len(flat))
+    return [(int(k) // value.shape[1], int(k) % value.shape[1]) for k in best if flat[k] < np.inf]
 
 
 def _worth_a_triple(
@@ -284,16 +294,3 @@ def _family_of(pool: Pool) -> NDArray[np.int64]:
     for index, members in enumerate(families(pool)):
         number[members] = index
     return number
-
-
-def _sub_pool(pool: Pool, members: Sequence[int]) -> Pool:
-    """A pool of some groups; its Gram matrix is not copied, since the caller brings its own products."""
-    from dataclasses import replace
-
-    groups = []
-    at = 0
-    for member in members:
-        group = pool.groups[member]
-        groups.append(replace(group, start=at, stop=at + group.rank))
-        at += group.rank
-    return Pool(pool.nuisance, tuple(groups), pool.basis[:, :0], pool.gram[:0, :0], (), pool.rules)

@@ -72,6 +72,7 @@ NO_RULES = {
     "residual/robust_scale.py": {"_QN", "_SMALL"},
     "residual/unweighed.py": {"_ALIKE", "_NOTHING"},
     "search/calibrate.py": {"_CHUNK", "_GONE"},
+    "search/pairs.py": {"_AT_ONCE", "_GONE", "_RIDGE"},
     "search/subsets.py": {"_GONE", "_RIDGE"},
     "several/recordings.py": {"_PAUSE"},
     "watch/course.py": {"FEWEST", "_SWEEPS"},

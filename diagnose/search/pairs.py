@@ -1,0 +1,104 @@
+"""What all pairs of groups explain, from one Gram matrix: block elimination of many pairs at once.
+
+Beside a group with orthonormal columns F another one, with orthonormal columns G and P = F'G, explains what is left of
+it: |d|^2 + (P d)'(I - P P')^-1 (P d), where d = G'v - P'F'v (H. V. Henderson & S. R. Searle, SIAM Review 23 (1981) 53,
+doi:10.1137/1023004). Only matrices of the smaller group's rank are inverted, and sums over groups' columns make them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from linkwright.core.sections.numeric import Array
+
+_GONE = 1e-9
+"""A direction whose squared norm falls below this share beside the others adds nothing that rounding does not."""
+_RIDGE = 1e-8
+"""Added to matrices of unit scale, so that directions which others have taken wholly count nothing."""
+_AT_ONCE = 4_000_000
+"""Numbers that are held at once."""
+
+
+@dataclass(frozen=True)
+class Blocks:
+    """Groups with their columns one after the other, ranks ascending: the Gram matrix (M, M), the products with a
+    vector (M,), and the ranks (G,)."""
+
+    gram: Array
+    against: Array
+    ranks: NDArray[np.int64]
+
+    @property
+    def starts(self) -> NDArray[np.int64]:
+        """Where each group's columns begin."""
+        return np.concatenate([[0], np.cumsum(self.ranks)[:-1]]).astype(np.int64)
+
+    def without(self, count: int) -> Blocks:
+        """The groups behind the first `count`."""
+        at = int(self.ranks[:count].sum())
+        return Blocks(self.gram[at:, at:], self.against[at:], self.ranks[count:])
+
+    def beside(self, group: int) -> Blocks:
+        """What is left of all groups beside one of them, orthonormal within each group again: directions that are gone
+        are nought."""
+        own = slice(int(self.starts[group]), int(self.starts[group] + self.ranks[group]))
+        mixed = self.gram[:, own]
+        gram, against = self.gram - mixed @ mixed.T, self.against - mixed @ self.against[own]
+        for rank in np.unique(self.ranks).tolist():
+            which = np.flatnonzero(self.ranks == rank)
+            at = self.starts[which][:, None] + np.arange(rank)
+            values, vectors = np.linalg.eigh(gram[at[:, :, None], at[:, None, :]])
+            root = vectors * np.where(values > _GONE, 1.0 / np.sqrt(np.maximum(values, _GONE)), 0.0)[:, None, :]
+            span = slice(int(at[0, 0]), int(at[-1, -1]) + 1)
+            shape = (len(gram), len(which), rank)
+            gram[:, span] = np.einsum("mgr,grs->mgs", gram[:, span].reshape(shape), root).reshape(len(gram), -1)
+            gram[span] = np.einsum("grs,grm->gsm", root, gram[span].reshape(*shape[1:], -1)).reshape(-1, len(gram))
+            against[span] = np.einsum("gr,grs->gs", against[at], root).reshape(-1)
+        return Blocks(gram, against, self.ranks)
+
+    def alone(self) -> Array:
+        """What each group explains alone (G,), in sum of squares."""
+        return np.add.reduceat(self.against**2, self.starts)
+
+    def together(self) -> Array:
+        """What each two groups explain together (G, G), in sum of squares."""
+        found, alone = np.zeros((len(self.ranks), len(self.ranks))), self.alone()
+        for rank in np.unique(self.ranks).tolist():
+            which = np.flatnonzero(self.ranks == rank)
+            step = max(1, _AT_ONCE // (rank * rank * len(self.gram)))
+            for some in (which[k : k + step] for k in range(0, len(which), step)):
+                behind = self.without(int(some[0]))
+                gained = alone[some][:, None] + self._beside(some - some[0], behind)
+                found[some, some[0] :], found[some[0] :, some] = gained, gained.T
+        return found
+
+    def _beside(self, firsts: NDArray[np.int64], behind: Blocks) -> Array:
+        """What each of the groups `behind` (the first of which the `firsts` (F,) are numbered from) explains beside
+        each of those, which have one rank, (F, G)."""
+        rank, starts = int(behind.ranks[firsts[0]]), behind.starts
+        at = starts[firsts][:, None] + np.arange(rank)
+        rows, own = behind.gram[at], behind.against[at]
+        alone = behind.alone()
+        shared = np.add.reduceat(rows * behind.against, starts, axis=2)
+        squares = np.empty((len(firsts), len(starts), rank, rank))
+        for i in range(rank):
+            for j in range(i + 1):
+                squares[:, :, i, j] = squares[:, :, j, i] = np.add.reduceat(rows[:, i] * rows[:, j], starts, axis=1)
+        taken = np.einsum("fgij,fj->fgi", squares, own)
+        left = alone - 2.0 * np.einsum("fig,fi->fg", shared, own) + np.einsum("fgi,fi->fg", taken, own)
+        along = shared.transpose(0, 2, 1) - taken
+        if rank == 1:
+            rest = 1.0 - squares[:, :, 0, 0]
+            return left + np.where(rest > _GONE, along[:, :, 0] ** 2 / np.where(rest > _GONE, rest, 1.0), 0.0)
+        inner = (1.0 + _RIDGE) * np.eye(rank) - squares
+        return left + np.einsum("fgi,fgi->fg", along, np.linalg.solve(inner, along[..., None])[..., 0])
+
+
+def blocks_of(gram: Array, against: Array, columns: Sequence[NDArray[np.int64]]) -> Blocks:
+    """Groups by their columns in a Gram matrix, which ascend in number."""
+    at = np.concatenate([*columns])
+    return Blocks(gram[np.ix_(at, at)], against[at], np.array([len(each) for each in columns], dtype=np.int64))
