@@ -82,10 +82,14 @@ class Finding:
     """Physics that the model left out: where it acts (joints or links from 1), its parameters, and what it explains.
 
     `rms_explained` (m) is the RMS length of the displacement that it adds at the recording's poses; `p_value` that of
-    its own test by permutation, given all other findings; `rms_without` (m) the RMS of what remains when it alone is
-    left out and the rest is fitted again, `rms_without_held_out` the same on rows not fitted. `reading` is the plain
-    sentence. `recording` names the one of several recordings in which it acts, beside what all have (empty: in all).
-    `together` are the other findings, by effect and place, without which it means nothing (empty: it does by itself).
+    its own test by permutation among all candidates, given all other findings (beyond three, given those named before
+    it; nan where neighbouring readings share what they are off by, so that no p-value holds); `evidence` (nats) how
+    much likelier the recording is with it than without, once its coefficients, the choice among candidates and unusual
+    sizes are paid for; `may_be_nothing` whether the intervals of all its sizes hold nought; `rms_without` (m) the RMS
+    of what remains when it alone is left out and the rest is fitted again, `rms_without_held_out` the same on rows not
+    fitted. `reading` is the plain sentence. `recording` names the one of several recordings in which it acts, beside
+    what all have (empty: in all). `together` are the other findings, by effect and place, without which it means
+    nothing (empty: it does by itself).
     """
 
     effect: str
@@ -99,6 +103,8 @@ class Finding:
     reading: str
     recording: str = ""
     together: tuple[tuple[str, tuple[int, ...]], ...] = ()
+    evidence: float = math.nan
+    may_be_nothing: bool = False
 
 
 @dataclass(frozen=True)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Sequence
 from dataclasses import replace
@@ -30,7 +31,6 @@ from linkwright.core.diagnose.result import (
     Detectable,
     Diagnosis,
     Finding,
-    Left,
     Location,
     OfRecording,
     Rung,
@@ -120,7 +120,7 @@ class Conclusion(Confirmed):
             recording=self.observed.recording,
             verdict=self._verdict(),
             sentence=said_of_no_weight(arm, self._verdict())
-            + self._sentence(findings, unknown, rms_before, rms_after, p_value)
+            + self._sentence(findings, unknown, rms_before, p_value)
             + (put_in_first(findings) if self._beyond_first_order() else "")
             + what_differs(apart, each, rules=self.rules.answer)
             + what_was_free(origins),
@@ -255,8 +255,8 @@ class Conclusion(Confirmed):
     def _findings(self) -> tuple[Finding, ...]:
         width = self.observed.components
         found: list[Finding] = []
-        # Where neighbours tell as much as one, so does the likelihood that a p-value stands for.
-        p_values = [p ** (1.0 / self.prepared.together) for p in self.p_values]
+        # Where neighbours tell as much as one, signs drawn for each visit give no p-value.
+        p_values = self.p_values if self.prepared.together == 1 else ()
         whole = [*self.members, *self.outside]
         for place, member in enumerate(self.members):
             candidate = self.prepared.pool.groups[member].candidate
@@ -274,7 +274,7 @@ class Conclusion(Confirmed):
                     alternatives=others,
                     parameters=parameters,
                     rms_explained=self._moved([place]),
-                    p_value=p_values[place] if place < len(p_values) else self.rules.search.false_alarm,
+                    p_value=p_values[place] if place < len(p_values) else math.nan,
                     rms_without=rms_length(without),
                     rms_without_held_out=self._rms_held_out(rest),
                     reading=reading_of(
@@ -282,9 +282,17 @@ class Conclusion(Confirmed):
                     ),
                     recording=own,
                     together=beside,
+                    evidence=self._evidence(place),
+                    may_be_nothing=nothing,
                 )
             )
         return tuple(sorted(found, key=lambda finding: -finding.rms_explained))
+
+    def _evidence(self, place: int) -> float:
+        """How much likelier (nats) the readings that were searched are with a finding than without it."""
+        namer, whole = self.namer.with_prepared(self.search), [*self.found, *self.forms]
+        rest = [member for member in whole if member != self.found[place]]
+        return 0.5 * (namer.criterion_of(rest) - namer.criterion_of(whole)) / self.prepared.together
 
     def _place(self, place: int) -> tuple[str, tuple[int, ...]]:
         candidate = self.prepared.pool.groups[self.members[place]].candidate
@@ -370,15 +378,19 @@ class Conclusion(Confirmed):
         findings: tuple[Finding, ...],
         unknown: Unknown | None,
         rms_before: float,
-        rms_after: float,
         p_value: float,
     ) -> str:
         if self.named is None:
             return self._too_few(rms_before)
-        floor = None if self.noise.rms_m is None else float(np.hypot(self.noise.rms_m, self._wandered()))
-        left = Left(rms_after, hardest(self.held_out).rms(), floor, self.rules.fitting)
         return verdict_sentence(
-            findings, unknown, rms_before, left, p_value, self._causes(), scatter=self._scatter(), small=self.small
+            findings,
+            unknown,
+            rms_before,
+            self.what_remains(),
+            p_value,
+            self._causes(),
+            scatter=self._scatter(),
+            small=self.small,
         )
 
     def _too_few(self, rms_before: float) -> str:
@@ -414,7 +426,8 @@ class Conclusion(Confirmed):
             found.append(
                 f"What is left goes with time as well as with the arm's path, {self.prepared.together} visits at a "
                 "time: no pose far from the one before, and too few come back to, tell a wandering instrument from the "
-                "arm. p-values allow for that; come back to some poses during the recording."
+                "arm. No p-value of a finding holds then, and none is given; come back to some poses during the "
+                "recording."
             )
         if self.observed.correlation > 0.0:
             shared = f"correlation {self.observed.correlation:.2f}"

@@ -24,7 +24,7 @@ from linkwright.core.diagnose.residual.noise import NoiseFloor
 from linkwright.core.diagnose.residual.observe import observed_about
 from linkwright.core.diagnose.residual.observed import Observed, kept, rms_length
 from linkwright.core.diagnose.residual.visits import looks_quieter
-from linkwright.core.diagnose.result import LackOfFit, SmallBeside
+from linkwright.core.diagnose.result import LackOfFit, Left, SmallBeside
 from linkwright.core.diagnose.rules.rules import Rules
 from linkwright.core.diagnose.search.aliases import Rival, rivals
 from linkwright.core.diagnose.search.naming import Named, Namer, weighed_again
@@ -81,9 +81,20 @@ class Confirmed:
         self._predicted: float | None = None
         self.lack_of_fit = self._lack_of_fit()
         self.small = self._small_causes()
-        self.left_over = self.small is None and (
-            self._left_over() or bool(self.members and not self.outside and self._does_not_fit())
+        self.left_over = (
+            self.small is None
+            and not self.what_remains().is_noise
+            and (self.describes_nothing or self._left_over() or self._refuted_as_whole())
         )
+
+    def _refuted_as_whole(self) -> bool:
+        """Whether what was found is not the whole answer, and no form stands beside it that is the rest."""
+        return bool(self.members) and not self.outside and self._does_not_fit()
+
+    def what_remains(self) -> Left:
+        """What is left beside the noise floor, of readings fitted and of those held out."""
+        floor = None if self.noise.rms_m is None else float(np.hypot(self.noise.rms_m, self._wandered()))
+        return Left(rms_length(self._after()), hardest(self.held_out).rms(), floor, self.rules.fitting)
 
     def _test_what_is_left(self) -> None:
         """Test anew what seems to be beyond chance in what is left, where motion beyond first order was part of it."""
@@ -105,6 +116,11 @@ class Confirmed:
         self.outside = tuple(number[m] for m in self.forms)
         self.folds: dict[str, Folds] = splits(self.prepared.observed, self.options.seed)
         self._fit()
+        self.describes_nothing = False
+        if self.outside and self._rms_held_out([*self.members, *self.outside]) > self._rms_held_out(self.members):
+            # A form that readings held out are worse for describes nothing, however well it bends to those fitted.
+            self.forms, self.outside, self.describes_nothing = (), (), True
+            self._fit()
 
     def _form_instead(self, whole: Recording | None) -> bool:
         """Take up a form where it is a better answer than what is left of the findings, or stands beside it: what the

@@ -146,6 +146,8 @@ def reading_of(
         names = [name_of(other.effect, other.at, other.recording) for other in others[:4]]
         more = f" and {len(others) - 4} more" if len(others) > 4 else ""
         text += f" The data cannot tell it from {'; '.join(names)}{more}."
+        if min(other.worse for other in others) <= RULES.search.tied:
+            text += " That it goes first rests on what is simpler and more usual, not on this recording."
     if together:
         text += f" Singly it means nothing: only together with {listed(together)}."
     elif nothing:

@@ -20,12 +20,6 @@ def form(name: str, at: tuple[int, ...] = (), shapes: Mapping[str, float] = Mapp
     return Candidate(name, at, (), shapes, outside=True)
 
 
-def clock_of(observed: Observed) -> Array:
-    """The time of each reading, or its number where no time was recorded."""
-    time = observed.recording.time
-    return np.arange(observed.rows, dtype=float) if time is None else time
-
-
 def run_of(clock: Array) -> Array:
     """The time of each reading from 0 at the first to 1 at the last."""
     return (clock - clock.min()) / np.ptp(clock)

@@ -20,7 +20,7 @@ from linkwright.core.diagnose.rules.pattern_rules import PatternRules
 from linkwright.core.diagnose.search.subsets import gains, products
 from linkwright.core.sections.numeric import Array
 
-from .basis import clock_of, form, interactions, run_of, scaled_position, tip_of
+from .basis import form, interactions, run_of, scaled_position, tip_of
 from .library import Candidate
 from .pool import Pool
 
@@ -88,9 +88,10 @@ def _moved_by(give: Array, force: Array) -> Array:
 
 
 def _wanderings(observed: Observed) -> Iterator[Array]:
-    """Half waves over the recording, from none (a constant) up to as many as its visits can tell, (1 + K, N)."""
-    clock, rules = clock_of(observed), observed.rules.patterns
-    if np.ptp(clock) <= 0.0:
+    """Half waves over the recording, from none (a constant) up to as many as its visits can tell, (1 + K, N); none
+    where no time was recorded."""
+    clock, rules = observed.recording.time, observed.rules.patterns
+    if clock is None or np.ptp(clock) <= 0.0:
         return
     for count in rules.wanders:
         if count * rules.visits_for_each <= len(blocks_of(observed.block)):

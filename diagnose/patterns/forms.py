@@ -18,7 +18,7 @@ from linkwright.core.diagnose.residual.visits import blocks_of
 from linkwright.core.diagnose.rules.pattern_rules import PatternRules
 from linkwright.core.sections.numeric import Array
 
-from .basis import clock_of, form, interactions, run_of, scaled_position, tip_axes
+from .basis import form, interactions, run_of, scaled_position, tip_axes
 from .forces import forces, weight_at_tip
 from .library import Candidate, columns_of
 
@@ -56,8 +56,8 @@ def forms(observed: Observed) -> Iterator[tuple[Candidate, Array]]:
     """Every form with its columns (N, C, d)."""
     axes = tip_axes(observed)
     joints = _joint_motions(observed)
-    clock = clock_of(observed)
-    yield from _in_time(observed, axes, joints, clock)
+    if observed.recording.time is not None:
+        yield from _in_time(observed, axes, joints, observed.recording.time)
     yield from _over_position(observed, axes)
     yield from forces(observed)
     for number, motion in enumerate(joints):

@@ -78,7 +78,8 @@ def parameter_json(fitted: FittedParameter) -> dict[str, Any]:
 
 def _finding(finding: Finding) -> dict[str, Any]:
     return {
-        **fields(finding, "effect", "at", "rms_explained_mm", "p_value", "rms_without_mm", "rms_without_held_out_mm"),
+        **fields(finding, "effect", "at", "rms_explained_mm", "p_value", "evidence_nats=evidence"),
+        **fields(finding, "rms_without_mm", "rms_without_held_out_mm"),
         "alternatives": [[each.effect, list(each.at)] for each in finding.alternatives],
         "parameters": {fitted.name: parameter_json(fitted) for fitted in finding.parameters},
         "alternatives_detail": [fields(each, "effect", "at", "likeness", "worse") for each in finding.alternatives],

@@ -160,7 +160,8 @@ def to_do(diagnosis: Diagnosis) -> tuple[str, ...]:
         told = "which tell" if diagnosis.next_poses_enough else "each several times, which helps to tell"
         lines.append(f"Record the {number} poses listed below, {told} the names apart, and diagnose again.")
     helps = diagnosis.written is None or diagnosis.written.rms < diagnosis.rms_before
-    if diagnosis.unknown is None and diagnosis.findings and helps:
+    sure = any(not each.may_be_nothing for each in diagnosis.findings)
+    if diagnosis.unknown is None and sure and helps:
         whose = "these recordings" if diagnosis.recordings else "this recording"
         promised = "" if diagnosis.written is None else f" (it leaves {mm(diagnosis.written.rms, 3)} of {whose})"
         lines.append(f"Use arm.yaml, the arm with what was found in it{promised}, in evaluate, optimize, compensate.")

@@ -5,9 +5,9 @@ from dataclasses import replace
 
 import pytest
 
-from linkwright.core.diagnose.answer.sentences import verdict_sentence
+from linkwright.core.diagnose.answer.sentences import put_in_first, verdict_sentence
 from linkwright.core.diagnose.compare.compare import compare
-from linkwright.core.diagnose.result import Left, WrittenArm
+from linkwright.core.diagnose.result import FittedParameter, Left, WrittenArm
 from linkwright.core.diagnose.rules.rules import RULES
 from linkwright.results.diagnoses.answer import answer, to_do
 from linkwright.results.diagnoses.comparison import comparison_sentence
@@ -107,6 +107,29 @@ def test_an_arm_file_that_makes_it_worse_is_not_advised():
     better, worse = (WrittenArm(share * made.rms_before, made.rms_after, ()) for share in (0.5, 1.01))
     assert "Use arm.yaml" in " ".join(to_do(replace(made, written=better)))
     assert "Use arm.yaml" not in " ".join(to_do(replace(made, written=worse)))
+
+
+def test_a_file_of_findings_that_may_be_nothing_is_not_advised():
+    made = made_diagnosis("named")
+    doubtful = tuple(replace(each, may_be_nothing=True) for each in made.findings)
+    assert "Use arm.yaml" in " ".join(to_do(made))
+    assert "Use arm.yaml" not in " ".join(to_do(replace(made, findings=doubtful)))
+
+
+@pytest.mark.parametrize("off", [(3.0,), (3.0, 1.5)])
+def test_zeros_that_are_off_are_put_in_first(off):
+    (made,) = made_diagnosis("named").findings
+    zeros = [
+        FittedParameter(f"offset_{k}", "offset", (k,), "angle", math.radians(value), (0.0, 1.0))
+        for k, value in enumerate(off, start=4)
+    ]
+    findings = [replace(made, effect="encoder_offset", at=each.at, parameters=(each,)) for each in reversed(zeros)]
+    assert put_in_first([made, *findings]) == (
+        " Zero of joint 4 is off by 3 deg: put it into the arm file first."
+        if len(off) == 1
+        else " Zeros of joints 4 and 5 are off by 3 and 1.5 deg: put them into the arm file first."
+    )
+    assert put_in_first([made]) == ""
 
 
 @pytest.mark.parametrize(("share", "good"), [(0.9, True), (0.02, False), (-0.4, False)])
