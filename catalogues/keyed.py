@@ -167,11 +167,11 @@ class KeyedEditor(Editor[Entry]):
         columns = self.schema.columns()
 
         def entry(cells: dict[str, str], where: str) -> Entry:
-            told = {"source": f"table {Path(path).name}", **cells}
+            row = {"source": f"table {Path(path).name}", **cells}
             content: dict[str, Any] = {
-                column.name: column.read(told[column.name], path, f"{where}: {column.name}")
+                column.name: column.read(row[column.name], path, f"{where}: {column.name}")
                 for column in columns
-                if column.name in told
+                if column.name in row
             }
             source, content["source"] = content["source"], "table"
             marks = content.pop("unconfirmed", "")

@@ -35,7 +35,7 @@ class Row:
         shape: of its table.
         source: of its table.
         cells: numbers by column: dimensions in mm (`diameter_mm`), printed figures (`area_cm2`).
-        found_in: the text in which it was found, empty where none is told.
+        found_in: the text in which it was found, empty where none is given.
         unconfirmed: what was looked for in vain where nobody could find it in its source, else empty.
     """
 
@@ -210,8 +210,8 @@ class StockEditor(Editor[Row]):
                 raise InputError(path, "shape", "cannot be changed: a size of another shape is another size; add it")
             cells = dict(cell(row.shape, key, value) for key, value in changes.items() if key not in texts)
             given = {"source": source} if source else {}
-            told = replace(row, found_in="", unconfirmed="" if {*given, *texts} & {"source"} else row.unconfirmed)
-            self.put(document, [replace(told, cells={**row.cells, **cells}, **given, **texts)])
+            renewed = replace(row, found_in="", unconfirmed="" if {*given, *texts} & {"source"} else row.unconfirmed)
+            self.put(document, [replace(renewed, cells={**row.cells, **cells}, **given, **texts)])
             done = ", ".join(f"{key} = {value}" for key, value in {**changes, **given}.items())
             return f"set {done} of {name}" + (", copied from the shipped tables" if copied else "")
 
@@ -235,7 +235,9 @@ class StockEditor(Editor[Row]):
         place = self.required(document, path, name)
         table = document.get(place[:2])
         cells = dict(zip(table["columns"], document.get(place), strict=True))
-        return Row(cells.pop("name"), table["family"], table["shape"], table["source"], cells, *_told(table, name))
+        return Row(
+            cells.pop("name"), table["family"], table["shape"], table["source"], cells, *_provenance(table, name)
+        )
 
 
 STOCK = StockEditor()
@@ -269,7 +271,7 @@ def _tables(rows: Iterable[Row]) -> list[dict[str, Any]]:
 
 def _fits(document: YamlText, number: int, row: Row) -> bool:
     table = _tables_of(document)[number]
-    head = (table["family"], table["shape"], table["source"], set(table["columns"]), *_told(table, row.name))
+    head = (table["family"], table["shape"], table["source"], set(table["columns"]), *_provenance(table, row.name))
     return head == (row.family, row.shape, row.source, set(_cells(row)), row.found_in, row.unconfirmed)
 
 
@@ -277,7 +279,7 @@ def _marks_of(row: Row) -> tuple[tuple[str, str], ...]:
     return (("found_in", row.found_in), ("unconfirmed", row.unconfirmed))
 
 
-def _told(table: Mapping[str, Any], name: str) -> tuple[str, str]:
+def _provenance(table: Mapping[str, Any], name: str) -> tuple[str, str]:
     """What a table says of the size of a name: where it was found, or what was looked for in vain."""
     marks: str | dict[str, str] = table.get("unconfirmed", "")
     unconfirmed = marks if isinstance(marks, str) else marks.get(name, "")

@@ -39,7 +39,7 @@ TWISTED = 0.67 * 21.75 / (2.0 * math.pi)
 @dataclass(frozen=True)
 class WallCompliance:
     """One over the stresses (Pa) at which walls of a material buckle, for those of unit slenderness; in an optimiser's
-    symbols too. Nought is a wall that does not buckle: what nobody knows limits nothing.
+    symbols too. Zero is a wall that does not buckle: what nobody knows limits nothing.
 
     Attributes:
         pressed: held at both edges, sigma (b/t)^2.

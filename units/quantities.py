@@ -26,7 +26,7 @@ Relation = Literal["<=", "==", ">="]
 _LONGEST = 100
 _LONGEST_FILE, _LONGEST_KEY, _LONGEST_MESSAGE = 900, 400, 1600
 _LEAST = 1e-30
-"""Less than this, in SI, is nothing of an arm, and its powers are nought."""
+"""Less than this, in SI, is nothing of an arm, and its powers are zero."""
 _NUMBER = r"[+-]?(?:[0-9]{1,40}(?:\.[0-9]{0,40})?|\.[0-9]{1,40})(?:[eE][+-]?[0-9]{1,3})?"
 _FACTOR = r"[A-Za-zµμ%_]+(?:(?:\^|\*\*)-?[1-9])?"
 _PRODUCT = rf"{_FACTOR}(?:[*/]{_FACTOR})*"

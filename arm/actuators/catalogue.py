@@ -193,12 +193,12 @@ def read_actuators(keys: Keys) -> dict[str, Actuator]:
         references = keys.mapping("references")
         sources = {name: references.text(name) for name in references.content}
         entries = keys.mapping("actuators")
-        told = _Told(maker, _marks(keys), keys.text("found_in", ""))
-        return {name: _read(entries.mapping(name), name, sources, told) for name in entries.content}
+        defaults = _Defaults(maker, _marks(keys), keys.text("found_in", ""))
+        return {name: _read(entries.mapping(name), name, sources, defaults) for name in entries.content}
 
 
 @dataclass(frozen=True)
-class _Told:
+class _Defaults:
     """What a file says of all its entries."""
 
     maker: str
@@ -216,7 +216,7 @@ def _marks(keys: Keys) -> tuple[tuple[str, str], ...]:
         return tuple((name, marks.text(name)) for name in CONFIRMABLE if marks.has(name))
 
 
-def _read(keys: Keys, name: str, sources: Mapping[str, str], told: _Told) -> Actuator:
+def _read(keys: Keys, name: str, sources: Mapping[str, str], defaults: _Defaults) -> Actuator:
     with keys.reading():
         if not name.strip() or name != name.strip():
             raise keys.error("", f"{name!r} cannot be an actuator's name")
@@ -232,7 +232,7 @@ def _read(keys: Keys, name: str, sources: Mapping[str, str], told: _Told) -> Act
         if ratio is not None and ratio <= 0.0:
             raise keys.error("ratio", "must be positive")
         tilting = _positive(keys, "tilting_stiffness", "torsional_stiffness") if keys.has("tilting_stiffness") else None
-        marks = _marks(keys) if keys.has("unconfirmed") else told.unconfirmed
+        marks = _marks(keys) if keys.has("unconfirmed") else defaults.unconfirmed
         source = keys.text("source")
         if source not in sources:
             known = ", ".join(sources) or "none are given"
@@ -240,7 +240,7 @@ def _read(keys: Keys, name: str, sources: Mapping[str, str], told: _Told) -> Act
         cost, spread, date = _cost(keys)
         return Actuator(
             name=name,
-            maker=keys.text("maker", told.maker) if told.maker else keys.text("maker"),
+            maker=keys.text("maker", defaults.maker) if defaults.maker else keys.text("maker"),
             gear=keys.choice("gear", GEARS),
             rated_torque=rated,
             stiffnesses=stiffnesses,
@@ -257,7 +257,7 @@ def _read(keys: Keys, name: str, sources: Mapping[str, str], told: _Told) -> Act
             cost_date=date,
             note=keys.text("note", ""),
             unconfirmed=tuple(each for each in marks if tilting is not None or each[0] != "tilting_stiffness"),
-            found_in=keys.text("found_in", told.found_in),
+            found_in=keys.text("found_in", defaults.found_in),
         )
 
 

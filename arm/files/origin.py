@@ -22,7 +22,7 @@ UNKNOWN_ORIGIN = (
 
 
 def read_origin(mapping: Mapping) -> tuple[tuple[Rotation, FloatVector], tuple[OriginPart, ...]]:
-    """The transform under `origin`, nought wherever it is free, and which of its numbers are.
+    """The transform under `origin`, zero wherever it is free, and which of its numbers are.
 
     `origin: free` frees all six; `xyz: free` and `rpy: free` three; a component of a list may be free too."""
     if mapping.content.get("origin") == FREE:

@@ -288,10 +288,10 @@ def _read_table(table: Any, where: str) -> list[StockSize]:
     dimensions = {name: np.array([size.dimensions[name] for size in sizes]) for name in sizes[0].dimensions}
     _check_buildable(sizes, shape, dimensions, where)
     _check_printed(sizes, shape, dimensions, where)
-    return _told(sizes, table, where)
+    return _provenance(sizes, table, where)
 
 
-def _told(sizes: list[StockSize], table: Mapping[str, Any], where: str) -> list[StockSize]:
+def _provenance(sizes: list[StockSize], table: Mapping[str, Any], where: str) -> list[StockSize]:
     """The sizes with what their table says of where they were found, and of those that nobody could find."""
     found_in = table.get("found_in", "")
     marks = table.get("unconfirmed", "")
