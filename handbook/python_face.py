@@ -17,7 +17,7 @@ def homes() -> dict[str, list[str]]:
     """The public names by the module where each stands."""
     found: dict[str, list[str]] = {}
     for name in lw.__all__:
-        home = next(module for module, names in lw._HOMES.items() if name in names)
+        home = next(module for module, names in lw.HOMES.items() if name in names)
         found.setdefault(home, []).append(name)
     return dict(sorted(found.items(), key=lambda each: each[1][0].lower()))
 

@@ -40,7 +40,7 @@ if TYPE_CHECKING:
     from linkwright.face.recording import read_recording, read_recordings
     from linkwright.output.table_file import write_table
 
-_HOMES = MappingProxyType(
+HOMES = MappingProxyType(
     {
         "linkwright.api.design": ("budget", "evaluate", "inverse", "optimize", "tradeoff"),
         "linkwright.api.diagnosis": ("compare", "compensate", "diagnose", "predict", "redesign", "watch"),
@@ -128,7 +128,7 @@ __all__ = [
 
 def __getattr__(name: str) -> Any:
     """A public name, loaded from where it stands and kept."""
-    home = next((module for module, names in _HOMES.items() if name in names), None)
+    home = next((module for module, names in HOMES.items() if name in names), None)
     if home is None:
         raise AttributeError(f"module 'linkwright' has no attribute '{name}'")
     found = globals()[name] = getattr(import_module(home), name)

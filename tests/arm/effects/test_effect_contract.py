@@ -54,7 +54,7 @@ SHAPE = Parameter("lag", "time", "a lag", 0.0, 10.0, (1.0, 2.0), "a test", role=
         (replace(OFFSET, in_modes=True), "in_modes does not go with the rest: it must be flexible and automatic"),
         (replace(OFFSET, free_with="frame"), "free_with does not go with the rest"),
         (sized(kind="angel"), "parameter offset: there is no kind of quantity 'angel'"),
-        (sized(typical=(0.1, 0.5)), "typical 0.1 to 0.5 must lie within the bounds -0.2 to 0.2"),
+        (sized(typical=(0.1, 0.6)), "typical 0.1 to 0.6 must lie within the bounds -0.5 to 0.5"),
         (sized(lower=0.05, typical=(0.1, 0.1)), "the bounds of a size must hold 0"),
         (sized(role="form"), "role 'form' is not one of size, shape, given"),
         (sized(grid=(0.1,)), "only a shape has a grid"),
