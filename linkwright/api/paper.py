@@ -12,21 +12,25 @@ if TYPE_CHECKING:
 Point = Sequence[Quantity]
 
 
-def tables(*, progress: Progress | None = None) -> "Tables":
+def tables(*, quick: Annotated[bool, Option()] = False, progress: Progress | None = None) -> "Tables":
     """The paper's Tables III to VII: printed, reproduced by its conventions, as its equations read, and corrected.
+
+    JSON has also two that the paper lacks: shapes at their best proportions, and materials at equal size and mass.
 
     Example: linkwright tables --markdown tables.md --json tables.json
     Example: linkwright tables --csv tables --as tex
 
     Args:
+        quick: Leave out the tables that the paper lacks.
         progress: Hears of it; a bar by default, where somebody looks.
 
     >>> import linkwright as lw
-    >>> paper = lw.tables()
+    >>> paper = lw.tables(quick=True)
     >>> list(paper["clearance"].columns)[:3]
     ['label', 'paper_1', 'paper_2']
     """
     from linkwright.face.progress import told
+    from linkwright.paper.extended import extended
     from linkwright.paper.face import Tables
     from linkwright.paper.tables import make_tables
     from linkwright.paper.verdicts import proofs, verdicts
@@ -34,7 +38,8 @@ def tables(*, progress: Progress | None = None) -> "Tables":
     with told(progress) as tell:
         tell("the paper's tables", 0.0)
         book = make_tables()
-    return Tables(book, verdicts(book), proofs(book))
+        further = () if quick else extended(book.paper, tell)
+    return Tables(book, verdicts(book), proofs(book), further)
 
 
 def figures() -> "Figures":

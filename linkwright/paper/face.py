@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 from linkwright.face.result import Result, figure_of
 from linkwright.output.files import REPORT, RESULT
 
+from .extended import Extended
 from .output.figures import Figure
 from .output.pages import figure_csv, figures_json, tables_json
 from .output.pictures import page
@@ -26,13 +27,14 @@ FIGURE_FILES = (RESULT, REPORT, *(f"figure-{number}.csv" for number in range(5, 
 
 @dataclass(frozen=True, repr=False)
 class Tables(Result):
-    """The paper's Tables III to VII, printed, reproduced and corrected; by key."""
+    """The paper's Tables III to VII, printed, reproduced and corrected, and those that it lacks; by key."""
 
     _command = "tables"
 
     book: Book
     verdicts: tuple[Verdict, ...]
     proofs: tuple[Proof, ...]
+    extended: tuple[Extended, ...] = ()
 
     def __getitem__(self, key: str) -> pd.DataFrame:
         """A table by its key (`clearance`, ...); raises KeyError."""
@@ -55,7 +57,8 @@ class Tables(Result):
         return f"{counted.met} of {counted.printed} printed figures reproduced"
 
     def _content(self) -> Mapping[str, Any]:
-        return tables_json(self.book, self.verdicts, self.proofs)
+        further = [each.to_json() for each in self.extended]
+        return {**tables_json(self.book, self.verdicts, self.proofs), "extended": further}
 
     def _tables(self) -> Mapping[str, pd.DataFrame]:
         import pandas as pd
@@ -74,7 +77,7 @@ class Tables(Result):
                     cells.update({f"{name}_{k}": factor * value for k, value in enumerate(values, 1)})
                 rows.append({**cells, "note": row.note})
             found[table.key] = pd.DataFrame(rows)
-        return found
+        return {**found, **{each.key: pd.DataFrame(each.rows) for each in self.extended}}
 
 
 @dataclass(frozen=True, repr=False)

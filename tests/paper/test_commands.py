@@ -45,6 +45,21 @@ def test_json_keeps_the_contract(written, book):
     assert content["reach"][3]["seam"]["first_unreachable_mm"] == pytest.approx([400, 300])
 
 
+def test_json_holds_tables_that_the_paper_lacks(written):
+    """Sag goes with density over modulus; at equal mass a round bar's also with its density (d^2 goes with 1/density).
+    A bar of solid round section with the best diameters cannot be beaten by what the paper prints, nor beat a tube."""
+    shapes, materials = json.loads((written / "t.json").read_text(encoding="utf-8"))["extended"]
+    errors = {row["label"]: row["error_mm"] for row in shapes["rows"]}
+    assert [row["error_mm"] for row in shapes["rows"]] == sorted(errors.values())
+    assert errors["i_section"] < errors["tube"] < errors["circle"] < 0.178
+    assert all(row["mass_kg"] <= 26.2952 for row in shapes["rows"])
+    of = {row["label"]: row for row in materials["rows"]}
+    aluminium, steel = of["aluminium-6061-t6"], of["steel-s355"]
+    ratio = steel["equal_mass_mm"] / steel["equal_size_mm"]
+    assert ratio == pytest.approx(7850 / 2700, rel=0.01)
+    assert aluminium["diameter_at_equal_mass_mm"] == pytest.approx(100.0, rel=1e-6)
+
+
 def test_csv_has_a_line_per_row(written, book):
     """Printed figures as printed."""
     for key in TABLES:
