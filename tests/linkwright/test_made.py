@@ -33,7 +33,7 @@ def test_commands_are_made():
     assert set(COMMANDS) - set(MADE) == {"serve", "doctor", "materials", "sections", "actuators", "effects"}
 
 
-@pytest.mark.parametrize("name", MADE)
+@pytest.mark.parametrize("name", sorted(MADE))
 def test_options_are_the_parameters_of_the_function(name):
     """Each of them, and nothing else but what all commands share; the help is that of the docstring."""
     own = MADE[name]
@@ -46,7 +46,7 @@ def test_options_are_the_parameters_of_the_function(name):
     assert "Example: linkwright " in (command.help or "")
 
 
-@pytest.mark.parametrize("name", MADE)
+@pytest.mark.parametrize("name", sorted(MADE))
 def test_each_parameter_is_told_of(name):
     """Under `Args`, without what concerns programs alone; its default is that of the function."""
     own = MADE[name]
