@@ -64,7 +64,7 @@ class Blocks:
         """What each group explains alone (G,), in sum of squares."""
         return np.add.reduceat(self.against**2, self.starts)
 
-    def together(self) -> Array:
+    def of_two(self) -> Array:
         """What each two groups explain together (G, G), in sum of squares."""
         found, alone = np.zeros((len(self.ranks), len(self.ranks))), self.alone()
         for rank in np.unique(self.ranks).tolist():

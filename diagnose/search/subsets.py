@@ -231,7 +231,7 @@ def _pairs(
     """What the pairs of the smallest criterion gain: a group of many coefficients always gains much."""
     order, blocks = _ordered(pool, start, np.flatnonzero(usable).tolist())
     family, price, ranks = _family_of(pool)[order], criterion.price[order], pool.ranks[order]
-    gained = blocks.together()
+    gained = blocks.of_two()
     value = criterion.of_many(start.rss, gained, price[:, None] + price, ranks[:, None] + ranks)
     value[(family[:, None] == family) | ~np.triu(np.ones(value.shape, dtype=bool), 1) | (gained <= 0.0)] = np.inf
     return [(gained[at], tuple(order[list(at)].tolist())) for at in _smallest(value, pool.rules.search.kept)]
@@ -248,7 +248,7 @@ def _triples(
     for first in range(len(order) - 2):
         rest = slice(first + 1, None)
         own = family[rest]
-        gained = alone[first] + blocks.without(first).beside(0).without(1).together()
+        gained = alone[first] + blocks.without(first).beside(0).without(1).of_two()
         whole, rank = (
             price[first] + price[rest][:, None] + price[rest],
             ranks[first] + ranks[rest][:, None] + ranks[rest],
