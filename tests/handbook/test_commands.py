@@ -167,6 +167,7 @@ FOLLOWED = {
     "docs/workshop.md": "",
     "docs/diagnosis.md": "hidden-backlash",
     "docs/recordings.md": "hidden-backlash",
+    "docs/start/tutorial.md": "bench-arm",
     "examples/hobby-arm/README.md": "",
 }
 """Pages whose commands run one after the other, from the project's folder or that of an example."""
