@@ -154,7 +154,7 @@ def _frame_sentences(
             still = [headers.get(f"q{k + 1}", f"q{k + 1}") for k in range(arm.size) if np.ptp(recording.q[:, k]) == 0.0]
             if still:
                 ask += f" {', '.join(still)} never changes: was it logged?"
-            text += f", and no other unit, frame, tool, zero, sign or order explains it: {ask}"
+            text += f", and no other unit, frame, tool, zero, sign or order that was tried explains it: {ask}"
             far = place.misfit > max(rules.hopeless * _spread(place.modelled), rules.hopeless_whole * reach)
             if far or still:
                 raise InputError(recording.file, "", text)

@@ -116,7 +116,8 @@ def _time(recording: Recording, headers: Mapping[str, str], rules: MistakeRules)
             recording = _rejecting(recording, stray, f"{name} runs backwards against the rows around it")
         elif len(back) <= max(1.0, 0.5 * rules.few_stray * len(time)):
             rows = rows_text(recording.row[back])
-            recording = _saying(recording, f"{name} starts again in {rows}: the clock was set back, so it is not used.")
+            sentence = f"{name} starts again in {rows}: times before and after do not compare"
+            recording = _saying(recording, f"{sentence}, so it is not used.")
             return replace(recording, time=None)
         else:
             sentence = f"{name} goes back {len(back)} times, first in row {recording.row[back[0]]}"

@@ -211,5 +211,5 @@ def test_no_unit_shrinks_a_motion_to_nothing(tmp_path: Path, settings: str) -> N
     """Joints that all but stand still while the tip moves by a metre: um in place of mm would bring every tip to one
     point."""
     q, tip = clean()
-    with pytest.raises(InputError, match="no other unit, frame, tool, zero, sign or order explains it"):
+    with pytest.raises(InputError, match="no other unit, frame, tool, zero, sign or order that was tried explains it"):
         read(tmp_path, 0.3 + 1e-5 * q, tip, settings)
