@@ -162,7 +162,7 @@ def test_base_and_mast_share_the_weights_of_the_drives(
     assert predict(found.corrected, on_a_soft_base(4, base, mast, drive)).rms < 1.25 * math.sqrt(3.0) * NOISE
 
 
-@pytest.mark.xfail(strict=True, reason="a gear's order is named in place of a tilt of 36 mrad, which is no usual one")
+@pytest.mark.xfail(strict=True, reason="a gear's transmission error is named in place of the tilt of the base")
 @pytest.mark.slow
 def test_a_base_that_is_not_plumb_is_seen_through_products() -> None:
     """Gravity from another side, by hand: the drive sags another way, and the tilt is g x tilt = g' - g."""

@@ -94,7 +94,8 @@ def test_a_pull_moves_off_a_point_whose_coordinate_is_next_to_nought(monkeypatch
             pytest.param(
                 seed,
                 marks=pytest.mark.xfail(
-                    strict=True, reason="the form that no reading bears out goes, and the name with it"
+                    strict=True,
+                    reason="named, and the verdict is unknown, but no note says that a name was left out again",
                 ),
             )
             for seed in (4, 7)

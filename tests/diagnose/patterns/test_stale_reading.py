@@ -37,7 +37,7 @@ def test_the_share_of_the_move_still_to_come_is_found(tmp_path, seed):
     assert size.value == pytest.approx(3e-4, rel=0.05)
 
 
-@pytest.mark.xfail(strict=True, reason="the share of the move is named, which is as good and has a more usual size")
+@pytest.mark.xfail(strict=True, reason="share_of_move is named, by the usual sizes in the criterion")
 @pytest.mark.slow
 def test_where_commands_are_logged_the_joint_stood_at_them(tmp_path):
     found = diagnose(ARM, logged(tmp_path, 1, np.array([4e-4, 0.0, 0.0]), commands=True))
