@@ -5,6 +5,7 @@ from __future__ import annotations
 
 from pathlib import Path, PurePosixPath
 
+from mkdocs.config.config_options import ExtraScriptValue
 from mkdocs.config.defaults import MkDocsConfig
 from mkdocs.structure.files import File, Files
 from mkdocs.structure.pages import Page
@@ -17,6 +18,9 @@ from handbook.notebooks import notebook_pages
 from handbook.python_face import python_pages
 from handbook.sources import DOCS, ROOT, sources_here
 
+WORKER = "assets/iframe-worker.js"
+"""What lets pages opened from a disk be searched; `offline` would fetch its like from the network."""
+
 
 def on_config(config: MkDocsConfig) -> MkDocsConfig:
     """Put the pages that are made into the navigation, where it names the folder that they stand in."""
@@ -24,6 +28,7 @@ def on_config(config: MkDocsConfig) -> MkDocsConfig:
     folders["examples"] = list(sources_here().examples.values())
     folders["notebooks"] = list(sources_here().notebooks.values())
     config.nav = [_expanded(entry, folders) for entry in config.nav or []]
+    config.extra["polyfills"] = [ExtraScriptValue(WORKER)]
     return config
 
 
@@ -44,6 +49,7 @@ def on_files(files: Files, config: MkDocsConfig) -> Files:
             files.append(File.generated(config, place, abs_src_path=str(ROOT / source)))
     own = Path(__file__).parent
     files.append(File.generated(config, "assets/own.css", abs_src_path=str(own / "style.css")))
+    files.append(File.generated(config, WORKER, abs_src_path=str(own / "iframe-worker.js")))
     files.append(File.generated(config, "assets/plots.js", abs_src_path=str(own / "plots.js")))
     files.append(File.generated(config, "assets/plotly.js", content=get_plotlyjs()))
     return files
