@@ -23,7 +23,7 @@ help:
 	@echo "make test-fast  the tests worth running every minute, some of every room"
 	@echo "make test-all   what make test leaves: real machines, the paper, notebooks, a browser, odd files, more seeds (MINUTES=8 begins none after that)"
 	@echo "make lint       ruff and pyright"
-	@echo "make benchmark  run the benchmarks (BENCHMARK_ARGS=... is passed on)"
+	@echo "make benchmark  the exchange against a full grid of poses (BENCHMARK_ARGS=... is passed on to benchmarks.results)"
 	@echo "make results    benchmarks/RESULTS.md: every measured figure beside its target (RESULTS_ARGS=--quick; many minutes)"
 	@echo "make problems   hold the optimiser against every combination of random problems and a hand calculation, 50 of each kind (PROBLEMS=50)"
 	@echo "make proof      the diagnosis on concealed physics (PROOF_CASES=1000 PROOF_SEED=... PROOF_OUT=...; an hour or more)"
@@ -125,7 +125,7 @@ lint: $(DEV)
 	$(BIN)/pyright --pythonpath $(BIN)/python
 
 benchmark: $(DEV)
-	$(BIN)/python -m benchmarks $(BENCHMARK_ARGS)
+	$(ONE_THREAD) $(BIN)/python -m benchmarks.results --only grid $(BENCHMARK_ARGS)
 
 results: $(DEV)
 	$(ONE_THREAD) $(BIN)/python -m benchmarks.results --page benchmarks/RESULTS.md $(RESULTS_ARGS)

@@ -1,9 +1,4 @@
-"""How fast, and to which proven gap, the best of millions of combinations is found.
-
-`python -m benchmarks.choice_among_millions` prints a row a problem: combinations, seconds, gap between the best design
-and the bound on all combinations and sizes, parts of all designs that were looked at. With limits on mass, cost,
-strength and frequency the command itself is run, near ties and report of the answer included; those rows take a minute.
-"""
+"""Problems of millions of combinations, and what the command comes to on one of them."""
 
 from __future__ import annotations
 
@@ -16,15 +11,10 @@ import tempfile
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import partial
 from pathlib import Path
 
 from linkwright.core.materials.catalogue import load_catalogue
 from linkwright.core.materials.material import PropertyName
-from linkwright.core.optimize.choice.at_once.branching import Branching
-from linkwright.core.optimize.choice.chooser import Chooser
-from linkwright.core.optimize.choice.picks import count
-from linkwright.core.optimize.exchange.exchange import context_of
 from linkwright.core.optimize.problem import Problem, read_problem
 
 JOINT = "{type: revolute, range: [-120 deg, 120 deg], stiffness: 60 kN*m/rad, mass: 3 kg}"
@@ -101,27 +91,3 @@ def problem(folder: Path, limits: str, number: int = 30) -> Problem:
     path = folder / "problem.yaml"
     path.write_text(f"arm: arm.yaml\n{chosen}subject_to: {{{limits}}}\n", encoding="utf-8")
     return read_problem(path)
-
-
-def main() -> None:
-    """Print the rows."""
-    print(f"{'limits':16} {'combinations':>12} {'seconds':>8} {'gap':>8} {'parts':>6}")
-    for name, limits in LIMITS.items():
-        with tempfile.TemporaryDirectory() as folder:
-            asked = problem(Path(folder), limits)
-            began = time.perf_counter()
-            proof = Branching(Chooser(context_of(asked), None, None), 0.01).run(40)
-            seconds = time.perf_counter() - began
-            shown = ("-", "-") if proof is None else (f"{proof.gap:.2%}", proof.parts)
-            print(f"{name:16} {count(asked):12,} {seconds:8.2f} {shown[0]:>8} {shown[1]:>6}")
-    for name, limits in COMMANDS.items():
-        answer = commanded(partial(problem, limits=limits))
-        print(f"{name}: {answer.combinations:,} combinations, {answer.seconds:.1f} s, gap {answer.gap:.2%}")
-    answer = commanded(listed)
-    print(
-        f"listed tubes, free lengths: {answer.combinations:,} combinations, {answer.cpu:.1f} s of CPU, {answer.gap:.2%}"
-    )
-
-
-if __name__ == "__main__":
-    main()

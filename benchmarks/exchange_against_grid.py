@@ -93,21 +93,6 @@ def compared(*, quick: bool) -> Compared:
     return Compared(best, other, quicker)
 
 
-def exchange_against_grid(*, quick: bool) -> list[str]:
-    """Compare, print, and return the targets missed."""
-    found = compared(quick=quick)
-    best, other, quicker = found.ours, found.same, found.mapped
-    ratio = other.seconds / best.seconds
-    print(f"exchange against one IPOPT program over a grid of {EACH}^3 = {EACH**3} poses, 7 variables")
-    for name, side in (("exchange, certified", best), ("grid, same program", other), ("grid, mapped", quicker)):
-        figures = f"{1e3 * side.true:.6f} mm (claims {1e3 * side.claimed:.6f})"
-        print(f"  {name:20} {figures} in {side.seconds:.3f} s; {side.note}")
-    print(f"  the grid's answer is {100.0 * (other.true / other.claimed - 1.0):.2f} % worse than it claims")
-    mapped_ratio = quicker.seconds / best.seconds
-    print(f"  ratio: {ratio:.0f} times faster (mapped: {mapped_ratio:.0f}), at least {TARGET:.0f} is asked for")
-    return [] if ratio >= TARGET else [f"exchange against grid: {ratio:.0f} times instead of {TARGET:.0f}"]
-
-
 def by_exchange(context: Context, problem: Problem) -> Side:
     """The exchange's side."""
     began = time.process_time()

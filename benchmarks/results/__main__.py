@@ -2,7 +2,7 @@
 
 Every figure is of this machine at this time, and CPU time where nothing else is said, so that other work on the machine
 says little; ratios are of sides run one after the other. With `--page` the page is written that docs/workshop.md links.
-Exit status 1 where a target is missed.
+Exit status 1 where a target is missed, but with `--quick`, which measures too little to say so.
 """
 
 from __future__ import annotations
@@ -19,12 +19,13 @@ import scipy
 
 from .commands import commands
 from .long_work import executors, millions, random_scans
-from .optimisers import optimisers
+from .optimisers import grid, optimisers
 from .row import Row
 from .searches import certificates, links
 
 Section = Callable[..., list[Row]]
 SECTIONS: dict[str, tuple[str, Section]] = {
+    "grid": ("The exchange against a full grid: how many times as long that takes", grid),
     "optimisers": ("The exchange: how many times as long others take", optimisers),
     "certificates": ("Certificates", certificates),
     "links": ("Cost by the number of links", links),
@@ -72,7 +73,7 @@ def main() -> int:
         for row in found[key]:
             verdict = {True: "met", False: "MISSED", None: ""}[row.met]
             print(f"  {row.what}: {row.figure} ({row.target or 'no target'}) {verdict} {row.note}", flush=True)
-    return 1 if any(row.met is False for rows in found.values() for row in rows) else 0
+    return 1 if not asked.quick and any(row.met is False for rows in found.values() for row in rows) else 0
 
 
 if __name__ == "__main__":

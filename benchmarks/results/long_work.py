@@ -9,7 +9,7 @@ from functools import partial
 from pathlib import Path
 
 from benchmarks.choice_among_millions import COMMANDS, LIMITS, commanded, listed, problem
-from benchmarks.executors_efficiency import TARGET, cluster, measured, slept
+from benchmarks.executors_efficiency import TARGET, cluster, measured
 from linkwright.core.executors import Cluster, Processes
 from linkwright.core.optimize.choice.at_once.branching import Branching
 from linkwright.core.optimize.choice.chooser import Chooser
@@ -50,9 +50,9 @@ def executors(*, quick: bool) -> list[Row]:
     """The efficiency per worker of processes and of a dask scheduler, with tasks that sleep a second."""
     tasks = [1.0] * (8 if quick else 32)
     with Processes(2, patience=0.0) as processes:
-        found = {"processes": measured("processes", processes, 2, tasks, slept)}
+        found = {"processes": measured("processes", processes, 2, tasks)}
     with cluster(2) as address, Cluster(address) as workers:
-        found["dask, separate processes"] = measured("dask", workers, 2, tasks, slept)
+        found["dask, separate processes"] = measured("dask", workers, 2, tasks)
     note = f"2 workers, {len(tasks)} tasks of a second, by the wall"
     return [Row(what, f"{each:.3f}", f"at least {TARGET:g}", each >= TARGET, note) for what, each in found.items()]
 
