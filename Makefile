@@ -32,7 +32,7 @@ help:
 	@echo "make proof-multibody  the diagnosis on arms of a multibody engine (PROOF_CASES=600 PROOF_HALF=development or proof; hours)"
 	@echo "make rules      what moves when each rule of the diagnosis does (RULES_ARGS=... is passed on; an hour or two)"
 	@echo "make rules-docs docs/rules.md from the rules of the diagnosis"
-	@echo "make fuzz       odd files of every kind, each read or refused in one line (FUZZ_INPUTS=100000 FUZZ_SEED=1, FUZZ_RUNS=2000 of each led by coverage; an hour)"
+	@echo "make fuzz       odd files of every kind, each read or refused in one line (FUZZ_INPUTS=100000 FUZZ_SEED=1; an hour)"
 	@echo "make docs       the site of the docs, commands and Python face, in build/handbook; fails on a broken link"
 	@echo "make notebooks  run examples/notebooks; make docs then shows what they print and draw"
 	@echo "make lock       pin the dependencies anew (LOCK_ARGS=--upgrade takes the newest)"
@@ -184,12 +184,8 @@ rules-docs: $(DEV)
 # Each input within 10 s and 1 GiB; what is neither read nor refused is made as small as it can be, and shown.
 FUZZ_INPUTS ?= 100000
 FUZZ_SEED ?= 1
-FUZZ_RUNS ?= 2000
 fuzz: $(DEV)
 	$(ONE_THREAD) $(BIN)/python -m benchmarks.fuzz --inputs $(FUZZ_INPUTS) --seed $(FUZZ_SEED)
-	@if $(PIP_INSTALL) --only-binary :all: --no-deps --require-hashes -r benchmarks/fuzz/requirements.txt 2>/dev/null; \
-	then $(ONE_THREAD) $(BIN)/python -m benchmarks.fuzz.covered --runs $(FUZZ_RUNS) --seed $(FUZZ_SEED); \
-	else echo "atheris is not to be had here; bytes led by coverage are left out"; fi
 
 # Plots as data, which the site draws.
 notebooks: $(DEV)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+from collections import Counter
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -36,6 +37,13 @@ class Rate:
         """count / total; not a number where there is nothing."""
         return self.count / self.total if self.total else math.nan
 
+    def shown(self, digits: int = 1) -> str:
+        """95.2 % (120/126; 89.9 to 98.2), the interval to so many digits; - where there is nothing."""
+        if not self.total:
+            return "-"
+        low, high = (f"{100 * end:.{digits}f}" for end in (self.low, self.high))
+        return f"{100 * self.share:.1f} % ({self.count}/{self.total}; {low} to {high})"
+
 
 def rate(hits: Iterable[bool]) -> Rate:
     """The share of true ones."""
@@ -55,6 +63,13 @@ class Spread:
     upper: float
     within: float
 
+    def shown(self) -> str:
+        """Median, 95th percentile, share within the target, count; - where there is nothing."""
+        if not self.count:
+            return "-"
+        within = "" if math.isnan(self.within) else f", {100 * self.within:.0f} % within the target"
+        return f"median {self.median:.3g}, 95th percentile {self.upper:.3g}{within} ({self.count})"
+
 
 def spread(values: Iterable[float], target: float | None = None) -> Spread:
     """Quantiles of values that are numbers."""
@@ -63,6 +78,26 @@ def spread(values: Iterable[float], target: float | None = None) -> Spread:
         return Spread(0, math.nan, math.nan, math.nan)
     within = math.nan if target is None else float(np.mean(known <= target))
     return Spread(known.size, float(np.median(known)), float(np.quantile(known, 0.95)), within)
+
+
+Table = tuple[tuple[str, Rate], ...]
+Counts = tuple[tuple[str, tuple[tuple[str, int], ...]], ...]
+
+
+def by(hits: Iterable[tuple[Any, bool]]) -> Table:
+    """The share of true ones for each label, the labels in their order."""
+    found = list(hits)
+    return tuple(
+        (str(label), rate(hit for key, hit in found if key == label)) for label in sorted({k for k, _ in found})
+    )
+
+
+def counts(items: Iterable[tuple[str, str]]) -> Counts:
+    """How often each value comes beside each label, the most frequent first."""
+    table: dict[str, Counter[str]] = {}
+    for key, value in items:
+        table.setdefault(key, Counter())[value] += 1
+    return tuple((key, tuple(count.most_common())) for key, count in sorted(table.items()))
 
 
 @dataclass(frozen=True)

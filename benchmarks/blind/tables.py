@@ -24,19 +24,6 @@ def as_json(score: Any) -> str:
     return json.dumps(_clean(asdict(score)), indent=1) + "\n"
 
 
-def _rate(rate: Rate) -> str:
-    if not rate.total:
-        return "- (none)"
-    return f"{100 * rate.share:.1f} % ({rate.count}/{rate.total}; {100 * rate.low:.1f} to {100 * rate.high:.1f})"
-
-
-def _spread(value: Spread) -> str:
-    if not value.count:
-        return "- (none)"
-    within = "" if math.isnan(value.within) else f", {100 * value.within:.1f} % within the target"
-    return f"median {value.median:.3g}, 95th percentile {value.upper:.3g}{within} ({value.count})"
-
-
 def as_markdown(score: Score) -> str:
     """One table of single figures, then one table for each breakdown."""
     lines = [f"# Blind proof: {score.half or 'unnamed'} half", "", f"Seal {score.seal or '(none)'}", ""]
@@ -46,10 +33,8 @@ def as_markdown(score: Score) -> str:
     for field in fields(Score):
         value = getattr(score, field.name)
         label = field.name.replace("_", " ")
-        if isinstance(value, Rate):
-            lines.append(f"| {label} | {_rate(value)} |")
-        elif isinstance(value, Spread):
-            lines.append(f"| {label} | {_spread(value)} |")
+        if isinstance(value, Rate | Spread):
+            lines.append(f"| {label} | {value.shown()} |")
         elif isinstance(value, float):
             lines.append(f"| {label} | {'-' if math.isnan(value) else f'{value:.2f}'} |")
         elif isinstance(value, tuple) and field.name != "cases":
@@ -57,6 +42,6 @@ def as_markdown(score: Score) -> str:
     for label, rows in tables:
         lines += ["", f"## {label[0].upper()}{label[1:]}", "", "| | |", "|---|---|"]
         for key, value in rows:
-            text = _rate(value) if isinstance(value, Rate) else ", ".join(f"{name} {n}" for name, n in value)
+            text = value.shown() if isinstance(value, Rate) else ", ".join(f"{name} {n}" for name, n in value)
             lines.append(f"| {key} | {text} |")
     return "\n".join(lines) + "\n"

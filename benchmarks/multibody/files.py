@@ -2,54 +2,39 @@
 
 from __future__ import annotations
 
-import json
 import math
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pandas as pd
-import yaml
 
 from benchmarks.blind.generator.arms import arm_file
+from benchmarks.blind.generator.files import written
 from benchmarks.multibody.cases import Case, Placed
 from benchmarks.multibody.instrument import MISLABELLED
 from benchmarks.multibody.session import BETWEEN_REPEATS
 
-UNITS = (
-    ("compliance", "rad/(N*m)", 1.0),
-    ("knee", "N*m", 1.0),
-    ("held_below", "N*m", 1.0),
-    ("total", "rad", 1.0),
-    ("windup", "rad", 1.0),
-    ("windup_per_load", "rad/(N*m)", 1.0),
-    ("time_constant", "s", 1.0),
-    ("lag", "s", 1.0),
-    ("radius", "m", 1.0),
-    ("offset", "rad", 1.0),
-    ("sine", "rad", 1.0),
-    ("cosine", "rad", 1.0),
-    ("length", "m", 1.0),
-    ("along", "m", 1.0),
-    ("across", "m", 1.0),
-    ("tilt_u", "rad", 1.0),
-    ("tilt_v", "rad", 1.0),
-    ("mass", "kg", 1.0),
-    ("expansion", "m/(m*K)", 1.0),
-    ("per_kelvin", "rad/K", 1.0),
-    ("about_x", "rad", 1.0),
-    ("about_y", "rad", 1.0),
-    ("about_z", "rad", 1.0),
-)
-HOURLY = (*((k, "m/h", 3600.0) for k in "xyz"), ("about_z", "rad/h", 3600.0))
+UNITS = {
+    "N*m": ("knee", "held_below"),
+    "rad": ("total", "windup", "offset", "sine", "cosine", "tilt_u", "tilt_v", "about_x", "about_y", "about_z"),
+    "rad/(N*m)": ("compliance", "windup_per_load"),
+    "s": ("time_constant", "lag"),
+    "m": ("radius", "length", "along", "across"),
+    "kg": ("mass",),
+    "m/(m*K)": ("expansion",),
+    "rad/K": ("per_kelvin",),
+}
+"""Parameters by their unit; others are pure numbers."""
+HOURLY = {**dict.fromkeys("xyz", "m/h"), "about_z": "rad/h"}
 
 
 def true_parameters(placed: Placed) -> dict[str, dict[str, float | str]]:
     """Parameters as name_place: {value, unit}, in SI but for what drifts (by the hour)."""
     cause = placed.cause
-    units = {
-        name: (unit, factor) for name, unit, factor in (*UNITS, *(HOURLY if cause.effect == "frame_drift" else ()))
-    }
+    units = {name: (unit, 1.0) for unit, names in UNITS.items() for name in names}
+    if cause.effect == "frame_drift":
+        units |= {name: (unit, 3600.0) for name, unit in HOURLY.items()}
     place = f"_{cause.at[0]}" if cause.at else ""
     found: dict[str, dict[str, float | str]] = {}
     for name, value in cause.parameters.items():
@@ -136,21 +121,14 @@ def table_of(case: Case) -> pd.DataFrame:
 
 def write_case(case: Case, root: Path) -> str:
     """Writes the case's files under root/cases/<name> and its truth under root/truth; returns the truth's text."""
-    folder = root / "cases" / case.name
-    folder.mkdir(parents=True, exist_ok=True)
-    (folder / "arm.yaml").write_text(arm_file(case.scene.stage.machine.arm, case.scene.ranges), encoding="utf-8")
     table, (wrong, joint) = table_of(case), case.wrong.mislabelled
     if wrong:
         table = MISLABELLED[wrong](table, joint)
-    settings: dict[str, str] = {"frame": "free" if case.scene.frame_free else "known"}
-    if case.scene.tool_free:
-        settings["tool"] = "free"
-    for mount in range(len(case.mounts)):
-        stem = "recording" if len(case.mounts) == 1 else f"recording-{mount + 1}"
-        part = table[table["mount"] == mount].drop(columns="mount")
-        part.to_csv(folder / f"{stem}.csv", index=False, lineterminator="\n")
-        (folder / f"{stem}.yaml").write_text(yaml.safe_dump(settings, sort_keys=True), encoding="utf-8")
-    text = json.dumps(truth_of(case), indent=1, sort_keys=True) + "\n"
-    (root / "truth").mkdir(exist_ok=True)
-    (root / "truth" / f"{case.name}.json").write_text(text, encoding="utf-8", newline="\n")
-    return text
+    settings = {"frame": "free" if case.scene.frame_free else "known"} | (
+        {"tool": "free"} if case.scene.tool_free else {}
+    )
+    stems = ["recording"] if len(case.mounts) == 1 else [f"recording-{k + 1}" for k in range(len(case.mounts))]
+    parts = [table[table["mount"] == mount].drop(columns="mount") for mount in range(len(case.mounts))]
+    recordings = {stem: (part, settings) for stem, part in zip(stems, parts, strict=True)}
+    arm = arm_file(case.scene.stage.machine.arm, case.scene.ranges)
+    return written(root, case.name, arm, recordings, truth_of(case))

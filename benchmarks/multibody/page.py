@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import itertools
-import math
 import textwrap
 from pathlib import Path
 
-from benchmarks.blind.answers import Rate, Spread
+from benchmarks.blind.answers import Rate
 from benchmarks.multibody.score import Score
 
 HEADING = "## A second generator: a multibody engine"
@@ -42,65 +41,6 @@ WORDS = (
 DESCRIBED = "product_of_joints"
 """The class of the proof half that a form of the tool has come to describe, since people asked for it."""
 
-TRIALS = {
-    2026112302: """
-    A first trial (seed 2026112302, 600 cases) was opened before, and missed: false alarms 2.0 % (3 of 150, each under a
-    tracker that wanders), large causes named 90.0 % (305 of 339), unknown classes called unknown 86.7 % (78 of 90; none
-    of five axes that wobble, three of six tanks half full), given a name 10 % (9 of 90), intervals 90.6 % (705 of 778).
-    Two faults came out on development cases after it and were mended: a load below which friction holds a backlash was
-    sought as if what is left were smooth in it, and stopped on a wrong step; and intervals beside three and more
-    findings left too little room for causes too small to be named.
-    """,
-    2026112404: """
-    A second trial (seed 2026112404, 300 cases) was opened after that, and missed too: false alarms 2.7 % (2 of 75, both
-    under a tracker that wanders), large causes named 85.5 % (153 of 179; 93.3 % were named or listed as part of an
-    unknown), unknown classes called unknown 82.2 % (37 of 45), given a name 13.3 % (6 of 45), intervals 94.3 % (414 of
-    439). At the tip of a light arm no more than half its weight had been taken for possible, which is mended. The rest
-    of what was changed since comes from 200 development cases (seed 2026112501): causes too small to be named no longer
-    refute a right name beside them, and names that cannot be told with room for them are declared; a gear's order was
-    sought from a whole wave on only; a size fitted in the place of two was too sure; a random walk passed for an even
-    drift too often; more than three times the noise floor, of poses that nobody came back to, was `none`.
-    """,
-    2026112505: """
-    A third trial (seed 2026112505, 300 cases) was opened after that: false alarms 2.7 % (2 of 75, both under a tracker
-    that wanders), large causes named 94.6 % (159 of 168), unknown classes called unknown 86.7 % (39 of 45), given a
-    name 8.9 % (4 of 45; three of them axes that wobble), intervals 91.4 % (318 of 348). What was changed then comes
-    from development cases (seeds 2026112611 to 2026112803): a base's tilt pulls at masses that were found too; a size
-    beyond its bound by noise stands at it; names that do not carry over to readings held out are not excused by small
-    causes, nor by scatter that is like that of the visit before; what follows a temperature that goes with time is set
-    against a random walk as well; scatter of visits is believed beside names up to a tenth of the mismatch, and where
-    no pose was come back to up to 2.2 times the noise (before: 3 % and 3 times).
-    """,
-    2026112901: """
-    A fourth trial (seed 2026112901, 300 cases) was opened after that: false alarms none of 75, large causes named
-    94.1 % (160 of 170), unknown classes called unknown 88.9 % (40 of 45), given a name 11.1 % (5 of 45; three of
-    them axes that wobble), one impossible size (a steel link that would expand by 237 um/(m*K) more), intervals
-    93.4 % (365 of 391). That led to three changes. An axis that wobbles as it turns was a class of the proof half
-    until then, and is none: a tilt that turns with its axis is one of the link behind it, and so the next axis
-    askew and aside, which the library has and names; of what it does to the tip 0.2 % at most is anything else (a
-    test computes it from the generator alone). The generator had given the usual causes tilts of axes without their
-    shifts; it gives them both now, and does not draw the class. No link expands by far more than its declared
-    material, and beside a size that stands at its bound the others are fitted anew (one case of the fourth trial
-    was called unknown for that).
-    """,
-    2026112902: """
-    A fifth trial (seed 2026112902, 300 cases) was opened after that: false alarms none of 75, large causes named
-    96.0 % (166 of 173), unknown classes called unknown 95.6 % (43 of 45), given a name 2.2 % (1 of 45), one
-    impossible size (2 kg less than nothing at the tip, in an `unknown`), intervals 92.4 % (401 of 434). No more is
-    lacking at the tip since than the least payload recorded and the last link weigh. The rest comes from 300
-    development cases (seeds 2026112804 and 2026112805; intervals 364 of 394): drives wound up by friction bear the
-    weights that were found, not the file's alone (in the trial above drives that harden, creep or droop did so too,
-    and in case 00018 droop was named for a base that gives; taken back since); friction may hold play under loads
-    of up to three times what is usual; and intervals have room for causes too small to be named from the second
-    finding on, no longer from the third. One more came from them when the trial above was answered but not opened,
-    and is not in its answers: more than 2.2 times the noise is no longer taken for scatter beside names where no
-    pose was come back to (four names for a steel floor, 2.9 times the noise). What the trial above showed to be
-    wrong is mended in two places since: no link is found to weigh less than a tenth of what its file says (one
-    weighed nothing), and two causes that no single one shows pass the gate together (case 00201).
-    """,
-}
-"""What the openings of the proof half said, by their seeds, in the order in which they were opened; the earlier ones
-stand beside every later one."""
 NO_FORM = "No unknown class of any trial got a form of its own: each is a new draw of the same classes."
 
 ENOUGH = 100
@@ -108,17 +48,10 @@ ENOUGH = 100
 FINE = ("by effect", "by arm", "by recording", "by parameter", "small causes")
 
 
-def _rate(rate: Rate) -> str:
-    if not rate.total:
-        return "-"
-    return f"{100 * rate.share:.1f} % ({rate.count}/{rate.total}; {100 * rate.low:.0f} to {100 * rate.high:.0f})"
-
-
-def _spread(value: Spread) -> str:
-    if not value.count:
-        return "-"
-    within = "" if math.isnan(value.within) else f", {100 * value.within:.0f} % within 1.1"
-    return f"median {value.median:.3g}, 95th percentile {value.upper:.3g}{within} ({value.count})"
+def trials() -> dict[int, str]:
+    """What the openings of the proof half said, by their seeds, in the order in which they were opened."""
+    _, *parts = Path(__file__).with_name("trials.md").read_text(encoding="utf-8").split("\n## ")
+    return {int(seed): text for seed, _, text in (part.partition("\n") for part in parts)}
 
 
 def _wrapped(text: str) -> str:
@@ -154,7 +87,7 @@ def _ran(score: Score) -> str:
     ran = [
         f"**What was run: {_count(score)} cases of the {half} half**, seed {' and '.join(map(str, score.seeds))} "
         f"({kinds});",
-        f"{len(score.failed)} without an answer; {_spread(score.seconds)} seconds a case.",
+        f"{len(score.failed)} without an answer; {score.seconds.shown()} seconds a case.",
         f"{two.total} of them have two mountings of the tracker, and {two.count} of these an answer."
         if two.total
         else "None of them has two mountings of the tracker.",
@@ -168,7 +101,7 @@ def _targets(score: Score) -> list[str]:
     """Each target beside what was reached."""
     lines = ["| | target | reached |", "|---|---|---|"]
     for target in score.targets:
-        reached = _rate(target.reached) if isinstance(target.reached, Rate) else _spread(target.reached)
+        reached = target.reached.shown(0) if isinstance(target.reached, Rate) else target.reached.shown()
         verdict = "**MISSED** " if target.met is False else ""
         lines.append(f"| {target.what} | {target.wanted} | {verdict}{reached} |")
     return lines
@@ -178,7 +111,8 @@ def _trials(score: Score) -> list[str]:
     """Of a proof half what is proof of it, and what earlier trials found."""
     if _half(score) != "proof":
         return []
-    earlier = [TRIALS[seed] for seed in itertools.takewhile(lambda seed: seed not in score.seeds, TRIALS)]
+    opened = trials()
+    earlier = [opened[seed] for seed in itertools.takewhile(lambda seed: seed not in score.seeds, opened)]
     said = [_of_others(score), *earlier, *([NO_FORM] if earlier else [])]
     return [line for each in said for line in ("", _wrapped(each))]
 
@@ -190,8 +124,8 @@ def _figures(score: Score) -> list[str]:
         for name, each in score.localised
         if each.claimed + each.true
     ]
-    head = ["| the three figures | |", "|---|---|", f"| relative error of right parameters | {_spread(score.bias)} |"]
-    return [*head, *localised, f"| false discoveries | {_rate(score.false_discoveries)} |"]
+    head = ["| the three figures | |", "|---|---|", f"| relative error of right parameters | {score.bias.shown()} |"]
+    return [*head, *localised, f"| false discoveries | {score.false_discoveries.shown(0)} |"]
 
 
 def _tables(score: Score) -> list[str]:
@@ -200,7 +134,7 @@ def _tables(score: Score) -> list[str]:
     for title, table in score.tables:
         shown = [(label, rate) for label, rate in table if rate.total]
         if shown and (_count(score) >= ENOUGH or not any(word in title for word in FINE)):
-            lines += ["", f"| {title} | |", "|---|---|", *(f"| {label} | {_rate(rate)} |" for label, rate in shown)]
+            lines += ["", f"| {title} | |", "|---|---|", *(f"| {label} | {rate.shown(0)} |" for label, rate in shown)]
     return lines
 
 

@@ -9,38 +9,42 @@ from __future__ import annotations
 
 import math
 from collections import Counter
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from benchmarks.blind.answers import ALARMS, NAMES, Answer, Rate, Spread, Truth, in_class, is_it, rate, spread
+from benchmarks.blind.answers import (
+    ALARMS,
+    NAMES,
+    Answer,
+    Rate,
+    Spread,
+    Table,
+    Truth,
+    by,
+    counts,
+    in_class,
+    is_it,
+    rate,
+    spread,
+)
 from benchmarks.blind.parameters import TRANSLATED, UNITS, coverage
 from benchmarks.multibody.cases import DOSES
 from benchmarks.multibody.sizes import impossible
 
-Table = tuple[tuple[str, Rate], ...]
 Row = tuple[Truth, Answer]
+Caused = tuple[Truth, Answer, Mapping[str, Any]]
 LOUD = 0.9
 """The signal to noise from which on a cause is to be named."""
 
 
 @dataclass(frozen=True)
 class Harmonic:
-    """Precision, recall and their harmonic mean, from counts over all cases."""
+    """The harmonic mean of precision (hits of what is claimed) and recall (hits of what is true), over all cases."""
 
     hits: int
     claimed: int
     true: int
-
-    @property
-    def precision(self) -> float:
-        """Of what is claimed, the share that is so."""
-        return self.hits / self.claimed if self.claimed else math.nan
-
-    @property
-    def recall(self) -> float:
-        """Of what is so, the share that is claimed."""
-        return self.hits / self.true if self.true else math.nan
 
     @property
     def f1(self) -> float:
@@ -83,33 +87,65 @@ class Score:
 def score(truths: Sequence[Truth], answers: Mapping[str, Answer], half: str = "", seal: str = "") -> Score:
     """All figures, from truths and answers alone."""
     rows: list[Row] = [(truth, answers[truth["case"]]) for truth in truths]
+    errors = _relative_errors(rows)
+    answered = [(t, a) for t, a in rows if a.verdict != "failed"]
+    return Score(
+        half=half,
+        seal=seal,
+        seeds=tuple(sorted({int(t["seed"][0]) for t in truths})),
+        remounted=rate(a.verdict != "failed" for t, a in rows if t["mounts"] > 1),
+        cases=tuple(sorted(Counter(t["kind"] for t, _ in rows).items())),
+        failed=tuple(t["case"] for t, a in rows if a.verdict == "failed" and t["kind"] != "mislabelled"),
+        targets=_targets(rows),
+        tables=(*_tables_of_names(rows), *_other_tables(rows)),
+        bias=spread(each for sizes in errors.values() for each in sizes),
+        bias_by_parameter=tuple((name, spread(sizes)) for name, sizes in sorted(errors.items())),
+        localised=(("joint", _joints(rows)), ("time", _times(rows)), ("region", _regions(_kind(rows, "unknown")))),
+        false_discoveries=rate(not _true_one(t, e) for t, a in rows if a.verdict in NAMES for e in a.entries),
+        verdicts=counts((t["kind"], _verdict(t, a)) for t, a in rows),
+        impossible=tuple(f"{t['case']}: {sentence}" for t, a in answered for sentence in _impossible(t, a)),
+        seconds=spread(a.seconds for _, a in rows if a.seconds is not None),
+        misses=tuple(line for t, a in rows if (line := _miss(t, a))),
+    )
 
-    def kind(*names: str) -> list[Row]:
-        return [(t, a) for t, a in rows if t["kind"] in names]
 
-    nulls, unknowns, power = kind("null"), kind("unknown"), kind("power")
-    large = [(t, a, e) for t, a in kind("many", "pair") for e in t["effects"] if e["large"]]
-    loud = [(t, a, e) for t, a, e in large if e["snr"] >= LOUD]
-    small = [(t, a, e) for t, a in kind("many") for e in t["effects"] if not e["large"]]
-    covered = [
+def _kind(rows: Sequence[Row], *names: str) -> list[Row]:
+    return [(t, a) for t, a in rows if t["kind"] in names]
+
+
+def _loud(rows: Sequence[Row]) -> list[Caused]:
+    """Large causes from `LOUD` on, each with its case and the answer."""
+    large = ((t, a, e) for t, a in _kind(rows, "many", "pair") for e in t["effects"] if e["large"])
+    return [(t, a, e) for t, a, e in large if e["snr"] >= LOUD]
+
+
+def _covered(rows: Sequence[Row]) -> list[tuple[str, bool]]:
+    """Whether each interval of what is rightly named holds the truth, by effect and parameter."""
+    return [
         (f"{e['effect']} {name}", inside)
         for t, a in rows
         for e, entry in _named(t, a)
         for name, inside in coverage(entry, e)
     ]
-    written = [_written(t, a) for t, a in kind("many", "pair", "power", "null")]
-    ratio = spread(written, 1.1)
-    cannot = tuple(
-        f"{t['case']}: {sentence}"
-        for t, a in rows
-        if a.verdict != "failed"
-        for e in a.entries
-        for sentence in impossible(e, t["file"])
-    )
+
+
+def _relative_errors(rows: Sequence[Row]) -> dict[str, list[float]]:
+    """The relative errors of what is rightly named, by effect and parameter."""
+    found: dict[str, list[float]] = {}
+    for t, a in rows:
+        for true, entry in _named(t, a):
+            for name, error in _errors(entry, true):
+                found.setdefault(name, []).append(error)
+    return found
+
+
+def _targets(rows: Sequence[Row]) -> tuple[Target, ...]:
+    nulls, unknowns, mislabelled = _kind(rows, "null"), _kind(rows, "unknown"), _kind(rows, "mislabelled")
+    ratio = spread((_written(t, a) for t, a in _kind(rows, "many", "pair", "power", "null")), 1.1)
     said = [(t, a) for t, a in rows if a.entries]
-    targets = (
+    return (
         _at_most("false alarms on nulls", 0.01, rate(a.verdict in ALARMS for _, a in nulls)),
-        _at_least("large causes named, from 0.9 on", 0.95, rate(_right(a, e) for _, a, e in loud)),
+        _at_least("large causes named, from 0.9 on", 0.95, rate(_right(a, e) for _, a, e in _loud(rows))),
         _at_least("unknown classes called unknown", 0.90, rate(a.verdict == "unknown" for _, a in unknowns)),
         _at_most("unknown classes given a name", 0.05, rate(a.verdict in NAMES for _, a in unknowns)),
         _at_most("answers with an impossible size", 0.0, rate(bool(_impossible(t, a)) for t, a in said)),
@@ -119,30 +155,20 @@ def score(truths: Sequence[Truth], answers: Mapping[str, Answer], half: str = ""
             ratio,
             None if not ratio.count else ratio.median <= 1.1,
         ),
-        _within("95 % intervals that hold the truth", 0.93, 0.97, rate(inside for _, inside in covered)),
-        _at_most(
-            "mislabelled columns given a cause's name", 0.0, rate(a.verdict in NAMES for _, a in kind("mislabelled"))
-        ),
+        _within("95 % intervals that hold the truth", 0.93, 0.97, rate(inside for _, inside in _covered(rows))),
+        _at_most("mislabelled columns given a cause's name", 0.0, rate(a.verdict in NAMES for _, a in mislabelled)),
     )
 
-    def by(table: Iterable[tuple[str, bool]]) -> Table:
-        pairs = list(table)
-        return tuple(
-            (label, rate(hit for key, hit in pairs if key == label)) for label in sorted({k for k, _ in pairs})
-        )
 
-    def named_at(t: Truth, a: Answer) -> bool:
-        return _right(a, t["effects"][0])
-
-    tables = (
+def _tables_of_names(rows: Sequence[Row]) -> tuple[tuple[str, Table], ...]:
+    power, loud = _kind(rows, "power"), _loud(rows)
+    dosed = [(f"{d:g}", [(t, a) for t, a in power if t["dose"] == d]) for d in DOSES]
+    return (
         (
             "one cause named, by dose",
-            tuple((f"{d:g}", rate(named_at(t, a) for t, a in power if t["dose"] == d)) for d in DOSES),
+            tuple((dose, rate(_right(a, t["effects"][0]) for t, a in at)) for dose, at in dosed),
         ),
-        (
-            "anything said, by dose",
-            tuple((f"{d:g}", rate(a.verdict in ALARMS for t, a in power if t["dose"] == d)) for d in DOSES),
-        ),
+        ("anything said, by dose", tuple((dose, rate(a.verdict in ALARMS for _, a in at)) for dose, at in dosed)),
         (
             "large causes named among small ones and in pairs, by kind",
             by((t["kind"], _right(a, e)) for t, a, e in loud),
@@ -155,38 +181,28 @@ def score(truths: Sequence[Truth], answers: Mapping[str, Answer], half: str = ""
             "large causes named, or said to be in a size of what is named",
             by((t["kind"], _right(a, e) or _in_a_size(a, e)) for t, a, e in loud),
         ),
-        ("95 % intervals that hold the truth, by parameter", by(covered)),
+    )
+
+
+def _other_tables(rows: Sequence[Row]) -> tuple[tuple[str, Table], ...]:
+    nulls, unknowns, mislabelled = _kind(rows, "null"), _kind(rows, "unknown"), _kind(rows, "mislabelled")
+    small = [(t, a, e) for t, a in _kind(rows, "many") for e in t["effects"] if not e["large"]]
+    wandering = [(t, a) for t, a in nulls if t["vice"] == "wander" and a.verdict in ALARMS]
+    return (
+        ("95 % intervals that hold the truth, by parameter", by(_covered(rows))),
         ("small causes named (0.1 to 0.5)", by((e["effect"], _right(a, e)) for _, a, e in small)),
         ("unknown classes called unknown", by((t["unknown"]["class"], a.verdict == "unknown") for t, a in unknowns)),
         ("unknown classes given a name", by((t["unknown"]["class"], a.verdict in NAMES) for t, a in unknowns)),
         ("false alarms on nulls, by vice", by((t["vice"], a.verdict in ALARMS) for t, a in nulls)),
         (
             "of these, said to be of time, where the tracker wanders",
-            by((t["vice"], _of_time(a)) for t, a in nulls if t["vice"] == "wander" and a.verdict in ALARMS),
+            by((t["vice"], _of_time(a)) for t, a in wandering),
         ),
         ("false alarms on nulls, by arm", by((t["arm"], a.verdict in ALARMS) for t, a in nulls)),
-        ("mislabelled columns refused or told", by((t["mislabelled"], _told(a)) for t, a in kind("mislabelled"))),
-    )
-    errors = [pair for t, a in rows for e, entry in _named(t, a) for pair in _errors(entry, e)]
-    return Score(
-        half=half,
-        seal=seal,
-        seeds=tuple(sorted({int(t["seed"][0]) for t in truths})),
-        remounted=rate(a.verdict != "failed" for t, a in rows if t["mounts"] > 1),
-        cases=tuple(sorted(Counter(t["kind"] for t, _ in rows).items())),
-        failed=tuple(t["case"] for t, a in rows if a.verdict == "failed" and t["kind"] != "mislabelled"),
-        targets=targets,
-        tables=tables,
-        bias=spread(each for _, each in errors),
-        bias_by_parameter=tuple(
-            (name, spread(e for n, e in errors if n == name)) for name in sorted({n for n, _ in errors})
+        (
+            "mislabelled columns refused or told",
+            by((t["mislabelled"], _told(a)) for t, a in mislabelled),
         ),
-        localised=(("joint", _joints(rows)), ("time", _times(rows)), ("region", _regions(unknowns))),
-        false_discoveries=rate(not _true_one(t, e) for t, a in rows if a.verdict in NAMES for e in a.entries),
-        verdicts=_counts((t["kind"], _verdict(t, a)) for t, a in rows),
-        impossible=cannot,
-        seconds=spread(a.seconds for _, a in rows if a.seconds is not None),
-        misses=tuple(line for t, a in rows if (line := _miss(t, a))),
     )
 
 
@@ -201,13 +217,6 @@ def _at_least(what: str, least: float, reached: Rate) -> Target:
 def _within(what: str, least: float, most: float, reached: Rate) -> Target:
     met = None if not reached.total else least <= reached.share <= most
     return Target(what, f"{100 * least:g} to {100 * most:g} %", reached, met)
-
-
-def _counts(items: Iterable[tuple[str, str]]) -> tuple[tuple[str, tuple[tuple[str, int], ...]], ...]:
-    table: dict[str, Counter[str]] = {}
-    for key, value in items:
-        table.setdefault(key, Counter())[value] += 1
-    return tuple((key, tuple(count.most_common())) for key, count in sorted(table.items()))
 
 
 def _verdict(t: Truth, a: Answer) -> str:

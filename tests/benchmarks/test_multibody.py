@@ -28,7 +28,7 @@ from benchmarks.multibody.doses import basis, change, geometry_columns, library_
 from benchmarks.multibody.engine import NotSettledError, jacobians, loads, machine, place, settle
 from benchmarks.multibody.files import table_of, truth_of, write_case
 from benchmarks.multibody.instrument import MISLABELLED, STILL, draw_mount, oracle_rms
-from benchmarks.multibody.page import HEADING, TRIALS, kept_section, section, write_section
+from benchmarks.multibody.page import HEADING, kept_section, section, trials, write_section
 from benchmarks.multibody.score import score
 from benchmarks.multibody.session import Plan, draw_session, played
 from benchmarks.multibody.sizes import impossible
@@ -562,9 +562,10 @@ def test_the_page_of_a_later_trial_tells_of_those_before():
     truths = [truth("a", "null"), truth("b", "null")]
     answers = {each["case"]: said(each["case"], "none") for each in truths}
     names = ("A first trial", "A second trial", "A third trial", "A fourth trial", "A fifth trial")
-    last = min(TRIALS) + 1  # whatever its number, it is opened after those
-    assert last not in TRIALS
-    for told, seed in enumerate([*TRIALS, last]):
+    opened = trials()
+    last = min(opened) + 1  # whatever its number, it is opened after those
+    assert last not in opened
+    for told, seed in enumerate([*opened, last]):
         page = section(score([each | {"seed": [seed, 0]} for each in truths], answers, "sealed"))
         assert [each for each in names if each in page] == list(names[:told])
         assert ("No unknown class of any trial" in page) is bool(told)

@@ -356,12 +356,10 @@ def parts_of() -> dict:
             "random": asked(("servo_droop", [2]), verdict="alias_class", others=(soft,)),
         }
     }
-    own = {case: asked(soft) | {"departure": 0.1} for case in predicted}
     return {
         "prediction": predicted,
         "nulls": nulls,
-        "next_poses": poses,
-        "self_made": own | {"00009": {"failed": "ValueError: no"}},
+        "next_poses": poses | {"00009": {"failed": "ValueError: no"}},
     }
 
 
@@ -383,8 +381,6 @@ def test_figures_count_what_they_say(small):
     assert found.promised == ()
     assert (designed.resolved.count, chance.stayed.count) == (1, 1)
     assert found.posed == (1, 1)
-    assert found.self_made.own.class_by_dose[0][1] == rate([True] * 4)
-    assert found.self_made.independent.class_by_dose[0][1] == rate([True, True, False, False])
     assert found.failed == 1
     assert dict(found.confusion)["joint_compliance"] == (("joint_compliance", 2), ("backlash", 1), ("none", 1))
     assert dict(found.confusion)["slip"] == (("unknown", 1),)

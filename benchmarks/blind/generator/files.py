@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -137,13 +138,21 @@ def recording_settings(case: Case) -> dict[str, str]:
 
 def write_case(case: Case, root: Path) -> str:
     """Writes the case's files under root/cases/<name> and its truth under root/truth; returns the truth's text."""
-    folder = root / "cases" / case.name
+    recordings = {"recording": (recording_table(case), recording_settings(case))}
+    return written(root, case.name, arm_file(case.arm, case.ranges), recordings, truth_of(case))
+
+
+def written(
+    root: Path, name: str, arm: str, recordings: Mapping[str, tuple[pd.DataFrame, dict[str, str]]], truth: object
+) -> str:
+    """Writes an arm file, recordings with their settings by their stems, and the truth apart; returns its text."""
+    folder = root / "cases" / name
     folder.mkdir(parents=True, exist_ok=True)
-    (folder / "arm.yaml").write_text(arm_file(case.arm, case.ranges), encoding="utf-8")
-    recording_table(case).to_csv(folder / "recording.csv", index=False, lineterminator="\n")
-    settings = yaml.safe_dump(recording_settings(case), sort_keys=True)
-    (folder / "recording.yaml").write_text(settings, encoding="utf-8")
-    text = json.dumps(truth_of(case), indent=1, sort_keys=True) + "\n"
+    (folder / "arm.yaml").write_text(arm, encoding="utf-8")
+    for stem, (table, settings) in recordings.items():
+        table.to_csv(folder / f"{stem}.csv", index=False, lineterminator="\n")
+        (folder / f"{stem}.yaml").write_text(yaml.safe_dump(settings, sort_keys=True), encoding="utf-8")
+    text = json.dumps(truth, indent=1, sort_keys=True) + "\n"
     (root / "truth").mkdir(exist_ok=True)
-    (root / "truth" / f"{case.name}.json").write_text(text, encoding="utf-8", newline="\n")
+    (root / "truth" / f"{name}.json").write_text(text, encoding="utf-8", newline="\n")
     return text

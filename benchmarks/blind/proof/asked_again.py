@@ -1,25 +1,19 @@
-"""Recordings that are made here and asked about: with further poses, and by the tool's own formulas."""
+"""Recordings with further poses, asked about anew."""
 
 from __future__ import annotations
 
 import json
 import math
 import tempfile
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 import yaml
 
 from benchmarks.blind.generator.cases import Case
 from benchmarks.blind.generator.files import recording_settings, recording_table
-from benchmarks.blind.generator.vectors import Array
-from benchmarks.blind.proof.library import true_arm
-from benchmarks.blind.proof.patterns import left
 from benchmarks.blind.proof.remade import Visit, continued, remade, rng_of
 from benchmarks.blind.run import ask
-from benchmarks.blind.staging import exact
 
 _KEPT = ("verdict", "missing", "where", "noise_floor_mm", "rms_after_held_out_mm")
 
@@ -67,22 +61,3 @@ def next_poses(truth: dict[str, Any], folder: str, said: dict[str, Any]) -> dict
         "designed": _answered(continued(case, wanted, rng_of(truth, 3)), Path(folder)),
         "random": _answered(continued(case, chance, rng_of(truth, 3)), Path(folder)),
     }
-
-
-def self_made(truth: dict[str, Any], folder: str) -> dict[str, Any]:
-    """The answer to the same case as the tool's own formulas would have recorded it: same poses and conditions, the
-    true parameters, white noise of the same RMS; and how far those formulas are from the generator, over the noise."""
-    case = remade(truth, Path(folder))
-    axes = case.readings.shape[0]
-    clean = exact(case.arm, case.design, case.effects)[:axes]
-    # repeats that agree to the last digit would be set aside as copies
-    jitter = 1e-5 * rng_of(truth, 5).standard_normal(clean.shape)
-    with tempfile.TemporaryDirectory() as place:
-        recording, arm = Path(place) / "recording.csv", Path(place) / "true.yaml"
-        recording_table(replace(case, readings=clean + jitter)).to_csv(recording, index=False, lineterminator="\n")
-        true_arm(case, Path(folder), arm)
-        apart: Array = left(arm, recording).T - jitter
-    noise = case.tracker.sigma * rng_of(truth, 4).standard_normal(clean.shape)
-    answer = _answered(replace(case, readings=clean - apart + noise), Path(folder))
-    departure = float(np.sqrt(np.mean(np.sum(apart**2, axis=0)))) / (case.tracker.sigma * math.sqrt(axes))
-    return answer | {"departure": departure}

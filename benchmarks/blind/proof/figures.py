@@ -26,7 +26,6 @@ from benchmarks.blind.answers import (
 from benchmarks.blind.proof.halves import Half, shown
 from benchmarks.blind.proof.parts import FAILED
 from benchmarks.blind.proof.remade import REGIONS
-from benchmarks.blind.score import Score, score
 
 TOOL = "linkwright"
 WAYS = ("designed", "random")
@@ -68,15 +67,6 @@ class Poses:
 
 
 @dataclass(frozen=True)
-class SelfMade:
-    """The same cases twice: scored on independent data and on the tool's own, and how far the physics are apart."""
-
-    independent: Score
-    own: Score
-    departure: Spread
-
-
-@dataclass(frozen=True)
 class Figures:
     """All that goes beyond a half's score. `failed` counts pieces of work without a result."""
 
@@ -88,16 +78,15 @@ class Figures:
     poses: tuple[Poses, ...]
     promised: tuple[Poses, ...]  # where the answer says that its poses are enough for all pairs
     posed: tuple[int, int]  # cases with poses; those where the tool says that no pose would help
-    self_made: SelfMade | None
     confusion: tuple[tuple[str, tuple[tuple[str, int], ...]], ...]
     failed: int
 
 
 def figures(half: Half, found: Mapping[str, Results]) -> Figures:
-    """The figures of a half from the results of its parts (`prediction`, `nulls`, `next_poses`, `self_made`)."""
+    """The figures of a half from the results of its parts (`prediction`, `nulls`, `next_poses`)."""
     truths = {t["case"]: t for t in half.truths}
     ratios, nulls = _good(found["prediction"]), _good(found["nulls"])
-    poses, own = _good(found["next_poses"]), _good(found["self_made"])
+    poses = _good(found["next_poses"])
     sure = {case: each for case, each in poses.items() if _enough(half.said[case])}
     directed = [
         (result["direction"], ((half.said[case].diagnosis or {}).get("where") or {}).get("direction"))
@@ -112,7 +101,6 @@ def figures(half: Half, found: Mapping[str, Results]) -> Figures:
         poses=tuple(_poses(way, truths, half.said, poses) for way in WAYS if poses),
         promised=tuple(_poses(way, truths, half.said, sure) for way in WAYS if sure),
         posed=(len(poses), sum(hopeless(t, half.said[t["case"]]) for t in half.truths)),
-        self_made=_self_made(half, truths, own) if own else None,
         confusion=confusion(half.truths, half.said),
         failed=sum(FAILED in result for part in found.values() for result in part.values()),
     )
@@ -239,13 +227,6 @@ def _came(truth: Truth, before: Answer, after: Answer) -> str:
 
 def _as_answer(case: str, result: Mapping[str, Any]) -> Answer:
     return Answer(case, int(result["status"]), result["seconds"], result["diagnosis"])
-
-
-def _self_made(half: Half, truths: Mapping[str, Truth], results: Results) -> SelfMade:
-    own = {case: _as_answer(case, result) for case, result in results.items()}
-    asked = [truths[case] for case in results]
-    apart = spread(result["departure"] for result in results.values())
-    return SelfMade(score(asked, half.said, half.name), score(asked, own, half.name), apart)
 
 
 def confusion(

@@ -9,25 +9,17 @@ from pathlib import Path
 
 import yaml
 
-from benchmarks.blind.answers import Rate, Spread
+from benchmarks.blind.answers import Rate, Spread, Table
 from benchmarks.blind.generator.concealed import OUTSIDE
 from benchmarks.blind.proof.figures import Figures, Prediction
 from benchmarks.blind.proof.halves import Half
 from benchmarks.blind.proof.targets import TARGETS, Cause, Target, causes
-from benchmarks.blind.score import Table
 
 POWER, MAP = "proof-power.svg", "proof-confusion.svg"
 WORDS = Path(__file__).with_name("words.yaml")
 Both = Sequence[tuple[Half, Figures]]
 Row = tuple[str, Callable[[Half, Figures], str]]
 _NAMING = ("alarms, plain", "alarms, hostile", "right and alone", "right among others", "names a case")
-
-
-def share(rate: Rate) -> str:
-    """95.2 % (120/126; 89.9 to 98.2)."""
-    if not rate.total:
-        return "-"
-    return f"{100 * rate.share:.1f} % ({rate.count}/{rate.total}; {100 * rate.low:.1f} to {100 * rate.high:.1f})"
 
 
 def _short(rate: Rate) -> str:
@@ -45,7 +37,7 @@ def _span(value: Spread) -> str:
 
 def _any(value: Rate | Spread | float) -> str:
     if isinstance(value, Rate):
-        return share(value)
+        return value.shown()
     if isinstance(value, Spread):
         within = "" if math.isnan(value.within) else f"; {100 * value.within:.0f} % of {value.count} within"
         return f"{value.median:.3f}{within}" if value.count else "-"
@@ -72,7 +64,7 @@ def _tables(both: Both, head: str, pick: Callable[[Half], Table], words: Callabl
 
 
 def _found(table: Table, label: str) -> str:
-    return next((share(rate) for key, rate in table if key == label), "-")
+    return next((rate.shown() for key, rate in table if key == label), "-")
 
 
 def _plain(name: str) -> str:
@@ -83,7 +75,7 @@ def page(both: Both, written: Mapping[str, Cause] | None = None) -> str:
     """The whole report. `both` holds the disclosed half, the sealed one, or both, in that order."""
     known = causes() if written is None else written
     lines = ["# The proof", "", *_words("opening"), *_how(both), *_reached(both, known), *_alarms(both)]
-    for section in (_power, _confused, _located, _covered, _unknown, _hidden, _predicted, _others, _poses, _own):
+    for section in (_power, _confused, _located, _covered, _unknown, _hidden, _predicted, _others, _poses):
         lines += section(both)
     return "\n".join(lines).rstrip() + "\n"
 
@@ -162,9 +154,9 @@ def _alarms(both: Both) -> list[str]:
         both,
         "nothing is missing, yet something is said",
         [
-            ("all", lambda h, _: share(h.score.false_alarms)),
-            ("plain", lambda h, _: share(h.score.false_alarms_plain)),
-            ("hostile", lambda h, _: share(h.score.false_alarms_hostile)),
+            ("all", lambda h, _: h.score.false_alarms.shown()),
+            ("plain", lambda h, _: h.score.false_alarms_plain.shown()),
+            ("hostile", lambda h, _: h.score.false_alarms_hostile.shown()),
         ],
     )
     lines += _tables(both, "hostile by vice", lambda h: h.score.false_alarms_by_hostility, _plain)
@@ -212,10 +204,10 @@ def _confused(both: Both) -> list[str]:
 
 def _located(both: Both) -> list[str]:
     rows: list[Row] = [
-        ("the true joint or link is named first", lambda h, _: share(h.score.joint_right)),
-        ("it or its neighbour", lambda h, _: share(h.score.joint_within_one)),
-        ("the direction (of the predicted sample, below)", lambda _, f: share(f.direction)),
-        ("a slip's moment is given at all", lambda h, _: share(h.score.since_found)),
+        ("the true joint or link is named first", lambda h, _: h.score.joint_right.shown()),
+        ("it or its neighbour", lambda h, _: h.score.joint_within_one.shown()),
+        ("the direction (of the predicted sample, below)", lambda _, f: f.direction.shown()),
+        ("a slip's moment is given at all", lambda h, _: h.score.since_found.shown()),
         ("by how much it is off, s", lambda h, _: _span(h.score.since_error_s)),
     ]
     return ["## Where", "", *_by_half(both, "effects of one place, from 0.9 on", rows)]
@@ -223,16 +215,16 @@ def _located(both: Both) -> list[str]:
 
 def _covered(both: Both) -> list[str]:
     lines = ["## Intervals", "", *_words("intervals")]
-    lines += _by_half(both, "", [("all parameters", lambda h, _: share(h.score.coverage))])
+    lines += _by_half(both, "", [("all parameters", lambda h, _: h.score.coverage.shown())])
     return lines + _tables(both, "by parameter", lambda h: h.score.coverage_by_parameter, _plain)
 
 
 def _unknown(both: Both) -> list[str]:
     rows: list[Row] = [
-        ("called unknown", lambda h, _: share(h.score.unknown_recall)),
-        ("given a name", lambda h, _: share(h.score.wrong_closure)),
-        ("called unknown, 1 left by any three effects", lambda h, _: share(h.score.unknown_recall_beyond_library)),
-        ("given a name, likewise", lambda h, _: share(h.score.wrong_closure_beyond_library)),
+        ("called unknown", lambda h, _: h.score.unknown_recall.shown()),
+        ("given a name", lambda h, _: h.score.wrong_closure.shown()),
+        ("called unknown, 1 left by any three effects", lambda h, _: h.score.unknown_recall_beyond_library.shown()),
+        ("given a name, likewise", lambda h, _: h.score.wrong_closure_beyond_library.shown()),
     ]
     lines = ["## Unknown physics", "", *_words("unknown")]
     lines += _by_half(both, "signal to noise from 1 on", rows)
@@ -241,8 +233,8 @@ def _unknown(both: Both) -> list[str]:
 
 def _hidden(both: Both) -> list[str]:
     rows: list[Row] = [
-        ("invisible in the recording: nothing claimed", lambda h, _: share(h.score.refused)),
-        ("visible, but exactly another's pattern: the class declared", lambda h, _: share(h.score.aliases_declared)),
+        ("invisible in the recording: nothing claimed", lambda h, _: h.score.refused.shown()),
+        ("visible, but exactly another's pattern: the class declared", lambda h, _: h.score.aliases_declared.shown()),
     ]
     return ["## What cannot be seen, or not told apart", "", *_by_half(both, "", rows)]
 
@@ -300,25 +292,4 @@ def _poses(both: Both) -> list[str]:
             for p in found.promised
         ]
         lines += _table(["poses", "the true name alone", "class smaller", "as before", "truth lost"], rows)
-    return lines
-
-
-def _own(both: Both) -> list[str]:
-    told = [(half, found.self_made) for half, found in both if found.self_made is not None]
-    if not told:
-        return []
-    lines = ["## How much harder independent data is", "", *_words("own")]
-    for half, made in told:
-        rows = [
-            [f"class named at {dose}", share(rate), _found(made.own.class_by_dose, dose)]
-            for dose, rate in made.independent.class_by_dose
-        ]
-        rows += [
-            [label, share(getattr(made.independent, name)), share(getattr(made.own, name))]
-            for label, name in (("95 % intervals that hold the truth", "coverage"), ("joint right", "joint_right"))
-        ]
-        lines += [f"{half.name.capitalize()} half, {dict(made.own.cases).get('single', 0)} cases:", ""]
-        lines += _table(["", "independent", "self-made"], rows)
-        apart = _span(made.departure)
-        lines += [f"At the true parameters the two physics are apart by {apart} of the noise's RMS (median).", ""]
     return lines

@@ -9,11 +9,10 @@ from pathlib import Path
 from typing import Any
 
 from benchmarks.blind.generator.concealed import OUTSIDE
-from benchmarks.blind.proof.asked_again import next_poses, self_made
+from benchmarks.blind.proof.asked_again import next_poses
 from benchmarks.blind.proof.drawing import heat_map, power
 from benchmarks.blind.proof.figures import Figures, Results, asks_for_poses, figures
 from benchmarks.blind.proof.halves import Half, read_half, sample, shown
-from benchmarks.blind.proof.library import tellable
 from benchmarks.blind.proof.page import MAP, POWER, page
 from benchmarks.blind.proof.parts import FAILED, Piece, done
 from benchmarks.blind.proof.prediction import claimed, predicted
@@ -30,7 +29,6 @@ class Sizes:
     predicted: int = 72
     nulls: int = 60
     next_poses: int = 40
-    self_made: int = 150
 
 
 def parts(half: Half, work: Path, jobs: int, sizes: Sizes) -> Mapping[str, Results]:
@@ -44,7 +42,6 @@ def parts(half: Half, work: Path, jobs: int, sizes: Sizes) -> Mapping[str, Resul
     quiet = [*sample(half, sizes.nulls // 2, lambda t, _: t["kind"] == "null")]
     quiet += sample(half, sizes.nulls - sizes.nulls // 2, lambda t, _: t["kind"] == "hostile_null")
     tied = sample(half, sizes.next_poses, asks_for_poses) if open_half else []
-    single = sample(half, sizes.self_made, lambda t, _: shown(t, ("single",), 0.0) and tellable(t)) if open_half else []
 
     def piece(case: str, *more: object) -> Piece:
         return Piece(case, half.key(case), (*more,))
@@ -62,7 +59,6 @@ def parts(half: Half, work: Path, jobs: int, sizes: Sizes) -> Mapping[str, Resul
             next_poses,
             [piece(t["case"], dict(t), names[t["case"]], dict(half.said[t["case"]].diagnosis or {})) for t in tied],
         ),
-        "self_made": run("self_made", self_made, [piece(t["case"], dict(t), names[t["case"]]) for t in single]),
     }
 
 
