@@ -81,7 +81,7 @@ class Prepared:
         """The pool's products with the residual."""
         return products(self.pool, self.vector)
 
-    @property
+    @cached_property
     def criterion(self) -> Criterion:
         """The criterion for subsets of this pool."""
         count = int(self.independent * len(self.vector)) - self.pool.nuisance.shape[1]
@@ -276,12 +276,16 @@ def _with_memory(
     Where noise remembers much, a rough model that took readings for independent has taken some of it for physics; so
     the model is made again with the memory found, until that no longer grows.
     """
-    wandering, together = _wandering(observed, patterns)
+    prepared = set_up(observed, patterns, rejected)
+    wandering, together = _wandering(prepared)
     if wandering is not None:
+        del prepared  # one pool at a time
         prepared = set_up(wandering, patterns, rejected)
         return replace(prepared, independent=_independent(wandering, left, noise_floor))
     memory = _memory(observed.scaled(left), observed)
-    prepared = set_up(replace(observed, correlation=memory), patterns, rejected)
+    if memory != observed.correlation:
+        del prepared
+        prepared = set_up(replace(observed, correlation=memory), patterns, rejected)
     rules = observed.rules.fitting
     # A memory in a long recording is rather physics that the rough model lacks, and goes with the arm's path.
     much = rules.much_memory * max(1.0, observed.rows / rules.memory_of_physics)
@@ -290,15 +294,16 @@ def _with_memory(
         found = _memory(observed.scaled(left), observed)
         if found <= prepared.observed.correlation + rules.memory_grows:
             break
-        del prepared  # one pool at a time
+        del prepared
         prepared = set_up(replace(observed, correlation=found), patterns, rejected)
     return replace(prepared, independent=_independent(prepared.observed, left, noise_floor), together=together)
 
 
-def _wandering(observed: Observed, patterns: Patterns) -> tuple[Observed | None, int]:
+def _wandering(prepared: Prepared) -> tuple[Observed | None, int]:
     """The recording with a random walk below the tip's noise, where that says as much of what goes with time as drift,
     a step, a trend or a period does; None where nothing wanders, and where time and pose go together: what goes with
     the arm's path goes with time as well. There, how many neighbouring visits share what may be either."""
+    observed = prepared.observed
     rules, width = observed.rules.fitting, observed.components
     which, loud_with = observed.which, observed.loud_with
     kinds = 1 if loud_with is None else 1 + int(loud_with.max())
@@ -315,7 +320,7 @@ def _wandering(observed: Observed, patterns: Patterns) -> tuple[Observed | None,
         return np.stack([np.bincount(visit, weights=column) / count for column in values.T], axis=1)
 
     time = means(clock(observed.recording)[:, None])[judged_by.visit, 0]
-    rough = _rough_model(set_up(observed, patterns), ("force_in_time",))
+    rough = _rough_model(prepared, ("force_in_time",))
 
     def judged(columns: Array) -> Array:
         tip = observed.scaled(columns)[:, :width]

@@ -19,9 +19,9 @@ from numpy.typing import NDArray
 
 from linkwright.core.arm.chain.chain import Arm
 from linkwright.core.diagnose.fitting.fit import fit, impossible, remaining
-from linkwright.core.diagnose.fitting.prepare import Prepared, nuisances, packed_up, patterns_of, prepare, set_up
+from linkwright.core.diagnose.fitting.prepare import Prepared, nuisances, packed_up, prepare, set_up
 from linkwright.core.diagnose.options import Options
-from linkwright.core.diagnose.patterns.library import Candidate, columns_of
+from linkwright.core.diagnose.patterns.library import Candidate, candidates, columns_of
 from linkwright.core.diagnose.patterns.pool import orthonormal
 from linkwright.core.diagnose.recording import Recording
 from linkwright.core.diagnose.residual.observe import observe
@@ -32,7 +32,7 @@ from linkwright.core.diagnose.rules.rules import Rules
 from linkwright.core.sections.numeric import Array
 
 from .naming import Namer, name_missing
-from .subsets import gains, products
+from .subsets import gains
 
 
 @dataclass(frozen=True)
@@ -82,13 +82,9 @@ def mislabelled(
 
 def _promise(observed: Observed, asked: Options) -> float:
     """What a few of the library, taken one after the other, leave of a mismatch: mean square, weighed."""
-    alone = set_up(observed, patterns_of(observed, asked))
-    given, members, criterion, barred = (
-        products(alone.pool, alone.vector),
-        list[int](),
-        alone.criterion,
-        ~alone.library(),
-    )
+    alone = set_up(observed, packed_up(candidates(observed, asked.without)))
+    given, members, criterion = alone.products, list[int](), alone.criterion
+    barred = np.zeros(len(alone.pool.groups), dtype=bool)
     while len(members) < observed.rules.mistakes.taken_at_once and not barred.all():
         value = criterion.of_many(given.rss, gains(alone.pool, given), criterion.price, criterion.ranks)
         best = int(np.argmin(np.where(barred, np.inf, value)))
@@ -105,9 +101,9 @@ def _left(namer: Namer, members: tuple[int, ...]) -> float:
     return rms_length(remaining(namer.prepared, fit(namer.prepared, members))[:, :width])
 
 
-def _left_as_logged(logged: Prepared, candidates: Sequence[Candidate]) -> float:
+def _left_as_logged(logged: Prepared, named: Sequence[Candidate]) -> float:
     """The RMS length (m) of what some candidates leave of the tip with the labels as they stand, at possible sizes."""
-    patterns = ((each, columns_of(logged.observed, each)) for each in candidates)
+    patterns = ((each, columns_of(logged.observed, each)) for each in named)
     told = packed_up((each, columns) for each, columns in patterns if columns is not None)
     alone = set_up(logged.observed, told, logged.rejected)
     fitted = fit(alone, range(len(alone.pool.groups)))

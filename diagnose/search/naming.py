@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from linkwright.core.diagnose.fitting.fit import fit, impossible, unlikely
+from linkwright.core.diagnose.fitting.fit import Fit, fit, impossible, unlikely
 from linkwright.core.diagnose.fitting.prepare import Prepared, limits
 from linkwright.core.diagnose.fitting.refit import refined_shapes
 from linkwright.core.diagnose.fitting.room.small_causes import with_room
@@ -57,11 +57,12 @@ class Namer:
         self.library: Mask = prepared.library()
         self.criterion = prepared.criterion
         self._best_of_library: dict[int, Subset] | None = None
+        self._fits: dict[tuple[int, ...], Fit] = {}
 
     def with_prepared(self, prepared: Prepared) -> Namer:
         """A namer that searches the same recording prepared otherwise, with the same draws to come."""
         other = copy(self)
-        other.prepared, other._best_of_library = prepared, None
+        other.prepared, other._best_of_library, other._fits = prepared, None, {}
         other.visits, other.library, other.criterion = prepared.visits, prepared.library(), prepared.criterion
         return other
 
@@ -119,7 +120,7 @@ class Namer:
         if len(pool.groups) == len(self.pool.groups):
             return None
         self.prepared = replace(self.prepared, pool=pool, columns=self.prepared.columns.and_one(columns))
-        self.library, self.criterion = self.prepared.library(), self.prepared.criterion
+        self.library, self.criterion, self._fits = self.prepared.library(), self.prepared.criterion, {}
         return len(pool.groups) - 1
 
     @property
@@ -139,8 +140,14 @@ class Namer:
 
     def possible(self, members: Sequence[int]) -> bool:
         """Whether the groups' fitted sizes are physically possible."""
-        inside = [m for m in members if self.library[m]]
-        return not inside or impossible(self.prepared, fit(self.prepared, list(members))) is None
+        return not any(self.library[m] for m in members) or impossible(self.prepared, self.fitted(members)) is None
+
+    def fitted(self, members: Sequence[int]) -> Fit:
+        """Least squares of some groups, once for the criterion and for what is possible."""
+        key = tuple(members)
+        if key not in self._fits:
+            self._fits[key] = fit(self.prepared, key)
+        return self._fits[key]
 
     def best(self, allowed: Mask, largest: int) -> dict[int, Subset]:
         """The best possible subset of each size."""
@@ -165,7 +172,7 @@ class Namer:
 
     def criterion_of(self, members: Sequence[int]) -> float:
         """The criterion of a subset, by how usual its sizes are too."""
-        fitted = fit(self.prepared, members)
+        fitted = self.fitted(members)
         return self.criterion(fitted.rss, members) + unlikely(self.prepared, fitted)
 
 
