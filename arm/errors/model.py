@@ -184,11 +184,6 @@ class CaseModel:
         return vectorise([self.q, self.p], list(self.outputs))
 
     @property
-    def interval_effects(self) -> tuple[str, ...]:
-        """Which effect each interval of play comes from."""
-        return tuple(interval.effect for interval in self.error.intervals)
-
-    @property
     def radii(self) -> Array:
         """The radii of the discs of play, m."""
         return np.array([disc.radius for disc in self.error.discs])

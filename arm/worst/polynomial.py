@@ -247,12 +247,7 @@ class Terms:
     power: Array
     amplitude: ComplexArray
     neglected: Array
-    whole: Coefficients | None = None
-
-    @property
-    def slides(self) -> bool:
-        """Whether any term has a power of a slide's position."""
-        return bool(np.any(self.power > 0.0))
+    whole: Coefficients
 
     def at(self, x: Array, which: NDArray[np.intp], order: int = 2) -> tuple[Array, Array, Array]:
         """Value (N,), gradient (N, n) and Hessian (N, n, n) of function `which[i]` at scaled x[i]; |x_j| <= 1 for
@@ -260,32 +255,28 @@ class Terms:
 
         Derivatives beyond `order` come back empty.
         """
-        if self.whole is not None and x.shape[1] and len(x) >= _ENOUGH_ROWS * len(self.amplitude):
-            return self._by_tables(self.whole, x, which, order)
+        n = x.shape[1]
+        if n and (self.power.any() or len(x) >= _ENOUGH_ROWS * len(self.amplitude)):
+            return self._by_tables(x, which, order)
         terms = np.exp(1j * (x @ self.frequency.T)) * self.amplitude[which]
-        if not self.slides:
-            value = terms.real.sum(axis=1)
-            gradient = -(terms.imag @ self.frequency) if order >= 1 else np.empty((0, 0))
-            if order < 2:
-                return value, gradient, np.empty((0, 0, 0))
-            n = self.frequency.shape[1]
-            squares = (self.frequency[:, :, None] * self.frequency[:, None, :]).reshape(len(self.frequency), n * n)
-            return value, gradient, -(terms.real @ squares).reshape(len(x), n, n)
-        return self._with_slides(x, terms)
+        value = terms.real.sum(axis=1)
+        gradient = -(terms.imag @ self.frequency) if order >= 1 else np.empty((0, 0))
+        if order < 2:
+            return value, gradient, np.empty((0, 0, 0))
+        squares = (self.frequency[:, :, None] * self.frequency[:, None, :]).reshape(len(self.frequency), n * n)
+        return value, gradient, -(terms.real @ squares).reshape(len(x), n, n)
 
-    def _by_tables(
-        self, whole: Coefficients, x: Array, which: NDArray[np.intp], order: int
-    ) -> tuple[Array, Array, Array]:
+    def _by_tables(self, x: Array, which: NDArray[np.intp], order: int) -> tuple[Array, Array, Array]:
         """The same, by products of each function's table of coefficients with the joints' bases, joint after joint."""
         count, n = x.shape
         value = np.empty(count)
         gradient = np.empty((count, n)) if order >= 1 else np.empty((0, 0))
         hessian = np.empty((count, n, n)) if order >= 2 else np.empty((0, 0, 0))
-        for function, table in enumerate(whole.in_reals):
+        for function, table in enumerate(self.whole.in_reals):
             rows = np.flatnonzero(which == function)
             for start in range(0, len(rows), _ROWS_AT_ONCE):
                 some = rows[start : start + _ROWS_AT_ONCE]
-                for orders, found in _derivatives(table, whole, x[some], order).items():
+                for orders, found in _derivatives(table, self.whole, x[some], order).items():
                     joints = [j for j, times in enumerate(orders) for _ in range(times)]
                     if not joints:
                         value[some] = found
@@ -294,41 +285,6 @@ class Terms:
                     else:
                         hessian[some, joints[0], joints[1]] = hessian[some, joints[1], joints[0]] = found
         return value, gradient, hessian
-
-    def _with_slides(self, x: Array, terms: ComplexArray) -> tuple[Array, Array, Array]:
-        n = x.shape[1]
-        factors = [self._powers(x[:, j], self.power[:, j]) for j in range(n)]
-
-        def product(orders: Sequence[int]) -> ComplexArray:
-            out = terms
-            for j, derivative in enumerate(orders):
-                for split in [self._derivative(factors[j], self.frequency[:, j], derivative)]:
-                    out = out * split
-            return out
-
-        value = product([0] * n).real.sum(axis=1)
-        gradient = np.stack([product([int(j == a) for j in range(n)]).real.sum(axis=1) for a in range(n)], axis=1)
-        hessian = np.empty((len(x), n, n))
-        for a, b in itertools.combinations_with_replacement(range(n), 2):
-            entry = product([int(j == a) + int(j == b) for j in range(n)]).real.sum(axis=1)
-            hessian[:, a, b] = hessian[:, b, a] = entry
-        return value, gradient, hessian
-
-    @staticmethod
-    def _powers(x: Array, power: Array) -> tuple[Array, Array, Array]:
-        base = x[:, None]
-        first = np.where(power >= 1, power * base ** np.maximum(power - 1, 0), 0.0)
-        second = np.where(power >= 2, power * (power - 1) * base ** np.maximum(power - 2, 0), 0.0)
-        return base**power, first, second
-
-    @staticmethod
-    def _derivative(powers: tuple[Array, Array, Array], frequency: Array, order: int) -> ComplexArray | Array:
-        plain, first, second = powers
-        if order == 0:
-            return plain
-        if order == 1:
-            return first + 1j * frequency * plain
-        return second + 2j * frequency * first - frequency**2 * plain
 
     def remainder(self, half: Array, order: int) -> Array:
         """Bound (functions, N) on what a Taylor polynomial of `order` misses within +-`half` (N, n) of any point.

@@ -9,8 +9,9 @@ from hypothesis import strategies as st
 
 from linkwright.core.arm.chain.chain import Arm, Joint, Link
 from linkwright.core.arm.chain.kinematics import place, tip_position
-from linkwright.core.arm.worst.inverse import UnreachableInclined, inverse, planar_3r
+from linkwright.core.arm.worst.inverse import UnreachableInclined, inverse
 from linkwright.core.arm.worst.workspace import Unreachable
+from tests.arm.worst.planar_inverse import planar_3r
 from tests.random_chains import random_spatial_chain
 
 LENGTHS = (0.4, 0.42, 0.42)
