@@ -95,7 +95,6 @@ def _lags(truth: list[Effect]) -> list[float]:
 
 def _joint_spans(scene: Scene, i: int, truth: list[Effect]) -> dict[str, list[list[Effect]]]:
     at = (i + 1,)
-    load = np.abs(scene.solution.torque[i])
     spans: dict[str, list[list[Effect]]] = {
         "encoder_offset": [[_one("encoder_offset", at, offset=1e-4)]],
         "encoder_scale": [[_one("encoder_scale", at, scale=1e-4)]],
@@ -112,6 +111,17 @@ def _joint_spans(scene: Scene, i: int, truth: list[Effect]) -> dict[str, list[li
     ]
     if i == 2:
         spans["joint_coupling"] = [[_one("joint_coupling", at, ratio=1e-4)]]
+    spans |= _of_loads(scene, i, truth)
+    spans["gearbox_thermal"] = [[_one("gearbox_thermal", at, rate=1e-6, lag=lag)] for lag in _lags(truth)]
+    if np.abs(scene.design.force).max() > 0.0:
+        spans["clearance"] = [[_one("clearance", at, radius=1e-5)]]
+    return spans
+
+
+def _of_loads(scene: Scene, i: int, truth: list[Effect]) -> dict[str, list[list[Effect]]]:
+    """What a drive does under its load."""
+    at, load = (i + 1,), np.abs(scene.solution.torque[i])
+    spans: dict[str, list[list[Effect]]] = {}
     if float(load.max()) > 0.05:
         spans["joint_compliance"] = [[_one("joint_compliance", at, compliance=1e-6)]]
         spans["servo_droop"] = [[_one("servo_droop", at, compliance=1e-6)]]
@@ -134,9 +144,6 @@ def _joint_spans(scene: Scene, i: int, truth: list[Effect]) -> dict[str, list[li
             _one("friction_windup", at, coulomb=0.0, proportional=small),
         ]
     ]
-    spans["gearbox_thermal"] = [[_one("gearbox_thermal", at, rate=1e-6, lag=lag)] for lag in _lags(truth)]
-    if np.abs(scene.design.force).max() > 0.0:
-        spans["clearance"] = [[_one("clearance", at, radius=1e-5)]]
     return spans
 
 

@@ -7,13 +7,36 @@ from dataclasses import replace
 
 import numpy as np
 
-from benchmarks.blind.generator.arms import ALUMINIUM, DOWN_Y, STEEL, Ranges, X, Z
+from benchmarks.blind.generator.arms import ALUMINIUM, JOINTS, STEEL, Family, Ranges, X
 from benchmarks.blind.generator.beams import tube
-from benchmarks.blind.generator.mechanics import Arm, Joint, Link
+from benchmarks.blind.generator.mechanics import Arm, Link
 from benchmarks.blind.generator.vectors import Array
 from benchmarks.multibody.engine import Machine, machine, settle
 
-FAMILIES = ("slender_2r", "slender_3r", "drives_3r", "spatial_3r", "spatial_6r", "seven_axes")
+_SEVEN = ((0.34, 5.0), (0.2, 4.0), (0.2, 3.5), (0.2, 3.0), (0.2, 2.0), (0.1, 1.5), (0.16, 0.6))
+_KINDS = {
+    "slender_2r": Family("z z", ((0.7, 0.052), (0.55, 0.042)), (-1.4, -2.3), (1.4, 2.3)),
+    "slender_3r": Family("z z z", ((0.7, 0.06), (0.55, 0.048), (0.3, 0.036)), (-1.5, -2.2, -2.2), (1.5, 2.2, 2.2)),
+    "drives_3r": Family("z z z", ((0.85, 0.13), (0.7, 0.1), (0.3, 0.07)), (-1.7, -2.2, -2.2), (1.7, 2.2, 2.2)),
+    "spatial_3r": Family(
+        "z y y", ((0.4, 0.1), (0.65, 0.058), (0.5, 0.046)), (-2.5, -0.6, -2.2), (2.5, 1.7, 0.8), "z x x"
+    ),
+    "spatial_6r": Family(
+        "z y y x y x",
+        ((0.4, 0.14), (0.6, 0.08), (0.4, 0.07), (0.2, 3.0, 0.0), (0.1, 2.0, 0.0), (0.15, 1.0, 0.0)),
+        (-2.5, -0.4, -1.8, -2.5, -1.8, -2.8),
+        (2.5, 1.5, 0.6, 2.5, 1.8, 2.8),
+        "z x x x x wrist",
+    ),
+    "seven_axes": Family(
+        "z y z y z y z",
+        tuple((length, mass, 0.0) for length, mass in _SEVEN),
+        (-2.8, -1.9, -2.8, -1.9, -2.8, -1.9, -2.9),
+        (2.8, 1.9, 2.8, 1.9, 2.8, 1.9, 2.9),
+        "z z z z z z wrist",
+    ),
+}
+FAMILIES = tuple(_KINDS)
 
 
 def _bar(length: float, diameter: float, wall: float, material: tuple[float, ...], way: tuple[float, ...] = X) -> Link:
@@ -36,42 +59,16 @@ def draw_arm(family: str, rng: np.random.Generator) -> tuple[Arm, Ranges]:
     def bar(length: float, diameter: float, way: tuple[float, ...] = X) -> Link:
         return _bar(mm(length), mm(diameter), round(max(0.002, 0.04 * diameter), 4), material, way)
 
-    turning, bend, roll = Joint(False, Z), Joint(False, DOWN_Y), Joint(False, X)
-    planar = family in ("slender_2r", "slender_3r", "drives_3r")
-    if family == "slender_2r":
-        joints, links = (turning,) * 2, (bar(0.7, 0.052), bar(0.55, 0.042))
-        low, high = (-1.4, -2.3), (1.4, 2.3)
-    elif family == "slender_3r":
-        joints, links = (turning,) * 3, (bar(0.7, 0.06), bar(0.55, 0.048), bar(0.3, 0.036))
-        low, high = (-1.5, -2.2, -2.2), (1.5, 2.2, 2.2)
-    elif family == "drives_3r":
-        joints, links = (turning,) * 3, (bar(0.85, 0.13), bar(0.7, 0.1), bar(0.3, 0.07))
-        low, high = (-1.7, -2.2, -2.2), (1.7, 2.2, 2.2)
-    elif family == "spatial_3r":
-        joints, links = (turning, bend, bend), (bar(0.4, 0.1, Z), bar(0.65, 0.058), bar(0.5, 0.046))
-        low, high = (-2.5, -0.6, -2.2), (2.5, 1.7, 0.8)
-    elif family == "spatial_6r":
-        joints = (turning, bend, bend, roll, bend, roll)
-        links = (
-            bar(0.4, 0.14, Z),
-            bar(0.6, 0.08),
-            bar(0.4, 0.07),
-            _body(mm(0.2), 3.0),
-            _body(mm(0.1), 2.0),
-            _body(mm(0.15), 1.0, (0.6, 0.0, 0.8)),
-        )
-        low, high = (-2.5, -0.4, -1.8, -2.5, -1.8, -2.8), (2.5, 1.5, 0.6, 2.5, 1.8, 2.8)
-    elif family == "seven_axes":
-        joints = (turning, bend, turning, bend, turning, bend, turning)
-        sizes = ((0.34, 5.0), (0.2, 4.0), (0.2, 3.5), (0.2, 3.0), (0.2, 2.0), (0.1, 1.5))
-        links = (*(_body(mm(a), m, Z) for a, m in sizes), _body(mm(0.16), 0.6, (0.6, 0.0, 0.8)))
-        low, high = (-2.8, -1.9, -2.8, -1.9, -2.8, -1.9, -2.9), (2.8, 1.9, 2.8, 1.9, 2.8, 1.9, 2.9)
-    else:
-        raise ValueError(family)
+    kind = _KINDS[family]
+    links = tuple(
+        bar(length, rest[0], way) if len(rest) == 1 else _body(mm(length), rest[0], way)
+        for (length, *rest), way in zip(kind.links, kind.along(), strict=True)
+    )
+    joints = tuple(JOINTS[name] for name in kind.joints.split())
     joints = tuple(replace(j, mass=round(float(rng.uniform(0.2, 2.0)), 1) if i else 0.0) for i, j in enumerate(joints))
-    gravity = (0.0, -9.81, 0.0) if planar else (0.0, 0.0, -9.81)
+    gravity = (0.0, -9.81, 0.0) if kind.planar else (0.0, 0.0, -9.81)
     payload = round(float(rng.uniform(1.0, 4.0)), 1)
-    arm, ranges = Arm(family, family, joints, links, gravity, payload, planar), Ranges(low, high)
+    arm, ranges = Arm(family, family, joints, links, gravity, payload, kind.planar), Ranges(kind.low, kind.high)
     if family in ("slender_2r", "slender_3r"):
         return arm, ranges
     return _with_drives(arm, ranges, rng), ranges

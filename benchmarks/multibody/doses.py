@@ -88,33 +88,10 @@ def library_spans(stage: Stage) -> list[list[Array]]:
     axes, visits = (2 if planar else 3), session.visits
     warm = [session.warming(lag) for lag in (0.0, 3600.0)]
     time = session.time / max(float(session.time[-1]), 1.0)
-    spans: list[list[Array]] = []
-
-    def times(column: Array, *functions: Array) -> list[Array]:
-        return [column * np.tile(f, axes) for f in functions]
-
     load = stage.tips.load
-    for i, column in enumerate(_columns(stage, list(body.drive))):
-        q, torque, side = session.q[i], load[body.drive[i]], session.side[i]
-        spans.append(times(column, q, np.sin(q), np.cos(q)))
-        spans += [times(column, np.sin(order * q), np.cos(order * q)) for order in range(2, 9)]
-        if i:
-            spans.append(times(column, session.q[i - 1]))
-        phi = session.q[: i + 1].sum(axis=0)
-        spans += [times(column, np.sin(phi), np.cos(phi)), times(column, torque), times(column, np.sign(torque))]
-        top = max(float(np.abs(torque).max()), 1e-9)
-        spans += [times(column, np.tanh(torque / (share * top))) for share in (0.15, 0.3, 0.6)]
-        spans.append(times(column, side, side * np.abs(torque)))
-        spans.append(times(column, torque * session.loaded_for))
-        spans += [times(column, each) for each in warm]
-    for i, column in enumerate(_columns(stage, list(body.stretch))):
-        spans += [times(column, each) for each in warm]
-        given = [k for node in body.nodes[i] for k in node]
-        if given:
-            moved = np.stack([rest.jacobian[:, given] for rest in stage.tips.rests], axis=1)
-            spans.append([flat(np.einsum("avk,kv,k->av", moved, load[given], body.compliance[given]), planar)])
+    spans = [*_of_drives(stage, warm), *_of_links(stage, warm)]
     for place, about in zip(body.base[3:], _columns(stage, list(body.base[3:])), strict=True):
-        spans.append(times(about, load[place]))
+        spans.append(_times(about, load[place]))
     spans.append([c * np.tile(time, axes) for c in _columns(stage, list(body.base))])
     spans.append([flat(stage.tips.reading, planar)])
     if not planar:
@@ -124,6 +101,44 @@ def library_spans(stage: Stage) -> list[list[Array]]:
         cause = Cause(effect, at, values, ())
         spans.append([flat(change(stage, cause.write), planar)])
     return [span for span in spans if max(float(np.abs(c).max()) for c in span) > 0.0 and visits > 0]
+
+
+def _times(column: Array, *functions: Array) -> list[Array]:
+    """A column times functions of the visits."""
+    return [column * np.tile(f, column.size // f.size) for f in functions]
+
+
+def _of_drives(stage: Stage, warm: list[Array]) -> list[list[Array]]:
+    """What is wrong at joints, as functions of their coordinates, loads, sides and warmth."""
+    body, session, load = stage.machine, stage.session, stage.tips.load
+    spans: list[list[Array]] = []
+    for i, column in enumerate(_columns(stage, list(body.drive))):
+        q, torque, side = session.q[i], load[body.drive[i]], session.side[i]
+        spans.append(_times(column, q, np.sin(q), np.cos(q)))
+        spans += [_times(column, np.sin(order * q), np.cos(order * q)) for order in range(2, 9)]
+        if i:
+            spans.append(_times(column, session.q[i - 1]))
+        phi = session.q[: i + 1].sum(axis=0)
+        spans += [_times(column, np.sin(phi), np.cos(phi)), _times(column, torque), _times(column, np.sign(torque))]
+        top = max(float(np.abs(torque).max()), 1e-9)
+        spans += [_times(column, np.tanh(torque / (share * top))) for share in (0.15, 0.3, 0.6)]
+        spans.append(_times(column, side, side * np.abs(torque)))
+        spans.append(_times(column, torque * session.loaded_for))
+        spans += [_times(column, each) for each in warm]
+    return spans
+
+
+def _of_links(stage: Stage, warm: list[Array]) -> list[list[Array]]:
+    """What links do that grow as they warm and give under their loads."""
+    body, load, planar = stage.machine, stage.tips.load, stage.machine.arm.planar
+    spans: list[list[Array]] = []
+    for i, column in enumerate(_columns(stage, list(body.stretch))):
+        spans += [_times(column, each) for each in warm]
+        given = [k for node in body.nodes[i] for k in node]
+        if given:
+            moved = np.stack([rest.jacobian[:, given] for rest in stage.tips.rests], axis=1)
+            spans.append([flat(np.einsum("avk,kv,k->av", moved, load[given], body.compliance[given]), planar)])
+    return spans
 
 
 def _loads(stage: Stage) -> list[tuple[str, tuple[int, ...], dict[str, float]]]:

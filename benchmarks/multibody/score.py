@@ -88,7 +88,6 @@ def score(truths: Sequence[Truth], answers: Mapping[str, Answer], half: str = ""
     """All figures, from truths and answers alone."""
     rows: list[Row] = [(truth, answers[truth["case"]]) for truth in truths]
     errors = _relative_errors(rows)
-    answered = [(t, a) for t, a in rows if a.verdict != "failed"]
     return Score(
         half=half,
         seal=seal,
@@ -101,9 +100,9 @@ def score(truths: Sequence[Truth], answers: Mapping[str, Answer], half: str = ""
         bias=spread(each for sizes in errors.values() for each in sizes),
         bias_by_parameter=tuple((name, spread(sizes)) for name, sizes in sorted(errors.items())),
         localised=(("joint", _joints(rows)), ("time", _times(rows)), ("region", _regions(_kind(rows, "unknown")))),
-        false_discoveries=rate(not _true_one(t, e) for t, a in rows if a.verdict in NAMES for e in a.entries),
+        false_discoveries=rate(_false_names(rows)),
         verdicts=counts((t["kind"], _verdict(t, a)) for t, a in rows),
-        impossible=tuple(f"{t['case']}: {sentence}" for t, a in answered for sentence in _impossible(t, a)),
+        impossible=tuple(f"{t['case']}: {sentence}" for t, a in rows for sentence in _impossible(t, a)),
         seconds=spread(a.seconds for _, a in rows if a.seconds is not None),
         misses=tuple(line for t, a in rows if (line := _miss(t, a))),
     )
@@ -137,6 +136,11 @@ def _relative_errors(rows: Sequence[Row]) -> dict[str, list[float]]:
             for name, error in _errors(entry, true):
                 found.setdefault(name, []).append(error)
     return found
+
+
+def _false_names(rows: Sequence[Row]) -> list[bool]:
+    """Whether each name given is that of no cause."""
+    return [not _true_one(t, entry) for t, a in rows if a.verdict in NAMES for entry in a.entries]
 
 
 def _targets(rows: Sequence[Row]) -> tuple[Target, ...]:

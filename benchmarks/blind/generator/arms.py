@@ -13,9 +13,58 @@ from benchmarks.blind.generator.mechanics import Arm, Joint, Link, nominal_input
 
 STEEL = (210e9, 0.3, 7850.0, 12e-6)
 ALUMINIUM = (70e9, 0.3, 2700.0, 23e-6)
-FAMILIES = ("planar_2r", "planar_3r", "welding_3r", "planar_4r", "rail_2r", "spatial_3r", "spatial_6r")
 Way = tuple[float, float, float]
 Z, DOWN_Y, X = (0.0, 0.0, 1.0), (0.0, -1.0, 0.0), (1.0, 0.0, 0.0)
+
+
+JOINTS = {"z": Joint(False, Z), "y": Joint(False, DOWN_Y), "x": Joint(False, X), "rail": Joint(True, X)}
+WAYS = {"x": X, "z": Z, "wrist": (0.6, 0.0, 0.8)}
+
+
+@dataclass(frozen=True)
+class Family:
+    """A kind of arm: its joints by name, its links (length and diameter of a bar in m, or length, mass in kg and depth
+    of a rigid body), the ends of the joints' ranges, and which way the links go (along x)."""
+
+    joints: str
+    links: tuple[tuple[float, ...], ...]
+    low: tuple[float, ...]
+    high: tuple[float, ...]
+    ways: str = ""
+
+    def along(self) -> list[Way]:
+        """The direction of each link."""
+        return [WAYS[name] for name in self.ways.split()] or [X] * len(self.links)
+
+    @property
+    def planar(self) -> bool:
+        """Whether it moves in a plane."""
+        return not {"x", "y"} & set(self.joints.split())
+
+
+_KINDS = {
+    "planar_2r": Family("z z", ((0.5, 0.07), (0.4, 0.06)), (-1.6, -2.3), (1.6, 2.3)),
+    "planar_3r": Family("z z z", ((0.85, 0.12), (0.75, 0.1), (0.3, 0.07)), (-1.7, -2.2, -2.2), (1.7, 2.2, 2.2)),
+    "welding_3r": Family("z z z", ((0.4, 0.08), (0.42, 0.07), (0.42, 0.06)), (-2.0, -2.2, -2.2), (2.0, 2.2, 2.2)),
+    "planar_4r": Family(
+        "z z z z",
+        ((0.5, 0.09), (0.4, 0.08), (0.3, 0.07), (0.2, 0.06)),
+        (-1.6, -2.0, -2.0, -2.0),
+        (1.6, 2.0, 2.0, 2.0),
+    ),
+    "rail_2r": Family("rail z z", ((0.2, 0.12), (0.6, 0.09), (0.4, 0.07)), (0.0, -1.6, -2.2), (1.0, 1.6, 2.2)),
+    "spatial_3r": Family(
+        "z y y", ((0.4, 0.14), (0.6, 0.09), (0.5, 0.07)), (-2.5, -0.6, -2.2), (2.5, 1.8, 0.8), "z x x"
+    ),
+    "spatial_6r": Family(
+        "z y y x y x",
+        ((0.4, 0.15), (0.55, 0.11), (0.35, 0.1), (0.2, 3.0, 0.1), (0.1, 2.0, 0.08), (0.15, 1.0, 0.08)),
+        (-2.5, -0.4, -1.8, -2.5, -1.8, -2.8),
+        (2.5, 1.6, 0.6, 2.5, 1.8, 2.8),
+        "z x x x x wrist",
+    ),
+}
+FAMILIES = tuple(_KINDS)
 
 
 @dataclass(frozen=True)
@@ -47,67 +96,29 @@ def draw_arm(family: str, stiffness: str, rng: np.random.Generator) -> tuple[Arm
     def pipe(diameter: float) -> Section:
         return tube(mm(diameter * size), mm(max(0.003, 0.05 * diameter)), nu)
 
-    planar = family not in ("spatial_3r", "spatial_6r")
-    turning = Joint(False, Z)
-    if family == "planar_2r":
-        joints, links = (turning,) * 2, (_bar(mm(0.5), pipe(0.07), material), _bar(mm(0.4), pipe(0.06), material))
-        low, high = (-1.6, -2.3), (1.6, 2.3)
-    elif family == "planar_3r":
-        joints = (turning,) * 3
-        links = tuple(_bar(mm(a), pipe(d), material) for a, d in ((0.85, 0.12), (0.75, 0.1), (0.3, 0.07)))
-        low, high = (-1.7, -2.2, -2.2), (1.7, 2.2, 2.2)
-    elif family == "welding_3r":
-        joints = (turning,) * 3
-        solid = rng.random() < 0.5
-        links = tuple(
-            _bar(mm(a), circle(mm(size * d), nu) if solid else rectangular_tube(mm(0.8 * d), mm(d), 0.003), material)
-            for a, d in ((0.4, 0.08), (0.42, 0.07), (0.42, 0.06))
-        )
-        low, high = (-2.0, -2.2, -2.2), (2.0, 2.2, 2.2)
-    elif family == "planar_4r":
-        joints = (turning,) * 4
-        sizes = ((0.5, 0.09), (0.4, 0.08), (0.3, 0.07), (0.2, 0.06))
-        links = tuple(_bar(mm(a), pipe(d), material) for a, d in sizes)
-        low, high = (-1.6, -2.0, -2.0, -2.0), (1.6, 2.0, 2.0, 2.0)
-    elif family == "rail_2r":
-        joints = (Joint(True, X), turning, turning)
-        links = (
-            _bar(mm(0.2), pipe(0.12), material),
-            _bar(mm(0.6), pipe(0.09), material),
-            _bar(mm(0.4), pipe(0.07), material),
-        )
-        low, high = (0.0, -1.6, -2.2), (1.0, 1.6, 2.2)
-    elif family == "spatial_3r":
-        joints = (turning, Joint(False, DOWN_Y), Joint(False, DOWN_Y))
-        links = (
-            _bar(mm(0.4), pipe(0.14), material, Z),
-            _bar(mm(0.6), pipe(0.09), material),
-            _bar(mm(0.5), pipe(0.07), material),
-        )
-        low, high = (-2.5, -0.6, -2.2), (2.5, 1.8, 0.8)
-    elif family == "spatial_6r":
-        bend = Joint(False, DOWN_Y)
-        roll = Joint(False, X)
-        joints = (turning, bend, bend, roll, bend, roll)
-        links = (
-            _bar(mm(0.4), pipe(0.15), material, Z),
-            _bar(mm(0.55), pipe(0.11), material),
-            _bar(mm(0.35), pipe(0.1), material),
-            _rigid(mm(0.2), 3.0, material[3], 0.1),
-            _rigid(mm(0.1), 2.0, material[3], 0.08),
-            _rigid(mm(0.15), 1.0, material[3], 0.08, (0.6, 0.0, 0.8)),
-        )
-        low, high = (-2.5, -0.4, -1.8, -2.5, -1.8, -2.8), (2.5, 1.6, 0.6, 2.5, 1.8, 2.8)
-    else:
-        raise ValueError(family)
+    kind = _KINDS[family]
+    solid = family == "welding_3r" and rng.random() < 0.5
+
+    def section(diameter: float) -> Section:
+        if family != "welding_3r":
+            return pipe(diameter)
+        return circle(mm(size * diameter), nu) if solid else rectangular_tube(mm(0.8 * diameter), mm(diameter), 0.003)
+
+    links = tuple(
+        _bar(mm(length), section(rest[0]), material, way)
+        if len(rest) == 1
+        else _rigid(mm(length), rest[0], material[3], rest[1], way)
+        for (length, *rest), way in zip(kind.links, kind.along(), strict=True)
+    )
+    joints, low, high = tuple(JOINTS[name] for name in kind.joints.split()), kind.low, kind.high
     joints = tuple(replace(j, mass=round(float(rng.uniform(0.0, 3.0)), 1) if i else 0.0) for i, j in enumerate(joints))
     if stiffness == "bodies":
         links = tuple(
             _rigid(k.length, round(k.line_mass * k.length, 2), k.expansion, k.depth, k.direction) for k in links
         )
-    gravity = (0.0, -9.81, 0.0) if planar else (0.0, 0.0, -9.81)
+    gravity = (0.0, -9.81, 0.0) if kind.planar else (0.0, 0.0, -9.81)
     payload = round(float(rng.uniform(1.0, 5.0)), 1)
-    arm = Arm(f"{family} {stiffness}", family, joints, links, gravity, payload, planar)
+    arm = Arm(f"{family} {stiffness}", family, joints, links, gravity, payload, kind.planar)
     if stiffness in ("drives", "bodies"):
         arm = _with_drives(arm, Ranges(low, high), rng)
     return arm, Ranges(low, high)

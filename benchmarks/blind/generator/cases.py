@@ -138,20 +138,27 @@ def make_case(name: str, seed: tuple[int, ...], kind: str, number: int) -> Case:
     raise RuntimeError(f"{name}: no recording could show {names} at {dose}")
 
 
-def _concealing(
-    names: tuple[str, ...], dose: float, sigma: float, attempt: int, rng: np.random.Generator
-) -> tuple[Arm, Ranges, Design, tuple[Effect, ...], tuple[float, ...]] | None:
-    """An arm, a recording and the effects, each at its dose; None where this draw cannot show them."""
-    needs = [recipe(name) for name in names]
+def _joined(names: tuple[str, ...], needs: list[Recipe], attempt: int, rng: np.random.Generator) -> Recipe | None:
+    """What all of these effects need together; None where nothing meets it."""
     stiffness = tuple(s for s in ANY if all(s in n.stiffness for n in needs))
     designs = tuple(d for d in DESIGNS if all(d in n.designs for n in needs))
     if not stiffness or not designs:
         return None
     if rng.random() < 0.15 and attempt < 20 and "clearance" not in names and "latency" not in names:
         designs = ("one_payload", "poor", "two_sides", "forced")
-    joined = Recipe(stiffness, designs, any(n.planar_only for n in needs), any(n.not_rail for n in needs))
+    return Recipe(stiffness, designs, any(n.planar_only for n in needs), any(n.not_rail for n in needs))
+
+
+def _concealing(
+    names: tuple[str, ...], dose: float, sigma: float, attempt: int, rng: np.random.Generator
+) -> tuple[Arm, Ranges, Design, tuple[Effect, ...], tuple[float, ...]] | None:
+    """An arm, a recording and the effects, each at its dose; None where this draw cannot show them."""
+    needs = [recipe(name) for name in names]
+    joined = _joined(names, needs, attempt, rng)
+    if joined is None:
+        return None
     families = _families(joined, three="joint_coupling" in names)
-    arm, ranges, design = _setting(families, joined, designs, sigma, rng)
+    arm, ranges, design = _setting(families, joined, joined.designs, sigma, rng)
     if any(name in UNIFORM for name in names):
         arm = replace(arm, leave_out=names)
     if "frame_misalignment" in names:

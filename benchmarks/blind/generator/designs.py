@@ -93,15 +93,7 @@ def draw_design(name: str, arm: Arm, ranges: Ranges, rng: np.random.Generator) -
         size = round(float(rng.uniform(30.0, 80.0)), 0)
         push = np.array([math.cos(angle), math.sin(angle), 0.0]) * size
         pushes = [np.round(push, 1), np.round(push * np.array([-1.0, 0.6, 1.0]), 1)]
-    visits: list[tuple[int, float, Array, float]] = []
-    blocks = [p for _ in range(2) for p in payloads] if plan.payloads == 2 else payloads
-    halves = [np.arange(0, count, 2), np.arange(1, count, 2)]
-    for b, load in enumerate(blocks):
-        chosen = halves[b // 2] if plan.payloads == 2 else np.arange(count)
-        block = [(int(k), load, push, s) for k in chosen for push in pushes for s in ((1.0, -1.0)[: plan.sides])]
-        if not plan.ordered:
-            block = [block[k] for k in rng.permutation(len(block))]
-        visits += block
+    visits = _visits(plan, count, payloads, pushes, rng)
     rows = [(visit, first) for visit in visits for first in [1.0] + [0.0] * (plan.repeats - 1)]
     m = len(rows)
     q = np.stack([poses[:, visit[0]] for visit, _ in rows], axis=1)
@@ -110,19 +102,10 @@ def draw_design(name: str, arm: Arm, ranges: Ranges, rng: np.random.Generator) -
     if plan.sides == 2:
         # joints do not all come from one side: each keeps its own sense through a visit and its return
         side = side * np.where(rng.random((arm.count, count)) < 0.5, 1.0, -1.0)[:, [v[0] for v, _ in rows]]
-    pause = float(rng.uniform(20.0, 90.0))
-    gaps = np.where(fresh > 0, pause * rng.uniform(0.8, 1.4, m), 4.0)
-    change = np.array([i > 0 and rows[i][0][1] != rows[i - 1][0][1] for i in range(m)])
-    time = np.round(np.cumsum(gaps + 600.0 * change) - gaps[0], 1)
-    stretch = max(1.0, float(rng.uniform(2.0, 9.0)) * 3600.0 / max(float(time[-1]), 1.0)) if not plan.ordered else 1.0
-    time = np.round(time * stretch, 1) if plan.repeats == 1 else _stretched(time, fresh, stretch)
+    changed = np.array([i > 0 and rows[i][0][1] != rows[i - 1][0][1] for i in range(m)])
+    time = _clock(plan, fresh, changed, rng)
     swing = float(rng.uniform(2.0, 8.0))
-    speed = np.zeros((arm.count, m))
-    if "speed" in plan.columns:
-        visit_of = np.cumsum(fresh).astype(int) - 1
-        drawn = rng.uniform(0.05, 0.8, (arm.count, len(visits)))[:, visit_of] * side
-        drawn[[joint.prismatic for joint in arm.joints]] = 0.0  # a slide has no column for its speed: it stands
-        speed = np.asarray(np.round(np.degrees(drawn), 3) * math.pi / 180.0, dtype=np.float64)
+    speed = _speed(arm, plan, fresh, side, rng)
     free = bool(rng.random() < 0.5)
     return Design(
         name=name,
@@ -138,6 +121,41 @@ def draw_design(name: str, arm: Arm, ranges: Ranges, rng: np.random.Generator) -
         frame_free=free,
         repeats=plan.repeats > 1,
     )
+
+
+def _speed(arm: Arm, plan: _Plan, fresh: Array, side: Array, rng: np.random.Generator) -> Array:
+    """How fast each joint goes through each row (n, m), rad/s or m/s; nought where no column tells it."""
+    if "speed" not in plan.columns:
+        return np.zeros(side.shape)
+    visit_of = np.cumsum(fresh).astype(int) - 1
+    drawn = rng.uniform(0.05, 0.8, (arm.count, int(visit_of[-1]) + 1))[:, visit_of] * side
+    drawn[[joint.prismatic for joint in arm.joints]] = 0.0  # a slide has no column for its speed: it stands
+    return np.asarray(np.round(np.degrees(drawn), 3) * math.pi / 180.0, dtype=np.float64)
+
+
+def _visits(
+    plan: _Plan, count: int, payloads: list[float], pushes: list[Array], rng: np.random.Generator
+) -> list[tuple[int, float, Array, float]]:
+    """What is visited in turn: pose, payload, force and side, payloads in blocks that come back."""
+    visits: list[tuple[int, float, Array, float]] = []
+    blocks = [p for _ in range(2) for p in payloads] if plan.payloads == 2 else payloads
+    halves = [np.arange(0, count, 2), np.arange(1, count, 2)]
+    for b, load in enumerate(blocks):
+        chosen = halves[b // 2] if plan.payloads == 2 else np.arange(count)
+        block = [(int(k), load, push, s) for k in chosen for push in pushes for s in ((1.0, -1.0)[: plan.sides])]
+        if not plan.ordered:
+            block = [block[k] for k in rng.permutation(len(block))]
+        visits += block
+    return visits
+
+
+def _clock(plan: _Plan, fresh: Array, changed: Array, rng: np.random.Generator) -> Array:
+    """When each row is read, s: pauses between visits, more where the payload is changed."""
+    pause = float(rng.uniform(20.0, 90.0))
+    gaps = np.where(fresh > 0, pause * rng.uniform(0.8, 1.4, fresh.size), 4.0)
+    time = np.round(np.cumsum(gaps + 600.0 * changed) - gaps[0], 1)
+    stretch = max(1.0, float(rng.uniform(2.0, 9.0)) * 3600.0 / max(float(time[-1]), 1.0)) if not plan.ordered else 1.0
+    return np.round(time * stretch, 1) if plan.repeats == 1 else _stretched(time, fresh, stretch)
 
 
 def _stretched(time: Array, fresh: Array, factor: float) -> Array:

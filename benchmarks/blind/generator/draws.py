@@ -100,8 +100,15 @@ def _vector(rng: np.random.Generator, planar: bool, size: float) -> list[float]:
 
 def draw_effect(name: str, scene: Scene, ranges: Ranges, rng: np.random.Generator) -> Effect:
     """The effect at a drawn place with drawn parameters; its dose is at a middling size."""
-    arm, planar = scene.arm, scene.arm.planar
     sized = float(rng.uniform(0.5, 2.0))
+    if name in ("link_bending", "link_modulus", "link_mass", "link_length", "thermal_expansion", "thermal_bending"):
+        return _at_link(name, scene, sized, rng)
+    drawn = _of_drive(name, scene, sized, rng) or _of_angle(name, scene, sized, rng)
+    return drawn or _of_arm(name, scene, sized, rng) or _outside(name, scene, ranges, sized, rng)
+
+
+def _of_drive(name: str, scene: Scene, sized: float, rng: np.random.Generator) -> Effect | None:
+    """What drives and bearings do; None for another effect."""
     if name in ("joint_compliance", "servo_droop", "joint_hardening", "creep"):
         i = _joint(scene, rng, loaded=True)
         most = float(np.abs(scene.solution.torque[i]).max())
@@ -119,23 +126,33 @@ def draw_effect(name: str, scene: Scene, ranges: Ranges, rng: np.random.Generato
     if name == "friction_windup":
         i = _joint(scene, rng, loaded=True)
         mean = float(np.abs(scene.solution.torque[i]).mean())
-        values = {"coulomb": 4e-5 * sized, "proportional": 8e-5 * sized / mean}
-        return Effect(name, (i + 1,), "coulomb", values)
+        return Effect(name, (i + 1,), "coulomb", {"coulomb": 4e-5 * sized, "proportional": 8e-5 * sized / mean})
     if name == "clearance":
         return Effect(name, (_joint(scene, rng) + 1,), "radius", {"radius": 4e-5 * sized})
-    if name in ("encoder_offset", "encoder_scale", "joint_coupling"):
-        first = 2 if name == "joint_coupling" else 0
-        i = 2 if name == "joint_coupling" else _joint(scene, rng, first=first)
-        key = {"encoder_offset": "offset", "encoder_scale": "scale", "joint_coupling": "ratio"}[name]
-        return Effect(name, (i + 1,), key, {key: _sign(rng) * 1e-4 * sized})
+    return None
+
+
+def _of_angle(name: str, scene: Scene, sized: float, rng: np.random.Generator) -> Effect | None:
+    """What is wrong with a joint's angle; None for another effect."""
+    keys = {"encoder_offset": "offset", "encoder_scale": "scale", "joint_coupling": "ratio"}
+    if name in keys:
+        i = 2 if name == "joint_coupling" else _joint(scene, rng)
+        return Effect(name, (i + 1,), keys[name], {keys[name]: _sign(rng) * 1e-4 * sized})
     if name in ("encoder_eccentricity", "gear_transmission_error"):
         phase, i = float(rng.uniform(0, 2 * np.pi)), _joint(scene, rng)
         values = {"sine": 1e-4 * sized * np.cos(phase), "cosine": 1e-4 * sized * np.sin(phase)}
         if name == "gear_transmission_error":
             values |= {"harmonic": float(rng.choice([2, 3, 4, 5, 6, 8, 10]))}
         return Effect(name, (i + 1,), "sine", values)
-    if name in ("link_bending", "link_modulus", "link_mass", "link_length", "thermal_expansion", "thermal_bending"):
-        return _at_link(name, scene, sized, rng)
+    if name == "gearbox_thermal":
+        i = _joint(scene, rng)
+        return Effect(name, (i + 1,), "rate", {"rate": _sign(rng) * 5e-6 * sized, "lag": _lag(rng)})
+    return None
+
+
+def _of_arm(name: str, scene: Scene, sized: float, rng: np.random.Generator) -> Effect | None:
+    """What concerns the whole arm, its base, its tip or the instrument; None for another effect."""
+    arm, planar = scene.arm, scene.arm.planar
     if name in ("slope_propagation", "shear_deformation"):
         every = tuple(i + 1 for i in range(arm.count) if arm.links[i].section is not None)
         return Effect(name, every, "share", {"share": 1.0})
@@ -144,9 +161,6 @@ def draw_effect(name: str, scene: Scene, ranges: Ranges, rng: np.random.Generato
     if name == "tool_offset":
         a, b, c = _vector(rng, planar, 2e-4 * sized)
         return Effect(name, (), "a", {"a": a, "b": b, "c": c})
-    if name == "gearbox_thermal":
-        i = _joint(scene, rng)
-        return Effect(name, (i + 1,), "rate", {"rate": _sign(rng) * 5e-6 * sized, "lag": _lag(rng)})
     if name == "base_tilt":
         way = [0.0, 0.0, _sign(rng)] if planar else [*_vector(rng, True, 1.0)[:2], 0.0]
         return Effect(name, (), "z", dict(zip("xyz", (3e-3 * sized * w for w in way), strict=True)))
@@ -165,7 +179,7 @@ def draw_effect(name: str, scene: Scene, ranges: Ranges, rng: np.random.Generato
         return Effect(name, (2,), "spring", values)
     if name == "latency":
         return Effect(name, (), "delay", {"delay": 1e-3 * sized})
-    return _outside(name, scene, ranges, sized, rng)
+    return None
 
 
 def _at_link(name: str, scene: Scene, sized: float, rng: np.random.Generator) -> Effect:
