@@ -12,7 +12,7 @@ PIP_INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-check
 PIP_COMPILE := $(BIN)/python -m piptools compile --quiet --generate-hashes --allow-unsafe --strip-extras \
 	--no-header --no-emit-index-url --no-emit-trusted-host --no-emit-find-links
 
-.PHONY: help demo pictures picture-reports test test-fast test-all lint benchmark results problems proof proof-sample proof-docs proof-multibody rules rules-docs fuzz docs notebooks lock clean
+.PHONY: help demo pictures picture-reports test test-fast test-all lint benchmark results problems proof proof-sample proof-docs proof-multibody rules-docs fuzz docs notebooks lock clean
 .DELETE_ON_ERROR:
 
 help:
@@ -30,7 +30,6 @@ help:
 	@echo "make proof-sample  a seeded sample of it, with bounds that must hold"
 	@echo "make proof-docs docs/proof.md from what make proof left (PROOF_DISCLOSED=... PROOF_SEALED=...: folders of cases)"
 	@echo "make proof-multibody  the diagnosis on arms of a multibody engine (PROOF_CASES=600 PROOF_HALF=development or proof; hours)"
-	@echo "make rules      what moves when each rule of the diagnosis does (RULES_ARGS=... is passed on; an hour or two)"
 	@echo "make rules-docs docs/rules.md from the rules of the diagnosis"
 	@echo "make fuzz       odd files of every kind, each read or refused in one line (FUZZ_INPUTS=100000 FUZZ_SEED=1; an hour)"
 	@echo "make docs       the site of the docs, commands and Python face, in build/handbook; fails on a broken link"
@@ -172,14 +171,8 @@ proof-multibody: $(DEV)
 	$(ONE_THREAD) $(BIN)/python -m benchmarks.multibody run $(PROOF_OUT) --answers $(PROOF_OUT)-answers --jobs $(PROOF_JOBS)
 	$(BIN)/python -m benchmarks.multibody score $(PROOF_OUT) --answers $(PROOF_OUT)-answers --json $(PROOF_OUT).json
 
-# Each rule of the diagnosis 20 % either way on recordings of known truth; goes on where it was interrupted. Fails where a
-# right answer turned wrong.
-RULES_OUT ?= rules-out
-rules: $(DEV) rules-docs
-	$(ONE_THREAD) $(BIN)/python -m benchmarks.rules --work $(RULES_OUT) $(RULES_ARGS)
-
 rules-docs: $(DEV)
-	$(BIN)/python -m benchmarks.rules --page docs/rules.md
+	$(BIN)/python -m benchmarks.rules docs/rules.md
 
 # Each input within 10 s and 1 GiB; what is neither read nor refused is made as small as it can be, and shown.
 FUZZ_INPUTS ?= 100000

@@ -19,19 +19,21 @@ from pathlib import Path
 import casadi as ca
 import numpy as np
 
-from linkwright.core.optimize.choice.combinations import combinations
+from linkwright.core.optimize.choice.picks import Combination, combinations
 from linkwright.core.optimize.exchange.binding_poses import ErrorCut, Pool
-from linkwright.core.optimize.exchange.design import arm_of as design_arm
 from linkwright.core.optimize.exchange.design import (
+    DesignSpace,
     design_space,
     expressions,
     material_row,
     numeric_beams,
     starting_points,
 )
+from linkwright.core.optimize.exchange.design import arm_of as design_arm
 from linkwright.core.optimize.exchange.exchange import Context, Exchange, context_of, first_pool
 from linkwright.core.optimize.exchange.program import ipopt_options
 from linkwright.core.optimize.problem import Problem, read_problem
+from linkwright.core.sections.numeric import Array
 
 TARGET = 200.0
 AGREEMENT = 1e-3
@@ -64,17 +66,9 @@ class Side:
     note: str
 
 
-@dataclass(frozen=True)
-class Compared:
-    """The best of the rounds of each side."""
-
-    ours: Side
-    same: Side
-    mapped: Side
-
-
-def compared(*, quick: bool) -> Compared:
-    """Run all sides in turn and hold the answers against each other."""
+def compared(*, quick: bool) -> tuple[Side, Side, Side]:
+    """The best of the rounds of the exchange, of the same program over the grid, and of the mapped one, their answers
+    held against each other."""
     with tempfile.TemporaryDirectory() as folder:
         (Path(folder) / "arm.yaml").write_text(ARM, encoding="utf-8")
         (Path(folder) / "problem.yaml").write_text(PROBLEM, encoding="utf-8")
@@ -90,16 +84,20 @@ def compared(*, quick: bool) -> Compared:
     off = max(abs(side.true / best.true - 1.0) for side in (other, quicker))
     if not (off <= AGREEMENT and best.certified):
         raise SystemExit(f"the sides differ by {off:.1e}, or ours is not certified: there is nothing to compare")
-    return Compared(best, other, quicker)
+    return best, other, quicker
+
+
+def begun(problem: Problem) -> tuple[Combination, DesignSpace, Array, Array]:
+    """The only combination of a problem, its variables, its materials' row, and where all sides start."""
+    pick = combinations(problem)[0]
+    space, materials = design_space(problem, pick.shapes), material_row(pick.materials, problem)
+    return pick, space, materials, starting_points(space, materials, 1)[0]
 
 
 def by_exchange(context: Context, problem: Problem) -> Side:
     """The exchange's side."""
     began = time.process_time()
-    pick = combinations(problem)[0]
-    space = design_space(problem, pick.shapes)
-    materials = material_row(pick.materials, problem)
-    start = starting_points(space, materials, 1)[0]
+    pick, space, materials, start = begun(problem)
     pool = first_pool(context, space, start, pick.materials)
     done = Exchange(context, space).run(materials, pick.materials, pool, start)
     seconds = time.process_time() - began
@@ -111,10 +109,7 @@ def by_exchange(context: Context, problem: Problem) -> Side:
 
 def _by_full_pool(context: Context, problem: Problem) -> Side:
     began = time.process_time()
-    pick = combinations(problem)[0]
-    space = design_space(problem, pick.shapes)
-    materials = material_row(pick.materials, problem)
-    start = starting_points(space, materials, 1)[0]
+    pick, space, materials, start = begun(problem)
     pool = Pool(errors=tuple(ErrorCut(tuple(q.tolist()), 0, (), (0.0, 0.0, 0.0)) for q in grid(problem)))
     solution = Exchange(context, space).program(pool, spare=False).solve(start, materials, pool)
     seconds = time.process_time() - began
@@ -132,10 +127,7 @@ def grid(problem: Problem) -> np.ndarray:
 
 def _by_mapped_grid(context: Context, problem: Problem) -> Side:
     began = time.process_time()
-    pick = combinations(problem)[0]
-    space = design_space(problem, pick.shapes)
-    materials = material_row(pick.materials, problem)
-    start = starting_points(space, materials, 1)[0]
+    pick, space, materials, start = begun(problem)
     poses = grid(problem)
     case = context.model.cases[0]
     xs, qs, ps = ca.SX.sym("x", len(space.variables)), ca.SX.sym("q", problem.arm.size), ca.SX.sym("p", case.p.numel())

@@ -10,8 +10,6 @@ the error at 13^3 poses, exact gradients included, and the exchange's start and 
 - SLSQP, few poses: the poses that are worst at the start and those that turn out worst at its answers, until the grid
   has none worse. This is an exchange itself, with exact gradients but no certificate and nothing but error, mass and
   reach: what ours costs beyond that is said, and has no target.
-- differential_evolution (SciPy) and a genetic algorithm (pymoo): the worst over the grid and the mass's excess as a
-  penalty; the last length follows from the reach, so that no equality is in their way. Both stop by themselves.
 
 All sides set their model up anew, and that counts. Each answer is held against the certified worst error over all poses
 between. Seconds are of CPU.
@@ -28,22 +26,15 @@ from pathlib import Path
 
 import casadi as ca
 import numpy as np
-from pymoo.algorithms.soo.nonconvex.ga import GA
-from pymoo.core.problem import Problem as Population
-from pymoo.optimize import minimize as evolve
-from scipy.optimize import differential_evolution, minimize
+from scipy.optimize import minimize
 
-from benchmarks.exchange_against_grid import MASS, REACH, Side, by_exchange, grid
+from benchmarks.exchange_against_grid import MASS, REACH, Side, begun, by_exchange, grid
 from linkwright.core.arm.compiled.vectorise import vectorise
 from linkwright.core.arm.errors.lost_motion import sign_vertices
-from linkwright.core.optimize.choice.combinations import combinations
 from linkwright.core.optimize.exchange.design import (
     arm_of,
-    design_space,
     expressions,
-    material_row,
     numeric_beams,
-    starting_points,
 )
 from linkwright.core.optimize.exchange.exchange import Context, context_of
 from linkwright.core.optimize.problem import Problem, read_problem
@@ -52,8 +43,6 @@ from linkwright.core.sections.numeric import Array
 TARGETS = {"SLSQP, exact gradients": 5.0, "SLSQP, finite differences": 20.0}
 _WORST = 24
 """Poses that a round of SLSQP begins with and adds at most."""
-_PENALTY = 10.0
-"""On the logarithm of a mass above what is allowed."""
 
 
 @dataclass(frozen=True)
@@ -68,11 +57,8 @@ class Model:
     """The vectorised evaluator: log of the error (mm) at poses, mass and reach, each with its gradient."""
 
     def __init__(self, context: Context, problem: Problem) -> None:
-        self.pick = combinations(problem)[0]
-        self.space = design_space(problem, self.pick.shapes)
+        self.pick, self.space, materials, self.start = begun(problem)
         self.problem, self.context = problem, context
-        materials = material_row(self.pick.materials, problem)
-        self.start = starting_points(self.space, materials, 1)[0]
         self.lower, self.upper = (np.array(each) for each in self.space.bounds())
         x, q = ca.SX.sym("x", len(self.space.variables)), ca.SX.sym("q", problem.arm.size)
         design = expressions(self.space, x, ca.SX(ca.DM(materials)))
@@ -158,59 +144,6 @@ def by_slsqp(model: Model, *, exact: bool, few: bool = False) -> Array:
     return x
 
 
-def _free(model: Model) -> tuple[list[int], int]:
-    """The variables but the last length, and that."""
-    lengths = [k for k in range(len(model.start)) if abs(model.slopes(model.start)[1, k]) > 0.0]
-    return [k for k in range(len(model.start)) if k != lengths[-1]], lengths[-1]
-
-
-def _whole(model: Model, free: Array) -> Array:
-    """All variables from those that are free: the last length (its logarithm) fills up the reach."""
-    which, last = _free(model)
-    x = model.start.copy()
-    x[which] = free
-    for _ in range(30):
-        step = model.sums(x)[0, 1] / max(model.slopes(x)[1, last], 1e-6)
-        x[last] = np.clip(x[last] - step, model.lower[last], model.upper[last])
-        if abs(step) < 1e-12:
-            break
-    return x
-
-
-def _penalised(model: Model, free: Array) -> float:
-    x = _whole(model, free)
-    heavy, off = model.sums(x)[0]
-    return float(model.sizes(x).max() + _PENALTY * (max(heavy, 0.0) + abs(off)))
-
-
-def by_differential_evolution(model: Model) -> Array:
-    """SciPy's, with its own defaults, from the exchange's start."""
-    which, _ = _free(model)
-    bounds = list(zip(model.lower[which], model.upper[which], strict=True))
-    found = differential_evolution(
-        lambda free: _penalised(model, free), bounds, x0=model.start[which], seed=1, tol=1e-4
-    )
-    return _whole(model, found.x)
-
-
-def by_pymoo(model: Model) -> Array:
-    """A genetic algorithm of pymoo's, with its own defaults."""
-    which, _ = _free(model)
-
-    class Designs(Population):
-        """All designs of a generation."""
-
-        def __init__(self) -> None:
-            super().__init__(n_var=len(which), n_obj=1, xl=model.lower[which], xu=model.upper[which])
-
-        def _evaluate(self, x: Array, out: dict[str, Array], *more: object, **named: object) -> None:
-            del more, named
-            out["F"] = np.array([[_penalised(model, each)] for each in x])
-
-    found = evolve(Designs(), GA(pop_size=100), seed=1)
-    return _whole(model, np.asarray(found.X, dtype=float))
-
-
 def _timed(way: Callable[[Model], Array], context: Context, problem: Problem) -> Answer:
     began = time.process_time()
     found = way(Model(context, problem))
@@ -236,8 +169,8 @@ def played_problem(arm: str, problem: str) -> tuple[str, str]:
     return arm.replace("stiffness:", "backlash: 0.2 arcmin, stiffness:"), f"{problem}load_cases: [{cases}]\n"
 
 
-def compared(arm: str, problem_text: str, rounds: int, *, slow: bool = True) -> tuple[Side, list[Rival]]:
-    """Our side and all rivals on one problem; `slow`: the two that take their time, too."""
+def compared(arm: str, problem_text: str, rounds: int) -> tuple[Side, list[Rival]]:
+    """Our side and all rivals on one problem."""
     with tempfile.TemporaryDirectory() as folder:
         (Path(folder) / "arm.yaml").write_text(arm, encoding="utf-8")
         (Path(folder) / "problem.yaml").write_text(problem_text, encoding="utf-8")
@@ -249,8 +182,6 @@ def compared(arm: str, problem_text: str, rounds: int, *, slow: bool = True) -> 
         "SLSQP, finite differences": (partial(by_slsqp, exact=False), rounds),
         "SLSQP, few poses": (partial(by_slsqp, exact=True, few=True), rounds),
     }
-    if slow:
-        ways |= {"differential_evolution": (by_differential_evolution, 1), "pymoo, GA": (by_pymoo, 1)}
     ours = min((by_exchange(context, problem) for _ in range(rounds + 1)), key=lambda side: side.seconds)
     found: list[Rival] = []
     for name, (way, times) in ways.items():

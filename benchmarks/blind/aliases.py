@@ -69,14 +69,14 @@ def basis(columns: list[Array], planar: bool) -> Array:
     return orthonormal(np.stack([flat(c, planar) for c in columns], axis=1))
 
 
-def orthonormal(matrix: Array) -> Array:
-    """Orthonormal basis of the columns' span, relative rank tolerance 1e-7."""
+def orthonormal(matrix: Array, least: float = 0.0, tolerance: float = 1e-7) -> Array:
+    """Orthonormal basis of the columns' span, by a relative rank tolerance; columns no longer than `least` are none."""
     size = np.linalg.norm(matrix, axis=0)
-    kept = matrix[:, size > 0.0] / size[size > 0.0]
+    kept = matrix[:, size > least] / size[size > least]
     if kept.shape[1] == 0:
         return kept
     u, s, _ = np.linalg.svd(kept, full_matrices=False)
-    return u[:, s > 1e-7 * s[0]]
+    return u[:, s > tolerance * s[0]]
 
 
 def without(matrix: Array, nuisance: Array) -> Array:

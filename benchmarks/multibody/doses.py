@@ -9,6 +9,7 @@ from functools import partial
 
 import numpy as np
 
+from benchmarks.blind.aliases import flat, orthonormal, without
 from benchmarks.blind.generator.vectors import Array
 from benchmarks.multibody.causes import KINDS, Cause, Stage
 from benchmarks.multibody.session import Plan, played
@@ -22,11 +23,6 @@ def change(stage: Stage, write: Write) -> Array:
     plan = Plan(stage.machine, stage.session)
     write(plan)
     return played(plan).reading - stage.tips.reading
-
-
-def flat(change_of_tips: Array, planar: bool) -> Array:
-    """The components that are read, one after the other."""
-    return change_of_tips[: 2 if planar else 3].ravel()
 
 
 def _columns(stage: Stage, coordinates: list[int]) -> list[Array]:
@@ -55,19 +51,7 @@ def geometry_columns(stage: Stage) -> list[Array]:
 
 def basis(columns: list[Array]) -> Array:
     """Orthonormal columns of their span, relative rank tolerance 1e-6."""
-    if not columns:
-        return np.zeros((0, 0))
-    matrix = np.stack(columns, axis=1)
-    size = np.linalg.norm(matrix, axis=0)
-    if not (size > 1e-12).any():
-        return np.zeros((matrix.shape[0], 0))
-    u, s, _ = np.linalg.svd(matrix[:, size > 1e-12] / size[size > 1e-12], full_matrices=False)
-    return np.asarray(u[:, s > 1e-6 * s[0]], dtype=np.float64)
-
-
-def without(vector: Array, span: Array) -> Array:
-    """What is left of a vector beside a span of orthonormal columns."""
-    return vector if span.size == 0 else vector - span @ (span.T @ vector)
+    return orthonormal(np.stack(columns, axis=1), 1e-12, 1e-6) if columns else np.zeros((0, 0))
 
 
 def nuisance(stage: Stage, *, geometric: bool, frame_free: bool, tool_free: bool) -> Array:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -156,8 +156,3 @@ def played(plan: Plan) -> Tips:
     done = tuple(rests)
     tips = np.stack([rest.tip for rest in done], axis=1)
     return Tips(tips + sum((read(tips, done) for read in plan.readings), np.zeros_like(tips)), done)
-
-
-def with_design(session: Session, **changes: object) -> Session:
-    """The session with some of its fields changed."""
-    return replace(session, **changes)  # type: ignore[arg-type]

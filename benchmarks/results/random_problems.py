@@ -1,15 +1,13 @@
-"""Whether a scan ever finds a worse pose than an answer's bound allows.
+"""Whether a scan ever finds a worse pose than an answer's bound allows: python -m benchmarks.results --only scans
 
-`python -m benchmarks.results.random_problems --problems N [--seed S]`: random planar arms of one to three links with
-backlash, clearance, drives and load cases, each optimised for the least worst error within a mass; then the error of
-the answer is scanned over a full grid ten times as fine as that of `benchmarks.exchange_against_grid`, and over as many
-random poses: by the error model itself, and by no part of the search or its certificate. Exit status 1 where one pose
-is worse than `upper_bound_mm` (of the first-order error, which is what is certified).
+Random planar arms of one to three links with backlash, clearance, drives and load cases, each optimised for the least
+worst error within a mass; then the error of the answer is scanned over a full grid ten times as fine as that of
+`benchmarks.exchange_against_grid`, and over as many random poses: by the error model itself, and by no part of the
+search or its certificate. The bound is that of the first-order error, which is what is certified.
 """
 
 from __future__ import annotations
 
-import argparse
 import tempfile
 from dataclasses import dataclass
 from pathlib import Path
@@ -104,29 +102,3 @@ def run(seed: int) -> Scanned | None:
     worst, poses = scanned(result.arm, problem.load_cases, seed)
     bound = result.after.worst.upper_bound
     return Scanned(seed, problem.arm.size, None if bound is None else 1e3 * bound, 1e3 * worst, poses)
-
-
-def main() -> int:
-    """Run, print a line a problem that says something, and the count."""
-    parser = argparse.ArgumentParser(prog="python -m benchmarks.results.random_problems")
-    parser.add_argument("--problems", type=int, default=200)
-    parser.add_argument("--seed", type=int, default=0, help="of the first; the others follow")
-    asked = parser.parse_args()
-    found = [each for each in map(run, range(asked.seed, asked.seed + asked.problems)) if each is not None]
-    beaten = [each for each in found if each.bound is not None and each.worst > each.bound * (1.0 + 1e-9)]
-    for each in beaten:
-        print(f"BEATEN  problem {each.seed}: {each.worst:.9g} mm, bound {each.bound:.9g} mm")
-    bounded = [each for each in found if each.bound is not None]
-    tight = sorted(each.tight for each in bounded)
-    print(
-        f"{len(found)} of {asked.problems} problems have an answer, {len(bounded)} of them a bound; "
-        f"{sum(each.poses for each in found):,} poses scanned; beaten: {len(beaten)}; "
-        f"the scan reaches {tight[0]:.6f} to {tight[-1]:.6f} of the bound"
-        if tight
-        else "no problem has an answer with a bound"
-    )
-    return 1 if beaten or not tight else 0
-
-
-if __name__ == "__main__":
-    raise SystemExit(main())

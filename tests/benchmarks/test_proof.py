@@ -17,7 +17,7 @@ from benchmarks.blind.generator.draws import SINGLES
 from benchmarks.blind.generator.files import truth_of, write_case
 from benchmarks.blind.generator.mechanics import Arm, Joint, Link
 from benchmarks.blind.proof.baselines import BASELINES, gaussian_process, geometry_only, greedy_bic, lasso, lasso_path
-from benchmarks.blind.proof.drawing import heat_map, power
+from benchmarks.blind.proof.drawing import power
 from benchmarks.blind.proof.figures import confusion, figures, said_right
 from benchmarks.blind.proof.halves import read_half, sample, shown
 from benchmarks.blind.proof.library import true_arm
@@ -441,10 +441,6 @@ def test_pictures_hold_their_figures():
     drawn = power({"class named, disclosed": curve}, [(1.0, 0.95)])
     assert drawn.count('r="3.5"') == 2
     assert "projected signal over noise" in drawn
-    table = [("backlash", [("backlash", 3), ("none", 1)]), ("slip", [("unknown", 2)])]
-    shaded = heat_map(table, ("none", "unknown"), frozenset({"slip"}))
-    assert "backlash (4)" in shaded
-    assert shaded.count("fill-opacity") == 3
 
 
 def test_confusion_leaves_small_ones_out():

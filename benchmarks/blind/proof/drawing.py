@@ -1,4 +1,4 @@
-"""The report's two pictures as SVG, readable on light and dark pages: power curves and the confusion map."""
+"""The report's picture as SVG, readable on light and dark pages: power curves."""
 
 from __future__ import annotations
 
@@ -69,42 +69,3 @@ def power(curves: Mapping[str, Sequence[tuple[float, Rate]]], targets: Sequence[
         parts.append(_text(key + 32.0, line + 4.0, name, anchor="start"))
     parts.append(_text(left + wide - 158.0, y(0.2) + 16.0 * len(curves) + 4.0, "rings: targets", anchor="start"))
     return _svg(left + wide + 16.0, top + high + 46.0, "share of effects whose class is named, by size", parts)
-
-
-def heat_map(
-    table: Sequence[tuple[str, Sequence[tuple[str, int]]]], last: Sequence[str], unknown: frozenset[str]
-) -> str:
-    """True effects down, what was said across, the share of each row as a shade and the count as a figure.
-
-    Columns of `last` (verdicts) stand at the right; rows of `unknown` at the foot, for which that verdict is right.
-    """
-    table = sorted(table, key=lambda row: (row[0] in unknown, row[0]))
-    rows = [effect for effect, _ in table]
-    said = {label for _, cells in table for label, _ in cells}
-    columns = [label for label in [*rows, *sorted(said - set(rows) - set(last))] if label in said] + [
-        label for label in last if label in said
-    ]
-    cell, left, top = 19.0, 168.0, 150.0
-    parts: list[str] = []
-    for i, label in enumerate(columns):
-        x = left + cell * (i + 0.5)
-        turn = f'transform="rotate(-60 {x:.1f} {top - 6.0:.1f})"'
-        words = _text(x, top - 6.0, label.replace("_", " "), anchor="start")
-        parts.append(words.replace("<text ", f"<text {turn} ", 1))
-    for j, (effect, cells) in enumerate(table):
-        y = top + cell * j
-        total = sum(count for _, count in cells)
-        parts.append(_text(left - 6.0, y + 13.5, f"{effect.replace('_', ' ')} ({total})", anchor="end"))
-        counts = dict(cells)
-        for i, label in enumerate(columns):
-            count = counts.get(label, 0)
-            share = count / total
-            right = label == ("unknown" if effect in unknown else effect)
-            fill = COLOURS[0] if right else COLOURS[1]
-            shade = f'fill="{fill}" fill-opacity="{share:.2f}"' if count else 'fill="none"'
-            box = f'x="{left + cell * i:.1f}" y="{y:.1f}" width="{cell:g}" height="{cell:g}"'
-            parts.append(f'<rect {box} {shade} stroke="#dddddd"/>')
-            if count:
-                colour = "white" if share > 0.55 else _INK
-                parts.append(_text(left + cell * (i + 0.5), y + 13.5, str(count), size=10.0, colour=colour))
-    return _svg(left + cell * len(columns) + 80.0, top + cell * len(table) + 10.0, "true effect against answer", parts)

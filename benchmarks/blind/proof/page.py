@@ -15,7 +15,7 @@ from benchmarks.blind.proof.figures import Figures, Prediction
 from benchmarks.blind.proof.halves import Half
 from benchmarks.blind.proof.targets import TARGETS, Cause, Target, causes
 
-POWER, MAP = "proof-power.svg", "proof-confusion.svg"
+POWER = "proof-power.svg"
 WORDS = Path(__file__).with_name("words.yaml")
 Both = Sequence[tuple[Half, Figures]]
 Row = tuple[str, Callable[[Half, Figures], str]]
@@ -186,8 +186,7 @@ def _power(both: Both) -> list[str]:
 
 def _confused(both: Both) -> list[str]:
     half, found = both[-1]
-    lines = ["## What is taken for what", "", f"![true effect against answer](pictures/{MAP})", ""]
-    lines += _words("confused", half=half.name)
+    lines = ["## What is taken for what", "", *_words("confused", half=half.name)]
     rows: list[tuple[int, list[str]]] = []
     for effect, cells in found.confusion:
         total = sum(count for _, count in cells)

@@ -8,17 +8,15 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from benchmarks.blind.generator.concealed import OUTSIDE
 from benchmarks.blind.proof.asked_again import next_poses
-from benchmarks.blind.proof.drawing import heat_map, power
+from benchmarks.blind.proof.drawing import power
 from benchmarks.blind.proof.figures import Figures, Results, asks_for_poses, figures
 from benchmarks.blind.proof.halves import Half, read_half, sample, shown
-from benchmarks.blind.proof.page import MAP, POWER, page
+from benchmarks.blind.proof.page import POWER, page
 from benchmarks.blind.proof.parts import FAILED, Piece, done
 from benchmarks.blind.proof.prediction import claimed, predicted
 from benchmarks.multibody.page import kept_section
 
-VERDICTS = ("none", "insufficient_data", "unknown", "failed")
 _GOALS = ((0.5, 0.9), (1.0, 0.95), (2.0, 0.99))
 
 
@@ -85,7 +83,6 @@ def publish(
     curves = {f"class named, {h.name}": [(float(d), rate) for d, rate in h.score.class_by_dose] for h, _ in both}
     texts = {
         pictures / POWER: power(curves, _GOALS),
-        pictures / MAP: heat_map(both[-1][1].confusion, VERDICTS, frozenset(OUTSIDE)),
         docs / "proof.md": page(both) + (f"\n{kept}" if (kept := kept_section(docs / "proof.md")) else ""),
     }
     for path, text in texts.items():
