@@ -242,6 +242,20 @@ class Mapping:
             return default
         return read_quantity(self.raw(name, _example(kind)), kind, file=self.file, key=self.path_of(name))
 
+    def positive(self, name: str, kind: str) -> float:
+        """Return a quantity in SI that is above zero."""
+        value = self.quantity(name, kind)
+        if value <= 0.0:
+            raise self.error(name, f"must be positive, not {shown(self.content[name])}")
+        return value
+
+    def not_negative(self, name: str, kind: str, default: float | None = None) -> float:
+        """Return a quantity in SI that is not below zero."""
+        value = self.quantity(name, kind, default)
+        if value < 0.0:
+            raise self.error(name, f"cannot be negative, not {shown(self.content[name])}")
+        return value
+
     def optional_quantity(self, name: str, kind: str) -> float | None:
         """Return a quantity in SI, None where it is absent."""
         return self.quantity(name, kind) if self.has(name) else None

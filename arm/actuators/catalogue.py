@@ -45,7 +45,7 @@ from platformdirs import user_config_dir
 
 from linkwright.core.units.names import nearest
 from linkwright.core.units.prices import read_prices
-from linkwright.core.units.quantities import InputError, shown
+from linkwright.core.units.quantities import InputError
 from linkwright.core.units.reading import Mapping as Keys
 from linkwright.core.units.reading import load_yaml, shipped_files
 
@@ -220,18 +220,16 @@ def _read(keys: Keys, name: str, sources: Mapping[str, str], defaults: _Defaults
     with keys.reading():
         if not name.strip() or name != name.strip():
             raise keys.error("", f"{name!r} cannot be an actuator's name")
-        rated = _positive(keys, "rated_torque", "torque")
-        peak = _positive(keys, "peak_torque", "torque") if keys.has("peak_torque") else None
+        rated = keys.positive("rated_torque", "torque")
+        peak = keys.positive("peak_torque", "torque") if keys.has("peak_torque") else None
         if peak is not None and peak < rated:
             raise keys.error("peak_torque", "must not be below the rated torque")
         stiffnesses, ends = _stiffnesses(keys)
-        backlash = keys.quantity("backlash", "angle")
-        if backlash < 0.0:
-            raise keys.error("backlash", "cannot be negative")
+        backlash = keys.not_negative("backlash", "angle")
         ratio = keys.number("ratio") if keys.has("ratio") else None
         if ratio is not None and ratio <= 0.0:
             raise keys.error("ratio", "must be positive")
-        tilting = _positive(keys, "tilting_stiffness", "torsional_stiffness") if keys.has("tilting_stiffness") else None
+        tilting = keys.positive("tilting_stiffness", "torsional_stiffness") if keys.has("tilting_stiffness") else None
         marks = _marks(keys) if keys.has("unconfirmed") else defaults.unconfirmed
         source = keys.text("source")
         if source not in sources:
@@ -245,7 +243,7 @@ def _read(keys: Keys, name: str, sources: Mapping[str, str], defaults: _Defaults
             rated_torque=rated,
             stiffnesses=stiffnesses,
             backlash=backlash,
-            mass=_positive(keys, "mass", "mass"),
+            mass=keys.positive("mass", "mass"),
             source=sources[source],
             file=str(keys.file),
             peak_torque=peak,
@@ -261,17 +259,10 @@ def _read(keys: Keys, name: str, sources: Mapping[str, str], defaults: _Defaults
         )
 
 
-def _positive(keys: Keys, name: str, kind: str) -> float:
-    value = keys.quantity(name, kind)
-    if value <= 0.0:
-        raise keys.error(name, f"must be positive, not {shown(keys.content[name])}")
-    return value
-
-
 def _stiffnesses(keys: Keys) -> tuple[tuple[float, ...], tuple[float, ...]]:
     """The stiffness of each zone of torque, and the torques at which the zones end."""
     if not isinstance(keys.content.get("stiffness"), list):
-        return (_positive(keys, "stiffness", "torsional_stiffness"),), ()
+        return (keys.positive("stiffness", "torsional_stiffness"),), ()
     zones = keys.vector("stiffness", "torsional_stiffness")
     ends = keys.vector("zone_torques", "torque")
     if len(ends) != len(zones) - 1:

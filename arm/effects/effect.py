@@ -388,3 +388,23 @@ def drive_motion(state: PoseState, index: int, amount: Scalar) -> tuple[Twist, .
         back = scale(-1.0, moved)
         return (Twist("joint", index, rotation=moved), Twist("link", index + joint.spans - 1, rotation=back))
     return (Twist("joint", index, rotation=moved),)
+
+
+@dataclass(frozen=True)
+class OfDrives:
+    """The twists of an effect that moves each drive where it acts.
+
+    `amount` (rad, m) is that of a state, the effect's settings and a joint (from 0); a plain zero moves nothing. With
+    `only` some joints, the others stay.
+    """
+
+    amount: Callable[[PoseState, Settings, int], Scalar]
+    only: Only | None = None
+
+    def __call__(self, state: PoseState, settings: Settings) -> Iterable[Twist]:
+        """The twists of all drives."""
+        for index, joint in enumerate(state.joints):
+            fits = self.only is None or joint.revolute == (self.only == "joints that turn")
+            amount = self.amount(state, settings, index) if fits and settings.acts_at(index) else 0.0
+            if not (isinstance(amount, float) and amount == 0.0):
+                yield from drive_motion(state, index, amount)

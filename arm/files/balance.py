@@ -24,7 +24,7 @@ def read_masses(link: Mapping) -> tuple[PointMass, ...]:
         with body.reading():
             x, y, z = body.vector("at", "length", 3) if body.has("at") else (0.0, 0.0, 0.0)
             end = cast(End, body.choice("on", get_args(End), "joint"))
-            found.append(PointMass(_positive(body, "mass", "mass"), (x, y, z), end))
+            found.append(PointMass(body.positive("mass", "mass"), (x, y, z), end))
     return tuple(found)
 
 
@@ -33,7 +33,7 @@ def read_motor(joint: Mapping, links: int) -> Motor | None:
     if not joint.has("motor"):
         return None
     with joint.mapping("motor").reading() as body:
-        mass, on = _positive(body, "mass", "mass"), body.raw("on", f"base, or the number of a link, 1 to {links}")
+        mass, on = body.positive("mass", "mass"), body.raw("on", f"base, or the number of a link, 1 to {links}")
         if on == "base":
             return Motor(mass, 0)
         if isinstance(on, bool) or not isinstance(on, int) or not 1 <= on <= links:
@@ -53,8 +53,8 @@ def read_counterbalance(joint: Mapping) -> Counterbalance:
         stiffness = body.quantity("stiffness", "linear_stiffness", 0.0)
         found = SpringCounterbalance(
             stiffness,
-            _positive(body, "on_link", "length"),
-            _positive(body, "on_base", "length"),
+            body.positive("on_link", "length"),
+            body.positive("on_base", "length"),
             body.quantity("base_at", "angle"),
             body.quantity("free_length", "length", 0.0),
             body.quantity("preload", "force", 0.0),
@@ -66,10 +66,3 @@ def read_counterbalance(joint: Mapping) -> Counterbalance:
         if found.on_link == found.on_base and found.preload != stiffness * found.free_length:
             raise body.error("on_base", "is as long as on_link: the spring would have no length where both meet")
         return found
-
-
-def _positive(body: Mapping, name: str, kind: str) -> float:
-    value = body.quantity(name, kind)
-    if value <= 0.0:
-        raise body.error(name, "must be positive")
-    return value

@@ -97,10 +97,7 @@ def _payload(body: Mapping) -> LoadCase:
     if not body.has("payload"):
         return LoadCase()
     with body.mapping("payload").reading() as load:
-        mass = load.quantity("mass", "mass", 0.0)
-        if mass < 0.0:
-            raise load.error("mass", f"cannot be negative, not {shown(load.content['mass'])}")
-        return LoadCase(mass)
+        return LoadCase(load.not_negative("mass", "mass", 0.0))
 
 
 def tip_named(mapping: Mapping, branches: Sequence[Branch], tip: str | None) -> str:

@@ -83,7 +83,7 @@ def read_entry(mapping: Mapping, catalogue: Catalogue, number: int, size: int) -
             joint, link, origin = _of_dh(mapping, body, joint, modified=modified)
             given = given or not modified
         else:
-            link = Link(_length(body) if body is not None and given else 0.0)
+            link = Link(body.not_negative("length", "length") if body is not None and given else 0.0)
         link = replace(link, mass=0.0) if body is None else _link(body, link, catalogue)
         if body is not None and body.has("bends_over"):
             link = running_out(body, joint, link, number)
@@ -115,13 +115,6 @@ def _of_dh(
     return joint, link, None
 
 
-def _length(body: Mapping) -> float:
-    length = body.quantity("length", "length")
-    if length < 0.0:
-        raise body.error("length", f"cannot be negative, not {shown(body.content['length'])}")
-    return length
-
-
 def _joint(mapping: Mapping, size: int) -> tuple[Joint, Motor | None]:
     with mapping.reading():
         mapping.also_called(_JOINT_CALLED)
@@ -150,10 +143,10 @@ def _joint(mapping: Mapping, size: int) -> tuple[Joint, Motor | None]:
             type=kind,
             axis=_axis(mapping, "z" if turns else "x"),
             range=limits,
-            clearance=not_negative(mapping, "clearance", "length", 0.0),
-            backlash=not_negative(mapping, "backlash", motion, 0.0 if actuator is None else actuator.backlash),
+            clearance=mapping.not_negative("clearance", "length", 0.0),
+            backlash=mapping.not_negative("backlash", motion, 0.0 if actuator is None else actuator.backlash),
             stiffness=stiffness,
-            mass=not_negative(mapping, "mass", "mass", 0.0 if actuator is None else actuator.mass),
+            mass=mapping.not_negative("mass", "mass", 0.0 if actuator is None else actuator.mass),
             zero=mapping.quantity("zero", motion, 0.0),
             actuator=actuator,
             zones=zones,
@@ -173,7 +166,7 @@ def _joint(mapping: Mapping, size: int) -> tuple[Joint, Motor | None]:
 
 def _greatest(mapping: Mapping, name: str, kind: str) -> float | None:
     """The most that a drive gives; none where the file does not say it."""
-    return not_negative(mapping, name, kind, 0.0) if mapping.has(name) else None
+    return mapping.not_negative(name, kind, 0.0) if mapping.has(name) else None
 
 
 def _passive(mapping: Mapping) -> bool:
@@ -261,7 +254,7 @@ def _link(mapping: Mapping, link: Link, catalogue: Catalogue) -> Link:
             mapping.has("mass")
             mass = None
         else:
-            mass = not_negative(mapping, "mass", "mass", 0.0)
+            mass = mapping.not_negative("mass", "mass", 0.0)
         center = mapping.optional_quantity("center_of_mass", "length")
         if mapping.has("inertia"):
             if mass is None:
@@ -405,11 +398,3 @@ def _check_length(mapping: Mapping, entries: list[Entry], index: int) -> None:
         if after is not None and after.shift_free:
             would_do = f"the next joint's origin is free and does not say it; {would_do}"
         raise mapping.error(f"chain[{index + 1}].link.length", f"is missing; {would_do}")
-
-
-def not_negative(mapping: Mapping, name: str, kind: str, default: float) -> float:
-    """A quantity (SI) that cannot be negative."""
-    value = mapping.quantity(name, kind, default)
-    if value < 0.0:
-        raise mapping.error(name, f"cannot be negative, not {shown(mapping.content[name])}")
-    return value

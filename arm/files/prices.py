@@ -15,9 +15,9 @@ def read_cost(mapping: Mapping) -> tuple[float | None, str]:
     if not mapping.has("cost"):
         return None, ""
     if not isinstance(mapping.content["cost"], dict):
-        return _price(mapping, "cost", "cost"), ""
+        return mapping.not_negative("cost", "cost"), ""
     with mapping.mapping("cost").reading() as cost:
-        return _price(cost, "value", "cost"), cost.when("date", "")
+        return cost.not_negative("value", "cost"), cost.when("date", "")
 
 
 def read_machining(mapping: Mapping) -> Machining:
@@ -27,18 +27,11 @@ def read_machining(mapping: Mapping) -> Machining:
         return Machining()
     with mapping.mapping("machining").reading() as work:
         return Machining(
-            per_kilogram=_price(work, "per_kilogram", "cost_per_mass") if work.has("per_kilogram") else 0.0,
-            per_metre=_price(work, "per_metre", "cost_per_length") if work.has("per_metre") else 0.0,
-            per_part=_price(work, "per_part", "cost") if work.has("per_part") else 0.0,
+            per_kilogram=work.not_negative("per_kilogram", "cost_per_mass", 0.0),
+            per_metre=work.not_negative("per_metre", "cost_per_length", 0.0),
+            per_part=work.not_negative("per_part", "cost", 0.0),
             date=work.when("date", ""),
         )
-
-
-def _price(mapping: Mapping, name: str, kind: str) -> float:
-    value = mapping.quantity(name, kind)
-    if value < 0.0:
-        raise mapping.error(name, "cannot be negative")
-    return value
 
 
 def cost_to_value(cost: float, date: str) -> Any:

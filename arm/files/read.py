@@ -28,7 +28,7 @@ from linkwright.core.units.temperature import REFERENCE_TEMPERATURE
 
 from .avoid import read_avoid
 from .branches import read_branches, tip_named
-from .chain_entries import joined, not_negative, product_of_exponentials, read_entry, read_section
+from .chain_entries import joined, product_of_exponentials, read_entry, read_section
 from .following import tied
 from .heights import stood_up
 from .origin import TURNS, read_vector
@@ -125,7 +125,7 @@ def read_load(mapping: Mapping, mass: float = 0.0) -> LoadCase:
     with mapping.reading():
         mapping.also_called({"mass": ("weight",), "moment": ("torque",)})
         return LoadCase(
-            mass=not_negative(mapping, "mass", "mass", mass),
+            mass=mapping.not_negative("mass", "mass", mass),
             force=read_vector(mapping, "force", "force", ZERO),
             moment=read_vector(mapping, "moment", "moment", ZERO),
         )

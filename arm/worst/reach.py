@@ -19,6 +19,7 @@ from functools import cached_property
 
 import numpy as np
 
+from linkwright.core.arm.chain.arrays import jacobian
 from linkwright.core.arm.chain.chain import Arm
 from linkwright.core.arm.chain.following import turns_by_coordinates
 from linkwright.core.arm.chain.kinematics import place, tip_position
@@ -169,7 +170,7 @@ class Reach:
     def ball(self, q: Array) -> ProvenBall:
         """The largest ball that the pose q (n,) proves, over all choices of which joints move."""
         size = self.dimensions
-        slope = self._slope(q)
+        slope = jacobian(self.arm, q[None])[0].T[:size]
         lower, upper = self._bounds
         room = np.minimum(q - lower, upper - q)
         best = 0.0
@@ -189,9 +190,3 @@ class Reach:
         most = float(np.min(room / np.maximum(steps, 1e-300)))
         far = most if curving == 0.0 else min(1.0 / curving, most)
         return far - 0.5 * curving * far * far if math.isfinite(far) else 0.0
-
-    def _slope(self, q: Array) -> Array:
-        step = 1e-6
-        shifts = step * np.eye(self.arm.size)
-        moved = self.tip(np.vstack([q + shifts, q - shifts]))
-        return (moved[: self.arm.size] - moved[self.arm.size :]).T / (2.0 * step)

@@ -34,9 +34,7 @@ class SeamCheck:
     `reachable`: every point has a pose, proved; `unreachable`: `first_unreachable` (m) is where the seam first leaves
     the reachable set (with a walk: the first point that no search reaches) and `missing` (m) how far the tip stays from
     the seam's farthest point; `undecided`: poses were found everywhere, but between the shares `gaps` nothing proves
-    them. `proved_to` is the share up to which it is proved. `exact`: by the ring's equation, not a walk. `regrips` are
-    shares of the seam at which the walk took another pose: the joints cannot simply follow there, or the walk did not
-    see how (None where it was not asked).
+    them. `proved_to` is the share up to which it is proved. `exact`: by the ring's equation, not a walk.
     """
 
     verdict: Verdict
@@ -47,7 +45,6 @@ class SeamCheck:
     missing: float = 0.0
     exact: bool = False
     gaps: tuple[tuple[float, float], ...] = ()
-    regrips: tuple[float, ...] | None = None
 
 
 def check_seam(arm: Arm, start: Sequence[float], end: Sequence[float]) -> SeamCheck:
@@ -77,10 +74,10 @@ class _Walk:
     def check(self) -> SeamCheck:
         length = float(np.linalg.norm(self.end - self.start))
         one, other = tuple(self.start.tolist()), tuple(self.end.tolist())
-        along, gaps, regrips = 0.0, list[tuple[float, float]](), list[float]()
+        along, gaps = 0.0, list[tuple[float, float]]()
         pose, looked_at = self._best(0.0, length), 4e-3
         if pose is None:
-            return self._ended(0.0, length, one, other, regrips)
+            return self._ended(0.0, length, one, other)
         while True:
             radius = self.reach.ball(pose).radius
             looked_at = max(looked_at, min(radius, 4e-3))
@@ -89,7 +86,6 @@ class _Walk:
                 better = self._best(along, length)
                 if better is not None and self.reach.ball(better).radius > 1.5 * radius:
                     pose = better
-                    regrips.append(along / max(length, 1e-300))
                     radius = self.reach.ball(pose).radius
             if along + radius >= length:
                 break
@@ -97,23 +93,23 @@ class _Walk:
                 ahead = min(length, along + _LOOK)
                 beyond = self._first_beyond(along, ahead, length)
                 if beyond is not None:
-                    return self._ended(beyond, length, one, other, regrips)
+                    return self._ended(beyond, length, one, other)
                 joined = gaps.pop()[0] if gaps and gaps[-1][1] == along / length else along / length
                 gaps.append((joined, ahead / length))
                 along = ahead
                 pose = self._best(along, length)
                 if pose is None:
-                    return self._ended(along, length, one, other, regrips)
+                    return self._ended(along, length, one, other)
                 if along >= length:
                     break
                 continue
             along += 0.98 * radius  # the ball's own edge is left to the next ball
             followed = self._follow(pose, along, length)
             if followed is None:
-                return self._ended(along, length, one, other, regrips)
+                return self._ended(along, length, one, other)
             pose = followed
         verdict: Verdict = "undecided" if gaps else "reachable"
-        return SeamCheck(verdict, one, other, gaps[0][0] if gaps else 1.0, gaps=tuple(gaps), regrips=tuple(regrips))
+        return SeamCheck(verdict, one, other, gaps[0][0] if gaps else 1.0, gaps=tuple(gaps))
 
     def _point(self, along: float, length: float) -> Array:
         return self.start + (along / max(length, 1e-300)) * (self.end - self.start)
@@ -159,9 +155,7 @@ class _Walk:
         points = np.array([self._point(float(along), length) for along in places])
         return self.reach.nearest(points)[1].min(axis=1)
 
-    def _ended(
-        self, along: float, length: float, one: tuple[float, ...], other: tuple[float, ...], regrips: list[float]
-    ) -> SeamCheck:
+    def _ended(self, along: float, length: float, one: tuple[float, ...], other: tuple[float, ...]) -> SeamCheck:
         low, high, missing = along, length, 0.0
         for _ in range(3):
             places = np.linspace(low, high, 17)
@@ -171,4 +165,4 @@ class _Walk:
             low, high = float(places[max(farthest - 1, 0)]), float(places[min(farthest + 1, 16)])
         first = tuple(self._point(along, length).tolist())
         share = along / max(length, 1e-300)
-        return SeamCheck("unreachable", one, other, share, first, missing, regrips=tuple(regrips))
+        return SeamCheck("unreachable", one, other, share, first, missing)

@@ -2,22 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-
 from linkwright.core.arm.chain.statics import PoseState
-from linkwright.core.arm.chain.vectors import plus, times
-from linkwright.core.arm.effects.effect import Effect, Parameter, Settings, Twist, drive_motion, size
+from linkwright.core.arm.chain.vectors import Scalar, plus, times
+from linkwright.core.arm.effects.effect import Effect, OfDrives, Parameter, Settings, size
 from linkwright.core.sections.numeric import cos, sin
 
 
-def _twists(state: PoseState, settings: Settings) -> Iterator[Twist]:
+def _moved(state: PoseState, settings: Settings, index: int) -> Scalar:
     of_sine, of_cosine = settings.values.get("sine", 0.0), settings.values.get("cosine", 0.0)
-    if of_sine == 0.0 and of_cosine == 0.0:
-        return
-    for index, joint in enumerate(state.joints):
-        if joint.revolute and settings.acts_at(index):
-            angle = joint.coordinate
-            yield from drive_motion(state, index, plus(times(of_sine, sin(angle)), times(of_cosine, cos(angle))))
+    angle = state.joints[index].coordinate
+    return plus(times(of_sine, sin(angle)), times(of_cosine, cos(angle)))
 
 
 def _amplitude(name: str) -> Parameter:
@@ -37,7 +31,7 @@ ENCODER_ECCENTRICITY = Effect(
     aliases=("encoder_scale", "gear_transmission_error"),
     source="A. H. Slocum, Precision Machine Design (Prentice Hall, 1992), rotary encoders",
     parameters=(_amplitude("sine"), _amplitude("cosine")),
-    twists=_twists,
+    twists=OfDrives(_moved, "joints that turn"),
     only="joints that turn",
     least_travel=1.0,  # over less a wave of one turn is a straight line: the encoder's scale
     rank=120,

@@ -2,17 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-
 from linkwright.core.arm.chain.statics import PoseState
-from linkwright.core.arm.effects.effect import Effect, Settings, Twist, drive_motion, size
+from linkwright.core.arm.chain.vectors import Scalar
+from linkwright.core.arm.effects.effect import Effect, OfDrives, Settings, size
 
 
-def _twists(state: PoseState, settings: Settings) -> Iterator[Twist]:
-    offset = settings.values.get("offset", 0.0)
-    for index in range(len(state.joints)):
-        if offset != 0.0 and settings.acts_at(index):
-            yield from drive_motion(state, index, offset)
+def _moved(state: PoseState, settings: Settings, index: int) -> Scalar:
+    del state, index
+    return settings.values.get("offset", 0.0)
 
 
 ENCODER_OFFSET = Effect(
@@ -29,7 +26,7 @@ ENCODER_OFFSET = Effect(
             "true coordinate less the encoder's reading", "homing switches and index marks of industrial robots"
         ),
     ),
-    twists=_twists,
+    twists=OfDrives(_moved),
     lasts="a while",
     rank=20,
     linear=True,

@@ -2,18 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-
 from linkwright.core.arm.chain.statics import PoseState
-from linkwright.core.arm.chain.vectors import times
-from linkwright.core.arm.effects.effect import Effect, Settings, Twist, drive_motion, size
+from linkwright.core.arm.chain.vectors import Scalar, times
+from linkwright.core.arm.effects.effect import Effect, OfDrives, Settings, size
 
 
-def _twists(state: PoseState, settings: Settings) -> Iterator[Twist]:
-    share = settings.values.get("scale", 0.0)
-    for index, joint in enumerate(state.joints):
-        if share != 0.0 and settings.acts_at(index):
-            yield from drive_motion(state, index, times(share, joint.coordinate))
+def _moved(state: PoseState, settings: Settings, index: int) -> Scalar:
+    return times(settings.values.get("scale", 0.0), state.joints[index].coordinate)
 
 
 ENCODER_SCALE = Effect(
@@ -31,7 +26,7 @@ ENCODER_SCALE = Effect(
             "gratings and screws: 1e-5 to 1e-4; belts and wrong ratios: more",
         ),
     ),
-    twists=_twists,
+    twists=OfDrives(_moved),
     rank=180,
     linear=True,
 )

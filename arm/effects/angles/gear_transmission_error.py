@@ -3,28 +3,26 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 
 import numpy as np
 
 from linkwright.core.arm.chain.statics import PoseState
-from linkwright.core.arm.chain.vectors import plus, times
-from linkwright.core.arm.effects.effect import Effect, Parameter, Readings, Settings, Twist, drive_motion, shape, size
+from linkwright.core.arm.chain.vectors import Scalar, plus, times
+from linkwright.core.arm.effects.effect import Effect, OfDrives, Parameter, Readings, Settings, shape, size
 from linkwright.core.sections.numeric import cos, sin
 
 _LEAST_WAVES = 0.7
 """Of less of a wave neither its period nor that it is one shows: a scale or an eccentricity does as much."""
 
 
-def _twists(state: PoseState, settings: Settings) -> Iterator[Twist]:
+def _moved(state: PoseState, settings: Settings, index: int) -> Scalar:
     of_sine, of_cosine = settings.values.get("sine", 0.0), settings.values.get("cosine", 0.0)
-    order = settings.values.get("order")
-    if order is None or (of_sine == 0.0 and of_cosine == 0.0):
-        return
-    for index, joint in enumerate(state.joints):
-        if settings.acts_at(index):
-            phase = times(order if joint.revolute else 2.0 * math.pi * order, joint.coordinate)
-            yield from drive_motion(state, index, plus(times(of_sine, sin(phase)), times(of_cosine, cos(phase))))
+    joint, order = state.joints[index], settings.values.get("order", 0.0)
+    if order == 0.0:
+        return 0.0
+    phase = times(order if joint.revolute else 2.0 * math.pi * order, joint.coordinate)
+    return plus(times(of_sine, sin(phase)), times(of_cosine, cos(phase)))
 
 
 def _amplitude(name: str) -> Parameter:
@@ -69,7 +67,7 @@ GEAR_TRANSMISSION_ERROR = Effect(
             "numbers of teeth of output stages; gear ratios, and twice those for harmonic drives",
         ),
     ),
-    twists=_twists,
+    twists=OfDrives(_moved),
     enough=(("sine", "order"), ("cosine", "order")),
     rank=130,
     linear=True,

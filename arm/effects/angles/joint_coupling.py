@@ -2,18 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-
 from linkwright.core.arm.chain.statics import PoseState
-from linkwright.core.arm.chain.vectors import times
-from linkwright.core.arm.effects.effect import Effect, Settings, Twist, drive_motion, size
+from linkwright.core.arm.chain.vectors import Scalar, times
+from linkwright.core.arm.effects.effect import Effect, OfDrives, Settings, size
 
 
-def _twists(state: PoseState, settings: Settings) -> Iterator[Twist]:
-    coupling = settings.values.get("coupling", 0.0)
-    for index in range(1, len(state.joints)):
-        if coupling != 0.0 and settings.acts_at(index):
-            yield from drive_motion(state, index, times(coupling, state.joints[index - 1].coordinate))
+def _moved(state: PoseState, settings: Settings, index: int) -> Scalar:
+    return times(settings.values.get("coupling", 0.0), state.joints[index - 1].coordinate) if index else 0.0
 
 
 JOINT_COUPLING = Effect(
@@ -33,7 +28,7 @@ JOINT_COUPLING = Effect(
             "what is left of a wrist's or belt's coupling once the controller has taken out its nominal value",
         ),
     ),
-    twists=_twists,
+    twists=OfDrives(_moved),
     only="joints after the first",
     rank=190,
     linear=True,

@@ -6,13 +6,13 @@ measured joints of light arms show it (0.2 to 0.3 mrad RMS, bending every 10 to 
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 
 import numpy as np
 
 from linkwright.core.arm.chain.statics import PoseState
 from linkwright.core.arm.chain.vectors import Scalar, plus, times
-from linkwright.core.arm.effects.effect import Effect, Parameter, Readings, Settings, Twist, drive_motion, shape, size
+from linkwright.core.arm.effects.effect import Effect, OfDrives, Parameter, Readings, Settings, shape, size
 from linkwright.core.sections.numeric import cos, sin
 
 ORDERS = 32
@@ -36,10 +36,8 @@ def waviness(coordinate: Scalar, values: Mapping[str, float]) -> Scalar:
     return total
 
 
-def _twists(state: PoseState, settings: Settings) -> Iterator[Twist]:
-    for index, joint in enumerate(state.joints):
-        if joint.revolute and settings.acts_at(index):
-            yield from drive_motion(state, index, waviness(joint.coordinate, settings.values))
+def _moved(state: PoseState, settings: Settings, index: int) -> Scalar:
+    return waviness(state.joints[index].coordinate, settings.values)
 
 
 def _shown(readings: Readings, at: tuple[int, ...], shapes: Mapping[str, float]) -> bool:
@@ -80,7 +78,7 @@ JOINT_WAVINESS = Effect(
             grid=(8.0, 16.0, 32.0),
         ).means("the highest order that takes part", "the shortest wave that readings some degrees apart can show"),
     ),
-    twists=_twists,
+    twists=OfDrives(_moved, "joints that turn"),
     enough=tuple((size.name,) for size in _SIZES),
     only="joints that turn",
     rank=140,

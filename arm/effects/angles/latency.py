@@ -2,20 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-
 from linkwright.core.arm.chain.statics import PoseState
-from linkwright.core.arm.chain.vectors import times
-from linkwright.core.arm.effects.effect import Effect, Settings, Twist, drive_motion, size
+from linkwright.core.arm.chain.vectors import Scalar, times
+from linkwright.core.arm.effects.effect import Effect, OfDrives, Settings, size
 
 
-def _twists(state: PoseState, settings: Settings) -> Iterator[Twist]:
-    delay, velocities = settings.values.get("delay", 0.0), state.conditions.velocities
-    if delay == 0.0 or velocities is None:
-        return
-    for index in range(len(state.joints)):
-        if settings.acts_at(index):
-            yield from drive_motion(state, index, times(delay, velocities[index]))
+def _moved(state: PoseState, settings: Settings, index: int) -> Scalar:
+    velocities = state.conditions.velocities
+    return 0.0 if velocities is None else times(settings.values.get("delay", 0.0), velocities[index])
 
 
 LATENCY = Effect(
@@ -33,7 +27,7 @@ LATENCY = Effect(
             "how much later the tip was measured than the encoders were read", "cycles of controllers and field buses"
         ),
     ),
-    twists=_twists,
+    twists=OfDrives(_moved),
     together=True,
     requires=("velocities",),
     rank=300,

@@ -5,31 +5,27 @@ The rest is a share of the move from the reading before; where commands are logg
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 
 import numpy as np
 
 from linkwright.core.arm.chain.statics import PoseState
-from linkwright.core.arm.chain.vectors import plus, times
-from linkwright.core.arm.effects.effect import Effect, Readings, Settings, Twist, drive_motion, size
+from linkwright.core.arm.chain.vectors import Scalar, plus, times
+from linkwright.core.arm.effects.effect import Effect, OfDrives, Readings, Settings, size
 
 _DIFFERENT_MOVES = 0.05
 """Moves must differ by as much (rad, m): if all are alike, their share is a zero that is off."""
 
 
-def _twists(state: PoseState, settings: Settings) -> Iterator[Twist]:
+def _moved(state: PoseState, settings: Settings, index: int) -> Scalar:
     moves, commanded = state.conditions.last_moves, state.conditions.commanded
     if moves is None:
-        return
-    share, rest = settings.values.get("share_of_move", 0.0), settings.values.get("share_of_command", 0.0)
-    for index, joint in enumerate(state.joints):
-        if not settings.acts_at(index):
-            continue
-        amount = times(share, moves[index])
-        if commanded is not None:
-            to_go = plus(commanded[index], times(-1.0, joint.coordinate))
-            amount = plus(amount, times(rest, to_go))
-        yield from drive_motion(state, index, amount)
+        return 0.0
+    amount = times(settings.values.get("share_of_move", 0.0), moves[index])
+    if commanded is None:
+        return amount
+    to_go = plus(commanded[index], times(-1.0, state.joints[index].coordinate))
+    return plus(amount, times(settings.values.get("share_of_command", 0.0), to_go))
 
 
 def _shown(readings: Readings, at: tuple[int, ...], shapes: Mapping[str, float]) -> bool:
@@ -57,7 +53,7 @@ STALE_READING = Effect(
             "1 where the joint stood at its command",
         ),
     ),
-    twists=_twists,
+    twists=OfDrives(_moved),
     requires=("last_moves",),
     shown_by=_shown,
     rank=305,

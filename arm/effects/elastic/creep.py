@@ -2,28 +2,26 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 
 import numpy as np
 
 from linkwright.core.arm.chain.statics import PoseState
-from linkwright.core.arm.chain.vectors import times
-from linkwright.core.arm.effects.effect import Effect, Readings, Settings, Twist, drive_motion, shape, size
+from linkwright.core.arm.chain.vectors import Scalar, times
+from linkwright.core.arm.effects.effect import Effect, OfDrives, Readings, Settings, shape, size
 
 _STEADY = 0.02
 """A load that changes by no more than this share of its greatest is steady."""
 
 
-def _twists(state: PoseState, settings: Settings) -> Iterator[Twist]:
+def _moved(state: PoseState, settings: Settings, index: int) -> Scalar:
     compliance, constant = settings.values.get("compliance", 0.0), settings.values.get("time_constant", 0.0)
     anew = settings.values.get("anew", 1.0) > 0.0
     elapsed = state.conditions.loaded_for if anew else state.conditions.time
     if compliance == 0.0 or constant <= 0.0 or elapsed is None:
-        return
+        return 0.0
     share = 1.0 - np.exp(-np.asarray(elapsed, dtype=float) / constant)
-    for index, joint in enumerate(state.joints):
-        if settings.acts_at(index):
-            yield from drive_motion(state, index, times(compliance * share, joint.drive_load))
+    return times(compliance * share, state.joints[index].drive_load)
 
 
 def _shown(readings: Readings, at: tuple[int, ...], shapes: Mapping[str, float]) -> bool:
@@ -67,7 +65,7 @@ CREEP = Effect(
             "Kelvin's model under steps of load, and under a load that is mostly the arm's own weight",
         ),
     ),
-    twists=_twists,
+    twists=OfDrives(_moved),
     requires=("loaded_for",),
     enough=(("compliance", "time_constant"),),
     rank=280,

@@ -2,18 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-
 from linkwright.core.arm.chain.statics import PoseState
-from linkwright.core.arm.chain.vectors import times
-from linkwright.core.arm.effects.effect import Effect, Settings, Twist, drive_motion, size
+from linkwright.core.arm.chain.vectors import Scalar, times
+from linkwright.core.arm.effects.effect import Effect, OfDrives, Settings, size
 
 
-def _twists(state: PoseState, settings: Settings) -> Iterator[Twist]:
-    compliance = settings.values.get("compliance", 0.0)
-    for index, joint in enumerate(state.joints):
-        if compliance != 0.0 and settings.acts_at(index):
-            yield from drive_motion(state, index, times(compliance, joint.drive_load))
+def _moved(state: PoseState, settings: Settings, index: int) -> Scalar:
+    return times(settings.values.get("compliance", 0.0), state.joints[index].drive_load)
 
 
 SERVO_DROOP = Effect(
@@ -32,7 +27,7 @@ SERVO_DROOP = Effect(
             "reciprocal of the position loop's gain Kp", "up to 30 mrad under the torques of light arms"
         ),
     ),
-    twists=_twists,
+    twists=OfDrives(_moved),
     before_encoder=True,
     lasts="a while",
     rank=320,

@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-
 from linkwright.core.arm.chain.statics import PoseState
 from linkwright.core.arm.chain.vectors import Scalar, Vector, cross, dot, is_zero, norm, plus, scale, times, unit
-from linkwright.core.arm.effects.effect import Effect, Parameter, Settings, Twist, drive_motion, size
+from linkwright.core.arm.effects.effect import Effect, OfDrives, Parameter, Settings, size
 
 _UPRIGHT: Vector = (0.0, 0.0, 1.0)
 
@@ -21,14 +19,10 @@ def link_angle(state: PoseState, index: int) -> tuple[Scalar, Scalar]:
     return dot(along, up), dot(state.joints[index].axis, cross(up, along))
 
 
-def _twists(state: PoseState, settings: Settings) -> Iterator[Twist]:
+def _moved(state: PoseState, settings: Settings, index: int) -> Scalar:
     of_sine, of_cosine = settings.values.get("sine", 0.0), settings.values.get("cosine", 0.0)
-    if of_sine == 0.0 and of_cosine == 0.0:
-        return
-    for index, joint in enumerate(state.joints):
-        if joint.revolute and settings.acts_at(index):
-            cosine, sine = link_angle(state, index)
-            yield from drive_motion(state, index, plus(times(of_sine, sine), times(of_cosine, cosine)))
+    cosine, sine = link_angle(state, index)
+    return plus(times(of_sine, sine), times(of_cosine, cosine))
 
 
 def _torque(name: str) -> Parameter:
@@ -50,7 +44,7 @@ COUNTERBALANCE = Effect(
     source="J. L. Herder, Energy-free Systems (doctoral thesis, Delft University of Technology, 2001): "
     "a balancing spring's torque is a sine of the link's angle",
     parameters=(_torque("sine"), _torque("cosine")),
-    twists=_twists,
+    twists=OfDrives(_moved, "joints that turn"),
     only="joints that turn",
     least_travel=0.05,  # a joint that stands only repeats what the joints before it do
     rank=290,

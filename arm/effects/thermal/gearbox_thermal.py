@@ -2,20 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-
 from linkwright.core.arm.chain.statics import PoseState
-from linkwright.core.arm.chain.vectors import times
-from linkwright.core.arm.effects.effect import Effect, Settings, Twist, drive_motion, size
+from linkwright.core.arm.chain.vectors import Scalar, times
+from linkwright.core.arm.effects.effect import Effect, OfDrives, Settings, size
 
 from .warming import LAG, warming_of
 
 
-def _twists(state: PoseState, settings: Settings) -> Iterator[Twist]:
-    rate = settings.values.get("per_kelvin", 0.0)
-    for index in range(len(state.joints)):
-        if rate != 0.0 and settings.acts_at(index):
-            yield from drive_motion(state, index, times(rate, warming_of(state, index, settings.values)))
+def _moved(state: PoseState, settings: Settings, index: int) -> Scalar:
+    return times(settings.values.get("per_kelvin", 0.0), warming_of(state, index, settings.values))
 
 
 GEARBOX_THERMAL = Effect(
@@ -34,7 +29,7 @@ GEARBOX_THERMAL = Effect(
         ),
         LAG,
     ),
-    twists=_twists,
+    twists=OfDrives(_moved),
     requires=("warming",),
     rank=210,
     linear=True,

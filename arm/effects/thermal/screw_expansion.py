@@ -2,22 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-
 from linkwright.core.arm.chain.statics import PoseState
-from linkwright.core.arm.chain.vectors import times
-from linkwright.core.arm.effects.effect import Effect, Settings, Twist, drive_motion, size
+from linkwright.core.arm.chain.vectors import Scalar, times
+from linkwright.core.arm.effects.effect import Effect, OfDrives, Settings, size
 
 from .warming import LAG, warming_of
 
 
-def _twists(state: PoseState, settings: Settings) -> Iterator[Twist]:
-    expansion = settings.values.get("expansion", 0.0)
-    for index, joint in enumerate(state.joints):
-        if joint.revolute or expansion == 0.0 or not settings.acts_at(index):
-            continue
-        growth = times(expansion, warming_of(state, index, settings.values))
-        yield from drive_motion(state, index, times(growth, joint.coordinate))
+def _moved(state: PoseState, settings: Settings, index: int) -> Scalar:
+    growth = times(settings.values.get("expansion", 0.0), warming_of(state, index, settings.values))
+    return times(growth, state.joints[index].coordinate)
 
 
 SCREW_EXPANSION = Effect(
@@ -36,7 +30,7 @@ SCREW_EXPANSION = Effect(
         ),
         LAG,
     ),
-    twists=_twists,
+    twists=OfDrives(_moved, "joints that slide"),
     requires=("warming",),
     only="joints that slide",
     linear=True,
