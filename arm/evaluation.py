@@ -440,7 +440,7 @@ def idle_effects(arm: Arm) -> list[str]:
 
 
 def nothing_errs(arm: Arm) -> list[str]:
-    """One line where the arm's file holds nothing that moves the tip: an error of nought then says nothing."""
+    """One line where the arm's file holds nothing that moves the tip: an error of zero then says nothing."""
     gives = any(joint.stiffness is not None or joint.zones or joint.backlash or joint.clearance for joint in arm.joints)
     gives = gives or any(joint.tilting_stiffness is not None for joint in arm.joints)
     if gives or arm.effects or any(link.elastic for link in arm.links):

@@ -34,7 +34,7 @@ class Conditions:
     joint last moved towards increasing coordinates, -1 otherwise, one for each joint. `velocities` (rad/s, m/s) and
     `accelerations` (rad/s^2, m/s^2), `commanded` coordinates (rad, m), one for each joint. `loaded_for` is the time (s)
     since the present payload was taken up. `last_moves` (rad, m), one for each joint, is how far it had gone since the
-    reading before, nought at the first. `past` is what the arm had been through before the first reading, where it is
+    reading before, zero at the first. `past` is what the arm had been through before the first reading, where it is
     known: lags go on from there.
     """
 

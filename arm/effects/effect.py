@@ -93,8 +93,8 @@ class Parameter:
     depends on how large the loads are, `relative_to_load` makes them shares of the drive's greatest load; a `threshold`
     changes the pattern only where it passes a load. What moves a joint `across` its motion is of the same kind on
     slides. What is `of_all` is tried only where the effect acts everywhere together, and then instead of the other
-    sizes. An `optional` size is tried as nought too. A `whole` shape is a whole number and stays on its grid; `default`
-    is what a shape is where an entry does not name it. Other than nought a size or shape `requires` these conditions of
+    sizes. An `optional` size is tried as zero too. A `whole` shape is a whole number and stays on its grid; `default`
+    is what a shape is where an entry does not name it. Other than zero a size or shape `requires` these conditions of
     a recording, beside those of its effect. A size that leaves the plane of a planar arm is `out_of_plane`.
 
     >>> import linkwright as lw
@@ -272,7 +272,7 @@ class Effect:
     `along_the_link` marks what every piece of a link does alike, by the loads on it, so that a link that is cut does
     what the whole does; `turns_along_the_link` which of these turns the pieces beyond.
     `declared` tells what an arm file whose links are these beams gives already of the first size at a joint or link
-    (from 0), in its unit: file and finding together are not less than nought (infinite: nobody knows).
+    (from 0), in its unit: file and finding together are not less than zero (infinite: nobody knows).
     `kinks` tells which of the twists are piecewise linear in a load, and where they bend.
     `under_forces` marks what gives under forces, not under moments about where it is alone: of links that nobody has
     weighed it shows the masses beside the first moments. `weights_named` marks what could be almost anything under

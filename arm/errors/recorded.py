@@ -32,7 +32,7 @@ class Channels:
 
     `tip` (N, 3); `joint_side` (N, n) how far each joint stands from its encoder's reading; `base` (N, 3) a target on
     the base; `command` (N, n) how far each encoder stands from its command; `turn` (N, 3) how the tool is turned, about
-    the base's axes; `level` (N, 3) the same of what a level stands on, nought where none does. All but the first are
+    the base's axes; `level` (N, 3) the same of what a level stands on, zero where none does. All but the first are
     None where nobody asked.
     """
 

@@ -187,7 +187,7 @@ class Buckling:
         return [found[:, entry] for entry in range(len(self.modes))]
 
     def greatest(self, case: int, q: Array, p: Array) -> Array:
-        """The greatest use (N, links) of any wall of each link; nought where it has none that is known."""
+        """The greatest use (N, links) of any wall of each link; zero where it has none that is known."""
         found = np.zeros((len(q), len(self.modes)))
         for entry, (modes, far) in enumerate(zip(self.modes, self.far(case, q, p), strict=True)):
             if modes.modes is not None:

@@ -169,7 +169,7 @@ class Slowness:
         second = self._moved(every, inertia).reshape(count, 3, size)
         shapes, forces = first.reshape(count, 3, size), inertia.reshape(count, 3, size)
         carried, work = shapes @ forces.transpose(0, 2, 1), forces @ second.transpose(0, 2, 1)
-        # Shapes may coincide or be nought (a planar arm does not move sideways): what they span alone counts.
+        # Shapes may coincide or be zero (a planar arm does not move sideways): what they span alone counts.
         values, vectors = np.linalg.eigh(0.5 * (carried + carried.transpose(0, 2, 1)))
         spanned = values > 1e-9 * values.max(axis=1, initial=1e-300, keepdims=True)
         basis = vectors * np.where(spanned, 1.0 / np.sqrt(np.where(spanned, values, 1.0)), 0.0)[:, None, :]

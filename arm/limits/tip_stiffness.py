@@ -66,7 +66,7 @@ def compliance_along(arm: Arm, axes: tuple[int, ...], tips: tuple[str, ...] = ()
     """What the tip gives along some axes of the base frame (0, 1, 2) under unit forces along them.
 
     Of several `tips` each gives for itself, one after the other along the diagonal: the largest singular value is then
-    that of the softest, and the direction of its force is nought at the others.
+    that of the softest, and the direction of its force is zero at the others.
     """
     if len(tips) > 1:
         each = [compliance_along(arm.on(tip), axes) for tip in tips]

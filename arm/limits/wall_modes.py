@@ -106,7 +106,7 @@ class Mode:
 
 
 _NOTHING = 1e-12
-"""Keeps derivatives of sizes finite at nought: a millionth of a newton (or newton metre)."""
+"""Keeps derivatives of sizes finite at zero: a millionth of a newton (or newton metre)."""
 
 
 def _size(value: Any) -> Any:

@@ -124,7 +124,7 @@ def draw_design(name: str, arm: Arm, ranges: Ranges, rng: np.random.Generator) -
 
 
 def _speed(arm: Arm, plan: _Plan, fresh: Array, side: Array, rng: np.random.Generator) -> Array:
-    """How fast each joint goes through each row (n, m), rad/s or m/s; nought where no column tells it."""
+    """How fast each joint goes through each row (n, m), rad/s or m/s; zero where no column tells it."""
     if "speed" not in plan.columns:
         return np.zeros(side.shape)
     visit_of = np.cumsum(fresh).astype(int) - 1
