@@ -14,7 +14,7 @@ from typing import Any, cast
 
 from linkwright.core.catalogues.editor import Editor, Place
 from linkwright.core.catalogues.yaml_edit import YamlText
-from linkwright.core.sections import SHAPES, SectionError, StockSize
+from linkwright.core.sections import SHAPES, StockSize
 from linkwright.core.sections.stock.tables import FORMAT_VERSION, PRINTED, plain_name, read_text, shipped_sizes
 from linkwright.core.units.names import nearest
 from linkwright.core.units.quantities import InputError, read_quantity
@@ -103,10 +103,7 @@ class StockEditor(Editor[Row]):
 
     def check(self, text: str, path: Path | str) -> tuple[StockSize, ...]:
         """The sizes of a text that is to stand in a file, each recomputed."""
-        try:
-            return read_text(text, str(path))
-        except SectionError as error:
-            raise InputError("", "", error.message) from None
+        return read_text(text, str(path))
 
     def document(self, text: str | None, path: Path | str) -> YamlText:
         """A sound one, whose tables can be walked."""

@@ -289,10 +289,7 @@ def _inertia(mapping: Mapping) -> tuple[float, float, float, float, float, float
 def _section(mapping: Mapping) -> tuple[Section, str | None]:
     raw = mapping.raw("section")
     if isinstance(raw, str):
-        try:
-            size = load_stock().find(raw)
-        except SectionError as error:
-            raise mapping.error("section", error.message) from None
+        size = load_stock().find(raw, file=mapping.file, key=mapping.path_of("section"))
         return size.section, size.name
     if not isinstance(raw, dict):
         raise mapping.error("section", f"needs a shape, e.g. {{shape: circle, diameter: 100 mm}}, not {shown(raw)}")

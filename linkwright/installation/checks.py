@@ -136,18 +136,11 @@ def _solver() -> Check:
 def _catalogues() -> Iterator[Check]:
     from linkwright.core.arm.actuators.catalogue import load_actuators, user_actuators_path
     from linkwright.core.materials.catalogue import load_catalogue, user_catalogue_path
-    from linkwright.core.sections import SectionError
     from linkwright.core.sections.stock.tables import load_stock, user_stock_path
-
-    def stock() -> int:
-        try:
-            return len(load_stock().sizes)
-        except SectionError as error:
-            raise InputError("", "", error.message) from None
 
     own_materials, own_stock = user_catalogue_path(), user_stock_path()
     yield _catalogue("materials", lambda: len(load_catalogue().names), own_materials)
-    yield _catalogue("stock sizes", stock, own_stock)
+    yield _catalogue("stock sizes", lambda: len(load_stock()), own_stock)
     yield _catalogue("actuators", lambda: len(load_actuators()), user_actuators_path())
 
 

@@ -82,7 +82,7 @@ def _read(entry: object, file: object, path: str, shapes: Sequence[str]) -> list
                 raise InputError(file, path, f"needs {would_do}, not {shown(name)}")
             try:
                 sizes = _named(known, name)
-            except SectionError as error:
+            except InputError as error:
                 raise InputError(file, path, error.message) from None
             _refuse_askew(sizes[0].section, file, path)
             found += [Listed(size.section, size) for size in sizes]

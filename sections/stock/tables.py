@@ -138,18 +138,18 @@ class Stock:
         return tuple(dict.fromkeys(size.family for size in self.sizes))
 
     def of_family(self, family: str) -> tuple[StockSize, ...]:
-        """The sizes of a family, whatever its case and spaces; raises SectionError for one that there is not."""
+        """The sizes of a family, whatever its case and spaces; raises InputError for one that there is not."""
         wanted = plain_name(family)
         found = tuple(size for size in self.sizes if plain_name(size.family) == wanted)
         if not found:
-            raise SectionError("family", f"there is no family {family!r}; known: {', '.join(self.families)}")
+            raise InputError("", "family", f"there is no family {family!r}; known: {', '.join(self.families)}")
         return found
 
-    def find(self, name: str) -> StockSize:
-        """The size of this name, whatever its case and spaces; raises SectionError with the nearest name."""
+    def find(self, name: str, *, file: object = "", key: str = "section") -> StockSize:
+        """The size of this name, whatever its case and spaces; raises InputError for file and key with the nearest."""
         found = self._by_key.get(plain_name(name))
         if found is None:
-            raise SectionError("section", f"there is no stock size {name!r}{self._nearest(name)}")
+            raise InputError(file, key, f"there is no stock size {name!r}{self._nearest(name)}")
         return found
 
     def _nearest(self, name: str) -> str:
@@ -169,14 +169,14 @@ def plain_name(name: str) -> str:
 
 
 def section_from_name(name: str, stock: Stock | None = None) -> Section:
-    """The section of a stock size, such as `IPE 80`; raises SectionError with the nearest name."""
+    """The section of a stock size, such as `IPE 80`; raises InputError with the nearest name."""
     return (stock or load_stock()).find(name).section
 
 
 def load_stock(paths: Sequence[Path | str] = (), *, user: bool = True) -> Stock:
     """The shipped sizes, over them the user's own (where the file exists and ``user`` is true), over that ``paths``.
 
-    A file named by the environment variable or in ``paths`` must exist. Raises SectionError, one line.
+    A file named by the environment variable or in ``paths`` must exist. Raises InputError, one line.
     """
     layers = [shipped_sizes()]
     if user:
@@ -221,20 +221,16 @@ def shipped_sizes() -> tuple[StockSize, ...]:
 
 
 def read_file(path: Path | str) -> tuple[StockSize, ...]:
-    """The checked sizes of a file; raises SectionError, one line that names the file."""
-    try:
-        text = file_text(path)
-    except InputError as error:
-        raise SectionError("section", str(error)) from None
-    return read_text(text, str(path))
+    """The checked sizes of a file; raises InputError, one line that names the file."""
+    return read_text(file_text(path), str(path))
 
 
 def read_text(text: str, file: str) -> tuple[StockSize, ...]:
-    """The checked sizes that a file's text holds; raises SectionError, one line that names the file."""
+    """The checked sizes that a file's text holds; raises InputError, one line that names the file."""
     try:
         content: Any = parse_yaml(text, file=file)
     except InputError as error:
-        raise SectionError("section", f"{file}: is not YAML: {error.message}") from None
+        raise InputError(file, "", f"is not YAML: {error.message}") from None
     return _read_content(content, file)
 
 
@@ -255,8 +251,9 @@ def _read_content(content: Any, file: str) -> tuple[StockSize, ...]:
     return tuple(sizes)
 
 
-def _wrong(where: str, message: str) -> SectionError:
-    return SectionError("section", f"{where}: {message}")
+def _wrong(where: str, message: str) -> InputError:
+    """The error in a file or in one of its tables (`sections.yaml: tables[2]`)."""
+    return InputError(where, "", message)
 
 
 def _head(table: Any, where: str) -> tuple[str, str, str, list[str], list[Any]]:

@@ -14,8 +14,9 @@ from hypothesis import strategies as st
 
 from linkwright.core.catalogues.stock_csv import read_table, write_table
 from linkwright.core.catalogues.stock_editor import STOCK, row_of
-from linkwright.core.sections import SectionError, load_stock, section_from_name
+from linkwright.core.sections import load_stock, section_from_name
 from linkwright.core.sections.stock.tables import last_unit, plain_name, read_text, shipped_sizes
+from linkwright.core.units.quantities import InputError
 
 TABLE = """
 format_version: 1
@@ -104,7 +105,7 @@ def test_what_nobody_could_find_is_marked(given: str, found: str) -> None:
     ],
 )
 def test_a_wrong_mark_is_refused(given: str, words: str) -> None:
-    with pytest.raises(SectionError, match=words):
+    with pytest.raises(InputError, match=words):
         read_text(TABLE.replace("    columns", given + "    columns"), "own.yaml")
 
 
@@ -131,7 +132,7 @@ def test_names_are_read_whatever_their_case_and_spaces(given: str, found: str) -
     ("name", "hint"), [("IPE 85", "IPE 80"), ("CHS 60.3x3.3", "CHS 60.3x3"), ("nonsense", "IPE, RHS")]
 )
 def test_an_unknown_name_is_answered_with_the_nearest(name: str, hint: str) -> None:
-    with pytest.raises(SectionError, match=hint) as caught:
+    with pytest.raises(InputError, match=hint) as caught:
         section_from_name(name)
     assert "\n" not in str(caught.value)
 
@@ -159,7 +160,7 @@ def test_names_of_shipped_sizes_stay_apart() -> None:
 )
 def test_a_wrong_row_is_refused_with_one_line(wrong: tuple[str, str], words: str) -> None:
     assert len(read_text(TABLE, "own.yaml")) == 1
-    with pytest.raises(SectionError) as caught:
+    with pytest.raises(InputError) as caught:
         read_text(TABLE.replace(*wrong), "own.yaml")
     assert words in str(caught.value)
     assert "own.yaml" in str(caught.value)
@@ -175,7 +176,7 @@ def test_sizes_that_no_formula_stands_are_refused_with_one_line(flange: str) -> 
     row = f"      - [HEA 300, 290, 300, 8.5, {flange}, 27, 112.5]\n"
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        with pytest.raises(SectionError, match="HEA 300: area_cm2 is"):
+        with pytest.raises(InputError, match="HEA 300: area_cm2 is"):
             read_text(f"{head}    columns: {columns}\n    rows:\n{row}", "own.yaml")
 
 
@@ -191,7 +192,7 @@ def test_columns_that_slipped_by_a_row_are_noticed(name: str, content: dict) -> 
             pairs = zip(table["rows"], slipped, strict=True)
             rows = [[*row[:at], other, *row[at + 1 :]] for row, other in pairs]
             text = yaml.safe_dump({"format_version": 1, "tables": [{**table, "rows": rows}]})
-            with pytest.raises(SectionError, match=column):
+            with pytest.raises(InputError, match=column):
                 read_text(text, name)
 
 
@@ -218,7 +219,7 @@ def test_own_tables_lie_over_the_shipped_ones(tmp_path: Path, monkeypatch: pytes
     assert load_stock(user=False).find("IPE 80").shape == "i_section"
     assert len(load_stock()) == len(load_stock(user=False))
     monkeypatch.setenv("LINKWRIGHT_SECTIONS", str(tmp_path / "none.yaml"))
-    with pytest.raises(SectionError, match=r"none\.yaml"):
+    with pytest.raises(InputError, match=r"none\.yaml"):
         load_stock()
     assert load_stock([own], user=False).find("ipe80").file == str(own)
 

@@ -5,8 +5,7 @@ from __future__ import annotations
 from collections.abc import ValuesView
 from typing import TYPE_CHECKING
 
-from linkwright.core.sections import SectionError, Stock, StockSize, load_stock
-from linkwright.core.units.quantities import InputError
+from linkwright.core.sections import Stock, StockSize, load_stock
 
 from .kept import Catalogue
 
@@ -31,17 +30,11 @@ class Sections(Catalogue[StockSize]):
     @property
     def stock(self) -> Stock:
         """All of them, by families. Raises `InputError`."""
-        try:
-            return load_stock(self._files)
-        except SectionError as error:
-            raise InputError("", "", error.message) from None
+        return load_stock(self._files)
 
     def __getitem__(self, name: str) -> StockSize:
         """The size of a name; raises `InputError` with the nearest known one."""
-        try:
-            return self.stock.find(name)
-        except SectionError as error:
-            raise InputError("", "section", error.message) from None
+        return self.stock.find(name)
 
     def _names(self) -> list[str]:
         return [size.name for size in self.stock]
@@ -52,10 +45,7 @@ class Sections(Catalogue[StockSize]):
 
     def of_family(self, *families: str) -> tuple[StockSize, ...]:
         """The sizes of some families; raises `InputError` for one that there is not, with those that there are."""
-        try:
-            return tuple(size for each in families for size in self.stock.of_family(each))
-        except SectionError as error:
-            raise InputError("", "family", error.message) from None
+        return tuple(size for each in families for size in self.stock.of_family(each))
 
     @property
     def table(self) -> pd.DataFrame:
