@@ -12,12 +12,12 @@ PIP_INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-check
 PIP_COMPILE := $(BIN)/python -m piptools compile --quiet --generate-hashes --allow-unsafe --strip-extras \
 	--no-header --no-emit-index-url --no-emit-trusted-host --no-emit-find-links
 
-.PHONY: help demo pictures picture-reports test test-fast test-all lint benchmark results problems proof proof-sample proof-docs proof-multibody rules-docs fuzz docs notebooks lock clean
+.PHONY: help demo pictures picture-reports test test-fast test-all lint benchmark results problems proof proof-sample proof-docs proof-multibody rules-docs effects-docs fuzz docs notebooks lock clean
 .DELETE_ON_ERROR:
 
 help:
 	@echo "make demo       optimise the example welding arm; says where the report is"
-	@echo "make pictures   docs/pictures/tradeoff.svg and what was solved for it, by the command in docs/tradeoff.md (ten minutes)"
+	@echo "make pictures   docs/pictures/tradeoff.svg and what was solved for it, by the command in docs/how-to/tradeoff.md (ten minutes)"
 	@echo "make picture-reports  docs/pictures/diagnosis.png and welding-arm.png, with Chromium"
 	@echo "make test       the test suite but for what is marked slow"
 	@echo "make test-fast  the tests worth running every minute, some of every room"
@@ -31,9 +31,10 @@ help:
 	@echo "make proof-docs docs/proof.md from what make proof left (PROOF_DISCLOSED=... PROOF_SEALED=...: folders of cases)"
 	@echo "make proof-multibody  the diagnosis on arms of a multibody engine (PROOF_CASES=600 PROOF_HALF=development or proof; hours)"
 	@echo "make rules-docs docs/rules.md from the rules of the diagnosis"
+	@echo "make effects-docs docs/effects.md from the effects"
 	@echo "make fuzz       odd files of every kind, each read or refused in one line (FUZZ_INPUTS=100000 FUZZ_SEED=1; an hour)"
 	@echo "make docs       the site of the docs, commands and Python face, in build/handbook; fails on a broken link"
-	@echo "make notebooks  run examples/notebooks; make docs then shows what they print and draw"
+	@echo "make notebooks  run examples/notebooks and store what they print and draw, with Chromium"
 	@echo "make lock       pin the dependencies anew (LOCK_ARGS=--upgrade takes the newest)"
 	@echo "make clean      remove what these targets made, the virtual environment included"
 
@@ -174,17 +175,20 @@ proof-multibody: $(DEV)
 rules-docs: $(DEV)
 	$(BIN)/python -m benchmarks.rules docs/rules.md
 
+effects-docs: $(DEV)
+	$(BIN)/python -m handbook.effects
+
 # Each input within 10 s and 1 GiB; what is neither read nor refused is made as small as it can be, and shown.
 FUZZ_INPUTS ?= 100000
 FUZZ_SEED ?= 1
 fuzz: $(DEV)
 	$(ONE_THREAD) $(BIN)/python -m benchmarks.fuzz --inputs $(FUZZ_INPUTS) --seed $(FUZZ_SEED)
 
-# Plots as data, which the site draws.
+# Plots become pictures, by Chromium.
 notebooks: $(DEV)
 	@PLOTLY_RENDERER=plotly_mimetype $(ONE_THREAD) $(BIN)/python -m handbook.notebooks
 
-# Fetches nothing; a warning fails it (told to be quiet it would count none). The pages open from the disk; a search needs `python -m http.server -d build/handbook`.
+# Fetches nothing; a warning fails it (told to be quiet it would count none). The pages and their search work from the disk.
 docs: $(DEV)
 	@NO_MKDOCS_2_WARNING=1 $(ONE_THREAD) $(BIN)/python -m mkdocs build --strict
 	@echo "build/handbook/index.html"

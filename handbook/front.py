@@ -1,5 +1,5 @@
-"""The picture of a trade-off in docs/tradeoff.md, made by the command that the page shows, and the journal of what that
-command solved, kept beside it: with the journal the same command draws the picture again in seconds.
+"""The picture of a trade-off in docs/how-to/tradeoff.md, made by the command that the page shows, and the journal of
+what that command solved, kept beside it: with the journal the same command draws the picture again in seconds.
 
 `python -m handbook.front` makes both (ten minutes); one that was stopped is gone on with.
 """
@@ -16,7 +16,7 @@ from linkwright.core.optimize.tradeoff.journal import JOURNAL
 
 from .sources import ROOT
 
-PAGE = ROOT / "docs" / "tradeoff.md"
+PAGE = ROOT / "docs" / "how-to" / "tradeoff.md"
 PICTURE = ROOT / "docs" / "pictures" / "tradeoff.svg"
 SOLVED = PICTURE.with_name("tradeoff-journal.jsonl.gz")
 WORK = ROOT / "pictures-out"
@@ -26,7 +26,7 @@ DRAWN = PICTURE.name
 
 def shown() -> list[str]:
     """The words of the command under which the page shows the picture, without `linkwright`."""
-    told = PAGE.read_text(encoding="utf-8").partition("(pictures/tradeoff.svg)")[0]
+    told = PAGE.read_text(encoding="utf-8").partition("(../pictures/tradeoff.svg)")[0]
     return shlex.split(re.findall(r"^linkwright (tradeoff .+)$", told, re.MULTILINE)[-1])
 
 

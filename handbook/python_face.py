@@ -56,7 +56,7 @@ def python_pages() -> dict[str, str]:
     start = [
         "# The Python face",
         "",
-        "Written from the code. [From Python](../python.md) shows it at work; [results](results.md) are alike.",
+        "Written from the code. [From Python](../how-to/python.md) shows it at work; [results](results.md) are alike.",
         "",
     ]
     return {

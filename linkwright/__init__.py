@@ -3,8 +3,8 @@
 `import linkwright as lw` and ask: `lw.evaluate`, `lw.optimize`, `lw.diagnose`, ... Every name is loaded when it is
 first used, so the import alone costs nothing. Quantities are text with a unit (`"400 mm"`) or numbers in SI.
 
-What adds to it needs these names alone (docs/extending.md): `lw.Effect`, `lw.Figure`, `lw.Shape`, `lw.numeric`, ...
-The rest of the engine, `linkwright.core`, may change from one version to the next.
+What adds to it needs these names alone (docs/how-to/extending.md): `lw.Effect`, `lw.Figure`, `lw.Shape`,
+`lw.numeric`, ... The rest of the engine, `linkwright.core`, may change from one version to the next.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""What docs/extending.md shows is what works: every block of Python runs as it stands."""
+"""What docs/how-to/extending.md shows is what works: every block of Python runs as it stands."""
 
 import re
 import subprocess
@@ -9,7 +9,7 @@ import pytest
 from tests.test_house import ROOT
 
 BLOCK = re.compile(r"^```python\n(.*?)^```", re.MULTILINE | re.DOTALL)
-PAGE = (ROOT / "docs" / "extending.md").read_text(encoding="utf-8")
+PAGE = (ROOT / "docs" / "how-to" / "extending.md").read_text(encoding="utf-8")
 BLOCKS = BLOCK.findall(PAGE)
 
 

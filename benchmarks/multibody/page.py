@@ -12,28 +12,22 @@ from benchmarks.multibody.score import Score
 HEADING = "## A second generator: a multibody engine"
 WORDS = (
     """
-    What lies outside the library above came from six classes, and forms of the tool describe each of them.
-    `benchmarks/multibody` draws anew, on MuJoCo: links are chains of segments on springs (held against Bisshopp and
-    Drucker's elastica and against the first generator), so that arms bend by millimetres; 1 or 2 large causes stand
-    among 4 to 8 small ones, hard pairs alone, single causes from a tenth of the noise on; frames and tools are free,
-    trackers are remounted and wander, arms return badly, columns bear wrong names, recordings have 20 poses, arms up to
-    seven axes. It imports nothing that is judged, which a test reads.
+    Forms of the tool describe each unknown class of the library above. `benchmarks/multibody` draws anew, on MuJoCo:
+    links are chains of segments on springs, so that arms bend by millimetres; 1 or 2 large causes stand among 4 to 8
+    small ones; frames and tools are free, trackers are remounted and wander, arms return badly, columns bear wrong
+    names, recordings have 20 poses, arms up to seven axes. It imports nothing that is judged, which a test reads.
     """,
     """
-    Thirty-one unknown classes are split BY CLASS, by a recorded seed, into a development half and a proof half: what is
-    in the proof half is drawn there alone, and nothing in the tool may be made for it. The tool's rules are set by the
-    development half, which is therefore a guide and no proof. An unknown's size is what
-    geometry and any three usual causes leave of it.
+    Thirty-one unknown classes are split by class, by a recorded seed, into a development half and a proof half; nothing
+    in the tool may be made for what is in the proof half. The tool's rules are set by the development half, which is no
+    proof. An unknown's size is what geometry and any three usual causes leave of it.
     """,
     """
-    Again: `make proof-multibody PROOF_CASES=600 PROOF_SEED=... PROOF_HALF=development` (or `proof`, which is asked
-    once); `python -m benchmarks.multibody score CASES --answers ANSWERS --page docs/proof.md` writes this section. A
-    tracker set up anew half-way gives a case two recordings, which are asked together; `PROOF_REMOUNTS=0`
-    draws none, for a `diagnose` that takes one recording at a time. The oracle knows every cause at its true size and
-    fits frame and tool where they are free. Bias, F1 and false discovery rate are the figures that arXiv:2606.23215 is
-    quoted for; what they mean for a recording is defined here: relative errors of parameters rightly named; joints,
-    moments and covariates that are pointed at (a small cause's joint is no false one); names that are neither a cause's
-    nor declare it.
+    Again: `make proof-multibody PROOF_CASES=600 PROOF_SEED=... PROOF_HALF=development` (or `proof`, asked once);
+    `python -m benchmarks.multibody score CASES --answers ANSWERS --page docs/proof.md` writes this section. The oracle
+    knows every cause at its true size and fits frame and tool where they are free. Bias, F1 and false discovery rate
+    (as in arXiv:2606.23215) are here: relative errors of parameters rightly named; joints, moments and covariates that
+    are pointed at; names that are neither a cause's nor declare it.
     """,
 )
 
@@ -147,8 +141,7 @@ def _of_others(score: Score) -> str:
     )
     asked = sum(each.total for each in called)
     return (
-        f"One class of the proof half, `{DESCRIBED}`, is no proof any more: a form of the tool, a joint that is off by "
-        "where another stands, describes it, for that was asked for by itself. "
+        f"One class of the proof half, `{DESCRIBED}`, is no proof any more: a form of the tool describes it. "
         f"Of the other {len(called)} classes {sum(each.count for each in called)} of {asked} cases are called unknown "
         f"and {sum(each.count for each in named)} are given a name; the targets above count all."
     )

@@ -1,7 +1,8 @@
 """All measured figures in one run: python -m benchmarks.results [--quick] [--only SECTION ...] [--page FILE]
 
 Every figure is of this machine at this time, and CPU time where nothing else is said, so that other work on the machine
-says little; ratios are of sides run one after the other. With `--page` the page is written that docs/workshop.md links.
+says little; ratios are of sides run one after the other. `--page` writes the page
+that docs/how-to/workshop.md links.
 Exit status 1 where a target is missed, but with `--quick`, which measures too little to say so.
 """
 

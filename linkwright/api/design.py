@@ -252,7 +252,7 @@ def budget(
     Args:
         arm: The arm file. In Python also an `Arm`.
         sheet: Tolerances, repeatability, temperature, better parts, prices. In Python also its keys as a mapping
-            (docs/workshop.md).
+            (docs/how-to/workshop.md).
         problem: Take workspace and loads from this problem file. In Python also a `Problem`.
         progress: Hears of the steps; a bar by default, where somebody looks.
 

@@ -31,6 +31,6 @@ def test_script_runs(tmp_path):
 def test_page_on_python_holds(monkeypatch):
     """Its examples are run from the project's folder."""
     monkeypatch.chdir(ROOT)
-    done = doctest.testfile(str(ROOT / "docs" / "python.md"), module_relative=False)
+    done = doctest.testfile(str(ROOT / "docs" / "how-to" / "python.md"), module_relative=False)
     assert done.attempted > 10
     assert done.failed == 0

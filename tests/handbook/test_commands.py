@@ -132,7 +132,7 @@ def followed(page, folder, patch, capsys):
     return wrong
 
 
-@pytest.mark.parametrize("page", ["docs/materials.md", "docs/sections.md"])
+@pytest.mark.parametrize("page", ["docs/how-to/materials.md", "docs/how-to/sections.md"])
 def test_catalogue_pages_print_what_they_show(page, tmp_path, monkeypatch, capsys):
     """All their commands, one after the other, from an empty catalogue."""
     (tmp_path / "arm.yaml").write_text(ARM, encoding="utf-8")
@@ -143,7 +143,7 @@ def test_catalogue_pages_print_what_they_show(page, tmp_path, monkeypatch, capsy
 
 
 NOT_RUN = {
-    "docs/workshop.md: linkwright serve designs --open": "stays; run until it is told to end, below",
+    "docs/how-to/browser.md: linkwright serve designs --open": "stays; run until it is told to end, below",
     **dict.fromkeys(
         (
             "docs/real-machines.md: linkwright diagnose examples/real/motoman-ma2010/arm.yaml "
@@ -164,20 +164,22 @@ NOT_RUN = {
 """What a page shows and no test runs, and why. Shorten it."""
 FOLLOWED = {
     "README.md": "",
-    "docs/workshop.md": "",
-    "docs/diagnosis.md": "hidden-backlash",
-    "docs/recordings.md": "hidden-backlash",
+    "docs/how-to/workshop.md": "",
+    "docs/how-to/diagnosis.md": "hidden-backlash",
+    "docs/how-to/recordings.md": "hidden-backlash",
     "docs/start/tutorial.md": "bench-arm",
+    "docs/how-to/exchange.md": "",
+    "docs/how-to/design.md": "bench-arm",
     "examples/hobby-arm/README.md": "",
 }
 """Pages whose commands run one after the other, from the project's folder or that of an example."""
 ELSEWHERE = {
-    "docs/materials.md": "tests/handbook/test_commands.py",
-    "docs/sections.md": "tests/handbook/test_commands.py",
+    "docs/how-to/materials.md": "tests/handbook/test_commands.py",
+    "docs/how-to/sections.md": "tests/handbook/test_commands.py",
     "examples/hidden-backlash/README.md": "tests/linkwright/test_examples_diagnosis.py",
     "examples/left-out-slopes/README.md": "tests/linkwright/test_examples_diagnosis.py",
     "examples/cable-drag/README.md": "tests/test_distribution.py",
-    "docs/tradeoff.md": "tests/handbook/test_front.py",
+    "docs/how-to/tradeoff.md": "tests/handbook/test_front.py",
     "docs/paper.md": "tests/paper/test_commands.py",
 }
 """Pages whose commands other tests run."""
@@ -233,7 +235,7 @@ def test_pages_print_what_they_show(page, tmp_path, monkeypatch, capsys):
 
 def test_what_stays_is_run_until_it_is_told_to_end(tmp_path):
     """`serve ... --open` of the page, at a free port: the browser that is opened finds the pages there."""
-    typed = next(each for each in shown(ROOT / "docs" / "workshop.md") if each.words[0] == "serve")
+    typed = next(each for each in shown(ROOT / "docs" / "how-to" / "browser.md") if each.words[0] == "serve")
     assert str(typed) in NOT_RUN
     (tmp_path / "designs").mkdir()
     browser = tmp_path / "browser"

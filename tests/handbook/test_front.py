@@ -1,4 +1,4 @@
-"""The picture in docs/tradeoff.md is what its command draws now, and what was solved for it holds."""
+"""The picture in docs/how-to/tradeoff.md is what its command draws now, and what was solved for it holds."""
 
 import json
 
@@ -37,7 +37,7 @@ def test_the_picture_is_what_the_command_draws_now(again):
 def test_the_page_says_what_the_picture_shows(again):
     found = found_in(again)
     page = PAGE.read_text(encoding="utf-8")
-    assert "for seven shapes, with their envelope and its knee](pictures/tradeoff.svg)" in page
+    assert "for seven shapes, with their envelope and its knee](../pictures/tradeoff.svg)" in page
     assert len(found["fronts"]) == 7
     assert found["envelope"]["knee"] is not None
 

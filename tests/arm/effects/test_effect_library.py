@@ -13,6 +13,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from handbook.effects import PAGE, effect_page
 from linkwright.cli import run
 from linkwright.core.arm.chain.chain import EffectEntry
 from linkwright.core.arm.chain.kinematics import parts, symbols
@@ -26,7 +27,6 @@ from linkwright.core.units.units import kinds
 from tests.arm.builders import arm_of, rod_lines
 from tests.arm.effects.effect_states import Posed, moved, planar, spatial
 
-DOCS = Path(__file__).resolve().parents[3] / "docs" / "model.md"
 NOT_LINEAR = frozenset({"link_modulus"})
 POSED = (planar(1), planar(2, absolute=True), spatial(3), spatial(4, slide=False))
 SIZED = [(effect, size.name) for effect in EFFECTS.values() for size in effect.sizes]
@@ -85,7 +85,9 @@ def test_the_whole_table_is_there() -> None:
 
 
 def test_the_documentation_names_every_effect_and_parameter() -> None:
-    lines = {line.split("`")[1]: line for line in DOCS.read_text(encoding="utf-8").splitlines() if line[:3] == "| `"}
+    page = PAGE.read_text(encoding="utf-8")
+    assert page == effect_page(), "make effects-docs"
+    lines = {line.split("`")[1]: line for line in page.splitlines() if line[:3] == "| `"}
     assert set(EFFECTS) <= set(lines)
     for effect in EFFECTS.values():
         for name in ends_of_series([each.name for each in effect.parameters]):

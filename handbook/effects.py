@@ -1,0 +1,70 @@
+"""The reference of effects, docs/effects.md, from the effects themselves: `python -m handbook.effects` writes it."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+
+import linkwright as lw
+from linkwright.core.arm.effects import Effect, Parameter
+from linkwright.core.units.quantities import format_quantity
+
+from .sources import DOCS, ROOT
+
+PAGE = ROOT / DOCS / "effects.md"
+START = """# Effects
+
+Written from the program itself (`make effects-docs`); `linkwright effects show ID` adds bounds and sources. An arm file
+names an effect under `effects`, with its parameters and `at` (numbers of joints or links from 1; none: all):
+`{effect: backlash, at: 2, total: 3 arcmin}`. Effects marked *in the model* are there wherever the arm file has their
+data; an entry adds to them, and `leave_out: [torsion]` takes one out. A parameter in round brackets changes the pattern
+of the displacement and not its size.
+
+With u_i along link i, n_i along its section's height, o_i joint i, p the tip, J_i = axis_i x (p - o_i) (along a slide:
+its axis), tau_i the load on drive i, F, M, w a link's end force, end moment and weight per length, s_i the side that
+the joint came from, dT_i the warming above 20 degC.
+"""
+
+
+def effect_page() -> str:
+    """The page, Markdown: a part for each cause, its effects with their formulas and parameters."""
+    lines = [START]
+    for cause in dict.fromkeys(effect.cause for effect in lw.effects.values()):
+        lines += [f"## {cause.capitalize()}", "", "| effect | moves the tip by | parameters |", "|---|---|---|"]
+        lines += [_row(effect) for effect in lw.effects.values() if effect.cause == cause]
+        lines.append("")
+    return "\n".join(lines)
+
+
+def _row(effect: Effect) -> str:
+    where = f"{effect.only or effect.place}{', in the model' if effect.automatic else ''}"
+    text = [
+        f"`{effect.id}`<br>{effect.title} ({where}). Seen by: {effect.needs}",
+        effect.formula,
+        "<br>".join(_parameters(effect)),
+    ]
+    return f"| {' | '.join(_cell(each) for each in text)} |"
+
+
+def _cell(text: str) -> str:
+    """Text for a cell of a table; stars are those of products."""
+    return re.sub(r"([|*])", r"\\\1", " ".join(text.split()))
+
+
+def _parameters(effect: Effect) -> Iterator[str]:
+    """Each with its meaning and usual size; of those that are numbered up only the first and the last."""
+    series: dict[str, list[Parameter]] = {}
+    for each in effect.parameters:
+        series.setdefault(re.sub(r"_[0-9]+$", "", each.name), []).append(each)
+    for numbered in series.values():
+        if len(numbered) > 8:
+            yield f"`{numbered[0].name}` to `{numbered[-1].name}`: {numbered[0].meaning}, and so on"
+            continue
+        for each in numbered:
+            name = f"(`{each.name}`)" if each.role == "shape" else f"`{each.name}`"
+            low, high = (format_quantity(value, each.kind, None, 3) for value in each.typical)
+            yield f"{name}: {each.meaning}; usually {low} to {high}"
+
+
+if __name__ == "__main__":
+    PAGE.write_text(effect_page(), encoding="utf-8")
