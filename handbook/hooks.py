@@ -9,7 +9,6 @@ from mkdocs.config.config_options import ExtraScriptValue
 from mkdocs.config.defaults import MkDocsConfig
 from mkdocs.structure.files import File, Files
 from mkdocs.structure.pages import Page
-from plotly.offline import get_plotlyjs
 
 from handbook.commands import command_pages
 from handbook.examples import example_pages
@@ -50,17 +49,11 @@ def on_files(files: Files, config: MkDocsConfig) -> Files:
     own = Path(__file__).parent
     files.append(File.generated(config, "assets/own.css", abs_src_path=str(own / "style.css")))
     files.append(File.generated(config, WORKER, abs_src_path=str(own / "iframe-worker.js")))
-    files.append(File.generated(config, "assets/plots.js", abs_src_path=str(own / "plots.js")))
-    files.append(File.generated(config, "assets/plotly.js", content=get_plotlyjs()))
     return files
 
 
 def on_page_markdown(markdown: str, page: Page, config: MkDocsConfig, files: Files) -> str:  # noqa: ARG001
-    """Turn the links of a page of docs/; load what draws where something is to be drawn."""
-    if '<div class="plot">' in markdown:
-        up = "../" * page.file.src_uri.count("/")
-        scripts = "".join(f'<script src="{up}assets/{name}.js"></script>' for name in ("plotly", "plots"))
-        return f"{markdown}\n\n{scripts}\n"
+    """Turn the links of a page of docs/."""
     sources = sources_here()
     source = f"{DOCS}/{page.file.src_uri}"
     return relinked(markdown, source, page.file.src_uri, sources.place) if source in sources.pages else markdown

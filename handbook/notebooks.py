@@ -1,73 +1,87 @@
-"""The worked notebooks: run from top to bottom, and as pages of the site.
+"""The worked notebooks: run from top to bottom, stored with what they print and draw, and as pages of the site.
 
-They are stored without outputs. `python -m handbook.notebooks` runs them all and leaves them with their outputs where
-the site looks for them.
+`python -m handbook.notebooks` runs all, or those that it names, and writes their outputs into them; plots become
+pictures, with Chromium by Playwright.
 """
 
 from __future__ import annotations
 
-import json
+import base64
+import io
 import re
+import sys
 from pathlib import Path
 from typing import Any
 
 import nbformat
 from nbclient import NotebookClient
+from PIL import Image
+from playwright.sync_api import sync_playwright
+from plotly.offline import get_plotlyjs
 
+from .pictures import CHROMIUM
 from .sources import NOTEBOOKS, ROOT
 
-MADE = ROOT / "build" / "notebooks"
-MOST_SECONDS = 600
+MOST_SECONDS = 900
+WIDTH, HEIGHT = 900, 480
+DRAW = "([data, layout]) => Plotly.newPlot('plot', data, layout, {staticPlot: true})"
 _PLOT = "application/vnd.plotly.v1+json"
 _TAGS = re.compile(r"<[^>]*>")
 _STYLE = re.compile(r"<style.*?</style>", re.DOTALL)
 
 
-def executed(path: Path) -> Any:
-    """The notebook with its outputs, run in its own folder by a fresh kernel.
+def executed(path: Path, *further: str) -> Any:
+    """The notebook with its outputs, run in its own folder by a fresh kernel; `further` cells follow its own.
 
     Raises `nbclient.exceptions.CellExecutionError` with the cell that failed.
     """
     notebook = nbformat.read(path, as_version=4)
+    notebook.cells += [nbformat.v4.new_code_cell(source) for source in further]
     place = {"metadata": {"path": str(path.parent)}}
     NotebookClient(notebook, timeout=MOST_SECONDS, kernel_name="python3", resources=place).execute()
     return notebook
 
 
+def shown(outputs: list[Any]) -> list[Any]:
+    """What of a cell's outputs is for readers: neither bars of progress nor complaints."""
+    return [each for each in outputs if each.get("name") != "stderr" and _says(each.get("data", {"text/plain": "-"}))]
+
+
+def _says(data: dict[str, Any]) -> bool:
+    """Whether an output holds a plot, a picture or words; bars of progress end as neither."""
+    if "application/vnd.jupyter.widget-view+json" in data:
+        return False
+    words = "".join(_TAGS.sub("", _STYLE.sub("", data.get(kind, ""))) for kind in ("text/plain", "text/html"))
+    return bool(words.strip()) or any(kind in data for kind in (_PLOT, "image/png"))
+
+
 def notebook_pages(notebooks: dict[str, str]) -> dict[str, str]:
-    """Their pages, by their places on the site, with outputs where the same cells were run."""
-    pages: dict[str, str] = {}
-    for source, page in notebooks.items():
-        stored = nbformat.read(ROOT / source, as_version=4)
-        made = MADE / Path(source).name
-        ran = nbformat.read(made, as_version=4) if made.is_file() else stored
-        same = [cell.source for cell in ran.cells] == [cell.source for cell in stored.cells]
-        pages[page] = as_markdown(ran if same else stored, Path(source).name)
-    return pages
+    """Their pages, by their places on the site."""
+    return {
+        page: as_markdown(nbformat.read(ROOT / source, as_version=4), Path(source).name)
+        for source, page in notebooks.items()
+    }
 
 
 def as_markdown(notebook: Any, name: str) -> str:
-    """A notebook as Markdown; plots are data for `plots.js`."""
+    """A notebook as Markdown."""
     parts: list[str] = []
     for cell in notebook.cells:
         if cell.cell_type == "markdown":
             parts.append(cell.source)
         else:
             parts.append(f"```python\n{cell.source}\n```")
-            parts += [text for output in cell.get("outputs", ()) if (text := _output(output))]
+            parts += [text for output in shown(cell.outputs) if (text := _output(output))]
     return "\n\n".join([*parts, f"[To download]({name})", ""])
 
 
 def _output(output: Any) -> str:
-    """What a cell showed: a plot, a table, or text. Bars of progress are left out."""
+    """What a cell showed: a picture, a table, or text."""
     if output.output_type == "stream":
-        return f"```\n{output.text.rstrip()}\n```" if output.name == "stdout" else ""
+        return f"```\n{output.text.rstrip()}\n```"
     data = output.get("data", {})
-    if "application/vnd.jupyter.widget-view+json" in data:
-        return ""
-    if _PLOT in data:
-        text = json.dumps({key: data[_PLOT][key] for key in ("data", "layout")}).replace("</", "<\\/")
-        return f'<div class="plot"><script type="application/json">{text}</script></div>'
+    if "image/png" in data:
+        return f'<img alt="What the cell draws" src="data:image/png;base64,{data["image/png"]}">'
     if _TAGS.sub("", data.get("text/html", "")).strip():
         lines = _STYLE.sub("", data["text/html"]).splitlines()
         return "\n".join(['<div class="output">', *(line for line in lines if line.strip()), "</div>"])
@@ -75,12 +89,44 @@ def _output(output: Any) -> str:
     return f"```\n{text}\n```" if text else ""
 
 
+def with_pictures(notebook: Any) -> Any:
+    """The notebook with a picture in the place of each plot."""
+    own = next((path for path in CHROMIUM if Path(path).exists()), None)
+    with sync_playwright() as play:
+        browser = play.chromium.launch(executable_path=own, args=["--no-sandbox"])
+        page = browser.new_page(viewport={"width": WIDTH, "height": HEIGHT})
+        page.set_content("<body style='margin:0'><div id='plot'></div></body>")
+        page.add_script_tag(content=get_plotlyjs())
+        for cell in notebook.cells:
+            if cell.cell_type == "code":
+                cell.outputs = shown(cell.outputs)
+            for output in cell.get("outputs", ()):
+                plot = output.get("data", {}).pop(_PLOT, None)
+                if plot:
+                    layout = {**plot["layout"], "width": WIDTH, "height": HEIGHT}
+                    page.evaluate(DRAW, [plot["data"], layout])
+                    output.data = {"image/png": _small(page.locator("#plot").screenshot()), "text/plain": "<Figure>"}
+        browser.close()
+    return notebook
+
+
+def _small(png: bytes) -> str:
+    """The picture in few colours, as notebooks hold it."""
+    small = io.BytesIO()
+    with Image.open(io.BytesIO(png)) as image:
+        image.convert("P", palette=Image.Palette.ADAPTIVE, colors=64).save(small, "PNG", optimize=True)
+    return base64.b64encode(small.getvalue()).decode()
+
+
 def main() -> None:
-    """Run all of them, one after the other, and keep them with their outputs."""
-    MADE.mkdir(parents=True, exist_ok=True)
+    """Each notebook that the command line names; all where it names none."""
     for path in sorted((ROOT / NOTEBOOKS).glob("*.ipynb")):
-        nbformat.write(executed(path), MADE / path.name)
-        print(MADE / path.name)
+        if not sys.argv[1:] or path.stem in sys.argv[1:]:
+            made = with_pictures(executed(path))
+            for cell in made.cells:
+                cell.metadata = {}
+            nbformat.write(made, path)
+            print(path)
 
 
 if __name__ == "__main__":
