@@ -22,9 +22,9 @@ from linkwright.core.units.reading import nearest
 
 from .elements import Element, elements_in
 from .exported import GEOMETRY, found_geometry, standing
+from .file_frames import FileFrame, FileFrames, mjcf_frames, transform, urdf_frames
 from .formats import Exported
 from .imported import import_urdf
-from .stands import Stand, Standing, mjcf_standing, transform, urdf_standing
 from .urdf import NO_STEP, onward
 
 _SAME = 1e-6
@@ -74,16 +74,16 @@ def into_file(arm: Arm, path: Path | str) -> Exported:
     if arm.branches:
         raise InputError("", "branches", "end in several tips; export the arm file of each by itself")
     names = _names(arm, top, form)
-    there = urdf_standing(file, names) if form == "urdf" else mjcf_standing(top, names)
+    there = urdf_frames(file, names) if form == "urdf" else mjcf_frames(top, names)
     if [each.name for each in there.joints] != list(names):
         raise InputError(file, "", f"has these joints in another order, or not on one way: {', '.join(names)}")
     before, after = _frames(arm), _frames(found_geometry(arm))
     to_arm = _base_of(arm, there, before, file)
     editor = _Editor(content, form)
-    for index, stand in enumerate(there.joints):
-        editor.move(stand, to_arm @ _correction(before, after, index) @ np.linalg.inv(to_arm))
+    for index, file_frame in enumerate(there.joints):
+        editor.move(file_frame, to_arm @ _correction(before, after, index) @ np.linalg.inv(to_arm))
         step = before.joints[0] if index == 0 else np.linalg.inv(before.joints[index - 1]) @ before.joints[index]
-        to_arm = np.linalg.inv(stand.whole) @ to_arm @ step
+        to_arm = np.linalg.inv(file_frame.whole) @ to_arm @ step
     lost = list(_tip(there, before, after, to_arm, editor))
     lost += [
         f"{EFFECTS[entry.effect].title} (effect {entry.effect})"
@@ -133,13 +133,14 @@ def _frames(arm: Arm) -> _Frames:
 
 def _correction(before: _Frames, after: _Frames, index: int) -> Array:
     """How a joint's frame moves against the one before it, in that one's axes."""
-    own = [each.joints[index] for each in (before, after)]
-    if index:
-        own = [np.linalg.inv(each.joints[index - 1]) @ frame for each, frame in zip((before, after), own, strict=True)]
-    return own[1] @ np.linalg.inv(own[0])
+    first, second = (
+        np.linalg.inv(each.joints[index - 1]) @ each.joints[index] if index else each.joints[0]
+        for each in (before, after)
+    )
+    return second @ np.linalg.inv(first)
 
 
-def _base_of(arm: Arm, there: Standing, before: _Frames, file: Path) -> Array:
+def _base_of(arm: Arm, there: FileFrames, before: _Frames, file: Path) -> Array:
     """The frame of the file in which the arm stands: that one in which all joints stand as in the arm file."""
     off = [_off(arm, there, before, base) for base in there.bases[::-1]]
     nearest_base = min(range(len(off)), key=lambda k: max(off[k]))
@@ -151,19 +152,19 @@ def _base_of(arm: Arm, there: Standing, before: _Frames, file: Path) -> Array:
     raise InputError(file, "", message)
 
 
-def _off(arm: Arm, there: Standing, before: _Frames, base: Array) -> list[float]:
+def _off(arm: Arm, there: FileFrames, before: _Frames, base: Array) -> list[float]:
     """How far each joint's axis lies from the arm's (m or rad)."""
     where, found = np.eye(4), list[float]()
-    for joint, stand, own in zip(arm.joints, there.joints, before.joints, strict=True):
-        assert stand.axis is not None
-        assert stand.point is not None
-        where, here = where @ stand.whole, base @ own
+    for joint, file_frame, local in zip(arm.joints, there.joints, before.joints, strict=True):
+        assert file_frame.axis is not None
+        assert file_frame.point is not None
+        where, here = where @ file_frame.whole, base @ local
         axis = here[:3, :3] @ np.array(joint.axis)
-        aside = where[:3, :3] @ stand.point + where[:3, 3] - here[:3, 3]
+        aside = where[:3, :3] @ file_frame.point + where[:3, 3] - here[:3, 3]
         aside = aside - axis * (axis @ aside)
-        turned = float(np.linalg.norm(where[:3, :3] @ stand.axis - axis))
-        other = stand.slides == joint.revolute
-        found.append(math.inf if other else max(turned, 0.0 if stand.slides else float(np.linalg.norm(aside))))
+        turned = float(np.linalg.norm(where[:3, :3] @ file_frame.axis - axis))
+        other = file_frame.slides == joint.revolute
+        found.append(math.inf if other else max(turned, 0.0 if file_frame.slides else float(np.linalg.norm(aside))))
     return found
 
 
@@ -176,30 +177,30 @@ class _Editor:
         self.edits: list[_Edit] = []
         self.carried: list[str] = []
 
-    def move(self, stand: Stand, correction: Array) -> None:
+    def move(self, file_frame: FileFrame, correction: Array) -> None:
         """Put a frame where it stands by a correction in the axes of the frame that the joint before moves."""
-        own = np.linalg.inv(stand.before) @ correction @ stand.before @ stand.own
-        shifted = np.abs(own[:3, 3] - stand.own[:3, 3]).max() > _CHANGED
-        turned = np.abs(own[:3, :3] - stand.own[:3, :3]).max() > _CHANGED
+        local = np.linalg.inv(file_frame.before) @ correction @ file_frame.before @ file_frame.local
+        shifted = np.abs(local[:3, 3] - file_frame.local[:3, 3]).max() > _CHANGED
+        turned = np.abs(local[:3, :3] - file_frame.local[:3, :3]).max() > _CHANGED
         if self.form == "mjcf":
             if shifted:
-                self._numbers(stand.name, stand.element, "pos", own[:3, 3], stand.own[:3, 3])
+                self._numbers(file_frame.name, file_frame.element, "pos", local[:3, 3], file_frame.local[:3, 3])
             if turned:
-                self._orientation(stand, own[:3, :3])
+                self._orientation(file_frame, local[:3, :3])
             return
-        origin = stand.element.one("origin")
-        angles = [np.array(to_roll_pitch_yaw(_rotation(each))) for each in (own, stand.own)]
+        origin = file_frame.element.one("origin")
+        angles = [np.array(to_roll_pitch_yaw(_rotation(each))) for each in (local, file_frame.local)]
         if origin is None and (shifted or turned):
-            made = f'<origin xyz="{_text(own[:3, 3])}" rpy="{_text(angles[0])}"/>'
-            at = self._tag(stand.element).end()
+            made = f'<origin xyz="{_text(local[:3, 3])}" rpy="{_text(angles[0])}"/>'
+            at = self._tag(file_frame.element).end()
             self.edits.append(_Edit(at, at, made.encode()))
-            self.carried.append(f"{stand.element.tag} {stand.name}: {made}")
+            self.carried.append(f"{file_frame.element.tag} {file_frame.name}: {made}")
             return
         if origin is not None and shifted:
-            self._numbers(stand.name, origin, "xyz", own[:3, 3], stand.own[:3, 3])
+            self._numbers(file_frame.name, origin, "xyz", local[:3, 3], file_frame.local[:3, 3])
         if origin is not None and turned:
             written = np.array(origin.triple("rpy", (0.0, 0.0, 0.0)))
-            self._numbers(stand.name, origin, "rpy", _alike(angles[0], written), written)
+            self._numbers(file_frame.name, origin, "rpy", _alike(angles[0], written), written)
 
     def number(self, name: str, element: Element, attribute: str, value: float) -> None:
         """Write one number."""
@@ -236,18 +237,18 @@ class _Editor:
         self.edits.append(_Edit(*span, "".join(words).encode()))
         self.carried.append(f"{name}: {attribute} {old.strip()} is now {''.join(words).strip()}")
 
-    def _orientation(self, stand: Stand, rotation: Array) -> None:
+    def _orientation(self, file_frame: FileFrame, rotation: Array) -> None:
         """Write an MJCF orientation as a quaternion, whatever it was written as."""
         quaternion = _quaternion(rotation)
         for attribute in ("quat", "euler", "axisangle", "xyaxes", "zaxis"):
-            span = self._span(stand.element, attribute, whole=True)
+            span = self._span(file_frame.element, attribute, whole=True)
             if span is not None:
                 old = self.content[span[0] : span[1]].decode("utf-8")
                 made = f'quat="{_text(quaternion)}"'
                 self.edits.append(_Edit(*span, made.encode()))
-                self.carried.append(f"{stand.name}: {old} is now {made}")
+                self.carried.append(f"{file_frame.name}: {old} is now {made}")
                 return
-        self._numbers(stand.name, stand.element, "quat", quaternion, quaternion)
+        self._numbers(file_frame.name, file_frame.element, "quat", quaternion, quaternion)
 
     def _span(self, element: Element, attribute: str, *, whole: bool = False) -> tuple[int, int] | None:
         """Where an attribute's value stands in the file; with `whole` its name too. None where it is not there."""
@@ -259,7 +260,7 @@ class _Editor:
         return None
 
 
-def _tip(there: Standing, before: _Frames, after: _Frames, to_arm: Array, editor: _Editor) -> tuple[str, ...]:
+def _tip(there: FileFrames, before: _Frames, after: _Frames, to_arm: Array, editor: _Editor) -> tuple[str, ...]:
     """Move the frame at the arm's tip, where the last link's length or the tool changed; what could not be is told.
     `to_arm` leads from the last moving frame of the file to the arm's."""
     correction = to_arm @ after.tool @ np.linalg.inv(before.tool) @ np.linalg.inv(to_arm)

@@ -9,7 +9,7 @@ tells turns from shifts, and a level on the base or a link what turns that again
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -62,23 +62,15 @@ def seen(state: PoseState, effect: Effect, settings: Settings, asked: Asked) -> 
     twists = [*effect.twists(state, settings), *effect.seated(state, settings)]
     if effect.before_encoder and asked.command:
         # The encoder reads this motion, so a tip computed from its readings lacks nothing.
-        nothing = np.zeros((asked.rows, 3))
-        return Channels(
-            nothing,
-            _none(asked, asked.joint_side, len(state.joints)),
-            _base((), asked),
-            _drives(state, twists, asked),
-            _none(asked, asked.turn, 3),
-            _none(asked, asked.levels is not None, 3),
-        )
-    return Channels(
-        columns(carried_to_tip(state, twists), asked.rows),
-        _drives(state, twists, asked) if asked.joint_side else None,
-        _base(twists, asked),
-        _none(asked, asked.command, len(state.joints)),
-        columns(rotation_at_tip(state, twists), asked.rows) if asked.turn else None,
-        None if asked.levels is None else _levels(state, effect, settings, twists, asked.levels),
-    )
+        return replace(seen_of_links(state, (), asked), command=_drives(state, twists, asked))
+    found, level = seen_of_links(state, twists, asked), None
+    if found.level is not None and asked.levels is not None:
+        # What an instrument of the tip is off by turns no level; a base that does not stand plumb turns everything.
+        of_tip = effect.of_instrument and effect.place in ("base", "tip")
+        plumb = columns(effect.against_plumb(settings), asked.rows)
+        level = found.level * (not of_tip) + np.where((asked.levels >= 0)[:, None], plumb, 0.0)
+    joint_side = _drives(state, twists, asked) if asked.joint_side else None
+    return replace(found, joint_side=joint_side, base=_base(twists, asked), level=level)
 
 
 def seen_of_links(state: PoseState, twists: Sequence[Twist], asked: Asked) -> Channels:
@@ -92,16 +84,6 @@ def seen_of_links(state: PoseState, twists: Sequence[Twist], asked: Asked) -> Ch
         columns(rotation_at_tip(state, twists), asked.rows) if asked.turn else None,
         None if asked.levels is None else turned_levels(state, twists, asked.levels),
     )
-
-
-def _levels(
-    state: PoseState, effect: Effect, settings: Settings, twists: Sequence[Twist], levels: NDArray[np.int64]
-) -> Array:
-    """How one effect turns what levels stand on (N, 3), rad, about the base's axes. What an instrument of the tip is
-    off by turns nothing; a base that does not stand plumb turns everything."""
-    of_tip = effect.of_instrument and effect.place in ("base", "tip")
-    found = np.zeros((len(levels), 3)) if of_tip else turned_levels(state, twists, levels)
-    return found + np.where((levels >= 0)[:, None], columns(effect.against_plumb(settings), len(levels)), 0.0)
 
 
 def turned_levels(state: PoseState, twists: Sequence[Twist], levels: NDArray[np.int64]) -> Array:

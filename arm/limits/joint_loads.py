@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import cast
 
 from linkwright.core.arm.chain.chain import Arm, LoadCase
 from linkwright.core.arm.chain.statics import solve
-from linkwright.core.arm.chain.vectors import Vector
+from linkwright.core.arm.chain.vectors import Vector, cross, dot, norm
 from linkwright.core.arm.errors.model import beams_of
 
 
@@ -27,17 +26,17 @@ class JointLoad:
     @property
     def along(self) -> float:
         """The force along the axis, N."""
-        return _dot(self.axis, self.force)
+        return float(cast(float, dot(self.axis, self.force)))
 
     @property
     def radial(self) -> float:
         """The size of the force across the axis, N."""
-        return _across(self.axis, self.force)
+        return norm(_triple(cross(self.axis, self.force)))
 
     @property
     def tilting(self) -> float:
         """The size of the moment across the axis, which bearings hold, N*m."""
-        return _across(self.axis, self.moment)
+        return norm(_triple(cross(self.axis, self.moment)))
 
 
 def joint_loads(arm: Arm, case: LoadCase, q: Sequence[float]) -> tuple[JointLoad, ...]:
@@ -59,12 +58,3 @@ def joint_loads(arm: Arm, case: LoadCase, q: Sequence[float]) -> tuple[JointLoad
 def _triple(vector: Vector) -> tuple[float, float, float]:
     x, y, z = (float(cast(float, part)) for part in vector)
     return x, y, z
-
-
-def _dot(one: Sequence[float], other: Sequence[float]) -> float:
-    return sum(x * y for x, y in zip(one, other, strict=True))
-
-
-def _across(axis: Sequence[float], vector: Sequence[float]) -> float:
-    along = _dot(axis, vector)
-    return math.hypot(*(x - along * a for x, a in zip(vector, axis, strict=True)))

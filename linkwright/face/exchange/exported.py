@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from linkwright.core.arm.descriptions.formats import Exported as Found
 from linkwright.core.arm.descriptions.formats import export_arm as exported
-from linkwright.core.arm.descriptions.read_back import unlike
+from linkwright.core.arm.descriptions.urdf_check import unlike
 from linkwright.core.units.quantities import InputError, shown
 from linkwright.drawings.parts import listed, parts
 from linkwright.face.arm import Arm

@@ -1,4 +1,4 @@
-"""Where the joints of a URDF or MJCF file stand, and which elements of its text say so."""
+"""The frames of the joints in a URDF or MJCF file, and the elements of its text that state them."""
 
 from __future__ import annotations
 
@@ -22,8 +22,8 @@ _AXES = MappingProxyType({"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0,
 
 
 @dataclass(frozen=True)
-class Stand:
-    """A frame that a file gives: the `element` that says it, its `own` transform (4, 4), that `before` it (from the
+class FileFrame:
+    """A frame that a file gives: the `element` that says it, its `local` transform (4, 4), that `before` it (from the
     frame that the joint before moves, or the root) and that `after` it, to the frame that its joint moves at 0.
 
     `axis` and `point` (m) are the joint's, in the frame that it moves; a tip has none.
@@ -32,7 +32,7 @@ class Stand:
     name: str
     element: Element
     before: Array
-    own: Array
+    local: Array
     after: Array
     slides: bool = False
     axis: Array | None = None
@@ -41,17 +41,17 @@ class Stand:
     @property
     def whole(self) -> Array:
         """From the frame that the joint before moves to the one that this joint moves, at 0."""
-        return self.before @ self.own @ self.after
+        return self.before @ self.local @ self.after
 
 
 @dataclass(frozen=True)
-class Standing:
+class FileFrames:
     """The `joints` of one way through a file in their order, the frames of all links before the first one (`bases`, in
     the root), and the frames after the last one that may be the tip's."""
 
-    joints: tuple[Stand, ...]
+    joints: tuple[FileFrame, ...]
     bases: tuple[Array, ...]
-    tips: tuple[Stand, ...]
+    tips: tuple[FileFrame, ...]
 
 
 def transform(rotation: Array | Sequence[Sequence[float]], translation: Sequence[float] | Array) -> Array:
@@ -61,34 +61,34 @@ def transform(rotation: Array | Sequence[Sequence[float]], translation: Sequence
     return matrix
 
 
-def urdf_standing(file: Path, names: Sequence[str]) -> Standing:
+def urdf_frames(file: Path, names: Sequence[str]) -> FileFrames:
     """Where the joints of these names, from the base out, stand in a URDF. Raises `InputError`."""
     robot = read_urdf(file)
     last = robot.joints[names[-1]]
     bases, before = [np.eye(4)], np.eye(4)
-    found: list[Stand] = []
+    found: list[FileFrame] = []
     for joint in way_to(robot, robot.root, last.child):
-        own = transform(*joint.origin)
+        local = transform(*joint.origin)
         if joint.name in names:
             slides = joint.kind == "prismatic"
             axis = np.array(joint.axis)
-            found.append(Stand(joint.name, joint.element, before, own, np.eye(4), slides, axis, np.zeros(3)))
+            found.append(FileFrame(joint.name, joint.element, before, local, np.eye(4), slides, axis, np.zeros(3)))
             before = np.eye(4)
             continue
-        before = before @ own
+        before = before @ local
         if not found:
             bases.append(before)
-    tips: list[Stand] = []
+    tips: list[FileFrame] = []
     pending = [(last.child, np.eye(4))]
     while pending:
         link, here = pending.pop()
         for joint in robot.below[link]:
             if joint.kind == "fixed":
-                tips.append(Stand(joint.child, joint.element, here, transform(*joint.origin), np.eye(4)))
+                tips.append(FileFrame(joint.child, joint.element, here, transform(*joint.origin), np.eye(4)))
                 pending.append((joint.child, here @ transform(*joint.origin)))
     # A frame that others stand on moves with the first that does.
     first = {id(tip.element): tip for tip in tips}
-    return Standing(tuple(found), tuple(bases), tuple(first.values()))
+    return FileFrames(tuple(found), tuple(bases), tuple(first.values()))
 
 
 class Mjcf:
@@ -107,18 +107,18 @@ class Mjcf:
         self.top = top
 
     def _read_defaults(self, element: Element, above: Mapping[str, dict[str, str]], name: str) -> None:
-        own = {tag: dict(values) for tag, values in above.items()}
+        local = {tag: dict(values) for tag, values in above.items()}
         for child in element.children:
             if child.tag != "default":
-                own[child.tag] = {**own.get(child.tag, {}), **child.attributes}
-        self.defaults[element.attributes.get("class", name)] = own
+                local[child.tag] = {**local.get(child.tag, {}), **child.attributes}
+        self.defaults[element.attributes.get("class", name)] = local
         for child in element.all("default"):
-            self._read_defaults(child, own, name)
+            self._read_defaults(child, local, name)
 
     def attributes(self, element: Element, inherited: str) -> dict[str, str]:
         """An element's attributes over those of its class."""
-        own = element.attributes.get("class", inherited)
-        return {**self.defaults.get(own, {}).get(element.tag, {}), **element.attributes}
+        local = element.attributes.get("class", inherited)
+        return {**self.defaults.get(local, {}).get(element.tag, {}), **element.attributes}
 
     def frame(self, element: Element) -> Array:
         """Where a body or site stands in the body that it is in."""
@@ -152,19 +152,19 @@ class Mjcf:
         return np.eye(3)
 
 
-def mjcf_standing(top: Element, names: Sequence[str]) -> Standing:
+def mjcf_frames(top: Element, names: Sequence[str]) -> FileFrames:
     """Where the joints of these names, from the base out, stand in an MJCF file. Raises `InputError`."""
     read = Mjcf(top)
     if (included := next(_everywhere(top, "include"), None)) is not None:
         raise included.error("is another file's part; name the file that holds the bodies")
     way = _way_in_bodies(top, names)
     bases, before = [np.eye(4)], np.eye(4)
-    found: list[Stand] = []
+    found: list[FileFrame] = []
     for body, inherited in way:
-        own = read.frame(body)
+        local = read.frame(body)
         joint = next((each for each in body.all("joint") if each.attributes.get("name") in names), None)
         if joint is None:
-            before = before @ own
+            before = before @ local
             if not found:
                 bases.append(before)
             continue
@@ -174,15 +174,15 @@ def mjcf_standing(top: Element, names: Sequence[str]) -> Standing:
         point = _numbers(joint, said.get("pos", "0 0 0"), 3)
         ref = _numbers(joint, said.get("ref", "0"), 1)[0] * (1.0 if slides else read.to_radians)
         back = transform(np.eye(3), -ref * axis) if slides else about_line(axis, point, -ref)
-        found.append(Stand(joint.attributes["name"], body, before, own, back, slides, axis, point))
+        found.append(FileFrame(joint.attributes["name"], body, before, local, back, slides, axis, point))
         before = np.eye(4)
     last = way[-1][0]
     tips = [
-        Stand(each.attributes.get("name", each.tag), each, np.eye(4), read.frame(each), np.eye(4))
+        FileFrame(each.attributes.get("name", each.tag), each, np.eye(4), read.frame(each), np.eye(4))
         for each in last.children
         if each.tag in ("body", "site") and not any(each.all("joint"))
     ]
-    return Standing(tuple(found), tuple(bases), tuple(tips))
+    return FileFrames(tuple(found), tuple(bases), tuple(tips))
 
 
 def _way_in_bodies(top: Element, names: Sequence[str]) -> list[tuple[Element, str]]:
