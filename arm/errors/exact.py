@@ -13,7 +13,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property, reduce
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -33,7 +33,6 @@ from linkwright.core.arm.chain.vectors import (
     cross,
     dot,
     is_zero,
-    minus,
     plus,
     rotate,
     scale,
@@ -47,12 +46,10 @@ from linkwright.core.arm.effects.effect import NO_LOAD
 from linkwright.core.arm.effects.loads.added_weights import bearing, borne_wholly
 from linkwright.core.sections.numeric import Array
 
+from .finite_turns import after, arc, by_half, half_of_all, matrix, of_quaternion, quaternion, twice
 from .tip import ActiveEffect, on_the_way
 
 Node = tuple[str, int]
-
-Quaternion = tuple[Scalar, Vector]
-"""A rotation: cosine of half its angle, and its axis times the sine."""
 
 SETTLED = 1e-9
 """m; the shape is found when a pass moves no tip by more."""
@@ -217,7 +214,7 @@ class _Chain:
             tip = tip + columns(twist.translation, self.rows)
             if twist.node == "base":
                 place = _vector(self.nominal + tip - columns(twist.translation, self.rows))
-                tip = tip + columns(subtract(rotate(_matrix(twist.rotation), place), place), self.rows)
+                tip = tip + columns(subtract(rotate(matrix(twist.rotation), place), place), self.rows)
             turn = turn + columns(twist.rotation, self.rows)
         return replace(shape, tip=tip, seen_turned=turn)
 
@@ -232,7 +229,7 @@ class _Chain:
         """From the base out: every motion carries all that lies beyond it."""
         state, frames = self.state, self.state.frames
         carried = place = moved.get(("base", 0), ZERO)
-        orientation = _after(IDENTITY, turned.get(("base", 0), ZERO))
+        orientation = after(IDENTITY, turned.get(("base", 0), ZERO))
         joints: list[JointFrame] = []
         links: list[LinkFrame] = []
         cut_joints: list[JointFrame] = []
@@ -248,18 +245,18 @@ class _Chain:
                 shift, followed = add(shift, followed), ZERO
             step = add(step, shift)
             place, lead = add(place, step), add(carried, step)
-            orientation = _after(_after(orientation, turned.get(("joint", index), ZERO)), followed)
+            orientation = after(after(orientation, turned.get(("joint", index), ZERO)), followed)
             joints.append(JointFrame(lead, axis, before))
             start = place
             own = self.pieces.of(index)
             nominal = self._piece(index, lengths[index], len(own))
             # From the link's root on: what it is turned by, as a quaternion and as a matrix.
-            root, turns = orientation, [_half_way(bend[piece]) for piece in own]
+            root, turns = orientation, [by_half(bend[piece]) for piece in own]
             for number, (piece, turn) in enumerate(zip(own, turns, strict=True)):
-                half = _of_quaternion(turn)
+                half = of_quaternion(turn)
                 middle = compose(half, orientation)
                 across = rotate(transpose(half), strain[piece])
-                step = _arc(bend[piece], rotate(orientation, nominal), across)
+                step = arc(bend[piece], rotate(orientation, nominal), across)
                 if piece == own[-1]:
                     step = add(step, moved.get(("link", index), ZERO))
                 cut_joints.append(JointFrame(lead if number == 0 else ZERO, axis, before))
@@ -267,13 +264,13 @@ class _Chain:
                 place = add(place, step)
                 orientation = compose(half, middle)
             at_end = turned.get(("link", index), ZERO)
-            orientation = _after(orientation, at_end)
+            orientation = after(orientation, at_end)
             turned_so_far.append(orientation)
-            half_way = compose(_of_quaternion(_half([*(_twice(each) for each in turns), _quaternion(at_end)])), root)
+            half_way = compose(of_quaternion(half_of_all([*(twice(each) for each in turns), quaternion(at_end)])), root)
             links.append(_turned_link(half_way, frame, subtract(place, start)))
             carried = ZERO
         tool = add(rotate(orientation, state.tool), moved.get(("tip", 0), ZERO))
-        orientation = _after(orientation, turned.get(("tip", 0), ZERO))
+        orientation = after(orientation, turned.get(("tip", 0), ZERO))
         end = compose(orientation, frames.orientation)
         return _Shape(
             Frames(tuple(cut_joints), tuple(cut_links), tool, end),
@@ -364,83 +361,9 @@ def _loaded_by_more_than_a_hair(joint: JointState, pushed: NDArray[np.bool_], ac
     return replace(joint, drive_load=np.where(pushed, joint.drive_load, 0.0), force=(x, y, z))
 
 
-def _arc(turn: Vector, straight: Vector, shift: Vector) -> Vector:
-    """Where the end of a piece lies that turns by `turn` in all and is shifted by `shift` against its root: to first
-    order straight + shift, with its strain constant along it as finite motions are."""
-    end = add(straight, shift)
-    if is_zero(turn):
-        return end
-    strain = subtract(end, scale(0.5, cross(turn, straight)))
-    square = dot(turn, turn)
-    angle = np.sqrt(square)
-    small = angle < 1e-4
-    safe = np.where(small, 1.0, angle)
-    once = np.where(small, 0.5 - square / 24.0, (1.0 - np.cos(safe)) / safe**2)
-    twice = np.where(small, 1.0 / 6.0 - square / 120.0, (safe - np.sin(safe)) / (safe * safe * safe))
-    across = cross(turn, strain)
-    return add(strain, add(scale(once, across), scale(twice, cross(turn, across))))
-
-
 def _turned_link(orientation: Rows, frame: LinkFrame, vector: Vector) -> LinkFrame:
     along, height, width = (rotate(orientation, part) for part in (frame.along, frame.height, frame.width))
     return LinkFrame(vector, along, height, width)
-
-
-def _after(orientation: Rows, turn: Vector) -> Rows:
-    return orientation if is_zero(turn) else compose(_matrix(turn), orientation)
-
-
-def _matrix(turn: Vector) -> Rows:
-    return _of_quaternion(_quaternion(turn))
-
-
-def _quaternion(turn: Vector) -> Quaternion:
-    """The rotation by a rotation vector (rad) as a quaternion, the real part first."""
-    if is_zero(turn):
-        return 1.0, ZERO
-    angle = 0.5 * np.sqrt(dot(turn, turn))
-    return np.cos(angle), scale(0.5 * np.sinc(angle / np.pi), turn)
-
-
-def _half_way(turn: Vector) -> Quaternion:
-    """The rotation by half a rotation vector."""
-    return _quaternion(scale(0.5, turn))
-
-
-def _after_quaternion(first: Quaternion, then: Quaternion) -> Quaternion:
-    """One rotation after another."""
-    (a, u), (b, v) = then, first
-    real = minus(times(a, b), dot(u, v))
-    return real, add(add(scale(a, v), scale(b, u)), cross(u, v))
-
-
-def _twice(turn: Quaternion) -> Quaternion:
-    return _after_quaternion(turn, turn)
-
-
-def _half(turns: Iterable[Quaternion]) -> Quaternion:
-    """The rotation half way, the short way round, to where rotations one after another lead."""
-    real, vector = reduce(_after_quaternion, turns, (1.0, ZERO))
-    if is_zero(vector):
-        return 1.0, ZERO
-    sign = np.where(np.asarray(real) < 0.0, -1.0, 1.0)
-    real, vector = plus(1.0, times(sign, real)), scale(sign, vector)
-    size = 1.0 / np.sqrt(real * real + dot(vector, vector))
-    return times(size, real), scale(size, vector)
-
-
-def _of_quaternion(turn: Quaternion) -> Rows:
-    w, (x, y, z) = turn
-    if is_zero((x, y, z)):
-        return IDENTITY
-    xx, yy, zz = (times(2.0, times(each, each)) for each in (x, y, z))
-    xy, xz, yz = (times(2.0, times(*pair)) for pair in ((x, y), (x, z), (y, z)))
-    wx, wy, wz = (times(2.0, times(w, each)) for each in (x, y, z))
-    return (
-        (minus(1.0, plus(yy, zz)), minus(xy, wz), plus(xz, wy)),
-        (plus(xy, wz), minus(1.0, plus(xx, zz)), minus(yz, wx)),
-        (minus(xz, wy), plus(yz, wx), minus(1.0, plus(xx, yy))),
-    )
 
 
 def _vector(columns: Array) -> Vector:
