@@ -9,6 +9,7 @@ import io
 import math
 import re
 from collections.abc import Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from itertools import chain
 from pathlib import Path
@@ -105,7 +106,7 @@ class Table:
         cells = self.columns[name]
         if isinstance(cells, np.ndarray):
             return cells
-        return np.array([as_number(cell, self.decimal) for cell in cells], dtype=float)
+        return as_numbers(cells, self.decimal)
 
     def sides(self, name: str) -> Array:
         """A column as numbers, with signs and words for the two ways that a joint can come (`+`, `neg`) as 1 and -1."""
@@ -147,6 +148,16 @@ def as_number(cell: str, decimal: str = ".") -> float:
         return float(cell) if "_" not in cell else math.nan
     except ValueError:
         return math.nan
+
+
+def as_numbers(cells: Sequence[str], decimal: str = ".") -> Array:
+    """The numbers of cells, nan where one holds none."""
+    # Nearly all columns hold nothing but plain numbers.
+    text = "".join(cells)
+    if decimal == "." and not any(sign in text for sign in ",_\N{MINUS SIGN}"):
+        with suppress(ValueError):
+            return np.array(list(map(float, cells)))
+    return np.array([as_number(cell, decimal) for cell in cells], dtype=float)
 
 
 def read_table(path: Path, layout: Layout) -> Table:

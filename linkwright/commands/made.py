@@ -23,8 +23,8 @@ from linkwright.output.files import (
     RESULT,
     check_target,
     claim_own,
+    write_file,
     write_markdown,
-    write_result,
 )
 
 from . import options
@@ -232,7 +232,8 @@ class Made:
     def write(self, result: Any, targets: Targets, read: Sequence[Path]) -> list[Path]:
         """Write the files that are asked for; gives which, those in the folder first. Raises `InputError`."""
         made = {"made_from": read, **targets.signed} if self.pdf else {}
-        write_result(targets.json, result.to_json())
+        if targets.json is not None:
+            write_file(targets.json, result.to_json())
         if targets.pdf is not None:
             result.save_pdf(targets.pdf, **made)
         written = [] if targets.out is None else [*result.save(targets.out, **made)]

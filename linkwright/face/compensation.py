@@ -136,7 +136,7 @@ def read_poses(path: Path, arm: Model) -> Array:
     """Poses (N, n) from a CSV file, rad and m. Raises `InputError`."""
     import pandas as pd
 
-    from linkwright.core.diagnose.reading.table import as_number
+    from linkwright.core.diagnose.reading.table import as_numbers
 
     text = read_text(path)
     try:
@@ -150,7 +150,7 @@ def read_poses(path: Path, arm: Model) -> Array:
         name = f"q{index + 1}_{'deg' if joint.revolute else 'mm'}"
         if name not in content.columns:
             raise InputError(path, name, f"is missing; the file has {', '.join(str(each) for each in content.columns)}")
-        values = np.array([as_number(str(cell)) for cell in content[name]])
+        values = as_numbers([str(cell) for cell in content[name]])
         bad = np.flatnonzero(~(np.abs(values) < _LARGEST))
         if len(bad):
             raise InputError(path, name, f"is no coordinate of a joint in row {int(bad[0]) + 1}")

@@ -107,12 +107,6 @@ def write_json(path: Path | None, content: Mapping[str, Any]) -> None:
         write_file(path, json_text(content))
 
 
-def write_result(path: Path | None, text: str) -> None:
-    """Write a result's own JSON where `--json` names a file. Raises `InputError`."""
-    if path is not None:
-        write_file(path, text)
-
-
 def made_folder(folder: Path) -> set[str]:
     """Make an output folder where there is none; the names of what it holds. Raises `InputError`."""
     try:

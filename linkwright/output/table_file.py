@@ -64,7 +64,8 @@ def rows_of(table: pd.DataFrame, names: Sequence[str]) -> pd.DataFrame:
 
 
 def _csv(table: pd.DataFrame) -> str:
-    return str(table.map(defused).to_csv(index=False, lineterminator="\n"))
+    words = table.select_dtypes(exclude="number")
+    return str(table.assign(**words.map(defused)).to_csv(index=False, lineterminator="\n"))
 
 
 def _parquet(table: pd.DataFrame) -> bytes:
