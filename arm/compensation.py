@@ -11,28 +11,30 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.interpolate import RegularGridInterpolator
 
 from linkwright.core.arm.chain.arrays import jacobian
-from linkwright.core.arm.chain.chain import Arm, Joint
+from linkwright.core.arm.chain.beam import Beam
+from linkwright.core.arm.chain.chain import Arm, Joint, LoadCase
 from linkwright.core.arm.chain.following import completed
 from linkwright.core.arm.chain.kinematics import tip_position
-from linkwright.core.arm.chain.statics import solve
+from linkwright.core.arm.chain.statics import PoseState, solve
 from linkwright.core.arm.effects import EFFECTS
+from linkwright.core.arm.errors.exact import SETTLED, Deformed, Shape, bent_on, settled_shape
 from linkwright.core.arm.errors.model import beams_of
-from linkwright.core.arm.errors.recorded import Asked, seen_of_model
-from linkwright.core.arm.errors.tip import active_effects
+from linkwright.core.arm.errors.tip import ActiveEffect, active_effects
 from linkwright.core.arm.errors.unknown_mass import unknown_taken_out
 from linkwright.core.arm.worst.workspace import spread
 from linkwright.core.sections.numeric import Array
 
-_STEPS = 4
+_STEPS, _STEPS_TOGETHER = 4, 12
+"""The most of each pose: with its shape found anew at each, and found together with the correction."""
 _SMALLEST = 1e-2
 """Motions of the tip that the joints make this much worse than the best are left alone: near a singular pose they would
 take joints far from where they belong."""
-_ARRIVED = 1e-11
-"""m; a step that moves the tip by no more is the last. What the Jacobian leaves out of it is smaller by the share that
-the arm itself gives, about a thousandth."""
+_ARRIVED = 1e-13
+"""m; a step is the last where the next one, by how fast they become smaller, would move the tip by no more."""
 _MOST_DEFAULT = 20_000
 _FINEST_DEFAULT = 15
 _CHECKED = 2048
@@ -80,10 +82,36 @@ def model_error(arm: Arm, q: Array, payload: float) -> Array:
 
     Raises `arm.errors.model.PropertyNeeded` and the materials' errors where the model lacks a figure.
     """
-    case = replace(arm.payload, mass=payload)
-    real = unknown_taken_out(without_instrument(arm), (case,))
-    state = solve(real, [q[:, index] for index in range(arm.size)], beams_of(real, (case,)), case)
-    return seen_of_model(state, active_effects(real), Asked(len(q))).tip
+    return _Model.of(arm, payload).settled(q)[0].tip
+
+
+@dataclass(frozen=True)
+class _Model:
+    """An arm as it is loaded, without what belongs to the instrument that measured it."""
+
+    arm: Arm
+    case: LoadCase
+    beams: tuple[Beam, ...]
+    effects: tuple[ActiveEffect, ...]
+
+    @classmethod
+    def of(cls, arm: Arm, payload: float) -> _Model:
+        """The model with a payload (kg). Raises as `model_error` does."""
+        case = replace(arm.payload, mass=payload)
+        real = unknown_taken_out(without_instrument(arm), (case,))
+        return cls(real, case, beams_of(real, (case,)), active_effects(real))
+
+    def settled(self, q: Array) -> tuple[Deformed, Shape]:
+        """The arm as it stands at poses q (N, n)."""
+        return settled_shape(self._state(q), self.effects, len(q))
+
+    def gone_on(self, last: Shape, q: Array) -> tuple[Shape, NDArray[np.bool_]]:
+        """Its shape at poses q (N, n) by one pass from the `last` one, at poses nearby, and where that can be relied
+        on (N,)."""
+        return bent_on(last, self._state(q), self.effects, len(q))
+
+    def _state(self, q: Array) -> PoseState:
+        return solve(self.arm, [q[:, index] for index in range(self.arm.size)], self.beams, self.case)
 
 
 def without_instrument(arm: Arm) -> Arm:
@@ -98,26 +126,77 @@ def corrected(arm: Arm, q: Array, payload: float) -> tuple[Array, Array, Array]:
     Least squares through the Jacobian, repeated on the true error where the last step still moved the tip; directions
     in which the drives hardly move the tip stay uncorrected, and passive joints and those that are held at one
     coordinate as they are.
+
+    The shape is found together with the correction: each step goes on from the last one's by one pass, which brings it
+    nearer by about as much as the step brings the tip. Where that comes to no rest, or play that the load seats would
+    lie elsewhere, the shape is found anew at each step.
     """
-    drives = np.array([not joint.passive and moves(joint) for joint in arm.joints])
-    goal, error = tip_position(arm, q), model_error(arm, q, payload)
-    moved, left = np.zeros_like(q), np.linalg.norm(error, axis=1)
-    open_rows, missing = np.arange(len(q)), -error
-    for _ in range(_STEPS):
-        there = q[open_rows] + moved[open_rows]
-        slope = np.swapaxes(jacobian(arm, there), 1, 2) * drives
-        step = np.einsum("nij,nj->ni", np.linalg.pinv(slope, rcond=_SMALLEST), missing)
-        brought = np.einsum("nij,nj->ni", slope, step)
-        moved[open_rows] += step
-        # A step that small goes where the Jacobian says; no other error is asked for there.
-        left[open_rows] = np.linalg.norm(missing - brought, axis=1)
-        open_rows = open_rows[np.linalg.norm(brought, axis=1) > _ARRIVED]
-        if not len(open_rows):
-            break
-        there = q[open_rows] + moved[open_rows]
-        missing = goal[open_rows] - tip_position(arm, there) - model_error(arm, there, payload)
-        left[open_rows] = np.linalg.norm(missing, axis=1)
+    model = _Model.of(arm, payload)
+    stands, shape = model.settled(q)
+    error = stands.tip
+    # Between two shapes, play does not lie where the last of them has it.
+    steady = np.linalg.norm(error - shape.tip, axis=1) <= SETTLED
+
+    def gone_on(there: Array, kept: NDArray[np.intp]) -> tuple[Array, NDArray[np.bool_]]:
+        nonlocal shape, steady
+        steady = steady[kept]
+        shape, sure = model.gone_on(shape.at(kept), there)
+        return shape.tip, sure & steady
+
+    def anew(there: Array, _: NDArray[np.intp]) -> tuple[Array, NDArray[np.bool_]]:
+        return model.settled(there)[0].tip, np.ones(len(there), dtype=bool)
+
+    moved, left, rows = _brought_back(arm, q, error, gone_on, _STEPS_TOGETHER)
+    if len(rows):
+        again = _brought_back(arm, q[rows], error[rows], anew, _STEPS)
+        moved[rows], left[rows], never = again
+        left[rows[never]] = remaining(arm, q[rows[never]], moved[rows[never]], payload)
     return error, moved, left
+
+
+def _brought_back(
+    arm: Arm,
+    q: Array,
+    error: Array,
+    error_at: Callable[[Array, NDArray[np.intp]], tuple[Array, NDArray[np.bool_]]],
+    steps: int,
+) -> tuple[Array, Array, NDArray[np.intp]]:
+    """What to add to the coordinates q (N, n) whose tips are off by `error` (N, 3) m, the error (N,) that is left, and
+    the rows that have not come to rest. `error_at` is asked at poses that come nearer and nearer, those of them that
+    are `kept` since the last time, and says too where its answer can be relied on."""
+    drives = np.array([not joint.passive and moves(joint) for joint in arm.joints])
+    goal, missing, expected = tip_position(arm, q), -error, np.zeros_like(error)
+    moved, left, earlier, factor = np.zeros_like(q), np.zeros(len(q)), np.linalg.norm(error, axis=1), np.ones(len(q))
+    rows, kept, sure = np.arange(len(q)), np.arange(len(q)), np.ones(len(q), dtype=bool)
+    for number in range(steps):
+        there = q[rows] + moved[rows]
+        if number:
+            found, sure = error_at(there, kept)
+            missing = goal[rows] - tip_position(arm, there) - found
+        if not np.isfinite(missing).all():  # it is bent beyond all numbers
+            break
+        step, brought = _least_squares(jacobian(arm, there) * drives[:, None], missing)
+        unforeseen, expected = np.linalg.norm(missing - expected, axis=1), missing - brought
+        moved[rows] += step
+        left[rows] = np.linalg.norm(expected, axis=1)
+        # What is unforeseen falls from step to step by a factor; a single one may be small by chance.
+        factor, slower = np.minimum(unforeseen / np.maximum(earlier, _ARRIVED), 1.0), factor
+        kept = np.flatnonzero((unforeseen * np.maximum(factor, slower) > _ARRIVED) | ~sure)
+        rows, expected, earlier, factor = rows[kept], expected[kept], unforeseen[kept], factor[kept]
+        if not len(rows):
+            break
+    return moved, left, rows
+
+
+def _least_squares(slope: Array, wanted: Array) -> tuple[Array, Array]:
+    """The shortest steps (N, n) that bring the tip nearest to what is `wanted` (N, 3) m by the slopes (N, n, 3), and
+    what they bring (N, 3), without the directions in which the slopes hardly lead anywhere."""
+    square, axes = np.linalg.eigh(np.swapaxes(slope, 1, 2) @ slope)
+    worth = square > _SMALLEST**2 * square[:, -1:]
+    along = np.where(worth, np.einsum("nji,nj->ni", axes, wanted), 0.0)
+    brought = np.einsum("nij,nj->ni", axes, along)
+    weights = np.einsum("nij,nj->ni", axes, along / np.where(worth, square, 1.0))
+    return np.einsum("nij,nj->ni", slope, weights), brought
 
 
 def remaining(arm: Arm, q: Array, correction: Array, payload: float) -> Array:

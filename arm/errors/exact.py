@@ -12,8 +12,9 @@ doi:10.1016/0045-7825(85)90050-7).
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, is_dataclass, replace
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -46,7 +47,7 @@ from linkwright.core.arm.effects.effect import NO_LOAD
 from linkwright.core.arm.effects.loads.added_weights import bearing, borne_wholly
 from linkwright.core.sections.numeric import Array
 
-from .finite_turns import after, arc, by_half, half_of_all, matrix, of_quaternion, quaternion, twice
+from .finite_turns import after, arc, half_of, matrix
 from .tip import ActiveEffect, on_the_way
 
 Node = tuple[str, int]
@@ -73,12 +74,13 @@ class Deformed:
 
 
 @dataclass(frozen=True)
-class _Shape:
+class Shape:
     """Places and orientations along the chain, and what the effects did at them.
 
     `pieces` are the frames of the cut arm, `whole` those of the arm itself; `lengths` (m) each link's, with what
     effects add to it; `turned` how the base and each link's far end are turned, `end` the tip. `tip` (N, 3) m is how
     far that has moved, `seen_turned` (N, 3) rad by how much more than it is turned an instrument sees it turned.
+    `undeformed` are the frames of the arm at its nominal pose.
     """
 
     pieces: Frames
@@ -87,7 +89,12 @@ class _Shape:
     tip: Array
     end: Rows
     turned: tuple[Rows, ...]
+    undeformed: Frames
     seen_turned: Array | float = 0.0
+
+    def at(self, rows: NDArray[np.intp]) -> Shape:
+        """The shape at some of its poses."""
+        return _taken(self, rows, len(self.tip))
 
     def turn(self, rows: int) -> Array:
         """How the tip is turned (N, 3), rad."""
@@ -105,13 +112,20 @@ def deformed(state: PoseState, effects: Sequence[ActiveEffect], rows: int, *, pl
     that the load seats one way makes it seat the other way (a link that hangs nearly plumb), passes go to and fro
     between two shapes for ever: the arm stands between them, and the middle is taken.
     """
+    return settled_shape(state, effects, rows, play_stays=play_stays)[0]
+
+
+def settled_shape(
+    state: PoseState, effects: Sequence[ActiveEffect], rows: int, *, play_stays: bool = False
+) -> tuple[Deformed, Shape]:
+    """What `deformed` finds, and the shape of the last pass, with which `bent_on` goes on to poses nearby."""
     chain = _Chain(state, rows, _carries_slopes(effects), play_stays)
     shape, now = chain.straight(), state
     last = earlier = shape
     tip, done, between = shape.tip, np.zeros(rows, dtype=bool), np.zeros((rows, 1), dtype=bool)
     for _ in range(MOST_PASSES):
         earlier, last = last, shape
-        found, there = chain.bent(shape, now, effects)
+        found, there = chain.bent(shape, effects)
         if not np.isfinite(found.tip).all():  # it is bent beyond all numbers
             break
         shape, now = found, there
@@ -126,7 +140,18 @@ def deformed(state: PoseState, effects: Sequence[ActiveEffect], rows: int, *, pl
     turn = shape.turn(rows)
     if between.any():
         turn = np.where(between, 0.5 * (turn + last.turn(rows)), turn)
-    return Deformed(now, tip, turn, done, tuple(matrices(each, rows) for each in shape.turned))
+    return Deformed(now, tip, turn, done, tuple(matrices(each, rows) for each in shape.turned)), shape
+
+
+def bent_on(
+    last: Shape, state: PoseState, effects: Sequence[ActiveEffect], rows: int
+) -> tuple[Shape, NDArray[np.bool_]]:
+    """The shape that the loads on a `last` one give the arm of `state`, whose poses are near those of that: one pass.
+    As the poses come to rest, it becomes the one that `deformed` finds where it says so (rows,): elsewhere play lies on
+    another side than the undeformed pose would have it, and on which depends on where the passes came from."""
+    chain = _Chain(state, rows, _carries_slopes(effects), play_stays=False)
+    shape, now = chain.bent(chain.taken_along(last), effects)
+    return shape, chain.seated_as_undeformed(now, effects)
 
 
 def _carries_slopes(effects: Iterable[ActiveEffect]) -> bool:
@@ -144,12 +169,22 @@ class _Chain:
         self.nominal = columns(state.tip(), rows)
         self.before = [joint.before.matrix() for joint in state.frames.joints]
 
-    def straight(self) -> _Shape:
+    def straight(self) -> Shape:
         """The shape without anything at work."""
         nothing = [ZERO] * len(self.pieces.owner)
         return self._walk({}, {}, nothing, nothing, [beam.length for beam in self.beams])
 
-    def bent(self, shape: _Shape, now: PoseState, effects: Sequence[ActiveEffect]) -> tuple[_Shape, PoseState]:
+    def taken_along(self, shape: Shape) -> Shape:
+        """A shape at other poses taken to these, each link turned as the undeformed one is."""
+        pairs = zip(self.state.frames.links, shape.undeformed.links, strict=True)
+        turns = [compose(transpose(_directions(now)), _directions(then)) for now, then in pairs]
+        return replace(
+            shape,
+            pieces=_with_links(shape.pieces, turns, self.pieces.owner),
+            whole=_with_links(shape.whole, turns, range(len(turns))),
+        )
+
+    def bent(self, shape: Shape, effects: Sequence[ActiveEffect]) -> tuple[Shape, PoseState]:
         """The shape that the loads on `shape` give, and the state on it."""
         cut_state = self._loaded(shape)
         now = self._whole(shape, cut_state)
@@ -197,6 +232,16 @@ class _Chain:
         pairs = zip(self._loaded_undeformed, now.joints, strict=True)
         return replace(now, joints=tuple(_loaded_by_more_than_a_hair(there, *loaded) for loaded, there in pairs))
 
+    def seated_as_undeformed(self, now: PoseState, effects: Sequence[ActiveEffect]) -> NDArray[np.bool_]:
+        """Where the loads on a shape seat all play on the side on which those of the undeformed pose do."""
+        alike = np.ones(self.rows, dtype=bool)
+        for effect, settings in ((each.effect, each.settings) for each in effects):
+            states = self._seating(now), self._seating(self.state)
+            for here, there in zip(*(effect.seated(state, settings) for state in states), strict=True):
+                for a, b in ((here.translation, there.translation), (here.rotation, there.rotation)):
+                    alike &= np.asarray(times(4.0, dot(a, b)) >= plus(dot(a, a), dot(b, b)))
+        return alike
+
     @cached_property
     def _loaded_undeformed(self) -> list[tuple[NDArray[np.bool_], NDArray[np.bool_]]]:
         """Whether each joint's drive is loaded at the undeformed pose, and whether its pin is across its axis."""
@@ -207,7 +252,7 @@ class _Chain:
             for joint, force in zip(joints, across, strict=True)
         ]
 
-    def _measured(self, shape: _Shape, twists: Sequence[Twist]) -> _Shape:
+    def _measured(self, shape: Shape, twists: Sequence[Twist]) -> Shape:
         """The tip as an instrument that is itself off sees it."""
         tip, turn = shape.tip, shape.seen_turned
         for twist in twists:
@@ -225,7 +270,7 @@ class _Chain:
         strain: Sequence[Vector],
         bend: Sequence[Vector],
         lengths: Sequence[Scalar],
-    ) -> _Shape:
+    ) -> Shape:
         """From the base out: every motion carries all that lies beyond it."""
         state, frames = self.state, self.state.frames
         carried = place = moved.get(("base", 0), ZERO)
@@ -247,38 +292,37 @@ class _Chain:
             place, lead = add(place, step), add(carried, step)
             orientation = after(after(orientation, turned.get(("joint", index), ZERO)), followed)
             joints.append(JointFrame(lead, axis, before))
-            start = place
+            start, root = place, orientation
+            directions = at_root = _turned(root, _directions(frame))
             own = self.pieces.of(index)
-            nominal = self._piece(index, lengths[index], len(own))
-            # From the link's root on: what it is turned by, as a quaternion and as a matrix.
-            root, turns = orientation, [by_half(bend[piece]) for piece in own]
-            for number, (piece, turn) in enumerate(zip(own, turns, strict=True)):
-                half = of_quaternion(turn)
-                middle = compose(half, orientation)
-                across = rotate(transpose(half), strain[piece])
-                step = arc(bend[piece], rotate(orientation, nominal), across)
+            length = times(1.0 / len(own), lengths[index])
+            for number, piece in enumerate(own):
+                half, step = arc(bend[piece], scale(length, directions[0]), strain[piece])
+                middle = _turned(half, directions)
                 if piece == own[-1]:
                     step = add(step, moved.get(("link", index), ZERO))
                 cut_joints.append(JointFrame(lead if number == 0 else ZERO, axis, before))
-                cut_links.append(_turned_link(middle, frame, step))
+                cut_links.append(LinkFrame(step, *middle))
                 place = add(place, step)
-                orientation = compose(half, middle)
-            at_end = turned.get(("link", index), ZERO)
-            orientation = after(orientation, at_end)
+                directions = _turned(half, middle)
+            stiff = all(is_zero(bend[piece]) for piece in own)
+            own_turn = IDENTITY if stiff else compose(transpose(directions), at_root)
+            own_turn = after(own_turn, turned.get(("link", index), ZERO))
+            orientation = compose(own_turn, root)
             turned_so_far.append(orientation)
-            half_way = compose(of_quaternion(half_of_all([*(twice(each) for each in turns), quaternion(at_end)])), root)
-            links.append(_turned_link(half_way, frame, subtract(place, start)))
+            links.append(LinkFrame(subtract(place, start), *_turned(half_of(own_turn), at_root)))
             carried = ZERO
         tool = add(rotate(orientation, state.tool), moved.get(("tip", 0), ZERO))
         orientation = after(orientation, turned.get(("tip", 0), ZERO))
         end = compose(orientation, frames.orientation)
-        return _Shape(
+        return Shape(
             Frames(tuple(cut_joints), tuple(cut_links), tool, end),
             Frames(tuple(joints), tuple(links), tool, end),
             tuple(lengths),
             columns(add(place, tool), self.rows) - self.nominal,
             orientation,
             tuple(turned_so_far),
+            frames,
         )
 
     def _followed(
@@ -303,16 +347,7 @@ class _Chain:
             total = plus(total, times(tie.weight, dot(amount, before[tie.joint].axis)))
         return scale(total, axis)
 
-    def _piece(self, link: int, length: Scalar, count: int) -> Vector:
-        """A piece's vector as it lies in the undeformed arm, with what the link has been made longer."""
-        given, vector = self.beams[link].length, self.state.links[link].vector
-        if length is given:
-            return scale(1.0 / count, vector)
-        own = np.asarray(given, dtype=float)
-        ratio = np.where(own == 0.0, 1.0, length / np.where(own == 0.0, 1.0, own))
-        return scale(ratio / count, vector)
-
-    def _loaded(self, shape: _Shape) -> PoseState:
+    def _loaded(self, shape: Shape) -> PoseState:
         """The statics of the cut arm on a shape."""
         state, pieces = self.state, self.pieces
         return solve(
@@ -327,7 +362,7 @@ class _Chain:
             frames=shape.pieces,
         )
 
-    def _whole(self, shape: _Shape, cut_state: PoseState) -> PoseState:
+    def _whole(self, shape: Shape, cut_state: PoseState) -> PoseState:
         """The arm itself on a shape, with the loads of its pieces."""
         first, pieces = self.pieces.first, self.pieces
         joints = tuple(
@@ -361,9 +396,39 @@ def _loaded_by_more_than_a_hair(joint: JointState, pushed: NDArray[np.bool_], ac
     return replace(joint, drive_load=np.where(pushed, joint.drive_load, 0.0), force=(x, y, z))
 
 
-def _turned_link(orientation: Rows, frame: LinkFrame, vector: Vector) -> LinkFrame:
-    along, height, width = (rotate(orientation, part) for part in (frame.along, frame.height, frame.width))
-    return LinkFrame(vector, along, height, width)
+def _taken(value: Any, rows: NDArray[np.intp], count: int) -> Any:
+    """Whatever holds arrays with a row for each of `count` poses, with some of them."""
+    if len(rows) == count:
+        return value
+    if isinstance(value, np.ndarray):
+        return value[rows] if value.shape[:1] == (count,) else value
+    if isinstance(value, tuple):
+        return tuple(_taken(each, rows, count) for each in value)
+    if is_dataclass(value) and not isinstance(value, type):
+        return replace(value, **{each.name: _taken(getattr(value, each.name), rows, count) for each in fields(value)})
+    return value
+
+
+def _directions(frame: LinkFrame) -> Rows:
+    return frame.along, frame.height, frame.width
+
+
+def _with_links(frames: Frames, turns: Sequence[Rows], owner: Sequence[int]) -> Frames:
+    """Frames turned as the links are, each with the one that is its `owner`."""
+    joints: list[JointFrame] = []
+    links: list[LinkFrame] = []
+    for link, joint, own in zip(frames.links, frames.joints, owner, strict=True):
+        before = turns[own - 1] if own else IDENTITY
+        joints.append(JointFrame(rotate(before, joint.lead), rotate(before, joint.axis), joint.before))
+        turn = turns[own]
+        links.append(LinkFrame(rotate(turn, link.vector), *_turned(turn, _directions(link))))
+    return Frames(tuple(joints), tuple(links), rotate(turns[-1], frames.tool), frames.orientation)
+
+
+def _turned(turn: Rows, directions: Rows) -> Rows:
+    """Three directions, each normal to the others, turned."""
+    one, two = rotate(turn, directions[0]), rotate(turn, directions[1])
+    return one, two, cross(one, two)
 
 
 def _vector(columns: Array) -> Vector:

@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from functools import reduce
-
 import numpy as np
 
 from linkwright.core.arm.chain.vectors import (
@@ -20,30 +17,38 @@ from linkwright.core.arm.chain.vectors import (
     is_zero,
     minus,
     plus,
+    rotate,
     scale,
     subtract,
     times,
+    transpose,
 )
 
 Quaternion = tuple[Scalar, Vector]
 """A rotation: cosine of half its angle, and its axis times the sine."""
+_NONE = 1e-150
+"""What stands for an angle of nought where it divides."""
+_LEAST = 1e-15
+"""Of half a turn about an axis nothing tells which way round is the short one."""
 
 
-def arc(turn: Vector, straight: Vector, shift: Vector) -> Vector:
-    """Where the end of a piece lies that turns by `turn` in all and is shifted by `shift` against its root: to first
-    order straight + shift, with its strain constant along it as finite motions are."""
-    end = add(straight, shift)
+def arc(turn: Vector, straight: Vector, strain: Vector) -> tuple[Rotation, Vector]:
+    """By what a piece that turns by `turn` in all has turned half way along, and where its end lies against its root:
+    to first order straight + strain, the strain as it is half way, constant along it as finite motions are."""
     if is_zero(turn):
-        return end
-    strain = subtract(end, scale(0.5, cross(turn, straight)))
+        return IDENTITY, add(straight, strain)
     square = dot(turn, turn)
-    angle = np.sqrt(square)
-    small = angle < 1e-4
-    safe = np.where(small, 1.0, angle)
-    first = np.where(small, 0.5 - square / 24.0, (1.0 - np.cos(safe)) / safe**2)
-    second = np.where(small, 1.0 / 6.0 - square / 120.0, (safe - np.sin(safe)) / (safe * safe * safe))
-    across = cross(turn, strain)
-    return add(strain, add(scale(first, across), scale(second, cross(turn, across))))
+    angle = np.maximum(np.sqrt(square), _NONE)
+    cosine, share = np.cos(0.25 * angle), np.sin(0.25 * angle) / angle
+    half = _of_quaternion((cosine, scale(share, turn)))
+    # Sine of half the angle and one less its cosine, by the angle and by its square; (angle - sin)/angle^3.
+    sine, versine = 2.0 * share * cosine, 2.0 * share * share
+    left = (1.0 - 2.0 * sine * (1.0 - versine * square)) / np.maximum(square, _NONE)
+    second = np.where(square < 1e-8, 1.0 / 6.0 - square / 120.0, left)
+    shift = rotate(transpose(half), strain)
+    steady = add(straight, subtract(shift, scale(0.5, cross(turn, straight))))
+    across = cross(turn, steady)
+    return half, add(steady, add(scale(2.0 * sine * sine, across), scale(second, cross(turn, across))))
 
 
 def after(orientation: Rotation, turn: Vector) -> Rotation:
@@ -53,10 +58,23 @@ def after(orientation: Rotation, turn: Vector) -> Rotation:
 
 def matrix(turn: Vector) -> Rotation:
     """The rotation by a rotation vector (rad)."""
-    return of_quaternion(quaternion(turn))
+    return _of_quaternion(_quaternion(turn))
 
 
-def quaternion(turn: Vector) -> Quaternion:
+def half_of(rotation: Rotation) -> Rotation:
+    """The rotation that is `rotation` when it is done twice, the short way round."""
+    if rotation is IDENTITY:
+        return IDENTITY
+    (xx, xy, xz), (yx, yy, yz), (zx, zy, zz) = rotation
+    # Four times the square of the cosine of half the angle.
+    square = np.maximum(plus(1.0, plus(xx, plus(yy, zz))), _LEAST)
+    real = 0.5 * np.sqrt(square)
+    vector = scale(0.25 / real, (minus(zy, yz), minus(xz, zx), minus(yx, xy)))
+    size = 1.0 / np.sqrt(2.0 + 2.0 * real)
+    return _of_quaternion((times(size, 1.0 + real), scale(size, vector)))
+
+
+def _quaternion(turn: Vector) -> Quaternion:
     """The rotation by a rotation vector (rad) as a quaternion, the real part first."""
     if is_zero(turn):
         return 1.0, ZERO
@@ -64,35 +82,7 @@ def quaternion(turn: Vector) -> Quaternion:
     return np.cos(angle), scale(0.5 * np.sinc(angle / np.pi), turn)
 
 
-def by_half(turn: Vector) -> Quaternion:
-    """The rotation by half a rotation vector."""
-    return quaternion(scale(0.5, turn))
-
-
-def _after_quaternion(first: Quaternion, then: Quaternion) -> Quaternion:
-    """One rotation after another."""
-    (a, u), (b, v) = then, first
-    real = minus(times(a, b), dot(u, v))
-    return real, add(add(scale(a, v), scale(b, u)), cross(u, v))
-
-
-def twice(turn: Quaternion) -> Quaternion:
-    """A rotation and the same once more."""
-    return _after_quaternion(turn, turn)
-
-
-def half_of_all(turns: Iterable[Quaternion]) -> Quaternion:
-    """The rotation half way, the short way round, to where rotations one after another lead."""
-    real, vector = reduce(_after_quaternion, turns, (1.0, ZERO))
-    if is_zero(vector):
-        return 1.0, ZERO
-    sign = np.where(np.asarray(real) < 0.0, -1.0, 1.0)
-    real, vector = plus(1.0, times(sign, real)), scale(sign, vector)
-    size = 1.0 / np.sqrt(real * real + dot(vector, vector))
-    return times(size, real), scale(size, vector)
-
-
-def of_quaternion(turn: Quaternion) -> Rotation:
+def _of_quaternion(turn: Quaternion) -> Rotation:
     """A quaternion's rotation."""
     w, (x, y, z) = turn
     if is_zero((x, y, z)):

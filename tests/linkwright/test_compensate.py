@@ -86,6 +86,20 @@ def test_what_is_left_is_what_the_model_says_there():
     assert error == pytest.approx(model_error(arm, q, 5.0), abs=1e-15)
 
 
+@pytest.mark.parametrize("way", [-1.0, 1.0])
+def test_a_correction_that_seats_the_play_the_other_way_is_found(way):
+    """The second link hangs, or stands, within a hair of plumb, so that what brings the tip back turns the load on its
+    drive, and its play lies on the other side: what is left is what the model says there. Standing there is no pose at
+    which the tip is where it should be; hanging there is."""
+    loose = (Joint(range=(-3.0, 3.0), stiffness=k, backlash=2e-3) for k in (4e4, 2e4))
+    arm = replace(two_links(), joints=tuple(loose))
+    q1 = np.linspace(-1.0, 1.0, 400)
+    q = np.stack([q1, way * math.pi / 2 - q1 + np.linspace(-3e-3, 3e-3, 400)], axis=1)
+    _, moved, left = corrected(arm, q, 5.0)
+    assert left == pytest.approx(remaining(arm, q, moved, 5.0), abs=3e-12)
+    assert (left.max() > 1e-4) == (way > 0.0)
+
+
 def test_stretched_pose_keeps_joints_near():
     """Stretched out the joints cannot move the tip along the arm: what lies there stays, and no joint runs away."""
     long = EffectEntry("encoder_offset", (2,), {"offset": 0.01})
