@@ -77,13 +77,8 @@ def tapered_beam(length: float, section: Tapered, material: MaterialValues, *, s
         ratios = {name: getattr(piece, name) / getattr(beam, name) for name in _RIGIDITIES if getattr(beam, name)}
         parts.append(Part(ratios, factors))
     at = section.along(np.array(STATIONS), poisson_ratio)
-    taper = Taper(
-        balance=taper.balance,
-        height=taper.height,
-        width=taper.width,
-        axial_weight=taper.axial_weight,
-        shear_height_weight=taper.shear_height_weight,
-        shear_width_weight=taper.shear_width_weight,
+    taper = replace(
+        taper,
         column_height=_column_factor(np.asarray(local.flexural_rigidity_height), whole, beam.flexural_rigidity_height),
         column_width=_column_factor(np.asarray(local.flexural_rigidity_width), whole, beam.flexural_rigidity_width),
         parts=tuple(parts),

@@ -12,9 +12,11 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
-from typing import Literal
+from functools import reduce
+from typing import Any, Literal
 
 import numpy as np
+from numpy.typing import NDArray
 
 from linkwright.core.arm.chain.beam import QUARTERS, Beam
 from linkwright.core.arm.chain.branches import ways
@@ -221,8 +223,8 @@ def response(
         if len(segments.ways) > 1:
             end = way.shared - 1
             others = [pull for k, pull in enumerate(pulls) if k != number]
-            pushed[end] = _sum_of([pushed[end], *(force for force, _ in others)])
-            turning = {end: _sum_of([moment for _, moment in others])}
+            pushed[end] = reduce(add, [force for force, _ in others], pushed[end])
+            turning = {end: reduce(add, [moment for _, moment in others], ZERO)}
         state = solve(
             way.arm,
             own[number],
@@ -248,13 +250,6 @@ def _pull(way: CutWay, frames: Frames, forces: Sequence[Vector]) -> tuple[Vector
         force = add(force, forces[k])
         moment = add(moment, cross(away, forces[k]))
     return force, moment
-
-
-def _sum_of(vectors: Sequence[Vector]) -> Vector:
-    total: Vector = ZERO
-    for vector in vectors:
-        total = add(total, vector)
-    return total
 
 
 def compliance_matrices(segments: SegmentedArm, beams: Sequence[Beam], q: Array) -> Array:
@@ -286,14 +281,27 @@ class Modes:
     shape: Array
 
 
+def coordinate_masses(arm: Arm, segments: SegmentedArm, beams: Sequence[Beam], payloads: Sequence[float]) -> Array:
+    """`node_masses` (3 s,) once for each coordinate of a node."""
+    return np.repeat(np.array([float(mass) for mass in node_masses(arm, segments, beams, payloads)]), 3)
+
+
+def symmetric(compliance: Array, root: Array) -> Array:
+    """M^(1/2) F M^(1/2) (N, 3 s, 3 s), whose eigenvalues are 1/omega^2 (s^2); `root` (3 s,) is that of the masses."""
+    return 0.5 * (compliance + compliance.transpose(0, 2, 1)) * root[:, None] * root[None, :]
+
+
+def _hertz(values: NDArray[np.floating[Any]]) -> Array:
+    """The frequency (N,) of the largest of eigenvalues (N, 3 s), the last."""
+    with np.errstate(divide="ignore"):
+        return 1.0 / (2.0 * math.pi * np.sqrt(np.maximum(values[:, -1], 0.0)))
+
+
 def first_frequencies(arm: Arm, beams: Sequence[Beam], payload: float | Sequence[float], q: Array) -> Array:
     """The first bending frequency (N,) in Hz at poses q (N, n), as `first_modes` has it."""
     segments = segmented(arm)
-    root = np.sqrt(np.repeat(np.array([float(mass) for mass in node_masses(arm, segments, beams, _each(payload))]), 3))
-    compliance = compliance_matrices(segments, beams, q)
-    values = np.linalg.eigvalsh(0.5 * (compliance + compliance.transpose(0, 2, 1)) * root[:, None] * root[None, :])
-    with np.errstate(divide="ignore"):
-        return 1.0 / (2.0 * math.pi * np.sqrt(np.maximum(values[:, -1], 0.0)))
+    root = np.sqrt(coordinate_masses(arm, segments, beams, _each(payload)))
+    return _hertz(np.linalg.eigvalsh(symmetric(compliance_matrices(segments, beams, q), root)))
 
 
 def first_modes(arm: Arm, beams: Sequence[Beam], payload: float | Sequence[float], q: Array) -> Modes:
@@ -304,18 +312,13 @@ def first_modes(arm: Arm, beams: Sequence[Beam], payload: float | Sequence[float
     link's end. Where nothing gives, the frequency is infinite.
     """
     segments = segmented(arm)
-    masses = np.repeat(np.array([float(mass) for mass in node_masses(arm, segments, beams, _each(payload))]), 3)
-    root = np.sqrt(masses)
+    root = np.sqrt(coordinate_masses(arm, segments, beams, _each(payload)))
     compliance = compliance_matrices(segments, beams, q)
-    symmetric = 0.5 * (compliance + compliance.transpose(0, 2, 1)) * root[:, None] * root[None, :]
-    values, vectors = np.linalg.eigh(symmetric)
-    largest = np.maximum(values[:, -1], 0.0)
-    with np.errstate(divide="ignore"):
-        frequency = 1.0 / (2.0 * math.pi * np.sqrt(largest))
+    values, vectors = np.linalg.eigh(symmetric(compliance, root))
     # The eigenvector is M^(1/2) phi; the displacements follow from F M phi, which also holds where a mass is zero.
     shape = np.einsum("nij,nj->ni", compliance * root[None, None, :], vectors[:, :, -1])
     top = np.abs(shape).max(axis=1, keepdims=True)
-    return Modes(frequency, shape / np.where(top > 0.0, top, 1.0))
+    return Modes(_hertz(values), shape / np.where(top > 0.0, top, 1.0))
 
 
 def inertia_excess(

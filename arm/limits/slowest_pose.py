@@ -23,7 +23,7 @@ from linkwright.core.arm.worst.search import WorstSearch
 from linkwright.core.arm.worst.workspace import climbing_bounds, wrapped
 from linkwright.core.sections.numeric import Array
 
-from .modes import compliance_matrices, first_frequencies, node_masses, responses, segmented
+from .modes import compliance_matrices, coordinate_masses, first_frequencies, responses, segmented, symmetric
 from .weakest_poses import plainest
 
 _POSES = 1024
@@ -146,8 +146,7 @@ class Slowness:
 
     def __init__(self, arm: Arm, beams: Sequence[Beam], payloads: Sequence[float]) -> None:
         self._beams, self._segments = beams, segmented(arm)
-        masses = np.array([float(mass) for mass in node_masses(arm, self._segments, beams, payloads)])
-        self._masses = np.repeat(masses, 3)
+        self._masses = coordinate_masses(arm, self._segments, beams, payloads)
         self._root = np.sqrt(self._masses)
         size = arm.size
         pairs = list(itertools.combinations(range(size), 2))
@@ -180,8 +179,7 @@ class Slowness:
         """Values (N,), gradients (N, n) and Hessians (N, n, n) at poses q (N, n)."""
         count, size = q.shape
         compliance = compliance_matrices(self._segments, self._beams, q)
-        symmetric = 0.5 * (compliance + compliance.transpose(0, 2, 1)) * self._root[:, None] * self._root
-        values, vectors = np.linalg.eigh(symmetric)
+        values, vectors = np.linalg.eigh(symmetric(compliance, self._root))
         forces = vectors[:, :, -1] * self._root
         around = (q[:, None, :] + self._around).reshape(-1, size)
         held = np.repeat(forces, len(self._around), axis=0)
