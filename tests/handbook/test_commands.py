@@ -168,6 +168,7 @@ FOLLOWED = {
     "docs/how-to/diagnosis.md": "hidden-backlash",
     "docs/how-to/recordings.md": "hidden-backlash",
     "docs/start/tutorial.md": "bench-arm",
+    "docs/start/six-axis.md": "six-axis",
     "docs/how-to/exchange.md": "",
     "docs/how-to/design.md": "bench-arm",
     "examples/hobby-arm/README.md": "",

@@ -12,6 +12,7 @@ from linkwright.core.diagnose.reading.settings import read_settings
 from linkwright.core.materials.catalogue import load_catalogue
 from linkwright.core.optimize.budget.sheet import read_sheet
 from linkwright.core.units.reading import Mapping, load_yaml, parse_yaml
+from tests.handbook.pages import FENCED
 
 PAGE = (ROOT / "docs" / "formats.md").read_text(encoding="utf-8")
 YAML = re.findall(r"^```yaml\n(.*?)^```", PAGE, re.MULTILINE | re.DOTALL)
@@ -89,12 +90,18 @@ MADE = {"docs/rules.md", "docs/effects.md"}
 """Pages that a command writes."""
 
 
+def typed(block):
+    """What a reader is to type: a plain block without what is printed, any other as it is."""
+    lines = block[3].splitlines()
+    return "\n".join(lines if block[2].strip() else [each for each in lines if each.startswith(("$ ", "linkwright "))])
+
+
 def by_hand(path):
-    """The words of a page without what commands print: a part between marks, tables and cases of the proof and
-    of real machines."""
+    """The words of a page without what commands print: a part between marks, what stands beneath a command, tables and
+    cases of the proof and of real machines."""
     text = path.read_text(encoding="utf-8")
     text = re.sub(r"<!-- begin:.*?<!-- end:[^>]*>", "", text, flags=re.DOTALL)
-    lines = text.splitlines()
+    lines = FENCED.sub(typed, text).splitlines()
     if path.name in ("proof.md", "real-machines.md"):
         lines = [line for line in lines if not re.match(r"\||- [0-9]{5} ", line)]
     return sum(len(line.split()) for line in lines)
