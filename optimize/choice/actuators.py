@@ -8,14 +8,15 @@ from dataclasses import replace
 
 from linkwright.core.arm.actuators import Actuator
 from linkwright.core.arm.chain.chain import Arm
+from linkwright.core.arm.errors.model import beam_values, beams_of, error_model
+from linkwright.core.arm.limits.slowest_pose import frequency_of_drives
 from linkwright.core.arm.worst.search import WorstSearch
 from linkwright.core.optimize.balance.balance import with_counterweights
 from linkwright.core.optimize.exchange.design import numeric_beams
 from linkwright.core.optimize.exchange.exchange import context_of
 from linkwright.core.optimize.exchange.program import carried_mass, drives_cost
+from linkwright.core.optimize.limits.frequency import FIRST_FREQUENCY
 from linkwright.core.optimize.problem import Problem
-
-from .drive_frequency import frequency_allowed, frequency_asked
 
 Assignment = tuple[Actuator | None, ...]
 """An actuator for each joint; None for a joint that keeps its own drive."""
@@ -70,8 +71,20 @@ def hopeless(problem: Problem) -> bool:
     lightest = replace(problem, arm=with_counterweights(problem.arm, problem.balances, least=True))
     heavy = any(x.relation != ">=" and carried_mass(lightest) >= x.value for x in problem.limit("total_mass"))
     dear = bool(problem.limit("cost")) and any(drives_cost(problem) >= x.value for x in problem.limit("cost"))
-    asked = frequency_asked(problem)
+    asked = max((x.value for x in problem.limit(FIRST_FREQUENCY.name) if x.relation != "<="), default=0.0)
     return heavy or dear or (asked > 0.0 and frequency_allowed(problem) < asked)
+
+
+def frequency_allowed(problem: Problem) -> float:
+    """The first frequency (Hz) that no design exceeds, for its drives: rigid links without weight, under the payloads
+    and the joints' masses. Infinite where the drives are rigid or the lengths are free."""
+    if problem.link_length is not None:
+        return math.inf
+    arm, cases = problem.arm, problem.load_cases
+    beams = beams_of(arm, cases)
+    search = WorstSearch(error_model(arm, cases), problem.workspace)
+    found = frequency_of_drives(arm, search, beams, beam_values(beams), cases, weightless=True)
+    return math.inf if found is None else found.value
 
 
 def least_error(problem: Problem) -> float:

@@ -32,7 +32,6 @@ from linkwright.core.optimize.exchange.exchange import Context, Exchange, Exchan
 from linkwright.core.optimize.exchange.other_lengths import other_lengths, share_unreached, with_lengths
 from linkwright.core.optimize.exchange.program import Program, Solution, carried_mass
 from linkwright.core.optimize.exchange.rescue import solved
-from linkwright.core.optimize.exchange.signs import one_signed
 from linkwright.core.optimize.journal import Journal
 from linkwright.core.optimize.limits import OfDesign, Totals, excess
 from linkwright.core.optimize.result import Candidate, Iteration
@@ -41,6 +40,7 @@ from .at_once.feasibility import Feasibility, feasibility_of
 from .bounding import Bounded, bound_all, bounding
 from .kept import Answer, Ended, Kept, Key
 from .picks import Combination, one_link_changed, uniform
+from .signs import one_signed
 
 Array = NDArray[np.float64]
 Progress = Callable[[int, int, str], None]

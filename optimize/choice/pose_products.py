@@ -96,15 +96,20 @@ def error_products(model: ErrorModel, cut: ErrorCut, p: Array) -> Products | Non
 
 
 def error_vectors(model: ErrorModel, cut: ErrorCut, p: Array) -> Vectors | None:
-    """The error (m) at a pose as a sum of products, read off about a design p.
+    """The error (m) at a pose as a sum of products for any materials, read off about a design p; None where it is none,
+    or counts from a calibration at another temperature: what materials were like there is no feature."""
+    since = model.cases[cut.load_case].load.relative_to
+    if since is not None and since.temperature not in (None, model.arm.temperature):
+        return None
+    return vectors_of(model, cut, p)
 
-    None where the error counts from a calibration at another temperature (what materials were like there is no
-    feature), and with drives whose zones of stiffness end somewhere.
-    """
+
+def vectors_of(model: ErrorModel, cut: ErrorCut, p: Array) -> Vectors | None:
+    """The error (m) at a pose as a sum of products, read off about a design p; None where it is no such sum, be it in
+    another zone of a drive."""
     size = model.arm.size
     case = model.cases[cut.load_case]
-    since = case.load.relative_to
-    if case.zones or (since is not None and since.temperature not in (None, model.arm.temperature)):
+    if case.zones:
         return None
     own = p.reshape(size, len(BEAM_FIELDS))
     weights = [(link, WEIGHT) for link in range(size) if own[link, WEIGHT] != 0.0]
@@ -342,4 +347,5 @@ __all__ = [
     "features_of",
     "inertia_products",
     "stress_products",
+    "vectors_of",
 ]

@@ -1,7 +1,7 @@
 """Sums of products of what a design gives its links, and bounds from below on them that fall apart link by link.
 
 At a pose the error is a sum of terms, each a coefficient times a product of links' weights and flexibilities (see
-`optimize.exchange.signs`); stress, compression and a trial shape's inertia are sums of the same kind. About one design
+`optimize.choice.signs`); stress, compression and a trial shape's inertia are sums of the same kind. About one design
 every product of several links has a bound from below that is a sum over links and touches it there: with a positive
 coefficient by e^x >= 1 + x, with a negative one by the arithmetic mean over the geometric one. A sum over links is
 least where each link's own part is least, whatever the others are: a table a link bounds every combination.

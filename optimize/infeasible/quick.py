@@ -3,7 +3,7 @@
 Each rests on an arm that no design can be better than: links as light as the lightest section and as stiff as the
 stiffest (or weightless and rigid), with the stiffest, lightest and closest drives that may be chosen. By Rayleigh's
 principle no frequency is above that of an arm that is stiffer and lighter; compliances and, where no two terms cancel
-(`optimize.exchange.signs`), errors add up term by term.
+(`optimize.choice.signs`), errors add up term by term.
 """
 
 from __future__ import annotations
@@ -29,9 +29,9 @@ from linkwright.core.arm.worst.workspace import Unreachable
 from linkwright.core.materials.material import Material
 from linkwright.core.optimize.balance.balance import with_counterweights
 from linkwright.core.optimize.choice.picks import options
+from linkwright.core.optimize.choice.signs import one_signed
 from linkwright.core.optimize.exchange.design import with_chosen_links
 from linkwright.core.optimize.exchange.program import carried_mass, cut_of, fixed_error
-from linkwright.core.optimize.exchange.signs import one_signed
 from linkwright.core.optimize.limits import KEPT_WITHIN, Limit, excess
 from linkwright.core.optimize.problem import Problem
 from linkwright.core.sections import SHAPES

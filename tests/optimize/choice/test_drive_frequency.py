@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from linkwright.core.arm.evaluation import evaluate
-from linkwright.core.optimize.choice.drive_frequency import frequency_allowed
+from linkwright.core.optimize.choice.actuators import frequency_allowed
 from linkwright.core.optimize.run import optimise
 from linkwright.core.units.quantities import NoAnswer
 from linkwright.json.design import evaluation_json
