@@ -67,7 +67,7 @@ def binding_limits(problem: Problem, choice: Choice, after: Evaluation) -> tuple
 def _ranges(problem: Problem, choice: Choice, worth: float, names: Sequence[str]) -> list[BindingLimit]:
     """The ends of ranges of tapers, sizes and lengths that hold, with the prices of all places at each added up; from
     the base out."""
-    found: list[tuple[str, BindingLimit]] = []
+    found: list[tuple[int, BindingLimit]] = []
     for name in names:
         span: tuple[float, float] | None = getattr(problem, name)
         for side in () if span is None else (0, 1):
@@ -82,7 +82,7 @@ def _ranges(problem: Problem, choice: Choice, worth: float, names: Sequence[str]
             text = f"{name} {'<=' if side else '>='} {shown} ({', '.join(prices)})"
             price = sum(prices.values()) / step * worth / factor
             limit = BindingLimit(name, text, bound * factor, bound * factor, unit, price, price_unit(problem, unit))
-            found.append((next(iter(prices)), limit))
+            found.append((int(next(iter(prices)).split()[1]), limit))
     return [limit for _, limit in sorted(found, key=lambda each: each[0])]
 
 

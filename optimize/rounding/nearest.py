@@ -16,10 +16,10 @@ from linkwright.core.arm.worst.workspace import Unreachable
 from linkwright.core.optimize.limits import Limit, excess
 from linkwright.core.optimize.problem import Problem
 from linkwright.core.optimize.result import NotRounded
+from linkwright.core.optimize.sizes.judge import CHUNK, Integers, Judge
 from linkwright.core.sections.numeric import Array
 from linkwright.core.units.quantities import NoAnswer, format_quantity
 
-from .fixed_sizes import CHUNK, Integers, RoundSearch
 from .options import Rounding
 
 MOST_EVALUATED = 12
@@ -50,32 +50,32 @@ class Nearest:
     proven: bool
 
 
-def nearest_design(search: RoundSearch, picks: Integers) -> Nearest | None:
+def nearest_design(judge: Judge, picks: Integers) -> Nearest | None:
     """The design of `picks` (see `Table`) that breaks the limits least; None where none reaches the workspace."""
-    picks = search.table.agreeing(picks)
-    over = np.concatenate([_bounds(search, picks[k : k + CHUNK]) for k in range(0, len(picks), CHUNK)] or [np.zeros(0)])
+    picks = judge.table.agreeing(picks)
+    over = np.concatenate([_bounds(judge, picks[k : k + CHUNK]) for k in range(0, len(picks), CHUNK)] or [np.zeros(0)])
     best: Nearest | None = None
     for _ in range(min(MOST_EVALUATED, len(picks))):
         at = int(np.argmin(over))
         if best is not None and not over[at] < best.excess:
             return Nearest(best.evaluation, best.excess, proven=True)
         over[at] = math.inf
-        found = _evaluated(search.problem, search, picks[at])
+        found = _evaluated(judge.problem, judge, picks[at])
         if found is not None and (best is None or found.excess < best.excess):
             best = found
     return best
 
 
-def _bounds(search: RoundSearch, picks: Integers) -> Array:
+def _bounds(judge: Judge, picks: Integers) -> Array:
     """How far each design exceeds some limit at least."""
-    over = search.exceeded(picks)
+    over = judge.exceeded(picks)
     known = [np.where(np.isnan(values), -math.inf, values) for values in over.values()]
     return np.max(known, axis=0) if known else np.full(len(picks), -math.inf)
 
 
-def _evaluated(problem: Problem, search: RoundSearch, pick: Integers) -> Nearest | None:
+def _evaluated(problem: Problem, judge: Judge, pick: Integers) -> Nearest | None:
     try:
-        found = evaluate(search.table.arm_of([int(k) for k in pick]), problem.workspace, problem.load_cases)
+        found = evaluate(judge.table.arm_of([int(k) for k in pick]), problem.workspace, problem.load_cases)
     except Unreachable:
         return None
     if problem.must_reach and found.unreached is not None:
@@ -84,16 +84,16 @@ def _evaluated(problem: Problem, search: RoundSearch, pick: Integers) -> Nearest
     return Nearest(found, max((value for value in each if not math.isnan(value)), default=0.0), proven=False)
 
 
-def why_not(search: RoundSearch, rounding: Rounding) -> str:
+def why_not(judge: Judge, rounding: Rounding) -> str:
     """Which limit no rounded design keeps."""
     sizes = "stock sizes" if rounding.step is None else f"sizes in steps of {rounding.text}"
-    for limit in search.problem.limits:
-        over = search.least.get(limit.text, 0.0)
+    for limit in judge.problem.limits:
+        over = judge.least.get(limit.text, 0.0)
         if over > 0.0 and not math.isinf(over):
             return f"no design of {sizes} near the optimum keeps {limit.text}: the nearest has {_had(limit, over)}"
-    if search.nearest is None:
+    if judge.nearest is None:
         return f"no design of {sizes} near the optimum reaches the whole workspace"
-    over, limit = search.nearest
+    over, limit = judge.nearest
     broken_by = f"the nearest breaks {limit.text} with {_had(limit, over)}"
     return f"no design of {sizes} near the optimum keeps all limits at once: {broken_by}"
 

@@ -60,10 +60,10 @@ class Rounding:
 
 @dataclass(frozen=True)
 class Option:
-    """A section with its material for one link (None for a rigid link), and its name where it is a stock size."""
+    """A section with its material for one link, and its name where it is a stock size."""
 
-    section: Section | None
-    material: Material | None
+    section: Section
+    material: Material
     stock: str | None = None
 
 

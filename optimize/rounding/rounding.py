@@ -1,16 +1,16 @@
 """An optimum moved to sizes that a workshop can get: a grid of sizes or the stock tables, certified anew.
 
-Rounding each size to its nearest neighbour seldom gives the best design, and often breaks a limit. Here every
-combination of the nearest sizes is compared (`optimize.rounding.fixed_sizes`), up to a number; what is beyond that is
-reached by exchanging two links at a time among wider choices until nothing improves.
+Rounding each size to its nearest neighbour seldom gives the best design, and often breaks a limit. The sizes about the
+optimum are lists like any other (`optimize.sizes`): the best of all their combinations is searched for, with a bound on
+the rest. Lengths are those beside the optimum's, then others as long as that helps.
 """
 
 from __future__ import annotations
 
-import itertools
 import math
 import time
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from dataclasses import replace
 from typing import Any
 
@@ -18,19 +18,22 @@ import numpy as np
 from numpy.typing import NDArray
 
 from linkwright.core.arm.evaluation import Evaluation, evaluate
+from linkwright.core.arm.worst.workspace import Unreachable
 from linkwright.core.executors import Executor
 from linkwright.core.optimize.choice.combinations import Progress
-from linkwright.core.optimize.exchange.design import numeric_beams
 from linkwright.core.optimize.exchange.exchange import context_of
 from linkwright.core.optimize.journal import Journal
 from linkwright.core.optimize.limits import broken
 from linkwright.core.optimize.problem import Problem
 from linkwright.core.optimize.result import KeptLimit, NotRounded, OptimizationResult, Rounded
 from linkwright.core.optimize.run import Log, optimise
+from linkwright.core.optimize.sizes.designs_at_once import Table
+from linkwright.core.optimize.sizes.listed_search import Found
+from linkwright.core.optimize.sizes.options import LinkList, columns_of, keeping
+from linkwright.core.optimize.sizes.search import CLOSE, ListSearch
+from linkwright.core.sections.section import Section
 from linkwright.core.units.quantities import InputError, NoAnswer, format_quantity
 
-from .designs_at_once import Group, Table
-from .fixed_sizes import RoundSearch
 from .nearest import NoRounding, nearest_design, why_not
 from .options import (
     Option,
@@ -48,7 +51,11 @@ from .options import (
 Integers = NDArray[np.intp]
 
 MOST_DESIGNS = 100_000
-"""Up to this many combinations of the nearest sizes every one is compared."""
+"""Among so many the one that breaks the limits least is looked for."""
+_REACH = 2
+"""Multiples of the step to either side of each dimension."""
+_CLOSE = 1e-9
+"""Of designs that differ by less (relative) either is the best."""
 _WIDE = 300
 _ROUNDS = 12
 _LENGTH_STEPS = (64, 16, 4, 1)
@@ -120,125 +127,102 @@ def rounded(
         own = replace(drawn, arm=result_there.arm)
     else:
         result_there = result
-    search = _search(own, result_there.after, rounding, progress)
-    stopped = not _compared(search)
-    while search.best is not None:
-        pick, _ = search.best
-        made = search.table.arm_of(pick)
-        after = evaluate(made, own.workspace, own.load_cases)
+    search = _search(own, rounding, progress)
+    beside = len(search.judge.table.lengths)
+    found = _best(search, rounding, beside)
+    while found.pick is not None:
+        after = evaluate(search.judge.table.arm_of(found.pick), own.workspace, own.load_cases)
         if not broken(own.limits, after):
-            made = _rounded(own, result, rounding, search, after, time.perf_counter() - began)
-            return replace(made, interrupted=stopped)
+            return _rounded(
+                own, result, rounding, search.combinations * beside, found, after, time.perf_counter() - began
+            )
         # The last word is that of the evaluation, which looks closer than a search does.
-        search.exclude(pick)
-        stopped = not _compared(search)
+        search.exclude(found.pick)
+        found = _best(search, rounding, beside)
     raise NoRounding(_not_rounded(own, result, rounding, search, began))
 
 
-def _compared(search: RoundSearch) -> bool:
-    """Compare designs; whether that went through to the end. Raises `KeyboardInterrupt` where one left nothing."""
-    try:
-        _compare(search)
-    except KeyboardInterrupt:
-        if search.best is None:
-            raise
-        search.complete = False
-        return False
-    return True
-
-
-def _search(problem: Problem, optimum: Evaluation, rounding: Rounding, progress: Progress | None) -> RoundSearch:
-    context = context_of(problem)
-    groups = _groups(problem, rounding)
+def _search(problem: Problem, rounding: Rounding, progress: Progress | None) -> ListSearch:
+    context, lists = context_of(problem), _lists(problem, rounding)
     lengths = length_choices(problem, problem.arm.lengths, rounding.length_step)
-    search = RoundSearch(context, Table(problem, problem.arm, groups, lengths), rounding, _telling(progress))
-    p = numeric_beams(problem.arm, problem.load_cases)
-    poses = [(pose.q, pose.load_case) for pose in optimum.worst.poses] if context.uses_error else []
-    for family, prepared in context.families:
-        if family.bounds_many:
-            found = family.worst(prepared, problem, context.search, problem.arm, p)
-            poses += [(each.cut.q, family.load_case(each.cut)) for each in found]
-    if poses:
-        search.add_poses(np.array([q for q, _ in poses]), [case for _, case in poses], p)
+    search = ListSearch(context, lists, progress=progress, table=Table(context.problem, lists, lengths))
+    search.named, search.close = "rounding", _CLOSE
     return search
 
 
-def _telling(progress: Progress | None) -> Callable[[int, int], None] | None:
-    if progress is None:
-        return None
+def _best(search: ListSearch, rounding: Rounding, beside: int) -> Found:
+    """The best of all sizes with each of the choices of lengths `beside` the optimum's, and the bound on those; then
+    with others as long as that helps. Raises `KeyboardInterrupt` where one left nothing."""
+    judge, bound, stopped = search.judge, math.inf, False
+    rounds = 0 if search.context.problem.link_length is None else _ROUNDS
+    try:
+        for place in range(beside):
+            with suppress(Unreachable):
+                bound = min(bound, _at(search, place))
+        while rounds and judge.best is not None and _lengths_moved(search, rounding.length_step):
+            rounds -= 1
+            _at(search, judge.best[0][-1])
+    except KeyboardInterrupt:
+        if judge.best is None:
+            raise
+        stopped = True
+    pick, objective = judge.best or (None, math.inf)
+    return Found(
+        pick, objective, -math.inf if stopped else bound, search.parts, search.compared, judge.searched, stopped
+    )
 
-    def tell(offered: int, searched: int) -> None:
-        progress(searched, searched + 1, f"rounding: {offered} designs compared")
 
-    return tell
+def _at(search: ListSearch, place: int) -> float:
+    """Look at a choice of lengths; the bound on it."""
+    found = search.at(place)
+    if found.interrupted:
+        raise KeyboardInterrupt
+    return found.bound
 
 
 # ---- what each link can be
 
 
-def _groups(problem: Problem, rounding: Rounding) -> list[Group]:
-    """The links that can be rounded, those of one shape together where they must agree in their dimensions."""
-    elastic = [index for index, link in enumerate(problem.arm.links) if link.section is not None]
-    together: dict[object, list[int]] = {}
-    for index in elastic:
-        section = problem.arm.links[index].section
-        assert section is not None
-        together.setdefault("all" if "size" in problem.same else index, []).append(index)
-    return [
-        _stock_group(problem, links) if rounding.step is None else _grid_group(problem, links, rounding.step)
-        for links in together.values()
-    ]
+def _lists(problem: Problem, rounding: Rounding) -> tuple[LinkList, ...]:
+    """The sizes that each link can have, those first that are nearest to the optimum."""
+    found: list[LinkList] = []
+    for index, link in enumerate(problem.arm.links):
+        if link.section is None:
+            continue
+        options, _ = keeping(problem, _options(problem, index, link.section, rounding))
+        options.sort(key=lambda option, index=index: _distance(option, problem, index))
+        found.append(LinkList(index, tuple(options), columns_of(problem, options)))
+    return tuple(found)
 
 
-def _grid_group(problem: Problem, links: Sequence[int], step: float) -> Group:
-    first = problem.arm.links[links[0]]
-    assert first.section is not None
-    options: list[tuple[Option, ...]] = []
-    near = 0
-    for reach in (1, 2):
-        for section in grid_sections(problem, first.section, step, reach, links[0]):
-            option = tuple(Option(section, problem.arm.links[link].material) for link in links)
-            if option not in options:
-                options.append(option)
-        near = near or len(options)
+def _options(problem: Problem, index: int, section: Section, rounding: Rounding) -> list[Option]:
+    materials = allowed_materials(problem, problem.arm.links[index])
+    if rounding.step is None:
+        shapes = allowed_shapes(problem)
+        options = stock_options(problem, shapes, materials)
+        if not options:
+            what = why_no_stock(problem, shapes, materials)
+            raise NoAnswer(f"link {index + 1}: {what}; `linkwright sections list` has them all")
+        return options
+    material = problem.arm.links[index].material
+    assert material is not None
+    options = [Option(each, material) for each in grid_sections(problem, section, rounding.step, _REACH, index)]
     if not options:
-        grid = format_quantity(step, "length")
-        raise NoAnswer(f"link {links[0] + 1}: no {first.section.shape} near the optimum has sizes in steps of {grid}")
-    ranked = sorted(options[:near], key=lambda option: _distance(option, problem, links))
-    wide = sorted(options[near:], key=lambda option: _distance(option, problem, links))
-    return Group(tuple(links), (*ranked, *wide), near)
+        grid = format_quantity(rounding.step, "length")
+        raise NoAnswer(f"link {index + 1}: no {section.shape} near the optimum has sizes in steps of {grid}")
+    return options
 
 
-def _stock_group(problem: Problem, links: Sequence[int]) -> Group:
-    shapes = allowed_shapes(problem)
-    each = [stock_options(problem, shapes, allowed_materials(problem, problem.arm.links[index])) for index in links]
-    if len(links) == 1:
-        options = [(option,) for option in each[0]]
-    else:
-        names = dict.fromkeys(option.stock for option in each[0])
-        options = [
-            pick for name in names for pick in itertools.product(*[[o for o in own if o.stock == name] for own in each])
-        ]
-    if not options:
-        what = why_no_stock(problem, shapes, allowed_materials(problem, problem.arm.links[links[0]]))
-        raise NoAnswer(f"link {links[0] + 1}: {what}; `linkwright sections list` has them all")
-    options.sort(key=lambda option: _distance(option, problem, links))
-    return Group(tuple(links), tuple(options), len(options))
-
-
-def _distance(option: tuple[Option, ...], problem: Problem, links: Sequence[int]) -> float:
+def _distance(option: Option, problem: Problem, index: int) -> float:
     """How far an option is from the optimum: in the logarithms of mass and of bending rigidity."""
-    total = 0.0
-    for each, index in zip(option, links, strict=True):
-        link = problem.arm.links[index]
-        own, other = _stiff_and_heavy(Option(link.section, link.material), problem), _stiff_and_heavy(each, problem)
-        total += sum(abs(math.log(a / b)) for a, b in zip(other, own, strict=True))
-    return total
+    link = problem.arm.links[index]
+    assert link.section is not None
+    assert link.material is not None
+    own, other = (_stiff_and_heavy(each, problem) for each in (Option(link.section, link.material), option))
+    return sum(abs(math.log(a / b)) for a, b in zip(other, own, strict=True))
 
 
 def _stiff_and_heavy(option: Option, problem: Problem) -> tuple[float, float]:
-    assert option.section is not None
-    assert option.material is not None
     found = option.section.properties(0.3)
     values = option.material.at(problem.arm.temperature)
     return (
@@ -250,23 +234,6 @@ def _stiff_and_heavy(option: Option, problem: Problem) -> tuple[float, float]:
 # ---- which designs to compare
 
 
-def _compare(search: RoundSearch) -> None:
-    """Offer the combinations of the nearest sizes, then exchanges of two among the wider ones."""
-    groups, lengths = search.table.groups, len(search.table.lengths)
-    near, every = [group.near for group in groups], [len(group.options) for group in groups]
-    sizes = _few_enough(near, lengths)
-    search.complete = search.complete and sizes == near
-    search.offer(_product([range(size) for size in sizes], range(lengths)))
-    if search.best is None and sum(sizes) < sum(every):
-        search.offer(_product([range(size) for size in _few_enough(every, lengths)], range(lengths)))
-    for _ in range(_ROUNDS):
-        if search.best is None:
-            break
-        better = _exchanged(search)
-        if not (_lengths_moved(search) or better):
-            break
-
-
 def _few_enough(counts: Sequence[int], lengths: int) -> list[int]:
     """How many options of each group, at most so many, there can be in combinations of all that are few enough."""
     sizes = list(counts)
@@ -276,41 +243,22 @@ def _few_enough(counts: Sequence[int], lengths: int) -> list[int]:
     return sizes
 
 
-def _exchanged(search: RoundSearch) -> bool:
-    """Other options for every two groups, or a group and the lengths, at once; whether that found a better design."""
-    assert search.best is not None
-    counts = [*(min(len(group.options), _WIDE) for group in search.table.groups), len(search.table.lengths)]
-    if len(counts) == 2:
-        return search.offer(_product([range(counts[0])], range(counts[1])))
-    better = False
-    for one, other in itertools.combinations(range(len(counts)), 2):
-        pick = search.best[0]
-        own = [range(counts[k]) if k in (one, other) else [pick[k]] for k in range(len(counts))]
-        better = search.offer(_product(own[:-1], own[-1])) or better
-    return better
-
-
-def _lengths_moved(search: RoundSearch) -> bool:
-    """Other lengths, by ever fewer steps, each with other options of one group; whether that found a better design."""
-    better, table = False, search.table
+def _lengths_moved(search: ListSearch, step: float) -> bool:
+    """Other lengths, by ever fewer steps (m), each with other options of one link; whether that found a better
+    design."""
+    judge, better = search.judge, False
+    wide = [range(min(len(own.options), _WIDE)) for own in search.lists]
     for steps in _LENGTH_STEPS:
-        while search.best is not None:
-            pick = search.best[0]
-            lengths = moved_lengths(search.problem, table.lengths[pick[-1]], steps * search.rounding.length_step)
-            places = table.add_lengths(lengths)
-            offers = [search.offer(each) for each in _one_group_free(search, pick, places)] if places else []
+        while judge.best is not None:
+            *pick, place = judge.best[0]
+            lengths = moved_lengths(search.context.problem, judge.table.lengths[place], steps * step)
+            places = judge.table.add_lengths(lengths)
+            trials = ([own if k == free else [pick[k]] for k, own in enumerate(wide)] for free in range(len(wide)))
+            offers = [judge.offer(_product(each, places)) for each in trials] if places else []
             if not any(offers):
                 break
             better = True
     return better
-
-
-def _one_group_free(search: RoundSearch, pick: tuple[int, ...], lengths: Sequence[int]) -> list[Integers]:
-    """A design's picks with other options of each group in turn, for choices of lengths."""
-    wide = [range(min(len(group.options), _WIDE)) for group in search.table.groups]
-    return [
-        _product([own if k == free else [pick[k]] for k, own in enumerate(wide)], lengths) for free in range(len(wide))
-    ]
 
 
 def _product(options: Sequence[Sequence[int]], lengths: Sequence[int]) -> Integers:
@@ -326,10 +274,12 @@ def _rounded(
     problem: Problem,
     result: OptimizationResult,
     rounding: Rounding,
-    search: RoundSearch,
+    every: int,
+    found: Found,
     after: Evaluation,
     seconds: float,
 ) -> Rounded:
+    proven = found.gap is not None and found.gap <= 2.0 * CLOSE
     objective, before = (problem.objective.value(each) for each in (after, result.after))
     assert objective is not None
     assert before is not None
@@ -341,21 +291,24 @@ def _rounded(
         objective=objective,
         before=before,
         limits=_limits(problem, result, after),
-        compared=search.offered,
-        searched=search.searched,
-        exhaustive=search.complete,
+        compared=every if proven else found.compared,
+        searched=found.searched,
+        exhaustive=proven,
         seconds=seconds,
+        interrupted=found.interrupted,
     )
 
 
 def _not_rounded(
-    problem: Problem, result: OptimizationResult, rounding: Rounding, search: RoundSearch, began: float
+    problem: Problem, result: OptimizationResult, rounding: Rounding, search: ListSearch, began: float
 ) -> NotRounded:
     """Why there is none, and the design that breaks the limits least."""
-    counts, lengths = [len(group.options) for group in search.table.groups], len(search.table.lengths)
-    sizes = _few_enough(counts, lengths)
-    found = nearest_design(search, _product([range(size) for size in sizes], range(lengths)))
-    told = NotRounded(rounding.text, _length_step(problem, rounding), why_not(search, rounding))
+    judge, counts = search.judge, [len(own.options) for own in search.lists]
+    sizes = _few_enough(counts, len(judge.table.lengths))
+    picks = _product([range(size) for size in sizes], range(len(judge.table.lengths)))
+    judge.offer(picks)
+    found = nearest_design(judge, picks)
+    told = NotRounded(rounding.text, _length_step(problem, rounding), why_not(judge, rounding))
     if found is not None:
         limits = _limits(problem, result, found.evaluation)
         proven = found.proven and sizes == counts

@@ -12,9 +12,9 @@ from linkwright.core.optimize.choice.at_once.parts import BranchAndBound
 from linkwright.core.optimize.exchange.binding_poses import Pool
 from linkwright.core.optimize.exchange.exchange import Context
 from linkwright.core.optimize.result import Iteration
-from linkwright.core.optimize.rounding.designs_at_once import Table
 
-from .judging import Judge
+from .designs_at_once import Table
+from .judge import Judge
 from .options import LinkList, agreeing
 
 Part = TypeVar("Part")
@@ -58,12 +58,13 @@ class ListedSearch(BranchAndBound[Part]):
         log: Callable[[Iteration], None] | None = None,
         table: Table | None = None,
     ) -> None:
-        """`doing` as for `BranchAndBound`; `table` is that of the lists (`judging.table_of`), where it is there
-        already."""
+        """`doing` as for `BranchAndBound`; `table` is that of the lists, where it is there already."""
         super().__init__(doing)
+        self.named = "listed sizes"
+        """What is compared, for progress."""
         self.context, self.lists, self.progress, self._log = context, lists, progress, log
         self.history: list[Iteration] = []
-        self.judge = Judge(context, lists, self._heard, table)
+        self.judge = Judge(context, table or Table(context.problem, lists), self._heard)
         self.compared = 0
         self.bounded = True
         """Whether there are rows, so that anything can be bounded."""
@@ -106,7 +107,7 @@ class ListedSearch(BranchAndBound[Part]):
             self._log(self.history[-1])
 
     def _heard(self, offered: int, searched: int) -> None:
-        self._say(searched, searched + 1, f"listed sizes: {offered} designs compared")
+        self._say(searched, searched + 1, f"{self.named}: {offered} designs compared")
 
     def _say(self, done: int, of: int, text: str) -> None:
         if self.progress is not None:

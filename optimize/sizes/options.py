@@ -52,28 +52,30 @@ def link_lists(problem: Problem) -> tuple[LinkList, ...]:
             if not every:
                 names = " or ".join(each.name for each in materials)
                 raise NoAnswer(f"link {number + 1}: none of the sizes listed comes in {names}")
-            kept = _kept(problem, every)
+            kept, broken = keeping(problem, every)
+            if broken is not None:
+                raise NoAnswer(f"no section listed keeps {broken.text}")
             made[key] = tuple(kept), columns_of(problem, kept)
         found.append(LinkList(number, *made[key]))
     return tuple(found)
 
 
-def _kept(problem: Problem, options: Sequence[Option]) -> list[Option]:
-    """The options that keep all limits on single links."""
-    limits = [limit for limit in problem.limits if isinstance(limit.figure.follows, OfLinks)]
-    for limit in limits:
-        left = [option for option in options if _keeps(problem, limit, option)]
-        if not left:
-            raise NoAnswer(f"no section listed keeps {limit.text}")
-        options = left
-    return list(options)
+def keeping(problem: Problem, options: Sequence[Option]) -> tuple[list[Option], Limit | None]:
+    """The options that keep the limits on single links, in their order until one is kept by none, which is the
+    second."""
+    left = list(options)
+    for limit in problem.limits:
+        if isinstance(limit.figure.follows, OfLinks):
+            kept = [option for option in left if _keeps(problem, limit, option)]
+            if not kept:
+                return left, limit
+            left = kept
+    return left, None
 
 
 def _keeps(problem: Problem, limit: Limit, option: Option) -> bool:
     follows = limit.figure.follows
     assert isinstance(follows, OfLinks)
-    assert option.section is not None
-    assert option.material is not None
     values = follows.values(option.section, option.material.at(problem.arm.temperature)) or ()
     return all(excess(limit, float(value)) <= KEPT_WITHIN for value in values)
 
@@ -84,17 +86,13 @@ def columns_of(problem: Problem, options: Sequence[Option]) -> Array:
     alike: dict[tuple[str, tuple[str, ...], str], list[int]] = {}
     stuffs: dict[str, Material] = {}
     for place, option in enumerate(options):
-        assert option.section is not None
-        assert option.material is not None
         key = (option.section.shape, tuple(option.section.given()), option.material.name)
         alike.setdefault(key, []).append(place)
         stuffs[option.material.name] = option.material
     found = np.zeros((len(options), len(COLUMNS)))
     for (_, names, material), places in alike.items():
         row = material_row((stuffs[material],), problem)
-        first = options[places[0]].section
-        assert first is not None
-        kind = type(first)
+        kind = type(options[places[0]].section)
         sizes = {name: np.array([float(getattr(options[k].section, name)) for k in places]) for name in names}
         values = material_values(row, 0)
         with np.errstate(all="ignore"):
@@ -110,7 +108,7 @@ def columns_of(problem: Problem, options: Sequence[Option]) -> Array:
 
 def agreeing(lists: Sequence[LinkList], same: frozenset[str]) -> list[tuple[NDArray[np.intp], ...]]:
     """All designs, in parts that agree in what must be the same: of each link the options (by number) in a part."""
-    kinds = [_kinds(each, same) for each in lists]
+    kinds = [kinds_of(each, same) for each in lists]
     found: list[tuple[NDArray[np.intp], ...]] = []
     for kind in dict.fromkeys(kinds[0]):
         options = tuple(np.array([k for k, each in enumerate(own) if each == kind], dtype=np.intp) for own in kinds)
@@ -119,11 +117,10 @@ def agreeing(lists: Sequence[LinkList], same: frozenset[str]) -> list[tuple[NDAr
     return found
 
 
-def _kinds(own: LinkList, same: frozenset[str]) -> list[object]:
+def kinds_of(own: LinkList, same: frozenset[str]) -> list[object]:
+    """Of each option what must be the same for all links."""
     found: list[object] = []
     for option in own.options:
-        assert option.section is not None
-        assert option.material is not None
         size = option.section if "size" in same else None
         shape = option.section.shape if "section" in same else None
         found.append((size, shape, option.material.name if "material" in same else None))

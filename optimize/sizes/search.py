@@ -20,9 +20,9 @@ from linkwright.core.optimize.exchange.binding_poses import Pool
 from linkwright.core.optimize.exchange.design import numeric_beams
 from linkwright.core.optimize.exchange.exchange import Context
 from linkwright.core.optimize.result import Iteration
-from linkwright.core.optimize.rounding.designs_at_once import Table
 from linkwright.core.sections.numeric import Array
 
+from .designs_at_once import Table
 from .listed_search import AGREE, Found, ListedSearch, Progress
 from .options import LinkList, agreeing
 from .relaxation import Part, Relaxation, Relaxed
@@ -57,11 +57,21 @@ class ListSearch(ListedSearch[Part]):
         log: Callable[[Iteration], None] | None = None,
         table: Table | None = None,
     ) -> None:
-        """`table` is that of the lists (`judging.table_of`), where it is there already."""
+        """`table` is that of the lists, where it is there already."""
         super().__init__(context, lists, "bounding all combinations", progress=progress, log=log, table=table)
         self.relaxation = Relaxation(lists)
+        self.close = CLOSE
+        """The gap at which nothing is left to win."""
+        self.place = 0
+        """The choice of lengths, of those of the table."""
         self._known = Pool()
         self._own = 0
+
+    def at(self, place: int) -> Found:
+        """Look for a design with a choice of lengths of the table that is better than the best so far."""
+        self.place, self._known, self.relaxation.rows, self.bounded = place, Pool(), [], True
+        self.judge.pool = Pool()
+        return self.run()
 
     @property
     def _pool(self) -> Pool:
@@ -75,9 +85,9 @@ class ListSearch(ListedSearch[Part]):
                 self._begin()
             for part in self._roots():
                 self._push(part, part.bound)
-            while self._heap and self.gap > CLOSE and self._worth_going_on():
+            while self._heap and self.gap > self.close and self._worth_going_on():
                 self._next()
-            if not self.bounded and self.gap > CLOSE:
+            if not self.bounded and self.gap > self.close:
                 self._link_by_link()
         except KeyboardInterrupt:
             if self.judge.best is None:
@@ -91,7 +101,7 @@ class ListSearch(ListedSearch[Part]):
     def _agrees(self) -> bool:
         """Whether the best design, which was looked at as a whole, is where its rows say: above those of the objective,
         and within all others. What they bound is worth nothing otherwise."""
-        if self.judge.best is None:
+        if self.judge.best is None or self.judge.best[0][-1] != self.place:
             return True
         pick = np.array([self.judge.best[0][:-1]])
         values = [(row, float(row.values(pick)[0])) for row in self.relaxation.rows]
@@ -102,10 +112,10 @@ class ListSearch(ListedSearch[Part]):
     def _begin(self) -> None:
         """Poses of the arm as given, of the stiffest options and of the lightest; rows read off the stiffest."""
         for pick in ([int(each.columns[:, column].argmin()) for each in self.lists] for column in (2, 0)):
-            arm = self.judge.table.arm_of([*pick, 0])
+            arm = self.judge.table.arm_of([*pick, self.place])
             self.judge.learn(arm, numeric_beams(arm, self.context.problem.load_cases))
         stiff = [int(each.columns[:, 2].argmin()) for each in self.lists]
-        self._arm = self.judge.table.arm_of([*stiff, 0])
+        self._arm = self.judge.table.arm_of([*stiff, self.place])
         self._p = numeric_beams(self._arm, self.context.problem.load_cases)
         self.worth = self._worth(stiff)
         own = rows_of(self.context, Pool(), self._arm, self._p, self.worth)
@@ -120,7 +130,7 @@ class ListSearch(ListedSearch[Part]):
         problem = self.context.problem
         if problem.minimize == "max_error":
             return max(self.context.search.worst(self._p, certify=False).error, 1e-12)
-        value = self.judge.objective_of(np.array([[*pick, 0]]))
+        value = self.judge.objective_of(np.array([[*pick, self.place]]))
         return max(float(value[0]), 1e-9)
 
     def _refresh(self) -> None:
@@ -192,13 +202,13 @@ class ListSearch(ListedSearch[Part]):
                     trials = np.repeat(pick[None], len(each.options), axis=0)
                     trials[:, k] = np.arange(len(each.options))
                     self.compared += len(trials)
-                    if self.judge.offer(np.hstack([trials, np.zeros((len(trials), 1), dtype=np.intp)])):
+                    if self.judge.offer(self._placed(trials)):
                         assert self.judge.best is not None
                         self._note()
                         pick, improved = np.array(self.judge.best[0][:-1], dtype=np.intp), True
 
     def _enough(self) -> float:
-        return self.objective * (1.0 - CLOSE)
+        return self.objective * (1.0 - self.close)
 
     def _compared_all(self, part: Part) -> bool:
         counts = [len(own) for own in part.options]
@@ -222,6 +232,10 @@ class ListSearch(ListedSearch[Part]):
 
     def _picks(self, part: Part, places: Integers) -> Integers:
         return np.stack([own[places[:, k]] for k, own in enumerate(part.options)], axis=1)
+
+    def _placed(self, picks: Integers) -> Integers:
+        """Options of the links with the choice of lengths."""
+        return np.hstack([picks, np.full((len(picks), 1), self.place, dtype=np.intp)])
 
     def _try(self, found: Relaxed) -> None:
         """Combinations of the options of each link that cost least."""
@@ -249,7 +263,7 @@ class ListSearch(ListedSearch[Part]):
                 return True
             batch, left, values = left[:size], left[size:], values[size:]
             size *= 2
-            if self.judge.offer(np.hstack([batch, np.zeros((len(batch), 1), dtype=np.intp)])):
+            if self.judge.offer(self._placed(batch)):
                 self._note()
             self._refresh()
             if not self.judge.complete:

@@ -14,9 +14,8 @@ from linkwright.core.optimize.exchange.binding_poses import Pool
 from linkwright.core.optimize.exchange.exchange import context_of
 from linkwright.core.optimize.limits import Limit
 from linkwright.core.optimize.problem import Problem
-from linkwright.core.optimize.rounding.designs_at_once import Table
 from linkwright.core.optimize.rounding.options import Option
-from linkwright.core.optimize.sizes.judging import table_of
+from linkwright.core.optimize.sizes.designs_at_once import Table
 from linkwright.core.optimize.sizes.options import link_lists
 from linkwright.core.optimize.sizes.search import CLOSE, ListSearch
 from linkwright.core.units.quantities import NoAnswer
@@ -51,7 +50,7 @@ class ListedSearch:
                 raise NoAnswer(f"link {number}: none of the sizes listed is of that shape")
         self.context = context_of(replace(problem, sizes=None))
         self.lists = link_lists(problem)
-        self._table: Table = table_of(self.context, self.lists)
+        self._table = Table(self.context.problem, self.lists)
         self._codes = {each.link: _codes(problem, each.link) for each in self.lists}
         self._known: list[_Known] = []
 
@@ -77,7 +76,7 @@ class ListedSearch:
         codes = [-1.0] * self.problem.arm.size
         for own, number in zip(self.lists, numbers, strict=True):
             option = own.options[number]
-            shapes[own.link] = None if option.section is None else option.section.shape
+            shapes[own.link] = option.section.shape
             materials[own.link], codes[own.link] = option.material, self._codes[own.link][_key(option)]
         combination = Combination(tuple(shapes), tuple(materials))
         design = Design(combination, tuple(codes), Pool(), badness, None, proven)
@@ -119,7 +118,7 @@ class ListedSearch:
 
 
 def _key(option: Option) -> tuple[object, ...]:
-    return option.section, option.stock, None if option.material is None else option.material.name
+    return option.section, option.stock, option.material.name
 
 
 def _materials(problem: Problem, link: int) -> tuple[Material, ...]:

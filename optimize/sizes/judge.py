@@ -19,7 +19,9 @@ from linkwright.core.arm.chain.chain import Arm
 from linkwright.core.arm.errors.lost_motion import played
 from linkwright.core.arm.worst.coverage import reached
 from linkwright.core.arm.worst.workspace import Unreachable, pull
+from linkwright.core.optimize.exchange.binding_poses import Pool
 from linkwright.core.optimize.exchange.exchange import Context
+from linkwright.core.optimize.exchange.program import cut_of
 from linkwright.core.optimize.limits import (
     KEPT_WITHIN,
     Cut,
@@ -35,7 +37,6 @@ from linkwright.core.optimize.limits import (
 from linkwright.core.sections.numeric import Array
 
 from .designs_at_once import Figures, Table
-from .options import Rounding
 
 Integers = NDArray[np.intp]
 
@@ -66,14 +67,13 @@ class _Scores:
     seen: Integers
 
 
-class RoundSearch:
-    """Looks for the best design; `offer` designs, again and again."""
+class Judge:
+    """Finds the best of the designs that it is offered, again and again; `pool` holds the poses that told."""
 
-    def __init__(
-        self, context: Context, table: Table, rounding: Rounding, heard: Callable[[int, int], None] | None = None
-    ) -> None:
-        """`context` is of the problem whose arm is the optimum; `heard` is told designs offered and searched."""
-        self.context, self.table, self.problem, self.rounding = context, table, context.problem, rounding
+    def __init__(self, context: Context, table: Table, heard: Callable[[int, int], None] | None = None) -> None:
+        """`heard` is told designs offered and searched."""
+        self.context, self.table, self.problem = context, table, context.problem
+        self.pool = Pool()
         self.best: tuple[tuple[int, ...], float] | None = None
         self.offered, self.searched, self.complete = 0, 0, True
         self.least: dict[str, float] = {}
@@ -93,9 +93,33 @@ class RoundSearch:
         # Poses of a place in space turn with the lengths.
         self._turning = self.problem.workspace.kind != "joints" and self.problem.link_length is not None
 
+    def learn(self, arm: Arm, p: Array) -> None:
+        """Add the poses that a design shows, whatever it is worth."""
+        if self.context.uses_error:
+            worst = self.context.search.worst(p, certify=False)
+            near = [pose for pose in worst.poses if pose.error > 0.9 * worst.error][:_ADDED]
+            self.add_poses(np.array([pose.q for pose in near]), [pose.load_case for pose in near], p)
+        for family, prepared in self.context.families:
+            found = family.worst(prepared, self.problem, self.context.search, arm, p)
+            self.pool = self.pool.with_cuts(family.name, family.first(found))
+
+    def cuts(self) -> Pool:
+        """All poses that told, those of families that look at designs one by one among them."""
+        for name, cuts in self._cuts.items():
+            self.pool = self.pool.with_cuts(name, cuts)
+        return self.pool
+
     def add_poses(self, q: Array, load_cases: list[int], p: Array) -> None:
-        """Poses (N, n) of a design p's workspace to bound others with."""
+        """Poses (N, n) of a design p's workspace to bound others with, and for rows of the error and of each family
+        that bounds many."""
         search = self.context.search
+        for row, load_case in zip(q, load_cases, strict=True):
+            if self.context.uses_error:
+                pose = search.worst_poses_at(row[None], p, search.case_at(row, p, load_case))[0]
+                self.pool = self.pool.with_errors((cut_of(self.context.model, pose),))
+            for family, prepared in self.context.families:
+                if family.bounds_many and family.more(prepared) == 0:
+                    self.pool = self.pool.with_cuts(family.name, [Cut(tuple(row.tolist()), load_case)])
         tips = search.tip(q, p)
         cases = [search.case_at(row, p, case) for row, case in zip(q, load_cases, strict=True)]
         for row, tip, case in zip(q.tolist(), tips.tolist(), cases, strict=True):
@@ -302,6 +326,12 @@ class RoundSearch:
             return
         if kept and (self.best is None or values["objective"] < self.best[1]):
             self.best = (pick, values["objective"])
+            return
+        # What it shows of figures whose poses say more than where joints stand joins the rows.
+        for family, prepared in self.context.families:
+            if family.bounds_many and family.more(prepared) > 0:
+                found = family.worst(prepared, self.problem, self.context.search, arm, p)
+                self.pool = self.pool.with_cuts(family.name, [each.cut for each in found])
 
     def _reaches(self, lengths: int) -> bool:
         """Whether a choice of lengths reaches all that it must."""
@@ -315,7 +345,7 @@ class RoundSearch:
 
     def _with_lengths(self, lengths: int) -> Array:
         """The beam values of a design that has a choice of lengths."""
-        return self.table.figures(np.array([[*[0] * len(self.table.groups), lengths]])).p[0]
+        return self.table.figures(np.array([[*[0] * len(self.table.lists), lengths]])).p[0]
 
     def _kept(self, name: str, value: float, number: int | None = None) -> bool:
         limits = self.problem.limit(name) if number is None else (self.problem.limits[number],)

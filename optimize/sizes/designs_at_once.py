@@ -1,0 +1,175 @@
+"""Many designs at once: the figures of every combination of section options and lengths, as arrays."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, fields, replace
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from linkwright.core.arm.chain.beam import elastic_beam
+from linkwright.core.arm.chain.chain import Arm
+from linkwright.core.arm.chain.prices import price_by_length, price_by_mass
+from linkwright.core.arm.errors.calibrated import calibrated_temperature
+from linkwright.core.arm.errors.model import BEAM_FIELDS, beam_values, beams_of, needs_shear_modulus
+from linkwright.core.arm.limits.local_buckling import values_of
+from linkwright.core.arm.limits.strength import STRENGTH_FIELDS, strength_values
+from linkwright.core.arm.limits.wall_modes import Mode, modes_of
+from linkwright.core.optimize.exchange.program import carried_mass, drives_cost
+from linkwright.core.optimize.limits import Figure, OfLinks, Totals
+from linkwright.core.optimize.problem import Problem
+from linkwright.core.optimize.rounding.options import Option
+from linkwright.core.sections.numeric import Array
+
+from .options import LinkList, kinds_of
+
+Integers = NDArray[np.intp]
+
+
+@dataclass(frozen=True)
+class Figures:
+    """Figures of N designs (SI): beam values (N, 9 n), section values (N, 4 n), and N each of the rest."""
+
+    p: Array
+    sections: Array
+    mass: Array
+    cost: Array
+    reach: Array
+
+
+class Table:
+    """All links' options and all choices of lengths, ready to be combined."""
+
+    def __init__(self, problem: Problem, lists: Sequence[LinkList], lengths: Sequence[tuple[float, ...]] = ()) -> None:
+        """Links without a list (rigid ones) stay as they are; without `lengths` those of the problem's arm count."""
+        self.problem, self.arm = problem, problem.arm
+        self.lists, self.lengths = tuple(lists), tuple(lengths) or (problem.arm.lengths,)
+        arm = self.arm
+        self.carried = carried_mass(problem)
+        self._bought = drives_cost(problem)
+        self._length_rows = np.array(self.lengths)
+        self._placed = {lengths: number for number, lengths in enumerate(self.lengths)}
+        self._rigid = beam_values(beams_of(arm, problem.load_cases)).reshape(arm.size, -1)
+        self._rigid_mass = np.array([0.0 if link.elastic else link.mass or 0.0 for link in arm.links])
+        self._strong = strength_values(
+            [None if link.section is None else link.section.properties(0.3) for link in arm.links]
+        ).reshape(arm.size, -1)
+        shear = needs_shear_modulus(arm, problem.load_cases)
+        strong, priced = problem.needs("yield_strength"), problem.needs("cost")
+        rows = [[self._row(option, shear, priced, strong) for option in own.options] for own in self.lists]
+        self._beams, self._sections, self._prices, self.yields = (
+            [np.array([entry[place] for entry in own]) for own in rows] for place in range(4)
+        )
+        self._by_link: dict[str, list[Array]] = {}
+
+    def _row(self, option: Option, shear: bool, priced: bool, strong: bool) -> tuple[Array, Array, float, float]:
+        """Beam values without length, section values, price (EUR/kg) and yield strength (Pa)."""
+        values = option.material.at(self.arm.temperature, calibrated_temperature(self.problem.load_cases))
+        properties = option.section.properties(0.3 if values.poisson_ratio is None else values.poisson_ratio)
+        beam = elastic_beam(1.0, properties, values, shear=shear)
+        price = price_by_mass(self.problem.arm, option.material) if priced else 0.0
+        # The moduli that count for strength are those of `evaluate`.
+        moduli = strength_values([option.section.properties(0.3)])
+        return beam_values([beam]), moduli, price, values.need("yield_strength") if strong else np.nan
+
+    def figures(self, picks: Integers) -> Figures:
+        """The figures of designs: rows of picks are an option of each list, then a choice of lengths."""
+        count, size = len(picks), self.arm.size
+        lengths = self._length_rows[picks[:, -1]]
+        p = np.broadcast_to(self._rigid, (count, *self._rigid.shape)).copy()
+        s = np.broadcast_to(self._strong, (count, *self._strong.shape)).copy()
+        cost = np.full(count, self._bought)
+        mass = np.full(count, self._rigid_mass.sum())
+        for number, link in enumerate(each.link for each in self.lists):
+            p[:, link] = self._beams[number][picks[:, number]]
+            s[:, link] = self._sections[number][picks[:, number]]
+            own = p[:, link, BEAM_FIELDS.index("mass_per_length")] * lengths[:, link]
+            mass += own
+            cost += own * self._prices[number][picks[:, number]]
+            cost += price_by_length(self.problem.arm) * lengths[:, link]
+        p[:, :, BEAM_FIELDS.index("length")] = lengths
+        width = len(STRENGTH_FIELDS) * size
+        return Figures(p.reshape(count, -1), s.reshape(count, width), mass, cost, lengths.sum(axis=1))
+
+    def totals(self, figures: Figures) -> Totals:
+        """The sums over designs, as arrays."""
+        return Totals(figures.mass, figures.cost, figures.reach, self.carried)
+
+    def of_links(self, figure: Figure, follows: OfLinks, picks: Integers) -> Array:
+        """A figure of the links (N) of designs, the worst over each design's links; 0 where none has anything to
+        limit. What is not known of a link is left out."""
+        if figure.name not in self._by_link:
+            self._by_link[figure.name] = [
+                np.array([self._worst_of(figure, follows, option) for option in own.options]) for own in self.lists
+            ]
+        columns = [worst[picks[:, number]] for number, worst in enumerate(self._by_link[figure.name])]
+        least = figure.more_is_better
+        empty = np.inf if least else -np.inf
+        found = np.full(len(picks), empty)
+        for column in columns:
+            found = np.fmin(found, column) if least else np.fmax(found, column)
+        return np.where(found == empty, 0.0, found)
+
+    def _worst_of(self, figure: Figure, follows: OfLinks, option: Option) -> float:
+        found = follows.values(option.section, option.material.at(self.arm.temperature)) or ()
+        return figure.worst([float(x) for x in found]) if found else np.nan
+
+    def add_lengths(self, lengths: Sequence[tuple[float, ...]]) -> list[int]:
+        """The numbers of choices of lengths (m), added where they are new."""
+        fresh = [each for each in dict.fromkeys(lengths) if each not in self._placed]
+        for each in fresh:
+            self._placed[each] = len(self._placed)
+        self.lengths = (*self.lengths, *fresh)
+        self._length_rows = np.array(self.lengths)
+        return [self._placed[each] for each in lengths]
+
+    def yield_strengths(self, picks: Integers) -> Array:
+        """The links' yield strengths (N, n), Pa; NaN where unknown."""
+        found = np.full((len(picks), self.arm.size), np.nan)
+        for number, own in enumerate(self.lists):
+            found[:, own.link] = self.yields[number][picks[:, number]]
+        return found
+
+    def wall_modes(self, picks: Integers, link: int) -> Array:
+        """How a link's walls buckle (N, K, F); noughts where it has fewer modes, or none that are known."""
+        for number, own in enumerate(self.lists):
+            if link == own.link:
+                return self._modes[number][picks[:, number]]
+        return np.zeros((len(picks), 0, len(fields(Mode))))
+
+    @cached_property
+    def _modes(self) -> list[Array]:
+        """Of each list's options, all with room for as many modes."""
+        every = [[self._modes_of(option) for option in own.options] for own in self.lists]
+        most = max((len(modes) for own in every for modes in own), default=0)
+        empty = np.zeros((most, len(fields(Mode))))
+        return [np.array([np.vstack([modes, empty[len(modes) :]]) for modes in own]) for own in every]
+
+    def _modes_of(self, option: Option) -> Array:
+        material = option.material.at(self.arm.temperature)
+        properties = option.section.properties(0.3 if material.poisson_ratio is None else material.poisson_ratio)
+        modes = modes_of(option.section, properties, material) or []
+        return np.array([values_of(mode) for _, mode in modes]).reshape(len(modes), len(fields(Mode)))
+
+    def arm_of(self, pick: Sequence[int]) -> Arm:
+        """The arm that a row of picks describes."""
+        links = list(self.arm.links)
+        lengths = self.lengths[pick[-1]]
+        for own, number in zip(self.lists, pick, strict=False):
+            option = own.options[number]
+            links[own.link] = replace(
+                links[own.link], section=option.section, section_name=option.stock, material=option.material
+            )
+        links = [replace(link, length=length) for link, length in zip(links, lengths, strict=True)]
+        return self.arm.with_links(tuple(links))
+
+    def agreeing(self, picks: Integers) -> Integers:
+        """The picks in which all links agree in what the problem asks to be the same."""
+        kinds = [kinds_of(own, self.problem.same) for own in self.lists]
+        known = {kind: number for number, kind in enumerate(dict.fromkeys(kind for own in kinds for kind in own))}
+        if len(known) < 2:
+            return picks
+        columns = [np.array([known[kind] for kind in own])[picks[:, k]] for k, own in enumerate(kinds)]
+        return picks[np.all([column == columns[0] for column in columns], axis=0)]
