@@ -10,6 +10,7 @@ from linkwright.core.materials.material import Material
 from .choice.combinations import Choice, Combination
 from .exchange.design import design_space, material_row, starting_points
 from .exchange.exchange import Context, Exchange
+from .exchange.program import Ask
 from .result import Candidate, Dropped
 
 _GIVES = 1e-6
@@ -52,7 +53,7 @@ def _broken(context: Context, choice: Choice, candidate: Candidate, known: dict[
     row = material_row(pick.materials, problem)
     program = Exchange(context, space).program(choice.exchanged.pool, spare=False)
     for start in starting_points(space, row, 1):
-        solution = program.solve(start, row, choice.exchanged.pool, relax=True, limits=problem.limits)
+        solution = program.solve(start, row, choice.exchanged.pool, Ask(problem.limits, relax=True))
         if solution.solved:
             gives = zip(problem.limits, solution.slacks, strict=True)
             return tuple(limit.text for limit, slack in gives if abs(slack) > _GIVES)

@@ -30,7 +30,7 @@ from linkwright.core.optimize.exchange.design import (
 )
 from linkwright.core.optimize.exchange.exchange import Context, Exchange, Exchanged, first_pool, objective_of
 from linkwright.core.optimize.exchange.other_lengths import other_lengths, share_unreached, with_lengths
-from linkwright.core.optimize.exchange.program import Program, Solution, carried_mass
+from linkwright.core.optimize.exchange.program import Ask, Program, Solution, carried_mass
 from linkwright.core.optimize.exchange.rescue import solved
 from linkwright.core.optimize.journal import Journal
 from linkwright.core.optimize.limits import OfDesign, Totals, excess
@@ -244,8 +244,8 @@ class Chooser:
         exchange, materials = self._exchange(pick.shapes), material_row(pick.materials, self.context.problem)
         program = exchange.program(self.pool)
         lengths = np.array([variable.name == LENGTH for variable in exchange.space.variables])
-        near = (start, np.where(lengths, _HELD, np.inf))
-        held = solved(program, start, materials, self.pool, limits=self.context.problem.limits, within=near)
+        near = Ask(self.context.problem.limits, within=(start, np.where(lengths, _HELD, np.inf)))
+        held = solved(program, start, materials, self.pool, near)
         if not held.solved:
             return
         hopeful = _HOPEFUL * self.objective
@@ -366,8 +366,8 @@ class Chooser:
             if not explain or alone.solution is not None or alone.unsolved:
                 return alone
             program = exchange.program(pool, spare=False)
-            limits = self.context.problem.limits
-            return replace(alone, relaxed=program.solve(starts[0], materials, pool, relax=True, limits=limits))
+            ask = Ask(self.context.problem.limits, relax=True)
+            return replace(alone, relaxed=program.solve(starts[0], materials, pool, ask))
 
         answer, _ = self._known("solve", pick, exchange, (explain,), found)
         if answer.solution is None:

@@ -82,16 +82,6 @@ def _agreeing(picks: Iterable[tuple[object, ...]], same: bool) -> list[tuple[obj
     return [pick for pick in picks if not same or len({item for item in pick if item is not None}) <= 1]
 
 
-def some_combinations(problem: Problem, number: int) -> list[Combination]:
-    """About so many allowed combinations (fewer than twice that), spread over all of them."""
-    shapes, materials = options(problem)
-    every = itertools.product(itertools.product(*shapes), itertools.product(*materials))
-    picks = (Combination(s, m) for s, m in every)
-    agreeing = picks if not problem.same else (pick for pick in picks if pick.agrees(problem.same))
-    step = max(1, count(problem) // number)
-    return list(itertools.islice(agreeing, 0, None, step))
-
-
 def combinations(problem: Problem) -> list[Combination]:
     """Every allowed combination."""
     shapes, materials = options(problem)

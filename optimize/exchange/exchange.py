@@ -29,7 +29,7 @@ from linkwright.core.units.quantities import InputError
 
 from .binding_poses import Anchor, ErrorCut, Pool, Room
 from .design import DesignSpace, arm_of, numeric_beams, with_chosen_links
-from .program import Program, Solution, anchored, carried_mass, cut_of, groups_of
+from .program import Ask, Program, Solution, anchored, carried_mass, cut_of, groups_of
 from .rescue import LEAST_ERROR, solved
 from .scenarios import Scenarios
 
@@ -158,8 +158,8 @@ class Exchange:
         """
         program = self.program(pool, spare=False)
         # Anchored poses that turn as far as they like can only make the bound lower.
-        limits = self.context.problem.limits
-        solution = solved(program, start, materials, pool, turn=20.0, limits=limits, push=push)
+        ask = Ask(self.context.problem.limits, push, turn=20.0)
+        solution = solved(program, start, materials, pool, ask)
         if not solution.solved:
             self.infeasible = solution.infeasible
             return None
@@ -191,16 +191,15 @@ class Exchange:
         is made as tight as it can be: the objective is then its value, or the reciprocal where more is better.
         `within` keeps the design that near to the start, in each of the optimiser's numbers.
         """
-        limits = self.context.problem.limits
+        ask = Ask(self.context.problem.limits, push, within=None if within is None else (start, within))
         iterations: list[Iteration] = []
         last, error = start, 1e-3
-        near = None if within is None else (start, within)
         best: Exchanged | None = None
         for number in range(1, _MOST_ROUNDS + 1):
             program = self.program(pool)
-            solution = solved(program, last, materials, pool, error=error, limits=limits, push=push, within=near)
+            solution = solved(program, last, materials, pool, ask, error=error)
             if not solution.solved:
-                solution = solved(program, start, materials, pool, error=error, limits=limits, push=push, within=near)
+                solution = solved(program, start, materials, pool, ask, error=error)
             if not solution.solved:
                 self.infeasible = solution.infeasible
                 return None

@@ -86,6 +86,31 @@ def ipopt_options() -> dict[str, Any]:
 
 
 @dataclass(frozen=True)
+class Ask:
+    """What is asked of a finite problem beside its poses.
+
+    `limits` are the problem's with other values. With `push` the limit of that number is made as tight as it can be
+    instead of the objective: its slack is how far it went. `turn` is how far (rad) anchored poses may turn their
+    joints. `within` keeps the design so near (in each of the optimiser's numbers) to another one. `floor` (m) is that
+    of the error rows: about the error itself where it may pass through zero. With `relax` the limits may give way and
+    the least relaxation is sought instead of the objective. With `elastic` the sum of the limits' slacks, each times
+    its own number of those, is made least instead; a limit with 0 is kept.
+    """
+
+    limits: Sequence[Limit] | None = None
+    push: int | None = None
+    turn: float = TURN
+    within: tuple[Array, float | Array] | None = None
+    floor: float = 0.0
+    relax: bool = False
+    elastic: Sequence[float] | None = None
+
+
+BEST = Ask()
+"""The best design within the problem's own limits."""
+
+
+@dataclass(frozen=True)
 class Solution:
     """What IPOPT found for a pool: the optimiser's numbers and the worst error over the pool (m).
 
@@ -263,37 +288,8 @@ class Program:
         mass, cost, reach = self._mass(x, materials)
         return float(mass), float(cost), float(reach)
 
-    def holds(self, pool: Pool) -> bool:
-        """Whether the program has room for a pool."""
-        return self.room.holds(self.room_for(pool))
-
-    def room_for(self, pool: Pool) -> Room:
-        """The room that a pool needs."""
-        return pool.room(self._groups, groups_of(self.space.problem, self.pose_families))
-
-    def solve(
-        self,
-        start: Array,
-        materials: Array,
-        pool: Pool,
-        *,
-        error: float = 1e-3,
-        relax: bool = False,
-        turn: float = TURN,
-        limits: Sequence[Limit] | None = None,
-        push: int | None = None,
-        floor: float = 0.0,
-        within: tuple[Array, float | Array] | None = None,
-        elastic: Sequence[float] | None = None,
-    ) -> Solution:
-        """The best design for a pool of poses, from a start with about that error (m).
-
-        With `relax` the limits may give way and the least relaxation is sought instead of the objective. `turn` is how
-        far (rad) anchored poses may turn their joints. `limits` are the problem's with other values. With `push` the
-        limit of that number is made as tight as it can be instead of the objective: its slack is how far it went.
-        `floor` (m) is that of the error rows: about the error itself where it may pass through zero. `within` keeps the
-        design so near (in each of the optimiser's numbers) to another one. With `elastic` the sum of the limits'
-        slacks, each times its own number of those, is made least instead; a limit with 0 is kept.
+    def solve(self, start: Array, materials: Array, pool: Pool, ask: Ask = BEST, *, error: float = 1e-3) -> Solution:
+        """The best design for a pool of poses, from a start with about that error (m), or what else is asked for.
 
         Where drives have zones of stiffness an optimum is often at the corner between two, where the error has no
         derivative: their corners are rounded, less and less, each time from the solution before.
@@ -301,66 +297,39 @@ class Program:
         best: Solution | None = None
         for rounding in ROUNDINGS if self._cornered else ROUNDINGS[-1:]:
             near, size = (start, error) if best is None else (best.x, best.error)
-            found = self._solve(
-                near,
-                materials,
-                pool,
-                error=size,
-                relax=relax,
-                turn=turn,
-                limits=limits,
-                push=push,
-                floor=floor,
-                within=within,
-                elastic=elastic,
-                rounding=rounding,
-            )
+            found = self._solve(near, materials, pool, ask, size, rounding)
             best = found if found.solved or best is None or not best.solved else best
         assert best is not None
         return best
 
-    def _solve(
-        self,
-        start: Array,
-        materials: Array,
-        pool: Pool,
-        *,
-        error: float,
-        relax: bool,
-        turn: float,
-        limits: Sequence[Limit] | None,
-        push: int | None,
-        floor: float,
-        within: tuple[Array, float | Array] | None,
-        elastic: Sequence[float] | None,
-        rounding: float,
-    ) -> Solution:
+    def _solve(self, start: Array, materials: Array, pool: Pool, ask: Ask, error: float, rounding: float) -> Solution:
         lower, upper = self.space.bounds()
-        if within is not None:
-            lower, upper = np.maximum(lower, within[0] - within[1]), np.minimum(upper, within[0] + within[1])
-        own = self.space.problem.limits if limits is None else limits
+        if ask.within is not None:
+            center, room = ask.within
+            lower, upper = np.maximum(lower, center - room), np.minimum(upper, center + room)
+        own = self.space.problem.limits if ask.limits is None else ask.limits
         count = len(own)
-        squared = max(FLOOR_MM2, (floor * MM) ** 2)
+        squared = max(FLOOR_MM2, (ask.floor * MM) ** 2)
         y = math.log(max(error - self.fixed_error, 1e-12) * MM)
-        if floor > 0.0:
+        if ask.floor > 0.0:
             y = 0.5 * math.log(math.exp(2.0 * y) + squared)
         errors, held = self.slotted(pool)
         values, unknowns = self._pose_values(errors, held)
-        give = np.full(count, 10.0 if relax else 0.0)
+        give = np.full(count, 10.0 if ask.relax else 0.0)
         equal = np.array([-each if x.relation == "==" else 0.0 for x, each in zip(own, give, strict=True)])
         slack, pushed = 0.05 * give, np.zeros(count)
-        if push is not None:
-            give[push], equal[push], pushed[push] = _FARTHEST, -_FARTHEST, 1.0
+        if ask.push is not None:
+            give[ask.push], equal[ask.push], pushed[ask.push] = _FARTHEST, -_FARTHEST, 1.0
         price = np.zeros(count)
-        if elastic is not None:
-            price = np.array(elastic)
+        if ask.elastic is not None:
+            price = np.array(ask.elastic)
             give = np.where(price > 0.0, _FARTHEST, 0.0)
             equal = np.array([-each if x.relation == "==" else 0.0 for x, each in zip(own, give, strict=True)])
             slack = np.where(price > 0.0, _GIVEN, 0.0)
-        weights = (0.0, 1.0) if relax else (0.0 if push is not None or elastic is not None else 1.0, 0.0)
+        weights = (0.0, 1.0) if ask.relax else (0.0 if ask.push is not None or ask.elastic is not None else 1.0, 0.0)
         # Sizes that start on a bound leave IPOPT no interior: start a hair inside.
         inside = np.clip(start, lower + _INSIDE * (upper - lower), upper - _INSIDE * (upper - lower))
-        least, most = self._turns(errors, np.array(unknowns), turn)
+        least, most = self._turns(errors, np.array(unknowns), ask.turn)
         low, high = self._row_bounds(errors)
         result = self._solver(
             x0=[*inside, y, *slack, *unknowns],
@@ -374,6 +343,7 @@ class Program:
         point = np.array(result["x"]).ravel()
         multipliers = np.array(result["lam_g"]).ravel()
         size = len(lower)
+        poses = point[size + 1 + count :]
         shapes = multipliers[self._place["shapes"]]
         return Solution(
             x=np.clip(point[:size], lower, upper),
@@ -385,8 +355,8 @@ class Program:
             slacks=tuple(point[size + 1 : size + 1 + count].tolist()),
             active=self._active(multipliers, errors, held),
             message=str(stats["return_status"]),
-            strayed=self._strayed(point[size + 1 + count :]),
-            turned=bool(np.any((np.abs(point[size + 1 + count :] - unknowns) > 0.999 * turn) & ~self._at_will(errors))),
+            strayed=self._strayed(poses),
+            turned=bool(np.any((np.abs(poses - unknowns) > 0.999 * ask.turn) & ~self._at_will(errors))),
             multipliers=MappingProxyType({name: multipliers[place] for name, place in self._place.items()}),
         )
 

@@ -8,14 +8,12 @@ give way mean that there is no design near.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import replace
 
-from linkwright.core.optimize.problem import Limit
 from linkwright.core.sections.numeric import Array
 
 from .binding_poses import Pool
-from .program import TURN, Program, Solution
+from .program import Ask, Program, Solution
 
 LEAST_ERROR = 1e-9
 """An error (m) below this counts as none."""
@@ -25,56 +23,34 @@ _KEPT = 1e-6
 """A limit whose logarithm gives way by no more than this is kept."""
 
 
-def solved(
-    program: Program,
-    start: Array,
-    materials: Array,
-    pool: Pool,
-    *,
-    error: float = 1e-3,
-    turn: float = TURN,
-    limits: Sequence[Limit] | None = None,
-    push: int | None = None,
-    within: tuple[Array, float | Array] | None = None,
-) -> Solution:
+def solved(program: Program, start: Array, materials: Array, pool: Pool, ask: Ask, *, error: float = 1e-3) -> Solution:
     """The best design for a pool as `Program.solve` finds it, with gentler trials where that fails.
 
     A solution that is not `solved` says by `infeasible` whether limits would have to give way.
     """
-    first = program.solve(start, materials, pool, error=error, turn=turn, limits=limits, push=push, within=within)
+    first = program.solve(start, materials, pool, ask, error=error)
     if first.solved:
         return first
-    gentle = _smoothly(program, start, materials, pool, turn, limits, push, within)
+    gentle = _smoothly(program, start, materials, pool, ask)
     if gentle is not None:
         return gentle
-    relaxed = program.solve(start, materials, pool, relax=True, turn=turn, limits=limits, within=within)
+    relaxed = program.solve(start, materials, pool, replace(ask, push=None, relax=True))
     if not relaxed.solved:
         return first
     if any(abs(slack) > _KEPT for slack in relaxed.slacks):
         return replace(first, infeasible=True)
-    gentle = _smoothly(program, relaxed.x, materials, pool, turn, limits, push, within)
+    gentle = _smoothly(program, relaxed.x, materials, pool, ask)
     return first if gentle is None else gentle
 
 
-def _smoothly(
-    program: Program,
-    start: Array,
-    materials: Array,
-    pool: Pool,
-    turn: float,
-    limits: Sequence[Limit] | None,
-    push: int | None,
-    within: tuple[Array, float | Array] | None,
-) -> Solution | None:
+def _smoothly(program: Program, start: Array, materials: Array, pool: Pool, ask: Ask) -> Solution | None:
     """With a floor that follows the error down, until it no longer hides it."""
     scale = program.greatest_error(start, materials, pool)
     best: Solution | None = None
     for _ in range(_SHRINKINGS):
         if scale < LEAST_ERROR:
             break
-        found = program.solve(
-            start, materials, pool, error=scale, turn=turn, limits=limits, push=push, floor=scale, within=within
-        )
+        found = program.solve(start, materials, pool, replace(ask, floor=scale), error=scale)
         if not found.solved:
             break
         best, start = found, found.x

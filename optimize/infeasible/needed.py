@@ -26,7 +26,7 @@ from linkwright.core.optimize.choice.picks import Combination, combinations, cou
 from linkwright.core.optimize.exchange.binding_poses import Pool
 from linkwright.core.optimize.exchange.design import arm_of, design_space, material_row, starting_points
 from linkwright.core.optimize.exchange.exchange import Context, Exchange, first_pool
-from linkwright.core.optimize.exchange.program import Program, Solution
+from linkwright.core.optimize.exchange.program import Ask, Program, Solution
 from linkwright.core.optimize.limits import Limit, OfLinks, excess
 from linkwright.core.optimize.problem import Problem
 from linkwright.core.optimize.trust import GAP
@@ -372,7 +372,7 @@ def _elastic(program: Program, x: Array, materials: Array, pool: Pool, price: Ar
     """The least slacks for a pool, or what became of it. What is kept may give way as well, at so high a price that it
     does only where it must: a start that breaks limits is no trouble then, and a solver's failure proves nothing."""
     held = price == 0.0
-    solution = program.solve(x, materials, pool, elastic=np.where(held, _DEAR, price).tolist())
+    solution = program.solve(x, materials, pool, Ask(elastic=np.where(held, _DEAR, price).tolist()))
     if not solution.solved:
         return _Found("undecided")
     if any(abs(slack) > _BROKEN for slack in np.array(solution.slacks)[held]):
