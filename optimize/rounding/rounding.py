@@ -162,6 +162,7 @@ def _best(search: ListSearch, rounding: Rounding, beside: int) -> Found:
         while rounds and judge.best is not None and _lengths_moved(search, rounding.length_step):
             rounds -= 1
             _at(search, judge.best[0][-1])
+        search.tell()
     except KeyboardInterrupt:
         if judge.best is None:
             raise

@@ -106,6 +106,10 @@ class ListedSearch(BranchAndBound[Part]):
         if self._log is not None:
             self._log(self.history[-1])
 
+    def tell(self) -> None:
+        """Tell how many designs were compared so far."""
+        self._heard(self.judge.offered, self.judge.searched)
+
     def _heard(self, offered: int, searched: int) -> None:
         self._say(searched, searched + 1, f"{self.named}: {offered} designs compared")
 

@@ -2,7 +2,8 @@
 
 The curve is the least badness of y for each badness of x allowed. Between two points it is first taken for straight (in
 the figures as they are, not in logarithms); the problem is then solved half-way, and where the line was off by more
-than asked, both halves are looked at in turn.
+than asked, both halves are looked at in turn. A front of designs from lists is a staircase: where designs lie far
+apart, the design just below the next one is asked for, and if it is the one before, there is nothing between the two.
 """
 
 from __future__ import annotations
@@ -16,6 +17,10 @@ from typing import Generic, Protocol, TypeVar
 
 from .question import Axis
 
+_BELOW = 1e-6
+"""How much less x (relative) than a design from a list has is asked for to find the one before it."""
+_CLOSE = 2e-3
+"""A design from a list that leaves less of what is allowed (relative) is where it was asked for."""
 NARROWEST = 1e-3
 """Relative width of x below which a stretch is not halved again: what still jumps there is called a step."""
 MOST_POINTS = 200
@@ -61,6 +66,17 @@ class Stretch(Generic[AnyNode]):
     expected: float
 
 
+@dataclass(frozen=True)
+class _Open(Generic[AnyNode]):
+    """A stretch to be looked at; of designs from lists there is nothing better than the left one up to the badness of x
+    `low`, and with `last` the one just below the right one is asked for."""
+
+    left: AnyNode
+    right: AnyNode
+    low: float
+    last: bool = False
+
+
 def refine(
     axes: tuple[Axis, Axis],
     nodes: Sequence[AnyNode],
@@ -69,46 +85,89 @@ def refine(
     accuracy: float,
     most: int = MOST_POINTS,
     together: int = 1,
+    *,
+    listed: bool = False,
 ) -> Refined[AnyNode]:
     """Halve stretches between points until the straight line is right within `accuracy` (relative, of y).
 
-    `solve` gives the point within each of some stretches (at most so many `together`), None where it fails.
+    `solve` gives the point within each of some stretches (at most so many `together`), None where it fails. Between
+    designs that are `listed` there may be none; a step is then two neighbours between which y jumps by more.
     """
-    found = list(nodes)
-    order = itertools.count()
-    pending: list[tuple[float, int, AnyNode, AnyNode]] = []
-
-    def look_at(left: AnyNode, right: AnyNode, expected: float) -> None:
-        heapq.heappush(pending, (-expected, next(order), left, right))
-
+    work = _Refinement(axes, nodes, accuracy, listed)
     for left, right in stretches:
-        look_at(left, right, abs(math.log(axes[1].badness(left.y) / axes[1].badness(right.y))))
-    worst = 0.0
-    steps: list[tuple[AnyNode, AnyNode]] = []
-    failed: list[float] = []
-    while pending and len(found) < most:
-        wide: list[Stretch[AnyNode]] = []
-        while pending and len(wide) < min(together, most - len(found)):
-            urgency, _, left, right = heapq.heappop(pending)
-            if math.log(right.level / left.level) >= NARROWEST:
-                wide.append(Stretch(left, right, math.sqrt(left.level * right.level), -urgency))
-            elif abs(left.y / right.y - 1.0) > accuracy:
-                steps.append((left, right))
-        for stretch, middle in zip(wide, solve(wide) if wide else (), strict=True):
-            left, right, level = stretch.left, stretch.right, stretch.level
-            if middle is None:
-                failed.append(level)
-                steps.append((left, right))
-                continue
-            found.append(middle)
-            off = abs(straight(axes[0], left, right, level) / middle.y - 1.0)
-            if off <= accuracy:
-                worst = max(worst, off)
+        off = abs(math.log(axes[1].badness(left.y) / axes[1].badness(right.y)))
+        work.look_at(left, right, off, max(left.level, axes[0].badness(left.x)))
+    while work.pending and len(work.found) < most:
+        asked = work.next(min(together, most - len(work.found)))
+        answers = solve([stretch for stretch, _ in asked]) if asked else ()
+        for (stretch, each), middle in zip(asked, answers, strict=True):
+            work.answered(stretch.level, each, middle)
+    nodes = sorted(work.found, key=lambda node: node.level)
+    return Refined(tuple(nodes), work.worst, tuple(work.steps), tuple(work.failed), complete=not work.pending)
+
+
+class _Refinement(Generic[AnyNode]):
+    """A front being refined: points, stretches to be looked at by how far off they are, and what became of others."""
+
+    def __init__(self, axes: tuple[Axis, Axis], nodes: Sequence[AnyNode], accuracy: float, listed: bool) -> None:
+        self.axes, self.accuracy, self.listed = axes, accuracy, listed
+        self.found = list(nodes)
+        self.pending: list[tuple[float, int, _Open[AnyNode]]] = []
+        self.worst = 0.0
+        self.steps: list[tuple[AnyNode, AnyNode]] = []
+        self.failed: list[float] = []
+        self._order = itertools.count()
+
+    def _x(self, node: AnyNode) -> float:
+        return self.axes[0].badness(node.x)
+
+    def _jump(self, left: AnyNode, right: AnyNode) -> float:
+        return self.axes[1].badness(left.y) / self.axes[1].badness(right.y) - 1.0
+
+    def look_at(self, left: AnyNode, right: AnyNode, off: float, low: float, *, last: bool = False) -> None:
+        """Keep a stretch that is off by so much for later; of designs from lists, one where y jumps."""
+        off = self._jump(left, right) if self.listed else off
+        if not self.listed or off > self.accuracy:
+            heapq.heappush(self.pending, (-off, next(self._order), _Open(left, right, low, last)))
+
+    def next(self, most: int) -> list[tuple[Stretch[AnyNode], _Open[AnyNode]]]:
+        """The stretches that are off by most, at most so many; those that are as narrow as can be are steps."""
+        asked: list[tuple[Stretch[AnyNode], _Open[AnyNode]]] = []
+        while self.pending and len(asked) < most:
+            urgency, _, each = heapq.heappop(self.pending)
+            level = self._level_in(each)
+            if level is not None:
+                asked.append((Stretch(each.left, each.right, level, -urgency), each))
+            elif self.listed or abs(each.left.y / each.right.y - 1.0) > self.accuracy:
+                self.steps.append((each.left, each.right))
+        return asked
+
+    def _level_in(self, each: _Open[AnyNode]) -> float | None:
+        if not self.listed:
+            wide = math.log(each.right.level / each.left.level) >= NARROWEST
+            return math.sqrt(each.left.level * each.right.level) if wide else None
+        below = self._x(each.right) * (1.0 - _BELOW)
+        return None if below <= each.low else below if each.last else math.sqrt(each.low * below)
+
+    def answered(self, level: float, each: _Open[AnyNode], middle: AnyNode | None) -> None:
+        """Take up the point found within a stretch."""
+        left, right = each.left, each.right
+        if middle is None:
+            self.failed.append(level)
+            self.steps.append((left, right))
+        elif self.listed and (self._jump(left, middle) <= 0.0 or self._x(middle) <= self._x(left)):
+            if each.last:
+                self.steps.append((left, right))
             else:
-                look_at(left, middle, off)
-                look_at(middle, right, off)
-    found.sort(key=lambda node: node.level)
-    return Refined(tuple(found), worst, tuple(steps), tuple(failed), complete=not pending)
+                self.look_at(left, right, 0.0, level, last=True)
+        else:
+            self.found.append(middle)
+            off = abs(straight(self.axes[0], left, right, middle.level) / middle.y - 1.0)
+            if off <= self.accuracy and (not self.listed or level <= self._x(middle) * (1.0 + _CLOSE)):
+                self.worst = max(self.worst, off)
+            else:
+                self.look_at(left, middle, off, each.low)
+                self.look_at(middle, right, off, level, last=each.last)
 
 
 def straight(axis: Axis, left: Node, right: Node, level: float) -> float:

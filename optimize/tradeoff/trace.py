@@ -18,7 +18,6 @@ from .listed import ListedSearch
 from .point import Design, Search
 from .question import Axis, Question
 from .refinement import Refined, Stretch, refine
-from .steps import refine_steps
 
 _STEP = 0.2
 """First distance of the points, in the logarithm of x."""
@@ -181,8 +180,9 @@ class Tracer:
         missed = self._spread(left, right)
         pairs = list(itertools.pairwise(self.nodes))
         together = 1 if self._crew is None else self._crew.together
-        refined = refine_steps if self._listed else refine
-        done = refined(self._axes, self.nodes, pairs, self._between, self._accuracy, together=together)
+        done = refine(
+            self._axes, self.nodes, pairs, self._between, self._accuracy, together=together, listed=self._listed
+        )
         failed = (*missed, *done.failed)
         self.refined = replace(done, failed=failed, complete=done.complete and not failed)
         return True

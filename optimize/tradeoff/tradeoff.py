@@ -32,7 +32,6 @@ from .front import Front, Point, Tradeoff
 from .journal import Journal
 from .question import Question
 from .refinement import Refined, Stretch, envelope, knee, logarithmic, refine, undominated
-from .steps import refine_steps
 from .trace import Node, Told, Tracer
 
 ACCURACY = 0.01
@@ -150,8 +149,8 @@ def _envelope(asked: Question, tracers: Sequence[Tracer], accuracy: float) -> Re
         found = [node for name in names if (node := named[name].at(stretch.level)) is not None]
         return min(found, key=lambda node: axes[1].badness(node.y), default=None)
 
-    refined = refine if asked.given.sizes is None else refine_steps
-    return refined(axes, nodes, changes, better, accuracy, most=len(nodes) + 40 * max(len(changes), 1))
+    most = len(nodes) + 40 * max(len(changes), 1)
+    return refine(axes, nodes, changes, better, accuracy, most=most, listed=asked.given.sizes is not None)
 
 
 def _result(
@@ -171,32 +170,47 @@ def _result(
     named = {tracer.name: tracer for tracer in tracers}
     points = tuple(_point(asked, named[node.group], node, k) for k, node in enumerate(numbered, start=1))
 
-    def front(name: str, nodes: Sequence[Node], refined: Refined[Node] | None, *, capped: bool) -> Front:
-        numbers = [number[id(node)] for node in nodes]
-        at = knee(axes, [node.x for node in nodes], [node.y for node in nodes], logs)
-        return Front(
-            name=name,
-            points=tuple(numbers),
-            knee=None if at is None else numbers[at],
-            error=0.0 if refined is None else refined.error,
-            steps=() if refined is None else _steps(asked, nodes, numbers, refined),
-            # Between two designs from lists there are none, so that every stretch would be idle.
-            idle=_idle(asked, [] if refined is None or asked.given.sizes is not None else refined.nodes),
-            failed=() if refined is None else tuple(asked.x.badness(level) for level in refined.failed),
-            capped=capped,
-            complete=refined is None or refined.complete,
-            exhaustive=all(each.exhaustive for each in tracers if name in (each.name, "envelope")),
-            undecided=sum(each.undecided for each in tracers if name in (each.name, "envelope")),
-        )
+    def front(name: str, nodes: Sequence[Node], refined: Refined[Node] | None, last: Tracer) -> Front:
+        of = [each for each in tracers if name in (each.name, "envelope")]
+        return _front(asked, name, nodes, [number[id(node)] for node in nodes], refined, logs, last.capped, of)
 
-    fronts = tuple(front(each.name, kept[each.name], each.refined, capped=each.capped) for each in tracers)
+    fronts = tuple(front(each.name, kept[each.name], each.refined, each) for each in tracers)
     whole = fronts[0]
     if best is not None:
         nodes = _best_of(asked, list(kept.values()))
         both = _together(best, [each.refined for each in tracers if each.refined is not None])
-        whole = front("envelope", nodes, both, capped=named[nodes[-1].group].capped)
+        whole = front("envelope", nodes, both, named[nodes[-1].group])
     resumed = sum(tracer.resumed for tracer in tracers)
     return Tradeoff(asked, accuracy, points, fronts, whole, without, logs, seconds, solved, resumed)
+
+
+def _front(
+    asked: Question,
+    name: str,
+    nodes: Sequence[Node],
+    numbers: Sequence[int],
+    refined: Refined[Node] | None,
+    logs: tuple[bool, bool],
+    capped: bool,
+    tracers: Sequence[Tracer],
+) -> Front:
+    """A front of numbered points, of one group or of several."""
+    at = knee((asked.x, asked.y), [node.x for node in nodes], [node.y for node in nodes], logs)
+    done = refined or Refined((), 0.0, (), (), complete=True)
+    return Front(
+        name=name,
+        points=tuple(numbers),
+        knee=None if at is None else numbers[at],
+        error=done.error,
+        steps=_steps(asked, nodes, numbers, done),
+        # Between two designs from lists there are none, so that every stretch would be idle.
+        idle=_idle(asked, done.nodes if asked.given.sizes is None else []),
+        failed=tuple(asked.x.badness(level) for level in done.failed),
+        capped=capped,
+        complete=done.complete,
+        exhaustive=all(each.exhaustive for each in tracers),
+        undecided=sum(each.undecided for each in tracers),
+    )
 
 
 def _together(best: Refined[Node], parts: Sequence[Refined[Node]]) -> Refined[Node]:
