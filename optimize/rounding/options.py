@@ -9,9 +9,12 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from types import MappingProxyType
 
+import numpy as np
+
 from linkwright.core.arm.chain.chain import Link
 from linkwright.core.materials.catalogue import shipped_layers
 from linkwright.core.materials.material import Material
+from linkwright.core.optimize.exchange.other_lengths import allowed, free_links
 from linkwright.core.optimize.problem import Problem
 from linkwright.core.sections import SHAPES, StockSize, load_stock
 from linkwright.core.sections.section import Section
@@ -60,11 +63,13 @@ class Rounding:
 
 @dataclass(frozen=True)
 class Option:
-    """A section with its material for one link, and its name where it is a stock size."""
+    """A section with its material for one link, its name where it is a stock size, and where it stands in a problem's
+    list of sizes, material after material."""
 
     section: Section
     material: Material
     stock: str | None = None
+    place: int = 0
 
 
 def read_rounding(text: str, length: str | None = None) -> Rounding:
@@ -263,7 +268,7 @@ def length_choices(problem: Problem, lengths: tuple[float, ...], step: float) ->
 
 def moved_lengths(problem: Problem, lengths: tuple[float, ...], by: float) -> list[tuple[float, ...]]:
     """The lengths (m) with one of them, or two to opposite sides, moved by so much; those that keep the limits."""
-    free = [k for k, link in enumerate(problem.arm.links) if link.elastic and problem.link_length is not None]
+    free = free_links(problem)
     moves = [{k: sign * by} for k in free for sign in (1.0, -1.0)]
     moves += [{one: by, other: -by} for one, other in itertools.permutations(free, 2)]
     found = [tuple(float(f"{x + move.get(k, 0.0):.12g}") for k, x in enumerate(lengths)) for move in moves]
@@ -272,16 +277,4 @@ def moved_lengths(problem: Problem, lengths: tuple[float, ...], by: float) -> li
 
 def keeps_lengths(problem: Problem, lengths: tuple[float, ...]) -> bool:
     """Whether lengths (m) keep the problem's bounds and its limits on the reach."""
-    if problem.link_length is not None:
-        low, high = problem.link_length
-        free = [x for x, link in zip(lengths, problem.arm.links, strict=True) if link.elastic]
-        if min(free) < low * (1.0 - _WITHIN) or max(free) > high * (1.0 + _WITHIN):
-            return False
-    return all(_keeps_reach(limit.relation, sum(lengths), limit.value) for limit in problem.limit("reach"))
-
-
-def _keeps_reach(relation: str, reach: float, value: float) -> bool:
-    slack = _WITHIN * value
-    if relation == "==":
-        return abs(reach - value) <= slack
-    return reach <= value + slack if relation == "<=" else reach >= value - slack
+    return problem.link_length is None or allowed(problem, np.array([lengths[k] for k in free_links(problem)]))

@@ -9,18 +9,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from linkwright.core.arm.errors.model import needs_shear_modulus
-from linkwright.core.materials.material import Material
-from linkwright.core.optimize.choice.at_once.cells import COLUMNS, EXPANSION, PRICE, features
-from linkwright.core.optimize.exchange.design import MATERIAL_FIELDS, material_row, material_values
+from linkwright.core.optimize.choice.at_once.cells import COLUMNS
+from linkwright.core.optimize.choice.at_once.cells import columns_of as columns_of_sections
+from linkwright.core.optimize.exchange.design import material_row, material_values
 from linkwright.core.optimize.limits import KEPT_WITHIN, Limit, OfLinks, excess
 from linkwright.core.optimize.problem import Problem
 from linkwright.core.optimize.rounding.options import Option, comes_in
 from linkwright.core.sections.numeric import Array
 from linkwright.core.units.quantities import NoAnswer
-
-_LEAST_PRICE = 1e-12
-_ALWAYS = 4
-"""So many of the features every section has; one of the others that is not known is in no sum."""
 
 
 @dataclass(frozen=True)
@@ -44,9 +40,9 @@ def link_lists(problem: Problem) -> tuple[LinkList, ...]:
         key = (id(listed), materials)
         if key not in made:
             every = [
-                Option(each.section, material, None if each.stock is None else each.stock.name)
-                for material in materials
-                for each in listed
+                Option(each.section, material, None if each.stock is None else each.stock.name, m * len(listed) + k)
+                for m, material in enumerate(materials)
+                for k, each in enumerate(listed)
                 if each.stock is None or comes_in(each.stock, material)
             ]
             if not every:
@@ -84,25 +80,16 @@ def columns_of(problem: Problem, options: Sequence[Option]) -> Array:
     """The columns (N, K) of options."""
     shear = needs_shear_modulus(problem.arm, problem.load_cases)
     alike: dict[tuple[str, tuple[str, ...], str], list[int]] = {}
-    stuffs: dict[str, Material] = {}
     for place, option in enumerate(options):
         key = (option.section.shape, tuple(option.section.given()), option.material.name)
         alike.setdefault(key, []).append(place)
-        stuffs[option.material.name] = option.material
     found = np.zeros((len(options), len(COLUMNS)))
-    for (_, names, material), places in alike.items():
-        row = material_row((stuffs[material],), problem)
-        kind = type(options[places[0]].section)
+    for (_, names, _), places in alike.items():
+        first = options[places[0]]
         sizes = {name: np.array([float(getattr(options[k].section, name)) for k in places]) for name in names}
-        values = material_values(row, 0)
-        with np.errstate(all="ignore"):
-            section = kind(**sizes)  # type: ignore[call-arg]
-            for column, each in enumerate(features(section.properties(values.poisson_ratio), values, shear=shear)):
-                found[places, column] = np.log(each)
-            price = row[MATERIAL_FIELDS.index("cost")] * np.exp(found[places, 0])
-        found[places, PRICE] = np.log(np.maximum(price, _LEAST_PRICE))
-        found[places, EXPANSION] = row[MATERIAL_FIELDS.index("thermal_expansion")]
-    found[:, _ALWAYS:] = np.where(np.isfinite(found[:, _ALWAYS:]), found[:, _ALWAYS:], 0.0)
+        values = material_values(material_row((first.material,), problem), 0)
+        section = type(first.section)(**sizes)  # type: ignore[call-arg]
+        found[places] = columns_of_sections(section, values, (len(places),), shear=shear)
     return found
 
 

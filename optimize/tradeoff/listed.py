@@ -14,7 +14,6 @@ from linkwright.core.optimize.exchange.binding_poses import Pool
 from linkwright.core.optimize.exchange.exchange import context_of
 from linkwright.core.optimize.limits import Limit
 from linkwright.core.optimize.problem import Problem
-from linkwright.core.optimize.rounding.options import Option
 from linkwright.core.optimize.sizes.designs_at_once import Table
 from linkwright.core.optimize.sizes.options import link_lists
 from linkwright.core.optimize.sizes.search import CLOSE, ListSearch
@@ -51,7 +50,6 @@ class ListedSearch:
         self.context = context_of(replace(problem, sizes=None))
         self.lists = link_lists(problem)
         self._table = Table(self.context.problem, self.lists)
-        self._codes = {each.link: _codes(problem, each.link) for each in self.lists}
         self._known: list[_Known] = []
 
     def best(self, push: int, held: float, near: Sequence[Design], *, wide: bool = False) -> Design | None:
@@ -77,7 +75,7 @@ class ListedSearch:
         for own, number in zip(self.lists, numbers, strict=True):
             option = own.options[number]
             shapes[own.link] = option.section.shape
-            materials[own.link], codes[own.link] = option.material, self._codes[own.link][_key(option)]
+            materials[own.link], codes[own.link] = option.material, float(option.place)
         combination = Combination(tuple(shapes), tuple(materials))
         design = Design(combination, tuple(codes), Pool(), badness, None, proven)
         if proven:
@@ -117,24 +115,9 @@ class ListedSearch:
         """Every point is sought by itself."""
 
 
-def _key(option: Option) -> tuple[object, ...]:
-    return option.section, option.stock, option.material.name
-
-
 def _materials(problem: Problem, link: int) -> tuple[Material, ...]:
     own = problem.arm.links[link].material
     return problem.materials or (() if own is None else (own,))
-
-
-def _codes(problem: Problem, link: int) -> dict[tuple[object, ...], float]:
-    """The number of each section in each material, as the problem lists them."""
-    assert problem.sizes is not None
-    listed = problem.sizes[link]
-    return {
-        (each.section, None if each.stock is None else each.stock.name, material.name): float(m * len(listed) + k)
-        for m, material in enumerate(_materials(problem, link))
-        for k, each in enumerate(listed)
-    }
 
 
 def listed_arm(problem: Problem, numbers: Sequence[float]) -> Arm:

@@ -208,15 +208,8 @@ class Cells:
         count = points.shape[:2]
         with np.errstate(all="ignore"):
             section = kind.section([np.exp(points[..., k]) for k in range(points.shape[2])])
-            found = features(section.properties(materials.poisson_ratio), materials, shear=self._shear)
-            columns = np.zeros((*count, len(COLUMNS)))
-            for k, each in enumerate(found):
-                columns[..., k] = np.log(np.broadcast_to(each, count))
-            prices = self._rows[options, MATERIAL_FIELDS.index("cost")][:, None]
-            columns[..., PRICE] = np.log(np.maximum(prices * np.exp(columns[..., 0]), _LEAST_PRICE))
+            columns = columns_of(section, materials, count, shear=self._shear)
             rows = [np.broadcast_to(np.asarray(value, dtype=float), count) for value in self._held(section, materials)]
-        columns[..., EXPANSION] = self._rows[options, MATERIAL_FIELDS.index("thermal_expansion")][:, None]
-        columns[..., _PLAIN:] = np.where(np.isfinite(columns[..., _PLAIN:]), columns[..., _PLAIN:], 0.0)
         held = np.stack(rows, axis=-1) if rows else np.full((*count, 1), -1.0)
         kept = np.asarray((held <= _GIVES).all(axis=-1) & np.isfinite(columns).all(axis=-1))
         return columns, kept, np.where(np.isfinite(held), held, np.inf)
@@ -353,6 +346,19 @@ def _sagging(values: Array, corners: int) -> Array:
     middle, sides = values[:, corners : corners + 1], values[:, corners + 1 :]
     half = sides.shape[1] // 2
     return _CURVED * (0.5 * (sides[:, :half] + sides[:, half:]) - middle)
+
+
+def columns_of(section: Section, materials: MaterialValues, shape: tuple[int, ...], *, shear: bool) -> Array:
+    """The columns (*shape, K) of sections in materials."""
+    found = np.zeros((*shape, len(COLUMNS)))
+    price: Any = materials.cost
+    with np.errstate(all="ignore"):
+        for k, each in enumerate(features(section.properties(materials.poisson_ratio), materials, shear=shear)):
+            found[..., k] = np.log(np.broadcast_to(each, shape))
+        found[..., PRICE] = np.log(np.maximum(price * np.exp(found[..., 0]), _LEAST_PRICE))
+    found[..., EXPANSION] = materials.thermal_expansion
+    found[..., _PLAIN:] = np.where(np.isfinite(found[..., _PLAIN:]), found[..., _PLAIN:], 0.0)
+    return found
 
 
 def features(found: SectionProperties, materials: MaterialValues, *, shear: bool) -> list[Any]:
