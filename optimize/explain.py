@@ -70,7 +70,9 @@ def _ranges(problem: Problem, choice: Choice, worth: float, names: Sequence[str]
     found: list[tuple[int, BindingLimit]] = []
     for name in names:
         span: tuple[float, float] | None = getattr(problem, name)
-        for side in () if span is None else (0, 1):
+        if span is None:
+            continue
+        for side in (0, 1):
             bound, step = span[side], _STEP * span[side]
             ends = (span[0], bound + step) if side else (bound + step, span[1])
             prices = _moved(problem, replace(problem, **{name: ends}), choice, rows=name in _OF_SECTIONS)
