@@ -16,7 +16,8 @@ from linkwright.core.arm.worst.workspace import Unreachable
 from linkwright.core.optimize.limits import Limit, excess
 from linkwright.core.optimize.problem import Problem
 from linkwright.core.optimize.result import NotRounded
-from linkwright.core.optimize.sizes.judge import CHUNK, Integers, Judge
+from linkwright.core.optimize.sizes.judge import CHUNK, Judge
+from linkwright.core.optimize.sizes.rows import Integers
 from linkwright.core.sections.numeric import Array
 from linkwright.core.units.quantities import NoAnswer, format_quantity
 

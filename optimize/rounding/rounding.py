@@ -14,9 +14,6 @@ from contextlib import suppress
 from dataclasses import replace
 from typing import Any
 
-import numpy as np
-from numpy.typing import NDArray
-
 from linkwright.core.arm.evaluation import Evaluation, evaluate
 from linkwright.core.arm.worst.workspace import Unreachable
 from linkwright.core.executors import Executor
@@ -30,6 +27,7 @@ from linkwright.core.optimize.run import Log, optimise
 from linkwright.core.optimize.sizes.designs_at_once import Table
 from linkwright.core.optimize.sizes.listed_search import Found
 from linkwright.core.optimize.sizes.options import LinkList, columns_of, keeping
+from linkwright.core.optimize.sizes.rows import product
 from linkwright.core.optimize.sizes.search import CLOSE, ListSearch
 from linkwright.core.sections.section import Section
 from linkwright.core.units.quantities import InputError, NoAnswer, format_quantity
@@ -47,8 +45,6 @@ from .options import (
     stock_options,
     why_no_stock,
 )
-
-Integers = NDArray[np.intp]
 
 MOST_DESIGNS = 100_000
 """Among so many the one that breaks the limits least is looked for."""
@@ -255,17 +251,11 @@ def _lengths_moved(search: ListSearch, step: float) -> bool:
             lengths = moved_lengths(search.context.problem, judge.table.lengths[place], steps * step)
             places = judge.table.add_lengths(lengths)
             trials = ([own if k == free else [pick[k]] for k, own in enumerate(wide)] for free in range(len(wide)))
-            offers = [judge.offer(_product(each, places)) for each in trials] if places else []
+            offers = [judge.offer(product([*each, places])) for each in trials] if places else []
             if not any(offers):
                 break
             better = True
     return better
-
-
-def _product(options: Sequence[Sequence[int]], lengths: Sequence[int]) -> Integers:
-    """Every combination, (N, groups + 1)."""
-    axes = np.meshgrid(*[np.array(each, dtype=np.intp) for each in (*options, lengths)], indexing="ij")
-    return np.stack([axis.ravel() for axis in axes], axis=1)
 
 
 # ---- what came of it
@@ -306,7 +296,7 @@ def _not_rounded(
     """Why there is none, and the design that breaks the limits least."""
     judge, counts = search.judge, [len(own.options) for own in search.lists]
     sizes = _few_enough(counts, len(judge.table.lengths))
-    picks = _product([range(size) for size in sizes], range(len(judge.table.lengths)))
+    picks = product([*map(range, sizes), range(len(judge.table.lengths))])
     judge.offer(picks)
     found = nearest_design(judge, picks)
     told = NotRounded(rounding.text, _length_step(problem, rounding), why_not(judge, rounding))

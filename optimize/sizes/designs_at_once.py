@@ -7,7 +7,6 @@ from dataclasses import dataclass, fields, replace
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
 from linkwright.core.arm.chain.beam import elastic_beam
 from linkwright.core.arm.chain.chain import Arm
@@ -24,8 +23,7 @@ from linkwright.core.optimize.rounding.options import Option
 from linkwright.core.sections.numeric import Array
 
 from .options import LinkList, kinds_of
-
-Integers = NDArray[np.intp]
+from .rows import Integers
 
 
 @dataclass(frozen=True)

@@ -37,8 +37,7 @@ from linkwright.core.optimize.limits import (
 from linkwright.core.sections.numeric import Array
 
 from .designs_at_once import Figures, Table
-
-Integers = NDArray[np.intp]
+from .rows import Integers
 
 CHUNK = 4096
 """Designs scored at once."""

@@ -19,7 +19,7 @@ from .options import LinkList, agreeing
 
 Part = TypeVar("Part")
 Progress = Callable[[int, int, str], None]
-AGREE = 1e-6
+_AGREE = 1e-6
 """A row may be this far (relative) above what the whole evaluation of a design says."""
 
 
@@ -83,6 +83,16 @@ class ListedSearch(BranchAndBound[Part]):
     @abstractmethod
     def _pool(self) -> Pool:
         """The poses that are rows."""
+
+    @abstractmethod
+    def _values(self, pick: tuple[int, ...]) -> list[tuple[bool, float]]:
+        """What the rows say of a design, and whether each is of the objective; none of one that they are not for."""
+
+    def _agrees(self) -> bool:
+        """Whether the best design, which was looked at as a whole, is where its rows say: above those of the objective,
+        and within all others. What they bound is worth nothing otherwise."""
+        values = [] if self.judge.best is None else self._values(self.judge.best[0])
+        return all(value <= (self.objective * (1.0 + _AGREE) if own else _AGREE) for own, value in values)
 
     @abstractmethod
     def run(self) -> Found:

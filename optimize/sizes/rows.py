@@ -67,6 +67,12 @@ def table_row(row: PoseRow, lists: Sequence[LinkList]) -> TableRow:
     return TableRow(constant, tuple(own), row.coefficients[several], left, factors, row.objective, row.shift)
 
 
+def product(options: Sequence[Sequence[int] | Integers]) -> Integers:
+    """Every combination (N, lists) of the entries of lists."""
+    axes = np.meshgrid(*[np.array(each, dtype=np.intp) for each in options], indexing="ij")
+    return np.stack([axis.ravel() for axis in axes], axis=1)
+
+
 def greatest(rows: Sequence[TableRow], picks: Integers, enough: float) -> tuple[Array, Integers]:
     """The greatest of the objective's rows for designs that keep all others, and which of `picks` these are; designs
     that come to `enough` or break a row are left out."""

@@ -23,10 +23,10 @@ from linkwright.core.optimize.result import Iteration
 from linkwright.core.sections.numeric import Array
 
 from .designs_at_once import Table
-from .listed_search import AGREE, Found, ListedSearch, Progress
+from .listed_search import Found, ListedSearch, Progress
 from .options import LinkList, agreeing
 from .relaxation import Part, Relaxation, Relaxed
-from .rows import Integers, greatest, table_row
+from .rows import Integers, greatest, product, table_row
 
 CLOSE = 1e-4
 """A part whose bound is this near to the best design (relative) holds nothing worth winning: the exchange's own gap."""
@@ -98,14 +98,9 @@ class ListSearch(ListedSearch[Part]):
     def _found(self, *, interrupted: bool = False) -> Found:
         return self._ended(known=not interrupted and self._agrees(), interrupted=interrupted)
 
-    def _agrees(self) -> bool:
-        """Whether the best design, which was looked at as a whole, is where its rows say: above those of the objective,
-        and within all others. What they bound is worth nothing otherwise."""
-        if self.judge.best is None or self.judge.best[0][-1] != self.place:
-            return True
-        pick = np.array([self.judge.best[0][:-1]])
-        values = [(row, float(row.values(pick)[0])) for row in self.relaxation.rows]
-        return all(value <= (self.objective * (1.0 + AGREE) if row.objective else AGREE) for row, value in values)
+    def _values(self, pick: tuple[int, ...]) -> list[tuple[bool, float]]:
+        rows = self.relaxation.rows if pick[-1] == self.place else []
+        return [(row.objective, float(row.values(np.array([pick[:-1]]))[0])) for row in rows]
 
     # ---- begin
 
@@ -214,10 +209,8 @@ class ListSearch(ListedSearch[Part]):
         counts = [len(own) for own in part.options]
         if math.prod(counts) > _MOST_COMPARED:
             return False
-        axes = np.meshgrid(*[np.arange(count) for count in counts], indexing="ij")
-        picks = self._picks(part, np.stack([axis.ravel() for axis in axes], axis=1))
         enough = self._enough()
-        if not self._compare(picks):
+        if not self._compare(product(part.options)):
             return False
         self._done_with(enough if math.isinf(self.objective) else self._enough())
         return True
@@ -245,8 +238,7 @@ class ListSearch(ListedSearch[Part]):
             # What is mixed costs nothing, and comes first.
             order = np.lexsort((losses, share <= 1e-9))
             best.append(order[:each])
-        axes = np.meshgrid(*best, indexing="ij")
-        self._compare(self._picks(found.part, np.stack([axis.ravel() for axis in axes], axis=1)))
+        self._compare(self._picks(found.part, product(best)))
 
     def _compare(self, picks: Integers) -> bool:
         """Compare designs one by one; whether none of them is left that could win."""

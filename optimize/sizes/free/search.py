@@ -25,9 +25,9 @@ from linkwright.core.optimize.exchange.design import numeric_beams
 from linkwright.core.optimize.exchange.exchange import Context, context_of
 from linkwright.core.optimize.exchange.program import cut_of
 from linkwright.core.optimize.result import Iteration
-from linkwright.core.optimize.sizes.listed_search import AGREE, Found, ListedSearch, Progress
+from linkwright.core.optimize.sizes.listed_search import Found, ListedSearch, Progress
 from linkwright.core.optimize.sizes.options import LinkList, agreeing
-from linkwright.core.optimize.sizes.rows import Integers, greatest, table_row
+from linkwright.core.optimize.sizes.rows import Integers, greatest, product, table_row
 from linkwright.core.optimize.sizes.search import ListSearch
 from linkwright.core.sections.numeric import Array
 
@@ -115,16 +115,10 @@ class FreeListSearch(ListedSearch[Node]):
         looked = bool(self._heap or math.isfinite(self._out) or self.judge.best is None)
         return self._ended(known=self.bounded and looked and self._agrees(), interrupted=interrupted)
 
-    def _agrees(self) -> bool:
-        """Whether the best design, which was looked at as a whole, is where its rows say: above those of the objective,
-        and within all others. What they bound is worth nothing otherwise."""
-        if self.judge.best is None:
-            return True
-        pick = self.judge.best[0]
+    def _values(self, pick: tuple[int, ...]) -> list[tuple[bool, float]]:
         at = self._columns(pick[:-1])
         at[LENGTH :: len(COLUMNS)] = np.log(self.judge.table.lengths[pick[-1]])
-        values = [(row, row.value(at)) for row in self.relaxation.rows]
-        return all(value <= (self.objective * (1.0 + AGREE) if row.objective else AGREE) for row, value in values)
+        return [(row.objective, row.value(at)) for row in self.relaxation.rows]
 
     # ---- rows
 
@@ -257,8 +251,7 @@ class FreeListSearch(ListedSearch[Node]):
             for own, ids in zip(self.lists, few, strict=True)
         ]
         rows = [table_row(row.at(logarithms), sub) for row in self._settled]
-        axes = np.meshgrid(*[np.arange(len(ids)) for ids in few], indexing="ij")
-        picks = np.stack([axis.ravel() for axis in axes], axis=1)
+        picks = product([range(len(ids)) for ids in few])
         self.compared += len(picks)
         values, left = greatest(rows, picks, math.inf)
         if not len(left):
