@@ -123,9 +123,7 @@ def test_wheel_holds_every_file_of_the_packages(built):
     """Modules, catalogues, page templates: whatever lies in a package's folder, and nothing else."""
     with zipfile.ZipFile(built.wheel) as archive:
         packed = {name for name in archive.namelist() if ".dist-info/" not in name}
-    expected = {
-        installed_as(path) for path in tracked_files() if path.relative_to(ROOT).parts[0] in ROOMS
-    }
+    expected = {installed_as(path) for path in tracked_files() if path.relative_to(ROOT).parts[0] in ROOMS}
     assert packed == expected
     assert any(name.startswith("linkwright/core/materials/catalogue/") and name.endswith(".yaml") for name in packed)
     assert {name.split("/")[0] for name in packed} == {"linkwright"}

@@ -411,8 +411,7 @@ def test_the_rooms_are_imported_by_one_name():
     found = {
         str(path.relative_to(ROOT)): bare
         for path in tracked_files()
-        if path.suffix == ".py"
-        and (bare := imported(*asked(path), rooms, at_load=False))
+        if path.suffix == ".py" and (bare := imported(*asked(path), rooms, at_load=False))
     }
     assert found == {}
 

@@ -23,7 +23,8 @@ if TYPE_CHECKING:
     from linkwright.core.executors import Executor
     from linkwright.face.compensation import Compensation
     from linkwright.face.design import Redesign
-    from linkwright.face.diagnosis import Comparison, Diagnosis
+    from linkwright.face.diagnosis import Diagnosis
+    from linkwright.face.planning.comparison import Comparison
     from linkwright.face.planning.watch import Watch
     from linkwright.face.prediction import Prediction
     from linkwright.face.recording import Recording
@@ -135,7 +136,8 @@ def compare(
     """
     from linkwright.core.diagnose.options import Options
     from linkwright.face.arm import arm_of
-    from linkwright.face.diagnosis import compared, known_effects, recording_of
+    from linkwright.face.diagnosis import known_effects, recording_of
+    from linkwright.face.planning.comparison import compared
     from linkwright.face.progress import told
 
     options = Options(thorough=thorough, without=known_effects(without))

@@ -166,19 +166,9 @@ class Arm:
     @property
     def table(self) -> pd.DataFrame:
         """The chain, a row for each joint and its link."""
-        import pandas as pd
-
-        rows = [
-            {
-                "joint": number,
-                "type": joint.type,
-                "length_mm": 1e3 * link.length,
-                "section": section_words(link),
-                "material": "" if link.material is None else link.material.name,
-            }
-            for number, (joint, link) in enumerate(zip(self.model.joints, self.model.links, strict=True), start=1)
-        ]
-        return pd.DataFrame(rows)
+        made = links_table(self.model).rename(columns={"link": "joint"})
+        made.insert(1, "type", [joint.type for joint in self.model.joints])
+        return made
 
     def replace(self, key: str, value: object) -> Arm:
         """A new arm with one key of its file changed, such as `chain[1].link.length`; lists count from 1.
@@ -220,6 +210,17 @@ class Arm:
         import html
 
         return f"<p>{html.escape(repr(self)[1:-1])}</p>\n{self.table.to_html(index=False, border=0)}"
+
+
+def links_table(arm: Model) -> pd.DataFrame:
+    """The links of an arm: number, length (mm), section, material."""
+    import pandas as pd
+
+    rows = [
+        (number, 1e3 * link.length, section_words(link), "" if link.material is None else link.material.name)
+        for number, link in enumerate(arm.links, start=1)
+    ]
+    return pd.DataFrame(rows, columns=["link", "length_mm", "section", "material"])
 
 
 def _read(content: dict[str, Any], catalogue: File | None, tip: str | None = None) -> Model:

@@ -14,18 +14,22 @@ from linkwright.core.arm.chain.chain import Arm as Model
 from linkwright.core.arm.chain.kinematics import tip_position
 from linkwright.core.arm.compensation import Table as Found
 from linkwright.core.arm.compensation import default_grid, moves, table_at, table_over
+from linkwright.core.arm.effects import EFFECTS
+from linkwright.core.arm.errors.unknown_mass import payloads_left_out
 from linkwright.core.sections.numeric import Array
 from linkwright.core.units.quantities import InputError
 from linkwright.core.units.reading import read_text
-from linkwright.json.compensation import compensation_json, table_columns
+from linkwright.json.fields import fields_if, joint_columns
 from linkwright.output.files import write_file
 from linkwright.output.table_file import WAYS, write_table
+from linkwright.results.document import Description, Item, Paragraph, length, table
+from linkwright.results.figures_in_words import coordinate, effect_title, figure, mm, with_unit
 
 from .arm import Arm
 from .evaluation import pose_of
 from .given import File, Quantity, in_si
 from .progress import Progress, told
-from .result import Result, figure_of
+from .result import Result, figure_of, frame
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -33,6 +37,55 @@ if TYPE_CHECKING:
 
 _MOST_ROWS = 1_000_000
 _LARGEST = 1e9
+_DIGITS = 9
+_NOTE = "The table holds what is certain: play lies where the load seats it; sides, time and warming are not in it."
+
+
+def describe(found: Found) -> Description:
+    """What the table does."""
+    arm, check = found.arm, found.check
+    payloads = ", ".join(with_unit(value, "kg") for value in np.unique(found.payload).tolist())
+    error = np.linalg.norm(found.error, axis=1)
+    sizes = [
+        ("at the table's poses, without it", _rms(error), float(error.max())),
+        ("there, joint corrections added", _rms(found.left), float(found.left.max())),
+    ]
+    if check is not None:
+        name = f"between them ({check.poses} poses checked), without it"
+        sizes += [
+            (name, check.rms_without, check.largest_without),
+            ("there, interpolated displacement subtracted", check.rms_subtracted, check.largest_subtracted),
+            ("there, interpolated joint corrections added", check.rms_corrected, check.largest_corrected),
+        ]
+    rows = [(name, length(rms, 3), length(largest, 3)) for name, rms, largest in sizes]
+    items: list[Item] = []
+    if found.axes is not None:
+        steps = [
+            f"joint {index + 1} every {coordinate(arm, index, float(axis[1] - axis[0]))}"
+            for index, axis in enumerate(found.axes)
+            if len(axis) > 1
+        ]
+        items.append(Paragraph(f"grid: {', '.join(steps)}"))
+    items.append(table(("error of the tip", "RMS", "largest"), rows))
+    if check is not None and check.largest_subtracted > 0.1 * check.largest_without > 0.0:
+        share = figure(100.0 * check.largest_subtracted / check.largest_without, 2)
+        why = "the grid is coarse for it, or the load turns play over"
+        items.append(Paragraph(f"Between the poses {share} % of the largest error stays: {why}."))
+    items.append(Paragraph(_NOTE))
+    missing = payloads_left_out(arm, np.unique(found.payload).tolist())
+    if missing:
+        items.append(Paragraph(f"Warning: {missing}."))
+    left = dict.fromkeys(entry.effect for entry in arm.effects if EFFECTS[entry.effect].of_instrument)
+    if left:
+        names = ", ".join(effect_title(effect) for effect in left)
+        items.append(Paragraph(f"Not in it, because it belongs to the instrument: {names}."))
+    headline = f"{len(found.q)} poses, payload {payloads}"
+    brief = f"{headline}: largest error {mm(float(error.max()), 3)}"
+    return Description(f"{arm.name}: compensation table", headline, tuple(items), brief, f"{arm.name}: ")
+
+
+def _rms(values: np.ndarray) -> float:
+    return float(np.sqrt(np.mean(values * values)))
 
 
 @dataclass(frozen=True, repr=False)
@@ -40,6 +93,7 @@ class Compensation(Result):
     """By how much the tip is off at each pose of a table, and what to add to each joint against it; `found` in SI."""
 
     _command = "compensate"
+    _describe = staticmethod(describe)
 
     arm: Arm
     found: Found
@@ -47,22 +101,29 @@ class Compensation(Result):
     @property
     def table(self) -> pd.DataFrame:
         """The table as `compensate --out` writes it: poses, payload, error, joint corrections, what is left."""
-        import pandas as pd
+        found, arm = self.found, self.arm.model
+        columns = {**joint_columns(arm, found.q), "payload_kg": found.payload}
+        for axis, values in zip("xy" if arm.planar() else "xyz", found.error.T, strict=False):
+            columns[f"d{axis}_mm"] = 1e3 * values
+        columns |= {**joint_columns(arm, found.correction, "dq"), "left_mm": 1e3 * found.left}
+        return frame({name: values.round(_DIGITS) + 0.0 for name, values in columns.items()})
 
-        return pd.DataFrame(table_columns(self.found))
+    @property
+    def _lengths_mm(self) -> Array:
+        return 1e3 * np.linalg.norm(self.found.error, axis=1)
 
     @property
     def max_error_mm(self) -> float:
         """The greatest error at the table's poses, mm."""
-        return float(1e3 * np.linalg.norm(self.found.error, axis=1).max())
+        return float(self._lengths_mm.max())
 
     def plot(self) -> go.Figure:
         """The error of the tip at each pose, where the tip nominally is."""
         tip = 1e3 * tip_position(self.arm.model, self.found.q)
-        across = tip[:, 0] if self.arm.model.planar() else np.hypot(tip[:, 0], tip[:, 1])
-        length = 1e3 * np.linalg.norm(self.found.error, axis=1)
-        marker = {"color": length.tolist(), "colorscale": "Viridis", "colorbar": {"title": {"text": "mm"}}}
-        up = tip[:, 1] if self.arm.model.planar() else tip[:, 2]
+        planar = self.arm.model.planar()
+        across, up = (tip[:, 0], tip[:, 1]) if planar else (np.hypot(tip[:, 0], tip[:, 1]), tip[:, 2])
+        colours = {"colorscale": "Viridis", "colorbar": {"title": {"text": "mm"}}}
+        marker = {"color": self._lengths_mm.tolist(), **colours}
         marks = {"type": "scatter", "mode": "markers", "x": across.tolist(), "y": up.tolist(), "marker": marker}
         return figure_of({"data": [marks]})
 
@@ -78,7 +139,20 @@ class Compensation(Result):
         return [target]
 
     def _content(self) -> Mapping[str, Any]:
-        return compensation_json(self.found)
+        found, table = self.found, self.table
+        warning = payloads_left_out(found.arm, np.unique(found.payload).tolist())
+        pairs = [(f"rms_{name}_mm", f"max_{name}_mm=largest_{name}") for name in ("without", "subtracted", "corrected")]
+        return {
+            "arm": found.arm.name,
+            "grid": None if found.axes is None else [len(axis) for axis in found.axes],
+            "rms_error_mm": _rms(self._lengths_mm),
+            "max_error_mm": self.max_error_mm,
+            "max_left_mm": float(1e3 * found.left.max()),
+            "between": fields_if(found.check, "poses", *(each for pair in pairs for each in pair)),
+            "warnings": [warning] if warning else [],
+            "columns": list(table.columns),
+            "rows": table.to_numpy().tolist(),
+        }
 
     def _tables(self) -> Mapping[str, pd.DataFrame]:
         return {"Table": self.table}

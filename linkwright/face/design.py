@@ -19,21 +19,22 @@ from linkwright.core.optimize.rounding.rounding import optimise_rounded
 from linkwright.core.optimize.run import optimise
 from linkwright.core.units.quantities import InputError, format_quantity
 from linkwright.json.design import objective_unit, optimization_json
+from linkwright.json.fields import fields, in_mm
 from linkwright.json.tradeoff import made_by
 from linkwright.output.files import DESIGN
 from linkwright.output.read_back import ReadBack
 from linkwright.redesigning import Redesign as FoundRedesign
 from linkwright.report.pictures.plots import exchange_figure
-from linkwright.results.figures_in_words import section_words
-from linkwright.results.redesign import redesign_json, redesign_sentences
+from linkwright.results import optimization
+from linkwright.results.redesign import describe, redesign_json, redesign_sentences
 
-from .arm import Arm
+from .arm import Arm, links_table
 from .evaluation import Evaluation
 from .figures import LOWER, ROBUST, Figured, Values, values_of
 from .given import Quantity
 from .problem import Problem
 from .progress import Progress, interrupts, told
-from .result import Reported, Result, figure_of
+from .result import Field, Reported, Result, drawn, figure_of, frame
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -48,6 +49,7 @@ class Optimization(Figured, Reported):
     """
 
     _command = "optimize"
+    _describe = staticmethod(optimization.describe)
 
     problem: Problem
     found: OptimizationResult
@@ -83,56 +85,30 @@ class Optimization(Figured, Reported):
     def _figured(self) -> tuple[Model, Mapping[str, Figure]]:
         return self.found.built, self.found.figures
 
-    @property
-    def interrupted(self) -> bool:
-        """Whether Ctrl-C ended the search."""
-        return self.found.interrupted
+    interrupted = Field[bool]("Whether Ctrl-C ended the search.")
 
     @property
     def log(self) -> pd.DataFrame:
         """A row for each round of the exchange: objective (mm, kg or EUR), design change and violation (relative)."""
-        import pandas as pd
-
         factor, unit = objective_unit(self.found.minimize)
-        rows = [
-            {
-                "number": each.number,
-                f"objective_{unit}": factor * each.objective,
-                "design_change": each.design_change,
-                "poses": each.poses,
-                "worst_violation": each.worst_violation,
-                "certified": each.certified,
-            }
-            for each in self.found.iterations
-        ]
-        return pd.DataFrame(rows)
+        keys = ("design_change", "poses", "worst_violation", "certified")
+        return frame(
+            [
+                {"number": each.number, f"objective_{unit}": factor * each.objective, **fields(each, *keys)}
+                for each in self.found.iterations
+            ]
+        )
 
     @property
     def links(self) -> pd.DataFrame:
         """The links of the new design: length (mm), section, material, mass (kg)."""
-        import pandas as pd
-
-        links = zip(self.found.arm.links, self.found.after.link_masses, strict=True)
-        rows = [
-            {
-                "link": number,
-                "length_mm": 1e3 * link.length,
-                "section": section_words(link),
-                "material": link.material.name if link.material else "",
-                "mass_kg": mass,
-            }
-            for number, (link, mass) in enumerate(links, start=1)
-        ]
-        return pd.DataFrame(rows)
+        return links_table(self.found.arm).assign(mass_kg=list(self.found.after.link_masses))
 
     @property
     def binding(self) -> pd.DataFrame:
         """Each limit that holds, with what one unit more of it would change of the objective."""
-        import pandas as pd
-
-        columns = ("limit", "value", "unit", "price", "price_unit")
-        rows = [(each.text, each.value, each.unit, each.price, each.price_unit) for each in self.found.binding]
-        return pd.DataFrame(rows, columns=list(columns))
+        keys = ("limit=text", "value", "unit", "price", "price_unit")
+        return frame([fields(each, *keys) for each in self.found.binding], [key.partition("=")[0] for key in keys])
 
     def plot(self) -> go.Figure:
         """The objective round by round: where what the program believes and what is found meet, the exchange ends."""
@@ -200,6 +176,8 @@ class Redesign(Figured, Result):
     """A problem solved with an arm as given and as a diagnosis corrected it; `found` holds everything in SI."""
 
     _command = "redesign"
+    _signed = False
+    _describe = staticmethod(describe)
 
     problem: Problem
     found: FoundRedesign
@@ -234,18 +212,13 @@ class Redesign(Figured, Result):
     @property
     def table(self) -> pd.DataFrame:
         """What the old optimum was promised and really has, and what the new one has, mm."""
-        import pandas as pd
-
-        found = self.found
-        errors = [1e3 * value for value in (found.promised, found.had, found.has)]
-        return pd.DataFrame({"design": ["old, promised", "old, really", "new"], "max_error_mm": errors})
+        errors = in_mm((self.found.promised, self.found.had, self.found.has))
+        return frame({"design": ["old, promised", "old, really", "new"], "max_error_mm": errors})
 
     def plot(self) -> go.Figure:
         """The three errors as bars."""
         table = self.table
-        layout = {"yaxis": {"title": {"text": "worst error in mm"}}}
-        bars = {"type": "bar", "x": list(table["design"]), "y": list(table["max_error_mm"])}
-        return figure_of({"data": [bars], "layout": layout})
+        return drawn(list(table["design"]), {"": list(table["max_error_mm"])}, "", "worst error in mm", mode="bar")
 
     def _content(self) -> Mapping[str, Any]:
         return redesign_json(self.found)

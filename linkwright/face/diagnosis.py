@@ -2,17 +2,12 @@
 
 from __future__ import annotations
 
-import io
-from collections.abc import Collection, Iterable, Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast
 
 from linkwright.core.arm.effects import EFFECTS
-from linkwright.core.diagnose.compare.compare import Comparison as FoundComparison
-from linkwright.core.diagnose.compare.compare import compare
-from linkwright.core.diagnose.diagnosis import diagnose as diagnosed
-from linkwright.core.diagnose.options import Options
 from linkwright.core.diagnose.reading.branches import refuse_unmeasured_origins
 from linkwright.core.diagnose.recording import Recording as FoundRecording
 from linkwright.core.diagnose.result import Diagnosis as Found
@@ -21,12 +16,11 @@ from linkwright.core.diagnose.several.recordings import Several, together
 from linkwright.core.units.names import nearest
 from linkwright.core.units.quantities import InputError
 from linkwright.json.diagnosis import diagnosis_json, in_unit, unit_of
-from linkwright.output.diagnosis_folder import claim_diagnosis, residuals_csv, write_diagnosis, written_files
-from linkwright.report.described import page_of
-from linkwright.report.origin import origin_of, signed
+from linkwright.json.fields import fields
+from linkwright.output.diagnosis_folder import claim_diagnosis, residuals, write_diagnosis
+from linkwright.output.files import REPORT
 from linkwright.report.pictures.plots import LIKE
 from linkwright.report.pictures.residual_map import residual_maps
-from linkwright.results.diagnoses.comparison import comparison_json, comparison_sentence
 from linkwright.results.diagnoses.described import describe
 from linkwright.results.diagnoses.words import name_words
 from linkwright.results.document import Description
@@ -35,9 +29,8 @@ from linkwright.results.redesign import redesign_json
 from .arm import Arm, catalogue_of
 from .design import Redesign
 from .given import File
-from .progress import Progress
 from .recording import Recording, read_recording
-from .result import Reported, Result, figure_of
+from .result import Field, Reported, figure_of, frame
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -60,15 +53,8 @@ class Diagnosis(Reported):
     found: Found
     redesign: Redesign | None = None
 
-    @property
-    def verdict(self) -> str:
-        """`none`, `named`, `alias_class`, `unknown` or `insufficient_data`."""
-        return self.found.verdict
-
-    @property
-    def sentence(self) -> str:
-        """The answer in plain words."""
-        return self.found.sentence
+    verdict = Field[str]("`none`, `named`, `alias_class`, `unknown` or `insufficient_data`.")
+    sentence = Field[str]("The answer in plain words.")
 
     @property
     def findings(self) -> pd.DataFrame:
@@ -76,8 +62,6 @@ class Diagnosis(Reported):
 
         `at` numbers joints or links from 1; `alternatives` names what the data cannot tell from it.
         """
-        import pandas as pd
-
         rows: list[dict[str, Any]] = []
         for finding in self.found.findings:
             told = {
@@ -89,34 +73,27 @@ class Diagnosis(Reported):
             }
             rows += [{**told, **_parameter(fitted)} for fitted in finding.parameters] or [told]
         columns = ["effect", "at", "rms_explained_mm", "p_value", "alternatives"]
-        return pd.DataFrame(rows, columns=[*columns, "parameter", "value", "low", "high", "unit"])
+        return frame(rows, [*columns, "parameter", "value", "low", "high", "unit"])
 
     @property
     def recordings(self) -> pd.DataFrame:
         """A row for each of several recordings: readings, noise floor and RMS (mm) before, after, held out, by what the
         other recordings say, and with sizes of its own."""
-        import pandas as pd
-
         shown = ("noise_floor", "rms_before", "rms_after", "rms_held_out", "rms_from_others", "rms_own")
-        rows = [
-            {"recording": each.name, "file": each.file, "rows": each.rows}
-            | {f"{name}_mm": None if (v := getattr(each, name)) is None else 1e3 * v for name in shown}
-            for each in self.found.recordings
-        ]
-        return pd.DataFrame(rows, columns=["recording", "file", "rows", *(f"{name}_mm" for name in shown)])
+        keys = ("recording=name", "file", "rows", *(f"{name}_mm" for name in shown))
+        rows = [fields(each, *keys) for each in self.found.recordings]
+        return frame(rows, [key.partition("=")[0] for key in keys])
 
     @property
     def differences(self) -> pd.DataFrame:
         """A row for each recording of each parameter that is not the same in all, in `unit`, with its 95 % interval."""
-        import pandas as pd
-
         rows = [
             {"effect": each.effect, "at": each.at, "p_value": each.p_value, "recording": own.name, **_parameter(fitted)}
             for each in self.found.differences
             for own, fitted in zip(self.found.recordings, each.each, strict=True)
         ]
         columns = ["effect", "at", "p_value", "recording", "parameter", "value", "low", "high", "unit"]
-        return pd.DataFrame(rows, columns=columns)
+        return frame(rows, columns)
 
     @property
     def corrected(self) -> Arm:
@@ -128,9 +105,7 @@ class Diagnosis(Reported):
     @property
     def residuals(self) -> pd.DataFrame:
         """Every reading with its residual before and after (mm, measured less modelled, in the base frame)."""
-        import pandas as pd
-
-        return pd.read_csv(io.StringIO(residuals_csv(self.found)))
+        return residuals(self.found)
 
     def plot(self) -> go.Figure:
         """The length of the residual at each reading, with what was found taken off."""
@@ -148,17 +123,9 @@ class Diagnosis(Reported):
         arm = None if self.redesign is None else self.redesign.problem.arm_file
         return [*settings_of(self.recording), *([] if arm is None else [arm])]
 
-    def save(
-        self, folder: File, *, made_from: Iterable[File] = (), author: str = "", comment: str = ""
-    ) -> Sequence[Path]:
-        """Write what `diagnose --out` writes, the report with its origin as other results have it; gives which files.
-        Raises `InputError` for a folder that holds anything else."""
-        place = Path(folder)
+    def _saved(self, place: Path, first: Mapping[str, str]) -> Sequence[Path]:
         claim_diagnosis(place)
-        origin = origin_of(map(Path, made_from), author=author, comment=comment)
-        page = signed(page_of(self.description), origin)
-        write_diagnosis(place, self.found, self.to_json(), page, catalogue_of(self.arm.catalogue))
-        return written_files(place, self.found)
+        return write_diagnosis(place, self.found, self.to_json(), first[REPORT], catalogue_of(self.arm.catalogue))
 
     def _content(self) -> Mapping[str, Any]:
         content: dict[str, Any] = diagnosis_json(self.found)
@@ -170,15 +137,8 @@ class Diagnosis(Reported):
 
 
 def _parameter(fitted: FittedParameter) -> dict[str, Any]:
-    low, high = (in_unit(end, fitted.kind) for end in fitted.alone)
-    unit = unit_of(fitted.kind)
-    return {
-        "parameter": fitted.name,
-        "value": in_unit(fitted.value, fitted.kind),
-        "low": low,
-        "high": high,
-        "unit": unit,
-    }
+    value, low, high = (in_unit(each, fitted.kind) for each in (fitted.value, *fitted.alone))
+    return {"parameter": fitted.name, "value": value, "low": low, "high": high, "unit": unit_of(fitted.kind)}
 
 
 def recordings_of(
@@ -190,16 +150,11 @@ def recordings_of(
 ) -> Recording:
     """A recording as given, or read; several as one that knows which reading is from which."""
     several = list(cast("Sequence[_Given]", given)) if isinstance(given, list | tuple) else [cast("_Given", given)]
-    own = list(settings) if isinstance(settings, list | tuple) else [cast("File | None", settings)]
     if not several:
         raise InputError("", "recording", "is an empty list; name one recording or more")
     if units and len(several) < 2:
         raise InputError("", "units", "compares several arms; name a recording of each")
-    if len(own) not in (1, len(several)):
-        said = f"there are {len(own)} for {len(several)} recordings; give one for all, or one each"
-        raise InputError("", "settings", said)
-    each = own * len(several) if len(own) == 1 else own
-    read = [recording_of(one, arm, held) for one, held in zip(several, each, strict=True)]
+    read = each_with_settings(several, arm, settings)
     files = [Path(one.found.file).absolute() for one in read if one.found.file and Path(one.found.file).exists()]
     twice = next((file for k, file in enumerate(files) if file in files[:k]), None)
     if twice is not None:
@@ -210,6 +165,18 @@ def recordings_of(
     if len(widths) > 1:
         raise InputError("", "recording", f"are of arms with {' and '.join(map(str, sorted(widths)))} joints")
     return read[0] if len(read) == 1 else Recording(arm, together([one.found for one in read], arm.model, units=units))
+
+
+def each_with_settings(
+    given: Sequence[Recording | File | pd.DataFrame], arm: Arm, settings: File | Sequence[File] | None
+) -> list[Recording]:
+    """Recordings as given, or read: with settings for all, or with those of each. Raises `InputError`."""
+    own = list(settings) if isinstance(settings, list | tuple) else [cast("File | None", settings)]
+    if len(own) not in (1, len(given)):
+        said = f"there are {len(own)} for {len(given)} recordings; give one for all, or one each"
+        raise InputError("", "settings", said)
+    each = own * len(given) if len(own) == 1 else own
+    return [recording_of(one, arm, held) for one, held in zip(given, each, strict=True)]
 
 
 def settings_of(recording: Recording) -> list[Path]:
@@ -235,66 +202,3 @@ def known_effects(names: Collection[str], key: str = "without") -> frozenset[str
         if name not in EFFECTS:
             raise InputError("", key, f"there is no effect '{name}'{nearest(name, list(EFFECTS))}")
     return frozenset(names)
-
-
-@dataclass(frozen=True, repr=False)
-class Comparison(Result):
-    """What changed between two recordings of one arm; `found` holds everything in SI."""
-
-    _command = "compare"
-
-    arm: Arm
-    found: FoundComparison
-
-    @property
-    def sentence(self) -> str:
-        """What changed, plainly."""
-        return comparison_sentence(self.found)
-
-    @property
-    def changes(self) -> pd.DataFrame:
-        """A row for each parameter of the common model in both recordings, in `unit`; `changed` where beyond doubt."""
-        import pandas as pd
-
-        columns = ["effect", "at", "parameter", "before", "after", "difference", "low", "high", "unit", "changed"]
-        rows: list[tuple[Any, ...]] = []
-        for each in self.found.changes:
-            kind = each.first.kind
-            figures = (each.first.value, each.second.value, each.difference, *each.interval)
-            shown = [in_unit(value, kind) for value in figures]
-            rows.append((each.effect, each.first.at, each.first.parameter, *shown, unit_of(kind), each.changed))
-        return pd.DataFrame(rows, columns=columns)
-
-    def plot(self) -> go.Figure:
-        """The RMS mismatch of both recordings, before anything is explained and after, mm."""
-        pair = (self.found.first, self.found.second)
-        bars = [
-            {"type": "bar", "name": name, "x": ["before", "after"], "y": [1e3 * value for value in values]}
-            for name, values in (
-                ("mismatch", [each.rms_before for each in pair]),
-                ("not explained", list(self.found.unexplained)),
-            )
-        ]
-        return figure_of({"data": bars, "layout": {"yaxis": {"title": {"text": "RMS in mm"}}}})
-
-    def _content(self) -> Mapping[str, Any]:
-        return comparison_json(self.found)
-
-    def _tables(self) -> Mapping[str, pd.DataFrame]:
-        return {"Changes": self.changes}
-
-
-def compared(arm: Arm, both: Sequence[Recording], options: Options, tell: Progress) -> Comparison:
-    """Both recordings diagnosed, then fitted with one common model. Raises `InputError` for those of two tips."""
-    tips = [each.found.branch for each in both]
-    if tips[0] != tips[1]:
-        said = f"are of different tips ({' and '.join(tips)}); compare two recordings of one, diagnose takes both"
-        raise InputError("", "recordings", said)
-    diagnoses: list[Found] = []
-    for number, read in enumerate(both):
-
-        def half(text: str, share: float, done: int = number) -> None:
-            tell(text, 0.5 * (done + share))
-
-        diagnoses.append(diagnosed(arm.model, read.found, options, half))
-    return Comparison(arm, compare(arm.model.on(tips[0]), *diagnoses))

@@ -25,7 +25,7 @@ from linkwright.results.figures_in_words import effect_title
 from .arm import Arm
 from .figures import ROBUST, Figured, Values, values_of
 from .given import Quantity, in_si
-from .result import Reported, figure_of
+from .result import Field, Reported, figure_of, frame
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -46,48 +46,33 @@ class Evaluation(Figured, Reported):
     robust: RobustFigure | None = None
     """The error over what the problem calls uncertain, SI."""
 
-    @property
-    def min_safety_factor(self) -> float | None:
-        """The least factor of safety against yielding over links and poses."""
-        return self.found.strength.least_safety_factor
-
-    @property
-    def warnings(self) -> tuple[str, ...]:
-        """Sentences on what should not be relied on."""
-        return self.found.warnings
-
-    @property
-    def notes(self) -> tuple[str, ...]:
-        """What is taken for granted because the files say nothing of it."""
-        return self.found.notes
-
-    @property
-    def rigid_links_mm(self) -> float | None:
-        """The worst error were the links rigid and weightless, mm: what no better link takes away."""
-        return None if self.found.rigid_links_error is None else 1e3 * self.found.rigid_links_error
+    min_safety_factor = Field[float | None](
+        "The least factor of safety against yielding over links and poses.", "strength.least_safety_factor"
+    )
+    warnings = Field[tuple[str, ...]]("Sentences on what should not be relied on.")
+    notes = Field[tuple[str, ...]]("What is taken for granted because the files say nothing of it.")
+    rigid_links_mm = Field[float | None](
+        "The worst error were the links rigid and weightless, mm: what no better link takes away.", "rigid_links_error"
+    )
 
     @property
     def worst_poses(self) -> pd.DataFrame:
         """The worst poses, worst first: coordinates (deg, mm), load case (from 1), error and its components (mm)."""
-        import pandas as pd
-
         model, poses = self.found.arm, self.found.worst.poses
         columns: dict[str, Any] = joint_columns(model, completed(model, np.array([pose.q for pose in poses])) + 0.0)
         columns["load_case"] = [pose.load_case + 1 for pose in poses]
         columns["error_mm"] = [1e3 * pose.error for pose in poses]
         for axis, name in enumerate("xyz"):
             columns[f"error_{name}_mm"] = [1e3 * pose.vector[axis] for pose in poses]
-        return pd.DataFrame(columns)
+        return frame(columns)
 
     @property
     def by_effect(self) -> pd.DataFrame:
         """What each effect alone adds at the worst pose, mm."""
-        import pandas as pd
-
         found = self.found.by_effect
         titles = [effect_title(name) for name in found]
         errors = [1e3 * value for value in found.values()]
-        return pd.DataFrame({"effect": list(found), "title": titles, "error_mm": errors})
+        return frame({"effect": list(found), "title": titles, "error_mm": errors})
 
     def plot(self) -> go.Figure:
         """The worst error at each place of the tip, the worst poses marked."""

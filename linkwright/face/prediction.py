@@ -4,21 +4,59 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from pathlib import PurePath
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
+from linkwright.core.arm.errors.unknown_mass import payloads_left_out
+from linkwright.core.diagnose.mistakes.row_lists import rows_text
+from linkwright.core.diagnose.predict import Leaving
 from linkwright.core.diagnose.predict import Prediction as Found
-from linkwright.json.fields import joint_columns
-from linkwright.json.prediction import prediction_json
+from linkwright.json.fields import fields, in_joint_unit, joint_columns, joint_unit
+from linkwright.results.document import Description, Item, Lines, Paragraph, length, table
+from linkwright.results.figures_in_words import mm
 
 from .arm import Arm
 from .recording import Recording
-from .result import Result, figure_of
+from .result import Field, Result, drawn, frame
 
 if TYPE_CHECKING:
     import pandas as pd
     import plotly.graph_objects as go
+
+
+def describe(found: Found) -> Description:
+    """How far the model is off, beside the geometry alone."""
+    recording = found.recording
+    fitted = " and ".join(name for name in ("frame", "tool") if getattr(recording, name) == "free")
+    how = f"{fitted} fitted" if fitted else "frame and tool as declared"
+    rows = [
+        ("the arm file's model", length(found.rms, 3), length(found.mean, 3), length(found.largest, 3)),
+        ("its geometry alone", length(found.nominal_rms, 3), "", ""),
+    ]
+    payloads = () if recording.payload_mass is None else np.unique(recording.payload_mass).tolist()
+    items: list[Item] = [table(("residual", "RMS", "mean", "largest"), rows)]
+    if found.left:
+        lead = "Beyond what the arm was learned from nothing promises that its findings hold."
+        items.append(Lines((*(_leaving(found, each) for each in found.left), lead)))
+    if (missing := payloads_left_out(found.arm, payloads)) is not None:
+        items.append(Paragraph(f"Warning: {missing}."))
+    name = PurePath(recording.file).name
+    headline = f"{mm(found.rms, 3)} RMS over {recording.size} readings, {how}"
+    return Description(f"{found.arm.name} on {name}", headline, tuple(items), headline, f"{found.arm.name}: ")
+
+
+def _leaving(found: Found, each: Leaving) -> str:
+    """Where a joint leaves the coordinates that the arm was learned from, as a warning."""
+    low, high = _span(found, each)
+    what = "the coordinates that were learned" if each.learned else "its range"
+    span = f"{low:.4g} to {high:.4g} {joint_unit(found.arm, each.joint - 1)}"
+    return f"Warning: joint {each.joint} leaves {what} ({span}) in {rows_text(each.rows)}."
+
+
+def _span(found: Found, each: Leaving) -> list[float]:
+    return [in_joint_unit(found.arm, each.joint - 1, end) for end in each.span]
 
 
 @dataclass(frozen=True, repr=False)
@@ -29,76 +67,56 @@ class Prediction(Result):
     """
 
     _command = "predict"
+    _describe = staticmethod(describe)
 
     arm: Arm
     recording: Recording
     found: Found
 
-    @property
-    def rms_mm(self) -> float:
-        """The RMS length of the residual, mm."""
-        return 1e3 * self.found.rms
-
-    @property
-    def mean_mm(self) -> float:
-        """The mean length of the residual, mm."""
-        return 1e3 * self.found.mean
-
-    @property
-    def max_mm(self) -> float:
-        """The greatest length of the residual, mm."""
-        return 1e3 * self.found.largest
-
-    @property
-    def nominal_rms_mm(self) -> float:
-        """The RMS of the arm's nominal geometry alone, frame and tool fitted alike, mm."""
-        return 1e3 * self.found.nominal_rms
-
-    @property
-    def rows(self) -> int:
-        """How many readings there are."""
-        return self.recording.found.size
-
-    @property
-    def outside(self) -> tuple[int, ...]:
-        """The rows of the file whose joints leave the coordinates that the arm was learned from.
-
-        Where nobody knows those, they are the joint ranges.
-        """
-        return self.found.outside
-
-    @property
-    def frame(self) -> str:
-        """`known`, or `free`: fitted."""
-        return self.found.recording.frame
-
-    @property
-    def tool(self) -> str:
-        """`known`, or `free`: fitted."""
-        return self.found.recording.tool
+    rms_mm = Field[float]("The RMS length of the residual, mm.")
+    mean_mm = Field[float]("The mean length of the residual, mm.")
+    max_mm = Field[float]("The greatest length of the residual, mm.", "largest")
+    nominal_rms_mm = Field[float]("The RMS of the arm's nominal geometry alone, frame and tool fitted alike, mm.")
+    rows = Field[int]("How many readings there are.", "recording.size")
+    outside = Field[tuple[int, ...]](
+        "The rows of the file whose joints leave the coordinates that the arm was learned from; where nobody knows "
+        "those, they are the joint ranges."
+    )
+    frame = Field[Literal["known", "free"]]("`known`, or `free`: fitted.", "recording.frame")
+    tool = Field[Literal["known", "free"]]("`known`, or `free`: fitted.", "recording.tool")
 
     @property
     def table(self) -> pd.DataFrame:
         """A row for each reading: coordinates, residual (measured less modelled, mm), whether outside."""
-        import pandas as pd
-
         recording = self.found.recording
         columns: dict[str, Any] = {"row": recording.row, **joint_columns(self.arm.model, recording.q + 0.0)}
         for axis, values in zip(recording.component_names, self.found.residual.T, strict=True):
             columns[f"residual_{axis}_mm"] = 1e3 * values
         columns["residual_mm"] = 1e3 * np.linalg.norm(self.found.residual, axis=1)
-        columns["outside"] = np.isin(recording.row, self.found.outside)
-        return pd.DataFrame(columns)
+        return frame({**columns, "outside": np.isin(recording.row, self.found.outside)})
 
     def plot(self) -> go.Figure:
         """The length of the residual row by row."""
         table = self.table
-        marks = {"type": "scatter", "mode": "markers", "x": table["row"].tolist(), "y": table["residual_mm"].tolist()}
-        axes = {"xaxis": {"title": {"text": "row"}}, "yaxis": {"title": {"text": "residual in mm"}}}
-        return figure_of({"data": [marks], "layout": axes})
+        return drawn(table["row"].tolist(), {"": table["residual_mm"].tolist()}, "row", "residual in mm")
 
     def _content(self) -> Mapping[str, Any]:
-        return prediction_json(self.found)
+        found, recording = self.found, self.found.recording
+        left = [
+            {
+                **fields(each, "joint", "rows", "learned"),
+                f"span_{joint_unit(found.arm, each.joint - 1)}": _span(found, each),
+            }
+            for each in found.left
+        ]
+        return {
+            "arm": found.arm.name,
+            "recording": PurePath(recording.file).name,
+            "rows": recording.size,
+            **fields(found, "rms_mm", "mean_mm", "max_mm=largest", "nominal_rms_mm", "outside"),
+            **fields(recording, "frame", "tool"),
+            "outside_by_joint": left,
+        }
 
     def _tables(self) -> Mapping[str, pd.DataFrame]:
         return {"Readings": self.table}

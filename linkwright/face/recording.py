@@ -29,14 +29,13 @@ from linkwright.core.diagnose.simulate import Plan
 from linkwright.core.diagnose.simulate import Simulation as Made
 from linkwright.core.diagnose.simulate import simulate as simulated
 from linkwright.core.units.names import nearest
-from linkwright.core.units.quantities import InputError, shown
+from linkwright.core.units.quantities import InputError, format_quantity, shown
 from linkwright.core.units.reading import Mapping as Reader
 from linkwright.core.units.reading import load_yaml, parse_yaml
-from linkwright.json.simulation import simulation_json
+from linkwright.json.fields import fields
 from linkwright.output.files import json_text, write_file
 from linkwright.output.read_back import ReadBack
-from linkwright.results.diagnoses.simulation import describe
-from linkwright.results.document import Description
+from linkwright.results.document import Description, Lines
 
 from .arm import Arm, arm_of, catalogue_of
 from .given import File, Quantity, in_si, plain
@@ -163,13 +162,33 @@ class Simulation(Recording):
     plan: Plan
 
     @property
+    def _rms(self) -> float:
+        return math.sqrt(float((self.made.error**2).sum(axis=1).mean()))
+
+    @property
     def description(self) -> Description:
-        """By how much the physics moves the tip."""
-        return describe(self.arm.model, self.made, self.plan)
+        """By how much the physics moves the tip, and what of it this recording cannot hold."""
+        name, plan = self.arm.name, self.plan
+        rms, scatter = (format_quantity(each, "length", digits=3) for each in (self._rms, plan.noise))
+        what = f"the model moves the tip by {rms} RMS, noise {scatter} a component"
+        idle = tuple(
+            f"note: {each} moves nothing that this recording holds (linkwright effects show {each})"
+            for each in dict.fromkeys(self.made.idle)
+        )
+        headline = f"{self.made.recording.size} readings of {plan.poses} poses; {what}"
+        return Description(name, headline, (Lines(idle),) if idle else (), subject=f"{name}: ")
 
     def to_json(self) -> str:
         """What `simulate --json` writes."""
-        return json_text(simulation_json(self.made, self.arm.model, self.plan))
+        content = {
+            "arm": self.arm.name,
+            "rows": self.made.recording.size,
+            **fields(self.plan, "poses", "seed", "noise_mm"),
+            "rms_error_mm": 1e3 * self._rms,
+            "effects": [fields(each, "effect", "at") for each in self.arm.model.effects],
+            **fields(self.made, "idle"),
+        }
+        return json_text(content)
 
 
 def settings_beside(recording: Path) -> Path:

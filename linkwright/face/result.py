@@ -4,18 +4,19 @@ from __future__ import annotations
 
 import html
 from abc import ABC, abstractmethod
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from functools import reduce
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
 from linkwright.core.units.quantities import InputError
 from linkwright.output.files import DESIGN, OUTPUT, REPORT, RESULT, claim_own, json_text, write_file, write_folder
 from linkwright.output.read_back import ReadBack
 from linkwright.report.described import page_of
 from linkwright.report.origin import origin_of, signed
-from linkwright.results.describe import describe
 from linkwright.results.document import Description
 from linkwright.results.document import plain as plain_words
+from linkwright.version import program_version
 
 from .given import File
 
@@ -25,6 +26,29 @@ if TYPE_CHECKING:
 
 _MOST_ROWS = 20
 """Rows of a table that a notebook shows."""
+T = TypeVar("T")
+
+
+class Field(Generic[T]):
+    """A field of `found` as the result has it: `rms_mm` is the field `rms` in mm, any other name that field itself.
+
+    `told` is what it means; `field` its name in `found`, where that is another one (`recording.size`).
+    """
+
+    def __init__(self, told: str, field: str = "") -> None:
+        self.__doc__, self._field = told, field
+
+    def __set_name__(self, owner: type, name: str) -> None:
+        """Hear of the attribute's name."""
+        self._factor = 1e3 if name.endswith("_mm") else None
+        self._field = self._field or name.removesuffix("_mm")
+
+    def __get__(self, result: Any, owner: type | None = None) -> T:
+        """Its value; of the class the field."""
+        if result is None:
+            return self  # pyright: ignore[reportReturnType] - as a property does
+        value: Any = reduce(getattr, self._field.split("."), result.found)
+        return value if value is None or self._factor is None else self._factor * value
 
 
 class Result(ABC):
@@ -33,23 +57,22 @@ class Result(ABC):
 
     _command = ""
     """The command that makes the same; its name stands in the files."""
+    _signed = True
+    """Whether the JSON says so."""
     _own: tuple[str, ...] = (RESULT, REPORT, DESIGN)
     """The files that a folder of it may hold."""
-
-    @property
-    def _described(self) -> object:
-        """What `linkwright.results.describe` describes; None where the class does it itself."""
-        return getattr(self, "found", None)
+    _describe: Callable[[Any], Description]
+    """What describes the field `found`."""
 
     @property
     def description(self) -> Description:
         """What screen, page and Markdown say of it."""
-        return describe(self._described)
+        return type(self)._describe(getattr(self, "found", None))
 
     def _line(self) -> str:
         """What was found, in a line."""
         described = self.description
-        stopped = "interrupted, " if getattr(self._described, "interrupted", False) else ""
+        stopped = "interrupted, " if getattr(getattr(self, "found", None), "interrupted", False) else ""
         return stopped + plain_words(described.brief or described.headline)
 
     @abstractmethod
@@ -70,14 +93,17 @@ class Result(ABC):
 
     def to_json(self) -> str:
         """The result as the command's `--json` writes it."""
-        return json_text(self._content())
+        made_by = {"made_by": f"linkwright {self._command} {program_version()}"} if self._signed else {}
+        return json_text({**made_by, **self._content()})
 
     def save(self, folder: File) -> Sequence[Path]:
         """Write what the command's `--out` writes; gives which files. Raises `InputError` for a folder that holds
         anything else."""
-        place = Path(folder)
+        return self._saved(Path(folder), {})
+
+    def _saved(self, place: Path, first: Mapping[str, str]) -> Sequence[Path]:
         claim_own(place, self._command, self._own)
-        files = {**self._files(), RESULT: self.to_json()}
+        files = {**first, **self._files(), RESULT: self.to_json()}
         write_folder(place, files)
         return [place / name for name in files]
 
@@ -90,7 +116,7 @@ class Result(ABC):
         parts = [f"<p><b>{html.escape(type(self).__name__)}</b>: {html.escape(self._line())}</p>"]
         for heading, table in self._tables().items():
             parts.append(f"<h4>{html.escape(heading)}</h4>")
-            parts.append(table.head(_MOST_ROWS).to_html(index=False, border=0, float_format=_short))
+            parts.append(table.head(_MOST_ROWS).to_html(index=False, border=0, float_format="{:.6g}".format))
             if len(table) > _MOST_ROWS:
                 parts.append(f"<p>and {len(table) - _MOST_ROWS} more rows</p>")
         return "\n".join(parts)
@@ -105,11 +131,7 @@ class Reported(Result):
         """Write what the command's `--out` writes; gives which files. The report says when it was made, and of the
         files that it was `made_from` their names and SHA-256 sums; `author` and `comment` stand beside that. Raises
         `InputError` for a folder that holds anything else."""
-        place = Path(folder)
-        claim_own(place, self._command, self._own)
-        files = {REPORT: self._page(made_from, author, comment), **self._files(), RESULT: self.to_json()}
-        write_folder(place, files)
-        return [place / name for name in files]
+        return self._saved(Path(folder), {REPORT: self._page(made_from, author, comment)})
 
     def save_pdf(self, file: File, *, made_from: Iterable[File] = (), author: str = "", comment: str = "") -> None:
         """Write the report as a PDF of A4 pages, as Chromium, Chrome or Edge prints it. Raises `InputError` where none
@@ -124,8 +146,11 @@ class Reported(Result):
         return signed(page_of(self.description), origin_of(map(Path, made_from), author=author, comment=comment))
 
 
-def _short(value: float) -> str:
-    return f"{value:.6g}"
+def frame(rows: Any, columns: Sequence[str] | None = None) -> pd.DataFrame:
+    """A table for programs, of rows or of columns by name; pandas is loaded by the first."""
+    import pandas as pd
+
+    return pd.DataFrame(rows, columns=None if columns is None else list(columns))
 
 
 def figure_of(data: Mapping[str, Any]) -> go.Figure:
@@ -133,3 +158,22 @@ def figure_of(data: Mapping[str, Any]) -> go.Figure:
     import plotly.graph_objects as go
 
     return go.Figure(dict(data))
+
+
+def drawn(
+    x: Sequence[Any],
+    lines: Mapping[str, Sequence[Any]],
+    across: str = "",
+    up: str = "",
+    *,
+    mode: str = "markers",
+    **of_up: Any,
+) -> go.Figure:
+    """A plotly figure of values over `x`, by name: bars (`mode` "bar"), or marks and lines as plotly's modes say;
+    `across` and `up` are the titles of the axes, `of_up` what else the second one is."""
+    kind = {"type": "bar"} if mode == "bar" else {"type": "scatter", "mode": mode}
+    data = [
+        {**kind, "x": list(x), "y": list(values), **({"name": name} if name else {})} for name, values in lines.items()
+    ]
+    axes = {"xaxis": {"title": {"text": across}}, "yaxis": {"title": {"text": up}, **of_up}}
+    return figure_of({"data": data, "layout": axes})

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import io
-from collections.abc import Generator, Iterable, Mapping, Sequence
+from collections.abc import Generator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -20,19 +20,19 @@ from linkwright.core.optimize.tradeoff.trace import Progress as Traced
 from linkwright.core.optimize.tradeoff.tradeoff import trade_off
 from linkwright.core.units.quantities import InputError
 from linkwright.json.tradeoff import made_by, tradeoff_csv, tradeoff_json
-from linkwright.output.files import RESULT, made_folder, refuse_strangers, write_file
+from linkwright.output.files import REPORT, RESULT, made_folder, refuse_strangers, write_file
 from linkwright.output.table_file import WAYS, write_table
 from linkwright.output.tradeoff_folder import FILES, claim_tradeoff, write_tradeoff
 from linkwright.report.charts.fronts import front_figure
-from linkwright.report.origin import origin_of
 from linkwright.results.figures_in_words import percent
+from linkwright.results.tradeoff import describe
 
 from .arm import Arm, catalogue_of
 from .figures import Figured, Values
 from .given import File
 from .problem import Problem
 from .progress import Progress, interrupts, told
-from .result import Reported, figure_of
+from .result import Field, Reported, figure_of
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -63,6 +63,7 @@ class Tradeoff(Reported):
     """
 
     _command = "tradeoff"
+    _describe = staticmethod(describe)
 
     problem: Problem
     found: Found
@@ -79,10 +80,7 @@ class Tradeoff(Reported):
         """The designs in the order of `table`."""
         return tuple(self._design(point) for point in self.found.points)
 
-    @property
-    def interrupted(self) -> bool:
-        """Whether Ctrl-C ended the work."""
-        return self.found.interrupted
+    interrupted = Field[bool]("Whether Ctrl-C ended the work.")
 
     def _design(self, point: Point) -> TradeoffDesign:
         arm = Arm.of(point.arm, catalogue=self.problem.arm.catalogue)
@@ -92,16 +90,12 @@ class Tradeoff(Reported):
         """The fronts, a line each."""
         return figure_of(front_figure(self.found))
 
-    def save(
-        self, folder: File, *, made_from: Iterable[File] = (), author: str = "", comment: str = ""
-    ) -> Sequence[Path]:
-        """Write what `tradeoff --out` does but the journal; gives which files. Raises `InputError` for a folder with
-        other files."""
-        place = Path(folder)
+    def _saved(self, place: Path, first: Mapping[str, str]) -> Sequence[Path]:
+        """All that `tradeoff --out` writes but the journal."""
         if journal_digest(place / JOURNAL) is None:
             claim_tradeoff(place)
-        origin = origin_of(map(Path, made_from), author=author, comment=comment)
-        return write_tradeoff(self.found, place, origin, catalogue_of(self.problem.arm.catalogue))
+        catalogue = catalogue_of(self.problem.arm.catalogue)
+        return write_tradeoff(self.found, place, self.to_json(), first[REPORT], catalogue)
 
     def save_table(self, file: File) -> None:
         """Write the points as `--csv` does: .csv, .parquet, .md or .tex. Raises `InputError`."""

@@ -16,7 +16,6 @@ from linkwright.core.optimize.worse import softened_links, worse_figures
 from linkwright.core.sections.taper import Tapered
 from linkwright.core.units.quantities import format_quantity
 from linkwright.core.units.temperature import ZERO_CELSIUS
-from linkwright.version import program_version
 
 from .fields import fields, in_mm
 from .robust import figure_json, robust_json
@@ -253,7 +252,6 @@ def _growth(growth: GrowthLeftOut) -> dict[str, Any]:
 def evaluation_json(evaluation: Evaluation, robust: RobustFigure | None = None) -> dict[str, Any]:
     """What `evaluate --json` writes."""
     return {
-        "made_by": f"linkwright evaluate {program_version()}",
         **evaluation_figures(evaluation),
         "robust": None if robust is None else figure_json(robust),
     }
@@ -273,7 +271,6 @@ def optimization_json(result: OptimizationResult) -> dict[str, Any]:
         return {"objective": None if value is None else factor * value}
 
     return {
-        "made_by": f"linkwright optimize {program_version()}",
         "problem": PurePath(result.problem_file).name,
         **fields(
             result, "status", "interrupted", "optimum", "doubts", "minimize", "subject_to=limits", "choose=choices"

@@ -30,7 +30,6 @@ from linkwright.core.diagnose.several.recordings import Several
 from linkwright.core.units.quantities import format_quantity, kind_of
 from linkwright.results.diagnoses.answer import answer, to_do
 from linkwright.results.diagnoses.recordings import unit_files
-from linkwright.version import program_version
 
 from .design import coordinates
 from .fields import fields, in_mm
@@ -197,7 +196,6 @@ def diagnosis_json(diagnosis: Diagnosis) -> dict[str, Any]:
     rms = ("rms_before_mm", "rms_after_mm", "rms_after_held_out_mm")
     files = unit_files(diagnosis.recordings) or (None,) * len(diagnosis.recordings)
     return {
-        "made_by": f"linkwright diagnose {program_version()}",
         "arm": arm.name,
         "recording": PurePath(recording.file).name,
         "recordings": [_recording(each, file) for each, file in zip(diagnosis.recordings, files, strict=True)],

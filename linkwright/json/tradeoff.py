@@ -72,7 +72,6 @@ def tradeoff_json(result: Tradeoff) -> dict[str, Any]:
     """What `tradeoff --json` writes."""
     on_envelope = set(result.envelope.points)
     return {
-        "made_by": made_by(),
         "problem": PurePath(result.asked.given.file).name,
         "arm": result.asked.given.arm.name,
         "x": _axis(result.asked.x, log=result.logs[0]),

@@ -20,7 +20,7 @@ from linkwright.results.diagnoses.recordings import unit_files
 
 from .arm_file import arm_file
 from .files import DESIGN, REPORT, claim_own, made_by, write_each
-from .read_back import NotAsWritten, ReadBack
+from .read_back import ReadBack
 
 DIAGNOSIS, RESIDUALS, COMPENSATION = "diagnosis.json", "residuals.csv", "compensation.csv"
 FILES = (REPORT, DIAGNOSIS, DESIGN, RESIDUALS, COMPENSATION)
@@ -28,48 +28,32 @@ FILES = (REPORT, DIAGNOSIS, DESIGN, RESIDUALS, COMPENSATION)
 _DIGITS = 9
 
 
-def claim_diagnosis(folder: Path | None) -> None:
+def claim_diagnosis(folder: Path) -> None:
     """Make the output folder, or take an earlier diagnosis's again; anything else is refused. Raises `InputError`."""
-    if folder is not None:
-        claim_own(folder, "diagnose", (*FILES, *_own_files(folder)), DIAGNOSIS)
+    claim_own(folder, "diagnose", (*FILES, *_own_files(folder)), DIAGNOSIS)
 
 
-def write_diagnosis(
-    folder: Path, diagnosis: Diagnosis, content: str, page: str, catalogue: Catalogue
-) -> tuple[str, ...]:
-    """Write the files, diagnosis.json first; gives their names. `catalogue` is that by which the arm was read. Raises
-    `InputError`, and `NotAsWritten` at the end."""
+def write_diagnosis(folder: Path, diagnosis: Diagnosis, content: str, page: str, catalogue: Catalogue) -> list[Path]:
+    """Write the files, diagnosis.json first; gives which, the report first. `catalogue` is that by which the arm was
+    read. Raises `InputError`, and `NotAsWritten` at the end."""
+    compensation, units = compensated(diagnosis), unit_files(diagnosis.recordings)
     files: dict[str, str | ReadBack] = {
         DIAGNOSIS: content,
         REPORT: page,
         DESIGN: arm_file(diagnosis.corrected, catalogue),
-        RESIDUALS: residuals_csv(diagnosis),
+        RESIDUALS: _csv(residuals(diagnosis)),
+        **({} if compensation is None else {COMPENSATION: _csv(compensation)}),
     }
-    compensation = compensation_csv(diagnosis)
-    if compensation is not None:
-        files[COMPENSATION] = compensation
-    for one, name in zip(diagnosis.recordings, unit_files(diagnosis.recordings), strict=False):
+    for one, name in zip(diagnosis.recordings, units, strict=False):
         files[name] = arm_file(one.corrected if one.corrected is not None else diagnosis.corrected, catalogue)
-    earlier = _own_files(folder)
-    unlike = None
+    earlier = {*_own_files(folder), COMPENSATION} - files.keys()
     try:
         write_each({folder / name: text for name, text in files.items()})
-    except NotAsWritten as error:
-        unlike = error
-    for name in earlier.keys() - files.keys():
-        (folder / name).unlink(missing_ok=True)
-    if compensation is None:
-        # One of an earlier diagnosis would be taken for this one's.
-        (folder / COMPENSATION).unlink(missing_ok=True)
-    if unlike is not None:
-        raise unlike
-    return tuple(files)
-
-
-def written_files(folder: Path, diagnosis: Diagnosis) -> tuple[Path, ...]:
-    """The files of a diagnosis that stand in its folder."""
-    names = (*FILES, *unit_files(diagnosis.recordings))
-    return tuple(folder / name for name in names if (folder / name).exists())
+    finally:
+        # What an earlier diagnosis left would be taken for this one's.
+        for name in earlier:
+            (folder / name).unlink(missing_ok=True)
+    return [folder / name for name in (*FILES, *units) if name in files]
 
 
 def _own_files(folder: Path) -> dict[str, str]:
@@ -98,17 +82,17 @@ def _poses(diagnosis: Diagnosis) -> dict[str, Any]:
     return columns
 
 
-def residuals_csv(diagnosis: Diagnosis) -> str:
+def residuals(diagnosis: Diagnosis) -> pd.DataFrame:
     """Every reading with its residual before and after, mm (measured less modelled, in the base frame)."""
     columns = _poses(diagnosis)
     for when, residual in (("before", diagnosis.residual_before), ("after", diagnosis.residual_after)):
         for axis, values in zip(diagnosis.recording.component_names, residual.T, strict=True):
             columns[f"{when}_{axis}_mm"] = (1e3 * values).round(_DIGITS)
         columns[f"{when}_mm"] = (1e3 * np.linalg.norm(residual, axis=1)).round(_DIGITS)
-    return pd.DataFrame(columns).to_csv(index=False, lineterminator="\n")
+    return pd.DataFrame(columns)
 
 
-def compensation_csv(diagnosis: Diagnosis) -> str | None:
+def compensated(diagnosis: Diagnosis) -> pd.DataFrame | None:
     """The smooth model of what nothing explains at the poses recorded, mm; a controller subtracts it there.
 
     None unless the verdict is unknown and there is such a model. What was named besides is in the corrected arm, and
@@ -116,10 +100,13 @@ def compensation_csv(diagnosis: Diagnosis) -> str | None:
     """
     if diagnosis.verdict != "unknown" or diagnosis.unknown is None or diagnosis.unknown.predicted is None:
         return None
-    columns = _poses(diagnosis)
-    for axis, values in zip("xyz", diagnosis.unknown.predicted.T, strict=False):
-        columns[f"d{axis}_mm"] = (1e3 * values).round(_DIGITS)
-    return pd.DataFrame(columns).to_csv(index=False, lineterminator="\n")
+    axes = zip("xyz", diagnosis.unknown.predicted.T, strict=False)
+    columns = {f"d{axis}_mm": (1e3 * values).round(_DIGITS) for axis, values in axes}
+    return pd.DataFrame({**_poses(diagnosis), **columns})
+
+
+def _csv(table: pd.DataFrame) -> str:
+    return table.to_csv(index=False, lineterminator="\n")
 
 
 def learned_from(file: Path, arm: Arm) -> tuple[tuple[float, float], ...] | None:

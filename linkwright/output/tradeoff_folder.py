@@ -7,14 +7,11 @@ from pathlib import Path
 from linkwright.core.materials.catalogue import Catalogue
 from linkwright.core.optimize.tradeoff.front import Tradeoff
 from linkwright.core.optimize.tradeoff.journal import JOURNAL, LOCK
-from linkwright.json.tradeoff import point_file, tradeoff_csv, tradeoff_json
-from linkwright.report.described import page_of
-from linkwright.report.origin import Origin, signed
+from linkwright.json.tradeoff import point_file, tradeoff_csv
 from linkwright.report.pictures.tradeoff import tradeoff_picture
-from linkwright.results.tradeoff import describe
 
 from .arm_file import arm_file
-from .files import REPORT, RESULT, claim_own, json_text, made_folder, refuse_strangers, write_each
+from .files import REPORT, RESULT, claim_own, made_folder, refuse_strangers, write_each
 from .read_back import ReadBack
 
 CSV, PICTURE, POINTS = "tradeoff.csv", "tradeoff.svg", "points"
@@ -27,17 +24,14 @@ def claim_tradeoff(folder: Path) -> None:
     claim_own(folder, "tradeoff", FILES)
 
 
-def write_tradeoff(result: Tradeoff, out: Path, origin: Origin, catalogue: Catalogue) -> list[Path]:
+def write_tradeoff(result: Tradeoff, out: Path, content: str, page: str, catalogue: Catalogue) -> list[Path]:
     """Write the files, result.json last; gives where they are. `catalogue` is that by which the problem was read.
     Raises `InputError`, and `NotAsWritten` at the end."""
     files: dict[str, str | ReadBack] = {
         point_file(result, point): arm_file(point.arm, catalogue) for point in result.points
     }
     _clear_points(out / POINTS, {Path(name).name for name in files})
-    files[REPORT] = signed(page_of(describe(result)), origin)
-    files[PICTURE] = tradeoff_picture(result)
-    files[CSV] = tradeoff_csv(result)
-    files[RESULT] = json_text(tradeoff_json(result))
+    files |= {REPORT: page, PICTURE: tradeoff_picture(result), CSV: tradeoff_csv(result), RESULT: content}
     write_each({out / name: text for name, text in files.items()})
     return [out / name for name in (REPORT, PICTURE, CSV, RESULT, POINTS)]
 

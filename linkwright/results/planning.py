@@ -19,11 +19,6 @@ _SMALLER = 1.005
 """Times; what is less reads as 1 in three figures."""
 
 
-def cause(effect: str, at: Sequence[int]) -> str:
-    """A cause and where it acts, in words."""
-    return name_of(effect, at)
-
-
 def describe(found: Planned) -> Description:
     """The plan: figures, what will be seen, what is told from what, the visits."""
     asked, promise = found.asked, found.promise
@@ -138,7 +133,7 @@ def _within(error: float | None, kind: str) -> Value:
 
 def _row(found: Planned, each: Shown) -> tuple[str | Value, ...]:
     return (
-        f"{cause(each.effect, each.at)}, {each.parameter}",
+        f"{name_of(each.effect, each.at)}, {each.parameter}",
         _size(each.smallest, each.kind),
         _size(found.at_random(each), each.kind),
         _size(each.usual, each.kind),
@@ -156,22 +151,22 @@ def _not_told(seen: Sequence[Shown], unseen: Sequence[tuple[str, tuple[int, ...]
     for each in seen:
         if not each.not_told:
             continue
-        names = [cause(rival.effect, rival.at) for rival in each.not_told]
+        names = [name_of(rival.effect, rival.at) for rival in each.not_told]
         shown = f"{', '.join(names[:4])}{f' and {len(names) - 4} more' if len(names) > 4 else ''}"
-        lines.append(f"{cause(each.effect, each.at)} is not told from {shown}.")
+        lines.append(f"{name_of(each.effect, each.at)} is not told from {shown}.")
     if len(lines) > _FIRST:
         lines = [
             *lines[:_FIRST],
             f"And {len(lines) - _FIRST} more are not told from something (--json).",
         ]
     if unseen:
-        lines.append(f"Not seen at any possible size: {', '.join(cause(*each) for each in unseen)}.")
+        lines.append(f"Not seen at any possible size: {', '.join(name_of(*each) for each in unseen)}.")
     if any(rival.likeness > 0.9999 for each in seen for rival in each.not_told):
         lines.append(
             "What is alike at all poses of the plan only another sensor, or other poses, tell apart "
             "(`linkwright effects show`)."
         )
-    if rare := [cause(each.effect, each.at) for each in seen if each.smallest > each.usual]:
+    if rare := [name_of(each.effect, each.at) for each in seen if each.smallest > each.usual]:
         lines.append(f"Seen only at sizes beyond what is usual: {', '.join(rare)}.")
     return tuple(lines) or ("Every cause is told from every other at usual sizes.",)
 

@@ -18,7 +18,7 @@ from linkwright.core.sections import Circle
 from linkwright.core.units.quantities import InputError
 from linkwright.json.design import evaluation_json, optimization_json
 from linkwright.markdown.described import markdown
-from linkwright.results.describe import describe
+from linkwright.results.evaluation import describe
 from tests.optimize.builders import problem_of, scanned_error
 
 CATALOGUE = load_catalogue(user=False)

@@ -13,7 +13,7 @@ from linkwright.core.materials.material import Constant, Material, Property
 from linkwright.core.sections import Circle
 from linkwright.json.design import evaluation_json
 from linkwright.markdown.described import markdown
-from linkwright.results.describe import describe
+from linkwright.results.evaluation import describe
 
 CATALOGUE = load_catalogue(user=False)
 STEEL, ALUMINIUM = CATALOGUE.find("steel-s355"), CATALOGUE.find("aluminium-6061-t6")

@@ -8,13 +8,13 @@ import numpy as np
 import pytest
 from scipy import stats
 
+import linkwright as lw
 from linkwright.core.diagnose.compare.compare import common_model, compare, fit_common, holm
 from linkwright.core.diagnose.compare.places import regions, shared_poses
 from linkwright.core.diagnose.patterns.library import Candidate
 from linkwright.core.diagnose.residual.observe import observe
 from linkwright.core.diagnose.result import Alternative, Covered, Finding, FittedParameter
-from linkwright.output.files import json_text
-from linkwright.results.diagnoses.comparison import comparison_json, comparison_sentence
+from linkwright.face.planning.comparison import Comparison, comparison_sentence
 from tests.diagnose.by_cosines import file, noise, poses, recording, tips
 from tests.diagnose.made_diagnosis import made_arm, made_diagnosis, made_recording, measured, softer, write_recording
 from tests.linkwright.conftest import bench, linkwright  # noqa: F401 - fixtures
@@ -61,7 +61,7 @@ def test_change_is_measured():
     assert found.unexplained == pytest.approx((NOISE * 2**0.5,) * 2, rel=0.15)
     sentence = comparison_sentence(found)
     assert sentence.startswith("Changed: compliance of the drives (joint 2), compliance from 2")
-    content = json.loads(json_text(comparison_json(found)))
+    content = json.loads(Comparison(lw.Arm.of(found.first.arm), found).to_json())
     assert content["changes"][0]["difference"] == pytest.approx(change.difference)
     assert content["sentence"] == sentence
 

@@ -68,9 +68,7 @@ def test_optimization(best: Any, heard: list[float], tmp_path: Path) -> None:
     a_result(best)
 
 
-def test_a_design_has_its_own_figures_beside_those_of_the_arm_as_given(
-    problem: lw.Problem, best: Any
-) -> None:
+def test_a_design_has_its_own_figures_beside_those_of_the_arm_as_given(problem: lw.Problem, best: Any) -> None:
     table = best.figures
     assert list(table.columns) == ["title", "before", "after", "rounded", "unit"]
     assert table.loc["max_error", "before"] == best.before.max_error_mm

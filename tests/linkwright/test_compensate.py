@@ -10,6 +10,7 @@ import pandas as pd
 import pytest
 from scipy.optimize import brentq
 
+import linkwright as lw
 from linkwright.core.arm.chain.chain import Arm, EffectEntry, Joint, Link, LoadCase
 from linkwright.core.arm.chain.kinematics import tip_position
 from linkwright.core.arm.compensation import (
@@ -22,9 +23,8 @@ from linkwright.core.arm.compensation import (
     table_over,
 )
 from linkwright.core.arm.effects import EFFECTS
-from linkwright.json.compensation import compensation_json
+from linkwright.face.compensation import Compensation
 from linkwright.markdown.described import markdown
-from linkwright.results.describe import describe
 
 ARM = """\
 name: rod
@@ -239,7 +239,8 @@ def test_what_a_product_cannot_say_of_another_payload_is_said():
     arm = replace(rod(stiffness=None), links=(Link(1.0, mass=None),), effects=(weight, sag))
     for payloads, missing in (((10.0,), []), ((10.0, 15.0), ["15 kg"])):
         table = table_at(arm, np.zeros((1, 1)), payloads)
-        said = compensation_json(table)["warnings"]
+        found = Compensation(lw.Arm.of(arm), table)
+        said = json.loads(found.to_json())["warnings"]
         assert len(said) == len(missing)
         assert all(part in each for part, each in zip(missing, said, strict=True))
-        assert ("Warning: " in markdown(describe(table))) == bool(missing)
+        assert ("Warning: " in markdown(found.description)) == bool(missing)

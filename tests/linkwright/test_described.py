@@ -8,10 +8,14 @@ from rich.console import Console
 
 from linkwright.core.arm.compensation import table_over
 from linkwright.core.diagnose.compare.compare import compare
+from linkwright.face import compensation
+from linkwright.face.planning import comparison
 from linkwright.markdown.described import escaped
 from linkwright.markdown.described import markdown as written
 from linkwright.report.described import page_of
-from linkwright.results.describe import describe
+from linkwright.results import evaluation as evaluations
+from linkwright.results import optimization
+from linkwright.results.diagnoses import described as diagnoses
 from linkwright.results.document import (
     Bars,
     Description,
@@ -44,14 +48,18 @@ KINDS = (
 @pytest.fixture(scope="module", params=KINDS)
 def described(request, evaluation, result):
     """(a result, its description)."""
-    found = {"evaluation": evaluation, "optimisation": result}.get(request.param)
+    if request.param == "evaluation":
+        return evaluation, evaluations.describe(evaluation)
+    if request.param == "optimisation":
+        return result, optimization.describe(result)
     if request.param == "compensation":
         found = table_over(evaluation.arm, 4, (1.0,))
+        return found, compensation.describe(found)
     if request.param == "comparison":
         found = compare(made_arm(), made_diagnosis("named"), made_diagnosis("alias_class"))
-    if found is None:
-        found = made_diagnosis(request.param)
-    return found, describe(found)
+        return found, comparison.describe(found)
+    found = made_diagnosis(request.param)
+    return found, diagnoses.describe(found)
 
 
 def _screen(description):
@@ -149,12 +157,6 @@ def _inside_detail(items, wanted):
         and ((item.detail and wanted in list(tables([item]))) or _inside_detail(item.items, wanted))
         for item in items
     )
-
-
-def test_what_is_no_result_is_refused():
-    """A number, say."""
-    with pytest.raises(TypeError, match="float is no result"):
-        describe(3.0)
 
 
 ODD = "a|b <i>&amp; [red]*x*_y_`z`\\ \x1b[31m\n# c"

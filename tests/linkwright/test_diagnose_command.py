@@ -9,7 +9,6 @@ from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
-import pandas as pd
 import pytest
 from rich.console import Console
 
@@ -22,7 +21,7 @@ from linkwright.core.diagnose.result import Alternative, Detectable, FittedParam
 from linkwright.core.units.quantities import read_quantity
 from linkwright.core.units.units import kinds
 from linkwright.json.diagnosis import diagnosis_json, in_unit, minimum_detectable, unit_of
-from linkwright.output.diagnosis_folder import compensation_csv, residuals_csv
+from linkwright.output.diagnosis_folder import compensated, residuals
 from linkwright.output.files import json_text
 from linkwright.report.charts.covariates import covariates
 from linkwright.report.described import page_of
@@ -361,7 +360,7 @@ def test_screen_tells_the_same(diagnosis):
 def test_residuals_file():
     """A line a reading: measured less modelled in mm."""
     diagnosis = made_diagnosis()
-    table = pd.read_csv(io.StringIO(residuals_csv(diagnosis)))
+    table = residuals(diagnosis)
     assert table.row.tolist() == diagnosis.recording.row.tolist()
     assert np.allclose(table[["before_x_mm", "before_y_mm"]], 1e3 * diagnosis.residual_before, atol=1e-8)
     assert np.allclose(table.after_mm, 1e3 * np.linalg.norm(diagnosis.residual_after, axis=1), atol=1e-8)
@@ -369,9 +368,9 @@ def test_residuals_file():
 
 
 def test_compensation_file_only_for_what_is_unknown():
-    assert compensation_csv(made_diagnosis("named")) is None
+    assert compensated(made_diagnosis("named")) is None
     unknown = made_diagnosis("unknown")
-    table = pd.read_csv(io.StringIO(compensation_csv(unknown)))
+    table = compensated(unknown)
     assert np.allclose(table[["dx_mm", "dy_mm"]], 1e3 * unknown.unknown.predicted, atol=1e-8)
 
 

@@ -32,8 +32,8 @@ from linkwright.core.units.quantities import InputError, NoAnswer
 from linkwright.json.design import evaluation_json, optimization_json
 from linkwright.markdown.described import markdown
 from linkwright.report.described import page_of
-from linkwright.results.describe import describe
 from linkwright.results.design import figures as told
+from linkwright.results.optimization import describe
 from linkwright.screen.described import show
 from tests.optimize.builders import measured_price, problem_of
 

@@ -25,7 +25,7 @@ from linkwright.core.units.quantities import InputError
 from linkwright.json.design import evaluation_json, optimization_json
 from linkwright.markdown.described import markdown
 from linkwright.report.described import page_of
-from linkwright.results.describe import describe
+from linkwright.results.optimization import describe
 from tests.optimize.builders import measured_price, problem_of
 
 STEEL = load_catalogue(user=False).find("steel-s355")

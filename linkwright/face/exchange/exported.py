@@ -17,11 +17,13 @@ from linkwright.drawings.parts import listed, parts
 from linkwright.face.arm import Arm
 from linkwright.face.given import File
 from linkwright.face.progress import Progress, told
-from linkwright.face.result import Result
-from linkwright.json.exchange import export_json
+from linkwright.face.result import Field, Result, frame
+from linkwright.json.fields import fields
 from linkwright.output.files import write_file
 from linkwright.output.read_back import ReadBack
 from linkwright.output.table_file import WAYS, write_table
+from linkwright.results.document import Description
+from linkwright.results.document import table as shown_table
 
 from .imported import skeleton
 
@@ -36,36 +38,38 @@ SUFFIXES: Mapping[str, str] = MappingProxyType(
 """How the files of each format are called."""
 
 
+def _rows(found: Found) -> list[tuple[str, str]]:
+    parts = (("carried", found.carried), ("not carried", found.lost), ("assumed", found.assumed))
+    return [(what, each) for what, lines in parts for each in lines]
+
+
+def describe(found: Found) -> Description:
+    """What went into the file and what did not."""
+    left = f"{len(found.lost)} not carried" if found.lost else "nothing left out"
+    headline, name = f"{found.format.upper()}, {left}", found.arm.name
+    items = (shown_table(("", ""), _rows(found)),)
+    return Description(f"{name}: as {found.format.upper()}", headline, items, headline, f"{name}: ")
+
+
 @dataclass(frozen=True, repr=False)
 class Export(Result):
     """An arm in another program's format, and what that could not carry; `found` in SI."""
 
     _command = "export"
+    _describe = staticmethod(describe)
 
     arm: Arm
     found: Found
     into: File | None = None
     """Whose file it is, where that is somebody's own, whose tips have names of their own."""
 
-    @property
-    def text(self) -> str:
-        """The file."""
-        return self.found.text
-
-    @property
-    def not_carried(self) -> tuple[str, ...]:
-        """What of the arm the format has no place for."""
-        return self.found.lost
+    text = Field[str]("The file.")
+    not_carried = Field[tuple[str, ...]]("What of the arm the format has no place for.", "lost")
 
     @property
     def table(self) -> pd.DataFrame:
         """What is carried, what is not, and what had to be assumed."""
-        import pandas as pd
-
-        found = self.found
-        rows = [("carried", each) for each in found.carried]
-        rows += [("not carried", each) for each in found.lost] + [("assumed", each) for each in found.assumed]
-        return pd.DataFrame(rows, columns=["", "what"])
+        return frame(_rows(self.found), ["", "what"])
 
     def plot(self) -> go.Figure:
         """The joints and the tip with all joints at 0."""
@@ -85,7 +89,7 @@ class Export(Result):
         return [target]
 
     def _content(self) -> Mapping[str, Any]:
-        return export_json(self.found)
+        return fields(self.found, "arm=arm.name", "to=format", "carried", "not_carried=lost", "assumed", "text")
 
     def _tables(self) -> Mapping[str, pd.DataFrame]:
         return {"Carried": self.table}

@@ -8,19 +8,70 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from linkwright.core.arm.chain.chain import Arm as Model
+from linkwright.core.arm.chain.chain import Link
 from linkwright.core.arm.chain.kinematics import place
 from linkwright.core.arm.descriptions.imported_arm import Imported as Found
 from linkwright.core.materials.catalogue import load_catalogue
 from linkwright.face.arm import Arm
 from linkwright.face.given import File
-from linkwright.face.result import Result, figure_of
-from linkwright.json.exchange import import_json
+from linkwright.face.result import Field, Result, figure_of, frame
+from linkwright.json.fields import fields, in_joint_unit, joint_unit
 from linkwright.output.arm_file import arm_file
 from linkwright.output.files import write_file
+from linkwright.results.document import Description, Item, Lines, Paragraph, Value, amount, count, length, table
+from linkwright.results.figures_in_words import coordinate, figure
 
 if TYPE_CHECKING:
     import pandas as pd
     import plotly.graph_objects as go
+
+
+def describe(found: Found) -> Description:
+    """What was read and what is lacking."""
+    arm = found.arm
+    rows = [
+        (
+            count(number + 1),
+            found.joint_names[number],
+            Value(f"{coordinate(arm, number, joint.range[0])} to {coordinate(arm, number, joint.range[1])}"),
+            found.link_names[number],
+            length(link.length),
+            amount(weight(link), "kg"),
+        )
+        for number, (joint, link) in enumerate(zip(arm.joints, arm.links, strict=True))
+    ]
+    items: list[Item] = [table(("", "joint", "range", "link", "length", "mass"), rows)]
+    if found.notes:
+        items.append(Lines(tuple(f"{note}." for note in found.notes)))
+    if found.doubts:
+        items.append(Paragraph("Weights to look at:", "lead"))
+        items.append(Lines(tuple(f"{doubt}." for doubt in found.doubts)))
+    if found.lost:
+        items.append(table(("not carried",), [(each,) for each in found.lost]))
+    items.append(Paragraph("What the file does not say:", "lead"))
+    lacking = [
+        (each.what + (f" ({', '.join(map(str, each.at))})" if each.at else ""), each.shows, each.add)
+        for each in found.lacking
+    ]
+    items.append(table(("lacking", "what it would show", "what to add"), lacking))
+    size = f"{arm.size} joint{'s' if arm.size > 1 else ''}"
+    headline = f"{size} from {found.base} to {found.tip}, {_moving(arm)}"
+    return Description(f"{arm.name}: from {found.file.name}", headline, tuple(items), headline, f"{arm.name}: ")
+
+
+def _moving(arm: Model) -> str:
+    """What of the arm moves weighs, as far as it is known."""
+    known = [mass for link in arm.links if (mass := weight(link)) is not None]
+    unknown = [str(number) for number, link in enumerate(arm.links, start=1) if weight(link) is None]
+    if not known:
+        return "nothing of its weight is known"
+    said = f"{figure(sum(known))} kg that move"
+    return f"{said}, without link{'s' * (len(unknown) > 1)} {', '.join(unknown)} of unknown mass" if unknown else said
+
+
+def weight(link: Link) -> float | None:
+    """The mass (kg) of an imported link; None where it is not known."""
+    return None if link.mass is None else link.mass + sum(each.mass for each in link.masses)
 
 
 @dataclass(frozen=True, repr=False)
@@ -28,6 +79,7 @@ class Import(Result):
     """An arm from another description, what of it an arm file cannot hold, and what it lacks; `found` in SI."""
 
     _command = "import"
+    _describe = staticmethod(describe)
 
     found: Found
 
@@ -39,27 +91,16 @@ class Import(Result):
     @property
     def table(self) -> pd.DataFrame:
         """The joints and links, a row each, with their names in the file."""
-        import pandas as pd
-
-        return pd.DataFrame(self._content()["joints"])
+        return frame(self._content()["joints"])
 
     @property
     def lacking(self) -> pd.DataFrame:
         """What the description does not say: `what`, `at` which joints or links (none: all), what it `shows`, what to
         `add`."""
-        import pandas as pd
+        return frame(self._content()["lacking"])
 
-        return pd.DataFrame(self._content()["lacking"])
-
-    @property
-    def not_carried(self) -> tuple[str, ...]:
-        """What of the description an arm file has no place for."""
-        return self.found.lost
-
-    @property
-    def doubts(self) -> tuple[str, ...]:
-        """Weights that no body of that size has, with their figures."""
-        return self.found.doubts
+    not_carried = Field[tuple[str, ...]]("What of the description an arm file has no place for.", "lost")
+    doubts = Field[tuple[str, ...]]("Weights that no body of that size has, with their figures.")
 
     def plot(self) -> go.Figure:
         """The joints and the tip with all joints at 0."""
@@ -75,7 +116,32 @@ class Import(Result):
         return [target]
 
     def _content(self) -> Mapping[str, Any]:
-        return import_json(self.found)
+        found = self.found
+        return {
+            **fields(found, "arm=arm.name"),
+            "file": str(found.file),
+            **fields(found, "base", "tip"),
+            "joints": [self._joint(index) for index in range(found.arm.size)],
+            **fields(found, "notes", "doubts", "not_carried=lost"),
+            "lacking": [fields(each, "what", "at", "shows", "add") for each in found.lacking],
+        }
+
+    def _joint(self, index: int) -> dict[str, Any]:
+        """A joint and its link, in degrees (mm for slides) and kg."""
+        found, arm = self.found, self.found.arm
+        joint, link, unit = arm.joints[index], arm.links[index], joint_unit(arm, index)
+        speed = None if joint.velocity is None else in_joint_unit(arm, index, joint.velocity)
+        return {
+            "joint": found.joint_names[index],
+            "link": found.link_names[index],
+            "type": joint.type,
+            f"range_{unit}": [in_joint_unit(arm, index, end) for end in joint.range],
+            "length_mm": 1e3 * link.length,
+            "mass_kg": weight(link),
+            **fields(link, "inertia_kg_m2=inertia"),
+            "effort_Nm" if joint.revolute else "effort_N": joint.effort,
+            f"velocity_{unit}_per_s": speed,
+        }
 
     def _tables(self) -> Mapping[str, pd.DataFrame]:
         return {"Chain": self.table, "Lacking": self.lacking}

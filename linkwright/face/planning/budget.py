@@ -1,28 +1,137 @@
-"""What an arm is to be expected to err by, from data sheets and tolerances."""
+"""What an arm is to be expected to err by, from data sheets and tolerances: how much, by what, what to buy better."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
 from linkwright.core.arm.chain.chain import Arm as Model
+from linkwright.core.optimize.budget.parts import EACH_TIME, REPEATABILITY, TEMPERATURE
 from linkwright.core.optimize.budget.result import Budget as Found
+from linkwright.core.optimize.budget.result import Gain
 from linkwright.core.optimize.budget.sheet import Sheet, read_sheet
 from linkwright.core.units.quantities import InputError
 from linkwright.core.units.reading import Mapping as Reader
 from linkwright.core.units.reading import load_yaml
 from linkwright.face.arm import Arm
 from linkwright.face.given import File, plain
-from linkwright.face.result import Reported, figure_of
-from linkwright.json.budget import budget_json
+from linkwright.face.result import Field, Reported, drawn, frame
+from linkwright.json.fields import fields, in_joint_unit, in_mm
 from linkwright.output.files import REPORT, RESULT
-from linkwright.results.budget import cause_title
+from linkwright.report.charts.causes import causes_picture
+from linkwright.results.document import (
+    Description,
+    Fact,
+    Facts,
+    Item,
+    Lines,
+    Paragraph,
+    Picture,
+    Value,
+    amount,
+    length,
+    section,
+    share,
+    table,
+)
+from linkwright.results.figures_in_words import effect_title, mm, percent, pose
 
 if TYPE_CHECKING:
     import pandas as pd
     import plotly.graph_objects as go
+
+_TITLES = MappingProxyType(
+    {
+        REPEATABILITY: "repeatability of the tip",
+        TEMPERATURE: "temperature",
+        "size": "dimensions of the sections",
+        "thickness": "walls of the sections",
+    }
+)
+
+
+def cause_title(name: str) -> str:
+    """What a cause is called."""
+    plain = name.removesuffix(EACH_TIME)
+    title = _TITLES.get(plain) or effect_title(plain)
+    return f"{title}{EACH_TIME}" if plain != name else title
+
+
+def describe(found: Found) -> Description:
+    """The budget: figures, causes, parts."""
+    arm, sheet = found.arm, found.sheet
+    kept = percent(sheet.share)
+    upper = "" if found.worst_upper is None else f"with 95 % confidence {mm(found.worst_upper, 3)}"
+    facts = Facts(
+        (
+            Fact(f"worst error, {kept} of arms", length(found.worst, 3), upper),
+            Fact("worst error, half of arms", length(found.median, 3)),
+            Fact("worst error as on paper", length(found.nominal, 3), "nothing off"),
+            Fact("over arms and poses", length(found.average, 3), "root mean square"),
+        )
+    )
+    items: list[Item] = [facts]
+    where = pose(arm, found.pose)
+    loads = f", load case {found.load_case}" if len(found.load_cases) > 1 else ""
+    if tip := found.load_cases[found.load_case - 1].tip:
+        loads = f" at {tip}'s tip{loads}"
+    items.append(Paragraph(f"Most at {where}{loads}: {mm(found.at_worst, 3)} for {kept} of arms."))
+    rows = [
+        (cause_title(each.name), length(each.at_worst, 3), length(each.average, 3), share(each.share))
+        for each in found.causes
+    ]
+    bars = Picture(lambda: causes_picture([(cause_title(x.name), x.at_worst, x.average) for x in found.causes]))
+    columns = ("each cause alone", "at the worst pose", "average", "share of the square")
+    items.append(section("Causes", bars, table(columns, rows)))
+    if found.options:
+        priced = [
+            (each.name, _euro(each.price), length(each.worst, 3), length(each.average, 3), _per_euro(each))
+            for each in found.options
+        ]
+        headings = ("better part", "price", "worst less by", "average less by", "mm per EUR")
+        items.append(section("What to buy better first", table(headings, priced)))
+    if found.halved:
+        rows_ = [(each.name, length(each.worst, 3), length(each.average, 3)) for each in found.halved]
+        lead = "All figures of one joint or link half as bad: stiffness twice, play and tolerances half."
+        headings_ = ("twice as good", "worst less by", "average less by")
+        items.append(section("What it would bring to make a part better", table(headings_, rows_), lead=lead))
+    items.append(Lines(_rests_on(found)))
+    headline = f"{kept} of arms err by {mm(found.worst, 3)} at most"
+    largest = cause_title(found.causes[0].name)
+    brief = f"{headline}; most: {largest}"
+    name = f"{arm.name}, tip of {arm.tip}" if arm.tip and not arm.every_tip else arm.name
+    return Description(f"{name}: error budget", brief, tuple(items), brief, f"{name}: ")
+
+
+def _euro(price: float | None) -> Value:
+    return amount(price, "EUR") if price is not None else amount(None)
+
+
+def _per_euro(gain: Gain) -> Value:
+    return amount(None if gain.per_euro is None else 1e3 * gain.per_euro, "", 3)
+
+
+def _rests_on(found: Found) -> tuple[str, ...]:
+    sheet = found.sheet
+    lines = [
+        f"Sampled: {sheet.draws} arms (seed {sheet.seed}), each at {found.poses} poses; to first order; tolerances are "
+        "uniform and independent.",
+        f"Play counts as the arm file says: {found.arm.play}.",
+    ]
+    if found.room.avoid:
+        lines.append(
+            "Poses that put joints, links or the tip in what is to be avoided do not count here (in evaluate they do); "
+            "of the others the worst is that of the poses tried."
+        )
+    if found.unwarmed:
+        numbers = ", ".join(str(k + 1) for k in found.unwarmed)
+        lines.append(f"How much link {numbers} grows with temperature is not known and not in it.")
+    if not sheet.tolerances and sheet.uncertain is None and not sheet.repeatability:
+        lines.append("Without a data sheet all arms are alike: give tolerances with --sheet.")
+    return tuple(lines)
 
 
 @dataclass(frozen=True, repr=False)
@@ -32,57 +141,66 @@ class Budget(Reported):
 
     _command = "budget"
     _own = (RESULT, REPORT)
+    _describe = staticmethod(describe)
 
     arm: Arm
     found: Found
 
-    @property
-    def worst_mm(self) -> float:
-        """The worst error over the poses that the sheet's share of arms keeps, mm."""
-        return 1e3 * self.found.worst
-
-    @property
-    def average_mm(self) -> float:
-        """The root mean square error over arms and poses, mm."""
-        return 1e3 * self.found.average
+    worst_mm = Field[float]("The worst error over the poses that the sheet's share of arms keeps, mm.")
+    average_mm = Field[float]("The root mean square error over arms and poses, mm.")
 
     @property
     def causes(self) -> pd.DataFrame:
         """Each cause alone: `at_worst_mm`, `average_mm`, `share` of the mean square."""
-        import pandas as pd
-
-        return pd.DataFrame(self._content()["causes"])
+        return frame(self._content()["causes"])
 
     @property
     def better(self) -> pd.DataFrame:
         """The parts that could be bought, those that bring most for a euro first."""
-        import pandas as pd
-
-        return pd.DataFrame(self._content()["better"])
+        return frame(self._content()["better"])
 
     @property
     def twice_as_good(self) -> pd.DataFrame:
         """What each joint or link would bring if it were twice as good."""
-        import pandas as pd
-
-        return pd.DataFrame(self._content()["twice_as_good"])
+        return frame(self._content()["twice_as_good"])
 
     def plot(self) -> go.Figure:
         """Each cause alone, at the worst pose and on average, mm."""
-        found = self.found.causes
-        names = [cause_title(each.name) for each in found]
-        bars = [
-            {"type": "bar", "name": "at the worst pose", "x": names, "y": [1e3 * each.at_worst for each in found]},
-            {"type": "bar", "name": "average", "x": names, "y": [1e3 * each.average for each in found]},
-        ]
-        return figure_of({"data": bars, "layout": {"yaxis": {"title": {"text": "mm"}}}})
+        causes = self.causes
+        names = [cause_title(name) for name in causes["cause"]]
+        bars = {"at the worst pose": causes["at_worst_mm"], "average": causes["average_mm"]}
+        return drawn(names, {name: values.tolist() for name, values in bars.items()}, "", "mm", mode="bar")
 
     def _content(self) -> Mapping[str, Any]:
-        return budget_json(self.found)
+        found, arm = self.found, self.found.arm
+        tip = found.load_cases[found.load_case - 1].tip or arm.tip
+        figures = ("worst_mm", "worst_upper_mm", "median_mm", "average_mm", "nominal_mm")
+        return {
+            **fields(found, "arm=arm.name", "share=sheet.share", *figures),
+            "worst_pose": {
+                "q": [in_joint_unit(arm, index, value) for index, value in enumerate(found.pose)],
+                "load_case": found.load_case,
+                **({"tip": tip} if tip else {}),
+                "error_mm": in_mm(found.at_worst),
+            },
+            "causes": [fields(each, "cause=name", "at_worst_mm", "average_mm", "share") for each in found.causes],
+            "twice_as_good": [_gain(each) for each in found.halved],
+            "better": [_gain(each) for each in found.options],
+            **fields(found, "play=arm.play", "poses", "draws=sheet.draws", "seed=sheet.seed"),
+            "links_of_unknown_growth": [k + 1 for k in found.unwarmed],
+            "samples_mm": in_mm(found.samples),
+        }
 
     def _tables(self) -> Mapping[str, pd.DataFrame]:
         tables = {"Causes": self.causes, "Better parts": self.better, "Twice as good": self.twice_as_good}
         return {name: table for name, table in tables.items() if len(table)}
+
+
+def _gain(gain: Gain) -> dict[str, Any]:
+    own = fields(gain, "part=name", "worst_less_mm=worst", "average_less_mm=average")
+    if gain.owner is None:
+        own |= {"price_EUR": gain.price, "mm_per_EUR": in_mm(gain.per_euro)}
+    return own
 
 
 def sheet_of(given: Arm, sheet: Mapping[str, object] | File | None) -> Sheet:

@@ -8,19 +8,23 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from linkwright.core.diagnose.answer.sentences import name_of
 from linkwright.core.diagnose.instruments.instrument import LABELS
 from linkwright.core.diagnose.plan.planned import Planned
+from linkwright.core.diagnose.plan.promise import Shown
+from linkwright.core.diagnose.plan.torques import TorqueTold
 from linkwright.core.diagnose.plan.written import ALONG_BAR, READ, plan_text, read_plan
 from linkwright.core.diagnose.reading.read_back import unlike
 from linkwright.core.diagnose.reading.write import settings_text
 from linkwright.face.arm import Arm
 from linkwright.face.given import File
 from linkwright.face.recording import recording_columns, settings_beside
-from linkwright.face.result import Result, figure_of
-from linkwright.json.planning import plan_json
+from linkwright.face.result import Field, Result, drawn, frame
+from linkwright.json.diagnosis import in_unit, joint_coordinates, unit_of
+from linkwright.json.fields import fields
 from linkwright.output.files import write_file
 from linkwright.output.read_back import ReadBack
-from linkwright.results.planning import cause
+from linkwright.results.planning import describe
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -32,14 +36,12 @@ class Plan(Result):
     """Readings to take, in their order, and what they will show; `found` holds everything in SI."""
 
     _command = "plan"
+    _describe = staticmethod(describe)
 
     arm: Arm
     found: Planned
 
-    @property
-    def interrupted(self) -> bool:
-        """Whether Ctrl-C ended the choice; this is the best plan until then."""
-        return self.found.interrupted
+    interrupted = Field[bool]("Whether Ctrl-C ended the choice; this is the best plan until then.")
 
     @property
     def visits(self) -> pd.DataFrame:
@@ -56,15 +58,9 @@ class Plan(Result):
     def shown(self) -> pd.DataFrame:
         """The smallest size of each cause that will be seen, in `unit`, and what poses at random show (nan: nothing);
         from which size on it is told from other causes, and how many it is not told from."""
-        import pandas as pd
-
         keys = ("effect", "at", "parameter", "unit", "usual", "smallest", "random", "told_from", "not_told")
-        rows = [{**{key: each[key] for key in keys[:-1]}, "not_told": len(each["not_told"])} for each in self._shown]
-        return pd.DataFrame(rows, columns=list(keys))
-
-    @property
-    def _shown(self) -> list[dict[str, Any]]:
-        return self._content()["shown"]
+        rows = [{**each, "not_told": len(each["not_told"])} for each in self._content()["shown"]]
+        return frame(rows, keys)
 
     def text(self) -> str:
         """The plan as CSV: a recording whose tip is still blank."""
@@ -95,24 +91,94 @@ class Plan(Result):
     def plot(self) -> go.Figure:
         """The smallest size of each cause over what is usual at most: this plan, and poses at random."""
         found = self.found.promise.shown
-        names = [cause(each.effect, each.at) for each in found]
-        random = [self.found.at_random(each) for each in found]
-        bars = [
-            {"type": "bar", "name": "planned", "x": names, "y": [each.smallest / each.usual for each in found]},
-            {
-                "type": "bar",
-                "name": "at random",
-                "x": names,
-                "y": [
-                    size / each.usual if math.isfinite(size) else None for size, each in zip(random, found, strict=True)
-                ],
-            },
-        ]
-        axis = {"title": {"text": "smallest size over what is usual"}, "type": "log"}
-        return figure_of({"data": bars, "layout": {"yaxis": axis}})
+        random = [self.found.at_random(each) / each.usual for each in found]
+        bars = {
+            "planned": [each.smallest / each.usual for each in found],
+            "at random": [share if math.isfinite(share) else None for share in random],
+        }
+        names = [name_of(each.effect, each.at) for each in found]
+        return drawn(names, bars, "", "smallest size over what is usual", mode="bar", type="log")
 
     def _content(self) -> Mapping[str, Any]:
-        return plan_json(self.found)
+        found, promise = self.found, self.found.promise
+        asked, arm = found.asked, found.arm
+        return {
+            "arm": arm.name,
+            **({"tip": arm.tip} if arm.branches else {}),
+            "readings": found.recording.size,
+            **fields(asked, "poses", "repeats", "instrument", "frame", "tool", "seed"),
+            **_scatter(found),
+            "sees": list(found.axes),
+            "payloads_kg": list(asked.payloads),
+            "after": None if found.after is None else found.after.file,
+            "torque_noise": list(asked.torque_noise),
+            "torques": [_torque(found, each) for each in promise.torques],
+            "shown": [_shown(found, each) for each in promise.shown],
+            "unseen": [{"effect": effect, "at": list(at)} for effect, at in promise.unseen],
+            **fields(promise, "pairs", "pairs_told=told"),
+            "pairs_random": found.told_at_random[1],
+            "pairs_told_random": found.told_at_random[0],
+            "random_plans": len(found.random),
+            "interrupted": found.interrupted,
+            "touches": [
+                {**fields(each, "label", "at_mm", "normal"), **({} if each.way is None else fields(each, "way"))}
+                for each in found.touched
+            ],
+            **fields(found, "returns", "correlation_with_time=with_time", "tried"),
+            "visits": [_visit(found, row) for row in range(found.visits.size)],
+        }
 
     def _tables(self) -> Mapping[str, pd.DataFrame]:
         return {"Shown": self.shown, "Visits": self.visits}
+
+
+def _visit(found: Planned, row: int) -> dict[str, Any]:
+    visits = found.visits
+    return {
+        "q": joint_coordinates(found.arm, visits.q[row].tolist()),
+        "dir": [] if visits.sides is None else [int(side) for side in visits.sides[row]],
+        "payload_kg": None if visits.payload_mass is None else float(visits.payload_mass[row]),
+        **({} if visits.touches is None else {"touches": visits.instrument.labels[int(visits.touches[row])]}),
+        **({} if visits.bar_at is None else {"bar_mm": 1e3 * float(visits.bar_at[row])}),
+    }
+
+
+def _scatter(found: Planned) -> dict[str, Any]:
+    """What is read scatters by: a length, of a level an angle, of a camera both."""
+    asked = found.asked
+    if asked.instrument == "tilt":
+        return fields(asked, "sigma_deg")
+    if asked.instrument != "camera":
+        return fields(asked, "sigma_mm")
+    deep, turns = asked.camera_noise
+    return {**fields(asked, "sigma_mm"), "sigma_depth_mm": 1e3 * deep, "sigma_angle_deg": math.degrees(turns)}
+
+
+def _torque(found: Planned, each: TorqueTold) -> dict[str, Any]:
+    """What a drive's torque will tell, half the width of 95 % intervals: shares of the weights, N*m (of slides N)."""
+    names = ("links", "payload", "friction")
+    own = {f"{name}_within": _within(getattr(each, name)) for name in names}
+    random = {f"{name}_within_random": _within(found.torques_at_random(each.joint, name)) for name in names}
+    return {**fields(each, "joint", "together"), **own, **random}
+
+
+def _within(error: float | None) -> float | None:
+    return None if error is None or not math.isfinite(error) else 1.96 * error
+
+
+def _shown(found: Planned, each: Shown) -> dict[str, Any]:
+    def size(value: float) -> float | None:
+        return in_unit(value, each.kind)
+
+    return {
+        **fields(each, "effect", "at", "parameter", "rms_mm"),
+        "unit": unit_of(each.kind),
+        "usual": size(each.usual),
+        "smallest": size(each.smallest),
+        "random": size(found.at_random(each)),
+        "told_from": size(each.told),
+        "others": each.others,
+        "not_told": [
+            {**fields(rival, "effect", "at", "likeness"), "told_from": size(rival.told)} for rival in each.not_told
+        ],
+    }

@@ -13,7 +13,7 @@ import linkwright as lw
 from linkwright.core.arm.chain.kinematics import tip_position
 from linkwright.core.arm.effects import EFFECTS
 from linkwright.core.units.quantities import InputError
-from linkwright.results.budget import describe
+from linkwright.face.planning.budget import describe
 from tests import two_arms
 
 LEFT_OF = {"origin": {"xyz": ["0 m", "50 mm", "0 m"]}}

@@ -21,7 +21,7 @@ from linkwright.core.sections.numeric import Array
 from linkwright.core.units.quantities import InputError
 from linkwright.json.design import evaluation_json
 from linkwright.markdown.described import markdown
-from linkwright.results.describe import describe
+from linkwright.results.evaluation import describe
 from tests.optimize.builders import problem_of
 
 STEEL = load_catalogue(user=False).find("steel-s355")

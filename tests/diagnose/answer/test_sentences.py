@@ -9,8 +9,8 @@ from linkwright.core.diagnose.answer.sentences import put_in_first, verdict_sent
 from linkwright.core.diagnose.compare.compare import compare
 from linkwright.core.diagnose.result import FittedParameter, Left, WrittenArm
 from linkwright.core.diagnose.rules.rules import RULES
+from linkwright.face.planning.comparison import comparison_sentence
 from linkwright.results.diagnoses.answer import answer, to_do
-from linkwright.results.diagnoses.comparison import comparison_sentence
 from linkwright.results.diagnoses.described import describe
 from linkwright.results.diagnoses.words import where_sentences
 from tests.diagnose.made_diagnosis import made_arm, made_diagnosis

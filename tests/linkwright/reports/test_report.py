@@ -17,8 +17,10 @@ from linkwright.report.described import page_of
 from linkwright.report.origin import origin_of, signed
 from linkwright.report.pictures.arm import arm_picture, shared_window, skeleton
 from linkwright.report.pictures.sections import sections_grid
-from linkwright.results.describe import describe
+from linkwright.results import evaluation as evaluations
+from linkwright.results.diagnoses import described as diagnoses
 from linkwright.results.figures_in_words import mm
+from linkwright.results.optimization import describe
 from tests.diagnose.made_diagnosis import made_arm, made_diagnosis
 from tests.linkwright.samples import arm_of, unpacked
 
@@ -229,13 +231,13 @@ def test_an_arm_in_space_is_drawn_upright_through_its_tip():
     drawn = skeleton(found)
     second = found.worst.poses[0].q[1]
     assert drawn.tip == pytest.approx((400.0 + 300.0 * math.cos(second), 300.0 * math.sin(second)), abs=1e-6)
-    page = Page(page_of(describe(found)))
+    page = Page(page_of(evaluations.describe(found)))
     assert "seen from the side" in page.text
 
 
 def test_page_of_a_single_arm(evaluation):
     """The same parts, without before and after."""
-    page = Page(page_of(describe(evaluation)))
+    page = Page(page_of(evaluations.describe(evaluation)))
     assert page.open == []
     assert mm(evaluation.max_error) in page.text
     assert set(page.figures) == {"map-arm"}
@@ -245,7 +247,7 @@ def test_page_of_a_single_arm(evaluation):
 def test_warnings_are_on_the_page(evaluation):
     """Plainly, in words."""
     warned = replace(evaluation, warnings=("link 1 yields: 300 MPa, safety factor 0.9",))
-    assert "link 1 yields: 300 MPa" in Page(page_of(describe(warned))).text
+    assert "link 1 yields: 300 MPa" in Page(page_of(evaluations.describe(warned))).text
 
 
 @pytest.mark.slow
@@ -254,7 +256,7 @@ def test_how_long_it_took_is_left_out_where_the_date_is_given(result, monkeypatc
 
     def both(seconds):
         diagnosis = replace(made_diagnosis("named", made_arm(space=True)), seconds=seconds)
-        return [page_of(describe(diagnosis)), page_of(describe(replace(result, seconds=seconds)))]
+        return [page_of(diagnoses.describe(diagnosis)), page_of(describe(replace(result, seconds=seconds)))]
 
     assert all(one != other for one, other in zip(both(1.0), both(2.0), strict=True))
     monkeypatch.setenv("SOURCE_DATE_EPOCH", "86400")

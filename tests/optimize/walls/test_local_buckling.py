@@ -23,7 +23,7 @@ from linkwright.core.sections import Circle, ISection, Polygon, RectangularTube,
 from linkwright.core.sections.taper import Tapered
 from linkwright.json.design import evaluation_json
 from linkwright.markdown.described import markdown
-from linkwright.results.describe import describe
+from linkwright.results.optimization import describe
 from tests.optimize.builders import measured_price, problem_of
 
 CATALOGUE = load_catalogue(user=False)

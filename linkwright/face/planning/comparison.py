@@ -1,19 +1,26 @@
-"""A comparison of two recordings described: what changed, in a sentence first; and as a mapping for JSON."""
+"""What changed between two recordings of one arm."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import PurePath
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from linkwright.core.diagnose.compare.compare import Change, Comparison
+from linkwright.core.diagnose.compare.compare import Change, compare
+from linkwright.core.diagnose.compare.compare import Comparison as Found
 from linkwright.core.diagnose.compare.places import Region
+from linkwright.core.diagnose.diagnosis import diagnose as diagnosed
+from linkwright.core.diagnose.options import Options
+from linkwright.core.diagnose.result import Diagnosis
+from linkwright.core.units.quantities import InputError
+from linkwright.face.arm import Arm
+from linkwright.face.progress import Progress
+from linkwright.face.recording import Recording
+from linkwright.face.result import Result, drawn, frame
 from linkwright.json.diagnosis import covered_json, in_unit, parameter_json, unit_of
 from linkwright.json.fields import fields, in_mm
-from linkwright.results.document import Description, Lines, Section, Table, Value, count, length, section, table
-from linkwright.results.figures_in_words import figure, mm
-from linkwright.version import program_version
-
-from .words import (
+from linkwright.results.diagnoses.words import (
     covered,
     effect_words,
     listed,
@@ -23,9 +30,15 @@ from .words import (
     value,
     verdict_words,
 )
+from linkwright.results.document import Description, Lines, Section, Table, Value, count, length, section, table
+from linkwright.results.figures_in_words import figure, mm
+
+if TYPE_CHECKING:
+    import pandas as pd
+    import plotly.graph_objects as go
 
 
-def describe(comparison: Comparison) -> Description:
+def describe(comparison: Found) -> Description:
     """What changed between two recordings."""
     sentence = comparison_sentence(comparison)
     regions = [
@@ -53,7 +66,7 @@ def describe(comparison: Comparison) -> Description:
     return Description(f"{name}: what changed between two recordings", sentence, tuple(found), sentence.split(". ")[0])
 
 
-def _both(comparison: Comparison) -> Table:
+def _both(comparison: Found) -> Table:
     pair = (comparison.first, comparison.second)
     rows: list[tuple[str | Value, ...]] = [
         ("verdict", *(verdict_words(each.verdict, short=True) for each in pair)),
@@ -68,7 +81,7 @@ def _both(comparison: Comparison) -> Table:
     return table(("", "first", "second"), rows)
 
 
-def _changes(comparison: Comparison) -> Table:
+def _changes(comparison: Found) -> Table:
     rows = [
         (
             f"{effect_words(each.effect, each.first.at)}: {each.first.parameter.replace('_', ' ')}",
@@ -96,7 +109,7 @@ def difference_words(change: Change) -> str:
     return f"+{words}" if change.difference > 0.0 else words
 
 
-def comparison_sentence(comparison: Comparison) -> str:
+def comparison_sentence(comparison: Found) -> str:
     """What changed, plainly."""
     changed = [change_words(each) for each in comparison.changes if each.changed]
     verdicts = (comparison.first.verdict, comparison.second.verdict)
@@ -135,6 +148,76 @@ def region_words(region: Region) -> str:
     return f"{', '.join(spans)} mm"
 
 
+@dataclass(frozen=True, repr=False)
+class Comparison(Result):
+    """What changed between two recordings of one arm; `found` holds everything in SI."""
+
+    _command = "compare"
+    _describe = staticmethod(describe)
+
+    arm: Arm
+    found: Found
+
+    @property
+    def sentence(self) -> str:
+        """What changed, plainly."""
+        return comparison_sentence(self.found)
+
+    @property
+    def changes(self) -> pd.DataFrame:
+        """A row for each parameter of the common model in both recordings, in `unit`; `changed` where beyond doubt."""
+        columns = ["effect", "at", "parameter", "before", "after", "difference", "low", "high", "unit", "changed"]
+        rows: list[tuple[Any, ...]] = []
+        for each in self.found.changes:
+            kind = each.first.kind
+            figures = (each.first.value, each.second.value, each.difference, *each.interval)
+            shown = [in_unit(value, kind) for value in figures]
+            rows.append((each.effect, each.first.at, each.first.parameter, *shown, unit_of(kind), each.changed))
+        return frame(rows, columns)
+
+    def plot(self) -> go.Figure:
+        """The RMS mismatch of both recordings, before anything is explained and after, mm."""
+        pair = (self.found.first, self.found.second)
+        bars = {
+            "mismatch": in_mm([each.rms_before for each in pair]),
+            "not explained": in_mm(self.found.unexplained),
+        }
+        return drawn(["before", "after"], bars, "", "RMS in mm", mode="bar")
+
+    def _content(self) -> Mapping[str, Any]:
+        found, pair = self.found, (self.found.first, self.found.second)
+        shared, told = found.shared, ("verdict", "sentence", "noise_floor_mm", "rms_before_mm", "rms_after_mm")
+        recordings = [
+            {
+                "file": PurePath(each.recording.file).name,
+                **fields(each, "rows=recording.size", *told),
+                "rms_common_model_mm": in_mm(left),
+            }
+            for each, left in zip(pair, found.unexplained, strict=True)
+        ]
+        return {
+            "arm": found.first.arm.name,
+            "sentence": self.sentence,
+            "recordings": recordings,
+            "changes": [_change(each) for each in found.changes],
+            "shared_poses": None
+            if shared is None
+            else {
+                **fields(shared, "count", "moved_mm", "by_chance_mm"),
+                "rms_mm": in_mm((shared.first, shared.second)),
+            },
+            "regions": [
+                {**fields(each, "lower_mm", "upper_mm", "rows=counts"), "rms_mm": in_mm((each.first, each.second))}
+                for each in found.regions
+            ],
+            "iso_figures": [[covered_json(one), covered_json(other)] for one, other in found.figures],
+            **fields(found, "notes"),
+        }
+
+    def _tables(self) -> Mapping[str, pd.DataFrame]:
+        return {"Changes": self.changes}
+
+
 def _change(change: Change) -> dict[str, Any]:
     kind = change.first.kind
     return {
@@ -148,31 +231,17 @@ def _change(change: Change) -> dict[str, Any]:
     }
 
 
-def comparison_json(comparison: Comparison) -> dict[str, Any]:
-    """What `compare --json` writes."""
-    shared, pair = comparison.shared, (comparison.first, comparison.second)
-    told = ("verdict", "sentence", "noise_floor_mm", "rms_before_mm", "rms_after_mm")
-    return {
-        "made_by": f"linkwright compare {program_version()}",
-        "arm": comparison.first.arm.name,
-        "sentence": comparison_sentence(comparison),
-        "recordings": [
-            {
-                "file": PurePath(each.recording.file).name,
-                "rows": each.recording.size,
-                **fields(each, *told),
-                "rms_common_model_mm": in_mm(left),
-            }
-            for each, left in zip(pair, comparison.unexplained, strict=True)
-        ],
-        "changes": [_change(each) for each in comparison.changes],
-        "shared_poses": None
-        if shared is None
-        else {**fields(shared, "count", "moved_mm", "by_chance_mm"), "rms_mm": in_mm((shared.first, shared.second))},
-        "regions": [
-            {**fields(each, "lower_mm", "upper_mm", "rows=counts"), "rms_mm": in_mm((each.first, each.second))}
-            for each in comparison.regions
-        ],
-        "iso_figures": [[covered_json(one), covered_json(other)] for one, other in comparison.figures],
-        "notes": comparison.notes,
-    }
+def compared(arm: Arm, both: Sequence[Recording], options: Options, tell: Progress) -> Comparison:
+    """Both recordings diagnosed, then fitted with one common model. Raises `InputError` for those of two tips."""
+    tips = [each.found.branch for each in both]
+    if tips[0] != tips[1]:
+        said = f"are of different tips ({' and '.join(tips)}); compare two recordings of one, diagnose takes both"
+        raise InputError("", "recordings", said)
+    diagnoses: list[Diagnosis] = []
+    for number, read in enumerate(both):
+
+        def half(text: str, share: float, done: int = number) -> None:
+            tell(text, 0.5 * (done + share))
+
+        diagnoses.append(diagnosed(arm.model, read.found, options, half))
+    return Comparison(arm, compare(arm.model.on(tips[0]), *diagnoses))
