@@ -33,20 +33,33 @@ NO_ANSWER, WRONG_INPUT, READER_GONE = 1, 2, 141
 
 COMMANDS: Mapping[str, tuple[str, str]] = MappingProxyType(
     {
-        **dict.fromkeys(("evaluate", "optimize", "tradeoff", "inverse", "budget"), ("design", "Design")),
-        **dict.fromkeys(("diagnose", "compare", "predict", "compensate"), ("diagnosis", "Diagnose")),
-        **dict.fromkeys(("plan", "watch", "simulate"), ("diagnosis", "Diagnose")),
-        **dict.fromkeys(("import", "export"), ("exchange", "Files")),
-        **{name: (name, "Catalogues") for name in ("materials", "sections", "actuators", "effects")},
-        **dict.fromkeys(("tables", "figures", "seam"), ("paper", "Paper")),
+        **dict.fromkeys(("evaluate", "optimize", "tradeoff", "inverse", "budget"), ("from_face", "Design")),
+        **dict.fromkeys(("diagnose", "compare", "predict", "compensate"), ("from_face", "Diagnose")),
+        **dict.fromkeys(("plan", "watch", "simulate"), ("from_face", "Diagnose")),
+        **dict.fromkeys(("import", "export"), ("from_face", "Files")),
+        **{name: (f"catalogues.{name}", "Catalogues") for name in ("materials", "sections", "actuators", "effects")},
+        **dict.fromkeys(("tables", "figures", "seam"), ("from_face", "Paper")),
         "serve": ("serve", "Program"),
-        "doctor": ("installation.doctor", "Program"),
+        "doctor": ("doctor", "Program"),
     }
 )
 """Every command with its module and the part of the help where it stands, in their order. A module has `commands()`,
 those that are made of the functions of `linkwright`, by name; or `HELP` and a function of the command's name; or
-`group()` where the command has commands of its own. What they work with they import inside their functions, for the
-help of all commands imports every one of these modules."""
+`group()`, the commands that a command has of its own. What they work with they import inside their functions, for the
+help of all commands imports every one of these modules but those of catalogues."""
+
+CATALOGUES: Mapping[str, str] = MappingProxyType(
+    {
+        "materials": "What links can be made of: list, show, compare; add, edit, price, remove, rename, undo; import, "
+        "export, check.",
+        "sections": "Shapes and standard sizes: list, show, compare; add, edit, remove, rename, undo; import, export, "
+        "check.",
+        "actuators": "Gears and actuators by name: list, show; add, edit, price, remove, rename, undo; import, export, "
+        "check.",
+        "effects": "The physics that the models know: list, show.",
+    }
+)
+"""The commands that have commands of their own, and their help."""
 
 STATUSES = (
     "Exit status: 0 done, 1 a well-formed question without an answer, 2 wrong input (one line says which), "
@@ -83,10 +96,12 @@ def command_line(asked: str = "") -> typer.Typer:
     made: Any = typer.Typer(help=HELP, epilog=STATUSES, callback=_start, invoke_without_command=True, **root)
     for name in (asked,) if asked in COMMANDS else () if asked == VERSION else COMMANDS:
         home, panel = COMMANDS[name]
+        if name in CATALOGUES and name != asked:
+            made.add_typer(command_group(CATALOGUES[name], {}), name=name, rich_help_panel=panel)
+            continue
         module: Any = import_module(f"linkwright.commands.{home}")
-        if hasattr(module, "group"):
-            group = module.group() if name == asked else command_group(module.HELP, {})
-            made.add_typer(group, name=name, rich_help_panel=panel)
+        if name in CATALOGUES:
+            made.add_typer(command_group(CATALOGUES[name], module.group()), name=name, rich_help_panel=panel)
         elif hasattr(module, "commands"):
             own: Made = module.commands()[name]
             settings = {"ignore_unknown_options": True} if own.negative else {}

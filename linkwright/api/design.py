@@ -120,7 +120,7 @@ def optimize(
     """
     from linkwright.face.design import optimized, rounding_of
     from linkwright.face.problem import problem_of
-    from linkwright.face.workers import at_work
+    from linkwright.face.progress import at_work
 
     rounding = rounding_of(round_to, round_length)
     asked = problem_of(problem)
@@ -181,8 +181,8 @@ def tradeoff(
     """
     from linkwright.core.optimize.tradeoff.question import question
     from linkwright.face.problem import problem_of
+    from linkwright.face.progress import at_work
     from linkwright.face.tradeoff import journal_in, traced
-    from linkwright.face.workers import at_work
 
     given = problem_of(problem)
     asked = question(given.model, x, y, by=by, reach=reach)

@@ -89,9 +89,8 @@ def diagnose(
     from linkwright.face.arm import arm_of, catalogue_of
     from linkwright.face.diagnosis import Diagnosis, known_effects, recordings_of
     from linkwright.face.problem import problem_of
-    from linkwright.face.progress import told
-    from linkwright.face.workers import at_work
-    from linkwright.output.written_arm import with_written
+    from linkwright.face.progress import at_work, told
+    from linkwright.output.diagnosis_folder import with_written
 
     options = Options(thorough=thorough, without=known_effects(without))
     given = arm_of(arm, tips="first", unknown_origins=True)
@@ -312,8 +311,7 @@ def watch(
     from linkwright.face.arm import arm_of
     from linkwright.face.diagnosis import known_effects
     from linkwright.face.planning.watch import Watch, read_dated
-    from linkwright.face.progress import told
-    from linkwright.face.workers import at_work
+    from linkwright.face.progress import at_work, told
 
     asked = basics() if for_ is None else tuple(for_)
     known_effects(asked, "for_")

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import inspect
 from collections.abc import Callable, Mapping
+from pathlib import Path
 from types import MappingProxyType
 from typing import Any
 
@@ -11,7 +13,7 @@ import typer
 PLAIN: Mapping[str, Any] = MappingProxyType({"add_completion": False, "pretty_exceptions_enable": False})
 """How every level of the command line is set up: completion scripts come from the root alone, and a defect shows a
 plain traceback."""
-Commands = Mapping[str, tuple[Callable[..., None], str]]
+Commands = Mapping[str, Callable[..., None]]
 
 
 def helpless_group(context: typer.Context) -> None:
@@ -21,8 +23,16 @@ def helpless_group(context: typer.Context) -> None:
 
 
 def command_group(help_text: str, commands: Commands) -> typer.Typer:
-    """A group of commands, each with its function and its help."""
+    """A group of commands, each a function whose docstring is its help."""
     made: Any = typer.Typer(help=help_text, callback=helpless_group, invoke_without_command=True, **PLAIN)
-    for name, (function, text) in commands.items():
-        made.command(name, help=text)(function)
+    for name, function in commands.items():
+        made.command(name, help=f"{inspect.getdoc(function)}\n")(function)
     return made
+
+
+def write_content(json: Path | None, command: str, content: Mapping[str, Any]) -> None:
+    """Write what a command found where `--json` names a file, and which command that was. Raises `InputError`."""
+    from linkwright.output.files import write_json
+    from linkwright.version import program_version
+
+    write_json(json, {"made_by": f"linkwright {command} {program_version()}", **content})

@@ -71,12 +71,11 @@ class Targets:
 
 @dataclass(frozen=True)
 class Made:
-    """A command made of the function of `linkwright` that `home` holds.
+    """A command made of a function of `linkwright`.
 
     Attributes:
         name: the command's.
         function: the function's, if it is another.
-        home: its module.
         doing: what is shown until more is heard.
         out: what `--out` writes, if anything.
         pdf: there is a report for `--pdf`, and whoever made it can sign.
@@ -89,7 +88,6 @@ class Made:
     """
 
     name: str
-    home: str
     function: str = ""
     doing: str = "reading"
     out: Out | None = None
@@ -109,7 +107,8 @@ class Made:
 
     def _function(self) -> Callable[..., Any]:
         """The function itself, whatever stands for it in `linkwright`: its signature is read."""
-        return getattr(import_module(self.home), self.called)
+        home = next(module for module, names in lw.HOMES.items() if self.called in names)
+        return getattr(import_module(home), self.called)
 
     @property
     def help(self) -> str:

@@ -30,8 +30,25 @@ if TYPE_CHECKING:
     from linkwright.core.arm.evaluation import Evaluation
 
 
-@dataclass(frozen=True, init=False)
-class Joint:
+@dataclass(frozen=True, init=False, repr=False)
+class _Keys:
+    """A part of an arm to be built, by the keys of an arm file; what numbers mean without a unit is SI."""
+
+    keys: Mapping[str, Any]
+
+    def __init__(self, **keys: object) -> None:
+        object.__setattr__(self, "keys", plain(keys))
+
+    def in_file(self) -> Mapping[str, Any]:
+        """The keys of the arm file."""
+        return self.keys
+
+    def __repr__(self) -> str:
+        """As it is written."""
+        return f"{type(self).__name__}({', '.join(f'{name}={value!r}' for name, value in self.keys.items())})"
+
+
+class Joint(_Keys):
     """A joint of an arm to be built, by the keys of an arm file's `joint`; text with a unit or numbers in SI.
 
     `type` is revolute (default) or prismatic; `range` two angles (rad) or lengths (m); `clearance` m; `backlash` rad or
@@ -42,22 +59,8 @@ class Joint:
     Joint(range=['-90 deg', '90 deg'], backlash='3 arcmin')
     """
 
-    keys: Mapping[str, Any]
 
-    def __init__(self, **keys: object) -> None:
-        object.__setattr__(self, "keys", plain(keys))
-
-    def in_file(self) -> Mapping[str, Any]:
-        """The keys of the arm file."""
-        return self.keys
-
-    def __repr__(self) -> str:
-        """As it is written."""
-        return f"Joint({_written(self.keys)})"
-
-
-@dataclass(frozen=True, init=False)
-class Link:
+class Link(_Keys):
     """A link of an arm to be built, by the keys of an arm file's `link`; text with a unit or numbers in SI.
 
     `length` m; `section` a stock size (`"IPE 80"`), a mapping, or one of `lw.shapes`; `material` a catalogue's name,
@@ -68,23 +71,6 @@ class Link:
     >>> lw.Link(length="400 mm", section="IPE 80", material="steel-s355")
     Link(length='400 mm', section='IPE 80', material='steel-s355')
     """
-
-    keys: Mapping[str, Any]
-
-    def __init__(self, **keys: object) -> None:
-        object.__setattr__(self, "keys", plain(keys))
-
-    def in_file(self) -> Mapping[str, Any]:
-        """The keys of the arm file."""
-        return self.keys
-
-    def __repr__(self) -> str:
-        """As it is written."""
-        return f"Link({_written(self.keys)})"
-
-
-def _written(keys: Mapping[str, Any]) -> str:
-    return ", ".join(f"{name}={value!r}" for name, value in keys.items())
 
 
 @dataclass(frozen=True, init=False, repr=False)

@@ -21,7 +21,7 @@ from linkwright.core.units.quantities import InputError
 from linkwright.core.units.reading import read_text
 from linkwright.json.fields import fields_if, joint_columns
 from linkwright.output.files import write_file
-from linkwright.output.table_file import WAYS, write_table
+from linkwright.output.table_file import WAYS, frame, write_table
 from linkwright.results.document import Description, Item, Paragraph, length, table
 from linkwright.results.figures_in_words import coordinate, effect_title, figure, mm, with_unit
 
@@ -29,7 +29,7 @@ from .arm import Arm
 from .evaluation import pose_of
 from .given import File, Quantity, in_si
 from .progress import Progress, told
-from .result import Result, figure_of, frame
+from .result import Result, figure_of
 
 if TYPE_CHECKING:
     import pandas as pd

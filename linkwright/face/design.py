@@ -20,13 +20,14 @@ from linkwright.core.optimize.run import optimise
 from linkwright.core.units.quantities import InputError, format_quantity
 from linkwright.json.design import objective_unit, optimization_json
 from linkwright.json.fields import fields, in_mm
-from linkwright.json.tradeoff import made_by
 from linkwright.output.files import DESIGN
 from linkwright.output.read_back import ReadBack
+from linkwright.output.table_file import frame
+from linkwright.output.tradeoff_folder import made_by
 from linkwright.redesigning import Redesign as FoundRedesign
+from linkwright.redesigning import describe, redesign_json, redesign_sentences
 from linkwright.report.pictures.plots import exchange_figure
 from linkwright.results import optimization
-from linkwright.results.redesign import describe, redesign_json, redesign_sentences
 
 from .arm import Arm, links_table
 from .evaluation import Evaluation
@@ -34,7 +35,7 @@ from .figures import LOWER, ROBUST, Figured, Values, values_of
 from .given import Quantity
 from .problem import Problem
 from .progress import Progress, interrupts, told
-from .result import Field, Reported, Result, drawn, figure_of, frame
+from .result import Field, Reported, Result, drawn, figure_of
 
 if TYPE_CHECKING:
     import pandas as pd

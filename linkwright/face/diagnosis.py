@@ -19,18 +19,19 @@ from linkwright.json.diagnosis import diagnosis_json, in_unit, unit_of
 from linkwright.json.fields import fields
 from linkwright.output.diagnosis_folder import claim_diagnosis, residuals, write_diagnosis
 from linkwright.output.files import REPORT
+from linkwright.output.table_file import frame
+from linkwright.redesigning import redesign_json
 from linkwright.report.pictures.plots import LIKE
 from linkwright.report.pictures.residual_map import residual_maps
 from linkwright.results.diagnoses.described import describe
 from linkwright.results.diagnoses.words import name_words
 from linkwright.results.document import Description
-from linkwright.results.redesign import redesign_json
 
 from .arm import Arm, catalogue_of
 from .design import Redesign
 from .given import File
 from .recording import Recording, read_recording
-from .result import Field, Reported, figure_of, frame
+from .result import Field, Reported, figure_of
 
 if TYPE_CHECKING:
     import pandas as pd

@@ -17,6 +17,7 @@ from linkwright.core.optimize.robust.result import RobustFigure
 from linkwright.core.units.quantities import InputError
 from linkwright.json.design import evaluation_json
 from linkwright.json.fields import joint_columns
+from linkwright.output.table_file import frame
 from linkwright.report.pictures.plots import colour_range, error_map_figure, field_of, shared_spans
 from linkwright.results.document import Description
 from linkwright.results.evaluation import describe
@@ -25,7 +26,7 @@ from linkwright.results.figures_in_words import effect_title
 from .arm import Arm
 from .figures import ROBUST, Figured, Values, values_of
 from .given import Quantity, in_si
-from .result import Field, Reported, figure_of, frame
+from .result import Field, Reported, figure_of
 
 if TYPE_CHECKING:
     import pandas as pd

@@ -62,7 +62,7 @@ def edited(content: Mapping[str, Any], key: str, value: object, what: str) -> di
     None takes a key out. Whether the key is known is for the reader to say, but a way to it there must be. Raises
     `InputError`.
     """
-    steps = _steps(key, what)
+    steps = steps_of(key, what)
     made: dict[str, Any] = copy.deepcopy(dict(content))
     here: Any = made
     for at, step in enumerate(steps[:-1]):
@@ -81,7 +81,8 @@ def edited(content: Mapping[str, Any], key: str, value: object, what: str) -> di
     return made
 
 
-def _steps(key: str, what: str) -> list[str | int]:
+def steps_of(key: str, what: str) -> list[str | int]:
+    """The steps to a key such as `chain[1].link.length`; lists count from 1. Raises `InputError`."""
     steps: list[str | int] = []
     at = 0
     while at < len(key):

@@ -17,12 +17,13 @@ from linkwright.core.arm.worst.inverse import InversePose
 from linkwright.core.units.quantities import InputError
 from linkwright.json.design import coordinates
 from linkwright.json.fields import fields, in_joint_unit, in_mm, joint_columns
+from linkwright.output.table_file import frame
 from linkwright.results.document import Description, Item, Paragraph, Value, table
 from linkwright.results.figures_in_words import MINUS, coordinate, figure
 
 from .arm import Arm
 from .given import Quantity, in_si
-from .result import Result, drawn, frame
+from .result import Result, drawn
 
 if TYPE_CHECKING:
     import pandas as pd

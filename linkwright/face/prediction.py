@@ -14,12 +14,13 @@ from linkwright.core.diagnose.mistakes.row_lists import rows_text
 from linkwright.core.diagnose.predict import Leaving
 from linkwright.core.diagnose.predict import Prediction as Found
 from linkwright.json.fields import fields, in_joint_unit, joint_columns, joint_unit
+from linkwright.output.table_file import frame
 from linkwright.results.document import Description, Item, Lines, Paragraph, length, table
 from linkwright.results.figures_in_words import mm
 
 from .arm import Arm
 from .recording import Recording
-from .result import Field, Result, drawn, frame
+from .result import Field, Result, drawn
 
 if TYPE_CHECKING:
     import pandas as pd

@@ -1,11 +1,15 @@
-"""How long work tells of itself and is stopped: a callable, a bar where somebody looks, Ctrl-C between steps."""
+"""How long work tells of itself, is stopped and by whom it is done: a callable or a bar, Ctrl-C, processes."""
 
 from __future__ import annotations
 
 import signal
 from collections.abc import Callable, Generator
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
 from types import FrameType
+
+from linkwright.core.executors import Executor, Processes
+from linkwright.core.executors.threads import one_thread
+from linkwright.core.units.quantities import InputError
 
 Progress = Callable[[str, float], None]
 """Hears what is being done, and what share of the whole is behind (0 to 1)."""
@@ -59,3 +63,13 @@ def interrupts() -> Generator[Callable[[], None]]:
         yield check
     finally:
         signal.signal(signal.SIGINT, before)
+
+
+@contextmanager
+def at_work(executor: Executor | None, workers: int | None) -> Generator[Executor]:
+    """The executor that was given, which stays open; else processes, so many or one for each core. Linear algebra takes
+    one thread meanwhile, here too."""
+    if executor is not None and workers is not None:
+        raise InputError("", "workers", "goes without an executor, which has workers of its own; leave one out")
+    with one_thread(), nullcontext(executor) if executor is not None else Processes(workers) as crew:
+        yield crew

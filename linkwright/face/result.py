@@ -7,13 +7,12 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import reduce
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Generic, TypeVar
+from typing import TYPE_CHECKING, Any, Generic, TypeVar, cast
 
 from linkwright.core.units.quantities import InputError
 from linkwright.output.files import DESIGN, OUTPUT, REPORT, RESULT, claim_own, json_text, write_file, write_folder
 from linkwright.output.read_back import ReadBack
-from linkwright.report.described import page_of
-from linkwright.report.origin import origin_of, signed
+from linkwright.report.described import origin_of, page_of, signed
 from linkwright.results.document import Description
 from linkwright.results.document import plain as plain_words
 from linkwright.version import program_version
@@ -48,7 +47,7 @@ class Field(Generic[T]):
         if result is None:
             return self  # pyright: ignore[reportReturnType] - as a property does
         value: Any = reduce(getattr, self._field.split("."), result.found)
-        return value if value is None or self._factor is None else self._factor * value
+        return cast(T, value if value is None or self._factor is None else self._factor * value)
 
 
 class Result(ABC):
@@ -144,13 +143,6 @@ class Reported(Result):
 
     def _page(self, made_from: Iterable[File], author: str, comment: str) -> str:
         return signed(page_of(self.description), origin_of(map(Path, made_from), author=author, comment=comment))
-
-
-def frame(rows: Any, columns: Sequence[str] | None = None) -> pd.DataFrame:
-    """A table for programs, of rows or of columns by name; pandas is loaded by the first."""
-    import pandas as pd
-
-    return pd.DataFrame(rows, columns=None if columns is None else list(columns))
 
 
 def figure_of(data: Mapping[str, Any]) -> go.Figure:

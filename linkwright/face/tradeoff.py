@@ -19,10 +19,16 @@ from linkwright.core.optimize.tradeoff.question import Question, digest
 from linkwright.core.optimize.tradeoff.trace import Progress as Traced
 from linkwright.core.optimize.tradeoff.tradeoff import trade_off
 from linkwright.core.units.quantities import InputError
-from linkwright.json.tradeoff import made_by, tradeoff_csv, tradeoff_json
 from linkwright.output.files import REPORT, RESULT, made_folder, refuse_strangers, write_file
 from linkwright.output.table_file import WAYS, write_table
-from linkwright.output.tradeoff_folder import FILES, claim_tradeoff, write_tradeoff
+from linkwright.output.tradeoff_folder import (
+    FILES,
+    claim_tradeoff,
+    made_by,
+    tradeoff_csv,
+    tradeoff_json,
+    write_tradeoff,
+)
 from linkwright.report.charts.fronts import front_figure
 from linkwright.results.figures_in_words import percent
 from linkwright.results.tradeoff import describe

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from dataclasses import asdict
 from pathlib import PurePath
 from typing import TYPE_CHECKING, Any
 
@@ -11,20 +12,19 @@ from linkwright.core.arm.chain.chain import Arm, Link, LoadCase
 from linkwright.core.arm.files.write import material_to_value, section_to_mapping
 from linkwright.core.arm.placed.heights import heights
 from linkwright.core.arm.worst.workspace import Workspace
-from linkwright.core.optimize.limits import FIGURES, Figure
+from linkwright.core.optimize.infeasible.answer import Infeasibility
+from linkwright.core.optimize.limits import FIGURES, Figure, Limit
 from linkwright.core.optimize.worse import softened_links, worse_figures
 from linkwright.core.sections.taper import Tapered
 from linkwright.core.units.quantities import format_quantity
 from linkwright.core.units.temperature import ZERO_CELSIUS
-
-from .fields import fields, in_mm
-from .robust import figure_json, robust_json
+from linkwright.json.fields import fields, fields_if, in_mm
 
 if TYPE_CHECKING:
     from linkwright.core.arm.evaluation import Compliance, Evaluation
-    from linkwright.core.arm.worst.growth import GrowthLeftOut
     from linkwright.core.optimize.result import KeptLimit, NotRounded, OptimizationResult, Rounded
-    from linkwright.core.optimize.robust.result import RobustFigure
+    from linkwright.core.optimize.robust.result import Robust, RobustFigure
+
 
 _LENGTH_DIGITS = 7
 
@@ -107,6 +107,10 @@ def links_json(arm: Arm, masses: Sequence[float | None]) -> list[dict[str, Any]]
     ]
 
 
+def _pose(arm: Arm, q: Sequence[float], case: int) -> dict[str, Any]:
+    return {**coordinates(arm, q), "load_case": case + 1}
+
+
 def _strength(evaluation: Evaluation) -> list[dict[str, Any]]:
     strength = evaluation.strength
     walls = {each.link: each for each in evaluation.local_buckling.links}
@@ -116,13 +120,9 @@ def _strength(evaluation: Evaluation) -> list[dict[str, Any]]:
             "stress_MPa": strength.stress[index] / 1e6,
             "safety_factor": strength.safety_factor[index],
             "buckling": strength.buckling[index],
-            "local_buckling": walls[link].factor,
-            "wall": walls[link].wall,
+            **fields(walls[link], "local_buckling=factor", "wall"),
             "deflection_share_of_length": strength.deflection[index],
-            "worst_stress_pose": {
-                **coordinates(evaluation.arm, strength.poses[index][0]),
-                "load_case": strength.poses[index][1] + 1,
-            },
+            "worst_stress_pose": _pose(evaluation.arm, *strength.poses[index]),
         }
         for index, link in enumerate(strength.links)
     ]
@@ -130,24 +130,25 @@ def _strength(evaluation: Evaluation) -> list[dict[str, Any]]:
 
 def _drives(evaluation: Evaluation) -> list[dict[str, Any]]:
     """What each drive holds at most; empty where no joint has an actuator."""
-    if evaluation.drives is None:
-        return []
     arm, drives = evaluation.arm, evaluation.drives
-    return [
-        {
-            "joint": number,
-            "actuator": None if joint.actuator is None else joint.actuator.name,
-            "greatest_load": load,
-            "unit": "N*m" if joint.revolute else "N",
-            "rated_torque_Nm": None if joint.actuator is None else joint.actuator.rated_torque,
-            "peak_torque_Nm": None if joint.actuator is None else joint.actuator.peak_torque,
-            "torque_use": use,
-            "worst_pose": {**coordinates(arm, q), "load_case": case + 1},
-        }
-        for number, (joint, load, use, (q, case)) in enumerate(
-            zip(arm.joints, drives.greatest, drives.use, drives.poses, strict=True), start=1
+    if drives is None:
+        return []
+    rated, none = ("actuator=name", "rated_torque_Nm", "peak_torque_Nm"), {"actuator": None}
+    found: list[dict[str, Any]] = []
+    for index, joint in enumerate(arm.joints):
+        own = fields_if(joint.actuator, *rated) or {**none, "rated_torque_Nm": None, "peak_torque_Nm": None}
+        found.append(
+            {
+                "joint": index + 1,
+                "actuator": own.pop("actuator"),
+                "greatest_load": drives.greatest[index],
+                "unit": "N*m" if joint.revolute else "N",
+                **own,
+                "torque_use": drives.use[index],
+                "worst_pose": _pose(arm, *drives.poses[index]),
+            }
         )
-    ]
+    return found
 
 
 def _joint_loads(evaluation: Evaluation) -> list[dict[str, Any]] | None:
@@ -158,11 +159,9 @@ def _joint_loads(evaluation: Evaluation) -> list[dict[str, Any]] | None:
     return [
         {
             "joint": number,
-            **fields(each, "axis", "force_N=force", "moment_Nm=moment"),
-            "radial_N": each.radial,
+            **fields(each, "axis", "force_N", "moment_Nm", "radial_N"),
             "axial_N": abs(each.along),
-            "tilting_Nm": each.tilting,
-            "drive_holds": each.drive,
+            **fields(each, "tilting_Nm", "drive_holds=drive"),
             "drive_unit": "N*m" if each.revolute else "N",
         }
         for number, each in enumerate(loads, start=1)
@@ -171,35 +170,23 @@ def _joint_loads(evaluation: Evaluation) -> list[dict[str, Any]] | None:
 
 def evaluation_figures(evaluation: Evaluation, figures: Mapping[str, Figure] = FIGURES) -> dict[str, Any]:
     """The figures of an evaluation, by the names of the contract and a few more."""
-    arm, worst, frequency = evaluation.arm, evaluation.worst, evaluation.frequency
+    arm, frequency = evaluation.arm, evaluation.frequency
+    poses = {each.name: each.where(evaluation) for each in figures.values() if each.where is not None}
+    beyond = ("beyond_first_order_mm=beyond.at_worst", "beyond_first_order_largest_mm=beyond.largest")
+    bounds = ("upper_bound_mm", "upper_bound_first_order_mm=worst.upper_bound", *beyond, "certified=worst.certified")
+    drives = evaluation.frequency_of_drives
     return {
         "arm": arm.name,
-        **fields(evaluation, "upper_bound_mm"),
-        **fields(worst, "upper_bound_first_order_mm=upper_bound"),
-        **fields(evaluation.beyond, "beyond_first_order_mm=at_worst", "beyond_first_order_largest_mm=largest"),
-        **fields(worst, "certified"),
-        **fields(evaluation, "max_error_of_rigid_links_mm=rigid_links_error"),
+        **fields(evaluation, *bounds, "max_error_of_rigid_links_mm=rigid_links_error"),
         "worst_poses": [
-            {
-                **coordinates(arm, pose.q),
-                "load_case": pose.load_case + 1,
-                **fields(pose, "error_mm", "error_vector_mm=vector"),
-            }
-            for pose in worst.poses
+            {**_pose(arm, pose.q, pose.load_case), **fields(pose, "error_mm", "error_vector_mm=vector")}
+            for pose in evaluation.worst.poses
         ],
         "by_effect_mm": {effect: 1e3 * value for effect, value in evaluation.by_effect.items()},
         **{each.key: each.shown(each.value(evaluation)) for each in figures.values()},
-        **{
-            f"{each.name}_pose": None if (at := each.where(evaluation)) is None else coordinates(arm, at)
-            for each in figures.values()
-            if each.where is not None
-        },
-        "first_frequency_pose": None
-        if frequency is None
-        else {**coordinates(arm, frequency.q), "load_case": frequency.load_case + 1},
-        "first_frequency_of_drives_Hz": None
-        if evaluation.frequency_of_drives is None
-        else evaluation.frequency_of_drives.value,
+        **{f"{name}_pose": None if at is None else coordinates(arm, at) for name, at in poses.items()},
+        "first_frequency_pose": None if frequency is None else _pose(arm, frequency.q, frequency.load_case),
+        "first_frequency_of_drives_Hz": None if drives is None else drives.value,
         "compliance": None if "compliance" in evaluation.unknown else _compliance(arm, evaluation.compliance),
         "strength": _strength(evaluation),
         "drives": _drives(evaluation),
@@ -210,21 +197,21 @@ def evaluation_figures(evaluation: Evaluation, figures: Mapping[str, Figure] = F
         "relative_to": _relative_to(evaluation),
         **fields(evaluation, "warnings", "notes", "unknown"),
         **_seam(evaluation),
-        "thermal_growth_left_out": None if evaluation.growth is None else _growth(evaluation.growth),
+        "thermal_growth_left_out": _growth(evaluation),
         "unreached_share": 0.0 if evaluation.unreached is None else evaluation.unreached.share,
     }
 
 
 def _seam(evaluation: Evaluation) -> dict[str, Any]:
     """The worst error on a path, across it and along it, whatever of it counts; null elsewhere."""
-    seam = evaluation.seam
-    parts = {} if seam is None else {"across": seam.across, "along": seam.along, "whole": seam.whole}
-    return {f"{name}_mm": 1e3 * parts[name].error if parts else None for name in ("across", "along", "whole")}
+    parts = ("across", "along", "whole")
+    found = fields_if(evaluation.seam, *(f"{name}_mm={name}.error" for name in parts))
+    return found or {f"{name}_mm": None for name in parts}
 
 
 def _load(case: LoadCase) -> dict[str, Any]:
     tip = {"tip": case.tip} if case.tip else {}
-    return {**tip, **fields(case, "payload_kg=mass", "force_N=force", "moment_Nm=moment")}
+    return {**tip, **fields(case, "payload_kg=mass", "force_N", "moment_Nm")}
 
 
 def _relative_to(evaluation: Evaluation) -> dict[str, Any] | None:
@@ -239,22 +226,18 @@ def _relative_to(evaluation: Evaluation) -> dict[str, Any] | None:
     }
 
 
-def _growth(growth: GrowthLeftOut) -> dict[str, Any]:
+def _growth(evaluation: Evaluation) -> dict[str, Any] | None:
     """The thermal growth that the model leaves out: what the worst error would be with it."""
-    return {
-        "temperature_degC": growth.temperature - ZERO_CELSIUS,
-        "since_degC": growth.since - ZERO_CELSIUS,
-        **fields(growth, "max_error_mm=error"),
-        "links_not_known": [link + 1 for link in growth.unknown],
-    }
+    growth = evaluation.growth
+    if growth is None:
+        return None
+    told = fields(growth, "temperature_degC", "since_degC", "max_error_mm=error")
+    return {**told, "links_not_known": [link + 1 for link in growth.unknown]}
 
 
 def evaluation_json(evaluation: Evaluation, robust: RobustFigure | None = None) -> dict[str, Any]:
     """What `evaluate --json` writes."""
-    return {
-        **evaluation_figures(evaluation),
-        "robust": None if robust is None else figure_json(robust),
-    }
+    return {**evaluation_figures(evaluation), "robust": None if robust is None else _robust_figure(robust)}
 
 
 def objective_unit(minimize: str, figures: Mapping[str, Figure] = FIGURES) -> tuple[float, str]:
@@ -265,109 +248,103 @@ def objective_unit(minimize: str, figures: Mapping[str, Figure] = FIGURES) -> tu
 def optimization_json(result: OptimizationResult) -> dict[str, Any]:
     """What `optimize --json` writes: the new design's figures, those before, and how it was found."""
     factor, unit = objective_unit(result.minimize, result.figures)
-    errors = result.minimize == "max_error"
 
-    def objective(value: float | None) -> dict[str, float | None]:
-        return {"objective": None if value is None else factor * value}
+    def of(item: Any, *keys: str) -> dict[str, Any]:
+        """With the objective of what was tried."""
+        return {**fields(item, *keys), "objective": None if item.objective is None else factor * item.objective}
 
+    names = ("shapes", "materials")
+    ties = [
+        {
+            **of(each, *names, "actuators", "mass_kg", "cost_EUR"),
+            **fields(each, "max_error_mm", "first_frequency_Hz"),
+        }
+        for each in result.near_ties
+    ]
+    binding = ("name", "limit=text", "value", "limit_value=limit", "unit", "price", "price_unit", "assumed")
+    rounds = ("number", "design_change", "poses", "worst_violation", "certified")
+    answer = ("status", "interrupted", "optimum", "doubts", "minimize", "subject_to=limits", "choose=choices", "start")
     return {
         "problem": PurePath(result.problem_file).name,
-        **fields(
-            result, "status", "interrupted", "optimum", "doubts", "minimize", "subject_to=limits", "choose=choices"
-        ),
-        "start": result.start,
-        "objective": {"value": factor * result.objective, "unit": unit},
-        "lower_bound": {"value": factor * result.lower_bound, "unit": unit},
-        "lower_bound_mm": factor * result.lower_bound if errors else None,
+        **fields(result, *answer),
+        "objective": _objective(result, result.objective),
+        "lower_bound": _objective(result, result.lower_bound),
+        "lower_bound_mm": factor * result.lower_bound if result.minimize == "max_error" else None,
         **fields(result, "lower_bound_of=bound_of", "lower_bound_gap", "basis"),
         **evaluation_figures(result.after, result.figures),
         "before": evaluation_figures(result.before, result.figures),
         **_worse(result, result.after),
-        "binding": [
-            fields(each, "name", "limit=text", "value", "limit_value=limit", "unit", "price", "price_unit", "assumed")
-            for each in result.binding
-        ],
+        "binding": [fields(each, *binding) for each in result.binding],
         "iterations": len(result.iterations),
-        "exchange_log": [
-            {
-                **fields(each, "number", "design_change", "poses", "worst_violation", "certified"),
-                "objective": factor * each.objective,
-                "objective_unit": unit,
-            }
-            for each in result.iterations
-        ],
-        "candidates": [
-            {**fields(each, "shapes", "materials", "outcome"), **objective(each.objective)}
-            for each in result.candidates
-        ],
+        "exchange_log": [{**of(each, *rounds), "objective_unit": unit} for each in result.iterations],
+        "candidates": [of(each, *names, "outcome") for each in result.candidates],
         "dropped": [fields(each, "kind", "name", "limits") for each in result.dropped],
-        "near_ties": [
-            {
-                **fields(each, "shapes", "materials", "actuators", "mass_kg=mass", "cost_EUR=cost"),
-                **objective(each.objective),
-                "max_error_mm": 1e3 * each.max_error,
-                "first_frequency_Hz": each.first_frequency,
-            }
-            for each in result.near_ties
-        ],
+        "near_ties": ties,
         "near_ties_not_solved": result.near_ties_left,
-        "actuators": [{**fields(each, "actuators", "outcome"), **objective(each.objective)} for each in result.drives],
-        "motor_places": [
-            {**fields(each, "places", "outcome"), **objective(each.objective)} for each in result.motor_places
-        ],
+        "actuators": [of(each, "actuators", "outcome") for each in result.drives],
+        "motor_places": [of(each, "places", "outcome") for each in result.motor_places],
         "balance": [
-            {**fields(each, "words", "at", "field", "bound"), "before_SI": each.before, "value_SI": each.value}
+            fields(each, "words", "at", "field", "bound", "before_SI=before", "value_SI=value")
             for each in result.balance
         ],
-        **fields(
-            result,
-            "exhaustive",
-            "combinations",
-            "combinations_gap=gap",
-        ),
-        "combinations_unsolved": [fields(each, "shapes", "materials") for each in result.unsolved],
-        **fields(
-            result,
-            "actuators_exhaustive=drives_exhaustive",
-            "seconds",
-        ),
-        "robust": None if result.robust is None else robust_json(result.robust),
+        **fields(result, "exhaustive", "combinations", "combinations_gap=gap"),
+        "combinations_unsolved": [fields(each, *names) for each in result.unsolved],
+        **fields(result, "actuators_exhaustive=drives_exhaustive", "seconds"),
+        "robust": None if result.robust is None else _robust(result.robust),
         "rounded": None if result.rounded is None else _rounded(result, result.rounded),
         "not_rounded": None if result.not_rounded is None else _not_rounded(result, result.not_rounded),
     }
 
 
+def _objective(result: OptimizationResult, value: float) -> dict[str, Any]:
+    factor, unit = objective_unit(result.minimize, result.figures)
+    return {"value": factor * value, "unit": unit}
+
+
+def _robust_figure(found: RobustFigure) -> dict[str, Any]:
+    """One arm's robust figure; `upper_mm` is null for the worst, and where the samples are too few for it."""
+    return {
+        **fields(found, "share", "max_error_mm=value", "nominal_mm", "upper_mm", "looked_at"),
+        "rests_on": "sampled",
+        "scenario": asdict(found.scenario),
+        "uncertain": {name: list(widths) for name, widths in found.widths.items()},
+    }
+
+
+def _robust(found: Robust) -> dict[str, Any]:
+    """A robust optimum beside the nominal one."""
+    return {
+        **_robust_figure(found.design),
+        "nominal_optimum": _robust_figure(found.nominal_design),
+        **fields(found, "loses_mm", "claimed_mm", "rounds", "samples", "kept_nominal", "doubts"),
+        "scenarios": [asdict(each) for each in found.scenarios],
+    }
+
+
 def _worse(result: OptimizationResult, evaluation: Evaluation) -> dict[str, Any]:
     """What a design does worse than the arm as given, in the units that people read, and which links bend sideways."""
-    return {
-        "worse": [
-            {
-                "name": each.figure.name,
-                "before": each.figure.shown(each.before),
-                "after": each.figure.shown(each.after),
-                "unit": each.figure.unit,
-            }
-            for each in worse_figures(result.figures, result.before, evaluation)
-        ],
-        "softer_sideways": [
-            {"link": link + 1, "share_of_before": kept} for link, kept in softened_links(result.before, evaluation)
-        ],
-    }
+    worse = [
+        {
+            "name": each.figure.name,
+            "before": each.figure.shown(each.before),
+            "after": each.figure.shown(each.after),
+            "unit": each.figure.unit,
+        }
+        for each in worse_figures(result.figures, result.before, evaluation)
+    ]
+    softer = softened_links(result.before, evaluation)
+    return {"worse": worse, "softer_sideways": [{"link": k + 1, "share_of_before": kept} for k, kept in softer]}
 
 
 def _rounded(result: OptimizationResult, rounded: Rounded) -> dict[str, Any]:
     """The design of sizes that can be had: its figures, and what rounding cost."""
-    factor, unit = objective_unit(result.minimize, result.figures)
+    compared = ("designs_compared=compared", "designs_searched=searched", "exhaustive", "interrupted", "seconds")
+    cost = _objective(result, rounded.objective - rounded.before)
     return {
-        **fields(rounded, "to", "length_step_mm", "designs_compared=compared", "designs_searched=searched"),
-        **fields(rounded, "exhaustive", "interrupted", "seconds"),
-        "objective": {"value": factor * rounded.objective, "unit": unit},
-        "objective_before": {"value": factor * rounded.before, "unit": unit},
-        "cost_of_rounding": {
-            "value": factor * (rounded.objective - rounded.before),
-            "unit": unit,
-            "relative": rounded.objective / rounded.before - 1.0,
-        },
+        **fields(rounded, "to", "length_step_mm", *compared),
+        "objective": _objective(result, rounded.objective),
+        "objective_before": _objective(result, rounded.before),
+        "cost_of_rounding": {**cost, "relative": rounded.objective / rounded.before - 1.0},
         "limits": _limits(rounded.limits),
         **evaluation_figures(rounded.evaluation, result.figures),
         **_worse(result, rounded.evaluation),
@@ -379,8 +356,7 @@ def _not_rounded(result: OptimizationResult, missing: NotRounded) -> dict[str, A
     nearest = None
     if missing.nearest is not None:
         nearest = {
-            "exceeds_a_limit_by": missing.excess,
-            "proven": missing.proven,
+            **fields(missing, "exceeds_a_limit_by=excess", "proven"),
             "limits": _limits(missing.limits),
             **evaluation_figures(missing.nearest, result.figures),
         }
@@ -400,3 +376,28 @@ def _limits(limits: Sequence[KeptLimit]) -> list[dict[str, Any]]:
         }
         for limit in limits
     ]
+
+
+def infeasible_json(found: Infeasibility, problem: object = "") -> dict[str, Any]:
+    """What `--json` writes where no design keeps all limits, in the units that people read."""
+
+    def needed(each: Any, **more: object) -> dict[str, Any]:
+        shown = each.limit.figure.shown(each.needed)
+        return {**_asked(each.limit), "needed": shown, **more, "rests_on": found.rests_on}
+
+    told = {
+        "because": found.text,
+        "out_of_reach": [
+            {**_asked(each.limit), "best": each.limit.figure.shown(each.best), "because": each.because}
+            for each in found.out_of_reach
+        ],
+        "limits": [needed(each, outcome=each.outcome) for each in found.limits],
+        "joint_change": [needed(each) for each in found.joint],
+        **fields(found, "joint_sum", "combinations", "unsolved", "rests_on", "kept"),
+    }
+    return {"problem": PurePath(str(problem)).name, "status": found.verdict, "infeasible": told}
+
+
+def _asked(limit: Limit) -> dict[str, Any]:
+    asked = {"asked": limit.figure.shown(limit.value)}
+    return {**fields(limit, "name", "limit=text", "relation"), **asked, **fields(limit, "unit=figure.unit", "assumed")}

@@ -19,20 +19,18 @@ from linkwright.core.diagnose.result import (
     Finding,
     FittedParameter,
     FoundOrigin,
-    LackOfFit,
     Mislabelled,
     OfRecording,
     RejectedForm,
-    SmallBeside,
     Unknown,
 )
 from linkwright.core.diagnose.several.recordings import Several
 from linkwright.core.units.quantities import format_quantity, kind_of
 from linkwright.results.diagnoses.answer import answer, to_do
-from linkwright.results.diagnoses.recordings import unit_files
+from linkwright.results.diagnoses.evidence import unit_files
 
 from .design import coordinates
-from .fields import fields, in_mm
+from .fields import fields, fields_if, in_joint_unit, in_mm
 
 _UNITS = MappingProxyType(
     {
@@ -88,18 +86,7 @@ def _finding(finding: Finding) -> dict[str, Any]:
     }
 
 
-def _lack_of_fit_p(diagnosis: Diagnosis) -> float | None:
-    """What the verdict rests on: where small causes explain what is left, the p-value with room for them."""
-    found = diagnosis.lack_of_fit if diagnosis.small is None else diagnosis.small.lack_of_fit
-    return None if found is None else found.p_value
-
-
-def _small_causes(found: SmallBeside) -> dict[str, Any]:
-    return {**fields(found, "moved_mm"), "lack_of_fit": _lack_of_fit(found.lack_of_fit)}
-
-
-def _lack_of_fit(found: LackOfFit) -> dict[str, Any]:
-    return fields(found, "against", "ratio", "freedom", "p_value", "times", "held_out_times", "held_out_p")
+_LACK_OF_FIT = ("against", "ratio", "freedom", "p_value", "times", "held_out_times", "held_out_p")
 
 
 def _rejected(forms: Sequence[RejectedForm]) -> list[dict[str, Any]]:
@@ -136,7 +123,7 @@ def minimum_detectable(diagnosis: Diagnosis) -> dict[str, float | None]:
 
 def joint_coordinates(arm: Arm, q: Sequence[float]) -> list[float]:
     """Joint coordinates in degrees, mm for slides."""
-    return [(math.degrees(x) if joint.revolute else 1e3 * x) + 0.0 for x, joint in zip(q, arm.joints, strict=True)]
+    return [in_joint_unit(arm, index, value) + 0.0 for index, value in enumerate(q)]
 
 
 def covered_json(covered: Covered) -> dict[str, Any]:
@@ -167,16 +154,19 @@ def _rejected_row(recording: Recording, each: RejectedRow) -> dict[str, Any]:
     return {"recording": recording.names[index], "row": row, "reason": each.reason}
 
 
+_WRITTEN = ("rms_mm", "promised_mm", "lacks")
+
+
 def _recording(each: OfRecording, arm_file: str | None) -> dict[str, Any]:
     rms = ("rms_before_mm", "rms_after_mm", "rms_held_out_mm", "rms_from_others_mm", "rms_own_mm")
     return {
         **fields(each, "name", "file", "rows", "frame", "tool", "noise_floor_mm", *rms),
         "unit": each.unit or None,
         "date": each.date or None,
-        "rejected_rows": list(each.rejected),
+        **fields(each, "rejected_rows=rejected"),
         "arm_file": arm_file,
         "written_arm_rms_mm": None if each.written is None else in_mm(each.written.rms),
-        "written_arm": None if each.written is None else fields(each.written, "rms_mm", "promised_mm", "lacks"),
+        "written_arm": fields_if(each.written, *_WRITTEN),
     }
 
 
@@ -192,9 +182,12 @@ def _origin(found: FoundOrigin) -> dict[str, Any]:
 
 def diagnosis_json(diagnosis: Diagnosis) -> dict[str, Any]:
     """What `diagnosis.json` holds."""
-    arm, where, recording = diagnosis.arm, diagnosis.where, diagnosis.recording
+    arm, where, recording, small = diagnosis.arm, diagnosis.where, diagnosis.recording, diagnosis.small
+    # What the verdict rests on: where small causes explain what is left, the p-value with room for them.
+    fit = diagnosis.lack_of_fit if small is None else small.lack_of_fit
     rms = ("rms_before_mm", "rms_after_mm", "rms_after_held_out_mm")
     files = unit_files(diagnosis.recordings) or (None,) * len(diagnosis.recordings)
+    rejected = [_rejected_row(recording, each) for each in diagnosis.rejected_rows]
     return {
         "arm": arm.name,
         "recording": PurePath(recording.file).name,
@@ -204,29 +197,29 @@ def diagnosis_json(diagnosis: Diagnosis) -> dict[str, Any]:
         "answer": answer(diagnosis),
         "to_do": list(to_do(diagnosis)),
         **fields(diagnosis, "sentence", "verdict", "noise_floor_mm", "noise_source", *rms, "gate_p"),
-        "lack_of_fit_p": _lack_of_fit_p(diagnosis),
-        "lack_of_fit": None if diagnosis.lack_of_fit is None else _lack_of_fit(diagnosis.lack_of_fit),
-        "small_causes": None if diagnosis.small is None else _small_causes(diagnosis.small),
+        "lack_of_fit_p": None if fit is None else fit.p_value,
+        "lack_of_fit": fields_if(diagnosis.lack_of_fit, *_LACK_OF_FIT),
+        "small_causes": None
+        if small is None
+        else {**fields(small, "moved_mm"), "lack_of_fit": fields(small.lack_of_fit, *_LACK_OF_FIT)},
         "scatter_over_floor": diagnosis.scatter,
         "labels": None if diagnosis.labels is None else _labels(diagnosis.labels),
         "describes_part": diagnosis.describes_part,
         "written_arm_rms_mm": None if diagnosis.written is None else in_mm(diagnosis.written.rms),
-        "written_arm": None
-        if diagnosis.written is None
-        else fields(diagnosis.written, "rms_mm", "promised_mm", "lacks"),
+        "written_arm": fields_if(diagnosis.written, *_WRITTEN),
         "missing": [_finding(finding) for finding in diagnosis.findings],
         "origins": [_origin(each) for each in diagnosis.origins],
         "where": fields(where, "joint", "depends_on", "direction", "since_s=since", "joint_shares"),
         "dependences": [fields(each, "on", "p_value", "share") for each in where.dependences],
         "unknown": None if diagnosis.unknown is None else _unknown(diagnosis.unknown),
-        "rejected_rows": [_rejected_row(recording, each)["row"] for each in diagnosis.rejected_rows],
-        "rejected_rows_detail": [_rejected_row(recording, each) for each in diagnosis.rejected_rows],
+        "rejected_rows": [each["row"] for each in rejected],
+        "rejected_rows_detail": rejected,
         "minimum_detectable_mm": minimum_detectable(diagnosis),
         "detectable": [_detectable(each) for each in diagnosis.detectable],
         "invisible": [{"effect": effect, "at": at} for effect, at in diagnosis.invisible],
         "next_poses": [joint_coordinates(arm, each.q) for each in diagnosis.next_poses],
         "next_poses_detail": [
-            {**coordinates(arm, each.q), **fields(each, "payload_kg=payload_mass", "side", "decides")}
+            {**coordinates(arm, each.q), "payload_kg": each.payload_mass, **fields(each, "side", "decides")}
             for each in diagnosis.next_poses
         ],
         "ladder": [

@@ -6,13 +6,13 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from functools import reduce
 from types import MappingProxyType
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
-from linkwright.core.arm.chain.chain import Arm
-from linkwright.core.sections.numeric import Array
 from linkwright.core.units.temperature import ZERO_CELSIUS
+
+if TYPE_CHECKING:
+    from linkwright.core.arm.chain.chain import Arm
+    from linkwright.core.sections.numeric import Array
 
 
 def in_mm(metres: float | Sequence[Any] | None) -> Any:
@@ -65,6 +65,8 @@ def in_joint_unit(arm: Arm, index: int, value: float) -> float:
 
 def joint_columns(arm: Arm, q: Array, prefix: str = "q") -> dict[str, Array]:
     """Joint coordinates (N, n), or changes of them, as columns in degrees and mm: `q1_deg`, `q2_mm`."""
+    import numpy as np
+
     return {
         f"{prefix}{number}_{'deg' if joint.revolute else 'mm'}": np.degrees(values) if joint.revolute else 1e3 * values
         for number, (joint, values) in enumerate(zip(arm.joints, q.T, strict=True), start=1)

@@ -32,6 +32,13 @@ _LATEX = str.maketrans(
 _MARKDOWN = str.maketrans({"|": r"\|", "\n": " ", "<": "&lt;"})
 
 
+def frame(rows: Any, columns: Sequence[str] | None = None) -> pd.DataFrame:
+    """A table for programs, of rows or of columns by name; pandas is loaded by the first."""
+    import pandas as pd
+
+    return pd.DataFrame(rows, columns=None if columns is None else list(columns))
+
+
 def write_table(table: pd.DataFrame, file: Path | str) -> None:
     """Write a table, its columns' names with their units as its head: .csv, .parquet (.pq), .md or .tex (booktabs).
     Raises `InputError` for another ending, for parquet without pyarrow, and where the file cannot be written.

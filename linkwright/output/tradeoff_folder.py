@@ -1,18 +1,131 @@
-"""The output folder of a trade-off: report, picture, CSV, JSON, and an arm file for each design."""
+"""A trade-off as JSON, as CSV, and as a folder: report, picture, and an arm file for each design."""
 
 from __future__ import annotations
 
-from pathlib import Path
+import csv
+import io
+from pathlib import Path, PurePath
+from typing import Any
 
 from linkwright.core.materials.catalogue import Catalogue
-from linkwright.core.optimize.tradeoff.front import Tradeoff
+from linkwright.core.optimize.tradeoff.front import Front, Point, Tradeoff
 from linkwright.core.optimize.tradeoff.journal import JOURNAL, LOCK
-from linkwright.json.tradeoff import point_file, tradeoff_csv
-from linkwright.report.pictures.tradeoff import tradeoff_picture
+from linkwright.core.optimize.tradeoff.question import Axis
+from linkwright.core.units.spreadsheet import defused
+from linkwright.json.design import links_json
+from linkwright.json.fields import fields
+from linkwright.output.arm_file import arm_file
+from linkwright.output.files import REPORT, RESULT, claim_own, made_folder, refuse_strangers, write_each
+from linkwright.output.read_back import ReadBack
+from linkwright.report.pictures.tradeoff import slope_factor, tradeoff_picture
+from linkwright.results.figures_in_words import section_words
+from linkwright.version import program_version
 
-from .arm_file import arm_file
-from .files import REPORT, RESULT, claim_own, made_folder, refuse_strangers, write_each
-from .read_back import ReadBack
+COMMAND = "linkwright tradeoff"
+
+
+def _written(result: Tradeoff) -> list[tuple[str, str, float]]:
+    """The figures that are told of a point: their names, those in the files, and what one SI unit is in their unit."""
+    found = [(each.name, each.key, each.factor) for each in result.asked.given.figures.values()]
+    return [found[0], ("upper_bound", "upper_bound_mm", 1e3), *found[1:]]
+
+
+def made_by() -> str:
+    """The command and the version that write the files."""
+    return f"{COMMAND} {program_version()}"
+
+
+def point_file(result: Tradeoff, point: Point) -> str:
+    """Where a point's arm file stands in the output folder."""
+    return f"points/{point.number:0{max(2, len(str(len(result.points))))}d}.yaml"
+
+
+def _figures(result: Tradeoff, point: Point) -> dict[str, Any]:
+    found: dict[str, Any] = {}
+    for name, written, factor in _written(result):
+        value = point.figures[name]
+        found[written] = None if value is None else factor * value
+    return found
+
+
+def _price(result: Tradeoff, point: Point) -> float | None:
+    return None if point.slope is None else slope_factor(result)[0] * point.slope
+
+
+def _axis(axis: Axis, *, log: bool) -> dict[str, Any]:
+    better = "more" if axis.more_is_better else "less"
+    return {"name": axis.name, "unit": axis.unit, "better": better, "scale": "log" if log else "linear"}
+
+
+def _front(result: Tradeoff, front: Front) -> dict[str, Any]:
+    x, y = result.asked.x, result.asked.y
+    points = result.of(front)
+    best_x, best_y = (
+        {"point": each.number, x.name: x.factor * each.x, y.name: y.factor * each.y} for each in (points[0], points[-1])
+    )
+    return {
+        **fields(front, "name", "points", "knee", "straight_line_error=error", "steps", "complete", "exhaustive"),
+        "undecided_points": front.undecided,
+        "ends": {"best_x": best_x, "best_y": {**best_y, "at_the_limit_on_x": front.capped}},
+        "idle": [[x.factor * start, x.factor * end] for start, end in front.idle],
+        "not_solved": [x.factor * value for value in front.failed],
+    }
+
+
+def tradeoff_json(result: Tradeoff) -> dict[str, Any]:
+    """What `tradeoff --json` writes."""
+    on_envelope = set(result.envelope.points)
+    return {
+        "problem": PurePath(result.asked.given.file).name,
+        "arm": result.asked.given.arm.name,
+        "x": _axis(result.asked.x, log=result.logs[0]),
+        "y": _axis(result.asked.y, log=result.logs[1]),
+        "by": result.asked.by,
+        "start": result.start,
+        "subject_to": [limit.text for limit in result.asked.given.limits],
+        "price_unit": slope_factor(result)[1],
+        "knee_is": "the point farthest from the chord between the ends, axes scaled from 0 to 1 as drawn (Das 1999)",
+        "envelope": _front(result, result.envelope),
+        "fronts": [_front(result, front) for front in result.fronts],
+        "without": [{"name": name, "reason": reason} for name, reason in result.without],
+        "points": [
+            {
+                **fields(point, "number", "front", "certified", "converged"),
+                "on_envelope": point.number in on_envelope,
+                "price": _price(result, point),
+                **_figures(result, point),
+                **fields(point, "unreached_share"),
+                "warnings": point.figures["warnings"],
+                "links": links_json(point.arm, point.figures["link_masses"]),
+                "arm_file": point_file(result, point),
+            }
+            for point in result.points
+        ],
+        **fields(result, "accuracy", "solved", "resumed", "seconds"),
+    }
+
+
+def tradeoff_csv(result: Tradeoff) -> str:
+    """A row a point."""
+    stream = io.StringIO()
+    price = f"price_{slope_factor(result)[1].replace('/', '_per_')}"
+    size = result.asked.given.arm.size
+    heads = ["number", "front", "on_envelope", "knee", *(key for _, key, _ in _written(result)), price]
+    heads.append("unreached_share")
+    for link in range(1, size + 1):
+        heads += [f"link{link}_{name}" for name in ("length_mm", "section", "material", "mass_kg")]
+    writer = csv.writer(stream, lineterminator="\n")
+    writer.writerow([*heads, "arm_file"])
+    knees = {front.knee for front in (*result.fronts, result.envelope)}
+    for point in result.points:
+        row: list[Any] = [point.number, point.front, int(point.number in result.envelope.points)]
+        row += [int(point.number in knees), *_figures(result, point).values(), _price(result, point)]
+        row.append(point.unreached_share)
+        for link, mass in zip(point.arm.links, point.figures["link_masses"], strict=True):
+            row += [1e3 * link.length, section_words(link), link.material.name if link.material else "", mass]
+        writer.writerow(["" if cell is None else defused(cell) for cell in [*row, point_file(result, point)]])
+    return stream.getvalue()
+
 
 CSV, PICTURE, POINTS = "tradeoff.csv", "tradeoff.svg", "points"
 FILES = (RESULT, REPORT, CSV, PICTURE, POINTS, JOURNAL, LOCK)

@@ -8,12 +8,12 @@ from typing import TYPE_CHECKING, Any
 
 from linkwright.face.result import Result, figure_of
 from linkwright.output.files import REPORT, RESULT
+from linkwright.paper.printed import tally
 
 from .extended import Extended
 from .output.figures import Figure
 from .output.pages import figure_csv, figures_json, tables_json
 from .output.pictures import page
-from .rows import tally
 from .tables import Book
 from .verdicts import Proof, Verdict
 

@@ -9,12 +9,12 @@ from functools import cached_property
 
 from linkwright.core.arm.chain.chain import Arm
 from linkwright.core.sections import build
+from linkwright.paper.printed import Row, Table
 from linkwright.results.figures_in_words import figure, mm
 
 from .conventions import Conventions, printed_second_moment
 from .corrected import DEFORMATION, PaperArm, material, worst_error, worst_signed
 from .printed import MaterialRow, Paper, PlayRow, read_paper
-from .rows import Row, Table
 
 PLAY_COLUMNS = ("without deformation", "with deformation")
 RANGE_COLUMNS = ("lower E", "upper E")

@@ -14,7 +14,7 @@ from linkwright.core.executors import Here, Processes, Work, WorkersLost, plain
 from linkwright.core.executors.packing import packed, unpacked
 from linkwright.core.executors.threads import threads
 from linkwright.core.units.quantities import InputError, NoAnswer
-from linkwright.face.workers import at_work
+from linkwright.face.progress import at_work
 from tests.executors import steps
 
 

@@ -11,7 +11,7 @@ from linkwright.core.diagnose.recording import Recording
 from linkwright.core.diagnose.result import WrittenArm
 from linkwright.core.materials.catalogue import load_catalogue
 from linkwright.json.diagnosis import diagnosis_json
-from linkwright.output.written_arm import with_written
+from linkwright.output.diagnosis_folder import with_written
 from linkwright.results.diagnoses.described import describe
 from linkwright.results.document import Paragraph
 from tests.diagnose.made_diagnosis import made_diagnosis

@@ -223,7 +223,7 @@ def test_output_that_cannot_be_written_is_one_line(process):
 
 def test_an_interrupt_while_modules_load_is_quiet(process):
     """It comes as the module of the command is looked for, and as CasADi is: much of a short run goes into imports."""
-    for module in ("linkwright.commands.design", "casadi"):
+    for module in ("linkwright.commands.from_face", "casadi"):
         done = process(f"\"$PYTHON\" -c '{INTERRUPTED_AT}' {module} evaluate arm.yaml")
         assert (done.returncode, done.stdout, done.stderr) == (130, "", "")
 

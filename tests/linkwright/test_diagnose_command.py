@@ -23,10 +23,10 @@ from linkwright.core.units.units import kinds
 from linkwright.json.diagnosis import diagnosis_json, in_unit, minimum_detectable, unit_of
 from linkwright.output.diagnosis_folder import compensated, residuals
 from linkwright.output.files import json_text
+from linkwright.report.charts.bars import ladder_picture
 from linkwright.report.charts.covariates import covariates
 from linkwright.report.described import page_of
-from linkwright.report.pictures.ladder import ladder_picture
-from linkwright.report.pictures.svg_plot import Plot, binned, round_ticks
+from linkwright.report.pictures.svg import Plot, binned, round_ticks
 from linkwright.results.diagnoses.answer import answer, to_do
 from linkwright.results.diagnoses.described import describe
 from linkwright.results.diagnoses.words import effect_words, interval, value

@@ -10,8 +10,7 @@ from linkwright.core.arm.errors.model import beam_values, beams_of, error_model
 from linkwright.core.sections import build
 from linkwright.paper.conventions import Conventions, Deformation, Equations, printed_second_moment
 from linkwright.paper.corrected import PAPER_PHYSICS, PaperArm
-from linkwright.paper.printed import read_paper
-from linkwright.paper.rows import at_digits_of, tally
+from linkwright.paper.printed import at_digits_of, read_paper, tally
 
 pytestmark = pytest.mark.slow
 

@@ -10,9 +10,8 @@ from linkwright.cli import run
 from linkwright.core.arm.chain.chain import Arm, Joint, Link
 from linkwright.core.arm.worst.workspace import Unreachable
 from linkwright.paper.corrected import PaperArm
-from linkwright.paper.postures import Postures, around
 from linkwright.paper.printed import read_paper
-from linkwright.paper.seam import seam_errors
+from linkwright.paper.seam import Postures, around, seam_errors
 
 pytestmark = pytest.mark.slow
 

@@ -8,24 +8,22 @@ from typing import Any
 
 from nicegui import ui
 
-from linkwright.browser.server.desk import Desk
+from linkwright.browser.server.answers import Desk
 from linkwright.browser.server.drawings import at_pose, middle
 from linkwright.browser.server.folder import arm_from_text
-from linkwright.browser.server.jobs import Job
 from linkwright.core.units.quantities import InputError
 
 from .editor import YamlEditor
 from .file_choice import FileChoice
 from .frame import Problem, framed, panel, picture, row, stack
-from .job_panel import JobPanel
-from .result_view import show_ended
+from .job_panel import Asking
 
 
-class ArmPage:
+class ArmPage(Asking):
     """The page of one visitor."""
 
     def __init__(self, desk: Desk) -> None:
-        self._desk = desk
+        super().__init__(desk)
         self._arm: Any = None
         self._pose: list[float] = []
         self._ranges: list[tuple[float, float]] = []
@@ -44,8 +42,8 @@ class ArmPage:
                         self._sliders = stack()
                     with row():
                         self._ask = ui.button("Evaluate", on_click=self._evaluate).props("no-caps")
-            self._panel = JobPanel(self._ended)
-            self._result = stack()
+            self._work()
+            self._answers()
 
     async def begin(self) -> None:
         """Open the first arm."""
@@ -96,16 +94,9 @@ class ArmPage:
         name = self._editor.name
         try:
             self._desk.folder.place(name)
-            job = self._desk.jobs.start("evaluate", self._arm.name, {name: self._editor.text.encode()}, {"arm": name})
+            self._begin("evaluate", self._arm.name, {name: self._editor.text.encode()}, {"arm": name})
         except InputError as error:
             self._panel.refuse(str(error))
-            return
-        self._result.clear()
-        self._panel.follow(job)
-
-    async def _ended(self, job: Job) -> None:
-        with self._result:
-            await show_ended(self._desk, job)
 
 
 def _coordinate(value: float, revolute: bool) -> str:

@@ -114,7 +114,7 @@ class TableView:
         name, column = str(event.args["data"]["name"]), str(event.args["colId"])
         text = "" if event.args.get("newValue") is None else str(event.args["newValue"])
         source = self._source.value or ""
-        await self._done(lambda: self._table.change(name, column, text, source), name)
+        await self._done(lambda: self._table.change(name, column, text.strip(), source), name)
 
     async def _copy(self) -> None:
         name, new = str(self._name.value or ""), str(self._new.value or "")

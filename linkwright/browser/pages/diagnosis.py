@@ -9,26 +9,33 @@ from typing import Any
 
 from nicegui import events, ui
 
-from linkwright.browser.server.desk import Desk
-from linkwright.browser.server.dropped import Dropped, plain_name, question, with_another
+from linkwright.browser.server.answers import Desk
+from linkwright.browser.server.dropped import (
+    IGNORED,
+    OTHER,
+    Dropped,
+    Meaning,
+    known_names,
+    plain_name,
+    question,
+    units_of,
+    with_another,
+)
 from linkwright.browser.server.folder import arm_from_text
 from linkwright.browser.server.guard import MOST_UPLOADED
-from linkwright.browser.server.jobs import Job
-from linkwright.browser.server.mapping import IGNORED, OTHER, Meaning, known_names, units_of
 from linkwright.core.units.quantities import InputError
 
 from .frame import Problem, framed, heading, panel, row, stack
-from .job_panel import JobPanel
-from .result_view import show_ended
+from .job_panel import Asking
 
 _ENDINGS = (".csv", ".txt", ".tsv", ".dat", ".parquet", ".pq", ".xlsx")
 
 
-class DiagnosisPage:
+class DiagnosisPage(Asking):
     """The page of one visitor; what they dropped is held until they leave."""
 
     def __init__(self, desk: Desk) -> None:
-        self._desk = desk
+        super().__init__(desk)
         self._arm: Any = None
         self._held: list[Dropped] = []
         self._shown: Dropped | None = None
@@ -52,11 +59,11 @@ class DiagnosisPage:
                     with panel() as self._asked:
                         self._ask()
                 with stack():
-                    self._panel = JobPanel(self._ended)
+                    self._work()
                     with panel() as self._map_panel:
                         self._map_heading = heading("What its columns are")
                         self._map = stack()
-            self._result = stack()
+            self._answers()
         self._asked.visible = self._map_panel.visible = False
 
     def _ask(self) -> None:
@@ -228,16 +235,9 @@ class DiagnosisPage:
             text = await asyncio.to_thread(self._desk.folder.read, arm)
             several = len(self._held) > 1 and bool(self._units.value)
             title, inputs, asked = question(arm, text, self._held, thorough=bool(self._thorough.value), units=several)
-            job = self._desk.jobs.start("diagnose", title, inputs, asked)
+            self._begin("diagnose", title, inputs, asked)
         except InputError as error:
             self._panel.refuse(str(error))
-            return
-        self._result.clear()
-        self._panel.follow(job)
-
-    async def _ended(self, job: Job) -> None:
-        with self._result:
-            await show_ended(self._desk, job)
 
 
 _COLUMNS = "What its columns are"

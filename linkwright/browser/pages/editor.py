@@ -13,6 +13,7 @@ from nicegui import ui
 from linkwright.core.catalogues.yaml_edit import YamlText
 from linkwright.core.units.quantities import InputError
 from linkwright.core.units.reading import parse_yaml, yaml_line
+from linkwright.face.given import steps_of
 
 from .frame import Problem, heading, row, stack
 
@@ -21,7 +22,6 @@ _PAUSE = 0.35
 """Seconds without a further change after which a text is checked."""
 _LONG = 20
 """Letters of a value that need a wide field."""
-_KEY = re.compile(r"([A-Za-z_][\w-]*)|\[([0-9]{1,4})\]|\.")
 
 
 class YamlEditor:
@@ -189,17 +189,7 @@ def _meant(text: str, before: Any) -> Any:
 
 def _place_of(key: str, file: str) -> Place:
     """A key such as chain[1].joint.backlash as a place; lists count from 1."""
-    words, at = key.strip(), 0
-    place: list[str | int] = []
-    while at < len(words):
-        found = _KEY.match(words, at)
-        if found is None or (found[2] is not None and int(found[2]) < 1):
-            raise InputError(file, words, "is no key; write e.g. chain[1].link.length (lists count from 1)")
-        at = found.end()
-        if found[1] is not None:
-            place.append(found[1])
-        elif found[2] is not None:
-            place.append(int(found[2]) - 1)
-    if not place:
-        raise InputError(file, "", "name a key, e.g. chain[1].link.length")
-    return tuple(place)
+    steps = steps_of(key.strip(), file)
+    if 0 in steps:
+        raise InputError(file, key.strip(), "is no key; write e.g. 'chain[1].link.length' (lists count from 1)")
+    return tuple(step - 1 if isinstance(step, int) else step for step in steps)

@@ -1,30 +1,28 @@
-"""Optimising: a problem chosen and edited, progress live, a stop that keeps the best so far, the result."""
+"""A problem chosen and edited, optimised or traded off: progress live, a stop that keeps the best so far."""
 
 from __future__ import annotations
 
 import asyncio
+from types import MappingProxyType
 from typing import Any
 
 from nicegui import ui
 
 import linkwright as lw
-from linkwright.browser.server.desk import Desk
+from linkwright.browser.pages.editor import YamlEditor
+from linkwright.browser.pages.file_choice import FileChoice
+from linkwright.browser.pages.frame import Problem, framed, panel, row, stack
+from linkwright.browser.pages.job_panel import Asking
+from linkwright.browser.server.answers import Desk
 from linkwright.browser.server.folder import staged
-from linkwright.browser.server.jobs import Job
 from linkwright.core.units.quantities import InputError
 
-from .editor import YamlEditor
-from .file_choice import FileChoice
-from .frame import Problem, framed, panel, row, stack
-from .job_panel import JobPanel
-from .result_view import show_ended
 
-
-class ProblemPage:
+class ProblemPage(Asking):
     """A problem under edit and what is asked of it; the pages of one visitor build on it."""
 
     def __init__(self, desk: Desk, title: str, lead: str) -> None:
-        self._desk = desk
+        super().__init__(desk)
         with framed(title, lead):
             with ui.element("div").classes("lw-two"):
                 with stack():
@@ -37,8 +35,8 @@ class ProblemPage:
                     with panel():
                         self._line = ui.label().classes("lw-done")
                         self._asked()
-                    self._panel = JobPanel(self._ended)
-            self._result = stack()
+                    self._work()
+            self._answers()
 
     def _asked(self) -> None:
         """What stands under the problem: the question's own settings and its button."""
@@ -71,19 +69,40 @@ class ProblemPage:
         kind, settings = self._question()
         try:
             inputs = await asyncio.to_thread(self._desk.folder.with_arm, name, text)
-            beside = [each for each in inputs if each != name]
-            job = self._desk.jobs.start(kind, name, inputs, {**settings, "problem": name, "beside": beside})
+            self._begin(kind, name, inputs, {**settings, "problem": name})
         except InputError as error:
             self._panel.refuse(str(error))
-            return
-        self._result.clear()
-        self._panel.follow(job)
-
-    async def _ended(self, job: Job) -> None:
-        with self._result:
-            await show_ended(self._desk, job)
 
 
 def _read(desk: Desk, name: str, text: str) -> Any:
     with staged(desk.folder.with_arm(name, text)) as root:
         return lw.read_problem(root / name)
+
+
+_ACCURACIES = MappingProxyType({0.3: "30 %: a first look", 0.1: "10 %", 0.03: "3 %", 0.01: "1 %: fine"})
+
+
+class TradeoffPage(ProblemPage):
+    """A problem, and two figures of its designs."""
+
+    def __init__(self, desk: Desk) -> None:
+        lead = "The designs that none beats in both of two figures. Stop leaves the points so far."
+        super().__init__(desk, "Trade-off", lead)
+
+    def _asked(self) -> None:
+        traded = sorted(name for name in lw.limits if lw.limits[name].traded)
+        names = {name: name.replace("_", " ") for name in traded}
+        with row():
+            self._x = _choice(names, "mass", "To the right")
+            self._y = _choice(names, "max_error", "Upwards")
+            self._by = _choice({"": "one front", "material": "each material", "shape": "each shape"}, "", "A front for")
+            self._accuracy = _choice(dict(_ACCURACIES), 0.1, "Accuracy")
+            self._ask = ui.button("Trace", on_click=self._start).props("no-caps")
+
+    def _question(self) -> tuple[str, dict[str, Any]]:
+        asked = {"x": self._x.value, "y": self._y.value, "by": self._by.value, "accuracy": self._accuracy.value}
+        return "tradeoff", asked
+
+
+def _choice(options: dict[Any, str], value: object, label: str) -> ui.select:
+    return ui.select(options, value=value, label=label).props("dense outlined").classes("grow min-w-32")

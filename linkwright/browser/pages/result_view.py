@@ -6,15 +6,14 @@ import html
 
 from nicegui import events, ui
 
-from linkwright.browser.server.answers import Answer, as_kept, left_behind, on_shelf
-from linkwright.browser.server.desk import Desk
+from linkwright.browser.pages.file_choice import SaveRow
+from linkwright.browser.server.answers import Answer, Desk, as_kept, left_behind, on_shelf
 from linkwright.browser.server.drawings import Design, Front, Pose, front_from, poses_from
 from linkwright.browser.server.jobs import Job
 from linkwright.browser.server.shelf import Kept
 from linkwright.core.units.quantities import InputError
 
 from .frame import Problem, heading, panel, picture, row, stack
-from .save_row import SaveRow
 
 _OWN = ("poses.json", "front.json")
 """Files that are for these pages alone."""

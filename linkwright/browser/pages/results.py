@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 from nicegui import ui
 
-from linkwright.browser.server.desk import Desk
+from linkwright.browser.server.answers import Desk
 from linkwright.browser.server.jobs import Job
 from linkwright.browser.server.shelf import NAME, Kept, Run
 from linkwright.core.units.quantities import InputError

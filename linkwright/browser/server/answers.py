@@ -1,16 +1,39 @@
-"""An answer with its files, wherever they are: kept on the shelf, or left where they were made."""
+"""Answers with their files wherever they are, what pages share, and files as a browser gets them."""
 
 from __future__ import annotations
 
+import asyncio
 from collections.abc import Callable
-from dataclasses import dataclass
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass, field
 from datetime import UTC, datetime
+from typing import ParamSpec, TypeVar
 from urllib.parse import quote
 
+from fastapi import FastAPI, Response
+
+from linkwright.browser.server.folder import Folder
+from linkwright.browser.server.jobs import Job, Jobs
+from linkwright.browser.server.shelf import Kept, Shelf
 from linkwright.core.units.quantities import InputError
 
-from .jobs import Job
-from .shelf import Kept, Shelf
+Given = ParamSpec("Given")
+Found = TypeVar("Found")
+
+
+@dataclass(frozen=True)
+class Desk:
+    """The folder, the results in it, and what is at work."""
+
+    folder: Folder
+    shelf: Shelf
+    jobs: Jobs
+    _readers: ThreadPoolExecutor = field(default_factory=lambda: ThreadPoolExecutor(4, "shelf"))
+
+    async def looked_up(self, look: Callable[Given, Found], *given: Given.args, **named: Given.kwargs) -> Found:
+        """What a look at the shelf gives. A base that another program holds keeps its own threads waiting alone, not
+        the pages and not what they draw."""
+        return await asyncio.get_running_loop().run_in_executor(self._readers, lambda: look(*given, **named))
 
 
 @dataclass(frozen=True)
@@ -55,3 +78,42 @@ def as_kept(job: Job) -> Kept:
     """What the shelf would say of a job."""
     made = datetime.now(UTC).isoformat(sep=" ", timespec="seconds").removesuffix("+00:00")
     return Kept(job.number, made, job.kind, job.title, job.answer, job.complete, job.took)
+
+
+_SANDBOX = (
+    "sandbox allow-scripts; default-src 'none'; script-src 'unsafe-inline' blob:; style-src 'unsafe-inline'; "
+    "img-src data: blob:"
+)
+"""A report runs its own script and reaches nothing: neither these pages nor the network."""
+
+
+def add_files(app: FastAPI, desk: Desk) -> None:
+    """Add the addresses of files: /kept/NUMBER/NAME, and with ?view to look at; /left/NUMBER/NAME of what could not be
+    kept."""
+
+    def kept(number: int, name: str, view: bool = False) -> Response:
+        return _sent(number, name, on_shelf(desk.shelf, number).file, view)
+
+    def left(number: int, name: str, view: bool = False) -> Response:
+        job = desk.jobs.find(number)
+        return _sent(number, name, lambda name: None if job is None else left_behind(job).file(name), view)
+
+    app.add_api_route("/kept/{number}/{name:path}", kept, methods=["GET"])
+    app.add_api_route("/left/{number}/{name:path}", left, methods=["GET"])
+
+
+def _sent(number: int, name: str, read: Callable[[str], bytes | None], view: bool) -> Response:
+    try:
+        content = read(name)
+    except InputError as error:
+        return Response(f"{error}\n", 503, media_type="text/plain")
+    if content is None:
+        return Response("there is no such file\n", 404, media_type="text/plain")
+    if view and name.endswith(".html"):
+        return Response(content, media_type="text/html", headers={"content-security-policy": _SANDBOX})
+    plain = "".join(each if each.isascii() and (each.isalnum() or each in "._-") else "-" for each in name)
+    headers = {
+        "content-disposition": f'attachment; filename="{number}-{plain}"',
+        "content-security-policy": _SANDBOX,
+    }
+    return Response(content, media_type="application/octet-stream", headers=headers)

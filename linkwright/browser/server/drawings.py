@@ -13,7 +13,7 @@ from linkwright.core.arm.evaluation import Evaluation
 from linkwright.core.arm.worst.search import WorstPose
 from linkwright.core.units.quantities import InputError
 from linkwright.face.tradeoff import Tradeoff, TradeoffDesign
-from linkwright.json.tradeoff import point_file
+from linkwright.output.tradeoff_folder import point_file
 from linkwright.report.charts.fronts import front_figure
 from linkwright.report.pictures.arm import (
     arm_caption,
@@ -21,7 +21,7 @@ from linkwright.report.pictures.arm import (
     shared_window,
     skeleton_at,
 )
-from linkwright.report.pictures.bent import bent_line
+from linkwright.report.pictures.loads import bent_line
 from linkwright.results.design import poses_that_differ
 from linkwright.results.figures_in_words import figure, mm, section_words
 

@@ -18,14 +18,13 @@ from nicegui import app as pages
 from nicegui import ui
 
 from linkwright.browser.pages.site import add_pages
+from linkwright.browser.server.answers import Desk, add_files
+from linkwright.browser.server.guard import PagePolicy
 from linkwright.core.units.quantities import InputError
 
-from .desk import Desk
-from .files import add_files
 from .folder import Folder
 from .guard import Guard
 from .jobs import Jobs
-from .policy import PagePolicy
 from .shelf import Shelf
 
 _LOOPBACK = ("127.0.0.1", "localhost", "::1")

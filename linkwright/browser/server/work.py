@@ -6,19 +6,23 @@ as a JSON object a line to standard output. An interrupt leaves the best so far,
 
 from __future__ import annotations
 
+import inspect
 import json
 import os
 import signal
 import sys
 import time
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 import linkwright as lw
 from linkwright.cli import end_as_by_ctrl_c
+from linkwright.commands.parameters import parameters_of, paths_in
 from linkwright.core.executors import WorkersLost
 from linkwright.core.units.quantities import InputError, NoAnswer
-from linkwright.face.result import Reported
+from linkwright.face.evaluation import Evaluation
+from linkwright.face.tradeoff import Tradeoff
 
 from .folder import called_plainly
 
@@ -47,84 +51,57 @@ def say(**told: Any) -> None:
         os._exit(1)
 
 
-def evaluate(root: Path, out: Path, asked: dict[str, Any]) -> None:
-    """Evaluate an arm: its report, and its worst poses drawn."""
-    from linkwright.browser.server.drawings import worst_poses
+def answered(kind: str, root: Path, out: Path, asked: Mapping[str, Any]) -> None:
+    """Call the function of that name with what is asked, by its parameters, files below `root`; tell what was found and
+    whether workers lost cut it short, then save it with what its page shows: a full disk does not take it along."""
+    function = getattr(lw, kind)
+    own = [each for each in parameters_of(function) if asked.get(each.name) not in (None, "", [])]
+    words = {each.name: _placed(asked[each.name], root) if each.kind is Path else asked[each.name] for each in own}
+    reads: dict[str, Callable[[Path], Any]] = {"arm": lw.read_arm, "problem": lw.read_problem, "": lambda word: word}
+    given = {each.name: reads[each.option.reads](words[each.name]) for each in own}
+    named = [path for each in own for path in paths_in(words[each.name])]
+    problem: lw.Problem | None = given.get("problem")
+    with lw.Processes() as crew:
+        hears = {**_heard(problem), "progress": _Told(), "executor": crew}
+        takes = inspect.signature(function).parameters
+        found = function(**given, **{name: heard for name, heard in hears.items() if name in takes})
+    for name in ("SIGINT", "SIGTERM", "SIGHUP"):  # an interrupt comes too late
+        if hasattr(signal, name):
+            signal.signal(getattr(signal, name), signal.SIG_IGN)
+    lost = "" if crew.lost is None else f"; {crew.lost}"
+    say(answer=repr(found)[1:-1] + lost, complete=not getattr(found, "interrupted", False))
+    arm = None if problem is None else problem.arm_file
+    found.save(out, made_from=[*named, *([] if arm is None else [arm])])
+    _beside(found, out, words.get("settings", ()))
 
-    arm = root / asked["arm"]
-    found = lw.evaluate(lw.read_arm(arm))
-    _kept(found, out, arm, complete=True)
-    (out / "poses.json").write_text(json.dumps(worst_poses(found.found)), encoding="utf-8")
+
+def _placed(names: str | list[str], root: Path) -> Path | list[Path]:
+    return root / names if isinstance(names, str) else [root / name for name in names]
 
 
-def optimize(root: Path, out: Path, asked: dict[str, Any]) -> None:
-    """Optimise a problem: report, arm file; every round told."""
+def _heard(problem: lw.Problem | None) -> dict[str, Any]:
+    """What `optimize` tells of on the way."""
+    if problem is None:
+        return {}
     from linkwright.results.optimization import iteration_line
 
-    problem = lw.read_problem(root / asked["problem"])
-    rounding: dict[str, Any] = {"round_to": asked["round_to"]} if asked.get("round_to") else {}
-    with lw.Processes() as crew:
-        found = lw.optimize(
-            problem,
-            **rounding,
-            progress=_Told(),
-            log=lambda each: say(line=iteration_line(each, problem.model.minimize)),
-            out_of_reach=lambda text: say(line=f"{text}; now looking for what the limits would have to be"),
-            executor=crew,
-        )
-    _kept(found, out, *_read(root, asked), complete=not found.interrupted, lost=crew.lost)
+    return {
+        "log": lambda each: say(line=iteration_line(each, problem.model.minimize)),
+        "out_of_reach": lambda text: say(line=f"{text}; now looking for what the limits would have to be"),
+    }
 
 
-def tradeoff(root: Path, out: Path, asked: dict[str, Any]) -> None:
-    """Trace a front: report, and every design drawn."""
-    from linkwright.browser.server.drawings import front_to_click
+def _beside(found: Any, out: Path, settings: Sequence[Path]) -> None:
+    """What only the pages show: worst poses and fronts to click on; and the settings as they were told."""
+    from linkwright.browser.server.drawings import front_to_click, worst_poses
 
-    problem = lw.read_problem(root / asked["problem"])
-    with lw.Processes() as crew:
-        found = lw.tradeoff(
-            problem,
-            x=asked["x"],
-            y=asked["y"],
-            by=asked.get("by") or None,
-            accuracy=asked["accuracy"],
-            progress=_Told(),
-            executor=crew,
-        )
-    _kept(found, out, *_read(root, asked), complete=not found.interrupted, lost=crew.lost)
-    (out / "front.json").write_text(json.dumps(front_to_click(found)), encoding="utf-8")
-
-
-def diagnose(root: Path, out: Path, asked: dict[str, Any]) -> None:
-    """Diagnose a recording, or several at once: report, corrected arm, residuals, the settings as they were told."""
-    arm = root / asked["arm"]
-    recordings, settings = ([root / name for name in asked[key]] for key in ("recordings", "settings"))
-    found = lw.diagnose(
-        lw.read_arm(arm),
-        recordings,
-        settings=settings,
-        thorough=asked["thorough"],
-        units=asked["units"],
-        progress=_Told(),
-    )
-    _kept(found, out, arm, *recordings, *settings, complete=True)
+    if isinstance(found, Evaluation):
+        (out / "poses.json").write_text(json.dumps(worst_poses(found.found)), encoding="utf-8")
+    if isinstance(found, Tradeoff):
+        (out / "front.json").write_text(json.dumps(front_to_click(found)), encoding="utf-8")
     for number, own in enumerate(settings, start=1):
         name = own.name if len(settings) == 1 else f"{own.stem}-{number}{own.suffix}"
         (out / name).write_bytes(own.read_bytes())
-
-
-def _kept(found: Reported, out: Path, *read: Path, complete: bool, lost: WorkersLost | None = None) -> None:
-    """Tell what was found, and whether workers lost cut it short, then save it: a full disk does not take the answer
-    along. An interrupt comes too late to."""
-    for name in ("SIGINT", "SIGTERM", "SIGHUP"):
-        if hasattr(signal, name):
-            signal.signal(getattr(signal, name), signal.SIG_IGN)
-    answer = repr(found).removeprefix("<").removesuffix(">")
-    say(answer=answer if lost is None else f"{answer}; {lost}", complete=complete)
-    found.save(out, made_from=read)
-
-
-def _read(root: Path, asked: dict[str, Any]) -> list[Path]:
-    return [root / asked["problem"], *(root / name for name in asked.get("beside", ()))]
 
 
 def main() -> int:
@@ -132,9 +109,8 @@ def main() -> int:
     end_as_by_ctrl_c()
     asked: dict[str, Any] = json.loads(sys.stdin.read())
     root, out = Path(asked["root"]), Path(asked["out"])
-    ways = {"evaluate": evaluate, "optimize": optimize, "tradeoff": tradeoff, "diagnose": diagnose}
     try:
-        ways[asked["kind"]](root, out, asked)
+        answered(asked["kind"], root, out, asked)
     except WorkersLost as error:
         say(refused=str(error))
         return 1

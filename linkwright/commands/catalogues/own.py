@@ -21,7 +21,7 @@ from linkwright.core.catalogues.editor import Editor
 from linkwright.core.catalogues.keyed import KeyedEditor
 from linkwright.core.units.quantities import InputError
 from linkwright.core.units.reading import parse_yaml
-from linkwright.output.files import write_file
+from linkwright.output.files import check_target, write_file
 from linkwright.output.read_back import ReadBack
 from linkwright.output.table_file import WAYS, rows_of
 
@@ -38,6 +38,8 @@ Changes = Annotated[
     typer.Argument(metavar="[KEY VALUE | KEY=VALUE...]", help="What to change; nothing opens the editor."),
 ]
 Name = Annotated[str, typer.Argument(metavar="NAME", help="Its name.")]
+Names = Annotated[list[str] | None, typer.Argument(metavar="[NAME...]", help="Which; all without a name.")]
+TableFile = Annotated[Path, typer.Option("--out", metavar="FILE", help="A .yaml, .csv, .parquet, .md or .tex file.")]
 _UsedIn = Annotated[
     list[Path] | None,
     typer.Option("--used-in", metavar="FILE", help="Warn if this arm or problem file uses it; may be repeated."),
@@ -46,7 +48,6 @@ _UsedIn = Annotated[
 
 _AS_WRITTEN = 1e-4
 """How far a figure may be from what it was, of it, once it has been written in a format's units and digits."""
-T = TypeVar("T")
 W = TypeVar("W")
 
 
@@ -64,11 +65,13 @@ class OwnCatalogue:
         count: how many entries a file has, all checked.
         shipped: what is shipped: names and counts.
         examples: names for the help, as the shell takes them.
-        helps: of `add`, `import` and `check`.
+        helps: of the commands that say more than that they do.
         such_as: a KEY=VALUE, for messages.
+        found: what finds an entry by its name among the shipped ones and those of a file.
         made: an entry of a name, its values by key, as they were given, and their source.
         read: what reads the entries of a file, by its ending.
-        table: the figures of all entries with those of a file, a row each.
+        known: all entries with those of a file, by name; its `table` are their figures, a row each.
+        priced: the names of the shipped entries that can be given a price.
         doubts: what is hardly believable of a file's entries, a line each; empty where all are usual.
         keys: what keys are called for short in lists, by which they may be given too.
     """
@@ -85,8 +88,10 @@ class OwnCatalogue:
     helps: Mapping[str, str]
     such_as: str
     made: Callable[[str, dict[str, str], str], Any]
+    found: Callable[[Path | None], Callable[[str], Any]]
     read: Mapping[str, Callable[[Path], Sequence[Any]]]
-    table: "Callable[[Path], pd.DataFrame]"
+    known: Callable[[Path | None], Any]
+    priced: Callable[[], Sequence[str]] | None = None
     doubts: Callable[[Path], Sequence[str]] = lambda _: ()
     keys: Mapping[str, str] = field(default_factory=dict[str, str])
 
@@ -139,20 +144,21 @@ class OwnCatalogue:
     def write(
         self,
         out: Path,
-        found: Sequence[T],
-        ways: Mapping[str, Callable[[Sequence[T]], str | bytes]],
-        table: "Callable[[], pd.DataFrame]",
+        names: Sequence[str],
+        catalogue: Path | None,
+        ways: Mapping[str, Callable[[Sequence[Any]], str]],
     ) -> None:
-        """Write entries to a file in the way that its ending asks for: those of `ways`, which are read back and held
-        against the figures of their `table`, else as that table, which nothing reads."""
+        """Write the entries of these names to a file in the way that its ending asks for: those of `ways`, which are
+        read back and held against their figures, else as a table of these, which nothing reads."""
+        check_target(out, catalogue)
         way = _by_ending(out, {**ways, **{ending: None for ending in WAYS if ending not in ways}})
+        meant = rows_of(self.known(catalogue).table, names)
         if way is None:
-            write_file(out, WAYS[out.suffix.lower()](table()))
+            write_file(out, WAYS[out.suffix.lower()](meant))
         else:
-            text = way(found)
-            held = None if isinstance(text, bytes) else ReadBack(text, partial(self._unlike, table()))
-            write_file(out, text if held is None else held)
-        typer.echo(f"wrote {len(found)} {self.editor.what}{'' if len(found) == 1 else 's'} to {out}")
+            text = way([*map(self.found(catalogue), names)])
+            write_file(out, ReadBack(text, partial(self._unlike, meant)))
+        typer.echo(f"wrote {len(names)} {self.editor.what}{'' if len(names) == 1 else 's'} to {out}")
 
     def _unlike(self, meant: "pd.DataFrame", path: Path) -> Iterator[str]:
         """The figures that entries of a file, once they are imported, have otherwise than was meant, in its rows; a
@@ -163,7 +169,7 @@ class OwnCatalogue:
         with tempfile.TemporaryDirectory() as folder:
             held = Path(folder) / "read.yaml"
             self.editor.add(held, entries)
-            read = rows_of(self.table(held), [each.name for each in entries])
+            read = rows_of(self.known(held).table, [each.name for each in entries])
         if len(read) != len(meant):
             yield f"it had {len(meant)} entries and reads {len(read)}"
             return
@@ -185,8 +191,9 @@ class OwnCatalogue:
             if self.editor.uses(file, name, self.key):
                 typer.echo(f"WARNING: {file} uses {name}", err=True)
 
-    def commands(self, of_its_own: Commands) -> Commands:
-        """`add`, `remove`, `rename`, `undo`, `import` and `check`, with what each kind has of its own among them."""
+    def commands(self, export: Callable[..., None], edit: Callable[..., None] | None = None) -> Commands:
+        """`add`, `remove`, `rename`, `undo`, `check` and `import` with `export`, `price` where there are prices, and an
+        `edit` of its own where keys are not all that can be changed."""
         editor, example = self.editor, f"Example: linkwright {self.group}"
 
         def add(
@@ -252,89 +259,95 @@ class OwnCatalogue:
                     self.question(Path(file))
 
         one, other = self.examples
-        alike: Commands = {
-            "add": (add, f"{self.helps['add']}\n"),
-            "import": (import_, f"{self.helps['import']}\n"),
-            "remove": (
-                remove,
-                f"Take a {self.entry} out of your {self.called}.\n\n{example} remove {one} --used-in arm.yaml\n",
-            ),
-            "rename": (
-                rename,
-                f"Give a {self.entry} of your {self.called} another name.\n\n"
-                f"{example} rename {one} {other} --used-in arm.yaml\n",
-            ),
-            "undo": (
-                undo,
-                f"Take the last edit of your {self.called} back; again for the one before.\n\n{example} undo\n",
-            ),
-            "check": (check, f"{self.helps['check']}\n\n{example} check {self.group}.yaml\n"),
+        of_this = f"{self.entry} of your {self.called}"
+        helps = {
+            **self.helps,
+            "remove": f"Take a {self.entry} out of your {self.called}.\n\n{example} remove {one} --used-in arm.yaml",
+            "rename": f"Give a {of_this} another name.\n\n{example} rename {one} {other} --used-in arm.yaml",
+            "undo": f"Take the last edit of your {self.called} back; again for the one before.\n\n{example} undo",
+            "check": f"{self.helps['check']}\n\n{example} check {self.group}.yaml",
         }
-        order = ("add", "edit", "price", "remove", "rename", "undo", "check", "import", "export")
-        every = {**alike, **of_its_own}
-        return {name: every[name] for name in order if name in every}
+        every: dict[str, Callable[..., None]] = {"add": add, "edit": edit or self._edit_keys()}
+        every |= {} if self.priced is None else {"price": self._price()}
+        every |= {"remove": remove, "rename": rename, "undo": undo, "check": check, "import": import_, "export": export}
+        for name, function in every.items():
+            function.__doc__ = helps.get(name, function.__doc__)
+        return every
 
+    def _edit_keys(self) -> Callable[..., None]:
+        """The command that changes keys of an entry, or hands the file to the user's editor."""
+        editor: KeyedEditor = self.editor  # pyright: ignore[reportAssignmentType] - others bring a command of their own
 
-def edit_keys_command(own: OwnCatalogue, editor: KeyedEditor) -> Callable[..., None]:
-    """The command that changes keys of an entry, or hands the file to the user's editor."""
+        def edit(
+            name: Name,
+            changes: Changes = None,
+            source: Source = "",
+            unset: Annotated[bool, typer.Option("--unset", help="Take the key away.")] = False,
+            catalogue: OwnFile = None,
+        ) -> None:
+            path = self.path(catalogue)
+            if not changes:
+                self.edit_in_editor(path, name)
+                return
+            if unset:
+                if len(changes) > 1 or "=" in changes[0]:
+                    raise InputError("", "--unset", "takes one KEY and no value")
+                say(editor.remove_key(path, name, self.whole(changes[0])), path)
+                return
+            asked = changes_of(changes, self.such_as)
+            values = {key: value_of_text(text, key) for key, text in self.in_full(asked).items()}
+            say(editor.set_keys(path, name, values, source=source), path)
+            self.question(path, name)
 
-    def edit(
-        name: Name,
-        changes: Changes = None,
-        source: Source = "",
-        unset: Annotated[bool, typer.Option("--unset", help="Take the key away.")] = False,
-        catalogue: OwnFile = None,
-    ) -> None:
-        path = own.path(catalogue)
-        if not changes:
-            own.edit_in_editor(path, name)
-            return
-        if unset:
-            if len(changes) > 1 or "=" in changes[0]:
-                raise InputError("", "--unset", "takes one KEY and no value")
-            say(editor.remove_key(path, name, own.whole(changes[0])), path)
-            return
-        asked = changes_of(changes, own.such_as)
-        values = {key: value_of_text(text, key) for key, text in own.in_full(asked).items()}
-        say(editor.set_keys(path, name, values, source=source), path)
-        own.question(path, name)
+        return edit
 
-    return edit
+    def _price(self) -> Callable[..., None]:
+        """The command that gives an entry of the shipped catalogue, or of one's own file, a price."""
 
+        def price(
+            name: Name,
+            value: Annotated[
+                str | None, typer.Argument(metavar="[PRICE]", help="Such as '1.4 EUR/kg', '900 EUR'.")
+            ] = None,
+            source: Annotated[str, typer.Option("--source", metavar="TEXT", help="Where the price is from.")] = "",
+            date: Annotated[
+                str | None,
+                typer.Option("--date", metavar="DATE", help="When it was such, e.g. 2026-03; today by default."),
+            ] = None,
+            spread: Annotated[
+                tuple[str, str] | None,
+                typer.Option("--spread", metavar="LOW HIGH", help="Lowest and highest to expect."),
+            ] = None,
+            unset: Annotated[bool, typer.Option("--unset", help="Take your price away.")] = False,
+            catalogue: OwnFile = None,
+        ) -> None:
+            path = self.path(catalogue)
+            if unset:
+                if value is not None:
+                    raise InputError("", "--unset", "takes no price")
+                say(self.editor.remove_price(path, name), path)
+                return
+            if value is None:
+                raise InputError("", "PRICE", "is missing; give one with its unit, or --unset")
+            if not source:
+                raise InputError("", "--source", "is missing: say where the price is from")
+            say(self.set_price(path, name, value, source, date, spread or ()), path)
 
-def price_command(own: OwnCatalogue, shipped: Callable[[], Sequence[str]]) -> Callable[..., None]:
-    """The command that gives an entry of a shipped catalogue, or of one's own file, a price; `shipped` are the former's
-    names."""
+        return price
 
-    def price(
-        name: Name,
-        value: Annotated[str | None, typer.Argument(metavar="[PRICE]", help="Such as '1.4 EUR/kg', '900 EUR'.")] = None,
-        source: Annotated[str, typer.Option("--source", metavar="TEXT", help="Where the price is from.")] = "",
-        date: Annotated[
-            str | None, typer.Option("--date", metavar="DATE", help="When it was such, e.g. 2026-03; today by default.")
-        ] = None,
-        spread: Annotated[
-            tuple[str, str] | None, typer.Option("--spread", metavar="LOW HIGH", help="Lowest and highest to expect.")
-        ] = None,
-        unset: Annotated[bool, typer.Option("--unset", help="Take your price away.")] = False,
-        catalogue: OwnFile = None,
-    ) -> None:
-        path = own.path(catalogue)
-        if unset:
-            if value is not None:
-                raise InputError("", "--unset", "takes no price")
-            say(own.editor.remove_price(path, name), path)
-            return
-        if value is None:
-            raise InputError("", "PRICE", "is missing; give one with its unit, or --unset")
-        if not source:
-            raise InputError("", "--source", "is missing: say where the price is from")
+    def set_price(
+        self,
+        path: Path,
+        name: str,
+        value: str,
+        source: str,
+        date: str | None = None,
+        spread: Sequence[str] | None = None,
+    ) -> str:
+        """Give an entry a price; says what was done. Raises `InputError`."""
         told: dict[str, Any] = {"value": value, "date": date or datetime.now(UTC).strftime("%Y-%m"), "source": source}
-        if spread is not None:
-            told["spread"] = list(spread)
-        say(own.editor.set_price(path, name, told, shipped()), path)
-
-    return price
+        told |= {"spread": list(spread)} if spread else {}
+        return self.editor.set_price(path, name, told, [] if self.priced is None else self.priced())
 
 
 def value_of_text(text: str, key: str) -> Any:

@@ -6,9 +6,10 @@ from collections.abc import ValuesView
 from typing import TYPE_CHECKING
 
 from linkwright.core.arm.actuators import Actuator, load_actuators
-from linkwright.core.arm.actuators import Actuators as Models
-
-from .kept import Catalogue
+from linkwright.core.arm.actuators import Actuators as ActuatorModels
+from linkwright.face.catalogues.kept import Catalogue
+from linkwright.json.fields import fields
+from linkwright.output.table_file import frame
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -31,7 +32,7 @@ class Actuators(Catalogue[Actuator]):
         return self._all.find(name)
 
     @property
-    def _all(self) -> Models:
+    def _all(self) -> ActuatorModels:
         return load_actuators(self._files)
 
     def _names(self) -> list[str]:
@@ -45,22 +46,9 @@ class Actuators(Catalogue[Actuator]):
     def table(self) -> pd.DataFrame:
         """All actuators: maker, gear, torques (N*m), stiffness of drive and bearing (N*m/rad), backlash (rad), mass
         (kg), cost (EUR)."""
-        import pandas as pd
-
-        columns = {
-            "name": "name",
-            "maker": "maker",
-            "gear": "gear",
-            "rated_torque": "rated_torque_Nm",
-            "peak_torque": "peak_torque_Nm",
-            "stiffness": "stiffness_Nm_per_rad",
-            "tilting_stiffness": "tilting_stiffness_Nm_per_rad",
-            "backlash": "backlash_rad",
-            "mass": "mass_kg",
-            "cost": "cost_EUR",
-        }
-        rows = [[getattr(each, name) for name in columns] for each in self.values()]
-        return pd.DataFrame(rows, columns=list(columns.values()))
+        torques = ("rated_torque_Nm", "peak_torque_Nm", "stiffness_Nm_per_rad", "tilting_stiffness_Nm_per_rad")
+        keys = ("name", "maker", "gear", *torques, "backlash_rad=backlash", "mass_kg", "cost_EUR")
+        return frame([fields(each, *keys) for each in self.values()], [key.partition("=")[0] for key in keys])
 
 
 actuators = Actuators()

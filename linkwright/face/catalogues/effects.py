@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from linkwright.core.arm.effects import EFFECTS, Effect
-
-from .kept import Open
+from linkwright.face.catalogues.kept import Open
+from linkwright.output.table_file import frame
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -33,10 +33,8 @@ class Effects(Open[Effect]):
     @property
     def table(self) -> pd.DataFrame:
         """All effects: id, title, where they act, and what a recording must hold to show them."""
-        import pandas as pd
-
         rows = [(each.id, each.title, each.place, each.needs) for each in self.values()]
-        return pd.DataFrame(rows, columns=["id", "title", "place", "needs"])
+        return frame(rows, ["id", "title", "place", "needs"])
 
 
 effects = Effects("effect", EFFECTS)

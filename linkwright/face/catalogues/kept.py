@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from abc import abstractmethod
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from typing import Generic, Self, TypeVar
 
 from linkwright.core.registries import Registry
@@ -14,19 +14,12 @@ from linkwright.face.given import File
 T = TypeVar("T")
 
 
-class Catalogue(Mapping[str, T], Generic[T]):
-    """Entries by name: the shipped ones, the user's own over them, and over those the file that `with_file` names."""
-
-    def __init__(self, file: File | None = None) -> None:
-        self._files = () if file is None else (file,)
-
-    def with_file(self, file: File | None) -> Self:
-        """The same with a file of one's own laid over it; raises `InputError` as soon as an entry is asked for."""
-        return type(self)(file)
+class Named(Mapping[str, T], Generic[T]):
+    """Entries by name."""
 
     @abstractmethod
-    def _names(self) -> list[str]:
-        """The names, in the catalogue's order."""
+    def _names(self) -> Collection[str]:
+        """The names, in the list's order."""
 
     def __contains__(self, name: object) -> bool:
         """Whether there is an entry of that name."""
@@ -45,7 +38,18 @@ class Catalogue(Mapping[str, T], Generic[T]):
         return f"<{type(self).__name__}: {len(self)} by name>"
 
 
-class Open(Mapping[str, T], Generic[T]):
+class Catalogue(Named[T]):
+    """Entries by name: the shipped ones, the user's own over them, and over those the file that `with_file` names."""
+
+    def __init__(self, file: File | None = None) -> None:
+        self._files = () if file is None else (file,)
+
+    def with_file(self, file: File | None) -> Self:
+        """The same with a file of one's own laid over it; raises `InputError` as soon as an entry is asked for."""
+        return type(self)(file)
+
+
+class Open(Named[T]):
     """Entries by name: what is shipped, what installed packages bring, what `register` adds for this process."""
 
     def __init__(self, what: str, known: Registry[T]) -> None:
@@ -57,17 +61,8 @@ class Open(Mapping[str, T], Generic[T]):
             raise InputError("", self._what, f"there is no {self._what} '{name}'{nearest(name, list(self._known))}")
         return self._known[name]
 
-    def __contains__(self, name: object) -> bool:
-        """Whether there is an entry of that name."""
-        return name in self._known
-
-    def __iter__(self) -> Iterator[str]:
-        """The names."""
-        return iter(self._known)
-
-    def __len__(self) -> int:
-        """How many there are."""
-        return len(self._known)
+    def _names(self) -> Collection[str]:
+        return self._known
 
     def register(self, entry: T) -> None:
         """Add an entry for this process. Raises `InputError` where it is none, or its name is taken."""
@@ -76,7 +71,3 @@ class Open(Mapping[str, T], Generic[T]):
     def withdraw(self, name: str) -> None:
         """Take a registered entry away again. Raises `InputError` where there is none of that name."""
         self._known.withdraw(name)
-
-    def __repr__(self) -> str:
-        """One line."""
-        return f"<{type(self).__name__}: {len(self)} by name>"

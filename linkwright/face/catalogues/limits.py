@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from linkwright.core.optimize.limits import FIGURES, Figure
-
-from .kept import Open
+from linkwright.face.catalogues.kept import Open
+from linkwright.output.table_file import frame
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -27,10 +27,8 @@ class Limits(Open[Figure]):
     @property
     def table(self) -> pd.DataFrame:
         """All of them: name, title, unit, the relations that a limit may have, and whether one is assumed unasked."""
-        import pandas as pd
-
         rows = [(each.name, each.title, each.unit, each.senses, each.assumed is not None) for each in self.values()]
-        return pd.DataFrame(rows, columns=["name", "title", "unit", "senses", "assumed"])
+        return frame(rows, ["name", "title", "unit", "senses", "assumed"])
 
 
 limits = Limits("limit", FIGURES)

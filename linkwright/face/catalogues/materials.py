@@ -12,9 +12,9 @@ from linkwright.core.materials.catalogue import load_catalogue
 from linkwright.core.materials.material import Material as Model
 from linkwright.core.materials.material import MaterialValues, PropertyName
 from linkwright.core.units.temperature import ZERO_CELSIUS
+from linkwright.face.catalogues.kept import Catalogue
 from linkwright.face.given import Quantity, in_si
-
-from .kept import Catalogue
+from linkwright.output.table_file import frame
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -81,8 +81,6 @@ class Materials(Catalogue[Material]):
         """All materials at 20 degC: name, title, family, E (GPa), density (kg/m^3), yield strength (MPa), cost
         (EUR/kg), highest service temperature (degC); NaN where one has no such figure; whether it is magnetic, None
         where nobody knows."""
-        import pandas as pd
-
         figures: tuple[tuple[PropertyName, float], ...] = (
             ("elastic_modulus", 1e9),
             ("density", 1.0),
@@ -103,7 +101,7 @@ class Materials(Catalogue[Material]):
             for each in self.values()
         ]
         named = ["name", "title", "family", "elastic_modulus_GPa", "density_kg_per_m3", "yield_strength_MPa"]
-        return pd.DataFrame(rows, columns=[*named, "cost_EUR_per_kg", "highest_service_temperature_degC", "magnetic"])
+        return frame(rows, [*named, "cost_EUR_per_kg", "highest_service_temperature_degC", "magnetic"])
 
 
 materials = Materials()

@@ -6,8 +6,8 @@ from collections.abc import ValuesView
 from typing import TYPE_CHECKING
 
 from linkwright.core.sections import Stock, StockSize, load_stock
-
-from .kept import Catalogue
+from linkwright.face.catalogues.kept import Catalogue
+from linkwright.output.table_file import frame
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -50,8 +50,6 @@ class Sections(Catalogue[StockSize]):
     @property
     def table(self) -> pd.DataFrame:
         """All sizes: name, family, shape, area (cm^2), second moments (cm^4), torsion constant (cm^4)."""
-        import pandas as pd
-
         names = {"area": 2, "second_moment_y": 4, "second_moment_z": 4, "torsion_constant": 4}
         rows: list[tuple[object, ...]] = []
         for size in self.values():
@@ -59,7 +57,7 @@ class Sections(Catalogue[StockSize]):
             figures = [float(getattr(found, name)) * 100.0**power for name, power in names.items()]
             rows.append((size.name, size.family, size.shape, *figures))
         headings = [f"{name}_cm{power}" for name, power in names.items()]
-        return pd.DataFrame(rows, columns=["name", "family", "shape", *headings])
+        return frame(rows, ["name", "family", "shape", *headings])
 
 
 sections = Sections()

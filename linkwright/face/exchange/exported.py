@@ -17,11 +17,11 @@ from linkwright.drawings.parts import listed, parts
 from linkwright.face.arm import Arm
 from linkwright.face.given import File
 from linkwright.face.progress import Progress, told
-from linkwright.face.result import Field, Result, frame
+from linkwright.face.result import Field, Result
 from linkwright.json.fields import fields
 from linkwright.output.files import write_file
 from linkwright.output.read_back import ReadBack
-from linkwright.output.table_file import WAYS, write_table
+from linkwright.output.table_file import WAYS, frame, write_table
 from linkwright.results.document import Description
 from linkwright.results.document import table as shown_table
 

@@ -14,10 +14,11 @@ from linkwright.core.arm.descriptions.imported_arm import Imported as Found
 from linkwright.core.materials.catalogue import load_catalogue
 from linkwright.face.arm import Arm
 from linkwright.face.given import File
-from linkwright.face.result import Field, Result, figure_of, frame
+from linkwright.face.result import Field, Result, figure_of
 from linkwright.json.fields import fields, in_joint_unit, joint_unit
 from linkwright.output.arm_file import arm_file
 from linkwright.output.files import write_file
+from linkwright.output.table_file import frame
 from linkwright.results.document import Description, Item, Lines, Paragraph, Value, amount, count, length, table
 from linkwright.results.figures_in_words import coordinate, figure
 

@@ -18,10 +18,11 @@ from linkwright.core.units.reading import Mapping as Reader
 from linkwright.core.units.reading import load_yaml
 from linkwright.face.arm import Arm
 from linkwright.face.given import File, plain
-from linkwright.face.result import Field, Reported, drawn, frame
+from linkwright.face.result import Field, Reported, drawn
 from linkwright.json.fields import fields, in_joint_unit, in_mm
 from linkwright.output.files import REPORT, RESULT
-from linkwright.report.charts.causes import causes_picture
+from linkwright.output.table_file import frame
+from linkwright.report.charts.bars import causes_picture
 from linkwright.results.document import (
     Description,
     Fact,

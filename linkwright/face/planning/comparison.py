@@ -17,9 +17,10 @@ from linkwright.core.units.quantities import InputError
 from linkwright.face.arm import Arm
 from linkwright.face.progress import Progress
 from linkwright.face.recording import Recording
-from linkwright.face.result import Result, drawn, frame
+from linkwright.face.result import Result, drawn
 from linkwright.json.diagnosis import covered_json, in_unit, parameter_json, unit_of
 from linkwright.json.fields import fields, in_mm
+from linkwright.output.table_file import frame
 from linkwright.results.diagnoses.words import (
     covered,
     effect_words,

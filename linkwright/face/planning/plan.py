@@ -19,11 +19,12 @@ from linkwright.core.diagnose.reading.write import settings_text
 from linkwright.face.arm import Arm
 from linkwright.face.given import File
 from linkwright.face.recording import recording_columns, settings_beside
-from linkwright.face.result import Field, Result, drawn, frame
+from linkwright.face.result import Field, Result, drawn
 from linkwright.json.diagnosis import in_unit, joint_coordinates, unit_of
 from linkwright.json.fields import fields
 from linkwright.output.files import write_file
 from linkwright.output.read_back import ReadBack
+from linkwright.output.table_file import frame
 from linkwright.results.planning import describe
 
 if TYPE_CHECKING:

@@ -19,10 +19,11 @@ from linkwright.face.arm import Arm
 from linkwright.face.diagnosis import each_with_settings
 from linkwright.face.given import File
 from linkwright.face.recording import Recording
-from linkwright.face.result import Reported, figure_of, frame
+from linkwright.face.result import Reported, figure_of
 from linkwright.json.diagnosis import in_unit, unit_of
 from linkwright.json.fields import fields
 from linkwright.output.files import REPORT, RESULT
+from linkwright.output.table_file import frame
 from linkwright.report.charts.control import chart
 from linkwright.report.pictures.svg import element
 from linkwright.results.diagnoses.words import effect_words, listed, probability, quantity

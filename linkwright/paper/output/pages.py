@@ -1,4 +1,4 @@
-"""The paper's tables as plain data: JSON, CSV and Markdown, drawn from the results alone."""
+"""The paper's tables as plain data, JSON, CSV and Markdown, and on the screen, drawn from the results alone."""
 
 from __future__ import annotations
 
@@ -8,12 +8,14 @@ import re
 from collections.abc import Iterable, Sequence
 from typing import Any
 
-from linkwright.paper.rows import Row, Table, tally
+from rich.console import Console
+
+from linkwright.paper.output.figures import Figure
+from linkwright.paper.printed import Row, Table, tally
 from linkwright.paper.tables import Book
 from linkwright.paper.verdicts import Proof, Verdict
+from linkwright.screen.console import table as empty_table
 from linkwright.version import program_version
-
-from .figures import Figure
 
 BEGIN, END = "<!-- begin: linkwright tables -->", "<!-- end: linkwright tables -->"
 """Between these lines `--markdown` replaces, in a file that has them."""
@@ -178,3 +180,36 @@ def into(document: str, block: str, begin: str = BEGIN, end: str = END) -> str:
         return block
     between = re.compile(re.escape(begin) + ".*?" + re.escape(end), re.DOTALL)
     return between.sub(lambda _: f"{begin}\n{block}{end}", document, count=1)
+
+
+def show_tables(out: Console, book: Book, verdicts: Sequence[Verdict], proofs: Sequence[Proof]) -> None:
+    """Print all tables, what they rest on, and the verdicts."""
+    out.print("The paper's position errors beside the truth.", style="bold")
+    for remark in book.tables[0].remarks[1:]:
+        out.print(f"- {remark}")
+    out.print()
+    for each in book.tables:
+        _show(out, each)
+    out.print(tally_words(book), style="bold")
+    out.print()
+    out.print("The paper's four conclusions", style="bold")
+    for verdict in verdicts:
+        out.print(f"{verdict.number}. “{verdict.claim}”: {verdict.judgement}.")
+        out.print(f"   {verdict.reason}")
+    out.print()
+    out.print("What it says about reach", style="bold")
+    for proof in proofs:
+        out.print(f"- {proof.statement} {'Holds' if proof.holds else 'Does not hold'}.")
+        out.print(f"  {proof.shown_by}")
+
+
+def _show(out: Console, table: Table) -> None:
+    headings = ("", "paper, “mm”", "reproduced, mm²", "equations, mm", "corrected, mm")
+    shown = empty_table(*headings, numbers=(1, 2, 3, 4), title=heading(table))
+    for row in table.rows:
+        shown.add_row(row.label, *cells(row))
+    out.print(shown)
+    out.print(table.remarks[0])
+    for labels, note in notes(table):
+        out.print(f"- {labels}: {note}")
+    out.print()

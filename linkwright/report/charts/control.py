@@ -11,8 +11,7 @@ import numpy as np
 from linkwright.core.diagnose.watch.watch import Watch, Watched
 from linkwright.core.sections.numeric import Array
 from linkwright.core.units.quantities import format_quantity
-from linkwright.report.pictures.svg import element, label, line, path, text
-from linkwright.report.pictures.svg_plot import Plot, course, dots, spanned
+from linkwright.report.pictures.svg import Plot, course, dots, element, label, line, path, spanned, text
 from linkwright.results.diagnoses.words import whole_sentence
 
 _TEXT = 12.0

@@ -1,18 +1,20 @@
-"""Residuals against everything that was recorded, as small multiples: what shows a trend before has none after."""
+"""Residuals against everything that was recorded as small multiples, and the curves by which joints err."""
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
 
 from linkwright.core.arm.chain.arrays import motion_directions
-from linkwright.core.diagnose.result import Diagnosis
+from linkwright.core.arm.chain.vectors import Scalar
+from linkwright.core.arm.effects import EFFECTS
+from linkwright.core.diagnose.result import Diagnosis, Finding
 from linkwright.core.sections.numeric import Array
 from linkwright.core.units.temperature import ZERO_CELSIUS
 from linkwright.report.pictures.residual_map import chosen_rows, states
-from linkwright.report.pictures.svg import element, line, text
-from linkwright.report.pictures.svg_plot import Plot, binned, course, dots, spanned
+from linkwright.report.pictures.svg import Plot, binned, course, dots, element, line, spanned, text
 from linkwright.results.diagnoses.words import covariate_words, probability
 
 MOST_DOTS = 500
@@ -122,3 +124,30 @@ def _panel(
     ticks = np.unique(x).tolist() if two else None
     picture = plot.drawn(f"Residuals against {covariate.label}", (covariate.label, "mm"), *children, ticks=ticks)
     return element("figure", picture, element("figcaption", text(caption), class_="strong" if depends else None))
+
+
+_CURVE_HEIGHT, _POINTS = 130.0, 400
+
+
+def joint_curves(diagnosis: Diagnosis) -> str:
+    """A small plot for each joint whose angle errs by a curve; nothing where none does."""
+    single = [each for each in diagnosis.findings if each.effect in EFFECTS and len(each.at) == 1]
+    curves = [(each, EFFECTS[each.effect].curve) for each in single]
+    panels = [_curve_panel(diagnosis, each, curve) for each, curve in curves if curve is not None]
+    if not panels:
+        return ""
+    heading = element("h3", text("How joints err over their travel"))
+    return heading + element("div", *panels, class_="multiples")
+
+
+def _curve_panel(diagnosis: Diagnosis, finding: Finding, curve: Callable[[Scalar, Mapping[str, float]], Scalar]) -> str:
+    joint = finding.at[0]
+    travelled = diagnosis.recording.q[:, joint - 1]
+    angle = np.linspace(travelled.min(), travelled.max(), _POINTS)
+    values = {fitted.parameter: fitted.value for fitted in finding.parameters}
+    error = 1e3 * np.asarray(curve(angle, values), dtype=float)
+    across = (float(np.degrees(angle[0])), float(np.degrees(angle[-1])))
+    plot = Plot(_WIDTH, _CURVE_HEIGHT, across, spanned(error))
+    about = f"Error of joint {joint} over its travel, within {np.abs(error).max():.2g} mrad."
+    drawn = course(plot.x(np.degrees(angle)), plot.y(error), "after")
+    return plot.drawn(about, (f"joint {joint} in degrees", "error in mrad"), drawn)

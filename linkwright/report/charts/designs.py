@@ -1,13 +1,18 @@
-"""Pictures that the pages of an evaluation and of an optimisation share: arms, and maps of the error."""
+"""Pictures of arms where they err most, and maps of the error, that pages share."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
 
 from linkwright.core.arm.evaluation import ErrorMap
+from linkwright.core.arm.worst.search import WorstPose
+from linkwright.core.diagnose.result import Diagnosis
 from linkwright.core.optimize.result import OptimizationResult
 from linkwright.report.page import figure_place, in_own_place, only_on_paper, side_by_side
-from linkwright.report.pictures.arm import arm_caption, arm_picture, numbered, shared_window, skeleton
+from linkwright.report.pictures.arm import arm_caption, arm_picture, numbered, shared_window, skeleton, skeleton_at
 from linkwright.report.pictures.plots import (
     Figure,
     colour_range,
@@ -17,9 +22,11 @@ from linkwright.report.pictures.plots import (
     in_own_colours,
     shared_spans,
 )
-from linkwright.report.pictures.svg import element, text
+from linkwright.report.pictures.svg import element, nice_below, text
 from linkwright.results.design import Named
+from linkwright.results.diagnoses.words import row_words
 from linkwright.results.document import Drawn
+from linkwright.results.figures_in_words import figure, mm, pose
 
 _EXCHANGE = "The exchange ends where no pose is worse than those it has already designed for."
 
@@ -63,3 +70,28 @@ def exchange(result: OptimizationResult, words: str) -> Drawn | str:
         return ""
     figures = {"exchange": exchange_figure(result.iterations, result.minimize)}
     return Drawn(figure_place("exchange", words, text(_EXCHANGE)), figures)
+
+
+def arm_at_mismatch(diagnosis: Diagnosis) -> str:
+    """The arm at the reading where the mismatch is largest, the joint ringed."""
+    recording, arm = diagnosis.recording, diagnosis.arm
+    length = np.linalg.norm(diagnosis.residual_before, axis=1)
+    worst = int(np.argmax(length))
+    vector = [*diagnosis.in_space(diagnosis.residual_before)[worst].tolist(), 0.0][:3]
+    shown = (vector[0], vector[1], vector[2])
+    at = WorstPose(tuple(recording.q[worst].tolist()), 0, float(length[worst]), shown, (), ())
+    drawn = skeleton_at(arm, at)
+    window = shared_window([drawn])
+    if at.error > 0.0:
+        # Seen from the side the arrow may point at the reader; it must not be drawn longer for that.
+        longest = nice_below(0.2e-3 * window.width / at.error)
+        window = replace(window, exaggeration=min(window.exaggeration, longest))
+    joint = None if diagnosis.where.joint is None else diagnosis.where.joint - 1
+    ring = "" if joint is None else f"; joint {joint + 1} is ringed"
+    row = row_words(recording, int(recording.row[worst]))
+    about = f"{arm.name} at {row}, where the mismatch is largest: {mm(at.error, 3)}{ring}"
+    view = "" if arm.planar() else "; seen from the side, in the upright plane through the tip"
+    arrow = f"The arrow is the mismatch, {figure(window.exaggeration)} times its size{view}."
+    words = f"{about} ({pose(arm, at.q)}). {arrow}"
+    picture = arm_picture(arm, drawn, window, "before", marked=joint, about=about)
+    return element("figure", picture, element("figcaption", text(words)), class_="bounded small")

@@ -5,11 +5,10 @@ from __future__ import annotations
 from typing import Any
 
 from linkwright.core.optimize.tradeoff.front import Front, Point, Tradeoff
-from linkwright.report.charts.front_words import picture_words, price_words, shown, slope_factor
 from linkwright.report.page import figure_place
 from linkwright.report.pictures.plots import Figure
 from linkwright.report.pictures.svg import text
-from linkwright.report.pictures.tradeoff import COLOURS
+from linkwright.report.pictures.tradeoff import COLOURS, picture_words, price_words, shown, slope_factor
 from linkwright.results.document import Drawn
 from linkwright.results.figures_in_words import figure, section_words, with_unit
 

@@ -10,13 +10,13 @@ from linkwright.core.diagnose.result import Diagnosis
 from linkwright.core.diagnose.several.recordings import nominal_tips as tips_of
 from linkwright.core.sections.numeric import Array
 from linkwright.report.page import figure_place, in_own_place, only_on_paper, side_by_side
+from linkwright.report.pictures.svg import Plot, arrows, spanned
 from linkwright.results.diagnoses.words import row_words
 from linkwright.results.document import Drawn
 from linkwright.results.figures_in_words import figure, mm, pose
 
 from .plots import Figure, in_own_colours, with_scales
 from .svg import element, label, line, nice_below, text
-from .svg_plot import Plot, arrows, spanned
 
 MOST_ARROWS = 250
 MOST_HOVERED = 3000

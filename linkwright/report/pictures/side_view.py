@@ -18,9 +18,9 @@ from linkwright.core.arm.placed.views import Side, sides
 from linkwright.core.sections.numeric import Array
 from linkwright.core.sections.section import Section
 from linkwright.core.sections.taper import Tapered
+from linkwright.report.pictures.svg import Levels, width_of
 from linkwright.results.figures_in_words import figure, with_unit
 
-from .labels import Levels, width_of
 from .svg import drawing, element, label, line, path, text
 
 _WIDTH, _MARGIN, _SIZE = 460.0, 26.0, 11.5

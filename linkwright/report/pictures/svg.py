@@ -1,10 +1,17 @@
-"""Small pieces of SVG and HTML: elements with escaped attributes, nice scales."""
+"""Small pieces of SVG and HTML: elements with escaped attributes, nice scales, words apart from each other, plots."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, field
 from html import escape
+
+import numpy as np
+from numpy.typing import NDArray
+
+from linkwright.core.sections.numeric import Array
+from linkwright.results.figures_in_words import figure
 
 
 def element(tag: str, *children: str, **attributes: object) -> str:
@@ -62,3 +69,156 @@ def scale_bar(left: float, y: float, length: float, height: float, size: float, 
     ends = (line((x, y - height), (x, y + height), "rule", height / 2) for x in (left, left + length))
     bar = line((left, y), (left + length, y), "rule", height / 2)
     return bar + "".join(ends) + label(left + length / 2, y - 2.2 * height, size, words)
+
+
+LETTER = 0.56
+"""Width of a letter, of its height."""
+
+
+def width_of(words: str, size: float) -> float:
+    """About how wide words of that size are drawn."""
+    return LETTER * size * len(words)
+
+
+@dataclass
+class Levels:
+    """Rows of words one above another: each goes to the first row where it is free from `low` to `high`."""
+
+    rows: list[list[tuple[float, float]]] = field(default_factory=list[list[tuple[float, float]]])
+
+    def placed(self, low: float, high: float) -> int:
+        """The row that holds a span now."""
+        for number, row in enumerate(self.rows):
+            if all(high <= left or low >= right for left, right in row):
+                row.append((low, high))
+                return number
+        self.rows.append([(low, high)])
+        return len(self.rows) - 1
+
+
+Box = tuple[float, float, float, float]
+"""Left, top, right, bottom."""
+
+
+def free(box: Box, taken: Sequence[Box]) -> bool:
+    """Whether a box overlaps none of the others."""
+    return all(
+        box[2] <= left or box[0] >= right or box[3] <= top or box[1] >= bottom for left, top, right, bottom in taken
+    )
+
+
+_TEXT = 12.0
+
+
+@dataclass(frozen=True)
+class Plot:
+    """A frame of `width` by `height` units on the page that shows `across` and `up` (low, high) in the data's units."""
+
+    width: float
+    height: float
+    across: tuple[float, float]
+    up: tuple[float, float]
+    left: float = 52.0
+    bottom: float = 38.0
+    top: float = 8.0
+    right: float = 12.0
+
+    def x(self, values: Array) -> Array:
+        """Where data stands across the page."""
+        low, high = self.across
+        return self.left + (np.asarray(values, dtype=float) - low) / (high - low) * self.width
+
+    def y(self, values: Array) -> Array:
+        """Where data stands down the page."""
+        low, high = self.up
+        return self.top + (high - np.asarray(values, dtype=float)) / (high - low) * self.height
+
+    def drawn(self, about: str, names: tuple[str, str], *children: str, ticks: Sequence[float] | None = None) -> str:
+        """The plot with frame, ticks and the axes' names; `ticks` are those across, by default round figures."""
+        parts = [*self._ticks(ticks), *children]
+        frame = {"x": self.left, "y": self.top, "width": self.width, "height": self.height}
+        parts.append(element("rect", **frame, class_="frame"))
+        middle = self.left + self.width / 2
+        parts.append(label(middle, self.top + self.height + 33.0, _TEXT, names[0]))
+        parts.append(self._upright(names[1]))
+        full = (self.left + self.width + self.right, self.top + self.height + self.bottom)
+        return drawing(0.0, 0.0, full[0], full[1], about, *parts)
+
+    def _upright(self, words: str) -> str:
+        x, y = 11.0, self.top + self.height / 2
+        return label(x, y, _TEXT, words).replace("<text ", f'<text transform="rotate(-90 {x:g} {y:g})" ', 1)
+
+    def _ticks(self, ticks: Sequence[float] | None) -> list[str]:
+        parts: list[str] = []
+        foot = self.top + self.height
+        for value in round_ticks(*self.across) if ticks is None else ticks:
+            x = float(self.x(np.array(value)))
+            parts.append(line((x, self.top), (x, foot), "axis", 1.0))
+            parts.append(label(x, foot + 15.0, _TEXT, figure(value, 6)))
+        for value in round_ticks(*self.up):
+            y = float(self.y(np.array(value)))
+            parts.append(line((self.left, y), (self.left + self.width, y), "axis", 1.0))
+            parts.append(label(self.left - 5.0, y + 4.0, _TEXT, figure(value, 6), "end"))
+        return parts
+
+
+def round_ticks(low: float, high: float, most: int = 5) -> list[float]:
+    """Round figures within a span, not more than `most`."""
+    if not high > low:
+        return [low]
+    step = nice_below((high - low) / most)
+    while (high - low) / step > most:
+        step = _next_nice(step)
+    first = math.ceil(low / step - 1e-9)
+    last = math.floor(high / step + 1e-9)
+    return [number * step + 0.0 for number in range(first, last + 1)]
+
+
+def _next_nice(step: float) -> float:
+    mantissa = round(step / 10.0 ** math.floor(math.log10(step) + 1e-9))
+    return step * (2.5 if mantissa == 2 else 2.0)
+
+
+def spanned(values: Array, air: float = 0.06, least: float = 0.0) -> tuple[float, float]:
+    """The span of values with a little air, never without width."""
+    known = values[np.isfinite(values)]
+    low, high = (float(known.min()), float(known.max())) if len(known) else (0.0, 1.0)
+    width = max(high - low, least, 1e-9 * max(abs(low), abs(high)), 1e-12)
+    middle = 0.5 * (low + high)
+    return middle - (0.5 + air) * width, middle + (0.5 + air) * width
+
+
+def dots(x: Array, y: Array, class_: str) -> str:
+    """Round dots: lines of no length with round ends, so that many stay one short path."""
+    pieces = [f"M{a:.1f},{b:.1f}h0" for a, b in zip(x.tolist(), y.tolist(), strict=True)]
+    return element("path", d="".join(pieces), class_=f"dots {class_}")
+
+
+def course(x: Array, y: Array, class_: str) -> str:
+    """A line through points."""
+    pieces = [f"{a:.1f},{b:.1f}" for a, b in zip(x.tolist(), y.tolist(), strict=True)]
+    return element("path", d="M" + "L".join(pieces), class_=f"course {class_}") if len(pieces) > 1 else ""
+
+
+def arrows(starts: Array, ends: Array, class_: str, head: float = 5.0) -> str:
+    """Arrows (N, 2) to (N, 2) on the page as one path; one that is too short for a head is a bare line."""
+    pieces: list[str] = []
+    for (x, y), (u, v) in zip(starts.tolist(), ends.tolist(), strict=True):
+        pieces.append(f"M{x:.1f},{y:.1f}L{u:.1f},{v:.1f}")
+        length = math.hypot(u - x, v - y)
+        if length > 1.5 * head:
+            a, b = (u - x) / length * head, (v - y) / length * head
+            wings = ((u - a - 0.5 * b, v - b + 0.5 * a), (u - a + 0.5 * b, v - b - 0.5 * a))
+            pieces.append(f"M{wings[0][0]:.1f},{wings[0][1]:.1f}L{u:.1f},{v:.1f}L{wings[1][0]:.1f},{wings[1][1]:.1f}")
+    return element("path", d="".join(pieces), class_=f"arrows {class_}")
+
+
+def binned(x: Array, y: Array, bins: int = 12) -> tuple[Array, Array]:
+    """Means of y over bins of x that hold equally many readings; one a value where x has few values."""
+    values = np.unique(x)
+    if len(values) <= bins:
+        return values, np.array([float(y[x == value].mean()) for value in values])
+    order = np.argsort(x, kind="stable")
+    parts: Iterable[NDArray[np.int64]] = np.array_split(order, bins)
+    pairs = [(float(x[part].mean()), float(y[part].mean())) for part in parts]
+    return np.array([a for a, _ in pairs]), np.array([b for _, b in pairs])

@@ -10,14 +10,14 @@ from linkwright.core.arm.effects import EFFECTS
 from linkwright.core.diagnose.answer.sentences import about_of, name_of
 from linkwright.core.diagnose.result import Diagnosis, Finding, FittedParameter, LackOfFit, Unknown
 from linkwright.core.diagnose.rules.rules import RULES
-from linkwright.redesigning import Redesign
-from linkwright.report.charts.covariates import small_multiples
-from linkwright.report.charts.mismatch import arm_at_mismatch
+from linkwright.redesigning import Redesign, redesign_section
+from linkwright.report.charts.bars import ladder_picture
+from linkwright.report.charts.covariates import joint_curves, small_multiples
+from linkwright.report.charts.designs import arm_at_mismatch
 from linkwright.report.page import side_by_side
-from linkwright.report.pictures.joint_curves import joint_curves
-from linkwright.report.pictures.ladder import ladder_picture
 from linkwright.report.pictures.residual_map import residual_maps
 from linkwright.results.design import settings
+from linkwright.results.diagnoses.evidence import differing, own_arms, recordings, unit_files
 from linkwright.results.document import (
     Cell,
     Column,
@@ -36,7 +36,6 @@ from linkwright.results.document import (
     table,
 )
 from linkwright.results.figures_in_words import figure, lasted, mm
-from linkwright.results.redesign import redesign_section
 
 from .answer import answer, main_and_small, to_do
 from .evidence import (
@@ -49,7 +48,6 @@ from .evidence import (
     standards,
     where_it_sits,
 )
-from .recordings import differing, own_arms, recordings, unit_files
 from .words import (
     alias_sentence,
     covariate_words,

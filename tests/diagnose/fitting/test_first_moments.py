@@ -15,7 +15,7 @@ from linkwright.core.diagnose.diagnosis import diagnose
 from linkwright.core.diagnose.predict import predict
 from linkwright.core.diagnose.recording import Recording
 from linkwright.core.materials.catalogue import load_catalogue
-from linkwright.output.written_arm import with_written
+from linkwright.output.diagnosis_folder import with_written
 from tests.diagnose.arm_of_drives import COMPLIANCE, SIGMA, arm_of_drives, read
 from tests.diagnose.recorded import LENGTHS, planar_tip
 

@@ -17,7 +17,7 @@ from linkwright.core.diagnose.predict import predict
 from linkwright.core.diagnose.recording import Recording
 from linkwright.core.materials.catalogue import load_catalogue
 from linkwright.core.sections.numeric import Array
-from linkwright.output.written_arm import with_written
+from linkwright.output.diagnosis_folder import with_written
 
 LENGTHS = np.array([0.5, 0.45, 0.3])
 MASSES = np.array([9.0, 6.0, 2.5])

@@ -21,7 +21,7 @@ from linkwright.core.diagnose.recording import Recording
 from linkwright.core.diagnose.rules.rules import RULES
 from linkwright.core.materials.catalogue import load_catalogue
 from linkwright.core.units.quantities import InputError
-from linkwright.output.written_arm import with_written
+from linkwright.output.diagnosis_folder import with_written
 from tests.diagnose.instruments import test_torque_weights as planar
 
 AXES = ((0.0, 0.0, 1.0), (0.0, 1.0, 0.0), (0.0, 1.0, 0.0))

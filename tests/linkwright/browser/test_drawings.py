@@ -9,7 +9,7 @@ from linkwright.core.arm.chain.statics import solve
 from linkwright.core.arm.errors.exact import deformed
 from linkwright.core.arm.errors.model import beams_of
 from linkwright.core.arm.errors.tip import active_effects
-from linkwright.report.pictures.bent import bent_shape
+from linkwright.report.pictures.loads import bent_shape
 
 ARM = "examples/several-loads/arm.yaml"
 

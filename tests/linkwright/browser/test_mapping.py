@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 
 import linkwright as lw
-from linkwright.browser.server.dropped import Dropped
-from linkwright.browser.server.mapping import IGNORED, OTHER, Meaning, proposed, settings_text
+from linkwright.browser.server.dropped import IGNORED, OTHER, Dropped, Meaning, proposed, settings_text
 from linkwright.core.diagnose.reading.table import table_of
 from linkwright.core.units.reading import parse_yaml
 

@@ -8,8 +8,7 @@ from rich.console import Console
 from linkwright.core.arm.compensation import table_over
 from linkwright.core.arm.files.read import read_arm
 from linkwright.screen import progress
-from linkwright.screen.pace import Pace, in_words
-from linkwright.screen.progress import Steps, waiting
+from linkwright.screen.progress import Pace, Steps, in_words, waiting
 
 
 def test_an_end_is_estimated_from_what_is_behind():

@@ -13,8 +13,7 @@ import pytest
 from linkwright.core.arm.chain.chain import Joint
 from linkwright.core.arm.evaluation import evaluate
 from linkwright.core.sections import Circle, Tube
-from linkwright.report.described import page_of
-from linkwright.report.origin import origin_of, signed
+from linkwright.report.described import origin_of, page_of, signed
 from linkwright.report.pictures.arm import arm_picture, shared_window, skeleton
 from linkwright.report.pictures.sections import sections_grid
 from linkwright.results import evaluation as evaluations

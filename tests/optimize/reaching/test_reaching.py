@@ -22,7 +22,7 @@ from linkwright.core.optimize.tradeoff.question import question
 from linkwright.core.optimize.tradeoff.tradeoff import trade_off
 from linkwright.core.units.quantities import NoAnswer
 from linkwright.json.design import optimization_json
-from linkwright.json.tradeoff import tradeoff_csv, tradeoff_json
+from linkwright.output.tradeoff_folder import tradeoff_csv, tradeoff_json
 from linkwright.results.design import bound_words
 from linkwright.results.figures_in_words import percent
 from linkwright.results.optimization import status_words

@@ -2,38 +2,32 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import Annotated, Any
 
 import typer
 
 import linkwright as lw
-from linkwright.commands.groups import command_group
+from linkwright.commands.catalogues.section_edit import (
+    FIGURES,
+    QUERY,
+    heading,
+    properties_of,
+    unit_of,
+    value_of,
+    written,
+)
+from linkwright.commands.groups import Commands, write_content
 from linkwright.commands.options import JsonFile, as_options
 from linkwright.core.sections import SHAPES, Section, Stock, StockSize
 from linkwright.core.units.names import meant
 from linkwright.core.units.quantities import InputError
-from linkwright.output.files import check_target, write_json
+from linkwright.json.fields import fields
+from linkwright.output.files import check_target
 from linkwright.results.figures_in_words import figure
-from linkwright.version import program_version
 
-from . import HELP, edit
-from .query import FIGURES, QUERY, heading, properties_of, unit_of, value_of, written
-from .stock import StockFile
+from .section_edit import OWN, StockFile, edit_section, export_sections
 
-LIST_HELP = """Every shape with its dimensions and every family of stock sizes; with an option, stock sizes one a line.
-
-Example: linkwright sections list --family IPE --where 'I_y > 500 cm^4' --sort=-area --columns height,area,W_y
-"""
-COMPARE_HELP = """Several stock sizes side by side.
-
-Example: linkwright sections compare "IPE 80" "RHS 80x40x3" "CHS 60.3x4"
-"""
 UNCONFIRMED = "?: could not be found in its source; `sections show NAME` says what was looked for"
-SHOW_HELP = """One shape, or one stock size with its properties.
-
-Example: linkwright sections show "IPE 80"
-"""
 
 
 def list_sections(
@@ -54,7 +48,10 @@ def list_sections(
     json: JsonFile = None,
     catalogue: StockFile = None,
 ) -> None:
-    """Run `sections list`."""
+    """Every shape with its dimensions and every family of stock sizes; with an option, stock sizes one a line.
+
+    Example: linkwright sections list --family IPE --where 'I_y > 500 cm^4' --sort=-area --columns height,area,W_y
+    """
     from linkwright.screen.console import console
 
     check_target(json, catalogue)
@@ -64,7 +61,7 @@ def list_sections(
         sizes = QUERY.chosen(known.of_family(*family) if family else known.values(), where, sort)
     every = not (family or where or sort or columns)
     shapes = [_shape_json(kind) for kind in SHAPES.values()] if every else []
-    _write(json, {"shapes": shapes, "stock": [_stock_json(size) for size in sizes]})
+    write_content(json, "sections", {"shapes": shapes, "stock": [_stock_json(size) for size in sizes]})
     if every:
         _print_shapes()
         _print_families(known.stock)
@@ -80,10 +77,13 @@ def show_section(
     json: JsonFile = None,
     catalogue: StockFile = None,
 ) -> None:
-    """Run `sections show`."""
+    """One shape, or one stock size with its properties.
+
+    Example: linkwright sections show "IPE 80"
+    """
     check_target(json, catalogue)
     if name in SHAPES:
-        _write(json, _shape_json(SHAPES[name]))
+        write_content(json, "sections", _shape_json(SHAPES[name]))
         _print_shape(SHAPES[name])
         return
     try:
@@ -94,7 +94,7 @@ def show_section(
         near = meant(name, SHAPES, 0.7)
         message = error.message if near is None else f"there is no shape or stock size {name!r}; did you mean '{near}'?"
         raise InputError("", "section", message) from None
-    _write(json, _stock_json(size))
+    write_content(json, "sections", _stock_json(size))
     _print_size(size)
 
 
@@ -103,7 +103,10 @@ def compare_sections(
     json: JsonFile = None,
     catalogue: StockFile = None,
 ) -> None:
-    """Run `sections compare`."""
+    """Several stock sizes side by side.
+
+    Example: linkwright sections compare "IPE 80" "RHS 80x40x3" "CHS 60.3x4"
+    """
     from linkwright.screen.console import console, table
 
     check_target(json, catalogue)
@@ -111,7 +114,7 @@ def compare_sections(
         raise InputError("", "NAME", "needs two sizes or more to compare")
     known = lw.sections.with_file(catalogue)
     sizes = [known[name] for name in names]
-    _write(json, {"stock": [_stock_json(size) for size in sizes]})
+    write_content(json, "sections", {"stock": [_stock_json(size) for size in sizes]})
     marked = (size.name + (" ?" if size.unconfirmed else "") for size in sizes)
     shown = table("what", *marked, numbers=tuple(range(1, len(sizes) + 1)))
     shown.add_row("shape", *(size.shape.replace("_", " ") for size in sizes))
@@ -202,15 +205,13 @@ def _print_shape(kind: type[Section]) -> None:
 
 def _stock_json(size: StockSize) -> dict[str, Any]:
     found = properties_of(size)
+    figures = {
+        f"{name}_cm{power}": float(f"{getattr(found, name) * 100.0**power:.6g}") for name, (_, power) in FIGURES.items()
+    }
     return {
-        "name": size.name,
-        "family": size.family,
-        "shape": size.shape,
+        **fields(size, "name", "family", "shape"),
         "dimensions_mm": {name: float(f"{1e3 * value:.10g}") for name, value in size.dimensions.items()},
-        **{
-            f"{name}_cm{power}": float(f"{getattr(found, name) * 100.0**power:.6g}")
-            for name, (_, power) in FIGURES.items()
-        },
+        **figures,
         "printed": dict(size.printed) or None,
         "source": size.source,
         "found_in": size.found_in or None,
@@ -224,25 +225,11 @@ def _dimension_words(kind: type[Section]) -> list[str]:
 
 
 def _shape_json(kind: type[Section]) -> dict[str, Any]:
-    return {
-        "name": kind.shape,
-        "dimensions": [
-            {"name": each.name, "meaning": each.meaning, "kind": each.kind, "optional": each.optional}
-            for each in kind.dimensions
-        ],
-        "can_be_optimised": bool(kind.variables),
-    }
+    dimensions = [fields(each, "name", "meaning", "kind", "optional") for each in kind.dimensions]
+    return {"name": kind.shape, "dimensions": dimensions, "can_be_optimised": bool(kind.variables)}
 
 
-def _write(json: Path | None, content: dict[str, Any]) -> None:
-    write_json(json, {"made_by": f"linkwright sections {program_version()}", **content})
-
-
-def group() -> typer.Typer:
-    """The command group."""
-    look = {
-        "list": (list_sections, LIST_HELP),
-        "show": (show_section, SHOW_HELP),
-        "compare": (compare_sections, COMPARE_HELP),
-    }
-    return command_group(HELP, {**look, **edit.commands()})
+def group() -> Commands:
+    """The commands of the group."""
+    look = {"list": list_sections, "show": show_section, "compare": compare_sections}
+    return {**look, **OWN.commands(export_sections, edit_section)}

@@ -3,33 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from pathlib import Path
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 import linkwright as lw
+from linkwright.commands.groups import Commands, write_content
+from linkwright.commands.options import JsonFile
 from linkwright.core.units.quantities import format_quantity
-from linkwright.output.files import check_target, write_json
-from linkwright.version import program_version
-
-from .groups import command_group
-from .options import JsonFile
+from linkwright.json.fields import fields
+from linkwright.output.files import check_target
 
 if TYPE_CHECKING:
     from linkwright.core.arm.effects import Effect, Parameter
-
-HELP = """The physics that the models know: list, show."""
-LIST_HELP = """Every effect, and whether a model has it without being asked.
-
-Example: linkwright effects list
-"""
-SHOW_HELP = """One effect: its formula, its parameters, what shows it and what it cannot be told from.
-
-Example: linkwright effects show backlash
-"""
-
 
 _ROLES: Mapping[str, str] = MappingProxyType(
     {
@@ -41,11 +28,14 @@ _ROLES: Mapping[str, str] = MappingProxyType(
 
 
 def list_effects(json: JsonFile = None) -> None:
-    """Run `effects list`."""
+    """Every effect, and whether a model has it without being asked.
+
+    Example: linkwright effects list
+    """
     from linkwright.screen.console import console, table
 
     check_target(json)
-    _write(json, {"effects": [_as_json(effect) for effect in lw.effects.values()]})
+    write_content(json, "effects", {"effects": [_as_json(effect) for effect in lw.effects.values()]})
     shown = table("effect", "what", "acts at", "sizes (shapes)", "in the model")
     shown.columns[0].no_wrap = True
     for effect in lw.effects.values():
@@ -56,12 +46,15 @@ def list_effects(json: JsonFile = None) -> None:
 def show_effect(
     name: Annotated[str, typer.Argument(metavar="NAME", help="The effect's id.")], json: JsonFile = None
 ) -> None:
-    """Run `effects show`."""
+    """One effect: its formula, its parameters, what shows it and what it cannot be told from.
+
+    Example: linkwright effects show backlash
+    """
     from linkwright.screen.console import console, table
 
     check_target(json)
     effect = lw.effects[name]
-    _write(json, _as_json(effect))
+    write_content(json, "effects", _as_json(effect))
     screen = console()
     screen.print(f"{effect.id}: {effect.title}", style="bold")
     shown = table("", "")
@@ -128,42 +121,24 @@ def _when(effect: Effect) -> str:
     return "with its data" if effect.automatic else "where named"
 
 
-def _write(json: Path | None, content: dict[str, Any]) -> None:
-    write_json(json, {"made_by": f"linkwright effects {program_version()}", **content})
-
-
 def _as_json(effect: Effect) -> dict[str, Any]:
+    told = ("id", "title", "formula", "place", "automatic", "together", "before_encoder", "requires", "only", "needs")
     return {
-        "id": effect.id,
-        "title": effect.title,
-        "formula": effect.formula,
-        "place": effect.place,
-        "automatic": effect.automatic,
-        "together": effect.together,
-        "before_encoder": effect.before_encoder,
-        "requires": list(effect.requires),
-        "only": effect.only,
-        "needs": effect.needs,
-        "aliases": list(effect.aliases),
-        "source": effect.source,
-        "parameters": [
-            {
-                "name": parameter.name,
-                "kind": parameter.kind,
-                "meaning": parameter.meaning,
-                "lower": format_quantity(parameter.lower, parameter.kind),
-                "upper": format_quantity(parameter.upper, parameter.kind),
-                "typical": [format_quantity(value, parameter.kind) for value in parameter.typical],
-                "source": parameter.source,
-                "role": parameter.role,
-                "grid": list(parameter.grid),
-                "relative_to_load": parameter.relative_to_load,
-            }
-            for parameter in effect.parameters
-        ],
+        **fields(effect, *told, "aliases", "source"),
+        "parameters": [_parameter(each) for each in effect.parameters],
     }
 
 
-def group() -> typer.Typer:
-    """The command group."""
-    return command_group(HELP, {"list": (list_effects, LIST_HELP), "show": (show_effect, SHOW_HELP)})
+def _parameter(each: Parameter) -> dict[str, Any]:
+    lower, upper, *typical = (format_quantity(value, each.kind) for value in (each.lower, each.upper, *each.typical))
+    bounds = {"lower": lower, "upper": upper, "typical": typical}
+    return {
+        **fields(each, "name", "kind", "meaning"),
+        **bounds,
+        **fields(each, "source", "role", "grid", "relative_to_load"),
+    }
+
+
+def group() -> Commands:
+    """The commands of the group."""
+    return {"list": list_effects, "show": show_effect}

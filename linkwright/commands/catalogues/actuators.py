@@ -4,34 +4,21 @@ from __future__ import annotations
 
 import itertools
 import math
-from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 import linkwright as lw
-from linkwright.commands.groups import command_group
+from linkwright.commands.groups import Commands, write_content
 from linkwright.commands.options import JsonFile
-from linkwright.output.files import check_target, write_json
+from linkwright.json.fields import fields
+from linkwright.output.files import check_target
 from linkwright.results.figures_in_words import figure, with_unit
-from linkwright.version import program_version
 
-from . import HELP, edit
+from .actuator_edit import OWN, ActuatorFile, export_actuators
 
 if TYPE_CHECKING:
     from linkwright.core.arm.actuators import Actuator
-
-LIST_HELP = """Every actuator: what it holds, how stiff it is, what it loses, weighs and costs.
-
-Example: linkwright actuators list --least-torque '100 N*m'
-"""
-SHOW_HELP = """One actuator: every figure, and where it is from.
-
-Example: linkwright actuators show RV-20E
-"""
-ActuatorFile = Annotated[
-    Path | None, typer.Option("--catalogue", metavar="FILE", help="Actuators that add to the shipped ones.")
-]
 
 
 def list_actuators(
@@ -41,14 +28,17 @@ def list_actuators(
     json: JsonFile = None,
     catalogue: ActuatorFile = None,
 ) -> None:
-    """Run `actuators list`."""
+    """Every actuator: what it holds, how stiff it is, what it loses, weighs and costs.
+
+    Example: linkwright actuators list --least-torque '100 N*m'
+    """
     from linkwright.core.units.quantities import read_quantity
     from linkwright.screen.console import console, table
 
     check_target(json, catalogue)
     least = 0.0 if least_torque is None else read_quantity(least_torque, "torque", file="", key="--least-torque")
     found = [each for each in lw.actuators.with_file(catalogue).values() if each.rated_torque >= least]
-    write_json(json, _content({"actuators": [_as_json(each) for each in found]}))
+    write_content(json, "actuators", {"actuators": [_as_json(each) for each in found]})
     if not found:
         console().print("no actuator is rated for that")
         return
@@ -79,12 +69,15 @@ def show_actuator(
     json: JsonFile = None,
     catalogue: ActuatorFile = None,
 ) -> None:
-    """Run `actuators show`."""
+    """One actuator: every figure, and where it is from.
+
+    Example: linkwright actuators show RV-20E
+    """
     from linkwright.screen.console import console, table
 
     check_target(json, catalogue)
     found = lw.actuators.with_file(catalogue)[name]
-    write_json(json, _content(_as_json(found)))
+    write_content(json, "actuators", _as_json(found))
     screen = console()
     screen.print(f"{found.name}: {found.maker}, {found.gear}", style="bold")
     shown = table("what", "value", numbers=(1,))
@@ -139,36 +132,14 @@ def _cost_words(found: Actuator) -> str:
     return f"{figure(found.cost)} EUR ({spread}{found.cost_date})"
 
 
-def _content(content: dict[str, Any]) -> dict[str, Any]:
-    return {"made_by": f"linkwright actuators {program_version()}", **content}
-
-
 def _as_json(each: Actuator) -> dict[str, Any]:
-    return {
-        "name": each.name,
-        "maker": each.maker,
-        "gear": each.gear,
-        "ratio": each.ratio,
-        "rated_torque_Nm": each.rated_torque,
-        "peak_torque_Nm": each.peak_torque,
-        "stiffness_Nm_per_rad": each.stiffness,
-        "stiffness_zones_Nm_per_rad": list(each.stiffnesses),
-        "zone_torques_Nm": list(each.zone_torques),
-        "backlash_arcmin": _arcmin(each.backlash),
-        "tilting_stiffness_Nm_per_rad": each.tilting_stiffness,
-        "mass_kg": each.mass,
-        "cost_EUR": each.cost,
-        "cost_spread_EUR": None if each.cost_spread is None else list(each.cost_spread),
-        "cost_date": each.cost_date,
-        "source": each.source,
-        "note": each.note,
-        "found_in": each.found_in or None,
-        "unconfirmed": dict(each.unconfirmed) or None,
-        "file": each.file,
-    }
+    figures = ("rated_torque_Nm", "peak_torque_Nm", "stiffness_Nm_per_rad", "stiffness_zones_Nm_per_rad=stiffnesses")
+    figures += ("zone_torques_Nm", "backlash_arcmin", "tilting_stiffness_Nm_per_rad", "mass_kg")
+    cost = ("cost_EUR", "cost_spread_EUR", "cost_date", "source", "note")
+    found = {"found_in": each.found_in or None, "unconfirmed": dict(each.unconfirmed) or None}
+    return {**fields(each, "name", "maker", "gear", "ratio", *figures, *cost), **found, **fields(each, "file")}
 
 
-def group() -> typer.Typer:
-    """The command group."""
-    look = {"list": (list_actuators, LIST_HELP), "show": (show_actuator, SHOW_HELP)}
-    return command_group(HELP, {**look, **edit.commands()})
+def group() -> Commands:
+    """The commands of the group."""
+    return {"list": list_actuators, "show": show_actuator, **OWN.commands(export_actuators)}

@@ -1,4 +1,4 @@
-"""What an installation needs, looked at one by one: each check says what it found and what to do where it is wrong."""
+"""`linkwright doctor`: is the installation sound, each check with what it found and what to do where it is wrong."""
 
 from __future__ import annotations
 
@@ -13,7 +13,11 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Any, Literal
 
+from linkwright.commands.groups import write_content
+from linkwright.commands.options import JsonFile
 from linkwright.core.units.quantities import InputError
+from linkwright.json.fields import fields
+from linkwright.output.files import check_target
 from linkwright.report.pdf import need_browser
 
 State = Literal["sound", "left out", "wrong"]
@@ -207,3 +211,31 @@ def _part(name: str, modules: tuple[str, ...], would_do: str) -> Check:
             return Check(name, "wrong", f"{module} cannot be used: {error}", would_do)
         versions.append(f"{module} {version}")
     return Check(name, "sound", ", ".join(versions))
+
+
+HELP = """Is the installation sound: versions, solver, catalogues, folders, threads, optional parts; what to do if not.
+
+Exit status 0 where it is, 1 where something is wrong.
+
+Example: linkwright doctor
+"""
+
+
+def doctor(json: JsonFile = None) -> int:
+    """Run the command."""
+    from linkwright.screen.console import console, table
+
+    check_target(json)
+    found = checked()
+    checks = [{**fields(each, "name", "state", "found"), "would_do": each.would_do or None} for each in found.checks]
+    write_content(json, "doctor", {"sound": found.sound, "checks": checks})
+    shown = table("what", "state", "found", "what would do")
+    for each in found.checks:
+        shown.add_row(each.name, each.state.upper() if each.state == "wrong" else each.state, each.found, each.would_do)
+    screen = console()
+    screen.print(shown)
+    wrong = [each.name for each in found.checks if each.state == "wrong"]
+    screen.print(f"wrong: {', '.join(wrong)}" if wrong else "The installation is sound.", soft_wrap=True)
+    if json is not None:
+        screen.print(f"written: {json}", soft_wrap=True)
+    return 0 if found.sound else 1

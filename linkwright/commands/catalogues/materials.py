@@ -10,31 +10,19 @@ from typing import Annotated, Any
 import typer
 
 import linkwright as lw
-from linkwright.commands.groups import command_group
+from linkwright.commands.catalogues.material_edit import QUERY, SHORT, is_unconfirmed, marked, value_of, written
+from linkwright.commands.groups import Commands, write_content
 from linkwright.commands.options import CatalogueFile, JsonFile
 from linkwright.core.materials.catalogue import Catalogue
 from linkwright.core.materials.material import Constant, Material, Property, PropertyName, property_kinds
 from linkwright.core.units.names import nearest
 from linkwright.core.units.quantities import InputError
 from linkwright.core.units.temperature import REFERENCE_TEMPERATURE, ZERO_CELSIUS
-from linkwright.output.files import check_target, write_file, write_json
-from linkwright.version import program_version
+from linkwright.json.fields import fields
+from linkwright.output.files import check_target, write_file
 
-from . import HELP, edit
-from .query import QUERY, SHORT, is_unconfirmed, marked, value_of, written
+from .material_edit import OWN, export_materials
 
-LIST_HELP = """Every material of the catalogue at 20 degC.
-
-Example: linkwright materials list --family aluminium --where 'density < 3 g/cm^3' --sort=-yield --columns E,yield,cost
-"""
-SHOW_HELP = """One material: each property with its range of temperature, its spread and its source; E over temperature.
-
-Example: linkwright materials show aluminium-6061-t6 --plot aluminium.html
-"""
-COMPARE_HELP = """Several materials side by side at 20 degC.
-
-Example: linkwright materials compare steel-s355 aluminium-6061-t6 cfrp-quasi-isotropic
-"""
 _BAR = 40
 _STEPS = 12
 _UNCONFIRMED = "?: could not be found in its source; `materials show NAME` says what was looked for"
@@ -55,7 +43,11 @@ def list_materials(
     json: JsonFile = None,
     catalogue: CatalogueFile = None,
 ) -> None:
-    """Run `materials list`."""
+    """Every material of the catalogue at 20 degC.
+
+    Example: linkwright materials list --family aluminium --where 'density < 3 g/cm^3' --sort=-yield
+    --columns E,yield,cost
+    """
     from linkwright.screen.console import console, table
 
     check_target(json, catalogue)
@@ -66,7 +58,7 @@ def list_materials(
         if each not in families:
             raise InputError("", "--family", f"there is no family '{each}'{nearest(each, families)}")
     found = QUERY.chosen((item for item in known if not family or item.family in family), where, sort)
-    _write(json, {"materials": [_as_json(known, material) for material in found]})
+    write_content(json, "materials", {"materials": [_as_json(known, material) for material in found]})
     if not found:
         console().print("no material of the catalogue is so")
         return
@@ -88,14 +80,17 @@ def show_material(
     json: JsonFile = None,
     catalogue: CatalogueFile = None,
 ) -> None:
-    """Run `materials show`."""
+    """One material: each property with its range of temperature, its spread and its source; E over temperature.
+
+    Example: linkwright materials show aluminium-6061-t6 --plot aluminium.html
+    """
     from linkwright.screen.console import console, table
 
     check_target(json, catalogue)
     check_target(plot, catalogue)
     known = lw.materials.with_file(catalogue).catalogue
     material = known.find(name)
-    _write(json, _as_json(known, material))
+    write_content(json, "materials", _as_json(known, material))
     if plot is not None:
         write_file(plot, _plot(material))
     screen = console()
@@ -144,7 +139,10 @@ def compare_materials(
     json: JsonFile = None,
     catalogue: CatalogueFile = None,
 ) -> None:
-    """Run `materials compare`."""
+    """Several materials side by side at 20 degC.
+
+    Example: linkwright materials compare steel-s355 aluminium-6061-t6 cfrp-quasi-isotropic
+    """
     from linkwright.screen.console import console, table
 
     check_target(json, catalogue)
@@ -152,7 +150,7 @@ def compare_materials(
         raise InputError("", "NAME", "needs two materials or more to compare")
     known = lw.materials.with_file(catalogue).catalogue
     found = [known.find(name) for name in names]
-    _write(json, {"materials": [_as_json(known, material) for material in found]})
+    write_content(json, "materials", {"materials": [_as_json(known, material) for material in found]})
     shown = table("property", *names, numbers=tuple(range(1, len(names) + 1)))
     for name in property_kinds():
         if any(material.has(name) for material in found):
@@ -222,10 +220,6 @@ def _valid(valid: tuple[float, float]) -> str:
     return f"{low - ZERO_CELSIUS:g} to {high - ZERO_CELSIUS:g} degC"
 
 
-def _write(json: Path | None, content: dict[str, Any]) -> None:
-    write_json(json, {"made_by": f"linkwright materials {program_version()}", **content})
-
-
 def _as_json(catalogue: Catalogue, material: Material) -> dict[str, Any]:
     """A material's figures at 20 degC: as written, and in SI."""
     properties: dict[str, Any] = {}
@@ -243,22 +237,14 @@ def _as_json(catalogue: Catalogue, material: Material) -> dict[str, Any]:
             "found_in": found.found_in or None,
         }
     return {
-        "name": material.name,
-        "title": material.title,
-        "family": material.family,
-        "isotropic": material.isotropic,
-        "magnetic": material.magnetic,
+        **fields(material, "name", "title", "family", "isotropic", "magnetic"),
         "magnetic_unconfirmed": material.magnetic_unconfirmed or None,
         "properties": properties,
         "files": list(catalogue.where(material.name)),
     }
 
 
-def group() -> typer.Typer:
-    """The command group."""
-    look = {
-        "list": (list_materials, LIST_HELP),
-        "show": (show_material, SHOW_HELP),
-        "compare": (compare_materials, COMPARE_HELP),
-    }
-    return command_group(HELP, {**look, **edit.commands()})
+def group() -> Commands:
+    """The commands of the group."""
+    look = {"list": list_materials, "show": show_material, "compare": compare_materials}
+    return {**look, **OWN.commands(export_materials)}

@@ -1,16 +1,21 @@
-"""The catalogue of actuators: its schema, its editor and its tables."""
+"""Actuators for the command line: the catalogue's schema and tables, and the edits of a file of one's own."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
-from typing import Any, cast
+from types import MappingProxyType
+from typing import Annotated, Any, cast
 
-from linkwright.core.arm.actuators import CONFIRMABLE, read_actuators
+import typer
+
+import linkwright as lw
+from linkwright.commands.catalogues.own import Names, OwnCatalogue, TableFile, value_of_text
+from linkwright.core.arm.actuators import CONFIRMABLE, read_actuators, shipped_actuators, user_actuators_path
 from linkwright.core.catalogues.csv_table import marks_text, table_text
 from linkwright.core.catalogues.keyed import Column, Entry, KeyedEditor, Schema
 from linkwright.core.units.quantities import InputError
-from linkwright.core.units.reading import shipped_files
+from linkwright.core.units.reading import load_yaml, shipped_files
 
 
 def _inherited(data: Mapping[str, Any], stem: str, content: Mapping[str, Any]) -> Mapping[str, Any]:
@@ -91,3 +96,73 @@ def _cell(value: Any) -> object:
         price = cast(dict[str, Any], value)
         return "; ".join(map(str, (price["value"], *price["spread"], price["date"])))
     return value
+
+
+ActuatorFile = Annotated[
+    Path | None, typer.Option("--catalogue", metavar="FILE", help="Actuators that add to the shipped ones.")
+]
+_HELPS = MappingProxyType(
+    {
+        "add": """Add an actuator to your file.
+
+Example: linkwright actuators add 'TURNER 1' maker=Somebody gear=planetary rated_torque='20 N*m' stiffness='5 kN*m/rad' backlash='3 arcmin' mass='2 kg' --source 'Data sheet 7'
+""",  # noqa: E501 - an example is one line
+        "edit": """Change keys of an actuator, or the file in $EDITOR; a shipped actuator is copied to yours.
+
+Example: linkwright actuators edit RV-20E mass='4.9 kg' --source 'weighed, 3 March'
+""",
+        "price": """Give an actuator a price in your file; the rest of it stays where it is.
+
+Example: linkwright actuators price RV-20E '900 EUR' --source 'Offer 12'
+""",
+        "import": """Put actuators from a .yaml, .csv or .xlsx file into yours; all of it or nothing.
+
+Example: linkwright actuators import supplier.yaml
+""",
+        "check": "Check files of actuators; without a file the shipped ones and yours.",
+    }
+)
+
+
+def _made(name: str, given: dict[str, str], source: str) -> Entry:
+    if not source:
+        raise InputError("", "--source", "is missing: say where the figures are from")
+    content = {key: value_of_text(value, key) for key, value in given.items()}
+    return Entry(name, {**content, "source": "own"}, {"own": source})
+
+
+def _found(catalogue: Path | None) -> Callable[[str], Entry | None]:
+    files = [path for path in (user_actuators_path(), catalogue) if path is not None and path.exists()]
+    return lambda name: ACTUATORS.entry(name, files)
+
+
+OWN = OwnCatalogue(
+    group="actuators",
+    editor=ACTUATORS,
+    own=lambda: user_actuators_path(),
+    entry="actuator",
+    called="file",
+    key="actuator",
+    count=lambda path: len(read_actuators(load_yaml(path))),
+    shipped=lambda: [("shipped actuators", len(shipped_actuators()))],
+    examples=("'TURNER 1'", "'TURNER 2'"),
+    helps=_HELPS,
+    such_as="mass='2 kg'",
+    made=_made,
+    found=_found,
+    known=lambda path: lw.actuators.with_file(path),
+    priced=lambda: list(shipped_actuators()),
+    read={".yaml": ACTUATORS.entries, ".csv": ACTUATORS.read_table, ".xlsx": ACTUATORS.read_table},
+)
+
+
+def export_actuators(
+    names: Names = None, out: TableFile = Path("actuators.yaml"), catalogue: ActuatorFile = None
+) -> None:
+    """Write actuators to a .yaml or .csv file, or for reports to .tex, .md or .parquet; all without a name.
+
+    Example: linkwright actuators export RV-20E --out drives.yaml
+    """
+    known = OWN.known(catalogue)
+    found = [known[name].name for name in names or known]
+    OWN.write(out, found, catalogue, {".yaml": ACTUATORS.text, ".csv": write_table})

@@ -1,0 +1,421 @@
+"""The commands that are made of the functions of `linkwright`: what each does beside calling one."""
+
+from __future__ import annotations
+
+import io
+import os
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import replace
+from enum import StrEnum
+from pathlib import Path
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+import linkwright as lw
+from linkwright.commands import options
+from linkwright.commands.groups import write_content
+from linkwright.commands.made import Made, Out, Targets
+from linkwright.core.units.files import left_over_of, read_bytes
+from linkwright.core.units.quantities import InputError, NoAnswer
+from linkwright.core.units.reading import read_text
+from linkwright.output.files import (
+    DESIGN,
+    REPORT,
+    RESULT,
+    check_target,
+    made_folder,
+    refuse_strangers,
+    write_file,
+    write_markdown,
+)
+
+if TYPE_CHECKING:
+    from linkwright.core.executors import Executor
+    from linkwright.core.optimize.result import Iteration
+
+
+class Optimize(Made):
+    """`optimize`: rounds are told as they come, and what no design keeps is answered too."""
+
+    def checked(self, targets: Targets, words: dict[str, Any], inputs: Sequence[Path]) -> Targets:
+        """The journal too is written to."""
+        check_target(words["resume"], *(path for path in inputs if path != words["resume"]))
+        return super().checked(targets, words, inputs)
+
+    def call(self, given: dict[str, Any], targets: Targets, crew: Executor) -> Any:
+        """Optimise (and round), with a line for each round and a bar while combinations are tried."""
+        from linkwright.screen.progress import Steps
+
+        steps = Steps("looking at what there is to choose from")
+        try:
+            return lw.optimize(**given, **_heard(given["problem"], steps), progress=steps, executor=crew)
+        except KeyboardInterrupt:
+            steps.close()
+            words = "no design was finished yet, so there is none to keep"
+            options.stop(crew, self.left(words, given, crew))
+        except NoAnswer as error:
+            if error.infeasible is not None:
+                steps.close()
+                _tell_infeasible(error.infeasible, Path(given["problem"].model.file), targets)
+            raise
+        finally:
+            steps.close()
+
+    def answer(self, result: Any) -> None:
+        """Apart from the rounds."""
+        _apart()
+        super().answer(result)
+
+    def left(self, kept: str, given: dict[str, Any], crew: Executor) -> str:
+        """And how it goes on."""
+        if given["resume"] is not None:
+            return f"{kept}; the same command goes on with what is in {given['resume']}"
+        return kept if crew.lost is None else f"{kept}; one that is to go on where it stops needs --resume FILE"
+
+
+def _heard(problem: lw.Problem, steps: Any) -> dict[str, Any]:
+    """What `optimize` tells of on the way, shown beside its bar."""
+    from linkwright.results.design import rigid_links_words
+    from linkwright.results.figures_in_words import mm
+    from linkwright.results.optimization import iteration_line
+    from linkwright.screen.console import console
+    from linkwright.screen.loudness import loudness
+
+    screen = console()
+
+    def say(text: str) -> None:
+        with steps.aside():
+            screen.print(text, soft_wrap=True)
+
+    def begun(before: Any) -> None:
+        if problem.model.minimize == "max_error":
+            for each in rigid_links_words(before.found):
+                say(f"arm as given: {mm(before.found.max_error)}; {each.text}")
+
+    def log(iteration: Iteration) -> None:
+        say(iteration_line(iteration, problem.model.minimize))
+
+    def beyond(text: str) -> None:
+        say(f"{text}; now looking for what the limits would have to be")
+
+    told: dict[str, Any] = {"out_of_reach": beyond}
+    return told if loudness() == "answer" else {**told, "log": log, "begun": begun}
+
+
+def _tell_infeasible(found: Any, problem: Path, targets: Targets) -> None:
+    """Write and show why no design keeps all limits, and what each would have to be."""
+    from linkwright.json.design import infeasible_json
+    from linkwright.results.optimization import describe_infeasible
+    from linkwright.screen.console import console
+    from linkwright.screen.described import show
+
+    described = describe_infeasible(found)
+    with options.not_lost(lambda: show(console(), described)):
+        write_content(targets.json, "optimize", infeasible_json(found, problem))
+        write_markdown(targets.markdown, described)
+    show(console(), described)
+
+
+def _apart() -> None:
+    from linkwright.screen.console import console
+    from linkwright.screen.loudness import loudness
+
+    if loudness() != "answer":
+        console().print()
+
+
+class Tradeoff(Made):
+    """`tradeoff`: its points are kept in the output folder as they are solved."""
+
+    def checked(self, targets: Targets, words: dict[str, Any], inputs: Sequence[Path]) -> Targets:
+        """The table too is written."""
+        from linkwright.output.table_file import check_table
+
+        if words["resume"] and targets.out is None:
+            raise InputError("", "--resume", "needs --out DIR, where the journal of the earlier run is")
+        found = super().checked(targets, words, inputs)
+        check_table(targets.csv)
+        return found
+
+    def claim(self, folder: Path) -> None:
+        """Its journal does."""
+
+    def call(self, given: dict[str, Any], targets: Targets, crew: Executor) -> Any:
+        """Trace the fronts; a front that is stopped is no result, its points wait in the journal."""
+        from linkwright.screen.progress import Steps
+
+        steps = Steps(self.doing)
+        try:
+            found = lw.tradeoff(**given, journal=targets.out, progress=steps, executor=crew)
+            if found.interrupted:
+                raise KeyboardInterrupt
+        except KeyboardInterrupt:
+            steps.close()
+            options.stop(crew, _points_kept(targets.out))
+        finally:
+            steps.close()
+        return found
+
+    def write(self, result: Any, targets: Targets, read: Sequence[Path]) -> list[Path]:
+        """The table of points too."""
+        if targets.csv is not None:
+            result.save_table(targets.csv)
+        return super().write(result, targets, read) + ([] if targets.csv is None else [targets.csv])
+
+    def answer(self, result: Any) -> None:
+        """Apart from what was told on the way."""
+        _apart()
+        super().answer(result)
+
+
+def _points_kept(folder: Path | None) -> str:
+    """What a front that is stopped leaves, in words."""
+    if folder is None:
+        return "nothing is kept without --out DIR"
+    from linkwright.face.tradeoff import points_kept
+
+    return f"{points_kept(folder)} solved points are kept in {folder}; --resume goes on with them"
+
+
+CsvFile = Annotated[
+    Path | None, typer.Option("--csv", metavar="FILE", help="Write the points: .csv, .parquet, .md or .tex.")
+]
+
+
+class Diagnose(Made):
+    """`diagnose`: its folder holds files of several arms' own."""
+
+    def claim(self, folder: Path) -> None:
+        """As a diagnosis claims it."""
+        from linkwright.output.diagnosis_folder import claim_diagnosis
+
+        claim_diagnosis(folder)
+
+
+class Compensate(Made):
+    """`compensate`: a table of any kind."""
+
+    def checked(self, targets: Targets, words: dict[str, Any], inputs: Sequence[Path]) -> Targets:
+        """Parquet too can be written."""
+        from linkwright.output.table_file import check_table
+
+        found = super().checked(targets, words, inputs)
+        check_table(targets.out)
+        return found
+
+
+class Simulate(Made):
+    """`simulate`: settings are written beside the recording."""
+
+    def checked(self, targets: Targets, words: dict[str, Any], inputs: Sequence[Path]) -> Targets:
+        """Settings of somebody's own stay."""
+        from linkwright.face.recording import settings_beside
+
+        if words["poses"] is None and words["at"] is None:
+            raise InputError("", "--poses", "is missing; say how many, or name a plan with --at")
+        found = super().checked(targets, words, inputs)
+        if targets.out is not None:
+            others = [path for path in (targets.json, targets.markdown) if path is not None]
+            check_target(settings_beside(targets.out), *inputs, *others)
+        return found
+
+
+class Written(Made):
+    """A command that writes a file whether one is named or not, but over none that is there unasked."""
+
+    def checked(self, targets: Targets, words: dict[str, Any], inputs: Sequence[Path]) -> Targets:
+        """The file to write, by default a new one."""
+        if targets.out is None:
+            name = self.named(words)
+            if name.exists():
+                raise InputError(name, "", "is there already; name the file to write with --out")
+            targets = replace(targets, out=name)
+        return super().checked(targets, words, inputs)
+
+    def named(self, words: dict[str, Any]) -> Path:
+        """What the file is called by default."""
+        del words
+        return Path(DESIGN)
+
+
+class Export(Written):
+    """`export`: the file is called after the arm's."""
+
+    def named(self, words: dict[str, Any]) -> Path:
+        """After the arm file, or after the one that it is written into. Raises `InputError`."""
+        from linkwright.face.exchange.exported import SUFFIXES, format_of
+
+        arm, into = words["arm"], words["into"]
+        to = format_of(words["to"], into)
+        return Path(f"{into.stem}-corrected{into.suffix}") if to is None else Path(arm.stem + SUFFIXES[to])
+
+
+KEYS = ("clearance", "backlash", "backlash_direction", "material", "shape")
+"""The tables' names in JSON and of the CSV files."""
+
+
+class TableKind(StrEnum):
+    """How a table is written."""
+
+    CSV = "csv"
+    PARQUET = "parquet"
+    MARKDOWN = "md"
+    LATEX = "tex"
+
+
+_SIGNATURES = MappingProxyType(
+    {
+        TableKind.CSV: "label,paper_",
+        TableKind.PARQUET: "PAR1",
+        TableKind.MARKDOWN: "| label | paper_",
+        TableKind.LATEX: "booktabs",
+    }
+)
+"""What the first table begins with."""
+
+
+TABLES: Mapping[str, Any] = MappingProxyType(
+    {
+        "csv": Annotated[
+            Path | None, typer.Option("--csv", metavar="DIR", help="Write each table there, as CSV or what --as names.")
+        ],
+        "kind": Annotated[TableKind | None, typer.Option("--as", help="How the tables in --csv DIR are written.")],
+        "markdown": Annotated[
+            Path | None,
+            typer.Option(
+                "--markdown", metavar="FILE", help="Write as Markdown; between the marks of a file that has them."
+            ),
+        ],
+    }
+)
+"""The options of `tables`."""
+
+
+class Tables(Made):
+    """`tables`: each can be written as a file of its own, and all into a page of Markdown that is there."""
+
+    def checked(self, targets: Targets, words: dict[str, Any], inputs: Sequence[Path]) -> Targets:
+        """The folder of tables too."""
+        from linkwright.output.table_file import check_table
+
+        json, csv, kind = targets.json, targets.csv, targets.kind or TableKind.CSV
+        found = super().checked(replace(targets, csv=None), words, inputs)
+        if json is not None and targets.markdown is not None and json.absolute() == targets.markdown.absolute():
+            raise InputError(json, "", "is named for JSON and for Markdown; name two files")
+        if csv is not None:
+            names = [f"{key}.{kind.value}" for key in KEYS]
+            check_table(csv / names[0])
+            _claim(csv, names, names[0], _SIGNATURES[kind])
+        return replace(found, csv=csv, kind=kind)
+
+    def write(self, result: Any, targets: Targets, read: Sequence[Path]) -> list[Path]:
+        """Each table, and the page between its marks."""
+        from linkwright.paper.output.pages import into, tables_markdown
+
+        markdown = targets.markdown
+        written = super().write(result, replace(targets, markdown=None), read)
+        if targets.csv is not None:
+            written += _write_each(result, targets.csv, targets.kind)
+        if markdown is not None:
+            text = read_text(markdown) if os.path.isfile(markdown) else ""
+            write_file(markdown, into(text, tables_markdown(result.book, result.verdicts, result.proofs)))
+            written.append(markdown)
+        return written
+
+    def answer(self, result: Any) -> None:
+        """The tables and the verdicts."""
+        from linkwright.paper.output.pages import show_tables
+        from linkwright.screen.console import console
+
+        show_tables(console(), result.book, result.verdicts, result.proofs)
+
+
+def _write_each(made: Any, folder: Path, kind: TableKind) -> list[Path]:
+    """Write each table as a file of its kind."""
+    import pandas as pd
+
+    from linkwright.output.table_file import write_table
+    from linkwright.paper.output.pages import table_csv
+
+    written: list[Path] = []
+    for table in made.book.tables:
+        file = folder / f"{table.key}.{kind.value}"
+        if kind is TableKind.CSV:
+            write_file(file, table_csv(table))
+        else:
+            write_table(pd.read_csv(io.StringIO(table_csv(table))), file)
+        written.append(file)
+    return written
+
+
+class Figures(Made):
+    """`figures`: their titles and remarks are shown; the pictures are written."""
+
+    def answer(self, result: Any) -> None:
+        """The titles and what is remarked."""
+        from linkwright.screen.console import console
+
+        screen = console()
+        for each in result.figures:
+            screen.print(f"Figure {each.number}: {each.title}", style="bold")
+            for remark in each.remarks:
+                screen.print(f"  {remark}")
+
+
+def _claim(folder: Path, names: Collection[str], signed: str, signature: str) -> None:
+    """Make the folder, or take one that holds nothing but `names`, where the file `signed` opens with `signature`.
+
+    A folder that holds anything else is refused, so that nobody's files are written over. Raises `InputError`.
+    """
+    there = made_folder(folder)
+    refuse_strangers(folder, there, names)
+    if any(left_over_of(name) is None for name in there) and not _opens_with(folder / signed, signature):
+        message = f"holds files that are not of this command ({min(there)}); name a new or empty folder"
+        raise InputError(folder, "", message)
+
+
+def _opens_with(path: Path, signature: str) -> bool:
+    try:
+        return signature.encode() in read_bytes(path)[:200]
+    except InputError:
+        return False
+
+
+FOLDER = Out("Write report.html, picture, CSV, JSON, an arm file a point, and the journal.")
+FIGURES = (RESULT, REPORT, *(f"figure-{number}.csv" for number in range(5, 10)))
+NOTHING = "Nothing is written without --out DIR or --json FILE."
+
+
+def commands() -> Mapping[str, Made]:
+    """These commands by name."""
+    watched = Out(own=(RESULT, REPORT))
+    table = Out("Write the table: .csv, .parquet, .md or .tex.", ())
+    plan = Out("The plan: a recording whose tip is still blank.", (), beside=True)
+    recording = Out("The recording to write, a CSV file.", (), beside=True, required=True)
+    read = Out("The arm file to write; a new arm.yaml by default.", ())
+    exported = Out("The file to write; a new one called as the arm file by default.", ())
+    figures = Out("Write report.html, result.json and a CSV file per figure there.", FIGURES)
+    plain: Any = {"markdown": False, "catalogue": False}
+    drawing: Any = {"doing": "computing the paper's figures", "out": figures, "unwritten": NOTHING}
+    made = (
+        Made("evaluate", doing="evaluating", out=Out(), pdf=True, tip=True),
+        Optimize("optimize", out=Out(), pdf=True, kept="this is the best design so far"),
+        Tradeoff("tradeoff", doing="setting up the trade-off", out=FOLDER, pdf=True, also={"csv": CsvFile}),
+        Made("inverse", doing="looking for poses", tip=True, negative=True),
+        Made("budget", out=watched, pdf=True, tip=True),
+        Diagnose("diagnose", doing="beginning", out=Out(), pdf=True),
+        Made("compare", doing="beginning"),
+        Made("predict", doing="predicting"),
+        Compensate("compensate", doing="computing the table", out=table, tip=True),
+        Made("plan", out=plan, tip=True, kept="this is the best plan so far"),
+        Made("watch", doing="beginning", out=watched, pdf=True),
+        Simulate("simulate", doing="simulating", out=recording, tip=True),
+        Written("import", "import_arm", out=read, catalogue=False),
+        Export("export", "export_arm", out=exported),
+        Tables("tables", also=TABLES, **plain),
+        Figures("figures", **drawing, **plain),
+        Made("seam", doing="following the seam", tip=True),
+    )
+    return {each.name: each for each in made}

@@ -1,1 +1,0 @@
-"""Whether the installation is sound, check by check."""
