@@ -312,7 +312,8 @@ class Tables(Made):
 
     def write(self, result: Any, targets: Targets, read: Sequence[Path]) -> list[Path]:
         """Each table, and the page between its marks."""
-        from linkwright.paper.output.pages import into, tables_markdown
+        from linkwright.markdown.described import markdown as written_as
+        from linkwright.paper.output.pages import into
 
         markdown = targets.markdown
         written = super().write(result, replace(targets, markdown=None), read)
@@ -320,16 +321,16 @@ class Tables(Made):
             written += _write_each(result, targets.csv, targets.kind)
         if markdown is not None:
             text = read_text(markdown) if os.path.isfile(markdown) else ""
-            write_file(markdown, into(text, tables_markdown(result.book, result.verdicts, result.proofs)))
+            write_file(markdown, into(text, written_as(result.description, 2)))
             written.append(markdown)
         return written
 
     def answer(self, result: Any) -> None:
-        """The tables and the verdicts."""
-        from linkwright.paper.output.pages import show_tables
+        """On lines as wide as a screen: they are read, not searched."""
         from linkwright.screen.console import console
+        from linkwright.screen.described import show
 
-        show_tables(console(), result.book, result.verdicts, result.proofs)
+        show(console(broken=True), result.description)
 
 
 def _write_each(made: Any, folder: Path, kind: TableKind) -> list[Path]:
@@ -348,20 +349,6 @@ def _write_each(made: Any, folder: Path, kind: TableKind) -> list[Path]:
             write_table(pd.read_csv(io.StringIO(table_csv(table))), file)
         written.append(file)
     return written
-
-
-class Figures(Made):
-    """`figures`: their titles and remarks are shown; the pictures are written."""
-
-    def answer(self, result: Any) -> None:
-        """The titles and what is remarked."""
-        from linkwright.screen.console import console
-
-        screen = console()
-        for each in result.figures:
-            screen.print(f"Figure {each.number}: {each.title}", style="bold")
-            for remark in each.remarks:
-                screen.print(f"  {remark}")
 
 
 def _claim(folder: Path, names: Collection[str], signed: str, signature: str) -> None:
@@ -415,7 +402,7 @@ def commands() -> Mapping[str, Made]:
         Written("import", "import_arm", out=read, catalogue=False),
         Export("export", "export_arm", out=exported),
         Tables("tables", also=TABLES, **plain),
-        Figures("figures", **drawing, **plain),
+        Made("figures", **drawing, **plain),
         Made("seam", doing="following the seam", tip=True),
     )
     return {each.name: each for each in made}

@@ -25,10 +25,10 @@ _MARKED = re.compile(r"([\\`*_\[\]|~$])")
 _OPENING = re.compile(r"^(\s*)([#+=-]+|\d+[.)])(?=\s|$)")
 
 
-def markdown(description: Description) -> str:
-    """The result as Markdown; ends with a line feed."""
-    blocks = [f"# {escaped(description.title)}", f"**{escaped(description.headline)}**"]
-    return "\n\n".join([*blocks, *_blocks(description.items, 2)]) + "\n"
+def markdown(description: Description, level: int = 1) -> str:
+    """The result as Markdown, ending with a line feed; below the first `level` a part of a page with a title."""
+    blocks = [f"# {escaped(description.title)}", f"**{escaped(description.headline)}**"] if level == 1 else []
+    return "\n\n".join([*blocks, *_blocks(description.items, level + 1)]) + "\n"
 
 
 def escaped(text: str) -> str:

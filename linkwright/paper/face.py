@@ -6,14 +6,16 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from linkwright.face.result import Result, figure_of
+from linkwright.face.result import Result, drawn
 from linkwright.output.files import REPORT, RESULT
-from linkwright.paper.printed import tally
+from linkwright.output.table_file import frame
+from linkwright.report.described import page_of
+from linkwright.results.document import Description
 
 from .extended import Extended
+from .output import pages, pictures
 from .output.figures import Figure
 from .output.pages import figure_csv, figures_json, tables_json
-from .output.pictures import page
 from .tables import Book
 from .verdicts import Proof, Verdict
 
@@ -48,21 +50,18 @@ class Tables(Result):
             for row in table.rows
             for printed, value in zip(row.printed, row.reproduced, strict=False)
         ]
-        marks = {"type": "scatter", "mode": "markers", "x": [x for x, _ in pairs], "y": [y for _, y in pairs]}
-        axes = {"xaxis": {"title": {"text": "printed"}}, "yaxis": {"title": {"text": "reproduced"}}}
-        return figure_of({"data": [marks], "layout": axes})
+        return drawn([x for x, _ in pairs], {"": [y for _, y in pairs]}, "printed", "reproduced")
 
-    def _line(self) -> str:
-        counted = tally(self.book.tables)
-        return f"{counted.met} of {counted.printed} printed figures reproduced"
+    @property
+    def description(self) -> Description:
+        """All tables, the verdicts and the statements on reach."""
+        return pages.describe(self.book, self.verdicts, self.proofs)
 
     def _content(self) -> Mapping[str, Any]:
         further = [each.to_json() for each in self.extended]
         return {**tables_json(self.book, self.verdicts, self.proofs), "extended": further}
 
     def _tables(self) -> Mapping[str, pd.DataFrame]:
-        import pandas as pd
-
         found: dict[str, pd.DataFrame] = {}
         for table in self.book.tables:
             rows: list[dict[str, Any]] = []
@@ -76,8 +75,8 @@ class Tables(Result):
                 ):
                     cells.update({f"{name}_{k}": factor * value for k, value in enumerate(values, 1)})
                 rows.append({**cells, "note": row.note})
-            found[table.key] = pd.DataFrame(rows)
-        return {**found, **{each.key: pd.DataFrame(each.rows) for each in self.extended}}
+            found[table.key] = frame(rows)
+        return {**found, **{each.key: frame(each.rows) for each in self.extended}}
 
 
 @dataclass(frozen=True, repr=False)
@@ -96,20 +95,22 @@ class Figures(Result):
     def plot(self) -> go.Figure:
         """The worst error as all links are lengthened: the figure that the paper misreads most."""
         longer = self["9"]
-        line = {"type": "scatter", "mode": "lines", "x": longer["reach_mm"], "y": longer["corrected_mm"]}
-        axes = {"xaxis": {"title": {"text": "reach in mm"}}, "yaxis": {"title": {"text": "worst error in mm"}}}
-        return figure_of({"data": [line], "layout": axes})
+        lines = {"": longer["corrected_mm"]}
+        return drawn(longer["reach_mm"], lines, "reach in mm", "worst error in mm", mode="lines")
 
-    def _line(self) -> str:
-        return f"{len(self.figures)} figures, {sum(len(each.columns) for each in self.figures)} columns"
+    @property
+    def description(self) -> Description:
+        """Each figure with the truth beside it."""
+        return pictures.describe(self.figures)
 
     def _content(self) -> Mapping[str, Any]:
         return figures_json(self.figures)
 
     def _tables(self) -> Mapping[str, pd.DataFrame]:
-        import pandas as pd
-
-        return {each.number: pd.DataFrame(dict(each.columns)) for each in self.figures}
+        return {each.number: frame(dict(each.columns)) for each in self.figures}
 
     def _files(self) -> Mapping[str, str]:
-        return {REPORT: page(self.figures), **{f"figure-{each.number}.csv": figure_csv(each) for each in self.figures}}
+        return {
+            REPORT: page_of(self.description),
+            **{f"figure-{each.number}.csv": figure_csv(each) for each in self.figures},
+        }

@@ -20,7 +20,8 @@ from linkwright.core.sections.numeric import Array
 from linkwright.core.units.quantities import InputError
 from linkwright.face.arm import Arm
 from linkwright.face.given import Quantity, in_si
-from linkwright.face.result import Result, figure_of
+from linkwright.face.result import Result, drawn
+from linkwright.output.table_file import frame
 from linkwright.results.document import Description, Paragraph, Value
 from linkwright.results.document import table as described_table
 from linkwright.results.figures_in_words import figure
@@ -140,6 +141,7 @@ class Seam(Result):
     """
 
     _command = "seam"
+    _signed = False
 
     arm: Arm
     check: SeamCheck
@@ -154,9 +156,7 @@ class Seam(Result):
     @property
     def table(self) -> pd.DataFrame:
         """A row for each point looked at, and the worst of each column: tangential, normal and in all, mm."""
-        import pandas as pd
-
-        return pd.DataFrame(self._rows, columns=[_ACROSS, *(f"{name}, mm" for name in _MEASURES)])
+        return frame(self._rows, [_ACROSS, *(f"{name}, mm" for name in _MEASURES)])
 
     @property
     def description(self) -> Description:
@@ -167,21 +167,14 @@ class Seam(Result):
 
     def plot(self) -> go.Figure:
         """The errors along the seam."""
-        lines = [
-            {"type": "scatter", "name": f"{name}, mm", "x": self.places, "y": [row[k] for row in self.errors]}
-            for k, name in enumerate(_MEASURES)
-        ]
-        axes = {"xaxis": {"title": {"text": _ACROSS}}, "yaxis": {"title": {"text": "worst error in mm"}}}
-        return figure_of({"data": lines, "layout": axes})
+        lines = {f"{name}, mm": [row[k] for row in self.errors] for k, name in enumerate(_MEASURES)}
+        return drawn(self.places, lines, _ACROSS, "worst error in mm", mode="lines+markers")
 
     @property
     def headline(self) -> str:
         """Whether the arm can follow it, in a line."""
         proved = "every point can be reached, proved" if self.proved else "poses were found everywhere"
         return f"{self.arm.name}: {proved}"
-
-    def _line(self) -> str:
-        return self.headline
 
     @property
     def _rows(self) -> list[tuple[str, float, float, float]]:

@@ -16,12 +16,6 @@ from linkwright.report.pictures.plots import Figure
 from linkwright.report.pictures.svg import element, text
 
 
-def section(title: str, *body: str, lead: str = "") -> str:
-    """A part of the page under a heading; `lead` says in a sentence what to see in it."""
-    opening = element("p", text(lead), class_="lead") if lead else ""
-    return element("section", element("h2", text(title)), opening, *body)
-
-
 def figure_place(name: str, label: str, caption: str = "") -> str:
     """Where the script draws the figure called `name`; `label` says in words what it shows."""
     place = element("div", class_="plot", id=f"plot-{name}", data_figure=name, role="img", aria_label=label)

@@ -41,10 +41,11 @@ class _Console(Console):
         return super().render_str(printable(text), **options)
 
 
-def console(*, errors: bool = False) -> Console:
+def console(*, errors: bool = False, broken: bool = False) -> Console:
     """A console on standard output (or error), without colours and 100 columns wide where that is no terminal.
 
-    COLUMNS says another width. Sentences are broken at words on a terminal, and wherever a width is asked for.
+    COLUMNS says another width. Sentences are broken at words on a terminal, wherever a width is asked for, and where
+    `broken` says so.
     """
     stream = sys.stderr if errors else sys.stdout
     asked, terminal = asked_measure("COLUMNS"), stream.isatty()
@@ -52,7 +53,7 @@ def console(*, errors: bool = False) -> Console:
     width = asked or (None if terminal else PLAIN_WIDTH)
     others = {name: value for name, value in os.environ.items() if name not in ("COLUMNS", "LINES")}  # read here
     made = _Console(stderr=errors, width=width, highlight=False, emoji=False, markup=False, _environ=others)
-    made.broken = terminal or asked is not None
+    made.broken = broken or terminal or asked is not None
     return made
 
 

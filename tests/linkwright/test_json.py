@@ -3,12 +3,14 @@
 import json
 import math
 from dataclasses import replace
+from types import SimpleNamespace
 
 import pytest
 
 from linkwright.core.arm.chain.chain import Arm, Joint, Link
 from linkwright.core.units.quantities import InputError
 from linkwright.json.design import coordinates, evaluation_json, optimization_json
+from linkwright.json.fields import fields, fields_if
 from linkwright.output.files import json_text, write_file
 
 
@@ -122,6 +124,21 @@ def test_coordinates_of_a_mixed_chain():
     """Degrees and millimetres in lists of their own, null where a joint is of the other kind."""
     arm = Arm("mixed", (Joint("prismatic"), Joint()), (Link(0.1, mass=1.0), Link(0.1, mass=1.0)))
     assert coordinates(arm, (0.25, math.pi / 2)) == {"q_deg": [None, pytest.approx(90.0)], "q_mm": [250.0, None]}
+
+
+def test_units_of_fields_are_said_by_their_keys():
+    """A key's ending converts, what stands behind `=` is where the figure is found, and what is not known is null."""
+    turn = SimpleNamespace(backlash=math.pi / 180.0, mass=2.0, at=(1, 2), kept=SimpleNamespace(length=0.25, seen=None))
+    keys = ("backlash_deg", "play_arcmin=backlash", "mass_kg", "at", "kept_mm=kept.length", "seen_mm=kept.seen")
+    assert fields(turn, *keys) == {
+        "backlash_deg": pytest.approx(1.0),
+        "play_arcmin": pytest.approx(60.0),
+        "mass_kg": 2.0,
+        "at": [1, 2],
+        "kept_mm": 250.0,
+        "seen_mm": None,
+    }
+    assert fields_if(None, "mass_kg") is None
 
 
 def test_numbers_that_are_none_become_null():

@@ -8,7 +8,8 @@ from pathlib import Path
 import pytest
 
 from linkwright.cli import run
-from linkwright.paper.output.pages import BEGIN, END, into, tables_markdown
+from linkwright.markdown.described import markdown
+from linkwright.paper.output.pages import BEGIN, END, describe, into
 from linkwright.paper.verdicts import proofs, verdicts
 
 pytestmark = pytest.mark.slow
@@ -90,7 +91,7 @@ def test_markdown_replaces_only_what_is_between_the_marks():
 def test_the_docs_page_holds_what_the_command_prints(book):
     """`linkwright tables --markdown docs/paper.md` renews it."""
     page = DOCS.read_text(encoding="utf-8")
-    assert into(page, tables_markdown(book, verdicts(book), proofs(book))) == page
+    assert into(page, markdown(describe(book, verdicts(book), proofs(book)), 2)) == page
 
 
 def test_the_command_on_the_docs_page_leaves_it_as_it_is(tmp_path, monkeypatch):

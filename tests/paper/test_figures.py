@@ -10,7 +10,8 @@ import numpy as np
 import pytest
 
 from linkwright.paper.output.pages import figure_csv, figures_json
-from linkwright.paper.output.pictures import page
+from linkwright.paper.output.pictures import describe
+from linkwright.report.described import page_of
 from tests.linkwright.samples import unpacked
 
 pytestmark = pytest.mark.slow
@@ -121,7 +122,7 @@ def test_csv_and_json_hold_the_same(figures):
 
 def test_page_stands_alone(figures):
     """Every figure twice, the truth and the paper, and nothing that is fetched."""
-    made = page(list(figures.values()))
+    made = page_of(describe(list(figures.values())))
     drawn = unpacked(re.search(r'id="figures">(.*?)</script>', made)[1])
     for number in figures:
         assert f'data-figure="true-{number}"' in made

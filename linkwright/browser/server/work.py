@@ -14,7 +14,7 @@ import sys
 import time
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import linkwright as lw
 from linkwright.cli import end_as_by_ctrl_c
@@ -25,6 +25,9 @@ from linkwright.face.evaluation import Evaluation
 from linkwright.face.tradeoff import Tradeoff
 
 from .folder import called_plainly
+
+if TYPE_CHECKING:
+    from linkwright.core.optimize.result import Iteration
 
 _OFTEN = 0.1
 """Seconds between two signs of progress."""
@@ -57,7 +60,7 @@ def answered(kind: str, root: Path, out: Path, asked: Mapping[str, Any]) -> None
     function = getattr(lw, kind)
     own = [each for each in parameters_of(function) if asked.get(each.name) not in (None, "", [])]
     words = {each.name: _placed(asked[each.name], root) if each.kind is Path else asked[each.name] for each in own}
-    reads: dict[str, Callable[[Path], Any]] = {"arm": lw.read_arm, "problem": lw.read_problem, "": lambda word: word}
+    reads: dict[str, Callable[[Any], Any]] = {"arm": lw.read_arm, "problem": lw.read_problem, "": lambda word: word}
     given = {each.name: reads[each.option.reads](words[each.name]) for each in own}
     named = [path for each in own for path in paths_in(words[each.name])]
     problem: lw.Problem | None = given.get("problem")
@@ -85,10 +88,13 @@ def _heard(problem: lw.Problem | None) -> dict[str, Any]:
         return {}
     from linkwright.results.optimization import iteration_line
 
-    return {
-        "log": lambda each: say(line=iteration_line(each, problem.model.minimize)),
-        "out_of_reach": lambda text: say(line=f"{text}; now looking for what the limits would have to be"),
-    }
+    def log(each: Iteration) -> None:
+        say(line=iteration_line(each, problem.model.minimize))
+
+    def out_of_reach(text: str) -> None:
+        say(line=f"{text}; now looking for what the limits would have to be")
+
+    return {"log": log, "out_of_reach": out_of_reach}
 
 
 def _beside(found: Any, out: Path, settings: Sequence[Path]) -> None:

@@ -8,14 +8,12 @@ import re
 from collections.abc import Iterable, Sequence
 from typing import Any
 
-from rich.console import Console
-
 from linkwright.paper.output.figures import Figure
 from linkwright.paper.printed import Row, Table, tally
 from linkwright.paper.tables import Book
 from linkwright.paper.verdicts import Proof, Verdict
-from linkwright.screen.console import table as empty_table
-from linkwright.version import program_version
+from linkwright.results.document import Description, Lines, Paragraph, Section, Value, section
+from linkwright.results.document import table as shown
 
 BEGIN, END = "<!-- begin: linkwright tables -->", "<!-- end: linkwright tables -->"
 """Between these lines `--markdown` replaces, in a file that has them."""
@@ -25,8 +23,7 @@ _MEASURES = ("paper", "reproduced_mm2", "as_equations_read_mm", "corrected_mm")
 def tables_json(book: Book, verdicts: Sequence[Verdict], proofs: Sequence[Proof]) -> dict[str, Any]:
     """All tables by their keys, with what was judged and what was fitted."""
     counted = tally(book.tables)
-    content: dict[str, Any] = {"made_by": f"linkwright tables {program_version()}"}
-    content.update({table.key: [_row_json(row) for row in table.rows] for table in book.tables})
+    content: dict[str, Any] = {table.key: [_row_json(row) for row in table.rows] for table in book.tables}
     content["columns"] = {table.key: list(table.columns) for table in book.tables}
     content["remarks"] = {table.key: list(table.remarks) for table in book.tables}
     content["figures_reproduced"] = {"met": counted.met, "printed": counted.printed}
@@ -72,7 +69,6 @@ def _proof_json(proof: Proof) -> dict[str, Any]:
 def figures_json(figures: Sequence[Figure]) -> dict[str, Any]:
     """All figures' data; null where a map has no pose."""
     return {
-        "made_by": f"linkwright figures {program_version()}",
         "figures": [
             {
                 "number": each.number,
@@ -126,10 +122,10 @@ def cells(row: Row) -> tuple[str, str, str, str]:
 
 
 def _millimetres(values: Sequence[float]) -> str:
-    def shown(value: float) -> str:
+    def millimetres(value: float) -> str:
         return "0" if value == 0.0 else f"{1e3 * value:.4f}" if value < 0.1 else f"{1e3 * value:.0f}"
 
-    return " / ".join(shown(value) for value in values)
+    return " / ".join(map(millimetres, values))
 
 
 def notes(table: Table) -> list[tuple[str, str]]:
@@ -155,23 +151,28 @@ def tally_words(book: Book) -> str:
     )
 
 
-def tables_markdown(book: Book, verdicts: Sequence[Verdict], proofs: Sequence[Proof]) -> str:
-    """All tables, the verdicts and the statements on reach as Markdown."""
-    lines = [tally_words(book), ""]
-    lines += [f"- {remark}" for remark in book.tables[0].remarks[1:]]
-    for table in book.tables:
-        lines += ["", f"### {heading(table)}", "", table.remarks[0], ""]
-        lines.append("| | paper (“mm”) | reproduced, mm² | as the equations read, mm | corrected, mm |")
-        lines.append("|---|---|---|---|---|")
-        lines += [f"| {' | '.join((row.label, *cells(row)))} |" for row in table.rows]
-        lines.append("")
-        lines += [f"- {labels}: {note}" for labels, note in notes(table)]
-    lines += ["", "### The paper's four conclusions", ""]
-    lines += [f"{each.number}. “{each.claim}”: **{each.judgement}**. {each.reason}" for each in verdicts]
-    lines += ["", "### What it says about reach", ""]
-    for each in proofs:
-        lines.append(f"- {each.statement} **{'Holds' if each.holds else 'Does not hold'}.** {each.shown_by}")
-    return "\n".join(lines) + "\n"
+def describe(book: Book, verdicts: Sequence[Verdict], proofs: Sequence[Proof]) -> Description:
+    """All tables, the verdicts and the statements on reach."""
+    counted = tally(book.tables)
+    judged = [f"{each.number}. “{each.claim}”: {each.judgement}. {each.reason}" for each in verdicts]
+    reach = [f"{each.statement} {'Holds' if each.holds else 'Does not hold'}. {each.shown_by}" for each in proofs]
+    items = (
+        Paragraph(tally_words(book)),
+        Lines(book.tables[0].remarks[1:]),
+        *(_section(each) for each in book.tables),
+        section("The paper's four conclusions", Lines(tuple(judged)), opened=True),
+        section("What it says about reach", Lines(tuple(reach)), opened=True),
+    )
+    headline = "The paper's position errors beside the truth."
+    brief = f"{counted.met} of {counted.printed} printed figures reproduced"
+    return Description("The paper's tables", headline, items, brief)
+
+
+def _section(table: Table) -> Section:
+    columns = ("", "paper, “mm”", "reproduced, mm²", "equations, mm", "corrected, mm")
+    rows = [(row.label, *map(Value, cells(row))) for row in table.rows]
+    told = tuple(f"{labels}: {note}" for labels, note in notes(table))
+    return section(heading(table), Paragraph(table.remarks[0]), shown(columns, rows), Lines(told), opened=True)
 
 
 def into(document: str, block: str, begin: str = BEGIN, end: str = END) -> str:
@@ -180,36 +181,3 @@ def into(document: str, block: str, begin: str = BEGIN, end: str = END) -> str:
         return block
     between = re.compile(re.escape(begin) + ".*?" + re.escape(end), re.DOTALL)
     return between.sub(lambda _: f"{begin}\n{block}{end}", document, count=1)
-
-
-def show_tables(out: Console, book: Book, verdicts: Sequence[Verdict], proofs: Sequence[Proof]) -> None:
-    """Print all tables, what they rest on, and the verdicts."""
-    out.print("The paper's position errors beside the truth.", style="bold")
-    for remark in book.tables[0].remarks[1:]:
-        out.print(f"- {remark}")
-    out.print()
-    for each in book.tables:
-        _show(out, each)
-    out.print(tally_words(book), style="bold")
-    out.print()
-    out.print("The paper's four conclusions", style="bold")
-    for verdict in verdicts:
-        out.print(f"{verdict.number}. “{verdict.claim}”: {verdict.judgement}.")
-        out.print(f"   {verdict.reason}")
-    out.print()
-    out.print("What it says about reach", style="bold")
-    for proof in proofs:
-        out.print(f"- {proof.statement} {'Holds' if proof.holds else 'Does not hold'}.")
-        out.print(f"  {proof.shown_by}")
-
-
-def _show(out: Console, table: Table) -> None:
-    headings = ("", "paper, “mm”", "reproduced, mm²", "equations, mm", "corrected, mm")
-    shown = empty_table(*headings, numbers=(1, 2, 3, 4), title=heading(table))
-    for row in table.rows:
-        shown.add_row(row.label, *cells(row))
-    out.print(shown)
-    out.print(table.remarks[0])
-    for labels, note in notes(table):
-        out.print(f"- {labels}: {note}")
-    out.print()

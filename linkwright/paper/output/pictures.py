@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from functools import partial
 from typing import Any
 
 import numpy as np
 
-from linkwright.report.page import figure_place, section, side_by_side
-from linkwright.report.page import page as report_page
+from linkwright.report.page import figure_place, side_by_side
 from linkwright.report.pictures.svg import element, text
+from linkwright.results.document import Description, Drawn, Paragraph, Picture, section
 
 from .figures import Figure
 
@@ -31,8 +32,22 @@ _NAMES = (
 )
 
 
-def page(figures: Sequence[Figure]) -> str:
-    """The page with all figures."""
+def describe(figures: Sequence[Figure]) -> Description:
+    """All figures, each with the truth and the paper's own curves beside each other."""
+    parts = [
+        section(
+            f"Figure {each.number}: {each.title}",
+            Picture(partial(_beside, each)),
+            *map(Paragraph, each.remarks),
+            opened=True,
+        )
+        for each in figures
+    ]
+    columns = sum(len(each.columns) for each in figures)
+    return Description(_TITLE, _SUMMARY, tuple(parts), f"{len(figures)} figures, {columns} columns")
+
+
+def _beside(figure: Figure) -> Drawn:
     makers: dict[str, Callable[[Figure], tuple[Plot, Plot]]] = {
         "5": _maps,
         "6": lambda figure: _curves(figure, "shoulder_deg", "angle of the shoulder in degrees"),
@@ -40,24 +55,16 @@ def page(figures: Sequence[Figure]) -> str:
         "8": lambda figure: _curves(figure, "backlash_rad", "backlash to either side in rad"),
         "9": _lengths,
     }
-    plots: dict[str, Plot] = {}
-    body: list[str] = []
-    for figure in figures:
-        truth, paper = makers[figure.number](figure)
-        names = f"true-{figure.number}", f"paper-{figure.number}"
-        plots.update(zip(names, (truth, paper), strict=True))
-        beside = side_by_side(
-            element("div", element("h3", text("The truth, mm")), figure_place(names[0], f"{figure.title}, in truth")),
-            element(
-                "div",
-                element("h3", text("By the paper's conventions, mm²")),
-                figure_place(names[1], f"{figure.title}, by the paper's conventions"),
-            ),
-        )
-        words = [element("p", text(remark)) for remark in figure.remarks]
-        body.append(section(f"Figure {figure.number}: {figure.title}", beside, *words))
-    without = "Without JavaScript the maps are not drawn; result.json has the figures."
-    return report_page(_TITLE, _SUMMARY, body, plots, without)
+    names = f"true-{figure.number}", f"paper-{figure.number}"
+    places = (
+        ("The truth, mm", f"{figure.title}, in truth"),
+        ("By the paper's conventions, mm²", f"{figure.title}, by the paper's conventions"),
+    )
+    halves = (
+        element("div", element("h3", text(head)), figure_place(name, label))
+        for name, (head, label) in zip(names, places, strict=True)
+    )
+    return Drawn(side_by_side(*halves), dict(zip(names, makers[figure.number](figure), strict=True)))
 
 
 def _maps(figure: Figure) -> tuple[Plot, Plot]:
