@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from linkwright.commands.options import PLAIN, command_group
 from linkwright.core.units.quantities import InputError, NoAnswer
 from linkwright.output.stream import (
     OutputClosed,
@@ -22,8 +23,6 @@ from linkwright.output.stream import (
     results_alone,
 )
 from linkwright.version import program_version
-
-from .commands.groups import PLAIN, command_group
 
 if TYPE_CHECKING:
     from .commands.made import Made

@@ -10,9 +10,8 @@ from typing import Any
 from fastapi import FastAPI
 
 import linkwright as lw
-from linkwright.browser.server.answers import Desk
+from linkwright.browser.server.answers import Desk, add_files
 from linkwright.browser.server.dropped import Dropped, plain_name
-from linkwright.browser.server.answers import add_files
 from linkwright.browser.server.folder import Folder
 from linkwright.browser.server.guard import Guard
 from linkwright.browser.server.jobs import Jobs

@@ -7,8 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 from linkwright.api.signature import Argument, ArmFile, File, Option, Progress, file_option
 
 if TYPE_CHECKING:
-    from linkwright.face.exchange.exported import Export
-    from linkwright.face.exchange.imported import Import
+    from linkwright.face.exchange import Export, Import
 
 
 def import_arm(
@@ -38,7 +37,7 @@ def import_arm(
     ['stiffness of the drives', 'backlash']
     """
     from linkwright.core.arm.descriptions.imported import import_urdf
-    from linkwright.face.exchange.imported import Import
+    from linkwright.face.exchange import Import
 
     return Import(import_urdf(file, base=base, tip=tip))
 
@@ -77,7 +76,7 @@ def export_arm(
     """
     from linkwright.core.arm.descriptions.into import into_file
     from linkwright.face.arm import arm_of
-    from linkwright.face.exchange.exported import Export, format_of, written_as
+    from linkwright.face.exchange import Export, format_of, written_as
 
     format_ = format_of(to, into)
     given = arm_of(arm, tips="every")

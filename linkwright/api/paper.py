@@ -30,10 +30,9 @@ def tables(*, quick: Annotated[bool, Option()] = False, progress: Progress | Non
     ['label', 'paper_1', 'paper_2']
     """
     from linkwright.face.progress import told
-    from linkwright.paper.extended import extended
+    from linkwright.paper.corrected import extended
     from linkwright.paper.face import Tables
-    from linkwright.paper.tables import make_tables
-    from linkwright.paper.verdicts import proofs, verdicts
+    from linkwright.paper.tables import make_tables, proofs, verdicts
 
     with told(progress) as tell:
         tell("the paper's tables", 0.0)

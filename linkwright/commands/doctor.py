@@ -13,8 +13,7 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Any, Literal
 
-from linkwright.commands.groups import write_content
-from linkwright.commands.options import JsonFile
+from linkwright.commands.options import JsonFile, write_content
 from linkwright.core.units.quantities import InputError
 from linkwright.json.fields import fields
 from linkwright.output.files import check_target

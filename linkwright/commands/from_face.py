@@ -15,8 +15,8 @@ import typer
 
 import linkwright as lw
 from linkwright.commands import options
-from linkwright.commands.groups import write_content
 from linkwright.commands.made import Made, Out, Targets
+from linkwright.commands.options import write_content
 from linkwright.core.units.files import left_over_of, read_bytes
 from linkwright.core.units.quantities import InputError, NoAnswer
 from linkwright.core.units.reading import read_text
@@ -245,7 +245,7 @@ class Export(Written):
 
     def named(self, words: dict[str, Any]) -> Path:
         """After the arm file, or after the one that it is written into. Raises `InputError`."""
-        from linkwright.face.exchange.exported import SUFFIXES, format_of
+        from linkwright.face.exchange import SUFFIXES, format_of
 
         arm, into = words["arm"], words["into"]
         to = format_of(words["to"], into)

@@ -1,11 +1,13 @@
-"""Options and arguments that several commands share, how a command reads its inputs, and how it tells its result."""
+"""Options that several commands share, groups of commands, and how a command tells its result."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Generator, Sequence
+import inspect
+from collections.abc import Callable, Generator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, NoReturn
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Annotated, Any, NoReturn
 
 import typer
 
@@ -13,6 +15,35 @@ from linkwright.core.units.quantities import InputError, NoAnswer
 
 if TYPE_CHECKING:
     from linkwright.core.executors import Executor
+
+
+PLAIN: Mapping[str, Any] = MappingProxyType({"add_completion": False, "pretty_exceptions_enable": False})
+"""How every level of the command line is set up: completion scripts come from the root alone, and a defect shows a
+plain traceback."""
+Commands = Mapping[str, Callable[..., None]]
+
+
+def helpless_group(context: typer.Context) -> None:
+    """Show a group's help where no command of it is named."""
+    if context.invoked_subcommand is None:
+        typer.echo(context.get_help())
+
+
+def command_group(help_text: str, commands: Commands) -> typer.Typer:
+    """A group of commands, each a function whose docstring is its help."""
+    made: Any = typer.Typer(help=help_text, callback=helpless_group, invoke_without_command=True, **PLAIN)
+    for name, function in commands.items():
+        made.command(name, help=f"{inspect.getdoc(function)}\n")(function)
+    return made
+
+
+def write_content(json: Path | None, command: str, content: Mapping[str, Any]) -> None:
+    """Write what a command found where `--json` names a file, and which command that was. Raises `InputError`."""
+    from linkwright.output.files import write_json
+    from linkwright.version import program_version
+
+    write_json(json, {"made_by": f"linkwright {command} {program_version()}", **content})
+
 
 JsonFile = Annotated[
     Path | None, typer.Option("--json", metavar="FILE", help="Write the result for machines; - for standard output.")
@@ -29,10 +60,6 @@ PdfFile = Annotated[
 CatalogueFile = Annotated[
     Path | None,
     typer.Option("--catalogue", metavar="FILE", help="Materials that add to the shipped ones, or replace them."),
-]
-OutFolder = Annotated[
-    Path | None,
-    typer.Option("--out", metavar="DIR", help="Write report.html and the other files there; nothing is without it."),
 ]
 Author = Annotated[str, typer.Option("--author", metavar="NAME", help="Who made the report; it says so at its end.")]
 Comment = Annotated[str, typer.Option("--comment", metavar="TEXT", help="What the report shall say beside that.")]

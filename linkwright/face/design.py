@@ -18,6 +18,7 @@ from linkwright.core.optimize.rounding.options import Rounding, read_rounding
 from linkwright.core.optimize.rounding.rounding import optimise_rounded
 from linkwright.core.optimize.run import optimise
 from linkwright.core.units.quantities import InputError, format_quantity
+from linkwright.face.evaluation import LOWER, ROBUST, Figured, Values, values_of
 from linkwright.json.design import objective_unit, optimization_json
 from linkwright.json.fields import fields, in_mm
 from linkwright.output.files import DESIGN
@@ -31,7 +32,6 @@ from linkwright.results import optimization
 
 from .arm import Arm, links_table
 from .evaluation import Evaluation
-from .figures import LOWER, ROBUST, Figured, Values, values_of
 from .given import Quantity
 from .problem import Problem
 from .progress import Progress, interrupts, told

@@ -19,6 +19,7 @@ from linkwright.core.optimize.tradeoff.question import Question, digest
 from linkwright.core.optimize.tradeoff.trace import Progress as Traced
 from linkwright.core.optimize.tradeoff.tradeoff import trade_off
 from linkwright.core.units.quantities import InputError
+from linkwright.face.evaluation import Figured, Values
 from linkwright.output.files import REPORT, RESULT, made_folder, refuse_strangers, write_file
 from linkwright.output.table_file import WAYS, write_table
 from linkwright.output.tradeoff_folder import (
@@ -34,7 +35,6 @@ from linkwright.results.figures_in_words import percent
 from linkwright.results.tradeoff import describe
 
 from .arm import Arm, catalogue_of
-from .figures import Figured, Values
 from .given import File
 from .problem import Problem
 from .progress import Progress, interrupts, told

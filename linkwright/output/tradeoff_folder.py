@@ -17,7 +17,7 @@ from linkwright.json.fields import fields
 from linkwright.output.arm_file import arm_file
 from linkwright.output.files import REPORT, RESULT, claim_own, made_folder, refuse_strangers, write_each
 from linkwright.output.read_back import ReadBack
-from linkwright.report.pictures.tradeoff import slope_factor, tradeoff_picture
+from linkwright.report.charts.fronts import slope_factor, tradeoff_picture
 from linkwright.results.figures_in_words import section_words
 from linkwright.version import program_version
 

@@ -9,15 +9,15 @@ from typing import TYPE_CHECKING, Any
 from linkwright.face.result import Result, drawn
 from linkwright.output.files import REPORT, RESULT
 from linkwright.output.table_file import frame
+from linkwright.paper.corrected import Extended
+from linkwright.paper.tables import Proof, Verdict
 from linkwright.report.described import page_of
 from linkwright.results.document import Description
 
-from .extended import Extended
 from .output import pages, pictures
 from .output.figures import Figure
 from .output.pages import figure_csv, figures_json, tables_json
 from .tables import Book
-from .verdicts import Proof, Verdict
 
 if TYPE_CHECKING:
     import pandas as pd

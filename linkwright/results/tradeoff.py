@@ -8,7 +8,7 @@ from pathlib import PurePath
 from linkwright.core.optimize.tradeoff.front import Front, Point, Tradeoff
 from linkwright.core.optimize.tradeoff.question import Axis
 from linkwright.report.charts import fronts
-from linkwright.report.pictures.tradeoff import picture_words, price_words, shown, slope_factor
+from linkwright.report.charts.fronts import picture_words, price_words, shown, slope_factor
 
 from .design import settings
 from .document import (

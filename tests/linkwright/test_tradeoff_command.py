@@ -17,7 +17,7 @@ from linkwright.core.arm.files.read import read_arm
 from linkwright.core.optimize.limits import FIGURES
 from linkwright.core.optimize.tradeoff.journal import JOURNAL
 from linkwright.core.optimize.tradeoff.question import axes_of
-from linkwright.report.pictures.tradeoff import ticks
+from linkwright.report.charts.fronts import ticks
 from linkwright.results.tradeoff import spread
 from tests.linkwright.conftest import ROOT
 from tests.linkwright.samples import unpacked

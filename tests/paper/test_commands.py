@@ -10,7 +10,7 @@ import pytest
 from linkwright.cli import run
 from linkwright.markdown.described import markdown
 from linkwright.paper.output.pages import BEGIN, END, describe, into
-from linkwright.paper.verdicts import proofs, verdicts
+from linkwright.paper.tables import proofs, verdicts
 
 pytestmark = pytest.mark.slow
 

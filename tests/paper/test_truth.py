@@ -8,7 +8,7 @@ import pytest
 
 from linkwright.paper.corrected import DEFORMATION, PaperArm, pose_errors, search_of, worst_error, worst_signed
 from linkwright.paper.printed import read_paper
-from linkwright.paper.verdicts import proofs, verdicts
+from linkwright.paper.tables import proofs, verdicts
 
 pytestmark = pytest.mark.slow
 

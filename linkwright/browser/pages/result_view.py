@@ -1,19 +1,20 @@
-"""An answer as it is shown: its line, its files, pictures to click, its report; and how one is kept after all."""
+"""Answers as they are shown: line, files, pictures to click, report; and the list of all that are kept."""
 
 from __future__ import annotations
 
 import html
+from collections.abc import Callable
 
 from nicegui import events, ui
 
 from linkwright.browser.pages.file_choice import SaveRow
+from linkwright.browser.pages.frame import Problem, framed, heading, panel, picture, row, stack
+from linkwright.browser.pages.job_panel import JobPanel
 from linkwright.browser.server.answers import Answer, Desk, as_kept, left_behind, on_shelf
 from linkwright.browser.server.drawings import Design, Front, Pose, front_from, poses_from
 from linkwright.browser.server.jobs import Job
-from linkwright.browser.server.shelf import Kept
+from linkwright.browser.server.shelf import NAME, Kept, Run
 from linkwright.core.units.quantities import InputError
-
-from .frame import Problem, heading, panel, picture, row, stack
 
 _OWN = ("poses.json", "front.json")
 """Files that are for these pages alone."""
@@ -173,3 +174,108 @@ def _table(headings: tuple[str, ...], rows: list[tuple[str, ...]]) -> None:
     body = "".join("<tr>" + "".join(f"<td>{html.escape(cell)}</td>" for cell in each) + "</tr>" for each in rows)
     with ui.element("div").classes("lw-scroll"):
         ui.html(f'<table class="lw-table"><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>', sanitize=True)
+
+
+class ResultsPage:
+    """The list."""
+
+    def __init__(self, desk: Desk) -> None:
+        self._desk = desk
+        with framed("Results", f"All that was computed here; kept in {NAME} in the folder."):
+            for job in desk.jobs.running:
+                JobPanel(self._ended).follow(job)
+            with row():
+                self._size = ui.label().classes("lw-note grow")
+                self._all = ui.button("Remove all", on_click=self._ask).props("outline dense no-caps color=negative")
+            self._problem = Problem()
+            self._unkept, self._listed = stack(), stack()
+            with ui.dialog() as self._sure, ui.card():
+                self._question = ui.label()
+                with row():
+                    ui.button("Remove them", on_click=self._remove_all).props("dense no-caps color=negative")
+                    ui.button("Leave them", on_click=self._sure.close).props("outline dense no-caps")
+        self._all.visible = False
+
+    async def begin(self) -> None:
+        """Show what there is."""
+        desk = self._desk
+        self._unkept.clear()
+        with self._unkept:
+            for job in desk.jobs.unkept:
+                await show_unkept(desk, job)
+        try:
+            kept, cut = await desk.looked_up(lambda: (desk.shelf.all(), desk.jobs.cut_off()))
+            size = await desk.looked_up(desk.shelf.size)
+        except InputError as error:
+            self._problem.say(str(error))
+            return
+        self._problem.say("")
+        self._size.text = f"{len(kept)} results, {size / 1024**2:.1f} MB on the disk" if kept else ""
+        self._question.text = f"Remove all {len(kept)} results and their files from the disk?"
+        self._all.visible = bool(kept)
+        self._listed.clear()
+        with self._listed:
+            for run in cut:
+                self._show_cut(run)
+            for each in kept:
+                self._show_kept(each)
+            if not kept and not cut:
+                nothing = ui.label("Nothing yet: evaluate an arm, optimise a problem, or diagnose a recording.")
+                nothing.classes("lw-note")
+
+    async def _ended(self, job: Job) -> None:
+        del job
+        await self.begin()
+
+    def _show_kept(self, each: Kept) -> None:
+        with ui.element("div").classes("lw-kept"):
+            ui.label(each.made).classes("lw-note")
+            ui.label(each.kind if each.complete else f"{each.kind} (stopped)").classes("lw-note")
+            with ui.element("p").classes("lw-found"):
+                ui.link(each.line, f"/results/{each.id}")
+                ui.label(each.title).classes("lw-note")
+            self._remove(f"remove result {each.id}", lambda: self._desk.shelf.remove(each.id))
+
+    def _show_cut(self, run: Run) -> None:
+        with ui.element("div").classes("lw-kept"):
+            ui.label(run.began).classes("lw-note")
+            ui.label(f"{run.kind} (cut off)").classes("lw-note")
+            with ui.element("p").classes("lw-found"):
+                ui.label("Its server ended before it did, so nothing of it is kept; begin it again.")
+                ui.label(f"{run.title} (server: process {run.server})").classes("lw-note")
+            self._remove(f"forget run {run.id}", lambda: self._desk.shelf.end(run.id))
+
+    def _remove(self, label: str, remove: Callable[[], None]) -> None:
+        ui.button(icon="delete", on_click=lambda: self._done(remove)).props(f'flat dense aria-label="{label}"')
+
+    async def _done(self, change: Callable[[], None]) -> None:
+        try:
+            await self._desk.looked_up(change)
+        except InputError as error:
+            self._problem.say(str(error))
+            return
+        await self.begin()
+
+    def _ask(self) -> None:
+        self._sure.open()
+
+    async def _remove_all(self) -> None:
+        self._sure.close()
+        await self._done(self._desk.shelf.remove_all)
+
+
+class ResultPage:
+    """One of them."""
+
+    def __init__(self, desk: Desk, number: int) -> None:
+        self._desk, self._number = desk, number
+        with framed("Results"):
+            with row():
+                ui.link("all results", "/results")
+            heading(f"Result {number}")
+            self._shown = stack()
+
+    async def begin(self) -> None:
+        """Show it."""
+        with self._shown:
+            await show_result(self._desk, self._number)

@@ -8,13 +8,13 @@ from typing import Protocol
 from nicegui import ui
 
 from linkwright.browser.pages.optimise import TradeoffPage
+from linkwright.browser.pages.result_view import ResultPage, ResultsPage
 from linkwright.browser.server.answers import Desk
 
 from .arm import ArmPage
 from .catalogues import CataloguesPage
 from .diagnosis import DiagnosisPage
 from .optimise import ProblemPage
-from .results import ResultPage, ResultsPage
 
 
 class _Page(Protocol):

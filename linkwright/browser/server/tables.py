@@ -10,8 +10,8 @@ from types import MappingProxyType
 from typing import Any
 
 import linkwright as lw
-from linkwright.commands.catalogues import actuator_edit, material_edit, section_edit
-from linkwright.commands.catalogues.material_edit import QUERY, value_of
+from linkwright.commands.catalogues import actuators, materials, sections
+from linkwright.commands.catalogues.materials import QUERY, value_of
 from linkwright.commands.catalogues.own import OwnCatalogue, value_of_text
 from linkwright.core.arm.actuators import Actuator, read_actuators
 from linkwright.core.catalogues import store
@@ -101,7 +101,7 @@ class MaterialsTable(CatalogueTable):
     """The materials, their figures at 20 degC."""
 
     title = "Materials"
-    kind = material_edit.OWN
+    kind = materials.OWN
 
     def columns(self, group: str) -> Sequence[str]:
         """Every property."""
@@ -126,7 +126,7 @@ class SectionsTable(CatalogueTable):
     """The stock sizes, by shape; dimensions in mm, printed figures in cm."""
 
     title = "Stock sizes"
-    kind = section_edit.OWN
+    kind = sections.OWN
 
     def groups(self) -> Sequence[str]:
         """The shapes that there are sizes of."""
@@ -161,7 +161,7 @@ class ActuatorsTable(CatalogueTable):
 
     title = "Actuators"
     always = ("cost", "note")
-    kind = actuator_edit.OWN
+    kind = actuators.OWN
 
     def columns(self, group: str) -> Sequence[str]:
         """What an entry says."""

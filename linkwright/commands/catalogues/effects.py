@@ -9,8 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 import linkwright as lw
-from linkwright.commands.groups import Commands, write_content
-from linkwright.commands.options import JsonFile
+from linkwright.commands.options import Commands, JsonFile, write_content
 from linkwright.core.units.quantities import format_quantity
 from linkwright.json.fields import fields
 from linkwright.output.files import check_target

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Annotated, Any, TypeVar
 
 import typer
 
-from linkwright.commands.groups import Commands
+from linkwright.commands.options import Commands
 from linkwright.core.catalogues import store
 from linkwright.core.catalogues.editor import Editor
 from linkwright.core.catalogues.keyed import KeyedEditor

@@ -10,8 +10,7 @@ from typing import Any
 
 from linkwright.paper.output.figures import Figure
 from linkwright.paper.printed import Row, Table, tally
-from linkwright.paper.tables import Book
-from linkwright.paper.verdicts import Proof, Verdict
+from linkwright.paper.tables import Book, Proof, Verdict
 from linkwright.results.document import Description, Lines, Paragraph, Section, Value, section
 from linkwright.results.document import table as shown
 

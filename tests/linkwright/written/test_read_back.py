@@ -175,7 +175,7 @@ def test_an_exported_catalogue_is_imported_again(
     for ending in ("yaml", "csv"):
         assert run([command, "export", name, "--out", str(tmp_path / f"own.{ending}")]) == 0
     keyed = ("linkwright.core.catalogues.keyed:KeyedEditor", "text")
-    writer = ("linkwright.commands.sections.edit", "rows_text") if command == "sections" else keyed
+    writer = ("linkwright.commands.catalogues.sections", "rows_text") if command == "sections" else keyed
     written = (tmp_path / "own.yaml").read_text()
     assert change[0] in written, written
     altered(*writer, lambda text: text.replace(*change, 1), monkeypatch)

@@ -1,1 +1,0 @@
-"""Arms from and for other programs."""
