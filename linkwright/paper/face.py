@@ -95,8 +95,8 @@ class Figures(Result):
     def plot(self) -> go.Figure:
         """The worst error as all links are lengthened: the figure that the paper misreads most."""
         longer = self["9"]
-        lines = {"": longer["corrected_mm"]}
-        return drawn(longer["reach_mm"], lines, "reach in mm", "worst error in mm", mode="lines")
+        lines = {"": longer["corrected_mm"].to_list()}
+        return drawn(longer["reach_mm"].to_list(), lines, "reach in mm", "worst error in mm", mode="lines")
 
     @property
     def description(self) -> Description:

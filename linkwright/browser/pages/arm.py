@@ -16,7 +16,7 @@ from linkwright.core.units.quantities import InputError
 from .editor import YamlEditor
 from .file_choice import FileChoice
 from .frame import Problem, framed, panel, picture, row, stack
-from .job_panel import Asking
+from .result_view import Asking
 
 
 class ArmPage(Asking):

@@ -26,7 +26,7 @@ from linkwright.browser.server.guard import MOST_UPLOADED
 from linkwright.core.units.quantities import InputError
 
 from .frame import Problem, framed, heading, panel, row, stack
-from .job_panel import Asking
+from .result_view import Asking
 
 _ENDINGS = (".csv", ".txt", ".tsv", ".dat", ".parquet", ".pq", ".xlsx")
 

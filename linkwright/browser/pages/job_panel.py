@@ -2,16 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Awaitable, Callable, Mapping
-from typing import Any
+from collections.abc import Awaitable, Callable
 
 from nicegui import ui
 
-from linkwright.browser.server.answers import Desk
 from linkwright.browser.server.jobs import Job
 
-from .frame import Problem, panel, row, stack
-from .result_view import show_ended
+from .frame import Problem, panel, row
 
 _LOOK = 0.25
 """Seconds between two looks."""
@@ -76,28 +73,3 @@ class JobPanel:
             self._problem.say(job.message)
         else:
             await self._ended(job)
-
-
-class Asking:
-    """A page that has work done: its panel, and below that what was found."""
-
-    def __init__(self, desk: Desk) -> None:
-        self._desk = desk
-
-    def _work(self) -> None:
-        """Where the work is seen."""
-        self._panel = JobPanel(self._ended)
-
-    def _begin(self, kind: str, title: str, inputs: Mapping[str, bytes], asked: Mapping[str, Any]) -> None:
-        """Begin it. Raises `InputError` where too much is at work."""
-        job = self._desk.jobs.start(kind, title, inputs, asked)
-        self._result.clear()
-        self._panel.follow(job)
-
-    def _answers(self) -> None:
-        """Where it is shown what was found."""
-        self._result = stack()
-
-    async def _ended(self, job: Job) -> None:
-        with self._result:
-            await show_ended(self._desk, job)

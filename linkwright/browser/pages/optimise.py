@@ -12,7 +12,7 @@ import linkwright as lw
 from linkwright.browser.pages.editor import YamlEditor
 from linkwright.browser.pages.file_choice import FileChoice
 from linkwright.browser.pages.frame import Problem, framed, panel, row, stack
-from linkwright.browser.pages.job_panel import Asking
+from linkwright.browser.pages.result_view import Asking
 from linkwright.browser.server.answers import Desk
 from linkwright.browser.server.folder import staged
 from linkwright.core.units.quantities import InputError

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import html
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
+from typing import Any
 
 from nicegui import events, ui
 
@@ -174,6 +175,31 @@ def _table(headings: tuple[str, ...], rows: list[tuple[str, ...]]) -> None:
     body = "".join("<tr>" + "".join(f"<td>{html.escape(cell)}</td>" for cell in each) + "</tr>" for each in rows)
     with ui.element("div").classes("lw-scroll"):
         ui.html(f'<table class="lw-table"><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>', sanitize=True)
+
+
+class Asking:
+    """A page that has work done: its panel, and below that what was found."""
+
+    def __init__(self, desk: Desk) -> None:
+        self._desk = desk
+
+    def _work(self) -> None:
+        """Where the work is seen."""
+        self._panel = JobPanel(self._ended)
+
+    def _begin(self, kind: str, title: str, inputs: Mapping[str, bytes], asked: Mapping[str, Any]) -> None:
+        """Begin it. Raises `InputError` where too much is at work."""
+        job = self._desk.jobs.start(kind, title, inputs, asked)
+        self._result.clear()
+        self._panel.follow(job)
+
+    def _answers(self) -> None:
+        """Where it is shown what was found."""
+        self._result = stack()
+
+    async def _ended(self, job: Job) -> None:
+        with self._result:
+            await show_ended(self._desk, job)
 
 
 class ResultsPage:

@@ -73,7 +73,7 @@ def test_a_design_that_does_not_read_back_is_shown_written_and_told(
     problem: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     """Another wall is written than was found: status 1, the answer on the screen, every file in the folder."""
-    altered("linkwright.output.read_back", "arm_to_yaml", lambda text: text.replace("420 mm", "421 mm"), monkeypatch)
+    altered("linkwright.output.arm_file", "arm_to_yaml", lambda text: text.replace("420 mm", "421 mm"), monkeypatch)
     out = problem.parent / "result"
     assert run(["optimize", str(problem), "--out", str(out)]) == 1
     told = capsys.readouterr()
@@ -88,7 +88,7 @@ def test_a_design_that_does_not_read_back_is_shown_written_and_told(
 def test_a_design_that_cannot_be_read_is_told_with_the_reason(
     problem: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    altered("linkwright.output.read_back", "arm_to_yaml", lambda text: text.replace("6061", "6062"), monkeypatch)
+    altered("linkwright.output.arm_file", "arm_to_yaml", lambda text: text.replace("6061", "6062"), monkeypatch)
     assert run(["optimize", str(problem), "--out", str(problem.parent / "result")]) == 1
     assert "chain[1].link.material: there is no material" in capsys.readouterr().err
 
@@ -196,7 +196,7 @@ def test_arms_are_written_by_the_one_way_that_reads_them_back() -> None:
         if isinstance(node, ast.Call) and getattr(node.func, "id", "") in ("arm_to_yaml", "write_arm")
     }
     assert "output/arm_file.py" in uses
-    assert uses <= {"output/arm_file.py", "output/written_arm.py", "face/arm.py"}  # the last two for texts, not files
+    assert uses <= {"output/arm_file.py", "output/diagnosis_folder.py", "face/arm.py"}  # the last two: texts
 
 
 @pytest.mark.parametrize("tip", [None, "left", "right"])
