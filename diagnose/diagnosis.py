@@ -30,11 +30,9 @@ from linkwright.core.diagnose.search.large_motions import about_large, candidate
 from linkwright.core.diagnose.search.naming import Named, Namer, name_missing
 from linkwright.core.diagnose.search.one_set_of_weights import under_one_set
 from linkwright.core.diagnose.search.subsets import gains
-from linkwright.core.diagnose.search.whole_search import whole_search_p
 from linkwright.core.diagnose.several.floors import floor_of_all
 from linkwright.core.diagnose.several.other_arms import of_different_arms, of_other_arms
 from linkwright.core.diagnose.several.recordings import Several, together
-from linkwright.core.executors import Executor
 
 from .options import Options, Progress
 from .recording import Recording
@@ -71,10 +69,8 @@ def diagnose(
     recording: Recording,
     options: Options | None = None,
     progress: Progress | None = None,
-    executor: Executor | None = None,
 ) -> Diagnosis:
-    """What an arm's model leaves out, by a recording of the real arm, or by several of them (`Several`) at once; what
-    falls apart into steps is done by `executor`, else by this process.
+    """What an arm's model leaves out, by a recording of the real arm, or by several of them (`Several`) at once.
 
     Raises `arm.errors.model.PropertyNeeded` and the materials' errors where the model lacks a figure that it needs.
     """
@@ -85,17 +81,17 @@ def diagnose(
     if arm.unknown_origins:
         tell("finding the fixed transforms that are free", 0.0)
     placed = located(arm, recording, rules=asked.rules)
-    found = _diagnosed(placed, recording, asked, tell, executor)
+    found = _diagnosed(placed, recording, asked, tell)
     for _ in range(own.origin_passes - 1 if arm.unknown_origins else 0):
         again = with_origins_of(placed, found.corrected)
         if turned_by(placed, again) ** 2 * sum(arm.lengths) <= own.origin_beyond * found.rms_after:
             break
         placed = again
-        found = _diagnosed(placed, recording, asked, tell, executor)
+        found = _diagnosed(placed, recording, asked, tell)
     return found if shown is None else replace(found, notes=(*of_unknown_weights(shown), *found.notes))
 
 
-def _diagnosed(arm: Arm, recording: Recording, asked: Options, hear: Progress, executor: Executor | None) -> Diagnosis:
+def _diagnosed(arm: Arm, recording: Recording, asked: Options, hear: Progress) -> Diagnosis:
     """What an arm's model leaves out, its free transforms about where they stand."""
     began, tell = time.perf_counter(), _SoFar(hear)
     tell("noise floor", 0.0)
@@ -141,12 +137,6 @@ def _diagnosed(arm: Arm, recording: Recording, asked: Options, hear: Progress, e
             namer, named = through_what_is_named(namer, named, asked.without, lambda _: tell("searching again", 0.69))
             named = under_one_set(namer, named, lambda _: tell("searching again", 0.69))
             tell.found(namer, named.members)
-        if asked.thorough and named.everything:
-            told = "calibrating the whole search"
-            p = whole_search_p(namer, named, asked.seed, lambda share: tell(told, 0.7 * share), executor)
-            named = (
-                replace(named, whole_p=p) if p <= rules.search.whole_level else Named((), (), (), named.gate, None, p)
-            )
     tell("fitting and confirming", 0.7)
     whole = cleaned if len(searched.q) < len(cleaned.q) else None
     conclusion = Conclusion(namer, named, noise, asked, whole=whole, progress=tell, floors=floors)

@@ -13,8 +13,8 @@ Progress = Callable[[str, float], None]
 
 @dataclass(frozen=True)
 class Options:
-    """`thorough` calibrates the whole search, selection included, with more draws; `without` takes effects out of the
-    candidates; `seed` fixes all random draws; `rules` are the thresholds that everything is judged by."""
+    """`thorough` makes every test with more draws; `without` takes effects out of the candidates; `seed` fixes all
+    random draws; `rules` are the thresholds that everything is judged by."""
 
     thorough: bool = False
     without: frozenset[str] = frozenset()

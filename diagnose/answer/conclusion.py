@@ -240,8 +240,6 @@ class Conclusion(Confirmed):
     def _gate_p(self) -> float:
         if self.named is None:
             return 1.0
-        if self.named.whole_p is not None:
-            return self.named.whole_p
         return min(1.0, 2.0 * min(test.p_value for test in self.named.gate))
 
     def _left_by_names(self) -> Array:

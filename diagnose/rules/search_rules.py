@@ -93,8 +93,6 @@ class SearchRules:
     most_in_triples: int = rule(
         160, "families", "Of which triples are made; of more, those that explain least alone are left.", TIME
     )
-    whole_draws: int = rule(99, "draws", "Of the whole search, selection included.", TIME)
-    whole_level: float = rule(0.01, "p-value", "False alarms of the whole search, at most.", JUDGED)
     alike: float = rule(0.98, "correlation", "Patterns beyond this are one class.", PROOF)
     confident: float = rule(
         6.0, "criterion", "A name no worse than this (odds of 20 to 1) could as well be it.", "odds"

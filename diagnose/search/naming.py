@@ -29,15 +29,13 @@ Mask = NDArray[np.bool_]
 @dataclass(frozen=True)
 class Named:
     """What was found: groups of the library (`members`) and forms (`outside`), the p-value of each member's own test,
-    the gate's two tests (library, forms), the test of what is left, and, where that was asked for, the p-value of the
-    whole search."""
+    the gate's two tests (library, forms), and the test of what is left."""
 
     members: tuple[int, ...]
     outside: tuple[int, ...]
     p_values: tuple[float, ...]
     gate: tuple[Calibrated, Calibrated]
     left: tuple[Calibrated, Calibrated] | None
-    whole_p: float | None = None
 
     @property
     def everything(self) -> tuple[int, ...]:

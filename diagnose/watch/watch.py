@@ -24,7 +24,6 @@ from linkwright.core.diagnose.recording import Recording
 from linkwright.core.diagnose.result import Diagnosis
 from linkwright.core.diagnose.rules.watch_rules import WatchRules
 from linkwright.core.diagnose.several.recordings import names_of, together
-from linkwright.core.executors import Executor
 from linkwright.core.sections.numeric import Array
 
 from .course import FEWEST, Course, Kind, Measured, Series, course_of
@@ -144,7 +143,6 @@ def watch(
     asked: Collection[str] | None = None,
     options: Options | None = None,
     progress: Callable[[str, float], None] | None = None,
-    executor: Executor | None = None,
     *,
     search: bool = True,
 ) -> Watch:
@@ -162,7 +160,7 @@ def watch(
     found: Diagnosis | None = None
     if search:
         held = together([recordings[k] for k in searched], arm, rules=rules.residual)
-        found = diagnose(arm, held, options, lambda text, share: tell(text, 0.7 * share), executor)
+        found = diagnose(arm, held, options, lambda text, share: tell(text, 0.7 * share))
     tell("choosing what to watch", 0.7)
     wanted = basics() if asked is None else asked
     asked = [name for name in wanted if name not in options.without]

@@ -20,7 +20,6 @@ from linkwright.api.signature import (
 if TYPE_CHECKING:
     import pandas as pd
 
-    from linkwright.core.executors import Executor
     from linkwright.face.compensation import Compensation
     from linkwright.face.design import Redesign
     from linkwright.face.diagnosis import Diagnosis
@@ -49,8 +48,6 @@ def diagnose(
     units: Annotated[bool, Option()] = False,
     problem: ProblemOption = None,
     progress: Progress | None = None,
-    workers: int | None = None,
-    executor: "Executor | None" = None,
 ) -> "Diagnosis":
     """What the model of an arm leaves out, by recordings of the real one: where, what, how sure, and what to do.
 
@@ -63,15 +60,13 @@ def diagnose(
         recording: The recording (.csv, .xlsx, .parquet), or several. In Python also a `Recording` or a data frame, or a
             list: frame, tool and noise are each one's own, `found.recordings` tells what comes of each, and
             `differences` what is not the same in all (a zero that moved, a drive that softened).
-        thorough: Calibrate the whole search; takes longer.
+        thorough: Make every test with six times as many draws; takes longer.
         without: Leave this effect out of the candidates; may be repeated.
         settings: What the columns mean; by default the file beside the recording. Of several recordings: once for all,
             or once for each, in their order.
         units: The recordings are of several arms of one type: anything may differ.
         problem: Solve this design problem with what was found, too. In Python also a `Problem`.
         progress: Hears of the steps; a bar by default, where somebody looks.
-        workers: Processes of this machine for what takes long; one for each core by default.
-        executor: Who does it instead: `lw.Processes`, `lw.Cluster`.
 
     Raises `InputError`, and `MissingProperty` where the model lacks a figure.
 
@@ -89,15 +84,15 @@ def diagnose(
     from linkwright.face.arm import arm_of, catalogue_of
     from linkwright.face.diagnosis import Diagnosis, known_effects, recordings_of
     from linkwright.face.problem import problem_of
-    from linkwright.face.progress import at_work, told
+    from linkwright.face.progress import told
     from linkwright.output.diagnosis_folder import with_written
 
     options = Options(thorough=thorough, without=known_effects(without))
     given = arm_of(arm, tips="first", unknown_origins=True)
     read = recordings_of(recording, given, settings, units=units)
     asked = None if problem is None else problem_of(problem)
-    with told(progress) as tell, at_work(executor, workers) as crew:
-        found = diagnosed(given.model, read.found, options, tell, crew)
+    with told(progress) as tell:
+        found = diagnosed(given.model, read.found, options, tell)
         answer = Diagnosis(given, read, with_written(found, catalogue_of(given.catalogue)))
         return answer if asked is None else replace(answer, redesign=redesign(asked, answer, progress=tell))
 
@@ -120,7 +115,7 @@ def compare(
         arm: The arm file. In Python also an `Arm`.
         before: The earlier recording. In Python also a `Recording` or a data frame.
         after: The later recording. In Python alike.
-        thorough: Calibrate the whole search; takes longer.
+        thorough: Make every test with six times as many draws; takes longer.
         without: Leave this effect out of the candidates; may be repeated.
         settings: What the columns mean; by default the file beside it.
         progress: Hears of the steps; a bar by default, where somebody looks.
@@ -268,8 +263,6 @@ def watch(
     without: Without = (),
     settings: SettingsOfEach = None,
     progress: Progress | None = None,
-    workers: int | None = None,
-    executor: "Executor | None" = None,
 ) -> "Watch":
     """What moved in an arm and when, by dated recordings of it: steps, drifts, and what is only noise.
 
@@ -289,8 +282,6 @@ def watch(
         settings: What the columns mean; by default the file beside the recording. Of several recordings: once for all,
             or once for each, in their order.
         progress: Hears of the steps; a bar by default, where somebody looks.
-        workers: Processes of this machine for what takes long; one for each core by default.
-        executor: Who does it instead: `lw.Processes`, `lw.Cluster`.
 
     Each recording is fitted by itself, frame and tool its own where they are free. Alarms are false once in a hundred
     series of 50 quiet recordings. Raises `InputError` and `MissingProperty`.
@@ -311,7 +302,7 @@ def watch(
     from linkwright.face.arm import arm_of
     from linkwright.face.diagnosis import known_effects
     from linkwright.face.planning.watch import Watch, read_dated
-    from linkwright.face.progress import at_work, told
+    from linkwright.face.progress import told
 
     asked = basics() if for_ is None else tuple(for_)
     known_effects(asked, "for_")
@@ -320,7 +311,7 @@ def watch(
         raise InputError("", "recordings", "is a list of recordings here; name three or more")
     given = arm_of(arm, tips="first")
     read = read_dated(list(recordings), given, settings)
-    with told(progress) as tell, at_work(executor, workers) as crew:
+    with told(progress) as tell:
         held = [each.found for each in read]
-        found = watched(given.model, held, asked, options, tell, crew, search=search)
+        found = watched(given.model, held, asked, options, tell, search=search)
     return Watch(given, found, tuple(read))

@@ -93,7 +93,7 @@ class DiagnosisPage(Asking):
                 field.on("keydown.enter", self._reread)
                 self._fields[name] = field
         with row():
-            self._thorough = ui.checkbox("thorough: calibrates the whole search, takes longer").props("dense")
+            self._thorough = ui.checkbox("thorough: more draws, takes longer").props("dense")
             self._units = ui.checkbox("of several arms of one type: anything may differ").props("dense")
         self._go = ui.button("Diagnose", on_click=self._start).props("no-caps")
 

@@ -1,0 +1,27 @@
+"""--thorough: every test made with more draws."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from linkwright.core.diagnose.diagnosis import diagnose
+from linkwright.core.diagnose.options import Options
+from linkwright.core.diagnose.search.naming import Namer
+from tests.diagnose.core_cases import prepared_null, recorded
+from tests.diagnose.made_diagnosis import made_arm
+
+PLAIN = {"poses": 24, "payloads": (), "repeats": 2, "sides": "one", "temperature": None}
+
+
+def test_a_gate_is_made_with_more_draws():
+    drawn = [len(Namer(prepared_null(**PLAIN), thorough=each, seed=1).test(())[0].drawn) for each in (False, True)]
+    assert drawn[1] > 5 * drawn[0]
+
+
+def test_a_clear_effect_is_named():
+    arm = made_arm(False)
+    recording = recorded(arm, **PLAIN)
+    moved = recording.tip + np.array([4e-4, -3e-4])
+    found = diagnose(arm, replace(recording, tip=moved), Options(thorough=True))
+    assert found.verdict in ("named", "alias_class")
+    assert found.gate_p < 0.01
