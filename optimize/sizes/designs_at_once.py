@@ -165,9 +165,14 @@ class Table:
 
     def agreeing(self, picks: Integers) -> Integers:
         """The picks in which all links agree in what the problem asks to be the same."""
+        if not self.problem.same:
+            return picks
+        columns = [codes[picks[:, k]] for k, codes in enumerate(self._kinds)]
+        return picks[np.all([column == columns[0] for column in columns], axis=0)]
+
+    @cached_property
+    def _kinds(self) -> list[Integers]:
+        """Of each list's options a number for what must be the same for all links."""
         kinds = [kinds_of(own, self.problem.same) for own in self.lists]
         known = {kind: number for number, kind in enumerate(dict.fromkeys(kind for own in kinds for kind in own))}
-        if len(known) < 2:
-            return picks
-        columns = [np.array([known[kind] for kind in own])[picks[:, k]] for k, own in enumerate(kinds)]
-        return picks[np.all([column == columns[0] for column in columns], axis=0)]
+        return [np.array([known[kind] for kind in own], dtype=np.intp) for own in kinds]
