@@ -176,23 +176,29 @@ def pull(
     miss, jacobian = (targets - place) * used, jacobian * used[:, None]
     distance = np.sqrt((miss * miss).sum(axis=1))
     for _ in range(steps):
-        held_low = (q <= lower) & (np.einsum("nij,ni->nj", jacobian, miss) < 0.0)
-        held_high = (q >= upper) & (np.einsum("nij,ni->nj", jacobian, miss) > 0.0)
-        free = jacobian * ~(held_low | held_high)[:, None, :]
+        # Who has arrived stays; a few stragglers take most of the steps.
+        rows = np.flatnonzero(distance >= _ON_PATH)
+        if np.all(damping[rows] >= 1e2):
+            break
+        here, slopes, wanted = q[rows], jacobian[rows], miss[rows]
+        held_low = (here <= lower) & (np.einsum("nij,ni->nj", slopes, wanted) < 0.0)
+        held_high = (here >= upper) & (np.einsum("nij,ni->nj", slopes, wanted) > 0.0)
+        free = slopes * ~(held_low | held_high)[:, None, :]
         square = np.einsum("nij,nkj->nik", free, free)
         scale = np.einsum("nii->n", square)[:, None, None] + 1e-30
-        solved = np.linalg.solve(square + damping[:, None, None] * scale * np.eye(3), miss[:, :, None])
-        trial = np.clip(q + np.clip(np.einsum("nij,nik->nj", free, solved), -0.5, 0.5), lower, upper)
-        place, slopes = motion(trial)
-        new_miss = (targets - place) * used
+        solved = np.linalg.solve(square + damping[rows, None, None] * scale * np.eye(3), wanted[:, :, None])
+        trial = np.clip(here + np.clip(np.einsum("nij,nik->nj", free, solved), -0.5, 0.5), lower, upper)
+        # A motion may hold something of each row, such as lengths: it is asked for all of them.
+        tried = q.copy()
+        tried[rows] = trial
+        place, slopes = (each[rows] for each in motion(tried))
+        new_miss = (targets[rows] - place) * used
         new_distance = np.sqrt((new_miss * new_miss).sum(axis=1))
-        better = new_distance < distance
-        damping = np.where(better, np.maximum(damping * 0.1, 1e-14), np.minimum(damping * 10.0, 1e2))
-        q = np.where(better[:, None], trial, q)
-        miss, distance = np.where(better[:, None], new_miss, miss), np.where(better, new_distance, distance)
-        jacobian = np.where(better[:, None, None], slopes * used[:, None], jacobian)
-        if np.all((distance < _ON_PATH) | (damping >= 1e2)):
-            break
+        better = new_distance < distance[rows]
+        damping[rows] = np.where(better, np.maximum(damping[rows] * 0.1, 1e-14), np.minimum(damping[rows] * 10.0, 1e2))
+        nearer = rows[better]
+        q[nearer], miss[nearer], distance[nearer] = trial[better], new_miss[better], new_distance[better]
+        jacobian[nearer] = slopes[better] * used[:, None]
     return q, distance
 
 
