@@ -13,7 +13,7 @@ from scipy.linalg import eigh
 from linkwright.core.arm.effects import EFFECTS
 from linkwright.core.arm.effects.elastic.joint_compliance import file_compliance
 from linkwright.core.arm.effects.loads.link_mass import LINK_MASS, mass_declared
-from linkwright.core.diagnose.patterns.library import Candidate, Family, parameter_of
+from linkwright.core.diagnose.patterns.library import Candidate, Family, of_one_number, parameter_of
 from linkwright.core.diagnose.patterns.unknown_weights import only_products
 from linkwright.core.diagnose.residual.observed import Observed
 from linkwright.core.diagnose.rules.fitting_rules import FittingRules
@@ -147,11 +147,13 @@ def why_impossible(prepared: Prepared, candidate: Candidate, sizes: Array, error
 def unlikely(prepared: Prepared, fitted: Fit) -> float:
     """By how much sizes far beyond the usual make a fit less likely, in units of the criterion: minus twice the log of
     a Cauchy density of each group's sizes, of their largest usual ones, over that of none. Forms, shares and products
-    with unknown weights have no usual size."""
+    with unknown weights have no usual size; nor have zeros and lengths, which a file may have wrong by any amount."""
     total = 0.0
     for member, sizes in zip(fitted.members, fitted.sizes, strict=True):
         candidate = prepared.pool.groups[member].candidate
         if candidate.outside or candidate.share or len(sizes) != len(candidate.sizes):
+            continue
+        if of_one_number(EFFECTS[candidate.effect]):
             continue
         effect, found = EFFECTS[candidate.effect], candidate.from_slopes(sizes.tolist())
         usual = (max(map(abs, parameter_of(effect, name).typical)) for name in candidate.sizes)

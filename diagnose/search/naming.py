@@ -198,9 +198,8 @@ def name_missing(
     if accepted is not None:
         accepted(namer, members)
     tell(0.6)
-    if len(members) > 1:
-        members, p_values = _carried_on(namer, members, p_values)
-        tell(0.8)
+    members, p_values = _carried_on(namer, members, p_values) if members else (members, p_values)
+    tell(0.8)
     geometry, p_of_geometry = _sound(namer, geometry_alone(namer))
     if geometry:
         further, p_of_further = _carried_on(namer, geometry, p_of_geometry)

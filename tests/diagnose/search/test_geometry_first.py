@@ -8,6 +8,7 @@ from linkwright.core.diagnose.diagnosis import diagnose
 from linkwright.core.diagnose.recording import Recording
 from linkwright.core.diagnose.residual.observe import observe
 from linkwright.core.diagnose.residual.observed import rms_length
+from tests.costs import slow_but
 from tests.diagnose.off_by_degrees import (
     arm_file,
     drawn,
@@ -37,14 +38,7 @@ def judged(case, seed, tmp_path):
     return found, left / best, {name for name, errors in sure.items() if errors > SURE}
 
 
-BESIDE = pytest.mark.xfail(strict=True, reason="an axis that leans is named beside the zeros")
-
-
-def _marks(seed):
-    return [*([] if seed in QUICK else [pytest.mark.slow]), *([BESIDE] if seed == 19 else [])]
-
-
-@pytest.mark.parametrize("seed", [pytest.param(seed, marks=_marks(seed)) for seed in range(40)])
+@pytest.mark.parametrize("seed", slow_but(range(40), *QUICK))
 def test_zeros_and_lengths_are_named_and_nothing_beside(seed, tmp_path):
     found, times, sure = judged(drawn(seed), seed, tmp_path)
     names = {(each.effect, *each.at) for each in found.findings}

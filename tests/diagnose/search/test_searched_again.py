@@ -55,7 +55,6 @@ def test_a_shape_off_the_grid_comes_in_as_a_group_of_its_own(namer):
     assert namer.pool.groups[number].candidate.shapes == moved.shapes
 
 
-@pytest.mark.xfail(strict=True, reason="the whole search names one group too: going on adds none")
 @pytest.mark.slow
 def test_the_better_end_counts(namer, monkeypatch):
     """A search anew that stops early does not lose what was known; one that goes all the way loses nothing by a bad

@@ -43,7 +43,6 @@ def test_days_too_poor_alone_name_it_together():
     assert [(each.effect, each.at) for each in found.findings] == [("joint_compliance", (2,))]
 
 
-@pytest.mark.xfail(strict=True, reason="the tool's offset is named first, by the usual sizes in the criterion")
 @pytest.mark.slow
 def test_a_zero_is_named_before_a_tool_that_explains_as_much(tmp_path):
     """One number before two: joint 2 of a planar arm of two joints is off by 0.3 deg on both days."""
