@@ -82,7 +82,7 @@ def diagnose(
         tell("finding the fixed transforms that are free", 0.0)
     placed = located(arm, recording, rules=asked.rules)
     found = _diagnosed(placed, recording, asked, tell)
-    for _ in range(own.origin_passes - 1 if arm.unknown_origins else 0):
+    for _ in range(2 if arm.unknown_origins else 0):
         again = with_origins_of(placed, found.corrected)
         if turned_by(placed, again) ** 2 * sum(arm.lengths) <= own.origin_beyond * found.rms_after:
             break

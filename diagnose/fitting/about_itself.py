@@ -47,7 +47,7 @@ def fitted_about_itself(prepared: Prepared, members: Sequence[int], outside: Seq
     left as they came out first: no arm is like that."""
     found, last = _fitted(prepared, members, outside), np.inf
     rules = prepared.observed.rules.fitting
-    for _ in range(rules.motion_fits if members else 0):
+    for _ in range(6 if members else 0):
         if impossible_term(found.prepared, found.refit) is not None:
             break
         about = _about(found)

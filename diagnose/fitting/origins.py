@@ -23,7 +23,6 @@ from linkwright.core.diagnose.residual.free_origins import moved, of_observed, o
 from linkwright.core.diagnose.residual.observe import observe
 from linkwright.core.diagnose.residual.observed import Observed, rms_length
 from linkwright.core.diagnose.residual.placement import rigid
-from linkwright.core.diagnose.rules.fitting_rules import FittingRules
 from linkwright.core.diagnose.rules.rules import RULES, Rules
 from linkwright.core.sections.numeric import Array
 
@@ -32,6 +31,18 @@ from .prepare import nuisances
 _TUKEY = 4.685
 """Tukey's biweight: 95 % efficient for Gaussian noise (P. J. Huber, Robust Statistics, Wiley 1981, ch. 7)."""
 _HALVINGS = 4
+_READINGS = 60
+"""Readings, spread over the recording, from which a transform is first found: ten times as many as it has numbers."""
+_MOST_STARTS = 64
+"""Turns from which transforms are sought; 24, a quarter turn apart, for one."""
+_STEPS = 25
+"""Of Gauss-Newton from each start; a good one takes five."""
+_LONGEST_TURN = 0.6
+"""Of one step, rad: beyond, first order says nothing."""
+_TOLD = 1e-6
+"""A direction that shows a smaller share beside the best is left where it stands."""
+_SETTLED = 1e-9
+"""A step that moves it by so little (m) is the last."""
 
 
 def located(arm: Arm, recording: Recording, *, rules: Rules = RULES) -> Arm:
@@ -40,8 +51,7 @@ def located(arm: Arm, recording: Recording, *, rules: Rules = RULES) -> Arm:
     if not arm.unknown_origins:
         return arm
     bare = replace(recording, orientation=None, joint_side=None, base_target=None)
-    own = rules.fitting
-    some = _spread_over(bare, own.origin_readings)
+    some = _spread_over(bare, _READINGS)
     rigidly = replace(
         arm,
         effects=(),
@@ -49,18 +59,18 @@ def located(arm: Arm, recording: Recording, *, rules: Rules = RULES) -> Arm:
         links=tuple(replace(link, section=None, material=None, mass=0.0) for link in arm.links),
     )
     best: _Trial | None = None
-    for start in _starts(rigidly, some, own):
-        trial = _improved(_tried(start, some, rules), some, own.origin_steps, rules)
+    for start in _starts(rigidly, some):
+        trial = _improved(_tried(start, some, rules), some, rules)
         if best is None or trial.middle < best.middle:
             best = trial
-        if best.middle <= own.origin_found * _reach(best.observed):
+        if best.middle <= rules.fitting.origin_found * _reach(best.observed):
             break
     assert best is not None
     placed = tuple(
         replace(joint, origin_rotation=found.origin_rotation, origin_translation=found.origin_translation)
         for joint, found in zip(arm.joints, best.arm.joints, strict=True)
     )
-    return _improved(_tried(replace(arm, joints=placed), bare, rules), bare, own.origin_steps, rules).arm
+    return _improved(_tried(replace(arm, joints=placed), bare, rules), bare, rules).arm
 
 
 @dataclass(frozen=True)
@@ -82,10 +92,9 @@ def _tried(arm: Arm, recording: Recording, rules: Rules) -> _Trial:
     return _Trial(arm, observed, float(np.median(np.linalg.norm(observed.tip_residual(), axis=1))))
 
 
-def _improved(trial: _Trial, recording: Recording, steps: int, rules: Rules) -> _Trial:
+def _improved(trial: _Trial, recording: Recording, rules: Rules) -> _Trial:
     """Gauss-Newton, frame and tool fitted beside; a step that makes things worse is halved."""
-    own = rules.fitting
-    for _ in range(steps):
+    for _ in range(_STEPS):
         observed, width = trial.observed, trial.observed.components
         ways = of_observed(observed)
         size = np.array([1.0 / _reach(observed) if way.turns else 1.0 for way in ways])
@@ -96,10 +105,10 @@ def _improved(trial: _Trial, recording: Recording, steps: int, rules: Rules) -> 
         scale = np.linalg.norm(design, axis=0)
         scale = np.where(scale > 1e-12 * max(float(scale.max(initial=0.0)), 1e-300), scale, np.inf)
         target = (trial.residual * root[:, :, 0]).reshape(-1)
-        step = np.linalg.lstsq(design / scale, target, rcond=own.origin_told)[0][: len(ways)] / scale[: len(ways)]
+        step = np.linalg.lstsq(design / scale, target, rcond=_TOLD)[0][: len(ways)] / scale[: len(ways)]
         step *= size
         largest = max((abs(value) for value, way in zip(step, ways, strict=True) if way.turns), default=0.0)
-        step *= min(1.0, own.origin_turn / max(largest, 1e-300))
+        step *= min(1.0, _LONGEST_TURN / max(largest, 1e-300))
         before = float(np.sum(target**2))
         for _ in range(_HALVINGS):
             other = _tried(moved(trial.arm, ways, step), recording, rules)
@@ -109,7 +118,7 @@ def _improved(trial: _Trial, recording: Recording, steps: int, rules: Rules) -> 
         else:
             return trial
         trial = other
-        if float(np.abs(step / size).max(initial=0.0)) < own.origin_settled:
+        if float(np.abs(step / size).max(initial=0.0)) < _SETTLED:
             break
     return trial
 
@@ -135,7 +144,7 @@ def _spread_over(recording: Recording, count: int) -> Recording:
     return recording.kept(keep)
 
 
-def _starts(arm: Arm, recording: Recording, rules: FittingRules) -> Iterator[Arm]:
+def _starts(arm: Arm, recording: Recording) -> Iterator[Arm]:
     """Arms to begin from, the likeliest first."""
     first = _by_points(arm, recording)
     if first is not None:
@@ -145,9 +154,9 @@ def _starts(arm: Arm, recording: Recording, rules: FittingRules) -> Iterator[Arm
     angles = Rotation.from_rotvec(np.linspace(0.0, 2.0 * np.pi, 8, endpoint=False)[:, None] * np.array([0.0, 0.0, 1.0]))
     turns: Sequence[Rotation] = list(angles if flat else Rotation.create_group("O"))
     chosen = itertools.product(turns, repeat=len(turned))
-    every = list(itertools.islice(chosen, rules.origin_most_starts)) if len(turned) < 2 else list(chosen)
-    if len(every) > rules.origin_most_starts:
-        picked = np.random.default_rng(0).choice(len(every), rules.origin_most_starts, replace=False)
+    every = list(itertools.islice(chosen, _MOST_STARTS)) if len(turned) < 2 else list(chosen)
+    if len(every) > _MOST_STARTS:
+        picked = np.random.default_rng(0).choice(len(every), _MOST_STARTS, replace=False)
         every = [every[k] for k in [0, *picked.tolist()]]
     for each in every:
         joints = list(arm.joints)

@@ -22,6 +22,15 @@ from linkwright.core.sections.numeric import Array
 
 from .conventions import Slip, no_slip, single_slips, zero_slip
 
+_LIKELY = 10
+"""The most promising mistakes, which all readings confirm or refuse."""
+_BEAM = 60
+"""Pairs of mistakes upon which a third is tried."""
+_ZERO_STEPS = 72
+"""Of a turn where a zero is first looked for: every 5 deg."""
+_TOGETHER = 400
+"""Mistakes that are tried at once, for the memory that they take."""
+
 
 @dataclass(frozen=True)
 class Explained:
@@ -56,9 +65,8 @@ class _Search:
     def misfits(self, slips: Sequence[Slip]) -> Array:
         """The same of many mistakes in which no row is late, (H,), m."""
         found: list[Array] = []
-        together = self.rules.together
-        for first in range(0, len(slips), together):
-            some = slips[first : first + together]
+        for first in range(0, len(slips), _TOGETHER):
+            some = slips[first : first + _TOGETHER]
             q = np.stack([self.q @ slip.matrix.T + slip.offset for slip in some])
             found.append(self._misfits(q, np.stack([self.tip @ slip.axes.T for slip in some])))
         return np.concatenate(found) if found else np.zeros(0)
@@ -129,13 +137,13 @@ def _deepening(search: _Search, whole: _Search, singles: list[Slip], limit: floa
         bounds = search.misfits(tried)
         # Of those that do equally well (a wrist turned over, say) the one that is made most goes first.
         order = np.argsort(bounds, kind="stable")
-        likely = sorted(int(number) for number in order[: search.rules.likely] if bounds[number] < limit)
+        likely = sorted(int(number) for number in order[:_LIKELY] if bounds[number] < limit)
         left = {number: whole.confirmed(tried[number]) for number in likely}
         least = min(left.values(), default=math.inf)
         if least < limit:
             number = next(number for number in likely if left[number] <= search.rules.as_well * least)
             return Explained(tried[number], left[number])
-        beam = [tried[number] for number in (order if len(beam) == 1 else order[: search.rules.beam])]
+        beam = [tried[number] for number in (order if len(beam) == 1 else order[:_BEAM])]
     return None
 
 
@@ -185,9 +193,8 @@ def _any_zero(search: _Search, whole: _Search, headers: Mapping[str, str], limit
         def left(angle: float, k: int = k, name: str = name) -> float:
             return search.misfit(zero_slip(none, search.arm, k, float(angle), name))
 
-        steps = search.rules.zero_steps
-        step = 2.0 * math.pi / steps
-        start = min((number * step for number in range(steps)), key=left)
+        step = 2.0 * math.pi / _ZERO_STEPS
+        start = min((number * step for number in range(_ZERO_STEPS)), key=left)
         for _ in range(14):  # each pass halves the step: 5 deg down to 0.3 mdeg
             step /= 2.0
             start = min((start - step, start, start + step), key=left)

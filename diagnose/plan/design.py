@@ -21,6 +21,11 @@ from numpy.typing import NDArray
 from linkwright.core.diagnose.rules.plan_rules import PlanRules
 from linkwright.core.sections.numeric import Array
 
+_CLOSEST = 8
+"""Visits whose gain is worked out exactly, of all tried the best by its slope."""
+_SETTLED = 0.005
+"""A pass whose sizes (logarithm) gain no more is the last."""
+
 
 @dataclass(frozen=True)
 class Patterns:
@@ -83,7 +88,7 @@ def chosen_visits(
                     chosen[place], total, value = other, trial, reached
                 done += 1
                 tell(done / work)
-            if value > before - rules.settled:
+            if value > before - _SETTLED:
                 break
     except KeyboardInterrupt:
         return chosen, back, True
@@ -108,7 +113,7 @@ class _Score:
         """The visit that betters a matrix most: of those of the steepest slope, by the score itself."""
         slope = self._slopes(total)
         slope[list(taken)] = -np.inf
-        closest = np.argsort(-slope, kind="stable")[: self.rules.closest].tolist()
+        closest = np.argsort(-slope, kind="stable")[:_CLOSEST].tolist()
         closest = [visit for visit in closest if slope[visit] > -np.inf] or closest
         reached = [self(total + self.of([visit])) for visit in closest]
         return int(closest[int(np.argmin(reached))])

@@ -27,11 +27,11 @@ def in_order(chosen: Sequence[int], back: Sequence[int], payload: Array, q: Arra
     (V,), `q` (V, n), `sides` (V, n) of all tried. With several payloads the blocks go through all of them twice, each
     beginning with the return. Of many random orders that one is taken whose time goes least with any joint or side.
     """
-    rng, rules = np.random.default_rng(asked.seed), asked.rules.plan
+    rng = np.random.default_rng(asked.seed)
     several = len(asked.payloads) > 1
     own = [np.array([v for v in chosen if payload[v] == mass], dtype=np.int64) for mass in asked.payloads]
     best, least = np.array(chosen, dtype=np.int64), np.inf
-    for _ in range(rules.orders):
+    for _ in range(400):
         parts: list[list[int]] = [[] for _ in range(2 * len(own))]
         for k, visits in enumerate(own):
             mixed = rng.permutation(visits).tolist()

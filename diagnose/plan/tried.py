@@ -21,6 +21,10 @@ from linkwright.core.units.quantities import InputError
 
 from .asked import Asked
 
+_CORNERS = 64
+"""Poses at the ends of the joint ranges, beside those spread over them."""
+
+
 _WRITTEN_ANGLE, _WRITTEN_LENGTH = math.radians(1e-3), 1e-6
 
 
@@ -70,9 +74,9 @@ def tried_visits(arm: Arm, asked: Asked) -> Tried:
     )
     spread = len(poses)
     moving = np.flatnonzero(high > low)
-    ends = itertools.islice(itertools.product((0.0, 1.0), repeat=len(moving)), 2 * rules.corners * len(moving) + 2)
+    ends = itertools.islice(itertools.product((0.0, 1.0), repeat=len(moving)), 2 * _CORNERS * len(moving) + 2)
     corners = np.array(list(ends)).reshape(-1, len(moving))
-    corners = corners[rng.permutation(len(corners))[: rules.corners]]
+    corners = corners[rng.permutation(len(corners))[:_CORNERS]]
     at_ends = np.tile(0.5 * (low + high), (len(corners), 1))
     at_ends[:, moving] = low[moving] + (high - low)[moving] * corners
     ends_clear = _clear(arm, at_ends, run, asked.room)

@@ -83,7 +83,7 @@ def wander_in(
     none = still(values, beside)
     if usual <= 0.0 or len(values) < rules.least_pairs:
         return none
-    tried = np.geomspace(rules.least_wander, rules.most_wander, rules.wanders_tried) ** 2 / usual
+    tried = np.geomspace(rules.least_wander, rules.most_wander, 15) ** 2 / usual
     walks_tried = (_walk(values, growth(time, rate, which), rate, beside) for rate in tried.tolist())
     best = max(walks_tried, key=lambda each: each.likelihood)
     return best if best.likelihood > none.likelihood + rules.wander_beyond else none

@@ -168,9 +168,6 @@ class AnswerRules:
         "More on parts of the workspace held out, and more than any draw of noise leaves there, refutes a fit too.",
         JUDGED,
     )
-    held_out_draws: int = rule(
-        99, "draws", "Of noise, for what the fit would leave of it on parts of the workspace held out.", TIME
-    )
     return_worse: float = rule(
         0.01, "p-value", "Below it visits of one pose differ by more than their readings do.", JUDGED
     )

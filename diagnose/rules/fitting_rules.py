@@ -67,7 +67,6 @@ class FittingRules:
     most_wander: float = rule(
         2.0, "scatters from one visit to the next", "The fastest: beyond that each visit is off anew.", JUDGED
     )
-    wanders_tried: int = rule(15, "rates", "Between the two, evenly in proportion.", TIME)
     wander_beyond: float = rule(
         12.0, "twice the logarithm of a likelihood", "By so much a random walk must say more than none.", "odds"
     )
@@ -285,18 +284,6 @@ class FittingRules:
         "What finite motions still change of the sizes found, when they are fitted about the arm as these make it.",
         "less than the last digit that is shown of an interval",
     )
-    motion_fits: int = rule(6, "fits", "Of sizes about the arm as they make it, until they no longer change.", TIME)
-    origin_readings: int = rule(
-        60,
-        "readings",
-        "So many, spread over the recording, a transform that the file leaves free is first found from: ten times as "
-        "many as it has numbers.",
-        TIME,
-        rows="The transform is then fitted to all readings, whatever the first few said.",
-    )
-    origin_most_starts: int = rule(
-        64, "starts", "Turns from which such transforms are sought; 24, a quarter turn apart, for one.", TIME
-    )
     origin_found: float = rule(
         0.003,
         "times the arm's length",
@@ -304,16 +291,9 @@ class FittingRules:
         "wear by less; a wrong turn is off by far more.",
         JUDGED,
     )
-    origin_steps: int = rule(25, "steps", "Of Gauss-Newton from each start; a good one takes five.", TIME)
-    origin_turn: float = rule(0.6, "rad", "The longest turn of one step: beyond, first order says nothing.", JUDGED)
-    origin_told: float = rule(
-        1e-6, "share", "A direction that shows less than this beside the best is left where it stands.", JUDGED
-    )
-    origin_settled: float = rule(1e-9, "m", "A step that moves it by so little is the last.", "nothing can be measured")
     origin_beyond: float = rule(
         0.1,
         "times what is left",
         "A turn found beside the findings whose square moves the tip by more makes the diagnosis begin again about it.",
         "a tenth adds half a percent to what is left",
     )
-    origin_passes: int = rule(3, "diagnoses", "About transforms found anew, until they no longer move.", TIME)

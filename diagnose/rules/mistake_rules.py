@@ -113,7 +113,6 @@ class MistakeRules:
         TIME,
         rows="They are spread evenly over all poses; one more pose moves each a little.",
     )
-    together: int = rule(400, "mistakes", "Mistakes that are tried at once.", "memory of the computer")
     fewest_poses: int = rule(
         8,
         "poses",
@@ -121,8 +120,6 @@ class MistakeRules:
         JUDGED,
         rows="Frame, tool and a convention together fit fewer by chance.",
     )
-    likely: int = rule(10, "mistakes", "The most promising that all readings confirm or refuse.", TIME)
-    beam: int = rule(60, "mistakes", "Pairs upon which a third mistake is tried.", TIME)
     deep: int = rule(3, "mistakes", "So many are sought together, at most.", TIME)
     late: int = rule(5, "rows", "So far tips may stand beside their joints, at most.", JUDGED)
     as_well: float = rule(
@@ -200,5 +197,4 @@ class MistakeRules:
         "Another zero that a free frame or tool swallows must fit the tip so much better: five standard errors.",
         JUDGED,
     )
-    zero_steps: int = rule(72, "steps of a turn", "Where a zero is first looked for: every 5 deg.", TIME)
     most_signs: int = rule(7, "joints", "So many may count the other way together, at most.", TIME)

@@ -14,9 +14,6 @@ class PlanRules:
     tried: int = rule(
         300, "poses", "Spread over the joint ranges, of which a plan is chosen.", TIME, rows="They are tried alone."
     )
-    corners: int = rule(
-        64, "poses", "At the ends of the joint ranges, beside those.", TIME, rows="They are tried, not recorded."
-    )
     searched: int = rule(16, "times `tried`", "Poses looked at, at most, for those that keep to their room.", TIME)
     run: float = rule(0.0873, "rad", "A joint comes from as far (5 deg): beyond any play.", "usual")
     slide_run: float = rule(0.01, "m", "A slide comes from as far.", "usual")
@@ -36,15 +33,7 @@ class PlanRules:
         "Of what an average visit tells is taken as known beforehand, so that the first few poses can be weighed.",
         JUDGED,
     )
-    closest: int = rule(
-        8,
-        "visits",
-        "Whose gain is worked out exactly, of all tried the best by its slope.",
-        TIME,
-        rows="They are tried.",
-    )
     passes: int = rule(3, "passes", "Of exchange over all visits, at most.", TIME)
-    settled: float = rule(5e-3, "logarithm of the sizes", "A pass that brings no more is the last.", JUDGED)
     never: float = rule(
         0.9999, "correlation", "Patterns as alike over all poses tried are told apart by no pose.", JUDGED
     )
@@ -58,7 +47,6 @@ class PlanRules:
     least_beside: int = rule(
         4, "times the returns", "Fewer visits than that leave no room for returns.", JUDGED, rows="Nothing is judged."
     )
-    orders: int = rule(400, "draws", "Of which the order is taken that goes least with any joint.", TIME)
     rivals: int = rule(5, "plans", "At random, whose middle figure a plan is set beside.", TIME)
     touches_of_point: int = rule(6, "visits", "For each point that is touched again.", JUDGED, rows="It is planned.")
     touches_of_plane: int = rule(12, "visits", "For each plane that is touched.", JUDGED, rows="It is planned.")

@@ -77,9 +77,7 @@ class SearchRules:
         JUDGED,
     )
     draws: int = rule(499, "draws", "Of each test; the tail beyond is read off a Gumbel distribution.", TIME)
-    thorough_draws: int = rule(2999, "draws", "Of each test where a thorough search was asked for.", TIME)
     few_draws: int = rule(99, "draws", "For each finding beyond three, and whatever the size of a test.", TIME)
-    work: float = rule(4e9, "multiplications", "That the draws of one test may cost.", TIME)
     enough_visits: int = rule(
         12,
         "visits",
@@ -106,9 +104,6 @@ class SearchRules:
     rivalling: float = rule(
         0.5, "share of what the member explains", "What explains less can be no other name for it.", JUDGED
     )
-    coupling_rounds: int = rule(
-        4, "rounds", "Of search and softening, until flexibility found is what was assumed.", TIME
-    )
     same_flexibility: float = rule(0.01, "share", "Flexibility that changed by no more is what was assumed.", JUDGED)
     coupling_matters: float = rule(
         0.02, "share of the pattern", "Loads whose patterns a flexibility changes by less need no second look.", JUDGED
@@ -131,4 +126,3 @@ class SearchRules:
         "again without it.",
         JUDGED,
     )
-    balanced_rounds: int = rule(2, "searches", "Made again for that, at most.", TIME)

@@ -28,6 +28,8 @@ from .subsets import Criterion
 _CHUNK = 32
 _GONE = 1e-8
 """Directions of which the smaller model leaves less than this share (squared) are gone."""
+_WORK = 4e9
+"""Multiplications that the draws of one test may cost."""
 
 
 @dataclass(frozen=True)
@@ -79,7 +81,7 @@ def one_more(
     statistic = _statistic(beside, given.residual[:, None], criterion)[:, 0]
     among = [usable & criterion.fits for usable in among]
     rules = pool.rules.search
-    draws = max(rules.few_draws, min(draws, int(rules.work / max(pool.basis.size, 1))))
+    draws = max(rules.few_draws, min(draws, int(_WORK / max(pool.basis.size, 1))))
     table = given.residual.reshape(-1, width)
     drawn: list[list[Array]] = [[] for _ in among]
     for start in range(0, draws, _CHUNK):

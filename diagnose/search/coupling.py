@@ -30,6 +30,9 @@ from .aliases import renamed
 from .naming import Named, Namer, name_missing
 from .subsets import Subset
 
+_ROUNDS = 4
+"""Of search and softening, until flexibility found is what was assumed."""
+
 
 def softened(prepared: Prepared, entries: Sequence[EffectEntry], without: frozenset[str] = frozenset()) -> Prepared:
     """The same recording, loads acting through these entries of flexibility beyond the arm file's; what came in where
@@ -72,7 +75,7 @@ def coupled(namer: Namer, without: frozenset[str], tell: Callable[[float], None]
     long = namer.prepared.observed.rows > namer.rules.several_beginnings
     starts = list(itertools.islice(_starts(namer, best), 1 if long else None))
     for number, start in enumerate(starts):
-        trial, criterion = _consistent(namer, start, without, 1 if long else namer.rules.coupling_rounds)
+        trial, criterion = _consistent(namer, start, without, 1 if long else _ROUNDS)
         if criterion < value:
             found, value = trial, criterion
         tell((number + 1.0) / len(starts))
@@ -88,7 +91,7 @@ def through_what_is_named(
     A load that needs what is not there to act through would move nothing in the corrected arm. `tell` hears the share
     of the work done.
     """
-    for number in range(namer.rules.coupling_rounds + 1):
+    for number in range(_ROUNDS + 1):
         assumed = namer.prepared.observed.softening
         if not assumed or not _loads(namer, named.members):
             break
@@ -96,7 +99,7 @@ def through_what_is_named(
         entries = _entries(namer, names)
         if not _loads(namer, names) or _places(assumed) <= _places(entries):
             break
-        settled = number == namer.rules.coupling_rounds
+        settled = number == _ROUNDS
         prepared = softened(namer.prepared, () if settled else entries, without)
         if prepared is namer.prepared:
             break

@@ -23,6 +23,10 @@ from .calibrate import Calibrated, Given, given_model, one_more, p_value
 from .geometry import beats, geometry_alone
 from .subsets import Subset, best_subsets, gains_beside, own_blocks
 
+_THOROUGH_DRAWS = 2999
+"""Of each test where a thorough search was asked for."""
+
+
 Mask = NDArray[np.bool_]
 
 
@@ -49,7 +53,7 @@ class Namer:
     def __init__(self, prepared: Prepared, *, thorough: bool, seed: int) -> None:
         self.prepared = prepared
         self.rules: SearchRules = prepared.observed.rules.search
-        self.draws = self.rules.thorough_draws if thorough else self.rules.draws
+        self.draws = _THOROUGH_DRAWS if thorough else self.rules.draws
         self.seed, self.rng = seed, np.random.default_rng(seed)
         self.visits = prepared.visits
         self.library: Mask = prepared.library()

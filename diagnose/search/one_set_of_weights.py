@@ -23,6 +23,9 @@ from .aliases import renamed, stands
 from .large_motions import candidates_of
 from .naming import Named, Namer, name_missing
 
+_SEARCHES = 2
+"""Made again without what only balances others, at most."""
+
 
 def under_one_set(namer: Namer, named: Named, tell: Callable[[float], None]) -> Named:
     """What was named, or what is named without what can only balance the rest where that is no worse under one set of
@@ -30,7 +33,7 @@ def under_one_set(namer: Namer, named: Named, tell: Callable[[float], None]) -> 
 
     `tell` hears the share of the work done.
     """
-    for number in range(namer.rules.balanced_rounds):
+    for number in range(_SEARCHES):
         found = _joint(namer, named.members, named.outside)
         place = None if found is None else _balanced(namer, found)
         if found is None or place is None:
@@ -43,7 +46,7 @@ def under_one_set(namer: Namer, named: Named, tell: Callable[[float], None]) -> 
         if after > before + namer.rules.refuted:
             break
         named = other
-        tell((number + 1.0) / namer.rules.balanced_rounds)
+        tell((number + 1.0) / _SEARCHES)
     return named
 
 

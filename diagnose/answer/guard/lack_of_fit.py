@@ -28,6 +28,10 @@ from linkwright.core.diagnose.result import LackOfFit
 from linkwright.core.diagnose.rules.answer_rules import AnswerRules
 from linkwright.core.sections.numeric import Array
 
+_DRAWS = 99
+"""Of noise, for what the fit would leave of it on parts of the workspace held out."""
+
+
 Groups = NDArray[np.int64]
 
 
@@ -138,15 +142,15 @@ def refuted_by(
     apart = np.sqrt(returns.within / returns.expected[0]) if again else np.zeros(left.shape[1])
     floor = float(np.sqrt(np.sum(reading**2 if not again else np.maximum(reading, apart) ** 2)))
     rng = np.random.default_rng(seed)
-    shape = (observed.rows, left.shape[1], rules.held_out_draws)
-    noise = np.zeros((observed.rows, observed.residual.shape[1], rules.held_out_draws))
+    shape = (observed.rows, left.shape[1], _DRAWS)
+    noise = np.zeros((observed.rows, observed.residual.shape[1], _DRAWS))
     noise[:, : left.shape[1]] = reading[:, None] * remembering(rng, shape, memory)
     noise[:, : left.shape[1]] += (apart[:, None] * rng.standard_normal((visit[-1] + 1, *shape[1:])))[visit]
     if observed.wander > 0.0:
         walk = walks(observed.wanders, rng.standard_normal(shape))
         noise[:, : left.shape[1]] += (observed.scale[: left.shape[1]] * observed.loudness[:, None])[..., None] * walk
     if small is not None:
-        noise += small.drawn(rng, rules.held_out_draws)
+        noise += small.drawn(rng, _DRAWS)
     drawn = held_out.rms_of(noise)
     return LackOfFit(
         ratio=ratio.value,
