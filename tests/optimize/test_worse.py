@@ -25,6 +25,7 @@ from linkwright.core.units.quantities import InputError
 from linkwright.json.design import evaluation_json, optimization_json
 from linkwright.markdown.described import markdown
 from linkwright.report.described import page_of
+from linkwright.results.evaluation import describe as describe_evaluation
 from linkwright.results.optimization import describe
 from tests.optimize.builders import measured_price, problem_of
 
@@ -78,7 +79,7 @@ def test_an_arm_in_space_has_no_sideways() -> None:
     found = evaluate(arm_with(Rectangle(0.04, 0.06), gravity=(0.0, 0.0, -9.81)))
     assert found.sideways is None
     assert not FIGURES["sideways_stiffness"].told(found)
-    assert "sideways" not in markdown(describe(found))
+    assert "sideways" not in markdown(describe_evaluation(found))
 
 
 def test_what_the_plane_does_without_and_the_side_needs_is_named() -> None:
