@@ -171,7 +171,7 @@ def tradeoff(
     >>> problem = lw.Problem(
     ...     arm="examples/welding-arm/arm.yaml",
     ...     workspace={"path": [["600 mm", "300 mm"], ["700 mm", "300 mm"]]},
-    ...     subject_to={"mass": "<= 26 kg", "max_error": "<= 0.5 mm", "section_size": ["40 mm", "120 mm"]},
+    ...     subject_to={"mass": "<= 15 kg", "max_error": "<= 0.3 mm", "section_size": ["40 mm", "120 mm"]},
     ...     choose={"section": ["circle"], "same": ["size"]},
     ... )
     >>> front = lw.tradeoff(problem, x="mass", y="max_error", accuracy=0.2)

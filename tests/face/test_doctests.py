@@ -9,7 +9,6 @@ import pytest
 
 import linkwright.api
 import linkwright.face
-from tests.costs import slow_but
 
 ROOT = Path(__file__).resolve().parents[2]
 FACE = [
@@ -24,15 +23,18 @@ def examples(name):
     return [test for test in doctest.DocTestFinder().find(importlib.import_module(name)) if test.examples]
 
 
-DEAR = tuple(f"linkwright.{name}" for name in ("face.design", "face.diagnosis", "face.tradeoff", "paper.face"))
+DEAR = ("linkwright.face.design", "linkwright.face.diagnosis", "linkwright.face.tradeoff", "linkwright.paper.face")
+EXAMPLES = [test for name in MODULES for test in examples(name)]
 
 
-@pytest.mark.parametrize("name", slow_but(MODULES, *(set(MODULES) - set(DEAR))))
-def test_examples_hold(name, monkeypatch):
+@pytest.mark.parametrize(
+    "example",
+    [pytest.param(each, id=each.name, marks=[pytest.mark.slow] * each.name.startswith(DEAR)) for each in EXAMPLES],
+)
+def test_examples_hold(example, monkeypatch):
     """Run from the project's folder, whose examples they read."""
     monkeypatch.chdir(ROOT)
-    failed = [test.name for test in examples(name) if doctest.DocTestRunner().run(test).failed]
-    assert failed == []
+    assert not doctest.DocTestRunner().run(example).failed
 
 
 def test_examples_are_found():
