@@ -13,7 +13,7 @@ from typing import Any
 from linkwright.core.sections.numeric import Number, polynomial
 
 FILES = ("closed_and_i", "open_sections", "channels")
-"""The data files, each named as the module of `benchmarks/section_fits` (at the tag `house-before`) that made it."""
+"""The data files, each named as the module of `benchmarks/section_fits` (at commit 068436f) that made it."""
 
 
 @dataclass(frozen=True)
@@ -25,7 +25,7 @@ class Fit:
         figure: the figure of that shape that it enters.
         range: least and greatest ratio of dimensions, by `width / height` and the like, in which `error` holds.
         error: greatest relative error of the figure at any Poisson's ratio from 0 to 0.45.
-        command: what made the coefficients, at the tag `house-before`.
+        command: what made the coefficients, at commit 068436f.
         coefficients: nested as `sections.numeric.polynomial` takes them.
     """
 
