@@ -18,7 +18,7 @@ def tables(*, quick: Annotated[bool, Option()] = False, progress: Progress | Non
     JSON has also two that the paper lacks: shapes at their best proportions, and materials at equal size and mass.
 
     Example: linkwright tables --markdown tables.md --json tables.json
-    Example: linkwright tables --csv tables --as tex
+    Example: linkwright tables --csv tables --as md
 
     Args:
         quick: Leave out the tables that the paper lacks.

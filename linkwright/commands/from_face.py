@@ -179,9 +179,7 @@ def _points_kept(folder: Path | None) -> str:
     return f"{points_kept(folder)} solved points are kept in {folder}; --resume goes on with them"
 
 
-CsvFile = Annotated[
-    Path | None, typer.Option("--csv", metavar="FILE", help="Write the points: .csv, .parquet, .md or .tex.")
-]
+CsvFile = Annotated[Path | None, typer.Option("--csv", metavar="FILE", help="Write the points: .csv, .parquet or .md.")]
 
 
 class Diagnose(Made):
@@ -262,7 +260,6 @@ class TableKind(StrEnum):
     CSV = "csv"
     PARQUET = "parquet"
     MARKDOWN = "md"
-    LATEX = "tex"
 
 
 _SIGNATURES = MappingProxyType(
@@ -270,7 +267,6 @@ _SIGNATURES = MappingProxyType(
         TableKind.CSV: "label,paper_",
         TableKind.PARQUET: "PAR1",
         TableKind.MARKDOWN: "| label | paper_",
-        TableKind.LATEX: "booktabs",
     }
 )
 """What the first table begins with."""
@@ -378,7 +374,7 @@ NOTHING = "Nothing is written without --out DIR or --json FILE."
 def commands() -> Mapping[str, Made]:
     """These commands by name."""
     watched = Out(own=(RESULT, REPORT))
-    table = Out("Write the table: .csv, .parquet, .md or .tex.", ())
+    table = Out("Write the table: .csv, .parquet or .md.", ())
     plan = Out("The plan: a recording whose tip is still blank.", (), beside=True)
     recording = Out("The recording to write, a CSV file.", (), beside=True, required=True)
     read = Out("The arm file to write; a new arm.yaml by default.", ())

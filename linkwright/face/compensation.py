@@ -128,7 +128,7 @@ class Compensation(Result):
         return figure_of({"data": [marks]})
 
     def save(self, folder: File) -> Sequence[Path]:
-        """Write the table where `folder` names a file (.csv, .parquet, .md or .tex), as `compensate --out` does; else
+        """Write the table where `folder` names a file (.csv, .parquet or .md), as `compensate --out` does; else
         as CSV into that folder."""
         place = Path(folder)
         target = place / "compensation.csv" if place.is_dir() else place

@@ -215,7 +215,7 @@ class Export(Result):
 
     def save(self, folder: File) -> Sequence[Path]:
         """Write the file; into a folder under the name `arm` with the format's ending. A list of parts is a table, of
-        the kind that its name says: .csv, .parquet, .md, .tex."""
+        the kind that its name says: .csv, .parquet, .md."""
         place = Path(folder)
         target = place / f"arm{SUFFIXES[self.found.format]}" if place.is_dir() else place
         if self.found.format == "bom" and target.suffix.lower() in WAYS:

@@ -104,7 +104,7 @@ class Tradeoff(Reported):
         return write_tradeoff(self.found, place, self.to_json(), first[REPORT], catalogue)
 
     def save_table(self, file: File) -> None:
-        """Write the points as `--csv` does: .csv, .parquet, .md or .tex. Raises `InputError`."""
+        """Write the points as `--csv` does: .csv, .parquet or .md. Raises `InputError`."""
         if Path(file).suffix.lower() in WAYS:
             write_table(self.table, file)
         else:

@@ -1,4 +1,4 @@
-"""A table as a file of the kind that its name says: CSV, parquet, Markdown or LaTeX."""
+"""A table as a file of the kind that its name says: CSV, parquet or Markdown."""
 
 from __future__ import annotations
 
@@ -21,14 +21,6 @@ if TYPE_CHECKING:
 _DIGITS = 6
 """Of numbers in tables that people read."""
 _NO_PYARROW = "parquet needs pyarrow, which is not installed: pip install 'linkwright[parquet]'"
-_LATEX = str.maketrans(
-    {
-        "\\": r"\textbackslash{}",
-        "~": r"\textasciitilde{}",
-        "^": r"\textasciicircum{}",
-        **{each: f"\\{each}" for each in "&%$#_{}"},
-    }
-)
 _MARKDOWN = str.maketrans({"|": r"\|", "\n": " ", "<": "&lt;"})
 
 
@@ -40,7 +32,7 @@ def frame(rows: Any, columns: Sequence[str] | None = None) -> pd.DataFrame:
 
 
 def write_table(table: pd.DataFrame, file: Path | str) -> None:
-    """Write a table, its columns' names with their units as its head: .csv, .parquet (.pq), .md or .tex (booktabs).
+    """Write a table, its columns' names with their units as its head: .csv, .parquet (.pq) or .md.
     Raises `InputError` for another ending, for parquet without pyarrow, and where the file cannot be written.
 
     >>> import pathlib, tempfile
@@ -90,29 +82,14 @@ def _cell(value: Any) -> str:
     return f"{value:.{_DIGITS}g}" if isinstance(value, float) else str(value)
 
 
-def _rows(table: pd.DataFrame, escapes: Mapping[int, str]) -> list[list[str]]:
-    every = [list(table.columns), *table.itertuples(index=False, name=None)]
-    return [[_cell(each).translate(escapes) for each in row] for row in every]
-
-
 def _markdown(table: pd.DataFrame) -> str:
-    head, *rows = _rows(table, _MARKDOWN)
-    marks = ["---:" if each else "---" for each in _numeric(table)]
+    every = [list(table.columns), *table.itertuples(index=False, name=None)]
+    head, *rows = [[_cell(each).translate(_MARKDOWN) for each in row] for row in every]
+    marks = ["---:" if kind.kind in "iuf" else "---" for kind in table.dtypes]
     return "".join(f"| {' | '.join(row)} |\n" for row in (head, marks, *rows))
 
 
-def _latex(table: pd.DataFrame) -> str:
-    head, *rows = (" & ".join(row) + r" \\" for row in _rows(table, _LATEX))
-    kinds = "".join("r" if each else "l" for each in _numeric(table))
-    begin = [r"% needs \usepackage{booktabs}", rf"\begin{{tabular}}{{{kinds}}}", r"\toprule"]
-    return "\n".join([*begin, head, r"\midrule", *rows, r"\bottomrule", r"\end{tabular}", ""])
-
-
-def _numeric(table: pd.DataFrame) -> list[bool]:
-    return [kind.kind in "iuf" for kind in table.dtypes]
-
-
 WAYS: Mapping[str, Callable[[Any], str | bytes]] = MappingProxyType(
-    {".csv": _csv, ".parquet": _parquet, ".pq": _parquet, ".md": _markdown, ".tex": _latex}
+    {".csv": _csv, ".parquet": _parquet, ".pq": _parquet, ".md": _markdown}
 )
 """How a table is written, by the ending of the file."""

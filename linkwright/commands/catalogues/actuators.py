@@ -168,7 +168,7 @@ OWN = OwnCatalogue(
 def export_actuators(
     names: Names = None, out: TableFile = Path("actuators.yaml"), catalogue: ActuatorFile = None
 ) -> None:
-    """Write actuators to a .yaml or .csv file, or for reports to .tex, .md or .parquet; all without a name.
+    """Write actuators to a .yaml or .csv file, or for reports to .md or .parquet; all without a name.
 
     Example: linkwright actuators export RV-20E --out drives.yaml
     """

@@ -149,14 +149,14 @@ OWN = OwnCatalogue(
 def export_materials(
     names: Names = None,
     out: Annotated[
-        Path, typer.Option("--out", metavar="FILE", help="A .yaml, .FCMat, .csv, .parquet, .md or .tex file.")
+        Path, typer.Option("--out", metavar="FILE", help="A .yaml, .FCMat, .csv, .parquet or .md file.")
     ] = Path("materials.yaml"),
     old: Annotated[bool, typer.Option("--freecad-0.21", help="The card format up to FreeCAD 0.21.")] = False,
     catalogue: CatalogueFile = None,
 ) -> None:
     """Write materials to a file: .yaml with everything, .FCMat (FreeCAD) or .csv with the values at 20 degC.
 
-    Their figures alone to .tex, .md or .parquet.
+    Their figures alone to .md or .parquet.
 
     Example: linkwright materials export steel-s355 aluminium-6061-t6 --out metals.csv
     """

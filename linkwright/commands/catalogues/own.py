@@ -39,7 +39,7 @@ Changes = Annotated[
 ]
 Name = Annotated[str, typer.Argument(metavar="NAME", help="Its name.")]
 Names = Annotated[list[str] | None, typer.Argument(metavar="[NAME...]", help="Which; all without a name.")]
-TableFile = Annotated[Path, typer.Option("--out", metavar="FILE", help="A .yaml, .csv, .parquet, .md or .tex file.")]
+TableFile = Annotated[Path, typer.Option("--out", metavar="FILE", help="A .yaml, .csv, .parquet or .md file.")]
 _UsedIn = Annotated[
     list[Path] | None,
     typer.Option("--used-in", metavar="FILE", help="Warn if this arm or problem file uses it; may be repeated."),

@@ -211,7 +211,7 @@ def export_sections(
     out: TableFile = Path("sections.yaml"),
     catalogue: StockFile = None,
 ) -> None:
-    """Write stock sizes to a .yaml or .csv file, or to .tex, .md, .parquet; all without a name or family.
+    """Write stock sizes to a .yaml or .csv file, or to .md, .parquet; all without a name or family.
 
     Example: linkwright sections export --family IPE --out ipe.csv
     """
