@@ -18,17 +18,17 @@ from linkwright.core.diagnose.fitting.prepare import prepare
 from linkwright.core.diagnose.mistakes.zeros import refuse_another_zero
 from linkwright.core.diagnose.patterns.library import Candidate
 from linkwright.core.diagnose.residual.free_origins import turned_by, with_origins_of
+from linkwright.core.diagnose.residual.masses_from_torques import weighed_by_torque
 from linkwright.core.diagnose.residual.noise import NoiseFloor, noise_floor
 from linkwright.core.diagnose.residual.observe import observe
 from linkwright.core.diagnose.residual.orientation import with_sound_orientation
-from linkwright.core.diagnose.residual.unweighed import weighed_by_torque
 from linkwright.core.diagnose.residual.visits import one_condition, visits
 from linkwright.core.diagnose.rules.rules import Rules
 from linkwright.core.diagnose.search.coupling import coupled, may_couple, through_what_is_named
 from linkwright.core.diagnose.search.labels import mislabelled
 from linkwright.core.diagnose.search.large_motions import about_large, candidates_of
+from linkwright.core.diagnose.search.mass_consistency import under_one_set
 from linkwright.core.diagnose.search.naming import Named, Namer, name_missing
-from linkwright.core.diagnose.search.one_set_of_weights import under_one_set
 from linkwright.core.diagnose.search.subsets import gains
 from linkwright.core.diagnose.several.floors import floor_of_all
 from linkwright.core.diagnose.several.other_arms import of_different_arms, of_other_arms

@@ -23,13 +23,13 @@ from linkwright.core.optimize.exchange.exchange import Context, context_of
 from linkwright.core.optimize.journal import Journal
 from linkwright.core.units.quantities import NoAnswer
 
-from .asked import choices_in_words, limits_in_words, map_of_given, whole_error
 from .dropped import dropped_of
 from .explain import binding_limits
 from .infeasible.answer import Infeasible
 from .infeasible.needed import explained
 from .infeasible.quick import out_of_reach
 from .problem import Problem
+from .problem_summary import choices_in_words, limits_in_words, map_of_given, whole_error
 from .result import Iteration, OptimizationResult, Status, proved
 from .structures import Answer, Structure, StructureSearch
 from .ties import near_ties_of

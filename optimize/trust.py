@@ -13,7 +13,7 @@ import numpy as np
 from linkwright.core.arm.chain.chain import Arm
 from linkwright.core.arm.evaluation import Evaluation
 from linkwright.core.optimize.choice.combinations import Choice
-from linkwright.core.optimize.choice.given import given_design
+from linkwright.core.optimize.choice.initial_arm import given_design
 from linkwright.core.optimize.exchange.design import arm_of
 from linkwright.core.optimize.exchange.exchange import Context
 from linkwright.core.sections import SHAPES, Section

@@ -13,7 +13,7 @@ from linkwright.core.arm.chain.vectors import snap_vector
 from linkwright.core.sections.numeric import Array
 from linkwright.core.sections.section import Section
 
-from .stands import Stand, stands
+from .link_frames import Stand, stands
 from .views import upwards
 
 _UPRIGHT = 1e-6

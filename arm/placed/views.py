@@ -10,7 +10,7 @@ from linkwright.core.arm.chain.chain import Arm
 from linkwright.core.arm.chain.kinematics import place
 from linkwright.core.sections.numeric import Array
 
-from .stands import Stand, stands
+from .link_frames import Stand, stands
 
 _NO_SIDE = 1e-6
 """Below this sine of the angle between a link and the vertical the link is upright, and none of its sides is up."""

@@ -11,7 +11,7 @@ from linkwright.core.arm.chain.chain import Arm
 from linkwright.core.arm.files.write import arm_to_yaml
 from linkwright.core.diagnose.plan.written import read_plan
 from linkwright.core.diagnose.reading.read import read_recording
-from linkwright.core.optimize.choice.kept import search_journal
+from linkwright.core.optimize.choice.solution_cache import search_journal
 from linkwright.core.optimize.journal import journal_digest
 from linkwright.core.optimize.problem import read_problem
 from linkwright.face.planning.budget import sheet_of

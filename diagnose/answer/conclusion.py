@@ -17,8 +17,8 @@ from linkwright.core.arm.chain.chain import Arm
 from linkwright.core.arm.effects import EFFECTS
 from linkwright.core.diagnose.fitting.corrected_arm import corrected_arm
 from linkwright.core.diagnose.fitting.fit import beyond_nuisances, displacement, fit, remaining
-from linkwright.core.diagnose.fitting.found_origins import found_origins
 from linkwright.core.diagnose.fitting.held_out import hardest, splits
+from linkwright.core.diagnose.fitting.identified_origins import identified_origins
 from linkwright.core.diagnose.fitting.torque_weights import with_weights
 from linkwright.core.diagnose.mistakes.row_lists import rows_text
 from linkwright.core.diagnose.recording import Recording, RejectedRow
@@ -98,7 +98,7 @@ class Conclusion(Confirmed):
         apart = differences(self.prepared, self.refit, self.outside, self.p_values)
         corrected, notes = corrected_arm(arm, self.refit, rules=self.rules.fitting)
         room = self._unnamed() if self.members and arm.unknown_origins else None
-        corrected, origins = found_origins(self.prepared, self.refit, self.outside, corrected, room, self.search)
+        corrected, origins = identified_origins(self.prepared, self.refit, self.outside, corrected, room, self.search)
         corrected, of_weights = with_weights(self.observed, corrected)
         self.tell("next poses", 0.95)
         proposed = next_poses(

@@ -10,11 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import chi2
 
-from linkwright.core.diagnose.fitting.about_itself import fitted_about_itself
 from linkwright.core.diagnose.fitting.fit import Fit, beyond_nuisances, fit, remaining
 from linkwright.core.diagnose.fitting.held_out import Folds, HeldOut, hardest, parts_of_workspace, splits
 from linkwright.core.diagnose.fitting.prepare import Prepared, packed_up, set_up
 from linkwright.core.diagnose.fitting.refit import Refit, impossible_term, refit, tether
+from linkwright.core.diagnose.fitting.relinearize import relinearized
 from linkwright.core.diagnose.fitting.room.small_causes import SmallCauses, small_causes
 from linkwright.core.diagnose.fitting.room.unnamed import Unnamed, unnamed
 from linkwright.core.diagnose.options import Options, Progress
@@ -27,8 +27,8 @@ from linkwright.core.diagnose.residual.visits import looks_quieter
 from linkwright.core.diagnose.result import LackOfFit, Left, SmallBeside
 from linkwright.core.diagnose.rules.rules import Rules
 from linkwright.core.diagnose.search.aliases import Rival, rivals
+from linkwright.core.diagnose.search.mass_consistency import renamed_under_one_set
 from linkwright.core.diagnose.search.naming import Named, Namer, weighed_again
-from linkwright.core.diagnose.search.one_set_of_weights import renamed_under_one_set
 from linkwright.core.sections.numeric import Array
 
 from .guard.lack_of_fit import refuted_by, refutes
@@ -140,7 +140,7 @@ class Confirmed:
 
     def _fit(self) -> None:
         """Fit what was found to all readings, about the arm as it makes it, and in turn to all but some."""
-        found = fitted_about_itself(self.prepared, self.members, self.outside)
+        found = relinearized(self.prepared, self.members, self.outside)
         self.prepared, self.members, self.outside = found.prepared, found.members, found.outside
         self.fitted: Fit = found.fitted
         self.refit: Refit = found.refit

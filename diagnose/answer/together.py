@@ -10,7 +10,7 @@ import numpy as np
 from linkwright.core.diagnose.fitting.fit import normal_solution
 from linkwright.core.diagnose.fitting.prepare import Prepared
 from linkwright.core.diagnose.fitting.refit import Refit
-from linkwright.core.diagnose.fitting.under_weights import CHANGE, SAG
+from linkwright.core.diagnose.fitting.unknown_masses import CHANGE, SAG
 from linkwright.core.diagnose.patterns.pool import orthonormal
 from linkwright.core.diagnose.result import FittedParameter
 from linkwright.core.diagnose.rules.answer_rules import AnswerRules

@@ -7,9 +7,9 @@ from itertools import groupby
 
 import numpy as np
 
+from linkwright.core.diagnose.residual.masses_from_torques import Weighed
 from linkwright.core.diagnose.residual.observed import Observed
 from linkwright.core.diagnose.residual.torque import DriveTorque, Factor
-from linkwright.core.diagnose.residual.unweighed import Weighed
 from linkwright.core.diagnose.rules.residual_rules import ResidualRules
 from linkwright.core.units.quantities import format_quantity
 

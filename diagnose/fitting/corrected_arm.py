@@ -17,7 +17,7 @@ from linkwright.core.diagnose.rules.fitting_rules import FittingRules
 from linkwright.core.diagnose.rules.rules import RULES
 
 from .refit import Refit
-from .shared_weights import factors
+from .shared_masses import factors
 from .terms import Term
 
 

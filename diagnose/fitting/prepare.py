@@ -26,7 +26,7 @@ from linkwright.core.diagnose.residual.free_origins import of_observed, origin_c
 from linkwright.core.diagnose.residual.observe import observe
 from linkwright.core.diagnose.residual.observed import Observed, rms_length
 from linkwright.core.diagnose.residual.orientation import tool_turns
-from linkwright.core.diagnose.residual.told_apart import Told, places, rather_with_time, told_apart
+from linkwright.core.diagnose.residual.time_vs_path import Told, places, rather_with_time, time_vs_path
 from linkwright.core.diagnose.residual.visits import blocks_of, looks_quieter, poses
 from linkwright.core.diagnose.residual.wander import clock, remembered, still, wander_in, without
 from linkwright.core.diagnose.rules.fitting_rules import FittingRules
@@ -312,7 +312,7 @@ def _wandering(prepared: Prepared) -> tuple[Observed | None, int]:
     visit = visit.reshape(-1)
     if len(first) < rules.least_pairs or kinds > recordings:
         return None, 1  # several kinds of numbers wander each in its own way
-    told_by = told_apart(observed.recording, observed.arm, poses(observed), first, rules=rules)
+    told_by = time_vs_path(observed.recording, observed.arm, poses(observed), first, rules=rules)
     judged_by = told_by or Told(np.arange(len(first)), None)
     count = np.bincount(visit)
 

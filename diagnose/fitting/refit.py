@@ -34,13 +34,13 @@ from linkwright.core.sections.numeric import Array
 
 from .fit import Fit, beyond_nuisances, bounds, solved, t_quantile, why_impossible
 from .prepare import Prepared, held_within
-from .room.left_at_nought import left_at_nought
-from .room.taken_up import taken_up
+from .room.active_bounds import at_active_bounds
+from .room.collinearity import collinear_with
 from .room.unnamed import Unnamed
-from .shared_weights import factors
+from .shared_masses import factors
 from .terms import DIFFERENCE, Term, linear, term_at
 from .thresholds import between_loads, least_of, no_worse_than
-from .under_weights import (
+from .unknown_masses import (
     entries_of,
     hold_of,
     known_load,
@@ -492,11 +492,11 @@ def _parameters(
         total, beside = summed
         found.append(total)
         fitted = [each for each in fitted if each[0] == beside]
-    others = taken_up(prepared, terms, place)
+    others = collinear_with(prepared, terms, place)
     # Room for what is not named makes all of a finding as much less sure.
     less_sure = float(np.max(errors / np.maximum(spread.noise[place], _TINY), initial=1.0))
     left = prepared.observed.whitened(residual)
-    besides = left_at_nought(prepared, terms, place, left, factor * less_sure * float(np.sqrt(variance)))
+    besides = at_active_bounds(prepared, terms, place, left, factor * less_sure * float(np.sqrt(variance)))
     for name, value, error, sure, shown in fitted:
         if not shown:
             continue

@@ -6,9 +6,9 @@ from collections.abc import Mapping, Sequence
 
 from linkwright.core.arm.chain.chain import Arm
 from linkwright.core.diagnose.recording import Recording
+from linkwright.core.diagnose.residual.masses_from_torques import against_any_masses, unweighed
 from linkwright.core.diagnose.residual.observe import undeformed
 from linkwright.core.diagnose.residual.torque import DriveTorque, Factor, drive_torques
-from linkwright.core.diagnose.residual.unweighed import against_any_masses, unweighed
 from linkwright.core.diagnose.residual.visits import visits
 from linkwright.core.diagnose.rules.residual_rules import ResidualRules
 from linkwright.core.units.quantities import InputError

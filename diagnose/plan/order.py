@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from linkwright.core.sections.numeric import Array
 
-from .asked import Asked
+from .plan_request import Asked
 
 Rows = NDArray[np.int64]
 

@@ -10,7 +10,7 @@ from linkwright.core.arm.chain.kinematics import tip_position
 from linkwright.core.diagnose.instruments.view import touched_bars, touched_planes
 from linkwright.core.diagnose.recording import Recording
 
-from .asked import Asked
+from .plan_request import Asked
 from .promise import Promise, Shown
 
 

@@ -28,9 +28,9 @@ from linkwright.core.diagnose.rules.rules import Rules
 from linkwright.core.diagnose.several.recordings import Several, together
 from linkwright.core.sections.numeric import Array
 
-from .asked import Asked, seen_axes
 from .design import Patterns, chosen_visits
 from .order import in_order, returns_of, with_time
+from .plan_request import Asked, seen_axes
 from .planned import Planned
 from .promise import Promise, another_cause, is_asked, promised, seen_columns, usual_size
 from .torques import told_by_torques, torque_rows

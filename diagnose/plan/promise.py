@@ -29,7 +29,7 @@ from linkwright.core.diagnose.several.recordings import Several, together
 from linkwright.core.diagnose.simulate import Plan, simulate
 from linkwright.core.sections.numeric import Array
 
-from .asked import Asked, Place, view
+from .plan_request import Asked, Place, view
 from .torques import TorqueTold
 from .written import weightless
 

@@ -18,7 +18,7 @@ from linkwright.core.diagnose.residual.recorded_conditions import conditions_of
 from linkwright.core.diagnose.residual.torque import DriveDesign, drive_designs
 from linkwright.core.sections.numeric import Array
 
-from .asked import Asked
+from .plan_request import Asked
 
 
 @dataclass(frozen=True)

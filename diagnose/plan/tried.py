@@ -19,7 +19,7 @@ from linkwright.core.diagnose.rules.plan_rules import PlanRules
 from linkwright.core.sections.numeric import Array
 from linkwright.core.units.quantities import InputError
 
-from .asked import Asked
+from .plan_request import Asked
 
 _CORNERS = 64
 """Poses at the ends of the joint ranges, beside those spread over them."""

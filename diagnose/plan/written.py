@@ -25,7 +25,7 @@ from linkwright.core.diagnose.simulate import Plan, simulate
 from linkwright.core.sections.numeric import Array
 from linkwright.core.units.quantities import InputError
 
-from .asked import Asked
+from .plan_request import Asked
 from .tried import Tried
 
 ALONG_BAR = "bar_mm"

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from linkwright.core.sections.numeric import Array
 
 from .observed import Observed
-from .told_apart import come_back_to
+from .time_vs_path import come_back_to
 from .visits import poses
 from .wander import clock, wander_in
 

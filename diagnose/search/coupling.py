@@ -18,7 +18,7 @@ from linkwright.core.arm.chain.chain import EffectEntry
 from linkwright.core.arm.effects import EFFECTS
 from linkwright.core.diagnose.fitting.fit import fit
 from linkwright.core.diagnose.fitting.prepare import Patterns, Prepared, exchange, packed_up
-from linkwright.core.diagnose.fitting.shared_weights import factors
+from linkwright.core.diagnose.fitting.shared_masses import factors
 from linkwright.core.diagnose.patterns.flexibility import entry, flexible, through_flexibility
 from linkwright.core.diagnose.patterns.forces import forces
 from linkwright.core.diagnose.patterns.library import Candidate, candidates

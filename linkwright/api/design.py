@@ -228,8 +228,8 @@ def inverse(
     """
     from linkwright.core.arm.worst.inverse import inverse as found_poses
     from linkwright.face.arm import arm_of
-    from linkwright.face.given import in_si
     from linkwright.face.inverse import Inverse, inclined
+    from linkwright.face.plain_input import in_si
 
     named = (("x", x), ("y", y)) if z is None else (("x", x), ("y", y), ("z", z))
     point = tuple(in_si(value, "length", name) for name, value in named)

@@ -22,7 +22,7 @@ from linkwright.output.files import write_file
 from linkwright.output.read_back import ReadBack
 from linkwright.results.figures_in_words import mm, section_words
 
-from .given import File, edited, plain
+from .plain_input import File, edited, plain
 
 if TYPE_CHECKING:
     import pandas as pd

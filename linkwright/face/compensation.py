@@ -27,7 +27,7 @@ from linkwright.results.figures_in_words import coordinate, effect_title, figure
 
 from .arm import Arm
 from .evaluation import pose_of
-from .given import File, Quantity, in_si
+from .plain_input import File, Quantity, in_si
 from .progress import Progress, told
 from .result import Result, figure_of
 

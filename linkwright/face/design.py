@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 from linkwright.core.arm.chain.chain import Arm as Model
 from linkwright.core.arm.evaluation import Evaluation as Evaluated
 from linkwright.core.executors import Executor
-from linkwright.core.optimize.choice.kept import search_journal
+from linkwright.core.optimize.choice.solution_cache import search_journal
 from linkwright.core.optimize.limits import Figure
 from linkwright.core.optimize.result import Iteration, OptimizationResult
 from linkwright.core.optimize.rounding.options import Rounding, read_rounding
@@ -32,7 +32,7 @@ from linkwright.results import optimization
 
 from .arm import Arm, links_table
 from .evaluation import Evaluation
-from .given import Quantity
+from .plain_input import Quantity
 from .problem import Problem
 from .progress import Progress, interrupts, told
 from .result import Field, Reported, Result, drawn, figure_of

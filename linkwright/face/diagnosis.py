@@ -29,7 +29,7 @@ from linkwright.results.document import Description
 
 from .arm import Arm, catalogue_of
 from .design import Redesign
-from .given import File
+from .plain_input import File
 from .recording import Recording, read_recording
 from .result import Field, Reported, figure_of
 

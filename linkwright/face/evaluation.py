@@ -20,7 +20,7 @@ from linkwright.core.optimize.limits.frequency import FIRST_FREQUENCY
 from linkwright.core.optimize.robust.result import RobustFigure
 from linkwright.core.units.quantities import InputError
 from linkwright.face.arm import Arm
-from linkwright.face.given import Quantity, in_si
+from linkwright.face.plain_input import Quantity, in_si
 from linkwright.face.result import Field, Reported, figure_of
 from linkwright.json.design import evaluation_json
 from linkwright.json.fields import joint_columns

@@ -20,7 +20,7 @@ from linkwright.core.materials.catalogue import load_catalogue
 from linkwright.core.units.quantities import InputError, shown
 from linkwright.drawings.parts import listed, parts
 from linkwright.face.arm import Arm
-from linkwright.face.given import File
+from linkwright.face.plain_input import File
 from linkwright.face.progress import Progress, told
 from linkwright.face.result import Field, Result, figure_of
 from linkwright.json.fields import fields, in_joint_unit, joint_unit

@@ -22,7 +22,7 @@ from linkwright.results.document import Description, Item, Paragraph, Value, tab
 from linkwright.results.figures_in_words import MINUS, coordinate, figure
 
 from .arm import Arm
-from .given import Quantity, in_si
+from .plain_input import Quantity, in_si
 from .result import Result, drawn
 
 if TYPE_CHECKING:

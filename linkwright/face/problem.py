@@ -15,7 +15,7 @@ from linkwright.core.units.reading import Mapping as Reader
 from linkwright.core.units.reading import load_yaml
 
 from .arm import Arm, arm_of, catalogue_of, read_arm
-from .given import File, edited, plain
+from .plain_input import File, edited, plain
 
 
 @dataclass(frozen=True, init=False, repr=False)

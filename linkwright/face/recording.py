@@ -14,8 +14,8 @@ from typing import TYPE_CHECKING, Any
 from linkwright.core.arm.avoid.poses import NoRoom
 from linkwright.core.arm.chain.chain import EffectEntry
 from linkwright.core.arm.files.read import arm_from
-from linkwright.core.diagnose.instruments.asked import observed_by
 from linkwright.core.diagnose.instruments.instrument import LABELS
+from linkwright.core.diagnose.instruments.simulated_instrument import observed_by
 from linkwright.core.diagnose.plan.written import read_plan
 from linkwright.core.diagnose.reading.read import read_recording as read_file
 from linkwright.core.diagnose.reading.read import recording_from
@@ -38,7 +38,7 @@ from linkwright.output.read_back import ReadBack
 from linkwright.results.document import Description, Lines
 
 from .arm import Arm, arm_of, catalogue_of
-from .given import File, Quantity, in_si, plain
+from .plain_input import File, Quantity, in_si, plain
 
 if TYPE_CHECKING:
     import pandas as pd

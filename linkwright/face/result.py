@@ -17,7 +17,7 @@ from linkwright.results.document import Description
 from linkwright.results.document import plain as plain_words
 from linkwright.version import program_version
 
-from .given import File
+from .plain_input import File
 
 if TYPE_CHECKING:
     import pandas as pd

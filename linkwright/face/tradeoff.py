@@ -35,7 +35,7 @@ from linkwright.results.figures_in_words import percent
 from linkwright.results.tradeoff import describe
 
 from .arm import Arm, catalogue_of
-from .given import File
+from .plain_input import File
 from .problem import Problem
 from .progress import Progress, interrupts, told
 from .result import Field, Reported, figure_of

@@ -19,7 +19,7 @@ from linkwright.core.arm.worst.workspace import Unreachable, Workspace, pull
 from linkwright.core.sections.numeric import Array
 from linkwright.core.units.quantities import InputError
 from linkwright.face.arm import Arm
-from linkwright.face.given import Quantity, in_si
+from linkwright.face.plain_input import Quantity, in_si
 from linkwright.face.result import Result, drawn
 from linkwright.output.table_file import frame
 from linkwright.results.document import Description, Paragraph, Value

@@ -38,9 +38,9 @@ from linkwright.core.optimize.result import Candidate, Iteration
 
 from .at_once.feasibility import Feasibility, feasibility_of
 from .bounding import Bounded, bound_all, bounding
-from .kept import Answer, Ended, Kept, Key
 from .picks import Combination, one_link_changed, uniform
 from .signs import one_signed
+from .solution_cache import Answer, Ended, Kept, Key
 
 Array = NDArray[np.float64]
 Progress = Callable[[int, int, str], None]

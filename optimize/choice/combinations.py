@@ -17,8 +17,8 @@ from linkwright.core.optimize.result import Candidate, Iteration
 
 from .at_once.feasibility import Feasibility
 from .chooser import Best, Chooser, Progress
-from .given import given_design
-from .many import CLOSE, Among, among_many, possible
+from .initial_arm import given_design
+from .large_choice import CLOSE, Among, among_many, possible
 from .near_ties import Ties, near_ties
 from .picks import Combination, combinations, count
 

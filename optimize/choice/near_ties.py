@@ -14,7 +14,7 @@ from linkwright.core.optimize.exchange.design import arm_of
 
 from .bounds import CombinationBounds
 from .chooser import Chooser
-from .many import NEAR, Among, learn_from
+from .large_choice import NEAR, Among, learn_from
 from .picks import Combination
 
 MOST_SOLVED = 100

@@ -12,12 +12,12 @@ import numpy as np
 from linkwright.core.arm.chain.chain import Arm
 from linkwright.core.arm.evaluation import Evaluation, error_map, evaluate
 from linkwright.core.arm.worst.workspace import Unreachable
-from linkwright.core.optimize.asked import choices_in_words, limits_in_words, map_of_given, whole_error
 from linkwright.core.optimize.exchange.design import numeric_beams
 from linkwright.core.optimize.exchange.exchange import context_of
 from linkwright.core.optimize.limits import Limit, broken, excess
 from linkwright.core.optimize.nominal import Options
 from linkwright.core.optimize.problem import Problem
+from linkwright.core.optimize.problem_summary import choices_in_words, limits_in_words, map_of_given, whole_error
 from linkwright.core.optimize.result import Candidate, Iteration, OptimizationResult, Status, proved
 from linkwright.core.optimize.rounding.nearest import nearest_design
 from linkwright.core.optimize.structures import Answer, StructureSearch

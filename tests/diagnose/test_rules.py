@@ -26,7 +26,7 @@ NO_RULES = {
     "answer/guard/lack_of_fit.py": {"_DRAWS"},
     "answer/guard/scatter.py": {"_AT_ONCE"},
     "answer/sentences.py": {"_MANY_PARAMETERS", "_MANY_FINDINGS"},
-    "fitting/found_origins.py": {"_NEAR", "_TOLD"},
+    "fitting/identified_origins.py": {"_NEAR", "_TOLD"},
     "fitting/geometry.py": {"_REWEIGHTED", "_STEPS"},
     "fitting/held_out.py": {"_TOLD"},
     "fitting/origins.py": {
@@ -39,7 +39,7 @@ NO_RULES = {
         "_TOLD",
         "_TUKEY",
     },
-    "fitting/room/left_at_nought.py": {"_ALIKE"},  # what rounding leaves
+    "fitting/room/active_bounds.py": {"_ALIKE"},  # what rounding leaves
     "fitting/room/small_causes.py": {"_PRODUCTS", "_SEEN", "_STEPS"},  # directions that tell nothing; a search's steps
     "fitting/room/unnamed.py": {"_STEPS", "_TINY"},
     "fitting/refit.py": {
@@ -53,7 +53,7 @@ NO_RULES = {
         "_TINY",
         "_TOGETHER",
     },
-    "fitting/room/taken_up.py": {"_ALIKE"},  # of two patterns that are one, what rounding leaves
+    "fitting/room/collinearity.py": {"_ALIKE"},  # of two patterns that are one, what rounding leaves
     "fitting/terms.py": {"DIFFERENCE"},
     "fitting/thresholds.py": {"_ALIKE", "_AT_ONCE", "_REACH", "_LOOKED_AT", "_FURTHEST"},  # how a staircase is searched
     "instruments/checks.py": {"_SCALES"},
@@ -82,11 +82,11 @@ NO_RULES = {
     "residual/observe.py": {"_AT_ONCE", "_LEVEL", "_TOOL_PASSES, _TOOL_FOUND"},
     "residual/placement.py": {"_STEPS", "_TUKEY"},
     "residual/robust_scale.py": {"_QN", "_SMALL"},
-    "residual/unweighed.py": {"_ALIKE", "_NOTHING"},
+    "residual/masses_from_torques.py": {"_ALIKE", "_NOTHING"},
     "search/calibrate.py": {"_CHUNK", "_GONE", "_WORK"},
     "search/coupling.py": {"_ROUNDS"},
     "search/naming.py": {"_THOROUGH_DRAWS"},
-    "search/one_set_of_weights.py": {"_SEARCHES"},
+    "search/mass_consistency.py": {"_SEARCHES"},
     "search/pairs.py": {"_AT_ONCE", "_GONE", "_RIDGE"},
     "search/subsets.py": {"_GONE", "_RIDGE"},
     "several/recordings.py": {"_PAUSE"},

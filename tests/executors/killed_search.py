@@ -14,7 +14,7 @@ from contextlib import ExitStack
 from pathlib import Path
 
 from linkwright.core.executors import Cluster, Processes
-from linkwright.core.optimize.choice.kept import search_journal
+from linkwright.core.optimize.choice.solution_cache import search_journal
 from linkwright.core.optimize.problem import read_problem
 from linkwright.core.optimize.run import optimise
 

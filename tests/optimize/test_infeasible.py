@@ -14,7 +14,7 @@ import linkwright as lw
 from linkwright.command_line import outcome
 from linkwright.core.optimize.choice.chooser import Chooser
 from linkwright.core.optimize.choice.combinations import combinations
-from linkwright.core.optimize.choice.many import possible
+from linkwright.core.optimize.choice.large_choice import possible
 from linkwright.core.optimize.exchange.exchange import context_of
 from linkwright.core.optimize.infeasible.answer import Infeasibility
 from linkwright.core.optimize.infeasible.needed import explained

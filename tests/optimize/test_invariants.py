@@ -12,7 +12,7 @@ import pytest
 from linkwright.core.optimize.choice import combinations as chooser
 from linkwright.core.optimize.choice.bounds import CombinationBounds
 from linkwright.core.optimize.choice.chooser import Chooser
-from linkwright.core.optimize.choice.many import Among
+from linkwright.core.optimize.choice.large_choice import Among
 from linkwright.core.optimize.choice.picks import Combination, combinations
 from linkwright.core.optimize.exchange.exchange import context_of, objective_of
 from linkwright.core.optimize.problem import Problem

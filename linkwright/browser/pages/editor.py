@@ -13,7 +13,7 @@ from nicegui import ui
 from linkwright.core.catalogues.yaml_edit import YamlText
 from linkwright.core.units.quantities import InputError
 from linkwright.core.units.reading import parse_yaml, yaml_line
-from linkwright.face.given import steps_of
+from linkwright.face.plain_input import steps_of
 
 from .frame import Problem, heading, row, stack
 

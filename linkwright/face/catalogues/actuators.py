@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from linkwright.core.arm.actuators import Actuator, load_actuators
 from linkwright.core.arm.actuators import Actuators as ActuatorModels
-from linkwright.face.catalogues.kept import Catalogue
+from linkwright.face.catalogues.catalogue_lists import Catalogue
 from linkwright.json.fields import fields
 from linkwright.output.table_file import frame
 

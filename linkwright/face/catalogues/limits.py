@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from linkwright.core.optimize.limits import FIGURES, Figure
-from linkwright.face.catalogues.kept import Open
+from linkwright.face.catalogues.catalogue_lists import Open
 from linkwright.output.table_file import frame
 
 if TYPE_CHECKING:

@@ -12,8 +12,8 @@ from linkwright.core.materials.catalogue import load_catalogue
 from linkwright.core.materials.material import Material as Model
 from linkwright.core.materials.material import MaterialValues, PropertyName
 from linkwright.core.units.temperature import ZERO_CELSIUS
-from linkwright.face.catalogues.kept import Catalogue
-from linkwright.face.given import Quantity, in_si
+from linkwright.face.catalogues.catalogue_lists import Catalogue
+from linkwright.face.plain_input import Quantity, in_si
 from linkwright.output.table_file import frame
 
 if TYPE_CHECKING:

@@ -6,7 +6,7 @@ from collections.abc import ValuesView
 from typing import TYPE_CHECKING
 
 from linkwright.core.sections import Stock, StockSize, load_stock
-from linkwright.face.catalogues.kept import Catalogue
+from linkwright.face.catalogues.catalogue_lists import Catalogue
 from linkwright.output.table_file import frame
 
 if TYPE_CHECKING:

@@ -9,8 +9,8 @@ from linkwright.core.sections import SHAPES
 from linkwright.core.sections.section import Section as Shape
 from linkwright.core.units.names import nearest
 from linkwright.core.units.reading import Mapping as Reader
-from linkwright.face.catalogues.kept import Open
-from linkwright.face.given import plain
+from linkwright.face.catalogues.catalogue_lists import Open
+from linkwright.face.plain_input import plain
 
 
 class Shapes(Open[type[Shape]]):

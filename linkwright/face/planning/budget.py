@@ -17,7 +17,7 @@ from linkwright.core.units.quantities import InputError
 from linkwright.core.units.reading import Mapping as Reader
 from linkwright.core.units.reading import load_yaml
 from linkwright.face.arm import Arm
-from linkwright.face.given import File, plain
+from linkwright.face.plain_input import File, plain
 from linkwright.face.result import Field, Reported, drawn
 from linkwright.json.fields import fields, in_joint_unit, in_mm
 from linkwright.output.files import REPORT, RESULT

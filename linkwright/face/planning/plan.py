@@ -17,7 +17,7 @@ from linkwright.core.diagnose.plan.written import ALONG_BAR, READ, plan_text, re
 from linkwright.core.diagnose.reading.read_back import unlike
 from linkwright.core.diagnose.reading.write import settings_text
 from linkwright.face.arm import Arm
-from linkwright.face.given import File
+from linkwright.face.plain_input import File
 from linkwright.face.recording import recording_columns, settings_beside
 from linkwright.face.result import Field, Result, drawn
 from linkwright.json.diagnosis import in_unit, joint_coordinates, unit_of

@@ -14,9 +14,9 @@ from linkwright.core.arm.avoid.poses import NoRoom, room_of
 from linkwright.core.arm.avoid.regions import Region
 from linkwright.core.arm.effects import EFFECTS
 from linkwright.core.arm.files.avoid import read_avoid
-from linkwright.core.diagnose.instruments.asked import observed_by
 from linkwright.core.diagnose.instruments.instrument import Instrument
-from linkwright.core.diagnose.plan.asked import INSTRUMENTS, Asked, Place, seen_axes
+from linkwright.core.diagnose.instruments.simulated_instrument import observed_by
+from linkwright.core.diagnose.plan.plan_request import INSTRUMENTS, Asked, Place, seen_axes
 from linkwright.core.diagnose.plan.planned import Planned
 from linkwright.core.diagnose.plan.planning import NothingToSee
 from linkwright.core.diagnose.plan.planning import plan as planned
@@ -31,7 +31,7 @@ from linkwright.core.units.quantities import InputError, NoAnswer, shown
 from linkwright.core.units.reading import Mapping as Reader
 from linkwright.face.arm import Arm
 from linkwright.face.diagnosis import Diagnosis, recordings_of
-from linkwright.face.given import File, Quantity, in_si, plain
+from linkwright.face.plain_input import File, Quantity, in_si, plain
 from linkwright.face.progress import Progress, interrupts, told
 from linkwright.face.recording import Recording
 

@@ -17,7 +17,7 @@ from linkwright.core.optimize.sweep.designs import Sweep
 from linkwright.core.units.names import nearest
 from linkwright.core.units.quantities import InputError
 from linkwright.face.arm import Arm, arm_of
-from linkwright.face.given import File
+from linkwright.face.plain_input import File
 from linkwright.face.progress import Progress, told
 
 if TYPE_CHECKING:

@@ -17,7 +17,7 @@ from linkwright.core.diagnose.watch.watch import Watch as Found
 from linkwright.core.units.quantities import InputError
 from linkwright.face.arm import Arm
 from linkwright.face.diagnosis import each_with_settings
-from linkwright.face.given import File
+from linkwright.face.plain_input import File
 from linkwright.face.recording import Recording
 from linkwright.face.result import Reported, figure_of
 from linkwright.json.diagnosis import in_unit, unit_of

@@ -30,7 +30,7 @@ from linkwright.core.sections.numeric import Array
 from linkwright.core.sections.properties import SectionProperties
 from linkwright.core.sections.section import Section
 
-from .straddling import mixture, multipliers
+from .partial_cells import mixture, multipliers
 
 COLUMNS = (*FEATURES, "price", "length")
 """What a cell holds of a section: the logarithms of its features, thermal expansion as it is, the logarithm of the

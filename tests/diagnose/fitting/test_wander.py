@@ -8,7 +8,7 @@ import pytest
 
 from linkwright.core.diagnose.diagnosis import diagnose
 from linkwright.core.diagnose.residual.observe import observe
-from linkwright.core.diagnose.residual.told_apart import rather_with_time
+from linkwright.core.diagnose.residual.time_vs_path import rather_with_time
 from linkwright.core.diagnose.residual.wander import growth, remembered, walks, wander_in, without_wander
 from linkwright.core.diagnose.residual.wander_seen import seen_to_wander
 from linkwright.core.diagnose.rules.rules import RULES

@@ -13,9 +13,9 @@ from linkwright.core.arm.avoid.regions import between
 from linkwright.core.arm.chain.chain import Link
 from linkwright.core.arm.chain.kinematics import tip_position
 from linkwright.core.diagnose.diagnosis import diagnose
-from linkwright.core.diagnose.plan.asked import Asked, seen_axes
 from linkwright.core.diagnose.plan.design import Patterns, _Score, chosen_visits
 from linkwright.core.diagnose.plan.order import in_order, returns_of, with_time
+from linkwright.core.diagnose.plan.plan_request import Asked, seen_axes
 from linkwright.core.diagnose.plan.planning import NothingToSee, plan
 from linkwright.core.diagnose.plan.promise import _sound, promised, rivals_of
 from linkwright.core.diagnose.plan.tried import approach, tried_visits

@@ -8,7 +8,7 @@ import pytest
 from linkwright.core.arm.chain.chain import Arm, Joint, Link, LoadCase
 from linkwright.core.arm.chain.statics import solve
 from linkwright.core.arm.errors.model import beams_of
-from linkwright.core.diagnose.plan.asked import Asked
+from linkwright.core.diagnose.plan.plan_request import Asked
 from linkwright.core.diagnose.plan.planning import plan
 from linkwright.core.diagnose.residual.torque import drive_torques
 from linkwright.core.diagnose.rules.rules import RULES

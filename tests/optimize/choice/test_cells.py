@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from scipy.optimize import linprog
 
 from linkwright.core.optimize.choice.at_once.cells import COLUMNS, Cells, Ids, link_cells
-from linkwright.core.optimize.choice.at_once.straddling import mixture, multipliers
+from linkwright.core.optimize.choice.at_once.partial_cells import mixture, multipliers
 from linkwright.core.sections.numeric import Array
 from tests.optimize.builders import jointed, problem_of, ranged
 

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from linkwright.core.optimize.choice import many, near_ties
+from linkwright.core.optimize.choice import large_choice, near_ties
 from linkwright.core.optimize.choice.at_once.branching import Branching
 from linkwright.core.optimize.choice.chooser import Chooser
 from linkwright.core.optimize.choice.picks import count
@@ -24,7 +24,7 @@ def test_bound_on_all_is_below_every_combination_and_near_the_best(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     taken_for_many(monkeypatch)
-    monkeypatch.setattr(many, "MOST_AT_ONCE", 0)
+    monkeypatch.setattr(large_choice, "MOST_AT_ONCE", 0)
     rows = materials(12, 3)
     arm = jointed((500, 400), ranged("-60 60", "0 60")) + "leave_out: [shear_deformation]\n"
     text = (
@@ -51,7 +51,7 @@ def test_bound_on_all_is_below_every_combination_and_near_the_best(
 def test_near_ties_that_are_given_up_are_counted(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Where one combination after another keeps no limit the search for near ties ends; what it leaves is said."""
     taken_for_many(monkeypatch)
-    monkeypatch.setattr(many, "MOST_AT_ONCE", 0)
+    monkeypatch.setattr(large_choice, "MOST_AT_ONCE", 0)
     rows = materials(20, 6)
     arm = jointed((500, 400), ranged("-60 60", "0 60")) + "leave_out: [shear_deformation]\n"
     text = (
@@ -77,7 +77,7 @@ def test_what_one_combination_could_reach_is_told_from_what_it_could_not(tmp_pat
         f"choose: {{section: [circle], material: {named(rows)}}}\n"
         "subject_to: {mass: '<= 4 kg', cost: '<= 20 EUR', section_size: [10 mm, 90 mm]}\n"
     )
-    branching = Branching(Chooser(context_of(problem_of(tmp_path, arm, text)), None, None), many.WANTED)
+    branching = Branching(Chooser(context_of(problem_of(tmp_path, arm, text)), None, None), large_choice.WANTED)
     assert branching.run(20) is not None
     every = least_sags(rows, 4.0, 20.0, (0.01, 0.09))
     names = [each.name for _, each in branching.relaxation.cells[0].options]
@@ -97,9 +97,9 @@ def test_thirteen_millions_are_bounded_at_once(tmp_path: Path) -> None:
     )
     arm = jointed((400, 420, 420, 200), ranged(*["-90 90"] * 4))
     problem = problem_of(tmp_path, arm, text)
-    assert count(problem) == 60**4 > many.MOST_AT_ONCE
+    assert count(problem) == 60**4 > large_choice.MOST_AT_ONCE
     worker = Chooser(context_of(problem), None, None)
-    proof = Branching(worker, many.WANTED).run(20)
+    proof = Branching(worker, large_choice.WANTED).run(20)
     assert proof is not None
     assert proof.reached
     assert proof.bound <= worker.objective <= proof.bound * 1.0101

@@ -10,7 +10,7 @@ import pytest
 
 import linkwright as lw
 from linkwright.command_line import outcome
-from linkwright.core.optimize.choice.kept import search_journal
+from linkwright.core.optimize.choice.solution_cache import search_journal
 from linkwright.core.optimize.exchange.program import Program
 from linkwright.core.optimize.problem import Problem
 from linkwright.core.optimize.result import OptimizationResult

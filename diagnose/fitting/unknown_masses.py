@@ -31,7 +31,7 @@ from linkwright.core.sections.numeric import Array
 from .fit import solved, t_quantile
 from .prepare import Prepared
 from .room.unnamed import Unnamed
-from .shared_weights import Steps, factors, steps
+from .shared_masses import Steps, factors, steps
 from .terms import Term
 
 SAG, CHANGE = "sag", "sag_change"

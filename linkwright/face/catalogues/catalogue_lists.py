@@ -9,7 +9,7 @@ from typing import Generic, Self, TypeVar
 from linkwright.core.registries import Registry
 from linkwright.core.units.names import nearest
 from linkwright.core.units.quantities import InputError
-from linkwright.face.given import File
+from linkwright.face.plain_input import File
 
 T = TypeVar("T")
 

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from linkwright.core.arm.chain.chain import Arm
-from linkwright.core.diagnose.fitting.about_itself import fitted_about_itself
 from linkwright.core.diagnose.fitting.fit import fit
 from linkwright.core.diagnose.fitting.prepare import Prepared, packed_up, set_up
 from linkwright.core.diagnose.fitting.refit import refit
+from linkwright.core.diagnose.fitting.relinearize import relinearized
 from linkwright.core.diagnose.patterns.library import Candidate, columns_of
 from linkwright.core.diagnose.recording import Recording
 from linkwright.core.diagnose.residual.observe import observe
@@ -60,7 +60,7 @@ def off(found, causes):
 def test_readings_without_noise_give_the_sizes_themselves(causes):
     """Whatever turns what the loads bend, and whatever loads bend what gives more than the file says."""
     ready, members = prepared(60, causes, 1, 0.0), range(len(causes))
-    found = fitted_about_itself(ready, members, ())
+    found = relinearized(ready, members, ())
     for share, _ in off(found.refit, causes).values():
         assert abs(share) < 1e-5
     first = refit(ready, members, (), fit(ready, members))
@@ -72,7 +72,7 @@ def test_intervals_hold_what_was_planted_however_many_readings(count):
     causes, held = (ZERO, SOFT), 0
     for seed in range(5):
         ready = prepared(count, causes, seed, SIGMA)
-        found = off(fitted_about_itself(ready, range(2), ()).refit, causes)
+        found = off(relinearized(ready, range(2), ()).refit, causes)
         held += sum(low < SIZES[cause] < high for cause, (_, (low, high)) in found.items())
     # Of ten intervals of 95 %; fewer than eight would be one chance in ninety.
     assert held >= 8

@@ -22,7 +22,7 @@ _ALIKE = 1e-6
 
 
 @dataclass(frozen=True)
-class TakenUp:
+class Collinear:
     """An effect that a size may hold some of, and how far the size alone may be below and above for that, SI."""
 
     effect: str
@@ -30,7 +30,7 @@ class TakenUp:
     above: float
 
 
-def taken_up(prepared: Prepared, terms: Sequence[Term], place: int) -> dict[str, TakenUp]:
+def collinear_with(prepared: Prepared, terms: Sequence[Term], place: int) -> dict[str, Collinear]:
     """By the name of a size what it may hold of what is not among the findings, each of those at most as large as is
     usual."""
     term = terms[place]
@@ -39,7 +39,7 @@ def taken_up(prepared: Prepared, terms: Sequence[Term], place: int) -> dict[str,
         return {}
     named = {each.candidate.effect for each in terms if each.candidate.at == own.at}
     white = prepared.observed.whitened(term.columns)
-    found: dict[str, TakenUp] = {}
+    found: dict[str, Collinear] = {}
     for other in (group.candidate for group in prepared.pool.groups):
         if other.outside or other.share or other.at != own.at or other.effect in named or len(other.sizes) != 1:
             continue
@@ -53,7 +53,7 @@ def taken_up(prepared: Prepared, terms: Sequence[Term], place: int) -> dict[str,
                 size = parameter_of(EFFECTS[other.effect], other.sizes[0])
                 most = max(abs(end) for end in size.typical)
                 ends = [along * max(size.lower, -most), along * min(size.upper, most)]
-                found[name] = TakenUp(other.effect, max(0.0, *ends), max(0.0, *(-end for end in ends)))
+                found[name] = Collinear(other.effect, max(0.0, *ends), max(0.0, *(-end for end in ends)))
     return found
 
 

@@ -31,7 +31,7 @@ from .terms import Term, term_at
 
 
 @dataclass(frozen=True)
-class AboutItself:
+class Relinearized:
     """The readings set against the arm with what was found, the numbers that the groups have there, their linear fit
     and their joint fit."""
 
@@ -42,7 +42,7 @@ class AboutItself:
     refit: Refit
 
 
-def fitted_about_itself(prepared: Prepared, members: Sequence[int], outside: Sequence[int]) -> AboutItself:
+def relinearized(prepared: Prepared, members: Sequence[int], outside: Sequence[int]) -> Relinearized:
     """Groups fitted together, `outside` being forms, about the arm as their sizes make it. Sizes that cannot be are
     left as they came out first: no arm is like that."""
     found, last = _fitted(prepared, members, outside), np.inf
@@ -75,7 +75,7 @@ def entries_of_arm(terms: Sequence[Term]) -> tuple[EffectEntry, ...]:
     )
 
 
-def _about(found: AboutItself) -> Observed:
+def _about(found: Relinearized) -> Observed:
     """The readings set against the arm with what is found; loads act through the flexibility found, and through what
     the search has assumed beside it (not through what was found and is no longer)."""
     observed, terms = found.prepared.observed, found.refit.terms
@@ -85,12 +85,12 @@ def _about(found: AboutItself) -> Observed:
     return observed_about(observed, entries_of_arm(terms), softer)
 
 
-def _fitted(prepared: Prepared, members: Sequence[int], outside: Sequence[int]) -> AboutItself:
+def _fitted(prepared: Prepared, members: Sequence[int], outside: Sequence[int]) -> Relinearized:
     fitted = fit(prepared, [*members, *outside])
-    return AboutItself(prepared, tuple(members), tuple(outside), fitted, refit(prepared, members, outside, fitted))
+    return Relinearized(prepared, tuple(members), tuple(outside), fitted, refit(prepared, members, outside, fitted))
 
 
-def _patterns_about(observed: Observed, found: AboutItself) -> Patterns | None:
+def _patterns_about(observed: Observed, found: Relinearized) -> Patterns | None:
     """What was found with its patterns about another shape, forms as they are; None where that shape is none, or one
     shows no more."""
     if not np.isfinite(observed.residual).all():
@@ -107,7 +107,7 @@ def _patterns_about(observed: Observed, found: AboutItself) -> Patterns | None:
     return [*patterns, *((groups[m].candidate, parts[m]) for m in found.outside)]
 
 
-def _step(found: AboutItself, about: Observed) -> float:
+def _step(found: Relinearized, about: Observed) -> float:
     """How far (in whitened units) sizes would move what they move, if what lies beyond first order about the present
     shape were allowed for: its length over the scatter is the largest change of any size, or sum of sizes, in standard
     errors."""

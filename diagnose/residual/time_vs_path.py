@@ -37,7 +37,7 @@ class Told:
         return values - middle[self.back]
 
 
-def told_apart(
+def time_vs_path(
     recording: Recording, arm: Arm, pose: NDArray[np.int64], first: NDArray[np.int64], *, rules: FittingRules
 ) -> Told | None:
     """The visits that tell, None where time and pose go together. `pose` (N,) numbers the poses of all readings,

@@ -11,10 +11,10 @@ from linkwright.core.diagnose.fitting.prepare import prepare
 from linkwright.core.diagnose.options import Options
 from linkwright.core.diagnose.residual.observe import observe
 from linkwright.core.diagnose.rules.rules import RULES
-from linkwright.core.diagnose.search import one_set_of_weights
+from linkwright.core.diagnose.search import mass_consistency
+from linkwright.core.diagnose.search.mass_consistency import renamed_under_one_set, under_one_set
 from linkwright.core.diagnose.search.naming import Named, Namer, name_missing
-from linkwright.core.diagnose.search.one_set_of_weights import renamed_under_one_set, under_one_set
-from tests.diagnose.fitting.test_shared_weights import on_a_soft_base, standing_arm
+from tests.diagnose.fitting.test_shared_masses import on_a_soft_base, standing_arm
 
 BASE, ELBOW, SECOND = ("base_compliance", ()), ("joint_compliance", (2,)), ("axis_misalignment", (1,))
 ALWAYS = replace(RULES, search=replace(RULES.search, balanced=0.0))
@@ -70,8 +70,8 @@ def test_a_drive_that_stands_is_not_accused_for_one_that_moves(
     observed = replace(namer.prepared.observed, recording=replace(recording, q=q))
     namer = namer.with_prepared(replace(namer.prepared, observed=observed))
     second, third = (member(namer, "joint_compliance", (index,)) for index in (1, 2))
-    monkeypatch.setattr(one_set_of_weights, "renamed", lambda *_: (third,))
-    monkeypatch.setattr(one_set_of_weights, "_joint", lambda *_: object())
-    monkeypatch.setattr(one_set_of_weights, "_criterion", lambda *given: worse if given[-1][0] == third else 0.0)
+    monkeypatch.setattr(mass_consistency, "renamed", lambda *_: (third,))
+    monkeypatch.setattr(mass_consistency, "_joint", lambda *_: object())
+    monkeypatch.setattr(mass_consistency, "_criterion", lambda *given: worse if given[-1][0] == third else 0.0)
     named = Named((second,), (), (0.001,), namer.test(()), None)
     assert renamed_under_one_set(namer, named) == ((third,) if first == 3 else (second,))

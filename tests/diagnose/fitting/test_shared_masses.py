@@ -12,7 +12,7 @@ import pytest
 
 from linkwright.core.arm.chain.chain import Arm, Joint, Link
 from linkwright.core.diagnose.diagnosis import diagnose
-from linkwright.core.diagnose.fitting.shared_weights import factors, steps
+from linkwright.core.diagnose.fitting.shared_masses import factors, steps
 from linkwright.core.diagnose.predict import predict
 from linkwright.core.diagnose.recording import Recording
 from linkwright.core.materials.catalogue import load_catalogue

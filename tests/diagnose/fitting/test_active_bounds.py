@@ -8,7 +8,7 @@ import pytest
 from linkwright.core.diagnose.fitting.fit import fit
 from linkwright.core.diagnose.fitting.prepare import Prepared
 from linkwright.core.diagnose.fitting.refit import refit
-from linkwright.core.diagnose.fitting.room.left_at_nought import left_at_nought
+from linkwright.core.diagnose.fitting.room.active_bounds import at_active_bounds
 from linkwright.core.diagnose.result import FittedParameter
 from tests.diagnose.core_cases import group_of, noise_of, prepared_null, with_residual
 from tests.diagnose.fitting.test_fit import within
@@ -81,7 +81,7 @@ def test_sizes_that_were_fitted_together_stay_as_they_were(null: Prepared) -> No
     moved = null.columns[both] @ np.array([20.0 * WINDUP, 20.0 * PER_LOAD])
     prepared = with_residual(null, moved + noise_of(null, np.random.default_rng(43)))
     found = refit(prepared, [both], (), fit(prepared, [both]))
-    assert left_at_nought(prepared, found.terms, 0, prepared.vector, 1.0) == {}
+    assert at_active_bounds(prepared, found.terms, 0, prepared.vector, 1.0) == {}
     offset = group_of(null, "encoder_offset", (1,))
     other = refit(prepared, [offset], (), fit(prepared, [offset]))
-    assert left_at_nought(prepared, other.terms, 0, prepared.vector, 1.0) == {}
+    assert at_active_bounds(prepared, other.terms, 0, prepared.vector, 1.0) == {}

@@ -27,7 +27,7 @@ _TOLD = 1e-9
 _NEAR = 1e-6
 
 
-def found_origins(
+def identified_origins(
     prepared: Prepared,
     fitted: Refit,
     outside: Sequence[int],

@@ -24,7 +24,7 @@ _ALIKE = 1e-9
 """Of a pattern's length, what rounding leaves beside another that is the same."""
 
 
-def left_at_nought(
+def at_active_bounds(
     prepared: Prepared, terms: Sequence[Term], place: int, left: Array, reach: float
 ) -> dict[str, tuple[float, float]]:
     """By the name of each size of a finding how far it may lie below and above what was fitted, SI, for what its effect
