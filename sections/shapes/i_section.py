@@ -202,7 +202,6 @@ class ISection(Section):
         top, bottom = self.top, self.bottom
         overhangs = [("flange", top)] if self.symmetric else [("top flange", top), ("bottom flange", bottom)]
         return (
-            *self._fillet_constraints(),
             opening(
                 "web_height", "both flange thicknesses", "the height", (top.thickness + bottom.thickness) / self.height
             ),
@@ -215,6 +214,7 @@ class ISection(Section):
                 )
                 for name, flange in overhangs
             ),
+            *self._fillet_constraints(),
         )
 
     def _fillet_constraints(self) -> tuple[Constraint, ...]:
@@ -223,8 +223,15 @@ class ISection(Section):
         overhang = 0.5 * (self.top.width - self.web_thickness)
         clear = 0.5 * (self.height - self.top.thickness - self.bottom.thickness)
         return (
-            Constraint("root_radius", "the root radius must leave a web", self.root_radius / clear - 1.0),
-            Constraint("root_overhang", "the root radius must fit under the flange", self.root_radius / overhang - 1.0),
+            # Over the whole, since the web and the overhang themselves may be none.
+            Constraint(
+                "root_radius", "the root radius must leave a web", 2.0 * (self.root_radius - clear) / self.height
+            ),
+            Constraint(
+                "root_overhang",
+                "the root radius must fit under the flange",
+                2.0 * (self.root_radius - overhang) / self.top.width,
+            ),
         )
 
 

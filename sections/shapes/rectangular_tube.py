@@ -154,9 +154,9 @@ class RectangularTube(Section):
         """The walls must leave a hollow."""
         flange, web = self.walls
         return (
-            *self._radius_constraints(),
             opening("hollow_width", "two web thicknesses", "the width", 2.0 * web / self.width),
             opening("hollow_height", "two flange thicknesses", "the height", 2.0 * flange / self.height),
+            *self._radius_constraints(),
         )
 
     def _radius_constraints(self) -> tuple[Constraint, ...]:
@@ -169,7 +169,9 @@ class RectangularTube(Section):
         return (
             Constraint("corner_radius", "the corner radius must be at most half the least side", outer / half - 1.0),
             Constraint(
-                "inner_corner_radius", "the inner corner radius must be at most half the hollow", inner / hollow - 1.0
+                "inner_corner_radius",
+                "the inner corner radius must be at most half the hollow",
+                (inner - hollow) / half,  # the hollow itself may be none
             ),
             Constraint(
                 "corner_wall",

@@ -180,6 +180,40 @@ def test_sizes_that_no_formula_stands_are_refused_with_one_line(flange: str) -> 
             read_text(f"{head}    columns: {columns}\n    rows:\n{row}", "own.yaml")
 
 
+@pytest.mark.parametrize(
+    ("shape", "columns", "row", "words"),
+    [
+        (
+            "rectangular_tube",
+            "height_mm, width_mm, thickness_mm, corner_radius_mm, area_cm2",
+            "10, 30, 5, 10, 6.36",
+            "two flange thicknesses must stay below",
+        ),
+        (
+            "i_section",
+            "height_mm, width_mm, flange_thickness_mm, web_thickness_mm, root_radius_mm, area_cm2",
+            "10.4, 46, 5.2, 3.8, 5, 7.64",
+            "both flange thicknesses must stay below",
+        ),
+        (
+            "i_section",
+            "height_mm, width_mm, flange_thickness_mm, web_thickness_mm, root_radius_mm, area_cm2",
+            "80, 3.8, 5.2, 3.8, 5, 7.64",
+            "the web thickness must stay below",
+        ),
+    ],
+)
+def test_rounded_corners_without_room_are_refused_with_one_line(shape: str, columns: str, row: str, words: str) -> None:
+    """Where walls meet in the middle there is nothing that a radius could be held against."""
+    table = f'format_version: 1\ntables:\n  - family: X\n    shape: {shape}\n    source: "EN 10219-2:2006"\n'
+    table += f"    columns: [name, {columns}]\n    rows:\n      - [X 1, {row}]\n"
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        with pytest.raises(InputError, match=words) as caught:
+            read_text(table, "own.yaml")
+    assert "\n" not in str(caught.value)
+
+
 @pytest.mark.parametrize(("name", "content"), shipped(), ids=lambda value: value if isinstance(value, str) else "")
 def test_columns_that_slipped_by_a_row_are_noticed(name: str, content: dict) -> None:
     for table in content["tables"]:
