@@ -1,1 +1,1 @@
-"""The serial chain in space: where the tip is, and why it is not where it should be."""
+"""The model of an arm: kinematics, statics, dynamics, and the position error of its tip."""

@@ -1,4 +1,4 @@
-"""What an evaluation takes for granted because the files say nothing of it, one sentence each: its notes."""
+"""Default assumptions of an evaluation where the files say nothing, one sentence each: its notes."""
 
 from __future__ import annotations
 
@@ -28,15 +28,15 @@ def default_gravity(arm: Arm) -> list[str]:
 
 def payloads_left_off(cases: Sequence[LoadCase]) -> list[str]:
     """One line for the load cases that name no payload while the arm carries one."""
-    found: dict[float, list[str]] = {}
+    tips_by_mass: dict[float, list[str]] = {}
     for number, case in enumerate(cases, start=1):
         if case.leaves_off:
-            found.setdefault(case.leaves_off, []).append(str(number))
+            tips_by_mass.setdefault(case.leaves_off, []).append(str(number))
     return [
         f"load case{'s' if len(numbers) > 1 else ''} {', '.join(numbers)} name{'' if len(numbers) > 1 else 's'} no "
         f"payload and so leave{'' if len(numbers) > 1 else 's'} off the arm's {format_quantity(mass, 'mass')}; "
         f"payload: {{mass: {format_quantity(mass, 'mass')}}} keeps it"
-        for mass, numbers in found.items()
+        for mass, numbers in tips_by_mass.items()
     ]
 
 
@@ -44,14 +44,14 @@ def rigid_bearings(arm: Arm) -> list[str]:
     """One line for the joints of an arm in space whose drives give while nothing is known of how their bearings do."""
     if arm.planar() or LATERAL_COMPLIANCE.id in arm.leave_out:
         return []
-    told = [entry.at for entry in arm.effects if entry.effect == LATERAL_COMPLIANCE.id]
+    places = [entry.at for entry in arm.effects if entry.effect == LATERAL_COMPLIANCE.id]
     bare = [
         number
         for number, joint in enumerate(arm.joints, start=1)
         if joint.revolute
         and joint.tilting_stiffness is None
         and (joint.stiffness is not None or joint.actuator is not None)
-        and not any(not at or number in at for at in told)
+        and not any(not at or number in at for at in places)
     ]
     if not bare:
         return []

@@ -1,4 +1,4 @@
-"""An evaluation's figures as a promise, and an arm that is held to them."""
+"""Figures of an evaluation as the reference for an arm that is written, read back and compared."""
 
 from __future__ import annotations
 
@@ -43,5 +43,5 @@ def missed(promised: Evaluation, arm: Arm) -> Iterator[str]:
         if meant is None and read is None:
             continue
         if meant is None or read is None or not math.isclose(meant, read, rel_tol=_WITHIN, abs_tol=1e-12):
-            told = ["not known" if each is None else format_quantity(each, kind, digits=6) for each in (meant, read)]
-            yield f"{name} {told[0]} was promised, {told[1]} is had"
+            texts = ["not known" if item is None else format_quantity(item, kind, digits=6) for item in (meant, read)]
+            yield f"{name} {texts[0]} was promised, {texts[1]} is had"

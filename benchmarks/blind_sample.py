@@ -47,10 +47,10 @@ def main() -> int:
     """Make, ask, score, print; 1 where a bound is missed."""
     parser = argparse.ArgumentParser(description="A seeded sample of the proof of the diagnosis.")
     parser.add_argument("--cases", type=int, default=CASES)
-    asked = parser.parse_args()
+    arguments = parser.parse_args()
     with tempfile.TemporaryDirectory() as folder:
         root, answers = Path(folder) / "cases", Path(folder) / "answers"
-        make(asked.cases, SEED, "disclosed", root)
+        make(arguments.cases, SEED, "disclosed", root)
         run(root, answers, jobs=2)
         truths, given, half, seal = load(root, answers)
         missed = misses(score(truths, given, half, seal))

@@ -69,9 +69,9 @@ def commanded(made: Callable[[Path], Problem]) -> Answer:
         subprocess.run(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, check=True)
         seconds, after = time.perf_counter() - began, resource.getrusage(resource.RUSAGE_CHILDREN)
         cpu = after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
-        found = json.loads(told.read_text(encoding="utf-8"))
-    gap = math.inf if found["combinations_gap"] is None else float(found["combinations_gap"])
-    return Answer(float(found["max_error_mm"]), gap, cpu, seconds, int(found["combinations"]))
+        result = json.loads(told.read_text(encoding="utf-8"))
+    gap = math.inf if result["combinations_gap"] is None else float(result["combinations_gap"])
+    return Answer(float(result["max_error_mm"]), gap, cpu, seconds, int(result["combinations"]))
 
 
 def listed(folder: Path) -> Problem:
@@ -85,7 +85,7 @@ def listed(folder: Path) -> Problem:
 def problem(folder: Path, limits: str, number: int = 30) -> Problem:
     """Three links of seven shapes and so many materials each, within limits."""
     wanted: list[PropertyName] = [*_ALWAYS, *(key for limit, key in _ASKED.items() if limit in limits)]
-    names = [each.name for each in load_catalogue() if all(each.has(key) for key in wanted)][:number]
+    names = [item.name for item in load_catalogue() if all(item.has(key) for key in wanted)][:number]
     (folder / "arm.yaml").write_text(ARM + "payload: {mass: 3 kg}\n", encoding="utf-8")
     chosen = f"choose: {{section: [{SHAPES}], material: [{', '.join(names)}]}}\n"
     path = folder / "problem.yaml"

@@ -59,7 +59,7 @@ class Model:
     def __init__(self, context: Context, problem: Problem) -> None:
         self.pick, self.space, materials, self.start = begun(problem)
         self.problem, self.context = problem, context
-        self.lower, self.upper = (np.array(each) for each in self.space.bounds())
+        self.lower, self.upper = (np.array(bound) for bound in self.space.bounds())
         x, q = ca.SX.sym("x", len(self.space.variables)), ca.SX.sym("q", problem.arm.size)
         design = expressions(self.space, x, ca.SX(ca.DM(materials)))
         sizes: list[ca.SX] = []
@@ -88,8 +88,8 @@ class Model:
     def gradients(self, x: Array, rows: Array) -> Array:
         """Its gradient in some of those rows, (N, n)."""
         poses, place = np.unique(rows // self.rows, return_inverse=True)
-        found = self._gradient(self.poses[poses], x)[0].reshape(len(poses), self.rows, len(x))
-        return found[place, rows % self.rows]
+        result = self._gradient(self.poses[poses], x)[0].reshape(len(poses), self.rows, len(x))
+        return result[place, rows % self.rows]
 
     def sums(self, x: Array) -> Array:
         """Logarithms of mass and reach over what they should be, (N, 2) for designs (N, n)."""
@@ -126,7 +126,7 @@ def by_slsqp(model: Model, *, exact: bool, few: bool = False) -> Array:
             constraints[0]["jac"] = rows
             constraints[1]["jac"] = lambda z: np.append(-model.slopes(z[:-1])[0], 0.0)[None]
             constraints[2]["jac"] = lambda z: np.append(model.slopes(z[:-1])[1], 0.0)[None]
-        found = minimize(
+        result = minimize(
             lambda z: z[-1],
             np.append(x, y),
             jac=(lambda _: np.eye(count + 1)[-1]) if exact else None,
@@ -135,10 +135,10 @@ def by_slsqp(model: Model, *, exact: bool, few: bool = False) -> Array:
             method="SLSQP",
             options={"ftol": 1e-9, "maxiter": 200},
         )
-        x = np.clip(found.x[:-1], model.lower, model.upper)
+        x = np.clip(result.x[:-1], model.lower, model.upper)
         sizes = model.sizes(x)
         y = float(sizes.max())
-        if y <= found.x[-1] + 1e-5:
+        if y <= result.x[-1] + 1e-5:
             break
         kept = np.union1d(kept, np.argsort(-sizes)[:_WORST])
     return x
@@ -146,8 +146,8 @@ def by_slsqp(model: Model, *, exact: bool, few: bool = False) -> Array:
 
 def _timed(way: Callable[[Model], Array], context: Context, problem: Problem) -> Answer:
     began = time.process_time()
-    found = way(Model(context, problem))
-    return Answer(found, time.process_time() - began)
+    result = way(Model(context, problem))
+    return Answer(result, time.process_time() - began)
 
 
 @dataclass(frozen=True)
@@ -183,10 +183,10 @@ def compared(arm: str, problem_text: str, rounds: int) -> tuple[Side, list[Rival
         "SLSQP, few poses": (partial(by_slsqp, exact=True, few=True), rounds),
     }
     ours = min((by_exchange(context, problem) for _ in range(rounds + 1)), key=lambda side: side.seconds)
-    found: list[Rival] = []
+    rivals: list[Rival] = []
     for name, (way, times) in ways.items():
         answer = min((_timed(way, context, problem) for _ in range(times)), key=lambda answer: answer.seconds)
         heavy, off = model.sums(answer.x)[0]
         worse = 100.0 * (model.true(answer.x) / (1e3 * ours.true) - 1.0)
-        found.append(Rival(name, worse, max(heavy, abs(off)) <= 1e-6, answer.seconds, answer.seconds / ours.seconds))
-    return ours, found
+        rivals.append(Rival(name, worse, max(heavy, abs(off)) <= 1e-6, answer.seconds, answer.seconds / ours.seconds))
+    return ours, rivals

@@ -102,12 +102,12 @@ def write_card(material: Material, form: CardFormat = "yaml") -> str:
 
 
 def _written(material: Material, keys: MappingLike[str, PropertyName]) -> dict[str, str]:
-    found: dict[str, str] = {}
+    values: dict[str, str] = {}
     for key, name in keys.items():
         if material.has(name):
             value = material.need(name, REFERENCE_TEMPERATURE)
-            found[key] = format_quantity(value, property_kinds()[name], _UNITS.get(key))
-    return found
+            values[key] = format_quantity(value, property_kinds()[name], _UNITS.get(key))
+    return values
 
 
 def _ini_section(title: str, entries: MappingLike[str, str]) -> str:
@@ -144,16 +144,16 @@ def _ini_values(text: str, path: Path | str) -> dict[str, str]:
 
 
 def _leaves(value: object) -> dict[str, str]:
-    found: dict[str, str] = {}
+    leaves: dict[str, str] = {}
     if isinstance(value, dict):
         for key, inner in cast(dict[str, object], value).items():
             if isinstance(inner, dict):
-                found |= _leaves(cast(object, inner))
+                leaves |= _leaves(cast(object, inner))
             elif isinstance(inner, str | int | float) and not isinstance(inner, bool):
-                found[key] = str(inner)
-    return found
+                leaves[key] = str(inner)
+    return leaves
 
 
 def _reference(values: MappingLike[str, str], file: str) -> str:
-    said = [" ".join(values[key].split()) for key in _SOURCES if values.get(key, "").strip()]
-    return "; ".join([f"FreeCAD material card {file}", *said])
+    parts = [" ".join(values[key].split()) for key in _SOURCES if values.get(key, "").strip()]
+    return "; ".join([f"FreeCAD material card {file}", *parts])

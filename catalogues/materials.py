@@ -25,20 +25,20 @@ def _inherited(data: Mapping[str, Any], stem: str, content: Mapping[str, Any]) -
     """With its family, and where each property was found: what the file says of its sources said of the properties."""
     in_source = data.get("found_in")
     by_source = cast(dict[str, str], in_source) if isinstance(in_source, dict) else {}
-    missing, found = content.get("unconfirmed") or {}, dict[str, str](content.get("found_in") or {})
+    missing, found_in = content.get("unconfirmed") or {}, dict[str, str](content.get("found_in") or {})
     for key in _figures():
-        if key in content and key not in missing and key not in found:
+        if key in content and key not in missing and key not in found_in:
             value = content[key]
             source = cast(dict[str, Any], value).get("source") if isinstance(value, dict) else None
             text = by_source.get(source or content.get("source", ""))
-            found |= {key: text} if text else {}
-    return {"family": data.get("family") or stem, **content, **({"found_in": found} if found else {})}
+            found_in |= {key: text} if text else {}
+    return {"family": data.get("family") or stem, **content, **({"found_in": found_in} if found_in else {})}
 
 
 def _columns() -> list[Column]:
     figures = [Column(name, partial(_cell, kind)) for name, kind in property_kinds().items()]
-    said = [Column("source"), *figures, Column("unconfirmed")]
-    return [Column("name", needed=True), Column("title"), Column("family"), Column("isotropic", _yes_or_no), *said]
+    marks = [Column("source"), *figures, Column("unconfirmed")]
+    return [Column("name", needed=True), Column("title"), Column("family"), Column("isotropic", _yes_or_no), *marks]
 
 
 def _yes_or_no(text: str, path: Path | str, where: str) -> bool:
@@ -74,17 +74,17 @@ def find_entry(catalogue: Catalogue, name: str) -> Entry:
     """The entry of the visible material of that name as its file writes it, with the price that another gives it.
     Raises `InputError`."""
     catalogue.find(name)
-    own = [layer for layer in catalogue.layers if layer not in shipped_layers()]
-    found = MATERIALS.entry(name, [layer.file for layer in own])
-    assert found is not None  # it is visible
-    last = max((number for number, layer in enumerate(own) if name in layer.materials), default=0)
-    for layer in own[last:]:
+    layers = [layer for layer in catalogue.layers if layer not in shipped_layers()]
+    entry = MATERIALS.entry(name, [layer.file for layer in layers])
+    assert entry is not None  # it is visible
+    last = max((number for number, layer in enumerate(layers) if name in layer.materials), default=0)
+    for layer in layers[last:]:
         if name in layer.prices:
             price = dict(cast(dict[str, Any], load_yaml(layer.file).content["prices"])[name])
             cost = {**price, "source": "price"}
-            references = {**found.references, "price": str(price["source"])}
-            found = replace(found, content={**found.content, "cost": cost}, references=references)
-    return found
+            references = {**entry.references, "price": str(price["source"])}
+            entry = replace(entry, content={**entry.content, "cost": cost}, references=references)
+    return entry
 
 
 def write_table(materials: Iterable[Material]) -> str:

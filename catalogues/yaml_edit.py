@@ -72,13 +72,13 @@ class YamlText:
         if self._text is None:
             stream = io.StringIO()
             self._yaml.dump(self._top[0], stream)
-            found = _STAND_IN.sub(self._as_written, stream.getvalue())
+            text = _STAND_IN.sub(self._as_written, stream.getvalue())
             now: object = None
             with suppress(InputError):
-                now = parse_yaml(found, file=self.file)
+                now = parse_yaml(text, file=self.file)
             if json.dumps(now) != json.dumps(self.data):
                 raise InputError(self.file, "", "cannot be changed without touching the rest; edit it by hand")
-            self._text = found.replace("\n", self._newline)
+            self._text = text.replace("\n", self._newline)
         return self._text
 
     def get(self, path: Place) -> Any:

@@ -90,16 +90,16 @@ class Executor(ABC):
         each: Callable[[int, Result], None] | None = None,
     ) -> list[Result]:
         """The results in the items' order; `each` hears of every one (with its item's number) as it comes."""
-        found: dict[int, Result] = {}
+        results: dict[int, Result] = {}
         try:
             for number, result in self.completed(work, items, pulse):
-                found[number] = result
+                results[number] = result
                 if each is not None:
                     each(number, result)
         except WorkersLost as error:
             self.lost = error
             raise
-        return [found[number] for number in range(len(items))]
+        return [results[number] for number in range(len(items))]
 
     @abstractmethod
     def close(self) -> None:

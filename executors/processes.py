@@ -165,7 +165,7 @@ class Processes(Shared):
             self._work = work
         while len(self._crew) < min(self._count, steps):
             self._crew.append(_Worker(work))
-        return [each.begin for each in self._crew]
+        return [item.begin for item in self._crew]
 
     def _error(self, future: Future[bytes], number: int, tries: int) -> BaseException | None:
         error = future.exception()
@@ -184,8 +184,8 @@ class Processes(Shared):
     def close(self) -> None:
         """End the processes; what they are at is given up."""
         crew, self._crew, self._work = self._crew, [], None
-        for each in crew:
-            each.end()
+        for item in crew:
+            item.end()
         self._here.close()
 
 

@@ -37,4 +37,4 @@ def one_thread_for_children() -> Generator[None]:
 
 def threads() -> list[int]:
     """How many threads each library of linear algebra that is loaded takes."""
-    return [int(each["num_threads"]) for each in threadpool_info() if each["user_api"] == _LINEAR_ALGEBRA]
+    return [int(item["num_threads"]) for item in threadpool_info() if item["user_api"] == _LINEAR_ALGEBRA]

@@ -72,11 +72,11 @@ def answer_in(picture: Path) -> str:
 
 def photograph(picture: Photographed) -> None:
     """Ask anew, photograph, write."""
-    found = picture.found()
+    result = picture.found()
     own = next((path for path in CHROMIUM if Path(path).exists()), None)
     with TemporaryDirectory() as place, sync_playwright() as play:
         folder = Path(place) / "result"
-        found.save(folder)
+        result.save(folder)
         browser = play.chromium.launch(executable_path=own, args=["--no-sandbox"])
         page = browser.new_page(viewport={"width": WIDTH, "height": picture.height})
         page.goto((folder / "report.html").as_uri())
@@ -85,7 +85,7 @@ def photograph(picture: Photographed) -> None:
         browser.close()
         with Image.open(Path(place) / "head.png") as image:
             told = PngInfo()
-            told.add_itxt(ANSWER, answer_of(found))
+            told.add_itxt(ANSWER, answer_of(result))
             few = image.convert("P", palette=Image.Palette.ADAPTIVE, colors=128)
             few.save(picture.path, pnginfo=told, optimize=True)
     print(picture.path)

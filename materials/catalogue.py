@@ -172,7 +172,7 @@ def shipped_layers() -> tuple[Layer, ...]:
     """Return the layers that come with the program, one per family, read from its package data and
     checked."""
     return tuple(
-        read_layer(each, Path(str(each.file)).stem) for each in shipped_files("linkwright.core.materials", "catalogue")
+        read_layer(file, Path(str(file.file)).stem) for file in shipped_files("linkwright.core.materials", "catalogue")
     )
 
 
@@ -191,10 +191,10 @@ def load_catalogue(paths: Sequence[Path | str] = (), *, user: bool = True) -> Ca
     """
     layers = list(shipped_layers())
     if user:
-        own = user_catalogue_path()
-        if os.path.exists(own) or os.environ.get(CATALOGUE_VARIABLE, "").strip():
-            layers.append(load_layer(own))
+        user_file = user_catalogue_path()
+        if os.path.exists(user_file) or os.environ.get(CATALOGUE_VARIABLE, "").strip():
+            layers.append(load_layer(user_file))
     layers.extend(load_layer(path) for path in paths)
-    found = Catalogue(tuple(layers))
-    found.check_prices()
-    return found
+    catalogue = Catalogue(tuple(layers))
+    catalogue.check_prices()
+    return catalogue

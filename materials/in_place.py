@@ -30,16 +30,16 @@ def _property(value: Any, kind: str) -> Any:
     if not isinstance(value, dict):
         return _written(value, kind)
     kinds = {"value": kind, "spread": kind, "range": "temperature"}
-    found: dict[str, Any] = {}
-    for name, each in cast(dict[str, Any], value).items():
-        if name == "table" and isinstance(each, list):
-            found[name] = [_row(row, kind) for row in cast(list[Any], each)]
-        elif name == "polynomial" and isinstance(each, dict):
+    content: dict[str, Any] = {}
+    for name, item in cast(dict[str, Any], value).items():
+        if name == "table" and isinstance(item, list):
+            content[name] = [_row(row, kind) for row in cast(list[Any], item)]
+        elif name == "polynomial" and isinstance(item, dict):
             inner = {"origin": "temperature", "coefficients": kind}
-            found[name] = {k: _written(v, inner.get(k)) for k, v in cast(dict[str, Any], each).items()}
+            content[name] = {k: _written(v, inner.get(k)) for k, v in cast(dict[str, Any], item).items()}
         else:
-            found[name] = _written(each, kinds.get(name))
-    return found
+            content[name] = _written(item, kinds.get(name))
+    return content
 
 
 def _row(row: Any, kind: str) -> Any:
@@ -47,19 +47,19 @@ def _row(row: Any, kind: str) -> Any:
     if not isinstance(row, list):
         return row
     pairs = zip(cast(list[Any], row), ("temperature", kind), strict=False)
-    return [_written(each, own) for each, own in pairs]
+    return [_written(item, own) for item, own in pairs]
 
 
 def _laminate(value: dict[str, Any]) -> dict[str, Any]:
     ply = value.get("ply")
-    found = {name: _written(each, _LAMINATE.get(name)) for name, each in value.items()}
-    return {**found, "ply": with_units(cast(dict[str, Any], ply))} if isinstance(ply, dict) else found
+    laminate = {name: _written(item, _LAMINATE.get(name)) for name, item in value.items()}
+    return {**laminate, "ply": with_units(cast(dict[str, Any], ply))} if isinstance(ply, dict) else laminate
 
 
 def _written(value: Any, kind: str | None) -> Any:
     """A number in SI with its unit, also in a list; pure numbers and all else as they are."""
     if isinstance(value, list):
-        return [_written(each, kind) for each in cast(list[Any], value)]
+        return [_written(item, kind) for item in cast(list[Any], value)]
     if not isinstance(value, SIFloat | SIInt):
         return value
     return float(value) if kind in (None, "dimensionless") else format_quantity(float(value), kind)

@@ -40,16 +40,16 @@ _STIFFEST_FOR_ITS_WEIGHT = 5e8
 
 def doubts_of(material: Material) -> tuple[str, ...]:
     """What is hardly believable of a material's figures at 20 degC, a line each that begins with its name."""
-    found: list[str] = []
+    doubts: list[str] = []
     for name, (low, high, measure) in _USUAL.items():
         if material.has(name) and not low <= (value := material.need(name)) <= high:
             written = format_quantity(value, property_kinds()[name], digits=4)
-            found.append(f"{material.name}: {name} {written} is hardly believable ({measure}); is its unit right?")
-    if not found and material.has("elastic_modulus") and material.has("density"):
+            doubts.append(f"{material.name}: {name} {written} is hardly believable ({measure}); is its unit right?")
+    if not doubts and material.has("elastic_modulus") and material.has("density"):
         ratio = material.need("elastic_modulus") / material.need("density")
         if ratio > _STIFFEST_FOR_ITS_WEIGHT:
-            found.append(
+            doubts.append(
                 f"{material.name}: E / density of {1e-6 * ratio:.4g} MN*m/kg is hardly believable (diamond, the "
                 "stiffest for its weight, has 325); are their units right?"
             )
-    return tuple(found)
+    return tuple(doubts)

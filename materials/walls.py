@@ -92,7 +92,7 @@ def wall_compliance(plane: Orthotropic, bending: Orthotropic | None = None) -> W
     """How walls of these stiffnesses buckle: A/t of `plane`, 12 D/t^3 of `bending` (that of a wall the same all
     through where it is left out)."""
     bending = bending or plane
-    d11, d12, d22, d66 = (each / 12.0 for each in (bending.along, bending.both, bending.around, bending.shear))
+    d11, d12, d22, d66 = (item / 12.0 for item in (bending.along, bending.both, bending.around, bending.shear))
     mean, mixed = math.sqrt(d11 * d22), d12 + 2.0 * d66
     beta = mixed / mean
     shared = (d11 * d22**3) ** 0.25

@@ -46,9 +46,9 @@ def optimise(
         options.tell(start.why)
         problem = start.problem
     if problem.uncertain is not None:
-        found = robust_structures(problem, options)
+        result = robust_structures(problem, options)
     elif problem.sizes is not None:
-        found = listed_structures(problem, options)
+        result = listed_structures(problem, options)
     else:
-        found = nominal_optimum(problem, options, problem)
-    return found if start is None else replace(found, start=f'{start.why}, and "before" is that arm')
+        result = nominal_optimum(problem, options, problem)
+    return result if start is None else replace(result, start=f'{start.why}, and "before" is that arm')

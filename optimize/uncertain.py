@@ -107,7 +107,7 @@ def read_uncertain(mapping: Mapping, arm: Arm) -> Uncertain | None:
         widths = {name: read_widths(body, name, arm) for name in FACTORS}
         if body.has("diagnosis"):
             _diagnosed(body, arm, widths)
-        if not any(any(own) for own in widths.values()):
+        if not any(any(width_terms) for width_terms in widths.values()):
             raise mapping.error("uncertain", f"names nothing; it takes {', '.join(FACTORS)} and diagnosis")
     if arm.play == "statistical" and any(widths["backlash"]):
         raise mapping.error("uncertain", "backlash goes with play: worst or loaded, not with statistical play")
@@ -127,13 +127,13 @@ def read_widths(body: Mapping, name: str, arm: Arm) -> tuple[float, ...]:
     values = cast(list[object], raw) if isinstance(raw, list) else [raw] * arm.size
     if len(values) != arm.size:
         raise body.error(name, f"is one figure for all, or one for each of the {arm.size} {what}, not {len(values)}")
-    found: list[float] = []
+    results: list[float] = []
     for value in values:
         width = read_number(value, file=body.file, key=body.path_of(name))
         if not 0.0 <= width <= _MOST:
             raise body.error(name, f"is how far off it may be, from 0 % to {100.0 * _MOST:g} %, not {shown(value)}")
-        found.append(width)
-    return tuple(width if _has(arm, name, k) else 0.0 for k, width in enumerate(found))
+        results.append(width)
+    return tuple(width if _has(arm, name, k) else 0.0 for k, width in enumerate(results))
 
 
 def _has(arm: Arm, name: str, k: int) -> bool:
@@ -141,7 +141,7 @@ def _has(arm: Arm, name: str, k: int) -> bool:
     if name in OF_LINKS:
         return arm.links[k].elastic
     effect = JOINT_COMPLIANCE.id if name == "stiffness" else BACKLASH.id
-    more = any(each.effect == effect and (not each.at or k + 1 in each.at) for each in arm.effects)
+    more = any(entry.effect == effect and (not entry.at or k + 1 in entry.at) for entry in arm.effects)
     joint = arm.joints[k]
     return more or (joint.stiffness is not None if name == "stiffness" else joint.backlash > 0.0)
 
@@ -182,11 +182,11 @@ def _findings(body: Mapping, path: Path) -> list[dict[str, Any]]:
 
 
 def _mappings(values: Any) -> list[dict[str, Any]]:
-    return [each for each in cast(list[Any], values or []) if isinstance(each, dict)]
+    return [value for value in cast(list[Any], values or []) if isinstance(value, dict)]
 
 
 def _figures(value: Any, size: int = 0) -> bool:
     """Whether JSON holds a finite number that can be computed with, or `size` of them."""
     if size:
-        return isinstance(value, list) and len(value) == size and all(_figures(each) for each in value)
+        return isinstance(value, list) and len(value) == size and all(_figures(item) for item in value)
     return isinstance(value, int | float) and abs(value) < _LARGEST_FIGURE

@@ -119,7 +119,7 @@ class Registry(Mapping[str, T], Generic[T]):
 
         self._seeking, before = True, dict(self._added)
         try:
-            for point in sorted(entry_points(group=self._group), key=lambda each: (_package(each), each.name)):
+            for point in sorted(entry_points(group=self._group), key=lambda item: (_package(item), item.name)):
                 self._load(point)
             self._sought = True
         finally:
@@ -130,11 +130,11 @@ class Registry(Mapping[str, T], Generic[T]):
     def _load(self, point: EntryPoint) -> None:
         who = f"the installed package {_package(point)} (entry point {point.name} = {point.value})"
         try:
-            found: object = point.load()
+            result: object = point.load()
         except _FAILURES as error:
             reason = f"{type(error).__name__}: {error}"
             raise _refusal(f"{who} cannot be loaded: {reason}; mend or uninstall it") from error
-        entries = cast("tuple[object, ...]", found) if isinstance(found, tuple) else (found,)
+        entries = cast("tuple[object, ...]", result) if isinstance(result, tuple) else (result,)
         for entry in entries:
             self._take(entry, f"{who}: ")
 

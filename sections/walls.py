@@ -138,11 +138,11 @@ def slenderness_limits(
     if known is None:
         return None
     known = (*known, *_both_legs(section)) if isinstance(section, Angle) else known
-    found: list[WallLimit] = []
+    limits: list[WallLimit] = []
     for wall in known:
         factor, power = LIMITS[wall.kind]
-        found.append(WallLimit(wall, factor * (square if power == 2 else sqrt(square))))
-    return tuple(found)
+        limits.append(WallLimit(wall, factor * (square if power == 2 else sqrt(square))))
+    return tuple(limits)
 
 
 def is_solid(shape: type[Section]) -> bool:
@@ -330,12 +330,12 @@ def _octagonal(section: OctagonalTube, web: WallKind) -> tuple[Wall, ...]:
     middle = 0.5 * section.width
     apothem, half = middle - 0.5 * t, (middle - t) * tangent
     enclosed = section.sides * tangent * apothem**2
-    found: list[Wall] = []
+    results: list[Wall] = []
     for name, turn in (("wall", 0.0), ("sloping", 0.25 * math.pi), ("web", 0.5 * math.pi)):
         y, z = math.sin(turn), math.cos(turn)
         ends = tuple((middle + apothem * y + s * half * z, middle + apothem * z - s * half * y) for s in (-1.0, 1.0))
-        found.append(Wall(name, "each side", "internal", 2.0 * half, t, (ends[0], ends[1]), encloses=enclosed))
-    return tuple(found)
+        results.append(Wall(name, "each side", "internal", 2.0 * half, t, (ends[0], ends[1]), encloses=enclosed))
+    return tuple(results)
 
 
 def _triangular(section: TriangularTube, web: WallKind) -> tuple[Wall, ...]:

@@ -92,8 +92,8 @@ def rod_tip(rods: list[Rod], q: Array, gravity: Array, payload: float, force: Ar
     def left_at_tip(base_moment: Array) -> Array:
         return shot(base_moment)[2]
 
-    found = root(left_at_tip, np.zeros(3), tol=1e-12)
-    place, frame, left = shot(found.x)
+    result = root(left_at_tip, np.zeros(3), tol=1e-12)
+    place, frame, left = shot(result.x)
     if np.linalg.norm(left) > 1e-7:
         raise ValueError("the rod's base moment was not found")
     return place, frame

@@ -18,7 +18,7 @@ DEAR = 15.0
 
 def slow_but(cases: Iterable[object], *kept: object) -> list[object]:
     """Cases of a parametrised test, marked slow but for those that are kept."""
-    return [each if each in kept else pytest.param(each, marks=pytest.mark.slow) for each in cases]
+    return [case if case in kept else pytest.param(case, marks=pytest.mark.slow) for case in cases]
 
 
 def cpu() -> float:

@@ -38,7 +38,7 @@ def test_a_recording_in_a_workbook_is_the_one_in_text(tmp_path: Path):
     path = saved(tmp_path / "recording.xlsx", rows[0], *([float(cell) for cell in row] for row in rows[1:]))
     settings = EXAMPLE / "recording.yaml"
     arm = read_arm(EXAMPLE / "arm.yaml")
-    text, book = (read_recording(each, arm, settings) for each in (EXAMPLE / "recording.csv", path))
+    text, book = (read_recording(item, arm, settings) for item in (EXAMPLE / "recording.csv", path))
     assert (book.q == text.q).all()
     assert (book.tip == text.tip).all()
     assert book.rejected == text.rejected
@@ -140,7 +140,7 @@ def test_a_damaged_deflate_stream_is_one_line(tmp_path: Path):
     path = saved(tmp_path / "a.xlsx", *([k, f"text {k}"] for k in range(400)))
     content = bytearray(path.read_bytes())
     with zipfile.ZipFile(path) as book:
-        sheet = next(each for each in book.infolist() if each.filename.endswith("sheet1.xml"))
+        sheet = next(item for item in book.infolist() if item.filename.endswith("sheet1.xml"))
     begins = sheet.header_offset + 30 + len(sheet.filename)
     content[begins : begins + 40] = bytes([255] * 40)
     path.write_bytes(content)

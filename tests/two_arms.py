@@ -123,5 +123,5 @@ def recorded(tip: str, visits: int, seed: int, *, noise: float = 10e-6, hide: tu
         true = tips(q, **hidden)[("left", "right").index(tip)]
         for _ in range(2):
             read = 1e3 * (true + noise * random.standard_normal(3))
-            rows.append(",".join([*(f"{np.degrees(q[k]):.6f}" for k in shown), *(f"{each:.5f}" for each in read)]))
+            rows.append(",".join([*(f"{np.degrees(q[k]):.6f}" for k in shown), *(f"{item:.5f}" for item in read)]))
     return "\n".join(rows) + "\n"

@@ -99,8 +99,8 @@ def neighbour(target: Path, ending: str = "") -> Path:
 
 def left_over_of(name: str) -> str | None:
     """The file that a kill left the neighbour of behind, None for a name that is no neighbour's."""
-    found = re.fullmatch(r"\.(.+)\.[0-9]+", name)
-    return None if found is None else found[1]
+    result = re.fullmatch(r"\.(.+)\.[0-9]+", name)
+    return None if result is None else result[1]
 
 
 @contextmanager

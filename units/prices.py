@@ -25,7 +25,7 @@ def read_prices(keys: Mapping, kind: str) -> dict[str, Price]:
     if not keys.has("prices"):
         return {}
     listed = keys.mapping("prices")
-    found: dict[str, Price] = {}
+    prices: dict[str, Price] = {}
     for name in listed.content:
         with listed.mapping(name).reading() as price:
             value = price.quantity("value", kind)
@@ -35,5 +35,5 @@ def read_prices(keys: Mapping, kind: str) -> dict[str, Price]:
             if spread is not None and not 0.0 <= spread[0] <= value <= spread[1]:
                 raise price.error("spread", "must hold the value, and nothing below zero")
             note = price.text("note", "")
-            found[name] = Price(value, spread, price.when("date"), price.text("source"), note)
-    return found
+            prices[name] = Price(value, spread, price.when("date"), price.text("source"), note)
+    return prices

@@ -40,17 +40,17 @@ class Load:
     def with_hung(self, masses: Sequence[PointMass], end: End, frame: LinkFrame, pull: Vector) -> Load:
         """With the weights of what hangs at one end of a link."""
         load = self
-        for each in masses:
-            if each.on == end:
-                along, height, width = each.at
+        for mass in masses:
+            if mass.on == end:
+                along, height, width = mass.at
                 at = add(add(scale(along, frame.along), scale(height, frame.height)), scale(width, frame.width))
-                load = load.pushed(scale(each.mass, pull), at)
+                load = load.pushed(scale(mass.mass, pull), at)
         return load
 
 
 def masses_on(masses: Sequence[PointMass], beam: Beam) -> list[PointMass]:
     """What hangs on a link, a counterweight that is chosen as the link's beam has it."""
-    return [_as_chosen(each, beam) if each.chosen else each for each in masses]
+    return [_as_chosen(mass, beam) if mass.chosen else mass for mass in masses]
 
 
 def _as_chosen(mass: PointMass, beam: Beam) -> PointMass:

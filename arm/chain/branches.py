@@ -24,13 +24,13 @@ def ways(arm: Arm) -> tuple[Way, ...]:
         return (Way(arm, tuple(range(arm.size)), arm.size),)
     shared = arm.branches[0].first
     return tuple(
-        Way(_serial(arm, each), (*range(shared), *range(each.first, each.end)), shared) for each in arm.branches
+        Way(_serial(arm, branch), (*range(shared), *range(branch.first, branch.end)), shared) for branch in arm.branches
     )
 
 
 def way_to(arm: Arm, tip: str) -> Way:
     """The way to one tip, by its name; of an arm without branches the arm itself."""
-    names = [each.name for each in arm.branches]
+    names = [branch.name for branch in arm.branches]
     return ways(arm)[names.index(tip) if names else 0]
 
 
@@ -51,5 +51,5 @@ def _of(arm: Arm, numbers: tuple[int, ...], branch: Branch) -> Arm:
         for joint in (arm.joints[number] for number in numbers)
     )
     links = tuple(arm.links[number] for number in numbers)
-    own = replace(arm, joints=joints, links=links, effects=(), branches=(), every_tip=False)
-    return replace(own, tool=branch.tool, payload=branch.payload)
+    serial = replace(arm, joints=joints, links=links, effects=(), branches=(), every_tip=False)
+    return replace(serial, tool=branch.tool, payload=branch.payload)

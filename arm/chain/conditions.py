@@ -84,15 +84,15 @@ class ConditionsOfSome(Conditions):
 def in_pieces(held: Conditions, pieces: Sequence[slice]) -> Iterator[ConditionsOfSome]:
     """The conditions of all readings as those of one piece of them after another."""
     lags: dict[tuple[int, float], Scalar] = {}
-    names = [each.name for each in fields(Conditions) if each.name != "past"]
+    names = [item.name for item in fields(Conditions) if item.name != "past"]
     for rows in pieces:
-        found = {name: _some(getattr(held, name), rows) for name in names}
-        yield ConditionsOfSome(**found, whole=held, rows=rows, lags=lags)
+        parts = {name: _some(getattr(held, name), rows) for name in names}
+        yield ConditionsOfSome(**parts, whole=held, rows=rows, lags=lags)
 
 
 def _some(held: Any, rows: slice) -> Any:
     if isinstance(held, tuple):
-        return tuple(_some(each, rows) for each in cast(Scalars, held))
+        return tuple(_some(item, rows) for item in cast(Scalars, held))
     return held[rows] if isinstance(held, np.ndarray) else held
 
 

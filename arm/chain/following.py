@@ -73,17 +73,17 @@ def completed(arm: Arm, q: Array) -> Array:
     if all(joint.driven for joint in arm.joints):
         return q
     rows = np.atleast_2d(q)
-    filled = np.stack([np.broadcast_to(each, len(rows)) for each in coordinates(arm, list(rows.T))], axis=1)
+    filled = np.stack([np.broadcast_to(coordinate, len(rows)) for coordinate in coordinates(arm, list(rows.T))], axis=1)
     return filled.reshape(q.shape)
 
 
 def turns_by_coordinates(arm: Arm) -> Array:
     """The matrix from coordinates to turns of the joints."""
-    found = np.diag([float(joint.driven) for joint in arm.joints])
+    matrix = np.diag([float(joint.driven) for joint in arm.joints])
     for index, joint in enumerate(arm.joints):
         for tie in () if joint.follows is None else joint.follows.ties:
-            found[index, tie.joint] = tie.weight
-    return found
+            matrix[index, tie.joint] = tie.weight
+    return matrix
 
 
 def turn_range(arm: Arm, index: int) -> tuple[float, float]:
@@ -99,8 +99,8 @@ def turn_range(arm: Arm, index: int) -> tuple[float, float]:
 
 def ties_to(arm: Arm) -> dict[int, list[tuple[int, Tie]]]:
     """For each joint that some follow: the followers (from 0) with their ties."""
-    found: dict[int, list[tuple[int, Tie]]] = {}
+    ties: dict[int, list[tuple[int, Tie]]] = {}
     for index, joint in enumerate(arm.joints):
         for tie in () if joint.follows is None else joint.follows.ties:
-            found.setdefault(tie.joint, []).append((index, tie))
-    return found
+            ties.setdefault(tie.joint, []).append((index, tie))
+    return ties

@@ -82,13 +82,13 @@ def joint_price_dates(joint: Joint) -> tuple[str, ...]:
 
 def link_price_dates(arm: Arm, link: Link) -> tuple[str, ...]:
     """When the prices of a link were such, as those of `joint_price_dates`."""
-    found = [] if link.cost is None else [link.cost_date]
+    dates = [] if link.cost is None else [link.cost_date]
     if link.material is not None:
         properties, machining = link.material.properties, arm.machining
-        found += [properties[name].date for name in ("cost", "machining_cost") if name in properties]
+        dates += [properties[name].date for name in ("cost", "machining_cost") if name in properties]
         if machining.per_metre or machining.per_part or (machining.per_kilogram and "machining_cost" not in properties):
-            found.append(machining.date)
-    return tuple(found)
+            dates.append(machining.date)
+    return tuple(dates)
 
 
 def price_dates(arm: Arm) -> tuple[str, ...]:

@@ -48,8 +48,8 @@ def similar_beam(beam: Beam, log_taper: Any) -> Beam:
         "shear_rigidity_width": ratio,
         "mass_per_length": sums / 3.0,
     }
-    own: dict[str, Any] = {name: getattr(beam, name) for name in changes}
-    changed: dict[str, Any] = {name: value * changes[name] for name, value in own.items() if value is not None}
+    values: dict[str, Any] = {name: getattr(beam, name) for name in changes}
+    changed: dict[str, Any] = {name: value * changes[name] for name, value in values.items() if value is not None}
     return replace(beam, **changed, taper=similar_taper(log_taper), log_taper=log_taper)
 
 
@@ -61,7 +61,7 @@ def similar_taper(log_taper: Any) -> Taper:
     bending = replace(_by_moments(ratio), weight_deflection=weight_deflection, weight_slope=weight_slope)
     parts: list[Part] = []
     for k in range(QUARTERS):
-        near, far = (1.0 + (each / QUARTERS) * (ratio - 1.0) for each in (k, k + 1))
+        near, far = (1.0 + (item / QUARTERS) * (ratio - 1.0) for item in (k, k + 1))
         own = far / near
         area, second = near * near * own / ratio, near**4 * own / ratio
         own_torsion = 3.0 * own**3 / (1.0 + own + own * own)
@@ -141,7 +141,7 @@ def _coefficients() -> tuple[tuple[float, ...], ...]:
     found: list[tuple[float, ...]] = []
     for values in np.log(np.array(rows, dtype=float)).T:
         fitted = Chebyshev.fit(nodes, values, _DEGREE, domain=[-1.0, 1.0])
-        coefficients = [float(each) for each in fitted.coef]
+        coefficients = [float(item) for item in fitted.coef]
         coefficients[0] -= float(fitted(0.0))  # a uniform link is exactly that
         found.append(tuple(coefficients))
     return tuple(found)

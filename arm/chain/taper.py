@@ -61,13 +61,13 @@ def tapered_beam(length: float, section: Tapered, material: MaterialValues, *, s
     points, weights = leggauss(_NODES)
     quarter = 0.5 * (points + 1.0)
     share = np.concatenate([(k + quarter) / QUARTERS for k in range(QUARTERS)])
-    found = section.along(share, poisson_ratio)
-    area = _column(found.area, share)
+    properties = section.along(share, poisson_ratio)
+    area = _column(properties.area, share)
     fitted = Chebyshev.fit(share, area, _DEGREE, domain=[0.0, 1.0]).convert(kind=Polynomial)
     mean = float(np.sum(np.tile(0.5 * weights, QUARTERS) * area)) / QUARTERS
     whole = _Cut(share, np.tile(0.5 * weights, QUARTERS) / QUARTERS, fitted / mean)
     # The beam at every node at once, as arrays; what comes out of it are effective rigidities, plain numbers.
-    local = elastic_beam(length, found, material, shear=shear)
+    local = elastic_beam(length, properties, material, shear=shear)
     beam, taper = _effective(local, whole, share, length)
     parts: list[Part] = []
     for k in range(QUARTERS):

@@ -116,8 +116,8 @@ def tangent_is_vectorised() -> bool:
     introspect = getattr(np.lib, "introspect", None)
     if introspect is None:
         return False
-    found = introspect.opt_func_info(func_name="^tan$").get("tan", {}).get("dd", {})
-    return "baseline" not in found.get("current", "baseline")
+    info = introspect.opt_func_info(func_name="^tan$").get("tan", {}).get("dd", {})
+    return "baseline" not in info.get("current", "baseline")
 
 
 def numpy_program(tape: Tape, uniform_inputs: Sequence[bool]) -> NumpyProgram:

@@ -44,9 +44,9 @@ class Imported:
         lines = [f"# From {one_line(self.file.name)}, {one_line(self.base)} to {one_line(self.tip)}."]
         lines += [f"# {one_line(note)}." for note in self.notes]
         for heading, said in (("Doubtful:", self.doubts), ("Not carried from it:", self.lost)):
-            lines += ["#", f"# {heading}", *(f"# - {one_line(each)}" for each in said)] if said else []
+            lines += ["#", f"# {heading}", *(f"# - {one_line(item)}" for item in said)] if said else []
         lines += ["#", "# What it does not say:"]
-        lines += [f"# - {each.what}{_at(each.at)}: {each.shows}; add {each.add}" for each in self.lacking]
+        lines += [f"# - {item.what}{_at(item.at)}: {item.shows}; add {item.add}" for item in self.lacking]
         return "\n".join(lines) + "\n" + arm_to_yaml(self.arm)
 
 

@@ -87,9 +87,9 @@ def _of_quaternion(turn: Quaternion) -> Rotation:
     w, (x, y, z) = turn
     if is_zero((x, y, z)):
         return IDENTITY
-    xx, yy, zz = (times(2.0, times(each, each)) for each in (x, y, z))
+    xx, yy, zz = (times(2.0, times(item, item)) for item in (x, y, z))
     xy, xz, yz = (times(2.0, times(*pair)) for pair in ((x, y), (x, z), (y, z)))
-    wx, wy, wz = (times(2.0, times(w, each)) for each in (x, y, z))
+    wx, wy, wz = (times(2.0, times(w, item)) for item in (x, y, z))
     return (
         (minus(1.0, plus(yy, zz)), minus(xy, wz), plus(xz, wy)),
         (plus(xy, wz), minus(1.0, plus(xx, zz)), minus(yz, wx)),

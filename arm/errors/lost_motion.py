@@ -141,12 +141,12 @@ def _plane_vertices(intervals: Array) -> Array:
     """The signs (N, 4 k, k) of all vertices of a plane zonotope: the support changes only normal to a generator."""
     x, y = intervals[:, :, 0], intervals[:, :, 1]
     turning = x[:, :, None] * y[:, None, :] - y[:, :, None] * x[:, None, :]
-    alike = x[:, :, None] * x[:, None, :] + y[:, :, None] * y[:, None, :]
+    products = x[:, :, None] * x[:, None, :] + y[:, :, None] * y[:, None, :]
     size = np.sqrt(x * x + y * y)
     parallel = np.abs(turning) <= 1e-12 * (size[:, :, None] * size[:, None, :])
     rows: list[Array] = []
     for side, own in itertools.product((-1.0, 1.0), (-1.0, 1.0)):
-        rows.append(np.where(parallel, own * np.where(alike >= 0.0, 1.0, -1.0), side * np.sign(turning)))
+        rows.append(np.where(parallel, own * np.where(products >= 0.0, 1.0, -1.0), side * np.sign(turning)))
     return np.concatenate(rows, axis=1)
 
 

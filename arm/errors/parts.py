@@ -1,4 +1,4 @@
-"""Part of an error: what of it lies along a direction, or across it."""
+"""Projections of an error: its component along a direction, or across it."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ def part_of(model: ErrorModel, projections: Sequence[Array]) -> ErrorModel:
 
 def _case(case: CaseModel, projection: Array) -> CaseModel:
     vector, intervals, *rest, kinks, kink_loads = case.outputs
-    outputs = tuple(_projected(projection, each) for each in (vector, intervals))
+    outputs = tuple(_projected(projection, item) for item in (vector, intervals))
     outputs = (*outputs, *rest, _projected(projection, kinks), kink_loads)
     function = ca.Function("part", [case.q, case.p], list(outputs))
     return replace(case, outputs=outputs, function=function, projection=projection)

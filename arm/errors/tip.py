@@ -114,8 +114,8 @@ def motions(state: PoseState, twists: Iterable[Twist]) -> list[tuple[Vector, Vec
     walked: list[tuple[Vector, Vector]] = []
     for index, link in enumerate(state.links):
         shift = add(shift, cross(turn, state.leads[index]))
-        own, followed = at_joint[index], _followed(state, index, at_joint, at_link)
-        translation, rotation = add(own[0], followed[0]), add(own[1], followed[1])
+        at_this_joint, followed = at_joint[index], _followed(state, index, at_joint, at_link)
+        translation, rotation = add(at_this_joint[0], followed[0]), add(at_this_joint[1], followed[1])
         shift, turn = add(shift, translation), add(turn, rotation)
         shift = add(shift, cross(turn, link.vector))
         translation, rotation = at_link[index]

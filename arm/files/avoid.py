@@ -26,10 +26,10 @@ def _region(entry: Mapping) -> Region:
             raise entry.error("", f"needs one of box, below and above, e.g. {_EXAMPLE}")
         if kinds[0] == "box":
             corners = entry.items("box")
-            found = [_corner(entry, value, number) for number, value in enumerate(corners, start=1)]
-            if len(found) != 2 or len(found[0]) != len(found[1]):
+            corner_values = [_corner(entry, value, number) for number, value in enumerate(corners, start=1)]
+            if len(corner_values) != 2 or len(corner_values[0]) != len(corner_values[1]):
                 raise entry.error("box", f"needs two corners of as many coordinates, e.g. {_EXAMPLE}")
-            return between(*found)
+            return between(*corner_values)
         side = _SIDES[0] if kinds[0] == _SIDES[0] else _SIDES[1]
         with entry.mapping(side).reading() as body:
             axes = [axis for axis in AXES if body.has(axis)]
@@ -57,7 +57,7 @@ def _to_mapping(region: Region) -> dict[str, Any]:
     ends = list(zip(AXES, region.low, region.high, strict=True))
     open_ = [math.isinf(low) or math.isinf(high) for _, low, high in ends]
     if sum(open_) == len(ends):
-        axis, low, high = next(each for each in ends if math.isfinite(each[1]) or math.isfinite(each[2]))
+        axis, low, high = next(end for end in ends if math.isfinite(end[1]) or math.isfinite(end[2]))
         side, value = ("below", high) if math.isinf(low) else ("above", low)
         return {side: {axis: format_quantity(value, "length")}}
     width = 2 if open_[2] else 3

@@ -19,13 +19,13 @@ class Motor:
 
 def read_masses(link: Mapping) -> tuple[PointMass, ...]:
     """What hangs on a link's ends."""
-    found: list[PointMass] = []
+    masses: list[PointMass] = []
     for body in link.mappings("masses"):
         with body.reading():
             x, y, z = body.vector("at", "length", 3) if body.has("at") else (0.0, 0.0, 0.0)
             end = cast(End, body.choice("on", get_args(End), "joint"))
-            found.append(PointMass(body.positive("mass", "mass"), (x, y, z), end))
-    return tuple(found)
+            masses.append(PointMass(body.positive("mass", "mass"), (x, y, z), end))
+    return tuple(masses)
 
 
 def read_motor(joint: Mapping, links: int) -> Motor | None:
@@ -51,7 +51,7 @@ def read_counterbalance(joint: Mapping) -> Counterbalance:
             would_do = "torque and greatest_at, or a spring's stiffness, on_link, on_base and base_at"
             raise body.error("", f"says neither a torque nor where its spring holds on; give {would_do}")
         stiffness = body.quantity("stiffness", "linear_stiffness", 0.0)
-        found = SpringCounterbalance(
+        counterbalance = SpringCounterbalance(
             stiffness,
             body.positive("on_link", "length"),
             body.positive("on_base", "length"),
@@ -59,10 +59,13 @@ def read_counterbalance(joint: Mapping) -> Counterbalance:
             body.quantity("free_length", "length", 0.0),
             body.quantity("preload", "force", 0.0),
         )
-        if stiffness < 0.0 or found.free_length < 0.0:
+        if stiffness < 0.0 or counterbalance.free_length < 0.0:
             raise body.error("stiffness" if stiffness < 0.0 else "free_length", "cannot be negative")
-        if stiffness == 0.0 and found.preload == 0.0:
+        if stiffness == 0.0 and counterbalance.preload == 0.0:
             raise body.error("stiffness", "is missing; a gas spring has a preload instead")
-        if found.on_link == found.on_base and found.preload != stiffness * found.free_length:
+        if (
+            counterbalance.on_link == counterbalance.on_base
+            and counterbalance.preload != stiffness * counterbalance.free_length
+        ):
             raise body.error("on_base", "is as long as on_link: the spring would have no length where both meet")
-        return found
+        return counterbalance

@@ -37,18 +37,18 @@ def read_branches(mapping: Mapping, catalogue: Catalogue, torso: int) -> Branche
     for name in ("payload", "tool", "product_of_exponentials"):
         if name in mapping.content:
             raise mapping.error(name, "is each branch's own in a file with branches; write it there")
-    given = mapping.mappings("branches")
-    if len(given) < _FEWEST:
+    bodies = mapping.mappings("branches")
+    if len(bodies) < _FEWEST:
         raise mapping.error("branches", "needs two arms or more on the torso; one alone goes on in the chain")
     joints: list[Joint] = []
     links: list[Link] = []
-    found: list[Branch] = []
-    for body in given:
+    branches: list[Branch] = []
+    for body in bodies:
         with body.reading():
             name = body.text("name")
             if _NAME.fullmatch(name) is None:
                 raise body.error("name", f"begins columns such as left_q1_deg: letters and digits, not {shown(name)}")
-            if name in (each.name for each in found):
+            if name in (branch.name for branch in branches):
                 raise body.error("name", f"{shown(name)} is there twice")
             if body.has("at") and body.integer("at") != torso:
                 raise body.error("at", f"can be {torso} only: branches stand on the last link of the torso (chain)")
@@ -63,17 +63,17 @@ def read_branches(mapping: Mapping, catalogue: Catalogue, torso: int) -> Branche
             )
             tool = _tool(body)
             payload = _payload(body)
-            found.append(Branch(name, first, first + len(own_joints), tool, payload, 1.0 if found else 0.0))
+            branches.append(Branch(name, first, first + len(own_joints), tool, payload, 1.0 if branches else 0.0))
         joints += own_joints
         links += own_links
-    return Branches(tuple(joints), tuple(links), tuple(found))
+    return Branches(tuple(joints), tuple(links), tuple(branches))
 
 
 def _entries(body: Mapping, catalogue: Catalogue) -> list[Entry]:
     chain = body.mappings("chain")
     if not chain:
         raise body.error("chain", "is empty; a branch has at least one joint with its link")
-    entries = [read_entry(each, catalogue, number, len(chain)) for number, each in enumerate(chain, start=1)]
+    entries = [read_entry(item, catalogue, number, len(chain)) for number, item in enumerate(chain, start=1)]
     for number, entry in enumerate(entries, start=1):
         if entry.motor is not None:
             message = "is not read in a branch, but in the torso; give its mass as one of a link's masses"
@@ -103,7 +103,7 @@ def _payload(body: Mapping) -> LoadCase:
 def tip_named(mapping: Mapping, branches: Sequence[Branch], tip: str | None) -> str:
     """The branch asked for: the first for an empty name, none where there are no branches. Raises `InputError` where
     there is no such."""
-    names = [each.name for each in branches]
+    names = [branch.name for branch in branches]
     if not names:
         if tip:
             raise mapping.error("branches", f"are not in the file, so it has no tip {shown(tip)}; leave it out")

@@ -45,12 +45,12 @@ def _part(
     if len(values) not in (2, 3):
         raise frame.error(name, f"needs two components (x, y) or three, not {len(values)}")
     path = frame.path_of(name)
-    found = [
+    numbers = [
         0.0 if value == FREE else read_quantity(value, kind, file=frame.file, key=f"{path}[{number}]")
         for number, value in enumerate(values, start=1)
     ]
     free: list[OriginPart] = [part for part, value in zip(parts, values, strict=False) if value == FREE]
-    return (found[0], found[1], found[2] if len(found) == 3 else 0.0), tuple(free)
+    return (numbers[0], numbers[1], numbers[2] if len(numbers) == 3 else 0.0), tuple(free)
 
 
 def read_vector(mapping: Mapping, name: str, kind: str, default: FloatVector) -> FloatVector:
@@ -61,11 +61,11 @@ def read_vector(mapping: Mapping, name: str, kind: str, default: FloatVector) ->
     if len(values) not in (2, 3):
         raise mapping.error(name, f"needs two components (x, y) or three, not {len(values)}")
     path = mapping.path_of(name)
-    found = [
+    numbers = [
         read_quantity(value, kind, file=mapping.file, key=f"{path}[{number}]")
         for number, value in enumerate(values, start=1)
     ]
-    return (found[0], found[1], found[2] if len(found) == 3 else 0.0)
+    return (numbers[0], numbers[1], numbers[2] if len(numbers) == 3 else 0.0)
 
 
 def origin_to_value(joint: Joint) -> Any:
@@ -76,10 +76,10 @@ def origin_to_value(joint: Joint) -> Any:
     rpy = to_roll_pitch_yaw(joint.origin_rotation)
     out: dict[str, Any] = {}
     for (name, (parts, kind)), values in zip(_KEYS.items(), (joint.origin_translation, rpy), strict=True):
-        told = [
-            FREE if each in free else format_quantity(value, kind) for each, value in zip(parts, values, strict=True)
+        texts = [
+            FREE if part in free else format_quantity(value, kind) for part, value in zip(parts, values, strict=True)
         ]
-        out[name] = FREE if set(told) == {FREE} else told
+        out[name] = FREE if set(texts) == {FREE} else texts
     return out
 
 

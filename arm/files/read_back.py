@@ -25,7 +25,7 @@ def differences(meant: Arm, back: Arm) -> Iterator[str]:
 def _told(arm: Arm) -> dict[str, Any]:
     """What a file tells of an arm, by its keys."""
     chain = [{"joint": _joint(joint), "link": link} for joint, link in zip(arm.joints, arm.links, strict=True)]
-    whole = {each.name: getattr(arm, each.name) for each in fields(arm) if each.compare}
+    whole = {field.name: getattr(arm, field.name) for field in fields(arm) if field.compare}
     return {name: value for name, value in whole.items() if name not in ("joints", "links")} | {"chain": chain}
 
 
@@ -53,8 +53,8 @@ def _differing(meant: Any, back: Any, at: str) -> Iterator[str]:
         if len(one) != len(other):
             yield f"{at} had {len(one)} entries and reads {len(other)}"
             return
-        for number, (each, read) in enumerate(zip(one, other, strict=True), start=1):
-            yield from _differing(each, read, f"{at}[{number}]")
+        for number, (item, read) in enumerate(zip(one, other, strict=True), start=1):
+            yield from _differing(item, read, f"{at}[{number}]")
     elif is_dataclass(meant) and not isinstance(meant, type):
         yield from _differing(_fields(meant), _fields(back), at)
     elif meant != back:
@@ -63,10 +63,10 @@ def _differing(meant: Any, back: Any, at: str) -> Iterator[str]:
 
 def _fields(part: Any) -> dict[str, Any]:
     """The fields of a part that count; a material described in place is called after where it stands."""
-    found = {each.name: getattr(part, each.name) for each in fields(part) if each.compare}
+    values = {field.name: getattr(part, field.name) for field in fields(part) if field.compare}
     if isinstance(part, Material) and part.in_place is not None:
-        del found["name"]
-    return found
+        del values["name"]
+    return values
 
 
 def _brief(value: Any) -> str:

@@ -38,8 +38,10 @@ def running_out(body: Mapping, joint: Joint, link: Link, number: int) -> Link:
     least, most = (end + joint.zero for end in joint.range)
     if least < -_HAIR or most > link.length + _HAIR:
         length = format_quantity(link.length, "length")
-        said = (
+        range_text = (
             f"the slide runs from {format_quantity(least, 'length')} to {format_quantity(most, 'length')} of {length}"
         )
-        raise body.error("bends_over", f"{said}: it must stay between nothing and the link's length as it is made")
+        raise body.error(
+            "bends_over", f"{range_text}: it must stay between nothing and the link's length as it is made"
+        )
     return replace(link, runs_out=True)

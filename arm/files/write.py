@@ -56,7 +56,7 @@ def arm_to_yaml(arm: Arm) -> str:
     lines.append(f"angles: {arm.angles}")
     lines.append(f"temperature: {format_quantity(arm.temperature, 'temperature')}")
     lines.append("chain:")
-    motors = {each.motor_of: (each.mass, number) for number, link in enumerate(arm.links, 1) for each in link.masses}
+    motors = {mass.motor_of: (mass.mass, number) for number, link in enumerate(arm.links, 1) for mass in link.masses}
     torso = arm.branches[0].first if arm.branches else arm.size
     lines += _entries(arm, range(torso), motors)
     if arm.branches:
@@ -99,13 +99,13 @@ def _entries(arm: Arm, indices: range, motors: Mapping[int | None, tuple[float, 
     lines: list[str] = []
     for index in indices:
         number, joint, link = index + 1, arm.joints[index], arm.links[index]
-        own = _joint(joint)
+        entry = _joint(joint)
         if (follows := following_text(index, joint, indices[0] if arm.branches else 0)) is not None:
-            own["follows"] = follows
+            entry["follows"] = follows
         mass, on = motors.get(number, (joint.motor_on_base, "base"))
         if mass:
-            own["motor"] = {"mass": format_quantity(mass, "mass"), "on": on}
-        lines.append(f"  - joint: {_flow(own)}")
+            entry["motor"] = {"mass": format_quantity(mass, "mass"), "on": on}
+        lines.append(f"  - joint: {_flow(entry)}")
         if origin_given(joint):
             lines.append(f"    origin: {_flow(origin_to_value(joint))}")
         lines.append(f"    link: {_flow(_link(link, number, height_to_value(arm, index)))}")
@@ -237,9 +237,9 @@ def _inertia(tensor: tuple[float, ...]) -> dict[str, str]:
 def _masses(link: Link) -> list[dict[str, Any]]:
     """What hangs on a link but for joints' motors, which stand with their joints."""
     return [
-        {"mass": format_quantity(each.mass, "mass"), "at": _vector(each.at, "length"), "on": each.on}
-        for each in link.masses
-        if each.motor_of is None
+        {"mass": format_quantity(mass.mass, "mass"), "at": _vector(mass.at, "length"), "on": mass.on}
+        for mass in link.masses
+        if mass.motor_of is None
     ]
 
 

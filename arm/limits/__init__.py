@@ -1,1 +1,1 @@
-"""What else bounds a design: strength, frequency, loads of drives, and the poses that are hardest on them."""
+"""Statics and vibration behind the limits on a design: joint loads, modes, wall buckling, and their worst poses."""

@@ -41,17 +41,17 @@ class JointLoad:
 
 def joint_loads(arm: Arm, case: LoadCase, q: Sequence[float]) -> tuple[JointLoad, ...]:
     """The loads at every joint from the base out, at joint coordinates q (rad, m), by the statics of the undeformed
-    arm. Raises `arm.errors.model.PropertyNeeded` where a mass is not known."""
+    arm. Raises `arm.bodies.beams.PropertyNeeded` where a mass is not known."""
     state = solve(arm, list(q), beams_of(arm, (case,)), case)
     return tuple(
         JointLoad(
-            each.revolute,
-            _triple(each.axis),
-            _triple(each.force),
-            _triple(each.moment),
-            float(cast(float, each.drive_load)),
+            joint.revolute,
+            _triple(joint.axis),
+            _triple(joint.force),
+            _triple(joint.moment),
+            float(cast(float, joint.drive_load)),
         )
-        for each in state.joints
+        for joint in state.joints
     )
 
 

@@ -1,1 +1,1 @@
-"""Links as bodies in space: where they stand, where they are looked at from, where their sections' heights point."""
+"""Links as bodies in space: their frames, the views of drawings, and the orientation of their sections."""

@@ -65,36 +65,36 @@ def height_up(arm: Arm, index: int) -> FloatVector | None:
     if across is None:
         return None
     link = arm.links[index]
-    own = np.array([link.direction, *section_directions(link, arm.joints[index])], dtype=float)
+    axes = np.array([link.direction, *section_directions(link, arm.joints[index])], dtype=float)
     placed = np.array([body.along, body.height, body.width])
-    x, y, z = (float(each) for each in own.T @ (placed @ across))
+    x, y, z = (float(item) for item in axes.T @ (placed @ across))
     return snap_vector((x, y, z))
 
 
 def told_of_heights(arm: Arm) -> list[str]:
     """One line for all links whose section bends otherwise along its width than along its height, which is not up:
     what the word suggests and the file neither holds nor says otherwise."""
-    found: dict[str, list[str]] = {}
-    for number, (link, each) in enumerate(zip(arm.links, heights(arm), strict=True), start=1):
-        if each is None or each.from_up is None or link.section is None or _bends_alike(link.section):
+    by_words: dict[str, list[str]] = {}
+    for number, (link, height) in enumerate(zip(arm.links, heights(arm), strict=True), start=1):
+        if height is None or height.from_up is None or link.section is None or _bends_alike(link.section):
             continue
         if link.height_direction is not None:
             continue
-        if each.words != "up":
-            found.setdefault(each.words, []).append(str(number))
-    if not found:
+        if height.words != "up":
+            by_words.setdefault(height.words, []).append(str(number))
+    if not by_words:
         return []
-    told = " and ".join(
-        f"{words} in link{'s' if len(numbers) > 1 else ''} {', '.join(numbers)}" for words, numbers in found.items()
+    text = " and ".join(
+        f"{words} in link{'s' if len(numbers) > 1 else ''} {', '.join(numbers)}" for words, numbers in by_words.items()
     )
     return [
-        f"with all joints at zero the height of the section points {told}, not up as the word suggests; "
+        f"with all joints at zero the height of the section points {text}, not up as the word suggests; "
         "`height_direction: up` at a link stands it upright"
     ]
 
 
 def _points(body: Stand, section: Section, up: Array | None) -> HeightPoints:
-    x, y, z = (float(each) for each in body.height)
+    x, y, z = (float(item) for item in body.height)
     across = None if up is None else _across(body, up)
     level = up is not None and abs(float(body.height @ up)) < _SAME
     if across is None:
@@ -130,15 +130,15 @@ def _turns(section: Section) -> bool:
 
 def _bends_alike(section: Section) -> bool:
     """Whether a section bends alike in all directions."""
-    found = section.properties(0.3)
-    one, other = float(found.second_moment_y), float(found.second_moment_z)
-    return abs(one - other) < _SAME * (one + other) and abs(float(found.product_moment_yz)) < _SAME * (one + other)
+    properties = section.properties(0.3)
+    one, other = float(properties.second_moment_y), float(properties.second_moment_z)
+    return abs(one - other) < _SAME * (one + other) and abs(float(properties.product_moment_yz)) < _SAME * (one + other)
 
 
 def _axis(direction: FloatVector) -> str:
     """A direction in the base frame: an axis where it is one."""
-    rounded = [round(each, 3) + 0.0 for each in direction]
+    rounded = [round(item, 3) + 0.0 for item in direction]
     if sorted(map(abs, rounded)) == [0.0, 0.0, 1.0]:
-        number = [abs(each) for each in rounded].index(1.0)
+        number = [abs(item) for item in rounded].index(1.0)
         return f"{'-' if rounded[number] < 0.0 else ''}{'xyz'[number]}"
-    return f"[{', '.join(f'{each:g}' for each in rounded)}]"
+    return f"[{', '.join(f'{item:g}' for item in rounded)}]"

@@ -37,14 +37,14 @@ def stands(arm: Arm, q: Sequence[float] | None = None) -> tuple[Stand, ...]:
     """Where each link stands at joint coordinates (rad, m; None: all at zero); of several arms on one torso each link
     on the way to its tip."""
     coordinates = [0.0] * arm.size if q is None else list(q)
-    found: dict[int, Stand] = {}
+    stands_by_link: dict[int, Stand] = {}
     for way in ways(arm):
         frames, here = place(way.arm, [coordinates[joint] for joint in way.joints]), np.zeros(3)
         for number, joint, link in zip(way.joints, frames.joints, frames.links, strict=True):
             here = here + np.array(joint.lead, dtype=float)
             vector, along, width, height = (
-                np.array(each, dtype=float) for each in (link.vector, link.along, link.width, link.height)
+                np.array(item, dtype=float) for item in (link.vector, link.along, link.width, link.height)
             )
-            found[number] = Stand(here, along, width, height, float(vector @ along))
+            stands_by_link[number] = Stand(here, along, width, height, float(vector @ along))
             here = here + vector
-    return tuple(found[number] for number in range(arm.size))
+    return tuple(stands_by_link[number] for number in range(arm.size))

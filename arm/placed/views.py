@@ -72,11 +72,11 @@ def sides(arm: Arm) -> tuple[Side, ...]:
     """The side of each link. A planar arm is seen as its plane is; in space a link is seen from where up is up the
     page, or, where it stands upright, from where the arm is seen."""
     whole = view_of(arm, np.array(place(arm, [0.0] * arm.size).tip(), dtype=float))
-    found: list[Side] = []
+    views: list[Side] = []
     for body in stands(arm):
         towards, aside = whole.towards, np.cross(body.along, whole.up)
         if not arm.planar() and np.linalg.norm(aside) > _NO_SIDE:
             towards = aside
         up = np.cross(towards, body.along)
-        found.append(Side(body, View(body.along, up / np.linalg.norm(up))))
-    return tuple(found)
+        views.append(Side(body, View(body.along, up / np.linalg.norm(up))))
+    return tuple(views)

@@ -2,9 +2,9 @@
 
 A joint whose range has no width counts for nothing, nor does one that moves no part of the error. Nor does a joint with
 a fixed axis whose coordinate turns the whole error rigidly about that axis, as the first joint of an arm does whose
-axis is vertical: gravity and the forces at the tip are the same whichever way it points. Whether it does is not
-concluded from the arm's data but looked at in the error itself, so that whatever spoils it is noticed: an axis that
-leans, a force across it, a wave on its encoder.
+axis is vertical: gravity and the forces at the tip are the same whichever way it points. Whether it
+does is tested on the error itself rather than concluded from the arm's data, so that every exception is noticed: an
+axis that leans, a force across it, a periodic encoder error.
 """
 
 from __future__ import annotations
@@ -63,12 +63,12 @@ def still_all_that_matter(columns: ErrorColumns, vectors: int, coordinates: Coor
     if len(joints) == len(coordinates.moving):
         return True
     q = all_round(coordinates, seed=6)[:_LOOKED_AT]
-    found = columns(np.vstack([q, coordinates.placed(joints, q[:, list(joints)])]))
-    own = found[:, :vectors].reshape(len(found), -1, 3)
-    here, there = np.split(own @ own.transpose(0, 2, 1), 2)
+    values = columns(np.vstack([q, coordinates.placed(joints, q[:, list(joints)])]))
+    vectors_here = values[:, :vectors].reshape(len(values), -1, 3)
+    here, there = np.split(vectors_here @ vectors_here.transpose(0, 2, 1), 2)
     if np.abs(here - there).max(initial=0.0) > _SAME * np.abs(here).max(initial=0.0):
         return False
-    here, there = np.split(found[:, vectors:], 2)
+    here, there = np.split(values[:, vectors:], 2)
     return _alike(there, here, np.abs(here).max(initial=0.0))
 
 

@@ -46,7 +46,7 @@ class GrowthLeftOut:
         numbers = " and ".join(str(link + 1) for link in self.unknown)
         if self.error is None:
             return f"{opening}, and no link's material has a thermal_expansion that would tell what it adds"
-        with_it, without = (format_quantity(each, "length", "mm", 4) for each in (self.error, error))
+        with_it, without = (format_quantity(item, "length", "mm", 4) for item in (self.error, error))
         rest = f", without that of link {numbers}, which is not known" if self.unknown else ""
         return (
             f"{opening}: with it the worst error is {with_it}, not {without}{rest}; "

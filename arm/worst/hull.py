@@ -125,12 +125,12 @@ class PlayedVector:
     @property
     def curvature(self) -> Array:
         """A measure of how the vector curves along each axis."""
-        found: list[float] = []
+        curvatures: list[float] = []
         for j, axis in enumerate(self.axes):
             order = np.array([0.0, 1.0, 1.0, 4.0, 4.0] if axis.turns else [0.0, 0.5, 2.0])[: self.vector.shape[j + 1]]
             weights = order.reshape(-1, *[1] * (len(self.axes) - 1 - j))
-            found.append(float(np.sqrt(((self.vector * weights) ** 2).sum())))
-        return np.array(found)
+            curvatures.append(float(np.sqrt(((self.vector * weights) ** 2).sum())))
+        return np.array(curvatures)
 
     @property
     def looseness(self) -> float:
@@ -140,11 +140,11 @@ class PlayedVector:
 
     def longest(self, centers: Array, half: Array) -> Array:
         """The length (N,) that the vector does not exceed in each cell (N, n)."""
-        found = [
+        lengths = [
             self._longest(centers[start : start + self.block], half[start : start + self.block])
             for start in range(0, len(centers), self.block)
         ]
-        return np.concatenate(found) if found else np.zeros(0)
+        return np.concatenate(lengths) if lengths else np.zeros(0)
 
     @property
     def block(self) -> int:
@@ -164,8 +164,8 @@ class PlayedVector:
         if self.within is not None:
             places = _controlled(self.within.functions, matrices).reshape(count, -1, self.points)
             vector, more = _tilted(vector, places - self.within.center[:, None], self.within.half)
-        found = _farthest(vector, intervals, discs) + more
-        return found + self.neglected
+        lengths = _farthest(vector, intervals, discs) + more
+        return lengths + self.neglected
 
 
 def played_vector(
@@ -189,7 +189,7 @@ def played_vector(
         if rest <= _OUTWARD * size and beside <= _OUTWARD * reached:
             neglected, room = neglected + rest, room + beside
             kept[j] = replace(axis, degree=1)
-            rows, normals = (np.take(each, (0, 1, 2), axis=j + 2) for each in (rows, normals))
+            rows, normals = (np.take(item, (0, 1, 2), axis=j + 2) for item in (rows, normals))
             functions = None if functions is None else np.take(functions, (0, 1, 2), axis=j + 1)
     confined = None
     if within is not None and functions is not None:
@@ -253,14 +253,14 @@ class _Discs:
         and ball reach as far, and to first order they do in all directions near.
         """
         rows = np.arange(len(vector))
-        own = vector[rows, :, at]
+        vector_here = vector[rows, :, at]
         normals = self.normals[rows, :, :, at]
         normals = normals / np.maximum(np.linalg.norm(normals, axis=2, keepdims=True), 1e-300)
-        reached = own
+        reached = vector_here
         for _ in range(_CLIMBS):
             across = reached[:, None] - np.einsum("nmi,ni->nm", normals, reached)[:, :, None] * normals
             across /= np.maximum(np.linalg.norm(across, axis=2, keepdims=True), 1e-300)
-            reached = own + np.einsum("m,nmi->ni", self.radii, across)
+            reached = vector_here + np.einsum("m,nmi->ni", self.radii, across)
         toward = reached / np.maximum(_norm(reached), 1e-300)
         along = np.einsum("nmi,ni->nm", normals, toward)
         # Angles differ over a cell; a ball that is shifted farther fits nearer to one, and worse to others.
@@ -287,16 +287,16 @@ def _farthest(vector: Array, intervals: Array, discs: _Discs) -> Array:
         among = _among(intervals)
 
         def squares(whole: Array) -> Array:
-            found = (whole * whole).sum(axis=1) + among
+            squares_ = (whole * whole).sum(axis=1) + among
             for j in range(plays):
-                found += 2.0 * np.abs((whole * intervals[:, j]).sum(axis=1))
-            return found
+                squares_ += 2.0 * np.abs((whole * intervals[:, j]).sum(axis=1))
+            return squares_
 
         return _with_discs(vector, squares, discs, lambda: _pulled(vector, intervals))
     best = np.zeros(len(vector))
     for signs in sign_vertices(plays):
         whole = vector + np.einsum("k,nkip->nip", signs, intervals) if plays else vector
-        best = np.maximum(best, _with_discs(whole, lambda each: (each * each).sum(axis=1), discs))
+        best = np.maximum(best, _with_discs(whole, lambda item: (item * item).sum(axis=1), discs))
     return best
 
 
@@ -305,23 +305,23 @@ def _with_discs(
 ) -> Array:
     """Upper bounds (N,) on a vector's length with its pins, `squares` (N, points) being those of it without them.
     `reaching` gives the vector with what else adds to it."""
-    found = squares(vector)
-    length = np.sqrt(found.max(axis=1))
+    best = squares(vector)
+    length = np.sqrt(best.max(axis=1))
     if not len(discs.radii):
         return length
     toward = vector if reaching is None else reaching()
-    moved, radius = discs.shifted(vector, discs.shifts(toward, found.argmax(axis=1)))
+    moved, radius = discs.shifted(vector, discs.shifts(toward, best.argmax(axis=1)))
     return np.minimum(length + discs.radii.sum(), np.sqrt(squares(moved).max(axis=1)) + radius)
 
 
 def _among(intervals: Array) -> Array:
     """sum_jk |interval_j . interval_k| (N, points)."""
-    found = np.zeros((len(intervals), intervals.shape[3]))
+    products = np.zeros((len(intervals), intervals.shape[3]))
     for j in range(intervals.shape[1]):
         for k in range(j + 1):
             share = 1.0 if k == j else 2.0
-            found += share * np.abs((intervals[:, j] * intervals[:, k]).sum(axis=1))
-    return found
+            products += share * np.abs((intervals[:, j] * intervals[:, k]).sum(axis=1))
+    return products
 
 
 def _pulled(vector: Array, intervals: Array) -> Array:

@@ -76,8 +76,8 @@ def inverse(
     """
     if arm.branches:
         way = way_to(arm, arm.tip)
-        own = inverse(way.arm, point, orientation, seeds=seeds, most=most)
-        return tuple(replace(each, q=_among_others(arm, way, each.q)) for each in own)
+        poses = inverse(way.arm, point, orientation, seeds=seeds, most=most)
+        return tuple(replace(pose, q=_among_others(arm, way, pose.q)) for pose in poses)
     target = np.array([*(float(value) for value in point), 0.0][:3])
     lower, upper = joint_box(arm, Workspace())
     bounds = climbing_bounds(arm, lower, upper)
@@ -91,27 +91,27 @@ def inverse(
             raise Unreachable(shown, float(distance.min()))
         beside = np.sqrt((miss[:, :3] ** 2).sum(axis=1))
         raise UnreachableInclined(shown, float(beside[np.argmin(distance)]), "under the orientation asked for")
-    found = wrapped(arm, q[met], lower, upper)
+    solutions = wrapped(arm, q[met], lower, upper)
     residual = np.sqrt((miss[met][:, :3] ** 2).sum(axis=1))
     middle = 0.5 * (lower + upper)
-    kept: list[int] = []
-    for index in np.argsort(np.abs(found - middle).sum(axis=1)):
-        if all(_apart(arm, found[index], found[other]) for other in kept):
-            kept.append(int(index))
-        if len(kept) == most:
+    distinct: list[int] = []
+    for index in np.argsort(np.abs(solutions - middle).sum(axis=1)):
+        if all(_apart(arm, solutions[index], solutions[other]) for other in distinct):
+            distinct.append(int(index))
+        if len(distinct) == most:
             break
     moves = upper > lower  # what is held at one coordinate, or only follows, moves nothing by itself
-    here = np.linalg.svd(_jacobian(arm, found[kept], orientation is not None, size) * moves, compute_uv=False)
+    here = np.linalg.svd(_jacobian(arm, solutions[distinct], orientation is not None, size) * moves, compute_uv=False)
     anywhere = np.linalg.svd(_jacobian(arm, q, orientation is not None, size) * moves, compute_uv=False)
     usual = int((anywhere > _RANK * size).sum(axis=1).max())
     return tuple(
         InversePose(
-            tuple(found[index].tolist()),
+            tuple(solutions[index].tolist()),
             float(residual[index]),
             isolated=int((values > _RANK * size).sum()) == int(moves.sum()),
             singular=usual > 0 and bool(values[usual - 1] < _SINGULAR * values[0]),
         )
-        for index, values in zip(kept, here, strict=True)
+        for index, values in zip(distinct, here, strict=True)
     )
 
 

@@ -76,18 +76,18 @@ def _matter(case: CaseModel, p: Array, coordinates: Coordinates) -> tuple[int, .
 
 def _merged(radii: Array, normals: Array) -> tuple[Array, list[int]]:
     """Discs whose normals (N, d, 3) are parallel at every pose add up to one: radii, and a disc that has its normal."""
-    found: list[int] = []
+    merged: list[int] = []
     sums: list[float] = []
     for index, radius in enumerate(radii.tolist()):
-        for k, other in enumerate(found):
-            own, normal = normals[:, index], normals[:, other]
-            if min(np.abs(own - normal).max(), np.abs(own + normal).max()) <= _ALONGSIDE:
+        for k, other in enumerate(merged):
+            pair, normal = normals[:, index], normals[:, other]
+            if min(np.abs(pair - normal).max(), np.abs(pair + normal).max()) <= _ALONGSIDE:
                 sums[k] += radius
                 break
         else:
-            found.append(index)
+            merged.append(index)
             sums.append(radius)
-    return np.array(sums), found
+    return np.array(sums), merged
 
 
 def _rows(vector: Vector, count: int) -> Array:
@@ -119,15 +119,15 @@ def _played(
             [arrays.vector, arrays.intervals.reshape(len(q), -1), normals.reshape(len(q), -1)], axis=1
         )
 
-    found: list[PlayedVector] = []
+    played: list[PlayedVector] = []
     for frame in range(min(case.state.arm.size, _FRAMES)):
         turned = _Turned(case.state.arm, frame)
         try:
-            found.append(_in_frame(turned, columns, coordinates, matter, radii, cells))
+            played.append(_in_frame(turned, columns, coordinates, matter, radii, cells))
         except NotPolynomial:
             if frame == 0:
                 raise
-    return min(found, key=lambda each: each.looseness)
+    return min(played, key=lambda item: item.looseness)
 
 
 @dataclass(frozen=True)
@@ -155,20 +155,20 @@ def _in_frame(
     radii: Array,
     cells: RegionCells | None,
 ) -> PlayedVector:
-    own = coordinates.of(matter)
+    joints = coordinates.of(matter)
 
     def seen(reduced: Array) -> Array:
         q = coordinates.placed(matter, reduced)
         return turned(columns(q), q)
 
-    vectors = fit(seen, own).in_reals
+    vectors = fit(seen, joints).in_reals
     vectors = vectors.reshape(-1, 3, *vectors.shape[1:])
-    ends = own.scaled(np.array(own.ranges).T)
-    axes = [Axis(turns, 2, float(low), float(high)) for turns, (low, high) in zip(own.revolute, ends.T, strict=True)]
+    ends = joints.scaled(np.array(joints.ranges).T)
+    axes = [Axis(turns, 2, float(low), float(high)) for turns, (low, high) in zip(joints.revolute, ends.T, strict=True)]
     pins = len(vectors) - len(radii)
     within = None
     if cells is not None:
         low, high = cells.box
-        tips = fit(lambda q: cells.tips(own.scaled(q)), own).in_reals
+        tips = fit(lambda q: cells.tips(joints.scaled(q)), joints).in_reals
         within = Within(tips, 0.5 * (low + high), 0.5 * (high - low) + _OUTSIDE)
     return played_vector(axes, vectors[0], vectors[1:pins], Pins(radii, vectors[pins:]), within)

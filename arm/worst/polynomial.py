@@ -276,14 +276,14 @@ class Terms:
             rows = np.flatnonzero(which == function)
             for start in range(0, len(rows), _ROWS_AT_ONCE):
                 some = rows[start : start + _ROWS_AT_ONCE]
-                for orders, found in _derivatives(table, self.whole, x[some], order).items():
+                for orders, derivative in _derivatives(table, self.whole, x[some], order).items():
                     joints = [j for j, times in enumerate(orders) for _ in range(times)]
                     if not joints:
-                        value[some] = found
+                        value[some] = derivative
                     elif len(joints) == 1:
-                        gradient[some, joints[0]] = found
+                        gradient[some, joints[0]] = derivative
                     else:
-                        hessian[some, joints[0], joints[1]] = hessian[some, joints[1], joints[0]] = found
+                        hessian[some, joints[0], joints[1]] = hessian[some, joints[1], joints[0]] = derivative
         return value, gradient, hessian
 
     def remainder(self, half: Array, order: int) -> Array:
@@ -306,9 +306,9 @@ def terms_of(coefficients: Coefficients) -> Terms:
     # One of each pair of opposite frequencies stands for both: the functions are real.
     amplitude = np.where(sign > 0.0, 2.0 * flat, np.where(sign == 0.0, flat.real, 0.0))
     scale = np.abs(amplitude).max(initial=0.0)
-    kept = np.abs(amplitude).max(axis=0, initial=0.0) > _NEGLIGIBLE * scale
-    neglected = np.abs(amplitude[:, ~kept]).sum(axis=1)
-    return Terms(frequency[kept], power[kept], amplitude[:, kept].astype(complex), neglected, coefficients)
+    relevant = np.abs(amplitude).max(axis=0, initial=0.0) > _NEGLIGIBLE * scale
+    neglected = np.abs(amplitude[:, ~relevant]).sum(axis=1)
+    return Terms(frequency[relevant], power[relevant], amplitude[:, relevant].astype(complex), neglected, coefficients)
 
 
 def _derivatives(table: Array, whole: Coefficients, x: Array, order: int) -> dict[tuple[int, ...], Array]:
@@ -338,17 +338,17 @@ def _real_basis(turns: bool, degree: int, x: Array, order: int) -> list[Array]:
         for k in range(2, degree + 1):
             table[2 * k - 1] = table[2 * k - 3] * cosine - table[2 * k - 2] * sine
             table[2 * k] = table[2 * k - 2] * cosine + table[2 * k - 3] * sine
-        found = [table]
+        tables = [table]
         frequency = np.arange(1, degree + 1)[:, None]
         for _ in range(order):
-            last, slope = found[-1], np.zeros_like(table)
+            last, slope = tables[-1], np.zeros_like(table)
             slope[1::2], slope[2::2] = -frequency * last[2::2], frequency * last[1::2]
-            found.append(slope)
-        return found
+            tables.append(slope)
+        return tables
     powers = np.vander(x, degree + 1, increasing=True).T
-    found = [powers]
+    tables = [powers]
     for _ in range(order):
         slope = np.zeros_like(powers)
-        slope[1:] = np.arange(1, degree + 1)[:, None] * found[-1][:-1]
-        found.append(slope)
-    return found
+        slope[1:] = np.arange(1, degree + 1)[:, None] * tables[-1][:-1]
+        tables.append(slope)
+    return tables

@@ -117,12 +117,12 @@ def error_polynomials(
     if len(known) > MOST_JOINTS:
         raise NotPolynomial("the error depends on too many joints")
     matter = known
-    kept = coordinates.of(matter)
+    joints = coordinates.of(matter)
     # Vectors and loads are fitted apart, each by the measure of its own size.
-    shapes = fit(lambda q: columns(coordinates.placed(matter, q))[:, :vectors], kept)
+    shapes = fit(lambda q: columns(coordinates.placed(matter, q))[:, :vectors], joints)
     seatings = None
     if (loaded and count) or zones:
-        seatings = fit(lambda q: columns(coordinates.placed(matter, q))[:, vectors:], kept)
+        seatings = fit(lambda q: columns(coordinates.placed(matter, q))[:, vectors:], joints)
     seating_terms = None if seatings is None else terms_of(seatings)
     greatest = np.zeros(0)
     if seating_terms is not None and zones:

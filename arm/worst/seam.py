@@ -117,10 +117,10 @@ class _Walk:
     def _best(self, along: float, length: float) -> Array | None:
         """Of the poses found at a point of the seam, the one that proves most; None where none was found."""
         q, distance = self.reach.nearest(self._point(along, length)[None])
-        found = q[0][distance[0] <= _REACHED]
-        if not len(found):
+        poses = q[0][distance[0] <= _REACHED]
+        if not len(poses):
             return None
-        return found[int(np.argmax([self.reach.ball(each).radius for each in found]))]
+        return poses[int(np.argmax([self.reach.ball(pose).radius for pose in poses]))]
 
     def _follow(self, pose: Array, along: float, length: float) -> Array | None:
         """The pose carried on to the next point, moved to prove more where it is one of a family."""
@@ -128,12 +128,12 @@ class _Walk:
         spreads = np.random.default_rng(3).normal(0.0, 0.05, (6, len(pose)))
         starts = np.vstack([pose, pose + spreads])
         q, distance = self.reach.nearest(point, starts=starts)
-        found = q[0][distance[0] <= _REACHED]
-        if not len(found):
+        poses = q[0][distance[0] <= _REACHED]
+        if not len(poses):
             return self._best(along, length)
-        near = found[np.abs(found - pose).max(axis=1) < 0.5] if len(found) > 1 else found
-        rows = near if len(near) else found
-        return rows[int(np.argmax([self.reach.ball(each).radius for each in rows]))]
+        near = poses[np.abs(poses - pose).max(axis=1) < 0.5] if len(poses) > 1 else poses
+        rows = near if len(near) else poses
+        return rows[int(np.argmax([self.reach.ball(row).radius for row in rows]))]
 
     def _first_beyond(self, low: float, high: float, length: float) -> float | None:
         """The first place between two that no search reaches, by a scan and bisection; None where all are reached."""

@@ -197,19 +197,19 @@ def candidates(scene: Scene, response: Response, truth: list[Effect]) -> list[Ca
             groups.append((name, (i + 1,), spans))
     for name, spans in _whole_spans(scene, truth).items():
         groups.append((name.removesuffix("@all"), every if name.endswith("@all") else (), spans))
-    found = []
+    results = []
     for name, at, spans in groups:
         matrices = [np.stack([flat(signature(e, scene, response), arm.planar) for e in span], axis=1) for span in spans]
-        found.append(Candidate(name, at, tuple(matrices)))
+        results.append(Candidate(name, at, tuple(matrices)))
     proportional = response.axial.sum(axis=0)
-    found.append(Candidate("link_length", every, (flat(proportional, arm.planar)[:, None],)))
-    by_key = {(c.effect, c.at): c for c in found}
+    results.append(Candidate("link_length", every, (flat(proportional, arm.planar)[:, None],)))
+    by_key = {(c.effect, c.at): c for c in results}
     for i in range(1, arm.count):
         pair = [by_key.get(("gearbox_thermal", (k,))) for k in (i, i + 1)]
         if pair[0] is not None and pair[1] is not None:
             both = tuple(np.hstack(two) for two in zip(pair[0].spans, pair[1].spans, strict=True))
-            found.append(Candidate("gearbox_thermal", (i, i + 1), both))
-    return found
+            results.append(Candidate("gearbox_thermal", (i, i + 1), both))
+    return results
 
 
 def correlations(concealed: Array, found: list[Candidate], nuisance: Array) -> list[tuple[float, Candidate]]:

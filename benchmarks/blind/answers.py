@@ -86,9 +86,9 @@ Counts = tuple[tuple[str, tuple[tuple[str, int], ...]], ...]
 
 def by(hits: Iterable[tuple[Any, bool]]) -> Table:
     """The share of true ones for each label, the labels in their order."""
-    found = list(hits)
+    results = list(hits)
     return tuple(
-        (str(label), rate(hit for key, hit in found if key == label)) for label in sorted({k for k, _ in found})
+        (str(label), rate(hit for key, hit in results if key == label)) for label in sorted({k for k, _ in results})
     )
 
 

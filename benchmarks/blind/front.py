@@ -27,14 +27,14 @@ def options(prog: str, about: str | None, halves: Sequence[str], cases: int, sec
     running = commands.add_parser("run", help="ask the tool about each case by its command line; goes on where it was")
     running.add_argument("--limit", type=int, default=None)
     running.add_argument("--timeout", type=float, default=seconds, help="seconds for one case")
-    for each in (making, running):
-        each.add_argument("--jobs", type=int, default=2)
+    for item in (making, running):
+        item.add_argument("--jobs", type=int, default=2)
     scoring = commands.add_parser("score", help="open the truths and score the answers")
     scoring.add_argument("--json", type=Path, default=None)
     scoring.add_argument("--partial", action="store_true", help=f"score a {halves[0]} half that is not all answered")
-    for each in (running, scoring):
-        each.add_argument("cases", type=Path)
-        each.add_argument("--answers", type=Path, required=True)
+    for item in (running, scoring):
+        item.add_argument("cases", type=Path)
+        item.add_argument("--answers", type=Path, required=True)
     return parser, commands, {"make": making, "score": scoring}
 
 

@@ -103,7 +103,7 @@ def alike(effects: list[Effect], scene: Scene, response: Response) -> bool:
     for one, two in (effects, effects[::-1]):
         columns = [aliases.flat(aliases.signature(e, scene, response), scene.arm.planar) for e in (one, two)]
         own = aliases.Candidate(two.effect, two.at, (columns[1][:, None],))
-        found = aliases.correlations(columns[0], [own, spans.get((two.effect, two.at), own)], hidden)
-        if not found or found[0][0] > 0.9:
+        result = aliases.correlations(columns[0], [own, spans.get((two.effect, two.at), own)], hidden)
+        if not result or result[0][0] > 0.9:
             return True
     return False

@@ -112,15 +112,15 @@ WORDS = (
 
 def _exchanged(draw: DrawFn, text: str) -> str:
     """A word of the text exchanged for another, for a word of the text itself or for any text."""
-    found = list(_WORD.finditer(text))
-    if not found:
+    results = list(_WORD.finditer(text))
+    if not results:
         return text + draw(st.sampled_from(WORDS))
-    word = draw(st.sampled_from(found))
+    word = draw(st.sampled_from(results))
     other = draw(
         st.one_of(
             st.sampled_from(FIGURES),
             st.sampled_from(WORDS),
-            st.sampled_from([each[0] for each in found]),
+            st.sampled_from([result[0] for result in results]),
             st.floats().map(repr),
             st.integers().map(str),
             st.text(max_size=12),

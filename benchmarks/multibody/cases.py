@@ -108,7 +108,7 @@ class Case:
 def kind_of(index: int) -> tuple[str, int]:
     """The kind of the case with this number, and which of that kind it is."""
     kind = PATTERN[index % len(PATTERN)]
-    before = sum(1 for each in PATTERN[: index % len(PATTERN)] if each == kind)
+    before = sum(1 for item in PATTERN[: index % len(PATTERN)] if item == kind)
     return kind, index // len(PATTERN) * PATTERN.count(kind) + before
 
 
@@ -166,7 +166,7 @@ def _wrong(kind: str, number: int, half: str, scene: Scene, rng: np.random.Gener
     elif kind == "many":
         sizes = np.exp(rng.uniform(math.log(2.0), math.log(20.0), int(rng.integers(1, 3))))
         dose = float(sizes.max())
-        wanted = [*((float(each), True) for each in sizes), *_small(int(rng.integers(4, 9)), rng)]
+        wanted = [*((float(size), True) for size in sizes), *_small(int(rng.integers(4, 9)), rng)]
     else:
         dose, effects = float(rng.uniform(1.0, 4.0)), PAIRS[number % len(PAIRS)]
         wanted = [(dose, True), (dose * float(rng.uniform(0.6, 1.0)), True)]

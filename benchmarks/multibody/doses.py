@@ -36,11 +36,11 @@ def frame_columns(stage: Stage, tool: bool) -> list[Array]:
     """Each mounting's shifts and turns of the frame, and where the target sits if that is free."""
     body, planar = stage.machine, stage.machine.arm.planar
     mounts = np.array(stage.session.mount)
-    found = []
+    results = []
     for number in range(max(stage.session.mount) + 1):
         there = np.tile((mounts == number).astype(float), 2 if planar else 3)
-        found += [column * there for column in _columns(stage, list(body.base))]
-    return found + (_columns(stage, list(body.tool)) if tool else [])
+        results += [column * there for column in _columns(stage, list(body.base))]
+    return results + (_columns(stage, list(body.tool)) if tool else [])
 
 
 def geometry_columns(stage: Stage) -> list[Array]:
@@ -108,7 +108,7 @@ def _of_drives(stage: Stage, warm: list[Array]) -> list[list[Array]]:
         spans += [_times(column, np.tanh(torque / (share * top))) for share in (0.15, 0.3, 0.6)]
         spans.append(_times(column, side, side * np.abs(torque)))
         spans.append(_times(column, torque * session.loaded_for))
-        spans += [_times(column, each) for each in warm]
+        spans += [_times(column, item) for item in warm]
     return spans
 
 
@@ -117,7 +117,7 @@ def _of_links(stage: Stage, warm: list[Array]) -> list[list[Array]]:
     body, load, planar = stage.machine, stage.tips.load, stage.machine.arm.planar
     spans: list[list[Array]] = []
     for i, column in enumerate(_columns(stage, list(body.stretch))):
-        spans += [_times(column, each) for each in warm]
+        spans += [_times(column, item) for item in warm]
         given = [k for node in body.nodes[i] for k in node]
         if given:
             moved = np.stack([rest.jacobian[:, given] for rest in stage.tips.rests], axis=1)

@@ -154,17 +154,17 @@ def _link(
     x, w = np.polynomial.legendre.leggauss(nodes)
     places, shares = (x + 1.0) / 2.0 * link.length, w / 2.0 * link.length
     give = flexibility(link)  # 1/EA, two of shear, 1/GJ, two of bending
-    found = []
+    results = []
     start = 0.0
     for k, place in enumerate(places):
         writer.mass(carrier, way * (place - start) / 2.0, line_mass * (place - start))
         carrier = writer.body(carrier, way * (place - start))
-        found.append(writer.six(carrier, frame, [float(g * shares[k]) for g in give]))
+        results.append(writer.six(carrier, frame, [float(g * shares[k]) for g in give]))
         if k == nodes // 2:
             SubElement(carrier, "site", name=f"middle{number}", pos="0 0 0")
         start = place
     writer.mass(carrier, way * (link.length - start) / 2.0, line_mass * (link.length - start))
-    return writer.body(carrier, way * (link.length - start)), frame, tuple(found), tuple(float(s) for s in shares)
+    return writer.body(carrier, way * (link.length - start)), frame, tuple(results), tuple(float(s) for s in shares)
 
 
 Law = Callable[[Array], Sequence[tuple[int, float]]]

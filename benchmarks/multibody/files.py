@@ -36,11 +36,11 @@ def true_parameters(placed: Placed) -> dict[str, dict[str, float | str]]:
     if cause.effect == "frame_drift":
         units |= {name: (unit, 3600.0) for name, unit in HOURLY.items()}
     place = f"_{cause.at[0]}" if cause.at else ""
-    found: dict[str, dict[str, float | str]] = {}
+    results: dict[str, dict[str, float | str]] = {}
     for name, value in cause.parameters.items():
         unit, factor = units.get(name, ("", 1.0))
-        found[name + place] = {"value": float(value) * factor, "unit": unit}
-    return found
+        results[name + place] = {"value": float(value) * factor, "unit": unit}
+    return results
 
 
 def truth_of(case: Case) -> dict[str, Any]:

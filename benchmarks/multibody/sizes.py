@@ -50,7 +50,7 @@ CABLES = 5.0  # kg
 
 def impossible(entry: Mapping[str, Any], file: Mapping[str, Any]) -> list[str]:
     """The parameters of a finding whose stated value no machine can have, as sentences."""
-    found = []
+    results = []
     effect, places = str(entry["effect"]), [int(i) for i in entry.get("at") or []]
     for name, stated in (entry.get("parameters") or {}).items():
         unit = UNITS.get(stated.get("unit") or "")
@@ -62,10 +62,10 @@ def impossible(entry: Mapping[str, Any], file: Mapping[str, Any]) -> list[str]:
         for place in where if isinstance(where, list) else [where]:
             reason = _why(effect, base, int(place), value, file)
             if reason:
-                found.append(f"{effect} at {places}: {name} = {stated['value']} {stated.get('unit')}: {reason}")
+                results.append(f"{effect} at {places}: {name} = {stated['value']} {stated.get('unit')}: {reason}")
         if not where and (reason := _why(effect, base, 0, value, file)):
-            found.append(f"{effect}: {name} = {stated['value']} {stated.get('unit')}: {reason}")
-    return found
+            results.append(f"{effect}: {name} = {stated['value']} {stated.get('unit')}: {reason}")
+    return results
 
 
 def _why(effect: str, base: str, place: int, value: float, file: Mapping[str, Any]) -> str:

@@ -24,20 +24,20 @@ def main() -> int:
     reader.add_argument("machines", nargs="*", choices=[*_MACHINES, []], metavar="MACHINE", help=", ".join(_MACHINES))
     reader.add_argument("--inside", action="store_true", help="the diagnosis inside the folds, too")
     reader.add_argument("--out", type=Path, help="where the servo's and the iiwa 7's tables go")
-    asked = reader.parse_args()
-    machines = asked.machines or _MACHINES
+    arguments = reader.parse_args()
+    machines = arguments.machines or _MACHINES
     try:
         if "motoman" in machines:
             for day in motoman.TARGETS:
-                motoman.evaluate(day, inside=asked.inside)
+                motoman.evaluate(day, inside=arguments.inside)
                 print()
                 motoman.evaluate(day, sides=False)
                 print()
         if "ur10" in machines:
-            ur10.evaluate(inside=asked.inside)
+            ur10.evaluate(inside=arguments.inside)
             print()
         if "servo" in machines:
-            servo.evaluate(out=asked.out)
+            servo.evaluate(out=arguments.out)
         if "printer" in machines:
             printer.evaluate()
             print()
@@ -45,7 +45,7 @@ def main() -> int:
             irb120.evaluate()
             print()
         if "iiwa7" in machines:
-            iiwa7.evaluate(out=asked.out)
+            iiwa7.evaluate(out=arguments.out)
             print()
         if "together" in machines:
             together.evaluate()

@@ -78,23 +78,23 @@ def left_out(payload: float) -> Foretold:
     """Diagnose the other two payloads, write the corrected arm, read it, and set it against the third run: frame and
     tool as the other two runs have them, but where the target sits by one half of the third's poses, tried on the
     other half, both ways."""
-    others = [run(each) for each in RUNS if each != payload]
+    others = [run(item) for item in RUNS if item != payload]
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
-        found = diagnose(nominal(IIWA7), recorded(others, folder))
-        corrected = written(found)
+        result = diagnose(nominal(IIWA7), recorded(others, folder))
+        corrected = written(result)
         count = len(run(payload))
         said: dict[str, list[Array]] = {"nominal": [], "written": [], "geometry": []}
         for half in (0, 1):
             seen = np.arange(count) % 2 == half
             recording = recorded([*others, run(payload, seen)], folder)
-            row = recording.row - 1 - sum(len(each) for each in others)
+            row = recording.row - 1 - sum(len(item) for item in others)
             here = np.where(row < 0, 0, np.where(seen[np.maximum(row, 0)], 1, 2))
             for kind, arm in (("nominal", nominal(IIWA7)), ("written", corrected), ("geometry", nominal(IIWA7))):
                 observed = observe(arm, replace(recording, orientation=None))
                 parts = [loose(observed), *(geometry(observed) if kind == "geometry" else ())]
                 said[kind].append(_left(observed, parts, here))
-    return Foretold(found, **{kind: rms_mm(np.concatenate(each)) for kind, each in said.items()})
+    return Foretold(result, **{kind: rms_mm(np.concatenate(item)) for kind, item in said.items()})
 
 
 def _left(observed: Observed, parts: Sequence[Part], here: NDArray[np.int64]) -> Array:

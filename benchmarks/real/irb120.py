@@ -31,8 +31,8 @@ def learned(how: str, rows: int = LEARNED) -> Learned:
     arm = nominal(IRB120)
     recording = read(IRB120, recording_file(IRB120, "recording_both_angles.csv"), how)
     first = recording.row <= rows
-    found = diagnose(arm, recording.kept(first))
-    return Learned(found, predict(written(found), recording.kept(~first)))
+    result = diagnose(arm, recording.kept(first))
+    return Learned(result, predict(written(result), recording.kept(~first)))
 
 
 def all_poses(how: str) -> Diagnosis:
@@ -45,18 +45,18 @@ def evaluate(tell: Callable[[str], None] = print) -> None:
     tell(f"## IRB 120, learned on {LEARNED} poses, foretold on the others\n")
     tell("| angles | frame and tool | what the tool wrote | findings | all poses: held out by pose blocks | findings |")
     tell("|---|---|---|---|---|---|")
-    said: list[Diagnosis] = []
+    diagnosises: list[Diagnosis] = []
     for name, how in ANGLES.items():
         both, whole = learned(how), all_poses(how)
         figures = f"{1e3 * both.on_others.nominal_rms:.3f} | {1e3 * both.on_others.rms:.3f}"
         blocks = f"{1e3 * whole.rms_after_held_out:.3f} | {len(whole.findings)}"
         tell(f"| {name} | {figures} | {len(both.diagnosis.findings)} | {blocks} |")
-        said += [both.diagnosis, whole]
+        diagnosises += [both.diagnosis, whole]
     tell(f"| asked for, as commanded | | | | {TARGETS[0]:.3f} | fewer than {TARGETS[1]} |")
-    for diagnosis in said:
+    for diagnosis in diagnosises:
         tell("")
         tell(f"{diagnosis.recording.size} poses: {diagnosis.sentence}")
         for finding in diagnosis.findings:
             at = f" (joint or link {finding.at[0]})" if finding.at else ""
-            sizes = ", ".join(f"{each.parameter} {each.value:.3g}" for each in finding.parameters)
+            sizes = ", ".join(f"{parameter.parameter} {parameter.value:.3g}" for parameter in finding.parameters)
             tell(f"- {finding.effect}{at}: {sizes}; {1e3 * finding.rms_explained:.3f} mm")

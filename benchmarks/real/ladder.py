@@ -50,5 +50,5 @@ def show(rungs: Sequence[Rung], held: str, tell: Callable[[str], None] = print) 
     """The ladder as a table of Markdown; `held` names the split."""
     tell(f"| model | mean | RMS | max | held out ({held}) |")
     tell("|---|---|---|---|---|")
-    for each in rungs:
-        tell(f"| {each.name} | {each.mean:.3f} | {each.rms:.3f} | {each.largest:.2f} | {each.held_out:.3f} |")
+    for item in rungs:
+        tell(f"| {item.name} | {item.mean:.3f} | {item.rms:.3f} | {item.largest:.2f} | {item.held_out:.3f} |")

@@ -72,18 +72,18 @@ def unheld(given: Part) -> Part:
 
 def geometry(observed: Observed) -> list[Part]:
     """All that the library knows of geometry: each axis, each encoder's zero, each link's length."""
-    found: list[Part] = []
+    parts: list[Part] = []
     for effect in ("axis_misalignment", "encoder_offset", "link_length"):
         sizes = tuple(p.name for p in EFFECTS[effect].parameters if p.role == "size")
         candidates = [Candidate(effect, (i,), sizes, MappingProxyType({})) for i in range(observed.arm.size)]
-        found += [made for each in candidates if (made := part(observed, each)) is not None]
-    return found
+        parts += [made for candidate in candidates if (made := part(observed, candidate)) is not None]
+    return parts
 
 
 def compliance(observed: Observed, joints: Sequence[int]) -> list[Part]:
     """Drives (joints from 1) that give under gravity."""
     candidates = [Candidate("joint_compliance", (j - 1,), ("compliance",), MappingProxyType({})) for j in joints]
-    return [made for each in candidates if (made := part(observed, each)) is not None]
+    return [made for candidate in candidates if (made := part(observed, candidate)) is not None]
 
 
 def candidate_of(finding: Finding) -> Candidate:
@@ -91,7 +91,7 @@ def candidate_of(finding: Finding) -> Candidate:
     roles = {parameter.name: parameter for parameter in EFFECTS[finding.effect].parameters}
     values = {parameter.parameter: parameter.value for parameter in finding.parameters}
     sizes = tuple(name for name in values if name in roles and roles[name].role == "size")
-    shapes = {name: 0.0 for name, each in roles.items() if each.role == "shape" and each.grid}
+    shapes = {name: 0.0 for name, role in roles.items() if role.role == "shape" and role.grid}
     shapes |= {name: value for name, value in values.items() if name in roles and roles[name].role == "shape"}
     at = tuple(number - 1 for number in finding.at)
     share = "share" in values
@@ -102,7 +102,7 @@ def candidate_of(finding: Finding) -> Candidate:
 def found(observed: Observed, diagnosis: Diagnosis) -> list[Part]:
     """What a diagnosis found, on any recording of the arm."""
     made = [part(observed, candidate_of(finding)) for finding in diagnosis.findings]
-    return [each for each in made if each is not None]
+    return [item for item in made if item is not None]
 
 
 class Equations:
@@ -170,7 +170,7 @@ def fitted(residual: Array, parts: Sequence[Part], rows: NDArray[np.bool_] | Non
 
 def moved(parts: Sequence[Part], sizes: Sequence[Array]) -> Array:
     """What parts of these sizes add to the model, (N, 3), m."""
-    return np.sum([part.columns @ each for part, each in zip(parts, sizes, strict=True)], axis=0)
+    return np.sum([part.columns @ size for part, size in zip(parts, sizes, strict=True)], axis=0)
 
 
 def held_out(residual: Array, parts: Sequence[Part], folds: Folds) -> Array:
@@ -180,9 +180,9 @@ def held_out(residual: Array, parts: Sequence[Part], folds: Folds) -> Array:
 
 def less_each_cause(parts: Sequence[Part]) -> dict[str, list[Part]]:
     """The model without all that is of one kind of physics, for every kind in it, by a name for the table."""
-    causes = {each.effect: EFFECTS[each.effect].cause for each in parts if each.effect}
+    causes = {item.effect: EFFECTS[item.effect].cause for item in parts if item.effect}
     return {
-        f"what the tool found, less {cause}": [each for each in parts if causes.get(each.effect) != cause]
+        f"what the tool found, less {cause}": [item for item in parts if causes.get(item.effect) != cause]
         for cause in dict.fromkeys(causes.values())
     }
 

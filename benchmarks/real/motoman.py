@@ -103,7 +103,7 @@ def evaluate(day: str, tell: Callable[[str], None] = print, *, inside: bool = Fa
         "frame and tool": everything[:1],
         "geometry": [everything[0], *geometry(known.observed)],
         "geometry and gravity at joints 2 and 3": gravity(known.observed),
-        "the same, sizes free": [unheld(each) for each in gravity(known.observed)],
+        "the same, sizes free": [unheld(item) for item in gravity(known.observed)],
         "what the tool found": everything,
         "geometry, gravity and what the tool found": [*gravity(known.observed), *everything[1:]],
         **less_each_cause(everything),
@@ -111,7 +111,7 @@ def evaluate(day: str, tell: Callable[[str], None] = print, *, inside: bool = Fa
     count = int(known.cells.max()) + 1
     for name, parts in models.items():
         other = [known.cells % splits.FOLDS, known.cells * splits.FOLDS // count]
-        further = [mean_rms_mm(held_out(known.residual, parts, each), each) for each in other]
+        further = [mean_rms_mm(held_out(known.residual, parts, item), item) for item in other]
         figures = " | ".join(f"{value:.3f}" for value in (by_cell(known, parts), *further))
         tell(f"| {name} | {figures} | {TARGETS[day]:.3f} |")
     if inside:

@@ -39,5 +39,5 @@ def evaluate(tell: Callable[[str], None] = print) -> None:
             said = warmed(day, expansion_only=only)
             asked = "with nothing but thermal expansion in the library" if only else "with the whole library"
             tell(f"{day}, {asked}: {said.verdict}. {said.sentence}")
-            why = [f"{each.reason}" for each in said.rejected_forms if each.effect == EXPANSION]
+            why = [f"{form.reason}" for form in said.rejected_forms if form.effect == EXPANSION]
             tell(f"  expansion alone refused: {refused(said)}{'; ' + '; '.join(why) if why else ''}\n")

@@ -79,7 +79,7 @@ def ways(recording: Recording) -> dict[str, splits.Folds]:
 
 def without_geometry(parts: Sequence[Part]) -> list[Part]:
     """The parts that are not geometry."""
-    return [each for each in parts if each.effect and each.effect not in GEOMETRY]
+    return [part for part in parts if part.effect and part.effect not in GEOMETRY]
 
 
 def on_b(known: Series) -> dict[str, float]:
@@ -92,10 +92,10 @@ def on_b(known: Series) -> dict[str, float]:
     folds = splits.rows(recording.size, 0)
     figures = {"geometry alone": rms_mm(residual - moved(again, fitted(residual, again)))}
     own = [*known.parts, *geometry(known.observed)]
-    kept = {each.name: sizes for each, sizes in zip(own, fitted(known.residual, own), strict=True)}
-    there = [each for each in without_geometry(found(observed, known.diagnosis)) if each.name in kept]
+    kept = {item.name: sizes for item, sizes in zip(own, fitted(known.residual, own), strict=True)}
+    there = [item for item in without_geometry(found(observed, known.diagnosis)) if item.name in kept]
     if there:
-        residual = residual - moved(there, [kept[each.name] for each in there])
+        residual = residual - moved(there, [kept[item.name] for item in there])
     figures["learned on A, geometry fitted to B"] = rms_mm(residual - moved(again, fitted(residual, again)))
     figures["the same, geometry on held-out rows"] = rms_mm(held_out(residual, again, folds))
     return figures
@@ -150,7 +150,7 @@ def drift(known: Series, tell: Callable[[str], None] = print) -> float:
     """How far the mean error has moved between the first hour and the time after 16 h, mm, beside everything found
     that has nothing to do with time and temperature, all geometry, and the give of drives 2 and 3."""
     hours = np.zeros(known.recording.size) if known.recording.time is None else known.recording.time / 3600.0
-    steady = [each for each in known.parts if each.effect not in WITH_TIME]
+    steady = [part for part in known.parts if part.effect not in WITH_TIME]
     parts = [*steady, *geometry(known.observed), *compliance(known.observed, (2, 3))]
     rest = known.residual - moved(parts, fitted(known.residual, parts))
     change = 1e3 * float(np.linalg.norm(rest[hours < 1.0].mean(axis=0) - rest[hours > 16.0].mean(axis=0)))

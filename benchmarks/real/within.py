@@ -35,5 +35,5 @@ def selected_within(
         said = diagnose(arm, recording.kept(seen), options)
         parts: list[Part] = [loose(observed), *found(observed, said)]
         result[~seen] = (residual - moved(parts, fitted(residual, parts, seen)))[~seen]
-        tell(f"  fold {fold + 1}: {', '.join(each.name for each in parts[1:]) or 'nothing'}")
+        tell(f"  fold {fold + 1}: {', '.join(part.name for part in parts[1:]) or 'nothing'}")
     return result

@@ -63,18 +63,18 @@ def main() -> int:
     parser.add_argument("--quick", action="store_true", help="fewest rounds, and without what takes minutes")
     parser.add_argument("--only", nargs="+", choices=[*SECTIONS], default=[*SECTIONS])
     parser.add_argument("--page", type=Path, help="the page to write")
-    asked = parser.parse_args()
-    found: dict[str, list[Row]] = {}
-    for key in asked.only:
+    arguments = parser.parse_args()
+    results: dict[str, list[Row]] = {}
+    for key in arguments.only:
         title, section = SECTIONS[key]
         print(title, flush=True)
-        found[key] = section(quick=asked.quick)
-        if asked.page is not None:
-            asked.page.write_text(page(found, quick=asked.quick), encoding="utf-8")
-        for row in found[key]:
+        results[key] = section(quick=arguments.quick)
+        if arguments.page is not None:
+            arguments.page.write_text(page(results, quick=arguments.quick), encoding="utf-8")
+        for row in results[key]:
             verdict = {True: "met", False: "MISSED", None: ""}[row.met]
             print(f"  {row.what}: {row.figure} ({row.target or 'no target'}) {verdict} {row.note}", flush=True)
-    return 1 if not asked.quick and any(row.met is False for rows in found.values() for row in rows) else 0
+    return 1 if not arguments.quick and any(row.met is False for rows in results.values() for row in rows) else 0
 
 
 if __name__ == "__main__":

@@ -20,14 +20,14 @@ BARE = {"--version": 0.15, "--help": 0.4}
 
 def cpu(*arguments: str, rounds: int) -> float:
     """The least CPU time (s) of a command over some rounds."""
-    found: list[float] = []
+    results: list[float] = []
     for _ in range(rounds):
         before = resource.getrusage(resource.RUSAGE_CHILDREN)
         command = [sys.executable, "-m", "linkwright", *arguments]
         subprocess.run(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, check=True, env=os.environ)
         after = resource.getrusage(resource.RUSAGE_CHILDREN)
-        found.append(after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime)
-    return min(found)
+        results.append(after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime)
+    return min(results)
 
 
 def commands(*, quick: bool) -> list[Row]:

@@ -55,11 +55,11 @@ def optimisers(*, quick: bool) -> list[Row]:
         "three load cases, backlash": played_problem(ARM, PROBLEM),
     }.items():
         own, rivals = against_rivals(arm, text, 1 if quick else 3)
-        for each in rivals:
-            kept = "" if each.kept else "; it breaks a limit"
-            seconds = f"{1e3 * each.seconds:.0f} ms to {1e3 * own.seconds:.0f} ms"
-            note = f"{seconds}, its answer {each.worse:+.3f} %{kept}"
-            rows.append(at_least(f"{each.name} ({what})", each.ratio, TARGETS.get(each.name), note))
+        for rival in rivals:
+            kept = "" if rival.kept else "; it breaks a limit"
+            seconds = f"{1e3 * rival.seconds:.0f} ms to {1e3 * own.seconds:.0f} ms"
+            note = f"{seconds}, its answer {rival.worse:+.3f} %{kept}"
+            rows.append(at_least(f"{rival.name} ({what})", rival.ratio, TARGETS.get(rival.name), note))
     return [*rows, _bonmin()]
 
 
@@ -75,11 +75,11 @@ def _bonmin() -> Row:
         ours = optimise(problem).after.worst.error
         seconds = time.process_time() - began
     began = time.process_time()
-    found = _by_bonmin(problem)
+    result = _by_bonmin(problem)
     other = time.process_time() - began
-    if found is None:
+    if result is None:
         return Row(name, "no answer", note=f"it failed after {other:.1f} s; ours took {seconds:.2f} s, certified")
-    worse = 100.0 * (found / ours - 1.0)
+    worse = 100.0 * (result / ours - 1.0)
     note = f"{other:.1f} s to {seconds:.2f} s, its answer {worse:+.2f} %, both held over all poses"
     return at_least(name, other / seconds, None, note)
 

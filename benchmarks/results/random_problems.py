@@ -87,8 +87,8 @@ def scanned(arm: Arm, cases: tuple[LoadCase, ...], seed: int) -> tuple[float, in
 
 
 def _worst(cases: tuple, arm: Arm, q: Array, p: Array) -> float:  # type: ignore[type-arg]
-    found = [played(case.arrays(q, p), case.radii, arm.play, planar=True).error.max() for case in cases]
-    return float(max(found))
+    results = [played(case.arrays(q, p), case.radii, arm.play, planar=True).error.max() for case in cases]
+    return float(max(results))
 
 
 def run(seed: int) -> Scanned | None:

@@ -60,9 +60,9 @@ def certificates(*, quick: bool) -> list[Row]:
         model, p = error_model(arm, cases), beam_values(beams_of(arm, cases))
         began = time.process_time()
         search = WorstSearch(model, Workspace())
-        found = search.worst(p)
+        result = search.worst(p)
         first = time.process_time() - began
-        if not found.certified:
+        if not result.certified:
             raise SystemExit(f"{what}: not certified")
         again = _least(lambda search=search, p=p: search.worst(p), 2 if quick else 5)
         bare = _least(lambda search=search, p=p: search.worst(p, certify=False), 2 if quick else 5)
@@ -72,9 +72,9 @@ def certificates(*, quick: bool) -> list[Row]:
 
 
 def _least(work: Callable[[], object], rounds: int) -> float:
-    found: list[float] = []
+    results: list[float] = []
     for _ in range(rounds + 1):
         began = time.process_time()
         work()
-        found.append(time.process_time() - began)
-    return min(found)
+        results.append(time.process_time() - began)
+    return min(results)

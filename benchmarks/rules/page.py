@@ -22,18 +22,18 @@ them; nothing else changes with one more reading.
 def page() -> str:
     """The whole page, Markdown."""
     parts = [HEAD]
-    for stage, rules in itertools.groupby(rules_in(RULES), key=lambda each: each.stage):
+    for stage, rules in itertools.groupby(rules_in(RULES), key=lambda rule: rule.stage):
         kind = type(getattr(RULES, stage))
         module = inspect.getmodule(kind)
         about = ((module.__doc__ if module else None) or "").strip()
         parts += [f"## {stage}\n", f"{about}\n", "| rule | value | unit | reason | source |", "|---|---|---|---|---|"]
-        parts += [_row(each) for each in rules]
+        parts += [_row(rule) for rule in rules]
         parts.append("")
     return "\n".join(parts).rstrip() + "\n"
 
 
 def _row(rule: Rule) -> str:
     values = rule.value if isinstance(rule.value, tuple) else (rule.value,)
-    value = ", ".join(f"{each:.6g}" for each in values)
+    value = ", ".join(f"{item:.6g}" for item in values)
     reason = f"{rule.reason} *{rule.rows}*" if rule.rows else rule.reason
     return f"| `{rule.name}` | {value} | {rule.unit} | {reason} | {rule.source} |"

@@ -20,14 +20,14 @@ def of_camera(prepared: Prepared, terms: Sequence[Term], noise: NoiseFloor) -> t
     observed = prepared.observed
     if observed.sight is None:
         return ()
-    frames = [each for each in ("frame", "tool") if getattr(observed.recording, each) == "free"]
-    said: list[str] = []
+    frames = [item for item in ("frame", "tool") if getattr(observed.recording, item) == "free"]
+    sentences: list[str] = []
     if frames:
         what = "both the camera and the target are" if len(frames) > 1 else "one of camera and target is"
         taken = "whatever moves the base or the tool as a whole cannot be told from them"
-        said.append(f"Where {what} nobody knows: six numbers each are fitted along, and {taken}.")
-    said += _scatter(observed, noise)
-    return (*said, *_depths(prepared, terms))
+        sentences.append(f"Where {what} nobody knows: six numbers each are fitted along, and {taken}.")
+    sentences += _scatter(observed, noise)
+    return (*sentences, *_depths(prepared, terms))
 
 
 def turn_scatter(observed: Observed) -> tuple[float, int]:
@@ -41,23 +41,25 @@ def turn_scatter(observed: Observed) -> tuple[float, int]:
 
 
 def _scatter(observed: Observed, noise: NoiseFloor) -> list[str]:
-    said: list[str] = []
+    sentences: list[str] = []
     if noise.sigma is not None and len(noise.sigma) == 3:
         across = format_quantity(float(np.hypot(*noise.sigma[:2])) / np.sqrt(2.0), "length", digits=2)
         deep = format_quantity(noise.sigma[2], "length", digits=2)
-        said.append(f"The camera scatters by {across} across its view and by {deep} in depth; each weighs by its own.")
+        sentences.append(
+            f"The camera scatters by {across} across its view and by {deep} in depth; each weighs by its own."
+        )
     if not observed.has_turns:
-        return said
-    own, freedom = turn_scatter(observed)
+        return sentences
+    scatter, freedom = turn_scatter(observed)
     declared, rules = observed.recording.sigma_angle, observed.rules.residual
-    if freedom >= rules.enough_freedom and own > 0.0:
-        angle = format_quantity(own, "angle", digits=2)
-        said.append(f"Its turns scatter by {angle} about each axis.")
+    if freedom >= rules.enough_freedom and scatter > 0.0:
+        angle = format_quantity(scatter, "angle", digits=2)
+        sentences.append(f"Its turns scatter by {angle} about each axis.")
         # The standard error of a standard deviation.
-        if declared is not None and abs(own / declared - 1.0) > rules.torque_sure / np.sqrt(2.0 * freedom):
-            given = format_quantity(declared, "angle", digits=2)
-            said[-1] += f" Declared are {given} (sigma_angle): chance does not explain the difference."
-    return said
+        if declared is not None and abs(scatter / declared - 1.0) > rules.torque_sure / np.sqrt(2.0 * freedom):
+            declared_text = format_quantity(declared, "angle", digits=2)
+            sentences[-1] += f" Declared are {declared_text} (sigma_angle): chance does not explain the difference."
+    return sentences
 
 
 def _depths(prepared: Prepared, terms: Sequence[Term]) -> list[str]:
@@ -85,9 +87,9 @@ def _told(design: Array, left: Array, at: int) -> tuple[float, float]:
     size = np.linalg.norm(design, axis=0)
     scaled = design / np.where(size > 0.0, size, 1.0)
     u, s, vt = np.linalg.svd(scaled, full_matrices=False)
-    told = s > 1e-9 * s[0]
-    values = vt[told].T @ ((u[:, told].T @ left) / s[told])
-    freedom = max(len(left) - int(told.sum()), 1)
+    determined = s > 1e-9 * s[0]
+    values = vt[determined].T @ ((u[:, determined].T @ left) / s[determined])
+    freedom = max(len(left) - int(determined.sum()), 1)
     variance = float(np.sum((left - scaled @ values) ** 2)) / freedom
-    spread = variance * float(np.sum((vt[told][:, at] / s[told]) ** 2))
+    spread = variance * float(np.sum((vt[determined][:, at] / s[determined]) ** 2))
     return float(values[at] / size[at]), float(np.sqrt(spread) / size[at])

@@ -68,10 +68,14 @@ def corrected_arm(
 def _as_told(entry: EffectEntry, parameters: Sequence[FittedParameter]) -> EffectEntry:
     """The entry by the sum that it is told by, where it is: by that alone where nothing else of it shows."""
     sum_of_sizes = EFFECTS[entry.effect].told_as
-    total = [each.value for each in parameters if sum_of_sizes is not None and each.parameter == sum_of_sizes.name]
+    total = [
+        parameter.value
+        for parameter in parameters
+        if sum_of_sizes is not None and parameter.parameter == sum_of_sizes.name
+    ]
     if sum_of_sizes is None or not total:
         return entry
-    beside = any(each.parameter == sum_of_sizes.beside for each in parameters)
+    beside = any(parameter.parameter == sum_of_sizes.beside for parameter in parameters)
     if len(entry.parameters) == 1 and beside:
         return entry
     own = {sum_of_sizes.beside: entry.parameters[sum_of_sizes.beside]} if len(entry.parameters) > 1 else {}
@@ -103,9 +107,9 @@ def _under_weights(term: Term, unit_sag: float) -> EffectEntry:
 
 def _of_weights(shared: Sequence[Term]) -> str:
     """What the file holds of products of compliance and unknown weight, as a sentence."""
-    told = any(term.columns[:, :, -1].any() for term in shared)
+    any_weight = any(term.columns[:, :, -1].any() for term in shared)
     held = "as products of compliance and weight (`unit_sag` under `unknown_weight`)"
-    if told:
+    if any_weight:
         return (
             f"The corrected arm has what gives under links of unknown mass {held}, and its compliance by known loads."
         )

@@ -103,10 +103,10 @@ def at_best(
     """The columns (N, C, d) of candidates, m and rad, those with a threshold at that which leaves least of the
     residuals with all the others and what stands `beside` them (N, C, b): between the values of a search's grid sound
     readings would lie far off."""
-    own, target = list(columns), observed.scaled(observed.residual).reshape(-1)
-    sought = [(place, each, names) for place, each in enumerate(candidates) if (names := _thresholds(each))]
+    others_columns, target = list(columns), observed.scaled(observed.residual).reshape(-1)
+    sought = [(place, item, names) for place, item in enumerate(candidates) if (names := _thresholds(item))]
     for place, candidate, names in sought:
-        rest = [beside, *(part for k, part in enumerate(own) if k != place)]
+        rest = [beside, *(part for k, part in enumerate(others_columns) if k != place)]
         others = orthonormal(observed.scaled(np.concatenate(rest, axis=2)).reshape(len(target), -1))
         left = target - others @ (others.T @ target)
         for name in names:
@@ -114,9 +114,9 @@ def at_best(
             lacks = partial(_lacks, observed, candidate, name, others, left)
             steps = between_loads(observed, candidate, (middle - _REACH, middle + _REACH))
             best, least = least_of(lacks, steps)
-            found = columns_of(observed, _with(candidate, name, best)) if least < lacks(middle) else None
-            own[place] = own[place] if found is None else found
-    return own
+            columns_there = columns_of(observed, _with(candidate, name, best)) if least < lacks(middle) else None
+            others_columns[place] = others_columns[place] if columns_there is None else columns_there
+    return others_columns
 
 
 def _thresholds(candidate: Candidate) -> tuple[str, ...]:
@@ -135,6 +135,6 @@ def _lacks(observed: Observed, candidate: Candidate, name: str, others: Array, l
     columns = columns_of(observed, _with(candidate, name, logarithm))
     if columns is None:
         return float(left @ left)
-    own = observed.scaled(columns).reshape(len(left), -1)
-    own = orthonormal(own - others @ (others.T @ own))
-    return float(left @ left - np.sum((own.T @ left) ** 2))
+    white = observed.scaled(columns).reshape(len(left), -1)
+    white = orthonormal(white - others @ (others.T @ white))
+    return float(left @ left - np.sum((white.T @ left) ** 2))

@@ -57,8 +57,10 @@ def stand_of(recording: Recording, arm: Arm) -> Stand | None:
         return None
     link = recording.instrument.tilt_link
     if link > arm.size:
-        many = f"{arm.size} link{'s' if arm.size > 1 else ''}"
-        raise InputError(recording.file, "tilt_link", f"is {link}, but {arm.name!r} has {many}; count from the base")
+        count_text = f"{arm.size} link{'s' if arm.size > 1 else ''}"
+        raise InputError(
+            recording.file, "tilt_link", f"is {link}, but {arm.name!r} has {count_text}; count from the base"
+        )
     gravity = np.array(arm.gravity, dtype=float)
     size = float(np.linalg.norm(gravity))
     if size <= 0.0:

@@ -96,11 +96,11 @@ def _direction(mapping: Mapping) -> tuple[float, float, float]:
     if len(values) not in (2, 3) or not all(isinstance(x, int | float) and not isinstance(x, bool) for x in values):
         raise mapping.error("direction", f"needs three numbers, not {shown(values)}; e.g. [0, 0, 1]")
     place = mapping.path_of("direction")
-    numbers = [read_number(each, file=mapping.file, key=f"{place}[{k}]") for k, each in enumerate(values, start=1)]
-    found = direction_along(numbers)
-    if found is None:
+    numbers = [read_number(value, file=mapping.file, key=f"{place}[{k}]") for k, value in enumerate(values, start=1)]
+    direction = direction_along(numbers)
+    if direction is None:
         raise mapping.error("direction", f"{shown(values)} has no length; write {would_do}")
-    return found
+    return direction
 
 
 def _anchor(mapping: Mapping) -> tuple[float, float, float] | None:

@@ -39,11 +39,11 @@ def observed_by(
     if observe == "along":
         if direction is None:
             raise InputError("", "direction", "is missing; write the direction of the height, e.g. 0, 0, 1")
-        found = direction_along(direction)
-        if found is None:
-            said = f"needs three numbers of a direction that has a length, not {shown(list(direction))}"
-            raise InputError("", "direction", said)
-        return {"slots": KINDS["along"], "instrument": Instrument(("along",), direction=found)}
+        unit_vector = direction_along(direction)
+        if unit_vector is None:
+            message = f"needs three numbers of a direction that has a length, not {shown(list(direction))}"
+            raise InputError("", "direction", message)
+        return {"slots": KINDS["along"], "instrument": Instrument(("along",), direction=unit_vector)}
     if observe == "distance":
         if anchor is None or len(anchor) not in (2, 3):
             would_do = "where distances are measured from, e.g. 1 m, 0 m, 0.3 m"

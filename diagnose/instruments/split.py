@@ -19,8 +19,8 @@ def laid_out(recording: Recording) -> Recording:
         return recording
     there = slots >= 0
     if (there == there[0]).all():
-        kept = there[0]
-        return replace(recording, tip=recording.tip[:, kept], slots=slots[:, kept])
+        present = there[0]
+        return replace(recording, tip=recording.tip[:, present], slots=slots[:, present])
     return _apart(recording, slots)
 
 

@@ -109,8 +109,8 @@ def touched(
         where = int(visit[~good][0]) + 1
         raise InputError("", "at", f"names a posture (visit {where}) from which what it touches cannot be reached")
     for one in range(count if planned is None else 0):
-        own = good & (label == one)
-        if len(np.unique(visit[own])) < least or len(np.unique(along[own])) < min(2, len(places)):
+        rows = good & (label == one)
+        if len(np.unique(visit[rows])) < least or len(np.unique(along[rows])) < min(2, len(places)):
             good &= label != one
     if not good.any():
         what = "plane" if planes else "bar" if len(bar) else "point"
@@ -150,7 +150,7 @@ def least_touches(*, planes: bool, flat: bool) -> int:
 def _normals(count: int, random: np.random.Generator, *, flat: bool) -> Array:
     """Planes that stand level and upright in turn, a little askew."""
     axes: Sequence[int] = (1, 0) if flat else (2, 0, 1)
-    found = np.eye(3)[[axes[k % len(axes)] for k in range(count)]] + 0.1 * random.standard_normal((count, 3))
+    normals = np.eye(3)[[axes[k % len(axes)] for k in range(count)]] + 0.1 * random.standard_normal((count, 3))
     if flat:
-        found[:, 2] = 0.0
-    return found / np.linalg.norm(found, axis=1, keepdims=True)
+        normals[:, 2] = 0.0
+    return normals / np.linalg.norm(normals, axis=1, keepdims=True)

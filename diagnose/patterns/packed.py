@@ -29,9 +29,9 @@ class Packed:
         """The columns (N, C, d)."""
         if self.values.shape == self.shape:
             return self.values
-        found = np.zeros(self.shape)
-        found[self.first : self.first + len(self.values), self.channels] = self.values
-        return found
+        whole = np.zeros(self.shape)
+        whole[self.first : self.first + len(self.values), self.channels] = self.values
+        return whole
 
     def kept(self, keep: NDArray[np.bool_]) -> Packed:
         """With only the rows that `keep` (N,) marks."""

@@ -58,12 +58,12 @@ def unknown_weights(observed: Observed, *, masses: bool) -> tuple[Weight, ...]:
     A mass at its joint lies in the link before, whose first moments hold it, unless the joint slides.
     """
     slides = any(not joint.revolute for joint in observed.arm.joints)
-    found: list[Weight] = []
+    weights: list[Weight] = []
     for link in observed.unknown_masses:
         if masses or slides or (link > 0 and link - 1 not in observed.unknown_masses):
-            found.append((link, "mass"))
-        found += [(link, name) for name in MOMENTS]
-    return tuple(found)
+            weights.append((link, "mass"))
+        weights += [(link, name) for name in MOMENTS]
+    return tuple(weights)
 
 
 def weighed(observed: Observed, effect: Effect, at: tuple[int, ...], weights: Sequence[Weight]) -> Array:
@@ -80,11 +80,11 @@ def weighed(observed: Observed, effect: Effect, at: tuple[int, ...], weights: Se
             continue
         weighing = replace(observed, state=_weighing(observed, (one,), (1.0,)))
         parts.append(weighing.signature(effect.id, Settings(at, _SAG)))
-    found = np.stack(parts, axis=2)
+    columns = np.stack(parts, axis=2)
     # A weight beside an axis that lies across gravity turns nothing but by rounding, which a fit would take for more.
-    size = np.linalg.norm(found, axis=(0, 1))
-    found[:, :, size <= _ROUNDING * size.max(initial=0.0)] = 0.0
-    return found
+    size = np.linalg.norm(columns, axis=(0, 1))
+    columns[:, :, size <= _ROUNDING * size.max(initial=0.0)] = 0.0
+    return columns
 
 
 def turned_under_weights(
@@ -128,11 +128,13 @@ def product_entry(effect: str, numbers: tuple[int, ...], unit_sag: float) -> Eff
 
 def weight_entries(weights: Sequence[Weight], values: Sequence[float]) -> tuple[EffectEntry, ...]:
     """Unknown weights (K,) as entries of an arm's `effects`, one a link; those that are rounding are left out."""
-    found: dict[int, dict[str, float]] = {}
+    entries: dict[int, dict[str, float]] = {}
     for (link, name), value in zip(weights, values, strict=True):
         if abs(value) > _ROUNDING * max(map(abs, values)):
-            found.setdefault(link, {})[name] = value
-    return tuple(EffectEntry(UNKNOWN_WEIGHT.id, (link + 1,), MappingProxyType(each)) for link, each in found.items())
+            entries.setdefault(link, {})[name] = value
+    return tuple(
+        EffectEntry(UNKNOWN_WEIGHT.id, (link + 1,), MappingProxyType(entry)) for link, entry in entries.items()
+    )
 
 
 def _weighing(observed: Observed, weights: Sequence[Weight], values: Sequence[float]) -> PoseState:

@@ -75,8 +75,8 @@ class Asked:
     def scatter(self, axes: Sequence[str]) -> Array:
         """What each of the numbers read (k,) scatters by, m and rad."""
         deep, turns = self.camera_noise
-        own = {"camera depth": deep, "turn about x": turns, "turn about y": turns, "turn about z": turns}
-        return np.array([own.get(axis, self.sigma) for axis in axes])
+        by_channel = {"camera depth": deep, "turn about x": turns, "turn about y": turns, "turn about z": turns}
+        return np.array([by_channel.get(axis, self.sigma) for axis in axes])
 
 
 def seen_axes(instrument: str, arm: Arm) -> tuple[str, ...]:

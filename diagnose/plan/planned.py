@@ -76,23 +76,23 @@ class Planned:
     def at_random(self, shown: Shown) -> float:
         """The smallest size of a parameter that the middle one of the plans at random shows; infinite where most do not
         show it."""
-        found = [next((each.smallest for each in one.shown if _same(each, shown)), math.inf) for one in self.random]
-        return sorted(found)[len(found) // 2] if found else math.inf
+        sizes = [next((item.smallest for item in one.shown if _same(item, shown)), math.inf) for one in self.random]
+        return sorted(sizes)[len(sizes) // 2] if sizes else math.inf
 
     def torques_at_random(self, joint: int, name: str) -> float:
         """The standard error of `links`, `payload` or `friction` by the torque of a drive (joint from 1) that the
         middle one of the plans at random has; infinite where most do not tell it."""
-        told = [next((each for each in one.torques if each.joint == joint), None) for one in self.random]
-        values: list[float | None] = [None if each is None else getattr(each, name) for each in told]
-        found = sorted(math.inf if value is None else value for value in values)
-        return found[len(found) // 2] if found else math.inf
+        torques = [next((torque for torque in one.torques if torque.joint == joint), None) for one in self.random]
+        values: list[float | None] = [None if torque is None else getattr(torque, name) for torque in torques]
+        values_sorted = sorted(math.inf if value is None else value for value in values)
+        return values_sorted[len(values_sorted) // 2] if values_sorted else math.inf
 
     @property
     def told_at_random(self) -> tuple[int, int]:
         """Of how many pairs of causes how many the middle one of the plans at random tells apart: (told, pairs). What a
         plan does not see has no pairs, so that plans have not the same number of them."""
-        found = sorted(((one.told, one.pairs) for one in self.random), key=lambda each: each[0] / max(each[1], 1))
-        return found[len(found) // 2] if found else (0, 0)
+        counts = sorted(((one.told, one.pairs) for one in self.random), key=lambda item: item[0] / max(item[1], 1))
+        return counts[len(counts) // 2] if counts else (0, 0)
 
     @property
     def tells_more(self) -> bool:
@@ -103,7 +103,7 @@ class Planned:
     def smaller(self) -> float:
         """How many times smaller the sizes are that it shows than those at random, on average (geometric mean) over
         the causes that both show; nan where there are none."""
-        sizes = [(self.at_random(each), each.smallest) for each in self.promise.shown]
+        sizes = [(self.at_random(item), item.smallest) for item in self.promise.shown]
         gains = [math.log(random / own) for random, own in sizes if math.isfinite(random)]
         return math.exp(sum(gains) / len(gains)) if gains else math.nan
 

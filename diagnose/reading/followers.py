@@ -26,7 +26,7 @@ def with_followers(
         return columns  # what lacks is said elsewhere
     nothing = np.zeros(len(table.row))
     given = [columns[name].values if name in columns else nothing for name in names]
-    found = dict(columns)
+    columns_of_all = dict(columns)
     for index, (joint, values) in enumerate(zip(arm.joints, coordinates(arm, given), strict=True)):
         if joint.driven:
             continue
@@ -35,12 +35,14 @@ def with_followers(
             off = np.abs(columns[name].values - values)
             worst = int(np.argmax(np.nan_to_num(off)))
             if off[worst] > rules.same_coordinate(joint.revolute):
-                says, due = (format_quantity(float(each[worst]), kind, digits=6) for each in (given[index], values))
+                says, due = (format_quantity(float(item[worst]), kind, digits=6) for item in (given[index], values))
                 message = f"is {says} in row {table.row[worst]}, where what the joint follows (arm file) makes it {due}"
                 raise InputError(
                     table.file, columns[name].header, f"{message}; leave the column out, or correct either"
                 )
         meaning = meaning_of(f"{name}_{'deg' if joint.revolute else 'mm'}", arm, file=table.file)
         if meaning is not None:
-            found[name] = ReadColumn(meaning, name, np.asarray(values), lambda _: "what the joint follows is not known")
-    return found
+            columns_of_all[name] = ReadColumn(
+                meaning, name, np.asarray(values), lambda _: "what the joint follows is not known"
+            )
+    return columns_of_all

@@ -75,24 +75,24 @@ def read_formula(text: str, names: Sequence[str], *, file: object, key: str) -> 
 
     Raises `InputError` that names the formula and the position of what is wrong.
     """
-    found = _Words(text, names, file, key)
-    source = found.sum()
-    found.end()
-    return Formula(text, tuple(found.used), ast.parse(source, mode="eval").body)
+    words = _Words(text, names, file, key)
+    source = words.sum()
+    words.end()
+    return Formula(text, tuple(words.used), ast.parse(source, mode="eval").body)
 
 
 def read_condition(text: str, names: Sequence[str], *, file: object, key: str) -> Condition:
     """The comparison that a text holds: FORMULA < FORMULA, with <, <=, >, >=, == or !=. Raises `InputError`."""
-    found = _Words(text, names, file, key)
-    left = found.sum()
-    relation = found.take(_RELATION)
+    words = _Words(text, names, file, key)
+    left = words.sum()
+    relation = words.take(_RELATION)
     if not relation:
-        raise found.wrong("a comparison (<, <=, >, >=, ==, !=) is due here")
-    right = found.sum()
-    found.end()
+        raise words.wrong("a comparison (<, <=, >, >=, ==, !=) is due here")
+    right = words.sum()
+    words.end()
     node = ast.parse(f"{left} {relation} {right}", mode="eval").body
     assert isinstance(node, ast.Compare)
-    columns = tuple(found.used)
+    columns = tuple(words.used)
     one, other = Formula(text, columns, node.left), Formula(text, columns, node.comparators[0])
     return Condition(text, one, type(node.ops[0]), other)
 
@@ -137,9 +137,9 @@ class _Words:
     def take(self, pattern: re.Pattern[str]) -> str:
         """The word of this pattern that stands here, empty for none."""
         self.blanks()
-        found = pattern.match(self.text, self.at)
-        self.at = found.end() if found else self.at
-        return found[0] if found else ""
+        token = pattern.match(self.text, self.at)
+        self.at = token.end() if token else self.at
+        return token[0] if token else ""
 
     def here(self, symbol: str) -> bool:
         self.blanks()

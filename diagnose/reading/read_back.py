@@ -38,13 +38,13 @@ def unlike(meant: Recording, back: Recording, arm: Arm, *, without: Collection[s
             row = int(bad[0])
             yield f"{name} in row {row + 1} was {values[row]:.9g} and reads {read[name][row]:.9g}"
     labels = dict(label_columns(back))
-    asked = ((name, each) for name, each in label_columns(meant) if name not in without)
-    yield from (f"{name} names other places" for name, each in asked if labels.get(name) != each)
+    asked = ((name, item) for name, item in label_columns(meant) if name not in without)
+    yield from (f"{name} names other places" for name, item in asked if labels.get(name) != item)
 
 
 def unlike_settings(meant: Recording, back: Recording) -> Iterator[str]:
     """The settings of a recording that was read back where they are not those that were meant."""
-    was, reads = (settings_text(each).splitlines() for each in (meant, back))
+    was, reads = (settings_text(item).splitlines() for item in (meant, back))
     if was != reads:
         line = next((line for line in was if line not in reads), "nothing")
         other = next((line for line in reads if line not in was), "nothing")

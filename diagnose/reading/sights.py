@@ -54,10 +54,10 @@ def in_part(columns: Mapping[str, ReadColumn], table: Table, held: ReadingSettin
     x, y or z are blank in so many rows that nobody forgot them."""
     if held.instrument is not None:
         return True
-    given = [columns[name] for name in ("x", "y", "z") if name in columns]
-    if not given or held.columns:
+    present = [columns[name] for name in ("x", "y", "z") if name in columns]
+    if not present or held.columns:
         return False
-    blank = np.stack([_blank(table, each.header) for each in given], axis=1)
+    blank = np.stack([_blank(table, item.header) for item in present], axis=1)
     return float(np.mean(blank.any(axis=1) & ~blank.all(axis=1))) > some_blank
 
 
@@ -77,7 +77,7 @@ def sights_of(
     if "camera" in instrument.kinds:
         return _of_camera(columns, table, held, arm)
     rest = {name: column for name, column in columns.items() if name not in (*dict(_NUMBERS), _ALONG_BAR)}
-    said: list[str] = []
+    sentences: list[str] = []
     numbers: list[tuple[int, Array]] = []
     reasons: dict[int, list[str]] = {}
     for name, slot in _NUMBERS:
@@ -87,7 +87,7 @@ def sights_of(
             continue
         column = columns[name]
         if flat and name == "z":
-            said.append(f"{column.header} is not used: the arm does not leave its plane.")
+            sentences.append(f"{column.header} is not used: the arm does not leave its plane.")
             continue
         for index in np.flatnonzero(~np.isfinite(column.values)).tolist():
             fault = column.fault(index)
@@ -105,16 +105,16 @@ def sights_of(
     touches, labels = np.full(total, -1), list[str]()
     for kind in instrument.kinds:
         if kind in LABELS:
-            own, slots = _labelled(table, held, kind, touches, labels, flat=flat)
-            numbers += [(slot, np.where(own, 0.0, np.nan)) for slot in slots]
+            labelled_rows, slots = _labelled(table, held, kind, touches, labels, flat=flat)
+            numbers += [(slot, np.where(labelled_rows, 0.0, np.nan)) for slot in slots]
     bar_at = _along_bars(columns, table, touches, reasons, arm) if "bar" in instrument.kinds else None
     _all_there(instrument, {slot for slot, _ in numbers}, table, held, arm)
     if not numbers:
         raise InputError(table.file, "", f"holds nothing that is observed; write {example_headers('x', arm)}, say")
-    values = np.stack([each for _, each in numbers], axis=1)
+    values = np.stack([item for _, item in numbers], axis=1)
     there = np.isfinite(values)
     if instrument.kinds == ("position",) and there.all() and len(numbers) == (2 if flat else 3):
-        return None, columns, [], said
+        return None, columns, [], sentences
     slots = np.where(there, np.array([slot for slot, _ in numbers]), -1)
     for index in np.flatnonzero(~there.any(axis=1)).tolist():
         reasons.setdefault(index, []).append("nothing that is observed is filled in")
@@ -125,9 +125,9 @@ def sights_of(
         _long_enough(table, touches, labels, slots, sound, bar_at)
     if held.instrument is None:
         some = table.row[~there.all(axis=1)]
-        said.append(f"Only what was measured counts: cells are blank in {rows_text(some)}.")
+        sentences.append(f"Only what was measured counts: cells are blank in {rows_text(some)}.")
     sights = Sights(np.where(there, values, 0.0), slots, touches, bar_at, replace(instrument, labels=tuple(labels)))
-    return sights, rest, rejected, said
+    return sights, rest, rejected, sentences
 
 
 def _of_camera(
@@ -164,19 +164,19 @@ def _labelled(
         where = held.file if name in held.columns else table.file
         raise InputError(where, name, f"is missing: a column of labels, each that of one {name} that rows touch")
     text = [table.text(header, index) for index in range(len(table.row))]
-    own = np.array([bool(each) and each.lower() != "nan" for each in text])
-    both = own & (touches >= 0)
+    labelled = np.array([bool(item) and item.lower() != "nan" for item in text])
+    both = labelled & (touches >= 0)
     if both.any():
         row = table.row[int(np.argmax(both))]
         known = [] if held.instrument is None else [LABELS[k] for k in held.instrument.kinds if k in LABELS]
         other = " or a ".join(known[: known.index(name)])
         raise InputError(table.file, name, f"row {row} names a {other} and a {name}; keep one")
     first = len(labels)
-    labels += sorted({each for each, there in zip(text, own.tolist(), strict=True) if there})
+    labels += sorted({item for item, there in zip(text, labelled.tolist(), strict=True) if there})
     number = {label: first + k for k, label in enumerate(labels[first:])}
-    for index in np.flatnonzero(own).tolist():
+    for index in np.flatnonzero(labelled).tolist():
         touches[index] = number[text[index]]
-    return own, KINDS[kind][:2] if flat else KINDS[kind]
+    return labelled, KINDS[kind][:2] if flat else KINDS[kind]
 
 
 def _along_bars(
@@ -195,13 +195,13 @@ def _along_bars(
 def _long_enough(table: Table, touches: Slots, labels: list[str], slots: Slots, sound: Array, bar_at: Array) -> None:
     """Whether each bar was touched at two places along it."""
     for label, name in enumerate(labels):
-        own = (touches == label) & (slots >= BAR).any(axis=1)
-        if own.any() and np.ptp(bar_at[own & sound]) <= 0.0:
-            where = f"{1e3 * float(bar_at[own & sound][0]):.6g} mm"
+        rows = (touches == label) & (slots >= BAR).any(axis=1)
+        if rows.any() and np.ptp(bar_at[rows & sound]) <= 0.0:
+            where = f"{1e3 * float(bar_at[rows & sound][0]):.6g} mm"
             raise InputError(
                 table.file,
                 "bar_mm",
-                f"'{name}' is touched at {where} only ({rows_text(table.row[own])}): it tells no distance; touch its "
+                f"'{name}' is touched at {where} only ({rows_text(table.row[rows])}): it tells no distance; touch its "
                 "other end too",
             )
 
@@ -211,8 +211,10 @@ def _all_there(instrument: Instrument, slots: set[int], table: Table, held: Read
     for kind in instrument.kinds:
         if not slots & set(KINDS[kind]):
             name = {"position": "x", "tilt": "tilt_x"}.get(kind, kind)
-            said = f"`observes: {kind}` ({held.file})" if held.file else f"observing {kind}"
-            raise InputError(table.file, name, f"is missing, which {said} needs; write {example_headers(name, arm)}")
+            settings_text = f"`observes: {kind}` ({held.file})" if held.file else f"observing {kind}"
+            raise InputError(
+                table.file, name, f"is missing, which {settings_text} needs; write {example_headers(name, arm)}"
+            )
 
 
 def _enough_touches(table: Table, touches: Slots, labels: list[str], slots: Slots, sound: Array, *, flat: bool) -> None:
@@ -224,10 +226,10 @@ def _enough_touches(table: Table, touches: Slots, labels: list[str], slots: Slot
         if int(rows.sum()) < least:
             bar = bool((slots[touches == label] >= BAR).any())
             what = "plane" if plane else "bar" if bar else "point"
-            many = f"{int(rows.sum())} row{'s' if rows.sum() != 1 else ''} only"
+            count = f"{int(rows.sum())} row{'s' if rows.sum() != 1 else ''} only"
             raise InputError(
                 table.file,
                 what,
-                f"'{name}' has {many} ({rows_text(table.row[touches == label])}): any {what} fits that; touch it from "
+                f"'{name}' has {count} ({rows_text(table.row[touches == label])}): any {what} fits that; touch it from "
                 f"{least} postures or more, or blank the label",
             )

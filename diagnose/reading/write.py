@@ -47,8 +47,8 @@ def settings_text(recording: Recording) -> str:
     if recording.sigma_angle is not None:
         lines.insert(0, f"sigma_angle: {format_quantity(recording.sigma_angle, 'angle')}\n")
     if recording.sigma_axes is not None:
-        each = ", ".join(format_quantity(value, "length") for value in recording.sigma_axes)
-        lines.insert(0, f"sigma: [{each}]\n")
+        sigmas = ", ".join(format_quantity(value, "length") for value in recording.sigma_axes)
+        lines.insert(0, f"sigma: [{sigmas}]\n")
     elif recording.sigma is not None:
         lines.insert(0, f"sigma: {format_quantity(recording.sigma, 'length')}\n")
     lines += [
@@ -65,18 +65,22 @@ def _instrument(recording: Recording) -> list[str]:
     """The lines that say what was observed, none for the whole place."""
     if recording.slots is None:
         return []
-    own = recording.instrument
-    kinds = ", ".join(own.kinds)
-    lines = [f"observes: {kinds if len(own.kinds) == 1 else f'[{kinds}]'}\n"]
-    if own.direction is not None:
-        lines.append(f"direction: [{', '.join(f'{value:.9g}' for value in own.direction)}]\n")
-    if "distance" in own.kinds:
-        at = "free" if own.anchor is None else f"[{', '.join(f'{1e3 * value:.9g} mm' for value in own.anchor)}]"
+    instrument = recording.instrument
+    kinds = ", ".join(instrument.kinds)
+    lines = [f"observes: {kinds if len(instrument.kinds) == 1 else f'[{kinds}]'}\n"]
+    if instrument.direction is not None:
+        lines.append(f"direction: [{', '.join(f'{value:.9g}' for value in instrument.direction)}]\n")
+    if "distance" in instrument.kinds:
+        at = (
+            "free"
+            if instrument.anchor is None
+            else f"[{', '.join(f'{1e3 * value:.9g} mm' for value in instrument.anchor)}]"
+        )
         lines.append(f"anchor: {at}\n")
-    if "camera" in own.kinds:
-        lines.append(f"camera: {own.camera}\n")
-    if "tilt" in own.kinds:
-        lines.append(f"tilt_link: {own.tilt_link or 'base'}\n")
+    if "camera" in instrument.kinds:
+        lines.append(f"camera: {instrument.camera}\n")
+    if "tilt" in instrument.kinds:
+        lines.append(f"tilt_link: {instrument.tilt_link or 'base'}\n")
     return lines
 
 
@@ -98,9 +102,9 @@ def label_columns(recording: Recording) -> Iterator[tuple[str, tuple[str, ...]]]
 def _read_in_part(recording: Recording, slots: Slots) -> Iterator[tuple[str, Array, int]]:
     """The numbers of a recording that does not hold the whole place; nan where a row holds none."""
     for axis in range(3):
-        if (own := slots == CAMERA + axis).any():
-            values = np.where(own, recording.tip, 0.0).sum(axis=1)
-            yield f"{'xyz'[axis]}_mm", np.where(own.any(axis=1), 1e3 * values, np.nan), 5
+        if (rows := slots == CAMERA + axis).any():
+            values = np.where(rows, recording.tip, 0.0).sum(axis=1)
+            yield f"{'xyz'[axis]}_mm", np.where(rows.any(axis=1), 1e3 * values, np.nan), 5
     for slot in sorted(set(slots[slots <= DISTANCE].tolist())):
         values = np.where(slots == slot, recording.tip, 0.0).sum(axis=1)
         yield f"{NAMES[slot]}_mm", np.where((slots == slot).any(axis=1), 1e3 * values, np.nan), 5

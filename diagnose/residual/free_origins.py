@@ -90,7 +90,7 @@ def _twists(state: PoseState, way: Freedom) -> list[Twist]:
     travel: Vector = (0.0, 0.0, 0.0)
     if not own.revolute and not state.arm.links[way.joint].runs_out:
         travel = cross(axis, scale(plus(joint.coordinate, own.zero), joint.axis))
-    found = [Twist("joint", way.joint, travel, axis)]
+    twists = [Twist("joint", way.joint, travel, axis)]
     # What a joint moves, its followers do after it; how it stands moves none of them.
     along = dot(joint.axis, axis if own.revolute else travel)
     for index, other in enumerate(state.arm.joints):
@@ -98,8 +98,8 @@ def _twists(state: PoseState, way: Freedom) -> list[Twist]:
             if tie.joint == way.joint:
                 back = scale(-tie.weight, scale(along, state.joints[index].axis))
                 none = (0.0, 0.0, 0.0)
-                found.append(Twist("joint", index, *((none, back) if other.revolute else (back, none))))
-    return found
+                twists.append(Twist("joint", index, *((none, back) if other.revolute else (back, none))))
+    return twists
 
 
 def moved(arm: Arm, ways: Sequence[Freedom], by: Array) -> Arm:

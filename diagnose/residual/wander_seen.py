@@ -27,14 +27,14 @@ def seen_to_wander(observed: Observed, left: Array) -> str:
 
     def wanders(values: Array, at: NDArray[np.int64]) -> bool:
         nothing = np.zeros((*values.shape, 0))
-        own = None if which is None else which[first][at]
-        return wander_in(values, means(clock(recording)[:, None])[at, 0], own, nothing, rules=rules).rate > 0.0
+        which_here = None if which is None else which[first][at]
+        return wander_in(values, means(clock(recording)[:, None])[at, 0], which_here, nothing, rules=rules).rate > 0.0
 
     if recording.base_target is not None:
         target = means(recording.base_target)
         if wanders(target - target.mean(axis=0), np.arange(len(first), dtype=np.int64)):
             return "the target on the base"
-    told = come_back_to(recording, poses(observed), first, rules=rules)
-    if told is not None and wanders(told.of(means(left)), told.visit):
+    returns = come_back_to(recording, poses(observed), first, rules=rules)
+    if returns is not None and wanders(returns.of(means(left)), returns.visit):
         return "what was read again at poses that were come back to"
     return ""

@@ -52,30 +52,30 @@ def under_one_set(namer: Namer, named: Named, tell: Callable[[float], None]) -> 
 
 def renamed_under_one_set(namer: Namer, named: Named) -> tuple[int, ...]:
     """The members of what was named under the names that go first, where they fit as well under one set of weights."""
-    names, kept = renamed(namer, named), named.members
-    found = _joint(namer, kept, named.outside) if names != kept else None
+    names, members = renamed(namer, named), named.members
+    found = _joint(namer, members, named.outside) if names != members else None
     if found is None:
         return names
     value = _criterion(namer, found, named.everything)
     for place, name in enumerate(names):
-        if name == kept[place]:
+        if name == members[place]:
             continue
-        trial = (*kept[:place], name, *kept[place + 1 :])
+        trial = (*members[:place], name, *members[place + 1 :])
         other = _joint(namer, trial, named.outside)
         if other is None:
             continue
         reached = _criterion(namer, other, (*trial, *named.outside))
-        accused = stands(namer, kept[place]) and not stands(namer, name)
+        accused = stands(namer, members[place]) and not stands(namer, name)
         if reached <= value + (namer.rules.refuted if accused else namer.rules.confident):
-            kept, value = trial, reached
-    return kept
+            members, value = trial, reached
+    return members
 
 
 def _joint(namer: Namer, members: tuple[int, ...], outside: tuple[int, ...]) -> Refit | None:
     """The joint fit of some groups; None where none of them gives under weights that are shared."""
     observed = namer.prepared.observed
-    candidates = [each for each in candidates_of(namer, members) if not each.share]
-    if not any(only_products(observed, EFFECTS[each.effect], each.at) for each in candidates):
+    candidates = [candidate for candidate in candidates_of(namer, members) if not candidate.share]
+    if not any(only_products(observed, EFFECTS[candidate.effect], candidate.at) for candidate in candidates):
         return None
     return _fitted(namer, members, outside)
 
@@ -106,9 +106,9 @@ def _balanced(namer: Namer, found: Refit) -> int | None:
 def _without(namer: Namer, named: Named, place: int, tell: Callable[[float], None]) -> Named | None:
     """What is named without one of the findings among the candidates; None where forms are, or nothing is."""
     pool, gone = namer.pool, namer.pool.groups[named.members[place]].candidate.family
-    kept = [number for number, group in enumerate(pool.groups) if group.candidate.family != gone]
-    other = namer.with_prepared(exchange(namer.prepared, namer.prepared.observed, kept, []))
-    before = [each for each in candidates_of(namer, named.members) if each.family != gone]
+    numbers = [number for number, group in enumerate(pool.groups) if group.candidate.family != gone]
+    other = namer.with_prepared(exchange(namer.prepared, namer.prepared.observed, numbers, []))
+    before = [candidate for candidate in candidates_of(namer, named.members) if candidate.family != gone]
     again = name_missing(other, tell, before)
     members = namer.numbers_of(candidates_of(other, again.members))
     if again.outside or not again.members or len(members) != len(again.members):

@@ -20,12 +20,12 @@ def of_each(
     if not isinstance(recording, Several):
         return columns, names
     parts: list[Array] = []
-    own: list[str] = []
-    for index, (label, each) in enumerate(zip(recording.names, recording.each, strict=True)):
-        left = {"frame": each.frame, "tool": each.tool}
+    names_here: list[str] = []
+    for index, (label, item) in enumerate(zip(recording.names, recording.each, strict=True)):
+        left = {"frame": item.frame, "tool": item.tool}
         free = [k for k in range(len(names)) if k >= len(settings) or left[settings[k]] == "free"]
         inside = recording.which == index
         if inside.any():
             parts.append(np.where(inside[:, None, None], columns[:, :, free], 0.0))
-            own += [f"{names[k]}, {label}" for k in free]
-    return np.concatenate(parts, axis=2), tuple(own)
+            names_here += [f"{names[k]}, {label}" for k in free]
+    return np.concatenate(parts, axis=2), tuple(names_here)

@@ -19,14 +19,14 @@ def gone_on_from(recordings: Sequence[Recording], *, rules: ResidualRules = RULE
 
 
 def _before(recordings: Sequence[Recording], index: int, rules: ResidualRules) -> int | None:
-    own = recordings[index]
-    lasts = _lasts(own)
+    recording = recordings[index]
+    lasts = _lasts(recording)
     pauses = {
         other: pause
-        for other, each in enumerate(recordings)
+        for other, item in enumerate(recordings)
         if other != index
-        and (own.unit, own.date, own.branch) == (each.unit, each.date, each.branch)
-        and 0.0 < (pause := _pause(each, own)) <= rules.same_session * (lasts + _lasts(each))
+        and (recording.unit, recording.date, recording.branch) == (item.unit, item.date, item.branch)
+        and 0.0 < (pause := _pause(item, recording)) <= rules.same_session * (lasts + _lasts(item))
     }
     return min(pauses, key=lambda other: pauses[other]) if pauses else None
 
@@ -46,15 +46,15 @@ def _pause(before: Recording, then: Recording) -> float:
 def earlier(parts: Sequence[Recording], starts: Sequence[float]) -> Earlier:
     """What an arm had been through in the recordings that one goes on from, the first of them first, each of which
     began at `starts` on its clock, s."""
-    times = [each.time + start for each, start in zip(parts, starts, strict=True) if each.time is not None]
+    times = [part.time + start for part, start in zip(parts, starts, strict=True) if part.time is not None]
     return Earlier(
         np.concatenate(times),
-        _whole([each.payload_mass for each in parts]),
-        _whole([each.temperature for each in parts]),
-        _whole([each.link_temperature for each in parts]),
+        _whole([part.payload_mass for part in parts]),
+        _whole([part.temperature for part in parts]),
+        _whole([part.link_temperature for part in parts]),
     )
 
 
 def _whole(columns: Sequence[Array | None]) -> Array | None:
-    told = [each for each in columns if each is not None]
-    return np.concatenate(told) if len(told) == len(columns) else None
+    present = [column for column in columns if column is not None]
+    return np.concatenate(present) if len(present) == len(columns) else None

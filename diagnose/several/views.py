@@ -13,32 +13,32 @@ from linkwright.core.diagnose.instruments.view import View
 
 def view_of_several(views: Sequence[View | None], names: Sequence[str]) -> View | None:
     """The views of several recordings, in their order, as one; None where the tip's place was measured in all."""
-    found = [view for view in views if view is not None]
-    if len(found) < len(views) or not found:
+    present = [view for view in views if view is not None]
+    if len(present) < len(views) or not present:
         return None
-    width = sum(view.beside.shape[2] for view in found)
-    beside = np.zeros((sum(len(view.residual) for view in found), found[0].residual.shape[1], width))
+    width = sum(view.beside.shape[2] for view in present)
+    beside = np.zeros((sum(len(view.residual) for view in present), present[0].residual.shape[1], width))
     row, column = 0, 0
-    for view in found:
+    for view in present:
         count, own = len(view.residual), view.beside.shape[2]
         beside[row : row + count, :, column : column + own] = view.beside
         row, column = row + count, column + own
-    anchors = [np.zeros(3) if view.anchor is None else view.anchor for view in found]
+    anchors = [np.zeros(3) if view.anchor is None else view.anchor for view in present]
     each = np.concatenate(
-        [np.broadcast_to(a.reshape(-1, 3), view.at.shape) for a, view in zip(anchors, found, strict=True)]
+        [np.broadcast_to(a.reshape(-1, 3), view.at.shape) for a, view in zip(anchors, present, strict=True)]
     )
     return replace(
-        found[0],
-        residual=np.concatenate([view.residual for view in found]),
-        shown=np.concatenate([view.shown for view in found]),
+        present[0],
+        residual=np.concatenate([view.residual for view in present]),
+        shown=np.concatenate([view.shown for view in present]),
         beside=beside,
-        names=tuple(f"{own}, {name}" for view, name in zip(found, names, strict=True) for own in view.names),
-        anchor=None if all(view.anchor is None for view in found) else each,
-        at=np.concatenate([view.at for view in found]),
-        distances=np.concatenate([view.distances for view in found]),
-        framed=np.concatenate([view.framed for view in found]),
-        settled=np.concatenate([view.settled for view in found]),
-        sight=joined_sights([view.sight for view in found]),
-        rises=np.concatenate([view.rises for view in found]),
-        up=next((view.up for view in found if view.up.any()), found[0].up),
+        names=tuple(f"{own}, {name}" for view, name in zip(present, names, strict=True) for own in view.names),
+        anchor=None if all(view.anchor is None for view in present) else each,
+        at=np.concatenate([view.at for view in present]),
+        distances=np.concatenate([view.distances for view in present]),
+        framed=np.concatenate([view.framed for view in present]),
+        settled=np.concatenate([view.settled for view in present]),
+        sight=joined_sights([view.sight for view in present]),
+        rises=np.concatenate([view.rises for view in present]),
+        up=next((view.up for view in present if view.up.any()), present[0].up),
     )

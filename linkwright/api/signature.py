@@ -58,18 +58,18 @@ def file_option(metavar: str, flag: str = "", *, many: bool = False) -> Option:
 
 def listed(text: str) -> list[str]:
     """The parts of a list as text: `1 m, 0 m, 0.3 m`."""
-    return [each.strip() for each in text.split(",")]
+    return [item.strip() for item in text.split(",")]
 
 
 def named(text: str) -> list[str]:
     """The names of a list: `backlash, joint_compliance:2`; none in an empty one."""
-    return [each for each in listed(text) if each]
+    return [item for item in listed(text) if item]
 
 
 def numbers(text: str) -> list[float]:
     """The numbers of a direction. Raises `InputError`."""
     try:
-        return [float(each) for each in text.split(",")]
+        return [float(item) for item in text.split(",")]
     except ValueError:
         raise InputError("", "direction", f"needs three numbers such as '0, 0, 1', not {text!r}") from None
 

@@ -22,8 +22,8 @@ _FOR_PROGRAMS = re.compile(r"\s+In\s+Python\b.*", re.DOTALL)
 
 def help_of(function: Callable[..., Any]) -> str:
     """What a docstring says before `Args` and the examples in Python: the summary, those of the command line."""
-    told = inspect.getdoc(function) or ""
-    return re.split(r"^(?:Args:|>>> )", told, maxsplit=1, flags=re.MULTILINE)[0].strip() + "\n"
+    docstring = inspect.getdoc(function) or ""
+    return re.split(r"^(?:Args:|>>> )", docstring, maxsplit=1, flags=re.MULTILINE)[0].strip() + "\n"
 
 
 def _args_of(function: Callable[..., Any]) -> Mapping[str, str]:
@@ -56,9 +56,9 @@ class Parameter:
 
     def typed(self) -> inspect.Parameter:
         """As typer reads it."""
-        told: dict[str, Any] = {"metavar": self.option.metavar, "help": self.help}
+        settings: dict[str, Any] = {"metavar": self.option.metavar, "help": self.help}
         if self.option.least is not None or self.option.most is not None:
-            told |= {"min": self.option.least, "max": self.option.most}
+            settings |= {"min": self.option.least, "max": self.option.most}
         default, kind = self.default, list[self.kind] if self.option.many else self.kind
         if self.option.many or self._off:
             default = default if default is inspect.Parameter.empty else False if self._off else None
@@ -67,9 +67,9 @@ class Parameter:
         if self.option.required:
             default = inspect.Parameter.empty
         optional = kind | None if default is None else kind
-        words = typer.Argument(**told) if isinstance(self.option, Argument) else typer.Option(self.flag, **told)
-        given = Annotated[optional, words]
-        return inspect.Parameter(self.name, inspect.Parameter.KEYWORD_ONLY, default=default, annotation=given)
+        words = typer.Argument(**settings) if isinstance(self.option, Argument) else typer.Option(self.flag, **settings)
+        annotation = Annotated[optional, words]
+        return inspect.Parameter(self.name, inspect.Parameter.KEYWORD_ONLY, default=default, annotation=annotation)
 
     def value(self, word: Any) -> Any:
         """What the function takes for a word of the command line, or for several; nothing where none was given. Raises
@@ -82,30 +82,30 @@ class Parameter:
             return word.value
         if self.option.read is None:
             return word
-        return [self.option.read(each) for each in word] if self.option.many else self.option.read(word)
+        return [self.option.read(item) for item in word] if self.option.many else self.option.read(word)
 
 
 def parameters_of(function: Callable[..., Any]) -> Iterator[Parameter]:
     """The parameters of a function that are annotated with an `Option` or an `Argument`; programs alone have others."""
-    told = _args_of(function)
-    for name, each in inspect.signature(function).parameters.items():
-        base, *notes = get_args(each.annotation) if get_origin(each.annotation) is Annotated else (None,)
+    descriptions = _args_of(function)
+    for name, parameter in inspect.signature(function).parameters.items():
+        base, *notes = get_args(parameter.annotation) if get_origin(parameter.annotation) is Annotated else (None,)
         option = next((note for note in reversed(notes) if isinstance(note, Option)), None)
         if option is not None:
             kind = option.kind or _kind(name, base)
-            yield Parameter(name, option, kind, each.default, told.get(name, ""))
+            yield Parameter(name, option, kind, parameter.default, descriptions.get(name, ""))
 
 
 def _kind(name: str, annotation: Any) -> Any:
     """What a word is read as: the first kind of a union that is not None; of literals one of those."""
     if get_origin(annotation) in (Union, UnionType):
-        return _kind(name, next(each for each in get_args(annotation) if each is not type(None)))
+        return _kind(name, next(arg for arg in get_args(annotation) if arg is not type(None)))
     if get_origin(annotation) is Literal:
-        return StrEnum(name, {each: each for each in get_args(annotation)})
+        return StrEnum(name, {arg: arg for arg in get_args(annotation)})
     return annotation
 
 
 def paths_in(value: Any) -> list[Path]:
     """The files that a value names."""
     several = value if isinstance(value, list | tuple) else [value]
-    return [each for each in several if isinstance(each, Path)]
+    return [item for item in several if isinstance(item, Path)]

@@ -1,4 +1,4 @@
-"""How long work tells of itself, is stopped and by whom it is done: a callable or a bar, Ctrl-C, processes."""
+"""Progress, interrupts and executors of long computations: a callable or a bar, Ctrl-C, processes."""
 
 from __future__ import annotations
 

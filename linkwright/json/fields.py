@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 def in_mm(metres: float | Sequence[Any] | None) -> Any:
     """A length or points (m) in mm; None where it is not known."""
     if isinstance(metres, Sequence):
-        return [in_mm(each) for each in metres]
+        return [in_mm(metre) for metre in metres]
     return None if metres is None or not math.isfinite(metres) else 1e3 * metres
 
 
@@ -38,14 +38,14 @@ _UNITS: Mapping[str, Callable[[Any], Any]] = MappingProxyType(
 def fields(item: object, *keys: str) -> dict[str, Any]:
     """Some fields of an object by key. A key is the name of its field, with the unit in which it is given behind it
     (`mass_kg`), or says where it is found (`since_s=since`, `seed=sheet.seed`)."""
-    found: dict[str, Any] = {}
+    content: dict[str, Any] = {}
     for each in keys:
         key, _, place = each.partition("=")
         unit = next((unit for unit in _UNITS if key.endswith(unit)), "")
         value = reduce(getattr, (place or key.removesuffix(unit)).split("."), item)
         value = list(value) if isinstance(value, tuple) and unit != "_mm" else value
-        found[key] = value if value is None or not unit else _UNITS[unit](value)
-    return found
+        content[key] = value if value is None or not unit else _UNITS[unit](value)
+    return content
 
 
 def fields_if(item: object, *keys: str) -> dict[str, Any] | None:

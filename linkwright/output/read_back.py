@@ -1,4 +1,4 @@
-"""Files that the program reads too are read back once they are written, and held against what was found."""
+"""Verification of written files: those that the program can read are read back and compared with the result."""
 
 from __future__ import annotations
 
@@ -27,8 +27,8 @@ class NotAsWritten(NoAnswer):
 
 @dataclass(frozen=True)
 class ReadBack:
-    """The text of a file that the program reads too. `differs` reads the file and tells in words what it says otherwise
-    than was found, figures against those that were promised; nothing where it is the same."""
+    """The text of a file that the program can read. `differs` reads the file back and describes each difference from
+    the result; it is empty where there is none."""
 
     text: str
     differs: Callable[[Path], Iterable[str]]
@@ -36,9 +36,9 @@ class ReadBack:
     def hold(self, path: Path) -> None:
         """Read the file back. Raises `NotAsWritten` where it cannot be read, or says otherwise."""
         try:
-            found = list(self.differs(path))
+            differences = list(self.differs(path))
         except InputError as error:
             raise NotAsWritten(path, f"{error.key}: {error.message}" if error.key else error.message) from None
-        if found:
-            more = f", and {len(found) - _MOST} more" if len(found) > _MOST else ""
-            raise NotAsWritten(path, "; ".join(found[:_MOST]) + more)
+        if differences:
+            more = f", and {len(differences) - _MOST} more" if len(differences) > _MOST else ""
+            raise NotAsWritten(path, "; ".join(differences[:_MOST]) + more)

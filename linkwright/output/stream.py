@@ -56,8 +56,8 @@ def open_closed_streams() -> None:
 
 def asked_measure(name: str) -> int | None:
     """What COLUMNS or LINES of the environment asks for, where that is a number of columns or lines."""
-    said = os.environ.get(name, "")
-    return int(said) if re.fullmatch("0*[1-9][0-9]{0,4}", said, re.ASCII) else None
+    value = os.environ.get(name, "")
+    return int(value) if re.fullmatch("0*[1-9][0-9]{0,4}", value, re.ASCII) else None
 
 
 def forget_odd_measures() -> None:

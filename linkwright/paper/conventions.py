@@ -53,14 +53,14 @@ class Equations:
         `tool` is its weight in N, `density` (kg/m^3) replaces that of Table II. Each link bends and stretches by
         itself; the slope of its end turns nothing, as in the paper.
         """
-        given = self.parameters
-        lengths = np.array(given.lengths)
-        weights = GRAVITY * (given.density if density is None else density) * self.area * lengths
+        parameters = self.parameters
+        lengths = np.array(parameters.lengths)
+        weights = GRAVITY * (parameters.density if density is None else density) * self.area * lengths
         cosines, sines = np.cos(angles), np.sin(angles)
-        bending = given.elastic_modulus * self.second_moment
-        stretching = given.elastic_modulus * self.area
+        bending = parameters.elastic_modulus * self.second_moment
+        stretching = parameters.elastic_modulus * self.area
         moved = np.zeros((len(angles), 2))
-        for link, length in enumerate(given.lengths):
+        for link, length in enumerate(parameters.lengths):
             beyond = tool + float(weights[link + 1 :].sum())
             moment = np.zeros(len(angles))
             for other in range(link + 1, 3):
@@ -93,8 +93,8 @@ class Deformation:
 
     def at(self, angles: Array) -> Array:
         """The tip's deflection (N, 2), m, at absolute link angles (N, 3), rad."""
-        own = self.weight * self.equations.deflection(angles)
-        return own + self.tool * self.equations.tool_deflection(angles) if self.tool else own
+        from_weight = self.weight * self.equations.deflection(angles)
+        return from_weight + self.tool * self.equations.tool_deflection(angles) if self.tool else from_weight
 
     @cached_property
     def at_stretch(self) -> float:
@@ -118,8 +118,8 @@ class Deformation:
         values = distance(starts)
         best = 0.0
         for start in starts[np.argsort(-values)[:8]]:
-            found = minimize(nearness, start, method="Nelder-Mead")
-            best = max(best, -1e-6 * float(found.fun))
+            minimum = minimize(nearness, start, method="Nelder-Mead")
+            best = max(best, -1e-6 * float(minimum.fun))
         return best
 
 
@@ -174,14 +174,14 @@ class Conventions:
 
     def printed_material(self, modulus: float, density: float) -> float:
         """PE (mm^2) of Table VI: the links' part goes with density over modulus, the tool's with 1 over modulus."""
-        given = self.paper.parameters
-        softer = given.elastic_modulus / modulus
-        return squared(softer * (self.paper.tool_sag + self.paper.weight_sag * density / given.density))
+        parameters = self.paper.parameters
+        softer = parameters.elastic_modulus / modulus
+        return squared(softer * (self.paper.tool_sag + self.paper.weight_sag * density / parameters.density))
 
     def read_material(self, modulus: float, density: float) -> float:
         """The same as the equations read, a distance in m."""
-        given = self.paper.parameters
-        return self.equations.weight_sag * (given.elastic_modulus / modulus) * (density / given.density)
+        parameters = self.paper.parameters
+        return self.equations.weight_sag * (parameters.elastic_modulus / modulus) * (density / parameters.density)
 
     def printed_shape(self, second_moment: float) -> float:
         """PE (mm^2) of Table VII: pure bending, the square of I of the circle over I (m^4)."""

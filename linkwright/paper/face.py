@@ -58,11 +58,11 @@ class Tables(Result):
         return pages.describe(self.book, self.verdicts, self.proofs)
 
     def _content(self) -> Mapping[str, Any]:
-        further = [each.to_json() for each in self.extended]
+        further = [item.to_json() for item in self.extended]
         return {**tables_json(self.book, self.verdicts, self.proofs), "extended": further}
 
     def _tables(self) -> Mapping[str, pd.DataFrame]:
-        found: dict[str, pd.DataFrame] = {}
+        frames: dict[str, pd.DataFrame] = {}
         for table in self.book.tables:
             rows: list[dict[str, Any]] = []
             for row in table.rows:
@@ -75,8 +75,8 @@ class Tables(Result):
                 ):
                     cells.update({f"{name}_{k}": factor * value for k, value in enumerate(values, 1)})
                 rows.append({**cells, "note": row.note})
-            found[table.key] = frame(rows)
-        return {**found, **{each.key: frame(each.rows) for each in self.extended}}
+            frames[table.key] = frame(rows)
+        return {**frames, **{item.key: frame(item.rows) for item in self.extended}}
 
 
 @dataclass(frozen=True, repr=False)
@@ -107,10 +107,10 @@ class Figures(Result):
         return figures_json(self.figures)
 
     def _tables(self) -> Mapping[str, pd.DataFrame]:
-        return {each.number: frame(dict(each.columns)) for each in self.figures}
+        return {figure.number: frame(dict(figure.columns)) for figure in self.figures}
 
     def _files(self) -> Mapping[str, str]:
         return {
             REPORT: page_of(self.description),
-            **{f"figure-{each.number}.csv": figure_csv(each) for each in self.figures},
+            **{f"figure-{figure.number}.csv": figure_csv(figure) for figure in self.figures},
         }

@@ -186,10 +186,10 @@ def _parameters(mapping: Mapping) -> Parameters:
 
 
 def _printed(mapping: Mapping) -> tuple[str, ...]:
-    found = mapping.items("printed")
-    if not all(isinstance(figure, str) for figure in found):
+    figures = mapping.items("printed")
+    if not all(isinstance(figure, str) for figure in figures):
         raise mapping.error("printed", "holds figures as texts, so that their last digit stays")
-    return tuple(cast(list[str], found))
+    return tuple(cast(list[str], figures))
 
 
 def _whole(mapping: Mapping, name: str) -> tuple[int, ...]:

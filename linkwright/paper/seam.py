@@ -114,9 +114,9 @@ class Postures:
         best = np.empty((points, len(directions)))
         at = np.empty((points, len(directions)), dtype=np.intp)
         for point in range(points):
-            own = np.flatnonzero(owner == point)
-            first = np.argmax(reach[own], axis=0)
-            at[point] = own[first]
+            indices = np.flatnonzero(owner == point)
+            first = np.argmax(reach[indices], axis=0)
+            at[point] = indices[first]
             best[point] = reach[at[point], np.arange(len(directions))]
         return best, at
 
@@ -185,9 +185,9 @@ class Seam(Result):
     @property
     def _note(self) -> str:
         ends = (self.check.start, self.check.end)
-        said = " to ".join(f"({figure(1e3 * point[0])}, {figure(1e3 * point[1])})" for point in ends)
+        text = " to ".join(f"({figure(1e3 * point[0])}, {figure(1e3 * point[1])})" for point in ends)
         return (
-            f"The seam runs straight from {said} mm. At each point the worst over every posture that holds the tip "
+            f"The seam runs straight from {text} mm. At each point the worst over every posture that holds the tip "
             "there, play where it is worst: along the seam (the weld starts and ends wrong), normal to it (the torch "
             "misses the joint), and in any direction. Each is a worst case of its own, so that they need not meet in "
             "one posture."
@@ -196,8 +196,8 @@ class Seam(Result):
     def _content(self) -> Mapping[str, Any]:
         columns = [{"name": _ACROSS, "unit": ""}, *({"name": name, "unit": "mm"} for name in _MEASURES)]
         rows = [[cell if isinstance(cell, str) else float(f"{cell:.10g}") for cell in row] for row in self._rows]
-        own = {"key": "seam", "title": _TITLE, "columns": columns, "rows": rows, "note": self._note}
-        return {"reachable": self.check.verdict, "proved_to": self.check.proved_to, **own}
+        content = {"key": "seam", "title": _TITLE, "columns": columns, "rows": rows, "note": self._note}
+        return {"reachable": self.check.verdict, "proved_to": self.check.proved_to, **content}
 
     def _tables(self) -> Mapping[str, pd.DataFrame]:
         return {_TITLE: self.table}
@@ -244,5 +244,5 @@ def point_of(given: Sequence[Quantity], key: str) -> tuple[float, float]:
     """A point in the plane, m. Raises `InputError`."""
     if len(given) != 2:
         raise InputError("", key, f"needs two lengths, e.g. 600 mm, 500 mm, not {', '.join(map(str, given))}")
-    x, y = (in_si(each, "length", key) for each in given)
+    x, y = (in_si(item, "length", key) for item in given)
     return x, y

@@ -44,7 +44,7 @@ class Book:
 
     def table(self, key: str) -> Table:
         """The table of a key; raises KeyError."""
-        return next(each for each in self.tables if each.key == key)
+        return next(table for table in self.tables if table.key == key)
 
 
 def make_tables() -> Book:
@@ -339,7 +339,7 @@ def proofs(book: Book) -> tuple[Proof, ...]:
     """What the paper proved about reach and straight seams, and what it did not."""
     lengths = book.paper.parameters.lengths
     ring = ring_of(lengths)
-    own = check_seam(_free(lengths), (0.8, 0.3), (-0.8, 0.3))
+    seam = check_seam(_free(lengths), (0.8, 0.3), (-0.8, 0.3))
     long_first = (1.0, 0.3, 0.2)
     hole = check_seam(_free(long_first), (0.8, 0.3), (-0.8, 0.3))
     bent = check_seam(_free(lengths, (math.pi, math.radians(60.0), math.radians(60.0))), (0.9, 0.3), (-0.9, 0.3))
@@ -359,9 +359,9 @@ def proofs(book: Book) -> tuple[Proof, ...]:
         ),
         Proof(
             "Segments between reachable points are reachable for its lengths, without joint limits.",
-            own.verdict == "reachable",
+            seam.verdict == "reachable",
             "The ring has no hole, a disc is convex; the paper's argument is not needed.",
-            own,
+            seam,
         ),
         Proof(
             "The same for any planar 3R arm.",

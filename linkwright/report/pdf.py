@@ -27,11 +27,11 @@ _PATIENCE = 120.0
 def need_browser() -> str:
     """Path of a browser that prints without a window. Raises `InputError`, one line, where none is installed: before
     anything is computed."""
-    found = next((path for name in _BROWSERS if (path := shutil.which(name))), None)
-    if found is None:
+    path_of_browser = next((path for name in _BROWSERS if (path := shutil.which(name))), None)
+    if path_of_browser is None:
         message = "a PDF needs Chromium, Chrome or Edge, and none is installed; open the report of --out and print it"
         raise InputError("", "--pdf", message)
-    return found
+    return path_of_browser
 
 
 def pdf_of(page: str) -> bytes:
@@ -42,10 +42,10 @@ def pdf_of(page: str) -> bytes:
         source.write_text(page, encoding="utf-8")
         # A browser refuses its sandbox to root. The virtual time lets the page's script unpack and draw its figures.
         sandbox = ["--no-sandbox"] if getattr(os, "geteuid", lambda: 1)() == 0 else []
-        asked = ["--headless", "--disable-gpu", "--no-pdf-header-footer", "--virtual-time-budget=20000", *sandbox]
-        own = [f"--user-data-dir={folder}/profile", f"--print-to-pdf={target}", source.as_uri()]
+        options = ["--headless", "--disable-gpu", "--no-pdf-header-footer", "--virtual-time-budget=20000", *sandbox]
+        arguments = [f"--user-data-dir={folder}/profile", f"--print-to-pdf={target}", source.as_uri()]
         try:
-            subprocess.run([browser, *asked, *own], check=True, capture_output=True, timeout=_PATIENCE)
+            subprocess.run([browser, *options, *arguments], check=True, capture_output=True, timeout=_PATIENCE)
             return target.read_bytes()
         except (OSError, subprocess.SubprocessError) as error:
             raise InputError("", "--pdf", f"{browser} could not print the report: {type(error).__name__}") from None

@@ -82,7 +82,7 @@ class Table:
     def numbers(self) -> tuple[int, ...]:
         """The columns of numbers, which are set right."""
         cells = [[row[k] for row in self.rows] for k in range(len(self.columns))]
-        return tuple(k for k, each in enumerate(cells) if any(isinstance(x, Value) for x in each))
+        return tuple(k for k, cell in enumerate(cells) if any(isinstance(x, Value) for x in cell))
 
     def shortened(self) -> Table:
         """The table as a screen has room for: its brief rows, without the columns of detail."""

@@ -27,21 +27,21 @@ def warnings(result: OptimizationResult) -> list[Paragraph]:
     missing = result.not_rounded
     if missing is None:
         return []
-    told = f"not rounded to {sizes_words(missing.to, missing.length_step)}: {missing.reason}"
-    return [Paragraph(f"{told}; this is the optimum as it is", "warning")]
+    text = f"not rounded to {sizes_words(missing.to, missing.length_step)}: {missing.reason}"
+    return [Paragraph(f"{text}; this is the optimum as it is", "warning")]
 
 
 def _made(result: OptimizationResult, rounded: Rounded) -> Section:
     """The design of sizes that can be had, and what rounding cost."""
-    told = rounding_words(rounded)
+    words = rounding_words(rounded)
     limits = [
-        (each.text, limit_figure(each, each.before), limit_figure(each, each.after), share(each.room, 3), "kept")
-        for each in rounded.limits
+        (limit.text, limit_figure(limit, limit.before), limit_figure(limit, limit.after), share(limit.room, 3), "kept")
+        for limit in rounded.limits
     ]
     headings = ("limit", "optimum", "rounded", Column("to spare", detail=True), "")
     return section(
-        f"Rounded to {told}",
-        Paragraph(f"rounded to {told}: {rounding_headline(result, rounded)}", "strong"),
+        f"Rounded to {words}",
+        Paragraph(f"rounded to {words}: {rounding_headline(result, rounded)}", "strong"),
         Paragraph(f"worst case of the rounded design: {design.bound_words(rounded.evaluation)}", "under"),
         Paragraph(compared_words(rounded), "under"),
         _worse_paragraph(result, rounded),
@@ -56,16 +56,16 @@ def _made(result: OptimizationResult, rounded: Rounded) -> Section:
 
 def _missed(missing: NotRounded) -> Section:
     """The design that breaks the limits least, and by how much."""
-    told = sizes_words(missing.to, missing.length_step)
-    title = f"Not rounded to {told}"
+    words = sizes_words(missing.to, missing.length_step)
+    title = f"Not rounded to {words}"
     if missing.nearest is None:
         return section(title, Paragraph(f"{missing.reason}."), lead="arm.yaml holds the optimum.")
     limits = [
-        (each.text, limit_figure(each, each.before), limit_figure(each, each.after), exceeded_words(each))
-        for each in missing.limits
+        (limit.text, limit_figure(limit, limit.before), limit_figure(limit, limit.after), exceeded_words(limit))
+        for limit in missing.limits
     ]
     rest = "no other of them breaks the limits less" if missing.proven else "others may break them less"
-    nearest = f"the nearest design of {told} breaks a limit by {percent(missing.excess, 3)}; {rest}"
+    nearest = f"the nearest design of {words} breaks a limit by {percent(missing.excess, 3)}; {rest}"
     return section(
         title,
         Paragraph(nearest, "strong"),
@@ -113,8 +113,8 @@ def rounding_headline(result: OptimizationResult, rounded: Rounded) -> str:
 
 def compared_words(rounded: Rounded) -> str:
     """How the rounded design was found, as a phrase."""
-    told = f"{'every' if rounded.exhaustive else 'not every'} combination of the nearest sizes"
-    return f"the best of {rounded.compared} designs compared, {told} among them{lasted(rounded.seconds, ', in ')}"
+    text = f"{'every' if rounded.exhaustive else 'not every'} combination of the nearest sizes"
+    return f"the best of {rounded.compared} designs compared, {text} among them{lasted(rounded.seconds, ', in ')}"
 
 
 def limit_figure(limit: KeptLimit, value: float) -> Value:

@@ -40,8 +40,8 @@ def describe(result: Tradeoff) -> Description:
     name = result.asked.given.arm.name
     each = [_front_words(result, front) for front in result.fronts] if len(result.fronts) > 1 else []
     without = [f"{front}: {reason}" for front, reason in result.without]
-    told = [*ends_words(result, result.envelope), *gap_words(result, result.envelope)]
-    told += [knee_words(result, result.envelope)]
+    sentences = [*ends_words(result, result.envelope), *gap_words(result, result.envelope)]
+    sentences += [knee_words(result, result.envelope)]
     price = (
         f"The slope of the front, from the multiplier of the limit on {x.title}: what one {x.unit or 'unit'} more does "
         f"to {y.title}. Its size is drawn."
@@ -53,7 +53,7 @@ def describe(result: Tradeoff) -> Description:
         *([] if result.start is None else [Paragraph(result.start, "warning")]),
         *unreached_words(result),
         section("The front", Picture(lambda: fronts.front(result)), lead=_POINT, detail=True),
-        section("Ends, steps and idle stretches", *(Paragraph(line, "under") for line in told), lead=ends),
+        section("Ends, steps and idle stretches", *(Paragraph(line, "under") for line in sentences), lead=ends),
         section("The price along the front", Picture(lambda: fronts.price(result)), lead=price, detail=True),
         section("Points", _points(result)),
         section("How it was found", Paragraph(effort_words(result))),
@@ -83,8 +83,8 @@ def unreached_words(result: Tradeoff) -> list[Paragraph]:
     part = least if least == most else f"{least} to {most}"
     who = "any point" if len(shares) == len(result.points) else f"{len(shares)} of {len(result.points)} points"
     kind = result.asked.given.workspace.kind
-    told = f"{part} of the {kind} is not reached by {who}: the figures there, certified ones too, are of the rest"
-    return [Paragraph(told, "warning")]
+    text = f"{part} of the {kind} is not reached by {who}: the figures there, certified ones too, are of the rest"
+    return [Paragraph(text, "warning")]
 
 
 def _facts(result: Tradeoff) -> tuple[Fact, ...]:
@@ -213,5 +213,5 @@ def spread(points: Sequence[Point], most: int, always: int | None) -> list[Point
     chosen = {round(k * (len(points) - 1) / (most - 1)) for k in range(most)}
     near = [k for k, point in enumerate(points) if point.number == always]
     for k in near:
-        chosen = (chosen - {min(chosen - {0, len(points) - 1}, key=lambda each: abs(each - k))}) | {k}
+        chosen = (chosen - {min(chosen - {0, len(points) - 1}, key=lambda item: abs(item - k))}) | {k}
     return [points[k] for k in sorted(chosen)]

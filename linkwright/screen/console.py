@@ -28,7 +28,7 @@ class _Console(Console):
     def print(self, *objects: Any, soft_wrap: bool | None = None, **options: Any) -> None:
         """As `rich` does; what is wrapped softly is a sentence, broken where there is something to fit it to."""
         if soft_wrap and self.broken:
-            objects = tuple(_broken(each, self.width) if isinstance(each, str) else each for each in objects)
+            objects = tuple(_broken(item, self.width) if isinstance(item, str) else item for item in objects)
         super().print(*objects, soft_wrap=soft_wrap, **options)
 
     def on_broken_pipe(self) -> NoReturn:

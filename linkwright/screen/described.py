@@ -38,7 +38,7 @@ def show(out: Console, description: Description) -> None:
 
 
 def _warnings(items: Iterable[Item]) -> list[Item]:
-    return [each for each in items if isinstance(each, Paragraph) and each.tone == "warning"]
+    return [item for item in items if isinstance(item, Paragraph) and item.tone == "warning"]
 
 
 class _Shown:

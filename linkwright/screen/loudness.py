@@ -16,11 +16,11 @@ Loudness = Literal["answer", "usual", "all"]
 def loudness() -> Loudness:
     """`answer`: the answer and warnings alone; `usual`; `all`: what is else left to the report too. Raises `InputError`
     where the environment says something else."""
-    said = os.environ.get(SHOW) or "usual"
+    level = os.environ.get(SHOW) or "usual"
     for known in ("answer", "usual", "all"):
-        if said == known:
+        if level == known:
             return known
-    raise InputError("", SHOW, f"is 'answer', 'usual' or 'all', not {said!r}; or leave it unset")
+    raise InputError("", SHOW, f"is 'answer', 'usual' or 'all', not {level!r}; or leave it unset")
 
 
 @contextmanager

@@ -25,15 +25,17 @@ class FittingTable(Table):
     def __rich_console__(self, console: Console, options: ConsoleOptions) -> RenderResult:
         """The table, as wide as there is room."""
         room = options.max_width - _BETWEEN * (len(self.columns) - 1)
-        asked = [self._asked(console, options, k) for k in range(len(self.columns))]
+        widths = [self._asked(console, options, k) for k in range(len(self.columns))]
         usual = self._calculate_column_widths(console, options.update_width(options.max_width - self._extra_width))
         inside = [width - self._get_padding_width(k) for k, width in enumerate(usual)]
-        if any(has < least for has, (least, _, _) in zip(inside, asked, strict=True)):
-            least = next((each for each in zip(*((a, b) for a, b, _ in asked), strict=True) if sum(each) <= room), None)
+        if any(has < least for has, (least, _, _) in zip(inside, widths, strict=True)):
+            least = next(
+                (item for item in zip(*((a, b) for a, b, _ in widths), strict=True) if sum(item) <= room), None
+            )
             if least is None:
                 yield from self._one_below_the_other(options.max_width)
                 return
-            for column, width in zip(self.columns, _shared(least, [most for *_, most in asked], room), strict=True):
+            for column, width in zip(self.columns, _shared(least, [most for *_, most in widths], room), strict=True):
                 column.width = width
         yield from super().__rich_console__(console, options)
 
@@ -58,8 +60,8 @@ class FittingTable(Table):
             yield Text(printable(str(self.title)), style=self.title_style or "")
         headings = [str(column.header) if self.show_header else "" for column in self.columns]
         for row in zip(*(tuple(column.cells) for column in self.columns), strict=True):
-            told = [(heading, printable(str(cell))) for heading, cell in zip(headings, row, strict=True)]
-            yield from _told(told, width)
+            cells = [(heading, printable(str(cell))) for heading, cell in zip(headings, row, strict=True)]
+            yield from _told(cells, width)
         if self.caption:
             yield Text(printable(str(self.caption)))
 

@@ -161,8 +161,8 @@ def waiting(text: str) -> Generator[Steps]:
     except KeyboardInterrupt:
         steps.close()
         if time.monotonic() - began >= _PATIENCE:
-            said = f"stopped at: {steps.doing}; no answer was finished yet, so there is none to keep"
-            console(errors=True).print(said, soft_wrap=True)
+            message = f"stopped at: {steps.doing}; no answer was finished yet, so there is none to keep"
+            console(errors=True).print(message, soft_wrap=True)
         raise
     finally:
         steps.close()

@@ -30,16 +30,16 @@ class Balance:
 
 def balance_values(arm: Arm, balances: Sequence[Balance]) -> list[float]:
     """The numbers (SI) that an arm has."""
-    return [_value(arm, each) for each in balances]
+    return [_value(arm, balance) for balance in balances]
 
 
 def _value(arm: Arm, balance: Balance) -> float:
     if balance.field == "balancer":
         joint = arm.joints[balance.place]
         return 0.0 if joint.counterbalance is None else float(getattr(joint.counterbalance, joint.balancer_chosen))
-    for each in arm.links[balance.place].masses:
-        if each.chosen:
-            return each.mass if balance.field == "counterweight" else each.at[0]
+    for mass in arm.links[balance.place].masses:
+        if mass.chosen:
+            return mass.mass if balance.field == "counterweight" else mass.at[0]
     return 0.0
 
 
@@ -63,13 +63,13 @@ def _joint(joint: Joint, value: float | None) -> Joint:
 def _link(link: Link, mass: float | None, at: float | None) -> Link:
     masses = tuple(
         replace(
-            each,
-            mass=each.mass if mass is None else float(mass),
-            at=each.at if at is None else (float(at), *each.at[1:]),
+            item,
+            mass=item.mass if mass is None else float(mass),
+            at=item.at if at is None else (float(at), *item.at[1:]),
         )
-        if each.chosen
-        else each
-        for each in link.masses
+        if item.chosen
+        else item
+        for item in link.masses
     )
     return link if masses == link.masses else replace(link, masses=masses)
 
@@ -78,18 +78,18 @@ def with_counterweights(arm: Arm, balances: Sequence[Balance], *, least: bool) -
     """The arm with the counterweights that are chosen as light and as near to their joints as they may be, or as heavy
     as they may be."""
     values: dict[tuple[int, str], float] = {}
-    for each in balances:
-        if each.field == "counterweight":
-            values[each.place, each.field] = each.lower if least else each.upper
-        elif each.field == "counterweight_at" and least:
-            values[each.place, each.field] = max(each.lower, min(each.upper, 0.0))
+    for balance in balances:
+        if balance.field == "counterweight":
+            values[balance.place, balance.field] = balance.lower if least else balance.upper
+        elif balance.field == "counterweight_at" and least:
+            values[balance.place, balance.field] = max(balance.lower, min(balance.upper, 0.0))
     return balanced(arm, values) if values else arm
 
 
 def settled(arm: Arm) -> Arm:
     """An arm with nothing left to choose: what came to nothing is left out."""
     if not any(joint.balancer_chosen for joint in arm.joints) and not any(
-        each.chosen for link in arm.links for each in link.masses
+        mass.chosen for link in arm.links for mass in link.masses
     ):
         return arm
     joints = [
@@ -106,7 +106,7 @@ def settled(arm: Arm) -> Arm:
         replace(
             link,
             masses=tuple(
-                replace(each, chosen=False) for each in link.masses if not (each.chosen and each.mass < _NOTHING)
+                replace(mass, chosen=False) for mass in link.masses if not (mass.chosen and mass.mass < _NOTHING)
             ),
         )
         for link in arm.links
@@ -116,6 +116,10 @@ def settled(arm: Arm) -> Arm:
 
 def _idle(joint: Joint) -> bool:
     """Whether a joint's counterbalance came to nothing."""
-    found = joint.counterbalance
-    figures = () if found is None else (getattr(found, name, 0.0) for name in ("torque", "stiffness", "preload"))
+    counterbalance = joint.counterbalance
+    figures = (
+        ()
+        if counterbalance is None
+        else (getattr(counterbalance, name, 0.0) for name in ("torque", "stiffness", "preload"))
+    )
     return all(abs(float(figure)) < _NOTHING for figure in figures)

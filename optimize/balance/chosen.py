@@ -17,10 +17,12 @@ _AT_BOUND = 1e-4
 def balance_of(problem: Problem, choice: Choice) -> tuple[ChosenBalance, ...]:
     """What a choice has of each number that was free."""
     values = choice.space.balance([float(value) for value in choice.exchanged.x])
-    found: list[ChosenBalance] = []
-    for each in problem.balances:
-        value = float(values[each.place, each.field])
-        near = _AT_BOUND * (each.upper - each.lower)
-        bound = "least" if value < each.lower + near else "greatest" if value > each.upper - near else None
-        found.append(ChosenBalance(each.words, each.place + 1, each.field, each.kind, each.given, value, bound))
-    return tuple(found)
+    chosen: list[ChosenBalance] = []
+    for balance in problem.balances:
+        value = float(values[balance.place, balance.field])
+        near = _AT_BOUND * (balance.upper - balance.lower)
+        bound = "least" if value < balance.lower + near else "greatest" if value > balance.upper - near else None
+        chosen.append(
+            ChosenBalance(balance.words, balance.place + 1, balance.field, balance.kind, balance.given, value, bound)
+        )
+    return tuple(chosen)

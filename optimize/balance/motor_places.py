@@ -40,7 +40,7 @@ class MotorChoice:
 
 def read_motor_places(choose: Mapping, arm: Arm) -> tuple[MotorChoice, ...]:
     """The places of motors in `choose`; raises `InputError`."""
-    found: list[MotorChoice] = []
+    choices: list[MotorChoice] = []
     if not choose.has("motor"):
         return ()
     for entry in choose.mappings("motor"):
@@ -48,33 +48,33 @@ def read_motor_places(choose: Mapping, arm: Arm) -> tuple[MotorChoice, ...]:
             raw = body.raw("joint", f"the number of a joint, 1 to {arm.size}")
             if isinstance(raw, bool) or not isinstance(raw, int) or not 1 <= raw <= arm.size:
                 raise body.error("joint", f"is the number of a joint, 1 to {arm.size}, not {shown(raw)}")
-            if any(each.joint == raw - 1 for each in found):
+            if any(choice.joint == raw - 1 for choice in choices):
                 raise body.error("joint", f"joint {raw} has places already; list all of them in one entry")
             if body.has("on") == body.has("places"):
                 raise body.error("", "needs mass and on, e.g. on: [joint, base], or places: [{on: joint, mass: 4 kg}]")
-            found.append(MotorChoice(raw - 1, _places(body, arm, raw)))
-    if math.prod(len(each.places) for each in found) > MOST_PLACES:
+            choices.append(MotorChoice(raw - 1, _places(body, arm, raw)))
+    if math.prod(len(choice.places) for choice in choices) > MOST_PLACES:
         raise choose.error("motor", f"lists more than {MOST_PLACES} combinations of places; leave some out")
-    return tuple(found)
+    return tuple(choices)
 
 
 def _places(body: Mapping, arm: Arm, joint: int) -> tuple[MotorPlace, ...]:
     if body.has("on"):
         mass = _mass(body)
-        places = [_place(body, each, mass, arm, joint) for each in body.items("on")]
+        places = [_place(body, item, mass, arm, joint) for item in body.items("on")]
     else:
         places = []
         for entry in body.mappings("places"):
-            with entry.reading() as own:
+            with entry.reading() as place:
                 stiffness, backlash, cost = (
-                    own.optional_quantity(name, kind) for name, kind in zip(_DRIVE, _kinds(arm, joint), strict=True)
+                    place.optional_quantity(name, kind) for name, kind in zip(_DRIVE, _kinds(arm, joint), strict=True)
                 )
                 if stiffness is not None and stiffness <= 0.0:
-                    raise own.error("stiffness", "must be positive")
+                    raise place.error("stiffness", "must be positive")
                 if min(backlash or 0.0, cost or 0.0) < 0.0:
-                    raise own.error("backlash" if (backlash or 0.0) < 0.0 else "cost", "cannot be negative")
-                plain = _place(own, own.raw("on", "joint, base, or the number of a link"), _mass(own), arm, joint)
-                rods = read_parallelogram(own, arm, joint)
+                    raise place.error("backlash" if (backlash or 0.0) < 0.0 else "cost", "cannot be negative")
+                plain = _place(place, place.raw("on", "joint, base, or the number of a link"), _mass(place), arm, joint)
+                rods = read_parallelogram(place, arm, joint)
                 words = plain.words if rods is None else f"{plain.words}, by rods {_along(rods.first, joint)}"
                 places.append(MotorPlace(plain.on, plain.mass, words, stiffness, backlash, cost, rods))
     if not places:

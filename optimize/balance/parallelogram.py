@@ -50,11 +50,11 @@ def read_parallelogram(body: Mapping, arm: Arm, joint: int) -> Parallelogram | N
     rod = body.quantity("rod", "mass") if body.has("rod") else 0.0
     if rod < 0.0:
         raise body.error("rod", "cannot be negative")
-    found = Parallelogram(raw - 1, range_, rod)
-    follows = with_parallelogram(arm, joint - 1, found).joints[joint - 1].follows
+    parallelogram = Parallelogram(raw - 1, range_, rod)
+    follows = with_parallelogram(arm, joint - 1, parallelogram).joints[joint - 1].follows
     if follows is None or not all(tie.along for tie in follows.ties):
         raise body.error("parallelogram", f"needs parallel axes from joint {raw} to joint {joint}")
-    return found
+    return parallelogram
 
 
 def with_parallelogram(arm: Arm, joint: int, rods: Parallelogram) -> Arm:
@@ -62,7 +62,7 @@ def with_parallelogram(arm: Arm, joint: int, rods: Parallelogram) -> Arm:
     they run."""
     between = range(rods.first, joint)
     ties = tuple(Tie(index, -1.0) for index in between)
-    joints = [_as_before(each, joint, between) for each in arm.joints]
+    joints = [_as_before(item, joint, between) for item in arm.joints]
     joints[joint] = replace(joints[joint], follows=Following(ties, driven=True), range=rods.range)
     links = list(arm.links)
     if rods.rod > 0.0:
@@ -83,5 +83,5 @@ def _as_before(follower: Joint, joint: int, between: range) -> Joint:
     weights = {tie.joint: tie.weight for tie in follows.ties}
     for index in between:
         weights[index] = weights.get(index, 0.0) - weight
-    ties = tuple(Tie(index, each) for index, each in sorted(weights.items()) if each != 0.0)
+    ties = tuple(Tie(index, item) for index, item in sorted(weights.items()) if item != 0.0)
     return replace(follower, follows=replace(follows, ties=ties))

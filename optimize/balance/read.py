@@ -22,17 +22,17 @@ _KINDS: MappingLike[str, str] = MappingProxyType(
 
 def read_balances(choose: Mapping, arm: Arm) -> tuple[Arm, tuple[Balance, ...]]:
     """The arm with what is to be chosen marked, and what it is, from `choose`; raises `InputError`."""
-    found: list[Balance] = []
+    balances: list[Balance] = []
     for key, read in (("balancer", _balancer), ("counterweight", _counterweight)):
         if not choose.has(key):
             continue
         for entry in choose.mappings(key):
             with entry.reading() as body:
-                arm, own = read(body, arm)
-                if any((each.field, each.place) in {(x.field, x.place) for x in found} for each in own):
+                arm, numbers = read(body, arm)
+                if any((number.field, number.place) in {(x.field, x.place) for x in balances} for number in numbers):
                     raise body.error("", f"is the second {key} of its kind there; name each place once")
-                found += own
-    return arm, tuple(found)
+                balances += numbers
+    return arm, tuple(balances)
 
 
 def _range(body: Mapping, name: str, kind: str) -> tuple[float, float]:
@@ -78,24 +78,26 @@ def _counterweight(body: Mapping, arm: Arm) -> tuple[Arm, list[Balance]]:
     low, high = _range(body, "mass", "mass")
     if low < 0.0:
         raise body.error("mass", "cannot be negative")
-    own = [k for k, each in enumerate(link.masses) if each.on == "joint" and each.motor_of is None and each.at[0] < 0.0]
-    if len(own) > 1:
-        raise body.error("link", f"link {place + 1} has {len(own)} counterweights already; leave one in the arm file")
-    given = link.masses[own[0]] if own else PointMass(0.0)
+    held = [
+        k for k, mass in enumerate(link.masses) if mass.on == "joint" and mass.motor_of is None and mass.at[0] < 0.0
+    ]
+    if len(held) > 1:
+        raise body.error("link", f"link {place + 1} has {len(held)} counterweights already; leave one in the arm file")
+    given = link.masses[held[0]] if held else PointMass(0.0)
     raw = body.raw("at", "where it is along the link from its joint, e.g. -300 mm, or a range [-400 mm, -150 mm]")
     nearest, farthest = body.range("at", "length") if isinstance(raw, list) else (body.quantity("at", "length"),) * 2
     words = f"counterweight of link {place + 1}"
-    found = [
+    numbers = [
         Balance(place, "counterweight", low, high, min(max(given.mass, low), high), "mass", f"mass of the {words}")
     ]
-    at = min(max(given.at[0] if own else 0.5 * (nearest + farthest), nearest), farthest)
+    at = min(max(given.at[0] if held else 0.5 * (nearest + farthest), nearest), farthest)
     if nearest < farthest:
-        found.append(Balance(place, "counterweight_at", nearest, farthest, at, "length", f"place of the {words}"))
+        numbers.append(Balance(place, "counterweight_at", nearest, farthest, at, "length", f"place of the {words}"))
     chosen = PointMass(given.mass, (at, *given.at[1:]), chosen=True)
-    masses = tuple(each for k, each in enumerate(link.masses) if k not in own)
+    masses = tuple(mass for k, mass in enumerate(link.masses) if k not in held)
     links = list(arm.links)
     links[place] = replace(link, masses=(*masses, chosen))
-    return arm.with_links(tuple(links)), found
+    return arm.with_links(tuple(links)), numbers
 
 
 def _number(body: Mapping, name: str, most: int) -> int:
@@ -107,7 +109,7 @@ def _number(body: Mapping, name: str, most: int) -> int:
 
 def check_balances(choose: Mapping, balances: tuple[Balance, ...], limited: frozenset[str]) -> None:
     """What does not go with them, one line each; `limited` are the figures that the problem limits."""
-    places = {each.place + 1 for each in balances if each.field == cast(Field, "counterweight_at")}
+    places = {balance.place + 1 for balance in balances if balance.field == cast(Field, "counterweight_at")}
     if places and "first_frequency" in limited:
         message = f"link {min(places)}'s has a range of places, and first_frequency is limited"
         raise choose.error("counterweight", f"{message}; give it one place, e.g. at: -300 mm")

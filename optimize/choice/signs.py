@@ -42,12 +42,12 @@ def _agree(terms: Array | None) -> bool:
 
 def _terms(model: ErrorModel, cut: ErrorCut, p: Array, *, growth: bool) -> Array | None:
     """The terms (N, 3) of a pose's error; None where it is no such sum."""
-    found = vectors_of(model, cut, p)
-    if found is None:
+    vectors = vectors_of(model, cut, p)
+    if vectors is None:
         return None
     features = features_of(p, model.arm.size)
     still, rest = np.zeros(3), list[Array]()
-    for power, c in found.terms.items():
+    for power, c in vectors.terms.items():
         term = c * float(np.prod([features[place] for place in power]))
         if power and (growth or all(k != EXPANSION for _, k in power)):
             rest.append(term)

@@ -30,31 +30,35 @@ def materials_where(mapping: Mapping, catalogue: Catalogue, arm: Arm, needs: fro
     if needs_thermal_expansion(arm):
         needed.add("thermal_expansion")
     with mapping.mapping("where").reading() as body:
-        found = list(catalogue)
+        materials = list(catalogue)
         if body.has("family"):
-            families = _families(body, found)
-            found = [material for material in found if material.family in families]
+            families = _families(body, materials)
+            materials = [material for material in materials if material.family in families]
         if body.has("magnetic"):
             magnetic = body.boolean("magnetic")
-            found = [material for material in found if material.magnetic is magnetic]
+            materials = [material for material in materials if material.magnetic is magnetic]
         kinds = property_kinds()
         for name in (*kinds, *_ALIASES):
             if not body.has(name):
                 continue
-            own: PropertyName = _ALIASES.get(name, name)  # type: ignore[assignment]
-            bound = body.bound(name, kinds[own])
-            found = [material for material in found if _keeps(material, own, bound.relation, bound.value, temperature)]
-    found = [material for material in found if all(_known(material, name, temperature) for name in needed)]
-    if not found:
+            property_name: PropertyName = _ALIASES.get(name, name)  # type: ignore[assignment]
+            bound = body.bound(name, kinds[property_name])
+            materials = [
+                material
+                for material in materials
+                if _keeps(material, property_name, bound.relation, bound.value, temperature)
+            ]
+    materials = [material for material in materials if all(_known(material, name, temperature) for name in needed)]
+    if not materials:
         would_do = "loosen one, or add what is not known with `linkwright materials edit`"
         raise mapping.error("where", f"no material of the catalogue keeps all conditions; {would_do}")
-    return tuple(found)
+    return tuple(materials)
 
 
 def _families(body: Mapping, materials: Sequence[Material]) -> list[str]:
     """The families that a condition names, each of which some of the materials are of."""
     raw = body.raw("family")
-    families = [str(each) for each in (raw if isinstance(raw, list) else [raw])]  # type: ignore[union-attr]
+    families = [str(item) for item in (raw if isinstance(raw, list) else [raw])]  # type: ignore[union-attr]
     known = sorted({material.family for material in materials})
     for number, family in enumerate(families, start=1):
         if family not in known:

@@ -65,23 +65,23 @@ class ScenarioSearch:
 
     def _rows(self, arm: Arm, shares: Array) -> Array:
         """The error model's row p of each scenario."""
-        return np.array([scenario_values(arm, self.loads, self.uncertain.scenario(each)) for each in shares])
+        return np.array([scenario_values(arm, self.loads, self.uncertain.scenario(share)) for share in shares])
 
     def _errors(self, rows: Array, poses: Array) -> Array:
         step = max(1, _CHUNK // len(poses))
-        found: list[Array] = []
+        errors: list[Array] = []
         for start in range(0, len(rows), step):
-            own = rows[start : start + step]
-            q, p = np.tile(poses, (len(own), 1)), np.repeat(own, len(poses), axis=0)
+            block = rows[start : start + step]
+            q, p = np.tile(poses, (len(block), 1)), np.repeat(block, len(poses), axis=0)
             cases = [self.search.errors(q, p, case).error for case in range(len(self.model.cases))]
-            found.append(np.max(cases, axis=0).reshape(len(own), len(poses)).max(axis=1))
-        return np.concatenate(found)
+            errors.append(np.max(cases, axis=0).reshape(len(block), len(poses)).max(axis=1))
+        return np.concatenate(errors)
 
     def poses(self, arm: Arm, seed: int) -> Array:
         """Poses to compare scenarios at: the worst of the arm as it is and at the pessimistic vertex, and others spread
         over the workspace."""
         shares = (np.zeros(self.size), self.uncertain.pessimistic())
-        worst = [pose.q for each in shares for pose in self.exact(arm, each).poses]
+        worst = [pose.q for share in shares for pose in self.exact(arm, share).poses]
         p = scenario_values(arm, self.loads, self.uncertain.scenario(shares[0]))
         return np.vstack([np.array(worst), self.search.poses(p, _POSES, seed)])
 
@@ -106,11 +106,11 @@ class ScenarioSearch:
             compared += sum(count for _, count in reached)
             ends = np.array([end for end, _ in reached])
             own = ends[int(np.argmax(self.errors(arm, ends, poses)))]
-            found = self.exact(arm, own, poses)
-            if case is not None and (found.error <= case.error * (1.0 + 1e-7) or np.array_equal(own, best)):
+            worst = self.exact(arm, own, poses)
+            if case is not None and (worst.error <= case.error * (1.0 + 1e-7) or np.array_equal(own, best)):
                 break
-            best, case = own, found
-            poses = np.vstack([poses, np.array([pose.q for pose in found.poses])])
+            best, case = own, worst
+            poses = np.vstack([poses, np.array([pose.q for pose in worst.poses])])
         assert case is not None
         return best, case, compared
 

@@ -77,7 +77,7 @@ class ListedSearch(BranchAndBound[Part]):
     @property
     def combinations(self) -> int:
         """How many combinations of sections there are."""
-        return sum(math.prod(len(own) for own in part) for part in agreeing(self.lists, self.context.problem.same))
+        return sum(math.prod(len(item) for item in part) for part in agreeing(self.lists, self.context.problem.same))
 
     @property
     @abstractmethod
@@ -92,7 +92,7 @@ class ListedSearch(BranchAndBound[Part]):
         """Whether the best design, which was looked at as a whole, is where its rows say: above those of the objective,
         and within all others. What they bound is worth nothing otherwise."""
         values = [] if self.judge.best is None else self._values(self.judge.best[0])
-        return all(value <= (self.objective * (1.0 + _AGREE) if own else _AGREE) for own, value in values)
+        return all(value <= (self.objective * (1.0 + _AGREE) if item else _AGREE) for item, value in values)
 
     @abstractmethod
     def run(self) -> Found:

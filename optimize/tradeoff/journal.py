@@ -36,8 +36,8 @@ def design_record(design: Design) -> dict[str, Any]:
 
 def design_of(record: Record, problem: Problem) -> Design:
     """The design that a record holds; the problem names the materials."""
-    own = [link.material for link in problem.arm.links]
-    known = {material.name: material for material in (*own, *(problem.materials or ())) if material is not None}
+    materials = [link.material for link in problem.arm.links]
+    known = {material.name: material for material in (*materials, *(problem.materials or ())) if material is not None}
     return Design(
         combination=Combination(
             tuple(record["shapes"]), tuple(None if name is None else known[name] for name in record["materials"])

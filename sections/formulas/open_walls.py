@@ -179,5 +179,5 @@ def half_shear(
     base: Number, thickness: Number, leg: Number, height: Number, centroid: Number, area: Number, second_moment: Number
 ) -> Number:
     """A / A_s at nu = 0 of half a T-section along its web, or half a channel along its flanges."""
-    found = half_shear_base(base, thickness, leg, height, centroid, area, second_moment)
-    return found * exp(fitted("half_shear", half_features(base, thickness, leg, height)))
+    result = half_shear_base(base, thickness, leg, height, centroid, area, second_moment)
+    return result * exp(fitted("half_shear", half_features(base, thickness, leg, height)))

@@ -50,7 +50,7 @@ def chain_arm(
 
 def elastic_motion(arm: Arm, state: PoseState) -> tuple[Array, Array]:
     """The tip's displacement (m) and rotation (rad) by the physics of the arm's model, play apart."""
-    twists = [t for each in active_effects(arm) for t in each.effect.twists(state, each.settings)]
+    twists = [t for effect in active_effects(arm) for t in effect.effect.twists(state, effect.settings)]
     return np.array(carried_to_tip(state, twists)), np.array(rotation_at_tip(state, twists))
 
 

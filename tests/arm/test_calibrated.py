@@ -46,32 +46,32 @@ def rigidity(arm: Arm, link: int = 0) -> float:
 
 def test_a_cantilever_gives_under_the_payload_beyond_the_calibrated_one_alone() -> None:
     arm = rods(0.6)
-    found = evaluate(arm, load_cases=[replace(arm.payload, relative_to=since(2.0))])
-    assert found.max_error == pytest.approx(1.0 * 9.81 * 0.6**3 / (3.0 * rigidity(arm)), rel=1e-9)
-    assert found.worst.certified
-    assert found.by_effect["link_bending"] == pytest.approx(found.max_error)
-    assert evaluation_json(found)["relative_to"] == {
+    result = evaluate(arm, load_cases=[replace(arm.payload, relative_to=since(2.0))])
+    assert result.max_error == pytest.approx(1.0 * 9.81 * 0.6**3 / (3.0 * rigidity(arm)), rel=1e-9)
+    assert result.worst.certified
+    assert result.by_effect["link_bending"] == pytest.approx(result.max_error)
+    assert evaluation_json(result)["relative_to"] == {
         "payload": {"payload_kg": 2.0, "force_N": [0.0, 0.0, 0.0], "moment_Nm": [0.0, 0.0, 0.0]},
         "temperature_degC": pytest.approx(20.0),
     }
-    assert "only what changes from calibration: payload 2 kg, at the temperature of work" in markdown(describe(found))
+    assert "only what changes from calibration: payload 2 kg, at the temperature of work" in markdown(describe(result))
 
 
 def test_between_payloads_the_farther_one_counts() -> None:
     arm = rods(0.6)
     cases = [LoadCase(mass, relative_to=since(2.0)) for mass in (0.0, 3.0)]
-    found = evaluate(arm, load_cases=cases)
-    assert found.max_error == pytest.approx(2.0 * 9.81 * 0.6**3 / (3.0 * rigidity(arm)), rel=1e-9)
-    assert found.worst.poses[0].load_case == 0
+    result = evaluate(arm, load_cases=cases)
+    assert result.max_error == pytest.approx(2.0 * 9.81 * 0.6**3 / (3.0 * rigidity(arm)), rel=1e-9)
+    assert result.worst.poses[0].load_case == 0
 
 
 def test_at_another_temperature_a_sagging_rod_is_off_by_its_growth_alone() -> None:
     """Steel is as stiff at 50 degC as at 20 degC, so that gravity's sag cancels."""
     arm = replace(rods(0.6), temperature=WARM, effects=(GROWS,))
-    found = evaluate(arm, load_cases=[replace(arm.payload, relative_to=since(temperature=COLD))])
+    result = evaluate(arm, load_cases=[replace(arm.payload, relative_to=since(temperature=COLD))])
     alpha = STEEL.at(WARM).need("thermal_expansion")
-    assert found.max_error == pytest.approx(alpha * 0.6 * 30.0, rel=1e-9)
-    assert found.growth is None
+    assert result.max_error == pytest.approx(alpha * 0.6 * 30.0, rel=1e-9)
+    assert result.growth is None
     here = evaluate(arm, load_cases=[LoadCase(4.0, relative_to=since(3.0))])
     assert here.max_error == pytest.approx(9.81 * 0.6**3 / (3.0 * rigidity(arm)), rel=1e-9)
 
@@ -135,9 +135,9 @@ def test_what_repeats_at_a_pose_is_calibrated_away() -> None:
     arm = Arm(
         "rail", (slide, Joint(range=(-0.5, 0.5))), (Link(0.1, mass=1.0), link), effects=off, leave_out=ONLY_BENDING
     )
-    found = evaluate(arm, load_cases=[LoadCase(3.0, relative_to=since(2.0))])
+    result = evaluate(arm, load_cases=[LoadCase(3.0, relative_to=since(2.0))])
     beam = beams_of(arm)[1]
-    assert found.max_error == pytest.approx(9.81 * 0.3**3 / (3.0 * float(beam.flexural_rigidity_height)), rel=1e-9)
+    assert result.max_error == pytest.approx(9.81 * 0.3**3 / (3.0 * float(beam.flexural_rigidity_height)), rel=1e-9)
 
 
 def test_beyond_first_order_is_told_of_what_counts() -> None:
@@ -163,22 +163,22 @@ leave_out: [shear_deformation, axial]
 def test_the_best_rods_for_what_changes_are_those_of_a_weightless_arm(tmp_path: Path) -> None:
     """Under the added load alone c1/A1^2 + c2/A2^2 is least, for a given volume, at areas as (c/L)^(1/3)."""
     problem = problem_of(tmp_path, ARM, "relative_to: {payload: {mass: 2 kg}}\nsubject_to: {mass: '<= 8 kg'}\n")
-    found = optimise(problem)
+    result = optimise(problem)
     lengths = np.array([0.5, 0.3])
     c = np.array([0.8**3 - 0.3**3, 0.3**3]) / 3.0
     areas = (c / lengths) ** (1.0 / 3.0)
     areas *= 8.0 / STEEL.need("density") / (areas @ lengths)
     inertia = areas**2 / (4.0 * math.pi)
-    assert found.status == "certified"
-    assert found.optimum == "global"
-    assert found.objective == pytest.approx(
+    assert result.status == "certified"
+    assert result.optimum == "global"
+    assert result.objective == pytest.approx(
         3.0 * 9.81 * float((c / inertia).sum()) / STEEL.need("elastic_modulus"), rel=2e-4
     )
-    assert [link.section.diameter for link in found.arm.links] == pytest.approx(
+    assert [link.section.diameter for link in result.arm.links] == pytest.approx(
         np.sqrt(4.0 * areas / math.pi), rel=3e-3
     )
-    assert found.objective >= scanned_error(found.arm, problem.load_cases, poses=2000) * (1.0 - 2e-4)
-    content = optimization_json(found)
+    assert result.objective >= scanned_error(result.arm, problem.load_cases, poses=2000) * (1.0 - 2e-4)
+    content = optimization_json(result)
     assert content["relative_to"]["payload"]["payload_kg"] == 2.0
     assert content["before"]["relative_to"] == content["relative_to"]
 

@@ -42,8 +42,8 @@ def test_what_nothing_drives_is_not_asked_to_move(tmp_path, middle):
     """A passive joint and one that is held at a single angle are left where they are; the others bring the tip back."""
     path = tmp_path / "arm.yaml"
     path.write_text(ARM.replace("MIDDLE", middle))
-    found = lw.compensate(path, grid=4)
-    table = found.table
+    result = lw.compensate(path, grid=4)
+    table = result.table
     assert not table["dq2_deg"].any()
     assert len(table) == (64 if "passive" in middle else 16)
     for _, row in table.iterrows():

@@ -82,16 +82,16 @@ def test_compliance_equals_the_frame_solvers() -> None:
 def test_principal_compliance_spans_the_ellipse() -> None:
     """The tip moves farthest under a force along the first principal axis of a symmetric compliance."""
     arm = Arm("one", (Joint(stiffness=2e4),), (Link(0.5, mass=1.0),))
-    found = compliance_at(arm, beams_of(arm), [0.0], planar=True)
-    assert found.principal[0] == pytest.approx(0.5**2 / 2e4, rel=1e-12)
-    assert found.principal[1] == pytest.approx(0.0, abs=1e-18)
-    assert np.abs(found.directions[0]) == pytest.approx([0.0, 1.0], abs=1e-12)
+    result = compliance_at(arm, beams_of(arm), [0.0], planar=True)
+    assert result.principal[0] == pytest.approx(0.5**2 / 2e4, rel=1e-12)
+    assert result.principal[1] == pytest.approx(0.0, abs=1e-18)
+    assert np.abs(result.directions[0]) == pytest.approx([0.0, 1.0], abs=1e-12)
 
 
 def test_each_effect_alone_adds_up_to_the_whole_vector() -> None:
     arm = spatial_arm(3)
     q = np.array([0.4, 0.9, -0.7])
-    names = {each.effect.id for each in active_effects(arm)}
+    names = {effect.effect.id for effect in active_effects(arm)}
     total = sum(deterministic(arm, arm.payload, q, name) for name in names)
     assert total == pytest.approx(deterministic(arm, arm.payload, q), rel=1e-12)
 
@@ -131,8 +131,8 @@ def test_expansion_of_a_material_without_a_coefficient_is_asked_for(tmp_path: Pa
 def test_an_effect_with_its_own_figure_acts_where_it_is_put() -> None:
     """A drive's compliance found by a diagnosis, at joint 2 only: tau l / K."""
     links = (Link(0.5, mass=0.0), Link(0.3, mass=0.0))
-    found = EffectEntry("joint_compliance", (2,), {"stiffness": 1e4})
-    arm = Arm("soft", (Joint(), Joint()), links, payload=LoadCase(mass=2.0), effects=(found,))
+    result = EffectEntry("joint_compliance", (2,), {"stiffness": 1e4})
+    arm = Arm("soft", (Joint(), Joint()), links, payload=LoadCase(mass=2.0), effects=(result,))
     vector = deterministic(arm, arm.payload, np.zeros(2))
     assert vector == pytest.approx([0.0, -2.0 * 9.81 * 0.3**2 / 1e4, 0.0], rel=1e-12)
 

@@ -100,11 +100,11 @@ def test_bent_arms_stand_where_an_exact_rod_does(seed, spatial):
             break
         payload, force = 0.7 * payload, 0.7 * force
         rods = [replace(rod, bend_y=1.3 * rod.bend_y, bend_z=1.3 * rod.bend_z) for rod in rods]
-    found = deformed(state, active_effects(arm), 3)
+    result = deformed(state, active_effects(arm), 3)
     nominal = columns(state.tip(), 3)
-    exact = [rod_tip(rods, each, np.array(gravity), payload, np.array(force)) for each in q]
-    off = nominal + found.tip - np.array([place for place, _ in exact])
-    assert found.settled.all()
+    exact = [rod_tip(rods, item, np.array(gravity), payload, np.array(force)) for item in q]
+    off = nominal + result.tip - np.array([place for place, _ in exact])
+    assert result.settled.all()
     assert bent > 0.5e-3
     assert np.sqrt(np.mean(np.sum(off**2, axis=1))) < 0.5e-6
 
@@ -149,10 +149,10 @@ def test_a_longer_link_bends_as_one_that_was_drawn_longer():
     gravity = (0.0, -9.81, 0.0)
     arm, beams = rods_as_arm(rods, gravity, 2.0, (0.0, 0.0, 0.0))
     state = solve(arm, [q[:, k] for k in range(3)], beams)
-    found = deformed(state, [*active_effects(arm), at_work("link_length", (1,), length=0.05)], 4)
+    result = deformed(state, [*active_effects(arm), at_work("link_length", (1,), length=0.05)], 4)
     truth = [rods[0], replace(rods[1], length=rods[1].length + 0.05), rods[2]]
-    exact = np.array([rod_tip(truth, each, np.array(gravity), 2.0, np.zeros(3))[0] for each in q])
-    assert np.linalg.norm(columns(state.tip(), 4) + found.tip - exact, axis=1).max() < 0.5e-6
+    exact = np.array([rod_tip(truth, item, np.array(gravity), 2.0, np.zeros(3))[0] for item in q])
+    assert np.linalg.norm(columns(state.tip(), 4) + result.tip - exact, axis=1).max() < 0.5e-6
 
 
 def test_an_instrument_that_is_off_moves_nothing_of_the_arm():
@@ -160,10 +160,10 @@ def test_an_instrument_that_is_off_moves_nothing_of_the_arm():
     q = poses(6)
     state = state_of(q)
     turn = 0.02
-    found = deformed(state, [at_work("frame_misalignment", (), about_z=turn, x=1e-3)], 6)
+    result = deformed(state, [at_work("frame_misalignment", (), about_z=turn, x=1e-3)], 6)
     tip = planar_tip(q)
     c, s = math.cos(turn), math.sin(turn)
-    np.testing.assert_allclose(found.tip[:, :2], tip @ np.array([[c, s], [-s, c]]) + [1e-3, 0.0] - tip, atol=1e-12)
+    np.testing.assert_allclose(result.tip[:, :2], tip @ np.array([[c, s], [-s, c]]) + [1e-3, 0.0] - tip, atol=1e-12)
 
 
 def test_an_arm_about_to_buckle_is_not_said_to_have_settled():

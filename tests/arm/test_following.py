@@ -52,7 +52,7 @@ payload: {{mass: 20 kg}}
 
 def motion(arm: Arm, q: list[float]) -> tuple[Array, Array]:
     state = solve(arm, q, beams_of(arm))
-    twists = [twist for each in active_effects(arm) for twist in each.effect.twists(state, each.settings)]
+    twists = [twist for effect in active_effects(arm) for twist in effect.effect.twists(state, effect.settings)]
     return np.array(carried_to_tip(state, twists)), np.array(rotation_at_tip(state, twists))
 
 
@@ -155,9 +155,9 @@ def test_finite_motions_come_to_the_first_order_where_loads_are_small(tmp_path: 
     beyond: list[float] = []
     for share in (1.0, 0.01):
         light = replace(arm, gravity=(0.0, 0.0, -G * share))
-        found = beyond_first_order(light, (light.payload,), (q[0].tolist(), 0), q)
-        assert found.largest is not None
-        beyond.append(found.largest)
+        result = beyond_first_order(light, (light.payload,), (q[0].tolist(), 0), q)
+        assert result.largest is not None
+        beyond.append(result.largest)
     assert 0.0 < beyond[1] < 3e-4 * beyond[0]
 
 
@@ -181,8 +181,8 @@ def test_worst_poses_of_coupled_arms_are_certified(tmp_path: Path) -> None:
 def test_points_have_single_poses_and_tables_no_column_of_their_own(tmp_path: Path) -> None:
     """In the plane two drives meet a point in one way each; a table for a controller spans what it can command."""
     arm = palletiser(tmp_path, TUBE)
-    found = inverse(arm, (0.9, 0.3))
-    assert [pose.isolated for pose in found] == [True]
+    result = inverse(arm, (0.9, 0.3))
+    assert [pose.isolated for pose in result] == [True]
     table = table_over(arm, 4, (20.0,))
     assert len(table.q) == 16
     assert table.q[:, 2] == pytest.approx(-table.q[:, 0] - table.q[:, 1], abs=1e-12)

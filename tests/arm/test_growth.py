@@ -36,15 +36,15 @@ def bars(*materials: Material | None, temperature: float = WARM, **more: object)
 
 def growth_of(*materials: Material) -> float:
     """How much bars of 400 mm grow together from 20 degC on (m)."""
-    return sum(0.4 * (WARM - 293.15) * each.at(WARM).need("thermal_expansion") for each in materials)
+    return sum(0.4 * (WARM - 293.15) * material.at(WARM).need("thermal_expansion") for material in materials)
 
 
 def test_without_gravity_the_error_left_out_is_alpha_l_times_the_warming_of_the_stretched_arm() -> None:
-    found = evaluate(bars(STEEL, ALUMINIUM, gravity=(0.0, 0.0, 0.0)))
-    assert found.max_error == pytest.approx(0.0, abs=1e-12)
-    assert found.growth is not None
-    assert found.growth.error == pytest.approx(growth_of(STEEL, ALUMINIUM), rel=1e-9)
-    content = evaluation_json(found)["thermal_growth_left_out"]
+    result = evaluate(bars(STEEL, ALUMINIUM, gravity=(0.0, 0.0, 0.0)))
+    assert result.max_error == pytest.approx(0.0, abs=1e-12)
+    assert result.growth is not None
+    assert result.growth.error == pytest.approx(growth_of(STEEL, ALUMINIUM), rel=1e-9)
+    content = evaluation_json(result)["thermal_growth_left_out"]
     assert content == {
         "temperature_degC": pytest.approx(50.0),
         "since_degC": pytest.approx(20.0),
@@ -61,7 +61,7 @@ def test_the_warning_tells_what_counting_it_gives() -> None:
     assert without.growth.error == pytest.approx(counted.max_error, rel=1e-6)
     assert counted.max_error > without.max_error
     (warning,) = without.warnings
-    worst, known = (f"{1e3 * each.max_error:.4g} mm" for each in (counted, without))
+    worst, known = (f"{1e3 * item.max_error:.4g} mm" for item in (counted, without))
     assert f"with it the worst error is {worst}, not {known}" in warning
     assert "+30 K from 20 degC" in warning
     assert counted.growth is None
@@ -72,9 +72,9 @@ def test_the_warning_tells_what_counting_it_gives() -> None:
 
 
 def test_nothing_is_left_out_at_20_degrees() -> None:
-    found = evaluate(bars(STEEL, temperature=293.15))
-    assert found.growth is None
-    assert evaluation_json(found)["thermal_growth_left_out"] is None
+    result = evaluate(bars(STEEL, temperature=293.15))
+    assert result.growth is None
+    assert evaluation_json(result)["thermal_growth_left_out"] is None
 
 
 def test_links_whose_growth_nobody_knows_are_named() -> None:

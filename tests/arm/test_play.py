@@ -54,14 +54,14 @@ def test_worst_in_the_plane_is_the_farthest_of_all_vertices_and_disc_directions(
     """Enumeration (up to 4 intervals) and the zonotope's vertices (beyond) against brute force."""
     arrays = pose_arrays(np.random.default_rng([intervals, discs]), 40, intervals, discs, planar=True)
     radii = np.linspace(0.1, 0.4, discs)
-    found = played(arrays, radii, "worst", planar=True)
+    result = played(arrays, radii, "worst", planar=True)
     exact = np.zeros(40)
     for signs in itertools.product((-1.0, 1.0), repeat=intervals):
         point = arrays.vector + np.einsum("k,nki->ni", np.array(signs), arrays.intervals)
         exact = np.maximum(exact, np.linalg.norm(point, axis=1) + radii.sum())
-    assert found.error == pytest.approx(exact, rel=1e-12)
+    assert result.error == pytest.approx(exact, rel=1e-12)
     # 3600 directions miss the support by at most 1 - cos(pi/3600) < 4e-7 of it.
-    assert found.error == pytest.approx(farthest_by_directions(arrays, radii, plane_directions(3600)), rel=1e-6)
+    assert result.error == pytest.approx(farthest_by_directions(arrays, radii, plane_directions(3600)), rel=1e-6)
 
 
 def test_parallel_and_vanishing_intervals_are_no_trap_for_the_zonotope() -> None:
@@ -90,26 +90,26 @@ def test_worst_in_space_is_not_below_brute_force_over_directions(seed: int, inte
     radii = rng.uniform(0.05, 1.0, discs)
     directions = rng.normal(size=(4000, 3))
     directions /= np.linalg.norm(directions, axis=1, keepdims=True)
-    found = played(arrays, radii, "worst", planar=False)
-    assert np.all(found.error >= farthest_by_directions(arrays, radii, directions) - 1e-9)
-    made = arrays.vector + np.einsum("nk,nki->ni", found.signs, arrays.intervals) + found.shifts.sum(axis=1)
-    assert np.linalg.norm(made, axis=1) == pytest.approx(found.error, rel=1e-12)
-    assert np.all(np.abs(found.signs) <= 1.0)
-    assert np.all(np.linalg.norm(found.shifts, axis=2) <= radii * (1.0 + 1e-12))
-    assert np.all(np.abs(np.einsum("nki,nki->nk", found.shifts, arrays.normals)) <= 1e-12)
+    result = played(arrays, radii, "worst", planar=False)
+    assert np.all(result.error >= farthest_by_directions(arrays, radii, directions) - 1e-9)
+    made = arrays.vector + np.einsum("nk,nki->ni", result.signs, arrays.intervals) + result.shifts.sum(axis=1)
+    assert np.linalg.norm(made, axis=1) == pytest.approx(result.error, rel=1e-12)
+    assert np.all(np.abs(result.signs) <= 1.0)
+    assert np.all(np.linalg.norm(result.shifts, axis=2) <= radii * (1.0 + 1e-12))
+    assert np.all(np.abs(np.einsum("nki,nki->nk", result.shifts, arrays.normals)) <= 1e-12)
 
 
 def test_loaded_play_stands_where_its_load_pushes_it() -> None:
     arrays = pose_arrays(np.random.default_rng(4), 30, 3, 2, planar=False)
     radii = np.array([0.2, 0.3])
-    found = played(arrays, radii, "loaded", planar=False)
-    assert np.array_equal(found.signs, np.sign(arrays.interval_seating))
+    result = played(arrays, radii, "loaded", planar=False)
+    assert np.array_equal(result.signs, np.sign(arrays.interval_seating))
     for disc in range(2):
         normal, load = arrays.normals[:, disc], arrays.disc_seating[:, disc]
         across = load - np.einsum("ni,ni->n", normal, load)[:, None] * normal
         expected = radii[disc] * across / np.linalg.norm(across, axis=1, keepdims=True)
-        assert found.shifts[:, disc] == pytest.approx(expected, abs=1e-12)
-    assert np.all(found.error <= played(arrays, radii, "worst", planar=False).error + 1e-12)
+        assert result.shifts[:, disc] == pytest.approx(expected, abs=1e-12)
+    assert np.all(result.error <= played(arrays, radii, "worst", planar=False).error + 1e-12)
 
 
 def test_play_without_load_counts_as_worst() -> None:
@@ -126,7 +126,7 @@ def test_statistical_play_is_the_quantile_of_a_plain_monte_carlo() -> None:
     arrays = pose_arrays(np.random.default_rng(8), 3, 3, 2, planar=True)
     radii = np.array([0.8, 0.5])
     mode = Statistics(level=0.9, draws=20_000, seed=3)
-    found = played(arrays, radii, "statistical", planar=True, statistics=mode)
+    result = played(arrays, radii, "statistical", planar=True, statistics=mode)
     rng = np.random.default_rng(12345)
     signs = rng.uniform(-1.0, 1.0, (100_000, 3))
     square = rng.uniform(-1.0, 1.0, (400_000, 2))
@@ -136,7 +136,7 @@ def test_statistical_play_is_the_quantile_of_a_plain_monte_carlo() -> None:
         for disc, radius in enumerate(radii):
             points[:, :2] += radius * inside[disc * 100_000 : (disc + 1) * 100_000]
         expected = float(np.quantile(np.linalg.norm(points, axis=1), 0.9))
-        assert found.error[pose] == pytest.approx(expected, rel=0.015)
+        assert result.error[pose] == pytest.approx(expected, rel=0.015)
 
 
 def test_statistical_play_repeats_itself_and_stays_below_worst() -> None:
@@ -186,16 +186,16 @@ def test_gravity_seats_backlash_downwards() -> None:
     """Held out level under its load, each joint sags by half its backlash."""
     arm = paper_arm(play="loaded", payload=LoadCase(mass=2.0))
     case = error_model(arm).cases[0]
-    found = played(case.arrays(np.zeros((1, 3)), beam_values(beams_of(arm))), case.radii, "loaded", planar=True)
-    assert found.vector[0] == pytest.approx([0.0, -0.5e-3 * (1.24 + 0.84 + 0.42), 0.0], abs=1e-15)
+    result = played(case.arrays(np.zeros((1, 3)), beam_values(beams_of(arm))), case.radii, "loaded", planar=True)
+    assert result.vector[0] == pytest.approx([0.0, -0.5e-3 * (1.24 + 0.84 + 0.42), 0.0], abs=1e-15)
 
 
 def test_a_side_force_pushes_the_pins_its_way() -> None:
     arm = Arm("pins", (Joint(clearance=25e-6),) * 2, paper_arm().links[:2], payload=LoadCase(force=(30.0, 0.0, 0.0)),
               play="loaded")  # fmt: skip
     case = error_model(arm).cases[0]
-    found = played(case.arrays(np.array([[0.3, 0.4]]), beam_values(beams_of(arm))), case.radii, "loaded", planar=True)
-    assert found.vector[0] == pytest.approx([50e-6, 0.0, 0.0], abs=1e-15)
+    result = played(case.arrays(np.array([[0.3, 0.4]]), beam_values(beams_of(arm))), case.radii, "loaded", planar=True)
+    assert result.vector[0] == pytest.approx([50e-6, 0.0, 0.0], abs=1e-15)
 
 
 def test_a_slide_in_the_plane_has_play_along_and_across() -> None:

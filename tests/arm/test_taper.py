@@ -57,9 +57,9 @@ def motion(of, q=(0.0,)):
 def test_cone_under_a_force_at_its_end(tmp_path: Path) -> None:
     """F L^3/(3 E I_b) d_b/d_a: int s^2/d^4 = 1/(3 d_a d_b^3) for a diameter linear from d_b (held) to d_a (free)."""
     loaded = "payload: {force: [0 N, 100 N, 0 N]}\nleave_out: [shear_deformation]\n"
-    found, turned = motion(arm(tmp_path, CONE, tail=loaded))
+    result, turned = motion(arm(tmp_path, CONE, tail=loaded))
     inertia = math.pi * 0.1**4 / 64.0
-    assert found[1] == pytest.approx(100.0 * 0.8**3 / (3.0 * E * inertia) * 0.1 / 0.04, rel=1e-9)
+    assert result[1] == pytest.approx(100.0 * 0.8**3 / (3.0 * E * inertia) * 0.1 / 0.04, rel=1e-9)
     # The slope by quadrature of M/EI, M = F s.
     slope, _ = quad(lambda s: 100.0 * s * 0.8**2 / (E * math.pi * (0.04 + 0.06 * s) ** 4 / 64.0), 0.0, 1.0)
     assert turned[2] == pytest.approx(slope, rel=1e-9)
@@ -75,7 +75,7 @@ def tube_at(x: float) -> tuple[float, float]:
 def test_tube_under_its_own_weight_and_a_moment(tmp_path: Path) -> None:
     """Every beam integral by scipy's quadrature, of the tube's own formulas."""
     tail = "payload: {moment: [0 N*m, 0 N*m, 12 N*m]}\nleave_out: [shear_deformation]\n"
-    found, turned = motion(arm(tmp_path, TUBE, head="", tail=tail))
+    result, turned = motion(arm(tmp_path, TUBE, head="", tail=tail))
     length = 0.8
 
     def bending(x: float) -> float:
@@ -85,7 +85,7 @@ def test_tube_under_its_own_weight_and_a_moment(tmp_path: Path) -> None:
     slope = quad(bending, 0.0, 1.0)[0] * length
     deflection = quad(lambda x: bending(x) * (1.0 - x), 0.0, 1.0)[0] * length**2
     assert turned[2] == pytest.approx(slope, rel=1e-8)
-    assert found[1] == pytest.approx(deflection, rel=1e-8)
+    assert result[1] == pytest.approx(deflection, rel=1e-8)
 
 
 def test_mass_centre_and_cost_are_those_of_the_frustum(tmp_path: Path) -> None:
@@ -118,9 +118,9 @@ def framed(shear: bool = True, rho: float = RHO) -> tuple[frame_solver.Frame, in
             else:
                 sizes = {"width": 0.06 + 0.02 * middle, "height": 0.09 - 0.04 * middle}
                 cut = build("rectangular_tube", {**sizes, "thickness": 0.005 - 0.002 * middle})
-            found = cut.properties(NU)
-            figures = (found.area, found.second_moment_y, found.second_moment_z, found.torsion_constant)
-            shears = (found.shear_area_z, found.shear_area_y) if shear else (math.inf, math.inf)
+            result = cut.properties(NU)
+            figures = (result.area, result.second_moment_y, result.second_moment_z, result.torsion_constant)
+            shears = (result.shear_area_z, result.shear_area_y) if shear else (math.inf, math.inf)
             height = np.array([-along[1], along[0], 0.0])
             members.append(
                 frame_solver.Member(len(nodes) - 2, len(nodes) - 1, height, E, G, *map(float, (*figures, *shears)), rho)
@@ -143,11 +143,11 @@ def test_two_links_in_space_as_the_frame_solver_says(tmp_path: Path) -> None:
     """Bending both ways, torsion, shear and axial strain under weight, payload, force and moment together."""
     head = "gravity: [2 m/s^2, -7 m/s^2, -6 m/s^2]\n"
     tail = "payload: {mass: 2 kg, force: [40 N, -60 N, 25 N], moment: [3 N*m, -8 N*m, 5 N*m]}\n"
-    found, turned = motion(arm(tmp_path, TUBE, BOX, head=head, tail=tail), (math.radians(20.0), math.radians(55.0)))
+    result, turned = motion(arm(tmp_path, TUBE, BOX, head=head, tail=tail), (math.radians(20.0), math.radians(55.0)))
     frame, tip = framed()
     expected = frame_solver.solve(frame)[tip]
     # Members of uniform section converge with the square of their length: (1/160)^2 is 4e-5.
-    assert np.linalg.norm(found - expected[:3]) < 5e-5 * np.linalg.norm(expected[:3])
+    assert np.linalg.norm(result - expected[:3]) < 5e-5 * np.linalg.norm(expected[:3])
     assert np.linalg.norm(turned - expected[3:]) < 5e-5 * np.linalg.norm(expected[3:])
 
 
@@ -177,10 +177,10 @@ def test_a_long_cone_yields_where_it_is_half_as_thick_again_as_at_its_end(tmp_pa
     cone = arm(tmp_path, thin, tail="payload: {force: [0 N, 100 N, 0 N]}\n")
     at = 0.8 * (0.5 * 0.02) / 0.08
     greatest = 32.0 * 100.0 * at / (math.pi * 0.03**3)
-    found = evaluate(cone, Workspace()).strength
-    assert found.stress[0] == pytest.approx(greatest, rel=5e-3)
-    assert found.stress[0] <= greatest * (1 + 1e-9)
-    assert found.stress[0] > 1.5 * 32.0 * 100.0 * 0.8 / (math.pi * 0.1**3)
+    result = evaluate(cone, Workspace()).strength
+    assert result.stress[0] == pytest.approx(greatest, rel=5e-3)
+    assert result.stress[0] <= greatest * (1 + 1e-9)
+    assert result.stress[0] > 1.5 * 32.0 * 100.0 * 0.8 / (math.pi * 0.1**3)
 
 
 def test_stress_at_the_joint_is_that_of_the_loads_beyond(tmp_path: Path) -> None:
@@ -188,8 +188,8 @@ def test_stress_at_the_joint_is_that_of_the_loads_beyond(tmp_path: Path) -> None
     rod = arm(tmp_path, "{shape: circle, diameter: [100 mm, 95 mm]}", head="", tail="payload: {mass: 3 kg}\n")
     state = solve(rod, (0.0,), beams_of(rod))
     moment = abs(state.links[0].base_moment[2])
-    found = evaluate(rod, Workspace()).strength
-    assert found.stress[0] == pytest.approx(32.0 * moment / (math.pi * 0.1**3), rel=1e-6)
+    result = evaluate(rod, Workspace()).strength
+    assert result.stress[0] == pytest.approx(32.0 * moment / (math.pi * 0.1**3), rel=1e-6)
 
 
 def test_tapered_column_buckles_as_its_differential_equation_says(tmp_path: Path) -> None:

@@ -48,15 +48,15 @@ PROJECT = {"units", "registries", "sections", "materials", "catalogues", "arm", 
 def imports(path: Path) -> list[tuple[str, int]]:
     """Top names imported by a file, with the column of the statement: 0 runs at load. Where work is done is no part of
     what is judged: it counts as `executors`."""
-    found = []
+    results = []
     for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
         if isinstance(node, ast.Import):
-            found += [(alias.name.split(".")[0], node.col_offset) for alias in node.names]
+            results += [(alias.name.split(".")[0], node.col_offset) for alias in node.names]
         elif isinstance(node, ast.ImportFrom):
             assert node.level == 0
             module = (node.module or "").removeprefix("linkwright.core.executors") or "executors"
-            found.append((module.split(".")[0], node.col_offset))
-    return found
+            results.append((module.split(".")[0], node.col_offset))
+    return results
 
 
 def test_generator_imports_nothing_of_the_project():
@@ -343,11 +343,11 @@ def test_gravity_alone_makes_clearance_a_shift_of_the_frame():
 def test_exact_aliases_of_the_table_are_found(one, other):
     """Half of a thermal bending at each end; droop and drive; base and first joint."""
     scene, response = scene_of("planar_3r", "drives", "full")
-    found = aliases.candidates(scene, response, [])
+    result = aliases.candidates(scene, response, [])
     parameters = {"gradient": 0.1, "lag": 0.0, "compliance": 1e-6}
     column = aliases.flat(aliases.signature(Effect(*one, "", parameters), scene, response), True)
     none = np.zeros((0, 0))
-    reached = {(c.effect, c.at): r for r, c in aliases.correlations(column, found, none)}
+    reached = {(c.effect, c.at): r for r, c in aliases.correlations(column, result, none)}
     assert reached[other] == pytest.approx(1.0, abs=1e-3)
     assert reached["encoder_scale", (3,)] < 0.98
 
@@ -383,8 +383,8 @@ def test_departure_of_an_unknown_effect_is_an_error():
 
 def index_of(kind: str, effect: str | None = None) -> tuple[int, int]:
     for index in range(2000):
-        found, number = kind_of(index)
-        if found == kind and (effect is None or SINGLES[(number // 6 + 5 * number) % len(SINGLES)] == effect):
+        result, number = kind_of(index)
+        if result == kind and (effect is None or SINGLES[(number // 6 + 5 * number) % len(SINGLES)] == effect):
             return index, number
     raise LookupError(kind)
 

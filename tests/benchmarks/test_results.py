@@ -17,11 +17,11 @@ pytestmark = pytest.mark.slow
 
 @pytest.mark.parametrize("seed", [1, 6])
 def test_no_scanned_pose_is_worse_than_the_bound(seed: int) -> None:
-    found = random_problems.run(seed)
-    assert found is not None
-    assert found.bound is not None
-    assert found.worst <= found.bound * (1.0 + 1e-9)
-    assert found.worst >= found.bound * (1.0 - 1e-3)  # a scan that saw nothing would say nothing
+    result = random_problems.run(seed)
+    assert result is not None
+    assert result.bound is not None
+    assert result.worst <= result.bound * (1.0 + 1e-9)
+    assert result.worst >= result.bound * (1.0 - 1e-3)  # a scan that saw nothing would say nothing
 
 
 def test_a_bound_that_is_too_low_is_beaten(tmp_path: Path) -> None:

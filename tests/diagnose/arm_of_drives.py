@@ -20,7 +20,7 @@ COMPLIANCE = (1.5e-5, 2.5e-5, 4e-5)
 def arm_of_drives() -> Arm:
     """Three rigid, weightless links on drives that give."""
     arm = planar_arm()
-    joints = tuple(replace(joint, stiffness=1.0 / each) for joint, each in zip(arm.joints, COMPLIANCE, strict=True))
+    joints = tuple(replace(joint, stiffness=1.0 / item) for joint, item in zip(arm.joints, COMPLIANCE, strict=True))
     return replace(arm, joints=joints)
 
 

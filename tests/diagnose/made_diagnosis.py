@@ -89,8 +89,8 @@ def made_diagnosis(verdict="named", arm=None, seed=5, **changed):
     if verdict == "unknown":
         missing = np.where(recording.time[:, None] > 700.0, 2e-4, 0.0) * np.ones(width)
     before, after = missing + noise, noise + (missing if verdict == "unknown" else 0.0)
-    rms = [float(np.sqrt(np.mean(np.sum(each * each, axis=1)))) for each in (before, after)]
-    found = Diagnosis(
+    rms = [float(np.sqrt(np.mean(np.sum(item * item, axis=1)))) for item in (before, after)]
+    result = Diagnosis(
         arm=arm,
         recording=recording,
         verdict=verdict,
@@ -134,7 +134,7 @@ def made_diagnosis(verdict="named", arm=None, seed=5, **changed):
         notes=("No payload was recorded in rows 1 to 3.",),
         seconds=1.25,
     )
-    return replace(found, **changed)
+    return replace(result, **changed)
 
 
 _SENTENCES = MappingProxyType(

@@ -30,8 +30,8 @@ class Case:
     @property
     def off(self):
         """(effect, joint or link from 1) of all that is off."""
-        found = [("encoder_offset", k + 1) for k in np.flatnonzero(self.zeros)]
-        return found + [("link_length", k + 1) for k in np.flatnonzero(self.longer)]
+        results = [("encoder_offset", k + 1) for k in np.flatnonzero(self.zeros)]
+        return results + [("link_length", k + 1) for k in np.flatnonzero(self.longer)]
 
 
 def lengths_of(table):
@@ -93,12 +93,12 @@ def sessions(case, seed):
     span = np.radians([80] * size if case.planar else [150, 80, 110, 150, 110, 170])
     tool = rng.normal(0.0, 0.03, width) if case.tool_free else np.zeros(width)
     turn, shift = Rotation.from_euler("z", 0.4).as_matrix()[:width, :width], rng.normal(0.0, 0.5, width)
-    found = []
+    results = []
     for q in (np.repeat(rng.uniform(-span, span, (case.poses, size)), 2, axis=0), rng.uniform(-span, span, (80, size))):
         tip, axes = ends(case, q, case.zeros, case.longer)
         tip = (tip + axes @ tool) @ turn.T + shift
-        found.append((q, tip + case.sigma * rng.standard_normal(tip.shape)))
-    return found
+        results.append((q, tip + case.sigma * rng.standard_normal(tip.shape)))
+    return results
 
 
 def placed(case, tip, axes, seen):
@@ -131,14 +131,14 @@ def least_squares_with_the_true_set(case, fitted, further):
             (zeros if effect == "encoder_offset" else longer)[k] = value
         return placed(case, *ends(case, q, zeros, longer), seen).reshape(-1)
 
-    found = least_squares(left, true, x_scale=np.abs(true), args=(which, *fitted), diff_step=1e-5)
+    result = least_squares(left, true, x_scale=np.abs(true), args=(which, *fitted), diff_step=1e-5)
     there = np.concatenate([case.zeros, case.longer])
     steps = 1e-6 * np.eye(len(every))
     slopes = [(left(there + step, every, *fitted) - left(there - step, every, *fitted)) / 2e-6 for step in steps]
     # A turn of a radian or a metre more is all that is known of each before.
     known = np.stack(slopes) @ np.stack(slopes).T / case.sigma**2 + np.eye(len(every))
     errors = dict(zip(every, np.sqrt(np.diag(np.linalg.inv(known))).tolist(), strict=True))
-    rest = left(found.x, which, *further).reshape(len(further[1]), -1)
+    rest = left(result.x, which, *further).reshape(len(further[1]), -1)
     told = {(name, int(k) + 1): abs(size) / errors[name, k] for (name, k), size in zip(which, true, strict=True)}
     return float(np.sqrt(np.mean(np.sum(rest**2, axis=1)))), told
 

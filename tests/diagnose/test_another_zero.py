@@ -49,5 +49,5 @@ def test_a_range_that_is_wrong_is_no_other_zero():
     """The same rows beyond the range, but what hangs on the joint pulls as the readings say."""
     q = np.repeat(poses(3, 30), 2, axis=0)
     arm = ranged((-2.4, 2.4), (-2.4, 2.4), (-2.4 + QUARTER, 2.4 + QUARTER))
-    found = diagnose(arm, recording(q, tips(q) + noise(3, len(q)), tool="free"))
-    assert found.verdict == "none"
+    result = diagnose(arm, recording(q, tips(q) + noise(3, len(q)), tool="free"))
+    assert result.verdict == "none"

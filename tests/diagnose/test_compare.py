@@ -49,27 +49,27 @@ def test_holm_by_hand():
 
 def test_change_is_measured():
     """Drive 2 from 20 to 35 urad/(N*m): the difference is 15, within its interval, and beyond doubt."""
-    found = compare(made_arm(), diagnosis_of(2e-5, 1), diagnosis_of(3.5e-5, 2))
-    (change,) = found.changes
+    result = compare(made_arm(), diagnosis_of(2e-5, 1), diagnosis_of(3.5e-5, 2))
+    (change,) = result.changes
     assert (change.effect, change.first.at, change.first.parameter) == ("joint_compliance", (2,), "compliance")
     assert change.first.interval[0] < 2e-5 < change.first.interval[1]
     assert change.second.interval[0] < 3.5e-5 < change.second.interval[1]
     assert change.interval[0] < 1.5e-5 < change.interval[1]
-    wide, *of_each = (np.ptp(each) for each in (change.interval, change.first.interval, change.second.interval))
+    wide, *of_each = (np.ptp(item) for item in (change.interval, change.first.interval, change.second.interval))
     assert wide == pytest.approx(np.hypot(*of_each), rel=0.02)
     assert change.changed
-    assert found.unexplained == pytest.approx((NOISE * 2**0.5,) * 2, rel=0.15)
-    sentence = comparison_sentence(found)
+    assert result.unexplained == pytest.approx((NOISE * 2**0.5,) * 2, rel=0.15)
+    sentence = comparison_sentence(result)
     assert sentence.startswith("Changed: compliance of the drives (joint 2), compliance from 2")
-    content = json.loads(Comparison(lw.Arm.of(found.first.arm), found).to_json())
+    content = json.loads(Comparison(lw.Arm.of(result.first.arm), result).to_json())
     assert content["changes"][0]["difference"] == pytest.approx(change.difference)
     assert content["sentence"] == sentence
 
 
 def test_what_only_one_shows_is_measured_in_the_other():
     """Nothing was named in the first; there the common model finds nothing, within its interval."""
-    found = compare(made_arm(), diagnosis_of(0.0, 3, named=False), diagnosis_of(2e-5, 4))
-    (change,) = found.changes
+    result = compare(made_arm(), diagnosis_of(0.0, 3, named=False), diagnosis_of(2e-5, 4))
+    (change,) = result.changes
     assert change.first.interval[0] < 0.0 < change.first.interval[1]
     assert change.changed
 
@@ -79,7 +79,7 @@ def test_change_of_an_arm_that_gives_by_millimetres():
     left but the noise, and no interval is wider than that of readings that first order holds for."""
     gives, sigma = np.array([1.2e-4, 2.0e-4, 2.5e-4]), 5e-6
     stiff = file()
-    joints = tuple(replace(joint, stiffness=1.0 / each) for joint, each in zip(stiff.joints, gives, strict=True))
+    joints = tuple(replace(joint, stiffness=1.0 / item) for joint, item in zip(stiff.joints, gives, strict=True))
     arm = replace(stiff, joints=joints)
     fits = []
     for seed, more in ((1, 1.0e-4), (2, 1.3e-4)):
@@ -153,8 +153,8 @@ def test_shared_poses_by_hand():
     def at(q, payload, residual):
         rows = np.arange(len(q))
         recording = replace(made_recording(arm), q=q, tip=q[:, :2], row=rows, payload_mass=np.array(payload))
-        found = {"recording": recording, "residual_before": 1e-6 * np.array(residual), "noise_floor": 1e-6}
-        return replace(made_diagnosis(), **found)
+        results = {"recording": recording, "residual_before": 1e-6 * np.array(residual), "noise_floor": 1e-6}
+        return replace(made_diagnosis(), **results)
 
     first = at(q, [0.0, 0.0, 0.0], [[0, 0], [0, 0], [9, 9]])
     second = at(np.vstack([q + 1e-5, q[2:]]), [0.0, 0.0, 5.0, 5.0], [[3, 0], [0, 4], [50, 0], [50, 0]])
@@ -168,10 +168,10 @@ def test_shared_poses_by_hand():
 def test_regions_hold_only_what_both_visited():
     """Every region has readings of both, and together not more than there are."""
     first, second = diagnosis_of(2e-5, 1), diagnosis_of(2e-5, 2)
-    found = regions(made_arm(), first, second)
-    assert found
-    assert all(min(each.counts) >= 5 for each in found)
-    assert sum(each.counts[0] for each in found) <= first.recording.size
+    result = regions(made_arm(), first, second)
+    assert result
+    assert all(min(item.counts) >= 5 for item in result)
+    assert sum(item.counts[0] for item in result) <= first.recording.size
 
 
 def test_figures_of_both_stand_beside_each_other():
@@ -205,7 +205,7 @@ def test_command(linkwright, bench):  # noqa: F811 - the fixtures
     )
     assert (status, err) == (0, "")
     content = json.loads((bench / "c.json").read_text(encoding="utf-8"))
-    changed = [each for each in content["changes"] if each["changed"]]
+    changed = [item for item in content["changes"] if item["changed"]]
     assert changed
     assert content["sentence"] in out
     assert "| left by the common model |" in (bench / "c.md").read_text(encoding="utf-8")

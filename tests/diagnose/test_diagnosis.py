@@ -41,15 +41,15 @@ PLAN = {"poses": 12}
 
 def names_of(found):
     """What a diagnosis names, alternatives included, as (effect, at)."""
-    return {(each.effect, each.at) for f in found.findings for each in (f, *f.alternatives)}
+    return {(alternative.effect, alternative.at) for f in found.findings for alternative in (f, *f.alternatives)}
 
 
 @cache
 def shown(space, changed):
     """What a recording of nothing but noise could just have shown."""
-    found = diagnose(made_arm(space), recorded(made_arm(space), **{**PLAN, **dict(changed), "seed": 99}))
-    assert found.verdict == "none"
-    return {(each.effect, each.at): (each.parameter, each.value) for each in found.detectable}
+    result = diagnose(made_arm(space), recorded(made_arm(space), **{**PLAN, **dict(changed), "seed": 99}))
+    assert result.verdict == "none"
+    return {(item.effect, item.at): (item.parameter, item.value) for item in result.detectable}
 
 
 def test_every_effect_with_a_size_is_tried_somewhere():
@@ -87,14 +87,14 @@ def named_alone(effect):
     arm = made_arm(space)
     name, size = shown(space, tuple(changed.items()))[effect, at]
     true = with_effects(arm, (effect, at, {name: 3.0 * size, **shapes}))
-    found = diagnose(arm, recorded(true, **{**PLAN, **changed}))
-    assert found.verdict != "none", effect
-    assert found.rms_after < 1.15 * found.noise_floor, effect
+    result = diagnose(arm, recorded(true, **{**PLAN, **changed}))
+    assert result.verdict != "none", effect
+    assert result.rms_after < 1.15 * result.noise_floor, effect
     if effect != "servo_droop":  # which encoders see, so the tip's residual never held it
-        assert found.rms_before > found.rms_after, effect
-    if found.unknown is None:
-        assert (found.verdict == "alias_class") is any(f.alternatives for f in found.findings), effect
-    return found.unknown is None and len(found.findings) == 1 and (effect, at) in names_of(found)
+        assert result.rms_before > result.rms_after, effect
+    if result.unknown is None:
+        assert (result.verdict == "alias_class") is any(f.alternatives for f in result.findings), effect
+    return result.unknown is None and len(result.findings) == 1 and (effect, at) in names_of(result)
 
 
 @pytest.mark.slow
@@ -105,24 +105,24 @@ def test_a_bent_rail_is_no_entry_of_the_library():
     arm = replace(arm, joints=(rail, *arm.joints[1:]), links=(replace(arm.links[0], length=0.05), *arm.links[1:]))
     plain = recorded(arm, poses=24, payloads=())
     bent = plain.tip + np.column_stack([np.zeros(plain.size), 2e-4 * np.sin(4.0 * plain.q[:, 0])])
-    found = diagnose(arm, replace(plain, tip=bent))
-    assert found.verdict == "unknown"
-    assert "q1" in found.unknown.depends_on or "position" in found.unknown.depends_on
+    result = diagnose(arm, replace(plain, tip=bent))
+    assert result.verdict == "unknown"
+    assert "q1" in result.unknown.depends_on or "position" in result.unknown.depends_on
 
 
 @pytest.mark.parametrize("space", [False, True], ids=["plane", "space"])
 def test_noise_alone_is_nothing(space):
     arm = made_arm(space)
     for seed in (31, 32):
-        found = diagnose(arm, recorded(arm, seed=seed))
-        assert found.verdict == "none"
-        assert found.findings == ()
-        assert found.unknown is None
-        assert found.gate_p > 0.006
-        assert found.where.joint is None
-        assert found.corrected == arm
-        assert found.detectable
-        assert "No mismatch" in found.sentence
+        result = diagnose(arm, recorded(arm, seed=seed))
+        assert result.verdict == "none"
+        assert result.findings == ()
+        assert result.unknown is None
+        assert result.gate_p > 0.006
+        assert result.where.joint is None
+        assert result.corrected == arm
+        assert result.detectable
+        assert "No mismatch" in result.sentence
 
 
 PAIRS = {
@@ -138,18 +138,18 @@ PAIRS = {
 @pytest.mark.parametrize("name", slow_but(PAIRS, "geometry"))
 def test_a_pair_is_named(name):
     arm = made_arm()
-    found = diagnose(arm, recorded(with_effects(arm, *PAIRS[name]), **PLAN))
-    assert len(found.findings) == 2
+    result = diagnose(arm, recorded(with_effects(arm, *PAIRS[name]), **PLAN))
+    assert len(result.findings) == 2
     for effect, at, _ in PAIRS[name]:
-        assert (effect, at) in names_of(found)
-    assert found.ladder[0].label == "model as given"
-    assert found.ladder[2].rms < found.ladder[1].rms < found.ladder[0].rms
-    for rung in found.ladder[3:]:  # each left out in turn
-        assert rung.rms > 1.5 * found.ladder[2].rms
-    for finding in found.findings:
+        assert (effect, at) in names_of(result)
+    assert result.ladder[0].label == "model as given"
+    assert result.ladder[2].rms < result.ladder[1].rms < result.ladder[0].rms
+    for rung in result.ladder[3:]:  # each left out in turn
+        assert rung.rms > 1.5 * result.ladder[2].rms
+    for finding in result.findings:
         assert finding.p_value <= 0.003
-        assert finding.rms_without_held_out > found.rms_after_held_out
-    assert found.rms_after_held_out < 1.15 * found.noise_floor
+        assert finding.rms_without_held_out > result.rms_after_held_out
+    assert result.rms_after_held_out < 1.15 * result.noise_floor
 
 
 @pytest.mark.slow
@@ -164,45 +164,45 @@ def test_an_effect_taken_out_of_the_library_is_not_named(effect, at, values, wit
     """Unknown, or an honest name that resembles it; never the effect itself, and nothing with a wrong claim."""
     arm = made_arm()
     recording = recorded(with_effects(arm, (effect, at, values)), **PLAN)
-    found = diagnose(arm, recording, Options(without=frozenset(without)))
-    assert found.verdict in ("unknown", "alias_class", "named")
-    assert all(name not in without for name, _ in names_of(found))
-    assert all(each.effect not in without for each in found.detectable)
-    if found.verdict != "unknown":
+    result = diagnose(arm, recording, Options(without=frozenset(without)))
+    assert result.verdict in ("unknown", "alias_class", "named")
+    assert all(name not in without for name, _ in names_of(result))
+    assert all(item.effect not in without for item in result.detectable)
+    if result.verdict != "unknown":
         # A name was given: then it must describe what there is, or the report must say what is left.
-        assert found.rms_after < 1.3 * found.noise_floor
+        assert result.rms_after < 1.3 * result.noise_floor
 
 
 def test_too_few_readings_decide_nothing():
     arm = made_arm()
     true = with_effects(arm, ("encoder_offset", (2,), {"offset": 1e-3}))
-    found = diagnose(arm, recorded(true, poses=3, repeats=1, sides="one", payloads=()))
-    assert found.verdict == "insufficient_data"
-    assert found.findings == ()
-    assert found.corrected == arm
+    result = diagnose(arm, recorded(true, poses=3, repeats=1, sides="one", payloads=()))
+    assert result.verdict == "insufficient_data"
+    assert result.findings == ()
+    assert result.corrected == arm
 
 
 def test_a_small_recording_is_not_fitted_to_the_last_digit():
     """Seven readings of an arm whose drive gives: no form of a dozen coefficients may be the answer."""
     arm = made_arm()
     true = with_effects(arm, ("joint_compliance", (2,), {"compliance": 1e-4}))
-    found = diagnose(arm, recorded(true, poses=7, repeats=1, sides="one", payloads=()))
-    assert found.verdict != "unknown"
-    assert found.rms_after > 1e-6
+    result = diagnose(arm, recorded(true, poses=7, repeats=1, sides="one", payloads=()))
+    assert result.verdict != "unknown"
+    assert result.rms_after > 1e-6
 
 
 def test_a_free_frame_swallows_what_it_must():
     """The instrument stands anywhere: an offset of encoder 1 is a turn of it, a compliance is not."""
     arm = made_arm()
     offset = with_effects(arm, ("encoder_offset", (1,), {"offset": 1e-3}))
-    found = diagnose(arm, recorded(offset, free_frame=True))
-    assert found.verdict == "none"
-    assert ("encoder_offset", (1,)) in found.invisible
-    assert any("encoder" in sentence for sentence in found.null_vectors)
+    result = diagnose(arm, recorded(offset, free_frame=True))
+    assert result.verdict == "none"
+    assert ("encoder_offset", (1,)) in result.invisible
+    assert any("encoder" in sentence for sentence in result.null_vectors)
     soft = with_effects(arm, ("joint_compliance", (2,), {"compliance": 2e-5}))
-    found = diagnose(arm, recorded(soft, free_frame=True, **PLAN))
-    assert ("joint_compliance", (2,)) in names_of(found)
-    compliance = found.findings[0].parameters[0]
+    result = diagnose(arm, recorded(soft, free_frame=True, **PLAN))
+    assert ("joint_compliance", (2,)) in names_of(result)
+    compliance = result.findings[0].parameters[0]
     assert compliance.interval[0] < 2e-5 < compliance.interval[1]
 
 
@@ -213,10 +213,10 @@ def test_q_and_tip_are_enough(space):
     true = with_effects(arm, ("encoder_offset", (2,), {"offset": 2e-4}))
     full = recorded(true, poses=24, payloads=(), repeats=2)
     bare = replace(full, time=None, sides=None, payload_mass=None, temperature=None)
-    found = diagnose(arm, bare)
-    assert ("encoder_offset", (2,)) in names_of(found)
-    assert found.where.since is None
-    absent = {name for name, _ in found.invisible}
+    result = diagnose(arm, bare)
+    assert ("encoder_offset", (2,)) in names_of(result)
+    assert result.where.since is None
+    absent = {name for name, _ in result.invisible}
     assert {"friction_windup", "latency"} <= absent
 
 
@@ -232,9 +232,9 @@ def test_joint_side_encoders_and_commands_tell_exact_aliases_apart(effect, at, s
     """To the tip a servo's droop, a drive's compliance and the base's are one; other instruments tell them."""
     channels = {"joint_side": True, "commands": True, "base_target": True, **PLAN}
     true = with_effects(made_arm(), (effect, at, {"compliance": size}))
-    found = diagnose(made_arm(), recorded(true, **channels))
-    assert [(f.effect, f.at) for f in found.findings] == [(effect, at)]
-    others = {name for name, _ in names_of(found)} - {effect}
+    result = diagnose(made_arm(), recorded(true, **channels))
+    assert [(f.effect, f.at) for f in result.findings] == [(effect, at)]
+    others = {name for name, _ in names_of(result)} - {effect}
     assert others.isdisjoint({"joint_compliance", "base_compliance", "servo_droop"})
 
 
@@ -242,9 +242,9 @@ def test_what_is_measured_the_same_everywhere_says_nothing():
     """One pose, read forty times: a mismatch there has any number of names, and none may be given as the only one."""
     arm = made_arm(True)
     true = with_effects(arm, ("encoder_offset", (2,), {"offset": 3e-4}))
-    found = diagnose(arm, recorded(true, poses=1, repeats=40, payloads=(), sides="one"))
-    assert found.verdict != "none"  # 0.2 mm off where repeats differ by 0.02 mm
-    assert found.verdict != "named"
+    result = diagnose(arm, recorded(true, poses=1, repeats=40, payloads=(), sides="one"))
+    assert result.verdict != "none"  # 0.2 mm off where repeats differ by 0.02 mm
+    assert result.verdict != "named"
 
 
 def test_constant_columns_and_strange_names_do_no_harm():
@@ -262,6 +262,6 @@ def test_a_perfect_recording_has_no_mismatch():
     """Not a digit is wrong: no rounding may be diagnosed, and nothing may be divided by it."""
     arm = made_arm()
     with np.errstate(all="raise", under="ignore"):
-        found = diagnose(arm, recorded(arm, noise=0.0))
-    assert found.verdict == "none"
-    assert found.rms_before == pytest.approx(0.0, abs=1e-12)
+        result = diagnose(arm, recorded(arm, noise=0.0))
+    assert result.verdict == "none"
+    assert result.rms_before == pytest.approx(0.0, abs=1e-12)

@@ -26,17 +26,19 @@ def with_effect(arm: Arm, effect: str, at: tuple[int, ...], **values: float) -> 
 
 
 def test_an_encoder_offset_is_the_tip_of_the_turned_arm() -> None:
-    found = simulate(with_effect(ARM, "encoder_offset", (2,), offset=1e-4), Plan(50, noise=0.0, repeats=1, sides="one"))
-    q = found.recording.q
+    result = simulate(
+        with_effect(ARM, "encoder_offset", (2,), offset=1e-4), Plan(50, noise=0.0, repeats=1, sides="one")
+    )
+    q = result.recording.q
     turned = planar_tip(q + np.array([0.0, 1e-4, 0.0]))
-    assert found.recording.tip == pytest.approx(turned, abs=1e-8)  # second order: 1e-8 rad^2 * 0.7 m / 2
-    assert np.linalg.norm(found.recording.tip - planar_tip(q), axis=1).max() > 5e-5
+    assert result.recording.tip == pytest.approx(turned, abs=1e-8)  # second order: 1e-8 rad^2 * 0.7 m / 2
+    assert np.linalg.norm(result.recording.tip - planar_tip(q), axis=1).max() > 5e-5
 
 
 def test_joint_compliance_gives_way_under_the_payload_of_each_row() -> None:
     arm = replace(with_effect(ARM, "joint_compliance", (2,), compliance=2e-5), payload=LoadCase(mass=1.0))
-    found = simulate(arm, Plan(20, noise=0.0, repeats=1, payloads=(0.0, 5.0), sides="one"))
-    read = found.recording
+    result = simulate(arm, Plan(20, noise=0.0, repeats=1, payloads=(0.0, 5.0), sides="one"))
+    read = result.recording
     assert read.payload_mass is not None
     first = LENGTHS[0] * np.stack([np.cos(read.q[:, 0]), np.sin(read.q[:, 0])], axis=1)
     lever = planar_tip(read.q) - first
@@ -46,7 +48,7 @@ def test_joint_compliance_gives_way_under_the_payload_of_each_row() -> None:
         turn = -2e-5 * 9.81 * read.payload_mass * (np.cos(turn) * lever[:, 0] - np.sin(turn) * lever[:, 1])
     across = np.stack([-lever[:, 1], lever[:, 0]], axis=1)
     by_hand = (np.cos(turn) - 1.0)[:, None] * lever + np.sin(turn)[:, None] * across
-    assert found.error[:, :2] == pytest.approx(by_hand, abs=1e-10)
+    assert result.error[:, :2] == pytest.approx(by_hand, abs=1e-10)
     assert set(read.payload_mass.tolist()) == {0.0, 5.0}
     for mass in (0.0, 5.0):
         assert len(np.unique(read.q[read.payload_mass == mass], axis=0)) == 20
@@ -54,8 +56,8 @@ def test_joint_compliance_gives_way_under_the_payload_of_each_row() -> None:
 
 def test_backlash_held_by_friction_changes_with_the_side() -> None:
     arm = with_effect(ARM, "backlash", (1,), total=1e-3, held_below=1e6)
-    found = simulate(arm, Plan(15, noise=0.0, repeats=1, sides="both"))
-    read = found.recording
+    result = simulate(arm, Plan(15, noise=0.0, repeats=1, sides="both"))
+    read = result.recording
     assert read.sides is not None
     assert read.size == 30
     assert (read.sides[0::2] == -read.sides[1::2]).all()
@@ -86,16 +88,16 @@ def test_the_plan_is_kept() -> None:
 
 
 def test_the_noise_is_what_was_asked_for() -> None:
-    found = noise_floor(simulate(ARM, Plan(200, noise=25e-6, repeats=3)).recording, ARM)
+    result = noise_floor(simulate(ARM, Plan(200, noise=25e-6, repeats=3)).recording, ARM)
     dof = 2 * 200 * 2
-    assert found.degrees_of_freedom == dof
-    assert np.array(found.sigma) ** 2 / 25e-6**2 == pytest.approx([1.0, 1.0], abs=4.5 * math.sqrt(2.0 / dof))
+    assert result.degrees_of_freedom == dof
+    assert np.array(result.sigma) ** 2 / 25e-6**2 == pytest.approx([1.0, 1.0], abs=4.5 * math.sqrt(2.0 / dof))
 
 
 def test_outliers_are_as_many_and_as_far_as_asked() -> None:
     plan = Plan(300, noise=20e-6, repeats=1, sides="one", outliers=0.1)
-    found = simulate(ARM, plan)
-    off = np.linalg.norm(found.recording.tip - planar_tip(found.recording.q) - found.error[:, :2], axis=1)
+    result = simulate(ARM, plan)
+    off = np.linalg.norm(result.recording.tip - planar_tip(result.recording.q) - result.error[:, :2], axis=1)
     far = off > 6.0 * 20e-6
     assert 12 <= far.sum() <= 52  # 30 +- 4.3 standard deviations
     assert off.max() < 56.0 * 20e-6

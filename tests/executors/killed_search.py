@@ -36,8 +36,8 @@ def main(problem: str, journal: str, answer: str, address: str, kill_at: str) ->
                     print(*crew.processes(), flush=True)
                 os.kill(os.getpid(), signal.SIGKILL)
 
-        found = optimise(asked, progress=progress, executor=crew, journal=book)
-    Path(answer).write_bytes(pickle.dumps((found.arm, found.objective, found.lower_bound, found.candidates)))
+        result = optimise(asked, progress=progress, executor=crew, journal=book)
+    Path(answer).write_bytes(pickle.dumps((result.arm, result.objective, result.lower_bound, result.candidates)))
 
 
 if __name__ == "__main__":

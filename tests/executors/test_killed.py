@@ -85,7 +85,7 @@ def test_killed_midway_with_workers(workers: Any, tmp_path: Path) -> None:
     arm, objective, bound, candidates = answered(tmp_path)
     arm_alone, alone, bound_alone, all_candidates = answered(whole)
     assert (objective, bound) == pytest.approx((alone, bound_alone), rel=1e-6)
-    assert [each.shapes for each in candidates] == [each.shapes for each in all_candidates]
+    assert [candidate.shapes for candidate in candidates] == [candidate.shapes for candidate in all_candidates]
     for link, other in zip(arm.links, arm_alone.links, strict=True):
         assert link.material == other.material
         assert list(link.section.given().values()) == pytest.approx(list(other.section.given().values()), rel=1e-4)

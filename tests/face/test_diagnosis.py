@@ -46,12 +46,12 @@ def test_diagnosis(dia):
 
 def test_first_finding_is_told_while_the_search_goes_on(dia, heard):
     """As provisional, from when it passes its own test to the end, where it still is what was found."""
-    found = "provisional: backlash of the drives at joint 2; "
+    result = "provisional: backlash of the drives at joint 2; "
     first = next(number for number, (text, _) in enumerate(heard) if text.startswith("provisional"))
     assert heard[first][1] < 0.6
     assert {text for text, _ in heard[:first]} >= {"noise floor", "searching for what is missing"}
     assert len(heard) > first + 3
-    assert all(text.startswith(found) for text, _ in heard[first:])
+    assert all(text.startswith(result) for text, _ in heard[first:])
     assert set(dia.findings["at"]) == {(2,)}
 
 
@@ -82,7 +82,7 @@ def test_corrected_arm_predicts(dia, arm):
     q = lw.read_recording(BACKLASH / "after-service.csv", arm).found.q
     beyond = (q < dia.recording.found.q.min(axis=0)) | (q > dia.recording.found.q.max(axis=0))
     assert len(other.outside) == int(beyond.any(axis=1).sum()) > 0
-    assert {each.joint: len(each.rows) for each in other.found.left} == {
+    assert {item.joint: len(item.rows) for item in other.found.left} == {
         number: count for number, count in enumerate(beyond.sum(axis=0).tolist(), start=1) if count
     }
     free = lw.predict(dia.corrected, dia.recording, frame="free", tool="free")
@@ -97,7 +97,7 @@ def test_a_moved_frame_is_fitted_and_nothing_else(dia, arm):
     table["x_mm"] += 3.0
     moved = lw.read_recording(table, arm)
     assert lw.predict(dia.corrected, moved).rms_mm == pytest.approx(3.0, rel=0.01)
-    there, here = (lw.predict(dia.corrected, each, frame="free").rms_mm for each in (moved, dia.recording))
+    there, here = (lw.predict(dia.corrected, item, frame="free").rms_mm for item in (moved, dia.recording))
     assert there == pytest.approx(here, rel=1e-6)
 
 
@@ -107,16 +107,16 @@ def test_predict_command(dia, tmp_path, capsys):
     arm, recording = tmp_path / "out" / "arm.yaml", BACKLASH / "after-service.csv"
     assert run(["predict", str(arm), str(recording), "--json", str(tmp_path / "a.json")]) == 0
     told = json.loads((tmp_path / "a.json").read_text(encoding="utf-8"))
-    found = lw.predict(arm, recording)
-    assert told == json.loads(found.to_json())
+    result = lw.predict(arm, recording)
+    assert told == json.loads(result.to_json())
     promised = {"rms_mm", "mean_mm", "max_mm", "rows", "nominal_rms_mm", "outside", "frame", "tool"}
     assert promised <= set(told)
     assert told["outside"] == list(lw.predict(dia.corrected, recording).outside)
     q = np.degrees(dia.recording.found.q)
-    for each in told["outside_by_joint"]:
-        column = q[:, each["joint"] - 1]
-        assert each["span_deg"] == pytest.approx([column.min(), column.max()], abs=1e-5)
-        assert each["learned"]
+    for item in told["outside_by_joint"]:
+        column = q[:, item["joint"] - 1]
+        assert item["span_deg"] == pytest.approx([column.min(), column.max()], abs=1e-5)
+        assert item["learned"]
     shown = " ".join(capsys.readouterr().out.split())
     assert f"Warning: joint {told['outside_by_joint'][0]['joint']} leaves the coordinates that were learned" in shown
     own = lw.predict(arm, dia.recording)

@@ -92,8 +92,8 @@ def test_work_is_told_of_and_a_frequency_is_searched_variant_by_variant(arm: lw.
     assert table["first_frequency_Hz"][0] > table["first_frequency_Hz"][1]
     assert heard == sorted(heard)
     assert heard[-1] == pytest.approx(1.0)
-    found = lw.evaluate(variant(arm, table, 1)).figures
-    assert table["first_frequency_Hz"][1] == pytest.approx(found["value"]["first_frequency"], rel=1e-6)
+    result = lw.evaluate(variant(arm, table, 1)).figures
+    assert table["first_frequency_Hz"][1] == pytest.approx(result["value"]["first_frequency"], rel=1e-6)
 
 
 @pytest.mark.parametrize(

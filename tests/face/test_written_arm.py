@@ -33,9 +33,11 @@ def diagnosed(*effects, arm=None, promised=3e-5):
     made = made_diagnosis("named")
     finding = replace(made.findings[0], effect="link_length", at=(2,), alternatives=())
     corrected = replace(arm, effects=effects)
-    found = replace(made, arm=arm, recording=recording, findings=(finding,), corrected=corrected, rms_promised=promised)
+    result = replace(
+        made, arm=arm, recording=recording, findings=(finding,), corrected=corrected, rms_promised=promised
+    )
     own = planar_tip(q, true if effects else LENGTHS)
-    return with_written(found, load_catalogue(user=False)), recording.tip - own
+    return with_written(result, load_catalogue(user=False)), recording.tip - own
 
 
 def rms(vectors):
@@ -48,20 +50,20 @@ def warnings(found):
 
 def test_a_file_that_holds_what_was_found_keeps_its_promise():
     longer = EffectEntry("link_length", (2,), MappingProxyType({"length": LONGER}))
-    found, left = diagnosed(longer)
-    assert found.written.rms == pytest.approx(rms(left), rel=1e-9)
-    assert found.written.lacks == ()
-    assert diagnosis_json(found)["written_arm_rms_mm"] == pytest.approx(1e3 * rms(left))
-    kept = replace(found, written=replace(found.written, promised=rms(left) / 1.019))
+    result, left = diagnosed(longer)
+    assert result.written.rms == pytest.approx(rms(left), rel=1e-9)
+    assert result.written.lacks == ()
+    assert diagnosis_json(result)["written_arm_rms_mm"] == pytest.approx(1e3 * rms(left))
+    kept = replace(result, written=replace(result.written, promised=rms(left) / 1.019))
     assert warnings(kept) == []
-    assert len(warnings(replace(found, written=replace(found.written, promised=rms(left) / 1.021)))) == 1
+    assert len(warnings(replace(result, written=replace(result.written, promised=rms(left) / 1.021)))) == 1
 
 
 def test_a_file_that_lacks_a_finding_says_so():
-    found, left = diagnosed()
-    assert found.written.rms == pytest.approx(rms(left), rel=1e-9)
-    assert found.written.rms > 0.8 * LONGER
-    (warning,) = warnings(found)
+    result, left = diagnosed()
+    assert result.written.rms == pytest.approx(rms(left), rel=1e-9)
+    assert result.written.rms > 0.8 * LONGER
+    (warning,) = warnings(result)
     assert "the file lacks true lengths of the links at link 2." in warning
     assert f"{1e3 * rms(left):.3g} mm" in warning
 
@@ -69,8 +71,8 @@ def test_a_file_that_lacks_a_finding_says_so():
 def test_unknown_weights_are_named():
     arm = planar_arm()
     links = (arm.links[0], Link(LENGTHS[1]), Link(LENGTHS[2]))
-    found, _ = diagnosed(arm=arm.with_links(links))
-    assert found.written.lacks[-1] == "the weight of links 2, 3, which is unknown"
+    result, _ = diagnosed(arm=arm.with_links(links))
+    assert result.written.lacks[-1] == "the weight of links 2, 3, which is unknown"
 
 
 def test_a_diagnosis_that_was_not_written_promises_nothing():

@@ -30,7 +30,7 @@ class Shown:
 def shown(page: Path) -> list[Shown]:
     """The `linkwright` commands in a page's blocks; what is set three blanks or `#` apart behind one is printed, and so
     are the plain blocks that follow one of which nothing else is."""
-    found: list[Shown] = []
+    results: list[Shown] = []
     silent = False  # the last block ended with a command beneath which nothing stands
     for _, language, block in FENCED.findall(page.read_text(encoding="utf-8")):
         prompted = bool(re.search(r"^\$ ", block, re.MULTILINE))
@@ -39,7 +39,7 @@ def shown(page: Path) -> list[Shown]:
         if len(parts) == 1:
             silent &= not language.strip()
             if silent:
-                found[-1] = replace(found[-1], printed=(*found[-1].printed, *block.splitlines(), "..."))
+                results[-1] = replace(results[-1], printed=(*results[-1].printed, *block.splitlines(), "..."))
             continue
         for typed, after in zip(parts[1::2], parts[2::2], strict=True):
             line, _, beside = typed.partition("   ")
@@ -47,17 +47,17 @@ def shown(page: Path) -> list[Shown]:
             if line.startswith("linkwright "):
                 words = tuple(shlex.split(line)[1:])
                 lines = [beside.strip()] if beside.strip() and "  --" not in typed else []
-                found.append(Shown(page, line, words, (*lines, *after.strip("\n").splitlines())))
-        silent = bool(found) and not found[-1].printed
-    return found
+                results.append(Shown(page, line, words, (*lines, *after.strip("\n").splitlines())))
+        silent = bool(results) and not results[-1].printed
+    return results
 
 
 def spoken(page: Path, commands: set[str]) -> list[list[str]]:
     """The words of each command within a sentence, with or without `linkwright` before it."""
     text = FENCED.sub("", page.read_text(encoding="utf-8"))
-    found = [span.replace("\\|", "|").removeprefix("linkwright ").split() for span in INLINE.findall(text)]
+    results = [span.replace("\\|", "|").removeprefix("linkwright ").split() for span in INLINE.findall(text)]
     named = [span.split()[1:] for span in INLINE.findall(text) if span.startswith("linkwright ")]
-    return named + [words for words in found if words[:1] and words[0] in commands and len(words) > 1]
+    return named + [words for words in results if words[:1] and words[0] in commands and len(words) > 1]
 
 
 def words(lines: Iterable[str]) -> list[str]:
@@ -69,7 +69,7 @@ def words(lines: Iterable[str]) -> list[str]:
 def same(word: str, other: str) -> bool:
     """Whether two words are the same, numbers in them within three per cent, which processors may differ by; what is
     nothing but for rounding is alike nothing."""
-    one, two = (re.split(r"([0-9]+(?:\.[0-9]+)?(?:e−?[0-9]+)?)", each.rstrip(".,;:")) for each in (word, other))
+    one, two = (re.split(r"([0-9]+(?:\.[0-9]+)?(?:e−?[0-9]+)?)", item.rstrip(".,;:")) for item in (word, other))
     numbers = [
         (float(a.replace("−", "-")), float(b.replace("−", "-"))) for a, b in zip(one[1::2], two[1::2], strict=False)
     ]
@@ -81,9 +81,9 @@ def told(printed: Iterable[str], out: str) -> list[str]:
     have, missing = words(out.splitlines()), list[str]()
     for part in re.split(r"\n(?: *\n| *\.\.\. *\n)+", "\n" + "\n".join(printed) + "\n"):
         wanted = words([line for line in part.splitlines() if line.strip() != "..."])
-        found = any(
+        result = any(
             all(same(*pair) for pair in zip(wanted, have[at:], strict=False)) and at + len(wanted) <= len(have)
             for at in range(len(have))
         )
-        missing += [] if found or not wanted else [" ".join(wanted)]
+        missing += [] if result or not wanted else [" ".join(wanted)]
     return missing

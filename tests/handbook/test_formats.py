@@ -93,7 +93,7 @@ MADE = {"docs/rules.md", "docs/effects.md"}
 def typed(block):
     """What a reader is to type: a plain block without what is printed, any other as it is."""
     lines = block[3].splitlines()
-    return "\n".join(lines if block[2].strip() else [each for each in lines if each.startswith(("$ ", "linkwright "))])
+    return "\n".join(lines if block[2].strip() else [line for line in lines if line.startswith(("$ ", "linkwright "))])
 
 
 def by_hand(path):

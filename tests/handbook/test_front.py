@@ -35,11 +35,11 @@ def test_the_picture_is_what_the_command_draws_now(again):
 
 
 def test_the_page_says_what_the_picture_shows(again):
-    found = found_in(again)
+    result = found_in(again)
     page = PAGE.read_text(encoding="utf-8")
     assert "for seven shapes, with their envelope and its knee](../pictures/tradeoff.svg)" in page
-    assert len(found["fronts"]) == 7
-    assert found["envelope"]["knee"] is not None
+    assert len(result["fronts"]) == 7
+    assert result["envelope"]["knee"] is not None
 
 
 def test_points_are_what_their_arms_err_by(again):
@@ -53,7 +53,7 @@ def test_points_are_what_their_arms_err_by(again):
 @pytest.mark.parametrize("share", [pytest.param(0.4, marks=pytest.mark.slow), 0.85])
 def test_points_of_the_envelope_are_found_anew(again, tmp_path, share):
     """By `optimize`, which knows nothing of what is kept, with the point's mass as limit and its shape alone."""
-    points = [each for each in found_in(again)["points"] if each["on_envelope"]]
+    points = [item for item in found_in(again)["points"] if item["on_envelope"]]
     point = points[round(share * (len(points) - 1))]
     given = yaml.safe_load((EXAMPLE / "problem.yaml").read_text(encoding="utf-8"))
     given["arm"] = str(EXAMPLE / "arm.yaml")
@@ -73,7 +73,7 @@ def test_a_front_that_was_stopped_is_gone_on_with(tmp_path, monkeypatch):
     given["choose"] = {"section": ["circle"], "material": ["aluminium-6061-t6"], "same": ["section", "size"]}
     (tmp_path / "problem.yaml").write_text(yaml.safe_dump(given), encoding="utf-8")
     monkeypatch.chdir(tmp_path)
-    (typed,) = (each.words for each in pages.shown(PAGE) if "--resume" in each.words)
+    (typed,) = (item.words for item in pages.shown(PAGE) if "--resume" in item.words)
     assert run([word for word in typed if word != "--resume"]) == 0
     folder = tmp_path / typed[typed.index("--out") + 1]
     whole, lines = found_in(folder), (folder / JOURNAL).read_text(encoding="utf-8").splitlines(keepends=True)

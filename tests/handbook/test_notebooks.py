@@ -88,7 +88,7 @@ assert prices["mass <= 26.295 kg"] < 0 < prices["sideways_stiffness >= 200 N/mm"
 def printed(notebook):
     """The text that its cells show, without that of plots."""
     texts = [
-        each.get("text") or each.data.get("text/plain", "") for cell in code(notebook) for each in shown(cell.outputs)
+        item.get("text") or item.data.get("text/plain", "") for cell in code(notebook) for item in shown(cell.outputs)
     ]
     return [text for text in texts if not text.startswith(("Figure(", "<Figure>"))]
 

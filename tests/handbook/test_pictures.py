@@ -13,7 +13,7 @@ def test_picture_of_a_report_is_not_stale(picture):
     """`make picture-reports` wrote into it what the report answered. README shows what a fresh one answers, and
     test_commands.py that it does."""
     command = {"diagnosis": "diagnose", "welding-arm": "optimize"}[picture.name]
-    (page,) = (each for each in shown(ROOT / "README.md") if each.words[0] == command)
+    (page,) = (item for item in shown(ROOT / "README.md") if item.words[0] == command)
     assert told([answer_in(picture.path)], "\n".join(page.printed)) == []
 
 

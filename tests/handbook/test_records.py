@@ -41,4 +41,4 @@ def test_citation_keeps_its_schema():
     assert (content["cff-version"], content["type"], content["version"]) == ("1.2.0", "software", VERSION)
     assert all(isinstance(word, str) for word in (content["message"], content["title"], *content["keywords"]))
     # An author is a person by family or given names, or an entity by its name.
-    assert all({"name"} <= set(each) or {"family-names"} <= set(each) for each in content["authors"])
+    assert all({"name"} <= set(item) or {"family-names"} <= set(item) for item in content["authors"])

@@ -19,8 +19,8 @@ def test_every_option_of_every_command_is_told():
     for name in COMMANDS:
         page = pages[f"commands/{name}.md"]
         command = command_named(name)
-        for each in getattr(command, "commands", {"": command}).values():
-            for parameter in each.params:
+        for item in getattr(command, "commands", {"": command}).values():
+            for parameter in item.params:
                 assert " ".join(parameter.help.split()).replace("|", "\\|") in page
                 assert all(f"`{word}" in page for word in parameter.opts if word.startswith("--"))
 

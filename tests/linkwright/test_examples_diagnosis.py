@@ -38,10 +38,10 @@ def followed(folder, example, *, patch):
     """Run all commands of an example's README in order, which print what stands there; gives the folder in which their
     files stand."""
     patch.chdir(folder / example)
-    for each in shown(EXAMPLES / example / "README.md"):
+    for item in shown(EXAMPLES / example / "README.md"):
         with redirect_stdout(StringIO()) as out, redirect_stderr(out):
-            assert run(each.words) == 0, each
-        assert told(each.printed, out.getvalue()) == []
+            assert run(item.words) == 0, item
+        assert told(item.printed, out.getvalue()) == []
     return folder / example
 
 
@@ -80,17 +80,17 @@ def answer(made):
 
 def test_hidden_backlash_is_named(backlash):
     """Joint 2, 1.2 arcmin, nothing else; the noise floor is reached on readings not fitted as well."""
-    found = answer(backlash)
-    assert found["verdict"] == "named"
-    assert [(each["effect"], each["at"], each["alternatives"]) for each in found["missing"]] == [("backlash", [2], [])]
-    total = found["missing"][0]["parameters"]["total_2"]
+    result = answer(backlash)
+    assert result["verdict"] == "named"
+    assert [(item["effect"], item["at"], item["alternatives"]) for item in result["missing"]] == [("backlash", [2], [])]
+    total = result["missing"][0]["parameters"]["total_2"]
     low, high = (read_quantity(f"{end} {total['unit']}", "angle", file="", key="") for end in total["ci95"])
     assert low < 1.2 * ARCMINUTE < high
     assert high - low < 0.1 * ARCMINUTE
-    assert found["where"]["joint"] == 2
-    assert found["rms_before_mm"] > 5.0 * found["noise_floor_mm"]
-    assert found["rms_after_held_out_mm"] < 1.05 * found["noise_floor_mm"]
-    assert found["rejected_rows"] == []
+    assert result["where"]["joint"] == 2
+    assert result["rms_before_mm"] > 5.0 * result["noise_floor_mm"]
+    assert result["rms_after_held_out_mm"] < 1.05 * result["noise_floor_mm"]
+    assert result["rejected_rows"] == []
 
 
 def test_corrected_arm_plays_further(backlash):
@@ -107,7 +107,7 @@ def test_corrected_arm_plays_further(backlash):
 def test_service_shows_in_the_comparison(backlash):
     """From 1.2 to 0.3 arcmin, and nothing else has changed."""
     content = json.loads((backlash / "result-changes.json").read_text(encoding="utf-8"))
-    assert [(each["effect"], each["at"], each["parameter"]) for each in content["changes"] if each["changed"]] == [
+    assert [(item["effect"], item["at"], item["parameter"]) for item in content["changes"] if item["changed"]] == [
         ("backlash", [2], "total")
     ]
     change = content["changes"][0]
@@ -117,10 +117,10 @@ def test_service_shows_in_the_comparison(backlash):
 
 def test_slopes_are_named_and_the_line_goes(slopes):
     """The whole of the slopes, so that the corrected arm is the one with the whole physics."""
-    found = answer(slopes)
-    assert found["verdict"] == "named"
-    assert [each["effect"] for each in found["missing"]] == ["slope_propagation"]
-    low, high = found["missing"][0]["parameters"]["share"]["ci95"]
+    result = answer(slopes)
+    assert result["verdict"] == "named"
+    assert [item["effect"] for item in result["missing"]] == ["slope_propagation"]
+    low, high = result["missing"][0]["parameters"]["share"]["ci95"]
     assert low < 1.0 < high
     assert read_arm(slopes / "arm.yaml").leave_out == {"slope_propagation"}
     corrected, whole = read_arm(slopes / "result" / "arm.yaml"), read_arm(slopes.parent / "welding-arm" / "arm.yaml")
@@ -133,7 +133,7 @@ def test_design_without_slopes_keeps_no_promise(slopes):
     redesign = answer(slopes)["redesign"]
     assert redesign["had_mm"] > 2.0 * redesign["promised_mm"]
     assert redesign["has_mm"] < 0.95 * redesign["had_mm"]
-    changed = {(each["link"], each["what"]): (each["before"], each["after"]) for each in redesign["decisions"]}
+    changed = {(item["link"], item["what"]): (item["before"], item["after"]) for item in redesign["decisions"]}
     assert changed[2, "material"] == ("steel-s355", "aluminium-6061-t6")
     before, after = changed[1, "length"]
     assert after > before + 50.0

@@ -28,8 +28,8 @@ def test_optimize_writes_its_three_files(linkwright, bench):
     assert json.loads((bench / "copy.json").read_text(encoding="utf-8"))["mass_kg"] > 0
     # `evaluate` of the written arm file finds the error that `optimize` gave.
     linkwright("evaluate", "made/result/arm.yaml", "--problem", "problem.yaml", "--json", "again.json")
-    found = json.loads((bench / "again.json").read_text(encoding="utf-8"))
-    assert found["max_error_mm"] == pytest.approx(content["max_error_mm"], rel=1e-6)
+    result = json.loads((bench / "again.json").read_text(encoding="utf-8"))
+    assert result["max_error_mm"] == pytest.approx(content["max_error_mm"], rel=1e-6)
 
 
 def test_evaluate_writes_its_report(linkwright, bench):

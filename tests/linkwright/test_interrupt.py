@@ -56,15 +56,15 @@ def test_the_best_so_far_is_written_and_called_that(bench, how):
     status, error = interrupted_at(bench, "further starts", "optimize", "problem.yaml", "--out", "out", how=how)
     assert status == 130
     assert "stopped: this is the best design so far" in error
-    found = json.loads((bench / "out" / "result.json").read_text())
-    assert found["status"] == "interrupted"
-    assert found["interrupted"]
-    assert found["optimum"] == "local"
+    result = json.loads((bench / "out" / "result.json").read_text())
+    assert result["status"] == "interrupted"
+    assert result["interrupted"]
+    assert result["optimum"] == "local"
     problem = read_problem(bench / "problem.yaml")
     made = evaluate(read_arm(bench / "out" / "arm.yaml"), problem.workspace, problem.load_cases)
-    assert 1e3 * made.max_error == pytest.approx(found["max_error_mm"], rel=1e-5)
+    assert 1e3 * made.max_error == pytest.approx(result["max_error_mm"], rel=1e-5)
     assert made.mass <= 3.0 * (1.0 + 1e-6)
-    assert found["max_error_mm"] < found["before"]["max_error_mm"]
+    assert result["max_error_mm"] < result["before"]["max_error_mm"]
     page = (bench / "out" / "report.html").read_text()
     assert "interrupted: the best design so far" in page
     assert "its own worst case certified" in page
@@ -77,11 +77,11 @@ def test_an_interrupt_while_sizes_are_compared_leaves_the_optimum(bench):
     status, error = interrupted_at(bench, "rounding: 0 designs", *arguments)
     assert status == 130
     assert "stopped: this is the best design so far" in error
-    found = json.loads((bench / "out" / "result.json").read_text())
-    assert found["status"] == "certified"
-    assert found["interrupted"]
-    assert found["rounded"] is None
-    assert found["not_rounded"]["reason"] == "interrupted before a design of them was found"
+    result = json.loads((bench / "out" / "result.json").read_text())
+    assert result["status"] == "certified"
+    assert result["interrupted"]
+    assert result["rounded"] is None
+    assert result["not_rounded"]["reason"] == "interrupted before a design of them was found"
     assert read_arm(bench / "out" / "arm.yaml").size == 2
 
 
@@ -91,10 +91,10 @@ def test_an_interrupt_of_a_plan_leaves_the_best_so_far(bench):
     status, error = interrupted_at(bench, "poses at random", *arguments, "--out", "out.csv", "--json", "out.json")
     assert status == 130
     assert error == "stopped: this is the best plan so far\n"
-    found = json.loads((bench / "out.json").read_text())
-    assert found["interrupted"]
-    assert found["random_plans"] == 1
-    assert found["shown"][0]["smallest"] > 0.0
+    result = json.loads((bench / "out.json").read_text())
+    assert result["interrupted"]
+    assert result["random_plans"] == 1
+    assert result["shown"][0]["smallest"] > 0.0
     assert len((bench / "out.csv").read_text().splitlines()) == 9
 
 

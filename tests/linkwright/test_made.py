@@ -21,7 +21,7 @@ FOR_PROGRAMS = {"progress", "workers", "executor", "log", "out_of_reach", "begun
 def made() -> dict[str, Made]:
     modules = {home for home, _ in COMMANDS.values()}
     held = [import_module(f"linkwright.commands.{home}") for home in modules]
-    return {name: each for one in held if hasattr(one, "commands") for name, each in one.commands().items()}
+    return {name: command for one in held if hasattr(one, "commands") for name, command in one.commands().items()}
 
 
 MADE = made()
@@ -39,7 +39,7 @@ def test_options_are_the_parameters_of_the_function(name):
     own = MADE[name]
     function = getattr(lw, own.called)
     command = typer.main.get_command(command_line(name)).commands[name]
-    takes, asks = set(inspect.signature(function).parameters), {each.name for each in command.params} - {"help"}
+    takes, asks = set(inspect.signature(function).parameters), {param.name for param in command.params} - {"help"}
     assert takes - asks - FOR_PROGRAMS == set()
     assert asks - takes - SHARED == set()
     assert " ".join((command.help or "").split()) == " ".join(help_of(function).split())
@@ -51,14 +51,20 @@ def test_each_parameter_is_told_of(name):
     """Under `Args`, without what concerns programs alone; its default is that of the function."""
     own = MADE[name]
     signature = inspect.signature(getattr(lw, own.called)).parameters
-    for each in own.parameters:
-        assert each.help, each.name
-        assert "In Python" not in each.help
-        assert each.default is signature[each.name].default
-        typed = each.typed()
-        if not isinstance(each.option, Argument) and not each.option.required:
-            shown = typed.default if each.kind is not bool else not typed.default if each.default else typed.default
-            assert shown == (None if each.default in ((), None) else each.default)
+    for parameter in own.parameters:
+        assert parameter.help, parameter.name
+        assert "In Python" not in parameter.help
+        assert parameter.default is signature[parameter.name].default
+        typed = parameter.typed()
+        if not isinstance(parameter.option, Argument) and not parameter.option.required:
+            shown = (
+                typed.default
+                if parameter.kind is not bool
+                else not typed.default
+                if parameter.default
+                else typed.default
+            )
+            assert shown == (None if parameter.default in ((), None) else parameter.default)
 
 
 def test_errors_of_a_function_speak_of_options(linkwright, bench):

@@ -71,18 +71,18 @@ def test_cards_of_both_formats_are_read(tmp_path, text):
     entry = read_card(path)
     assert entry.name == "steel-x-1"
     MATERIALS.add(own, [entry])
-    found = load_catalogue([own], user=False).find("steel-x-1")
-    assert found.need("elastic_modulus") == pytest.approx(210e9)
-    assert found.need("shear_modulus") == pytest.approx(81e9)
-    assert found.need("density") == 7800
-    assert found.need("yield_strength") == 235e6
-    assert found.need("tensile_strength") == 360e6
-    assert found.need("thermal_expansion") == pytest.approx(11e-6)
-    assert "FreeCAD material card X.FCMat" in found.references["freecad-card"]
+    result = load_catalogue([own], user=False).find("steel-x-1")
+    assert result.need("elastic_modulus") == pytest.approx(210e9)
+    assert result.need("shear_modulus") == pytest.approx(81e9)
+    assert result.need("density") == 7800
+    assert result.need("yield_strength") == 235e6
+    assert result.need("tensile_strength") == 360e6
+    assert result.need("thermal_expansion") == pytest.approx(11e-6)
+    assert "FreeCAD material card X.FCMat" in result.references["freecad-card"]
     if "SpecificHeat" in text:
-        assert (found.need("heat_capacity"), found.need("thermal_conductivity")) == (515, 13.5)
+        assert (result.need("heat_capacity"), result.need("thermal_conductivity")) == (515, 13.5)
     else:
-        assert "EN 10025" in found.references["freecad-card"]
+        assert "EN 10025" in result.references["freecad-card"]
 
 
 def test_a_card_whose_constants_disagree_is_refused(tmp_path):
@@ -133,12 +133,12 @@ def test_a_card_reads_back_as_it_was_written(tmp_path_factory, values, title, fo
     path.write_text(write_card(made, form), encoding="utf-8")
     entry = read_card(path)
     path.with_suffix(".yaml").write_text(MATERIALS.text([entry]), encoding="utf-8")
-    found = load_catalogue([path.with_suffix(".yaml")], user=False).find("m-1")
+    result = load_catalogue([path.with_suffix(".yaml")], user=False).find("m-1")
     for name, value in values.items():
-        assert found.need(name) == pytest.approx(value, rel=1e-11)
+        assert result.need(name) == pytest.approx(value, rel=1e-11)
     if "poisson_ratio" in values:
-        assert found.need("shear_modulus") == pytest.approx(made.need("shear_modulus"), rel=1e-11)
-    assert references["s"] in found.references["freecad-card"]
+        assert result.need("shear_modulus") == pytest.approx(made.need("shear_modulus"), rel=1e-11)
+    assert references["s"] in result.references["freecad-card"]
 
 
 def test_every_isotropic_shipped_material_survives_a_card(tmp_path):
@@ -151,11 +151,11 @@ def test_every_isotropic_shipped_material_survives_a_card(tmp_path):
         path = tmp_path / f"{material.name}.FCMat"
         path.write_text(write_card(material), encoding="utf-8")
         path.with_suffix(".yaml").write_text(MATERIALS.text([read_card(path)]), encoding="utf-8")
-        found = load_catalogue([path.with_suffix(".yaml")], user=False).find(material.name)
+        result = load_catalogue([path.with_suffix(".yaml")], user=False).find(material.name)
         for name in pairs.values():
-            assert found.has(name) == material.has(name)
+            assert result.has(name) == material.has(name)
             if material.has(name):
-                assert found.need(name) == pytest.approx(material.need(name), rel=1e-11)
+                assert result.need(name) == pytest.approx(material.need(name), rel=1e-11)
 
 
 def test_a_table_reads_back_as_it_was_written(tmp_path):

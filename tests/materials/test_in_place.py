@@ -26,7 +26,7 @@ IN_PLACE = {"of figures": ALLOY, "a laminate": LAMINATE, "called something": {**
 
 def arm_with(*materials: object) -> lw.Arm:
     joint = lw.Joint(range=["-90 deg", "90 deg"], stiffness="60 kN*m/rad")
-    chain = [(joint, lw.Link(length="400 mm", section=TUBE, material=each)) for each in materials]
+    chain = [(joint, lw.Link(length="400 mm", section=TUBE, material=material)) for material in materials]
     return lw.Arm(chain=chain, payload={"mass": "5 kg"})
 
 

@@ -56,7 +56,7 @@ def least_sag(lengths: Array | None) -> float:
     if free:
         rows.append({"type": "eq", "fun": lambda x: math.log(float(np.exp(x[3:]).sum()) / REACH)})
         bounds += [(math.log(0.2), math.log(0.7))] * 3
-    found: list[float] = []
+    results: list[float] = []
     for _ in range(6):
         start = np.log(np.concatenate([generator.uniform(0.03, 0.2, 3), generator.uniform(0.3, 0.5, 3 if free else 0)]))
         result = minimize(
@@ -68,9 +68,9 @@ def least_sag(lengths: Array | None) -> float:
             options={"ftol": 1e-13, "maxiter": 500},
         )
         if result.success:
-            found.append(math.exp(float(result.fun)))
-    assert len(found) >= 3
-    return min(found)
+            results.append(math.exp(float(result.fun)))
+    assert len(results) >= 3
+    return min(results)
 
 
 def test_reference_arm_reaches_the_known_optimum(tmp_path: Path) -> None:

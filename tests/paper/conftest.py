@@ -15,4 +15,4 @@ def book():
 @pytest.fixture(scope="session")
 def figures():
     """Figures 5 to 9 by number, coarser than the command makes them."""
-    return {each.number: each for each in make_figures(poses=2**15, cells=31, points=9)}
+    return {figure.number: figure for figure in make_figures(poses=2**15, cells=31, points=9)}

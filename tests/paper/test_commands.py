@@ -42,7 +42,7 @@ def test_json_keeps_the_contract(written, book):
     assert content["clearance"][7]["corrected_mm"] == pytest.approx([0.075, 0.25229], abs=1e-5)
     assert content["figures_reproduced"] == {"met": 52, "printed": 61}
     assert content["fitted_to_the_paper_mm"] == pytest.approx({"weight": 0.034684, "tool": 0.00349})
-    assert [each["judgement"] for each in content["verdicts"]][2] == "does not hold"
+    assert [item["judgement"] for item in content["verdicts"]][2] == "does not hold"
     assert content["reach"][3]["seam"]["first_unreachable_mm"] == pytest.approx([400, 300])
 
 
@@ -122,7 +122,7 @@ def test_figures_are_written_and_written_again(tmp_path, capsys):
     assert names == {"report.html", "result.json", *(f"figure-{number}.csv" for number in "56789")}
     assert "Figure 9" in capsys.readouterr().out
     content = json.loads((tmp_path / "f" / "result.json").read_text(encoding="utf-8"))
-    assert [each["number"] for each in content["figures"]] == list("56789")
+    assert [item["number"] for item in content["figures"]] == list("56789")
 
 
 @pytest.mark.parametrize(

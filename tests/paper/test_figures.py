@@ -113,9 +113,9 @@ def test_length_swept_to_the_yield(figures):
 def test_csv_and_json_hold_the_same(figures):
     """Ten digits; an empty cell and a null where no pose is."""
     content = figures_json(list(figures.values()))
-    for each in content["figures"]:
-        read = list(csv.DictReader(io.StringIO(figure_csv(figures[each["number"]]))))
-        for name, values in each["columns"].items():
+    for item in content["figures"]:
+        read = list(csv.DictReader(io.StringIO(figure_csv(figures[item["number"]]))))
+        for name, values in item["columns"].items():
             assert [None if row[name] == "" else float(row[name]) for row in read] == values
     assert any(value is None for value in content["figures"][0]["columns"]["corrected_mm"])
 

@@ -168,9 +168,9 @@ def test_no_pose_is_worse_than_the_one_found(paper):
     angles = np.random.default_rng(5).uniform(-math.pi, math.pi, (200_000, 3))
     swing = turns * np.array(paper.parameters.lengths)
     moved = np.stack([-np.sin(angles) @ swing, np.cos(angles) @ swing], axis=1) + fitted.at(angles)
-    found = fitted.worst_with(turns.tolist())
+    result = fitted.worst_with(turns.tolist())
     sampled = float(np.hypot(moved[:, 0], moved[:, 1]).max())
-    assert sampled <= found <= 1.01 * sampled
+    assert sampled <= result <= 1.01 * sampled
 
 
 def test_the_tool_is_what_the_second_constant_says(paper):

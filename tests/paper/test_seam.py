@@ -65,7 +65,7 @@ def test_what_cannot_be_asked_or_reached_is_one_line(arm, points, status, words,
 
 def _rigid(backlash):
     """Massless links of the paper's lengths: nothing but play moves the tip."""
-    joints = tuple(Joint(backlash=each) for each in backlash)
+    joints = tuple(Joint(backlash=item) for item in backlash)
     return Arm("rigid", joints, tuple(Link(length, mass=0.0) for length in (0.4, 0.42, 0.42)))
 
 
@@ -84,7 +84,7 @@ def test_the_seam_is_searched_over_all_postures():
     postures = Postures(PaperArm(read_paper()).arm(clearance=(1, 2, 3), backlash=(1, 2, 3)), 512)
     point = np.array([[0.3, 0.5, 0.0]])
     directions = around(8)
-    found = postures.farthest(point, directions)[0]
+    result = postures.farthest(point, directions)[0]
     turns = np.radians(np.arange(0.0, 360.0, 0.25))
     wrist = point[0, :2] - 0.42 * np.column_stack([np.cos(turns), np.sin(turns)])
     cosine = ((wrist**2).sum(axis=1) - 0.4**2 - 0.42**2) / (2 * 0.4 * 0.42)
@@ -95,7 +95,7 @@ def test_the_seam_is_searched_over_all_postures():
         q1 = np.arctan2(wrist[ok, 1], wrist[ok, 0]) - np.arctan2(0.42 * np.sin(q2), 0.4 + 0.42 * np.cos(q2))
         rows.append(np.column_stack([q1, q2, turns[ok] - q1 - q2]))
     brute = postures.support(np.vstack(rows), directions).max(axis=0)
-    assert found == pytest.approx(brute, rel=1e-3)
+    assert result == pytest.approx(brute, rel=1e-3)
 
 
 def test_a_seam_out_of_reach_is_refused():

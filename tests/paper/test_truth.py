@@ -109,8 +109,8 @@ def test_every_figure_that_differs_has_its_reason(book):
 def test_the_four_verdicts(book):
     """The third conclusion is an artefact: deformation adds the same in every row of Table III."""
     judged = verdicts(book)
-    assert [each.number for each in judged] == [1, 2, 3, 4]
-    assert [each.judgement for each in judged] == ["holds", "holds in part", "does not hold", "holds in part"]
+    assert [item.number for item in judged] == [1, 2, 3, 4]
+    assert [item.judgement for item in judged] == ["holds", "holds in part", "does not hold", "holds in part"]
     rows = book.table("clearance").rows
     added = [row.corrected[1] - row.corrected[0] for row in rows]
     assert max(added) - min(added) < 1e-4 * added[0]
@@ -138,7 +138,7 @@ def test_maxima_add_up(book, arms):
 def test_what_the_paper_proved_about_seams(book):
     """For its own lengths without limits, and for nothing else."""
     shown = proofs(book)
-    assert [each.holds for each in shown] == [False, False, True, False, False]
+    assert [item.holds for item in shown] == [False, False, True, False, False]
     hole, limited = shown[3].seam, shown[4].seam
     assert hole.exact
     assert hole.first_unreachable == pytest.approx((0.4, 0.3), abs=1e-12)

@@ -11,18 +11,18 @@ DAYS = list(printer.FILES)
 
 @pytest.mark.parametrize("day", DAYS)
 def test_expansion_is_refused_where_the_library_holds_nothing_else(day: str) -> None:
-    found = printer.warmed(day, expansion_only=True)
-    assert found.verdict == "unknown"
-    assert found.findings == ()
-    reasons = [form.reason for form in found.rejected_forms if form.effect == printer.EXPANSION]
+    result = printer.warmed(day, expansion_only=True)
+    assert result.verdict == "unknown"
+    assert result.findings == ()
+    reasons = [form.reason for form in result.rejected_forms if form.effect == printer.EXPANSION]
     assert reasons == ["only a size below what is possible would fit"]
 
 
 @pytest.mark.parametrize("day", DAYS)
 def test_expansion_alone_is_refused(day: str) -> None:
-    found = printer.warmed(day)
-    assert found.verdict in ("named", "alias_class", "unknown")
-    assert printer.refused(found)
-    falls = [p.value for f in found.findings for p in f.parameters if p.parameter == "per_kelvin"]
+    result = printer.warmed(day)
+    assert result.verdict in ("named", "alias_class", "unknown")
+    assert printer.refused(result)
+    falls = [p.value for f in result.findings for p in f.parameters if p.parameter == "per_kelvin"]
     assert falls
     assert sum(falls) == pytest.approx(-33e-6, abs=8e-6)

@@ -8,9 +8,9 @@ pytestmark = pytest.mark.slow
 
 
 def test_backlash_loaded() -> None:
-    found = servo.loaded()
-    assert found.findings[0].effect == "backlash"
-    assert servo.counts(found) == pytest.approx(servo.PUBLISHED["loaded"], abs=0.2)
+    result = servo.loaded()
+    assert result.findings[0].effect == "backlash"
+    assert servo.counts(result) == pytest.approx(servo.PUBLISHED["loaded"], abs=0.2)
 
 
 def test_backlash_unloaded() -> None:

@@ -102,13 +102,13 @@ def one_of_each(cases: list[tuple[Section, float, float]]) -> list[object]:
     ("section", "nu", "tolerance"), one_of_each(random_sections()), ids=lambda v: getattr(v, "shape", v)
 )
 def test_straight_edged_shapes(section: Section, nu: float, tolerance: float) -> None:
-    expected, found = reference(section, nu), section.properties(nu)
-    assert found.area == pytest.approx(expected.area, rel=1e-6)
-    assert found.second_moment_y == pytest.approx(expected.second_moment_y, rel=1e-6)
-    assert found.second_moment_z == pytest.approx(expected.second_moment_z, rel=1e-6)
-    assert found.torsion_constant == pytest.approx(expected.torsion_constant, rel=tolerance)
-    assert found.shear_area_y == pytest.approx(expected.shear_area_y, rel=tolerance)
-    assert found.shear_area_z == pytest.approx(expected.shear_area_z, rel=tolerance)
+    expected, result = reference(section, nu), section.properties(nu)
+    assert result.area == pytest.approx(expected.area, rel=1e-6)
+    assert result.second_moment_y == pytest.approx(expected.second_moment_y, rel=1e-6)
+    assert result.second_moment_z == pytest.approx(expected.second_moment_z, rel=1e-6)
+    assert result.torsion_constant == pytest.approx(expected.torsion_constant, rel=tolerance)
+    assert result.shear_area_y == pytest.approx(expected.shear_area_y, rel=tolerance)
+    assert result.shear_area_z == pytest.approx(expected.shear_area_z, rel=tolerance)
 
 
 @pytest.mark.parametrize("nu", slow_but(POISSON, 0.3))
@@ -126,12 +126,12 @@ def test_straight_edged_shapes(section: Section, nu: float, tolerance: float) ->
 )
 def test_round_shapes(section: Section, nu: float) -> None:
     # The outline is a 96-gon inside the curve: its area is smaller by (2 pi / 96)^2 / 6 = 0.07 %.
-    expected, found = reference(section, nu, 800), section.properties(nu)
-    assert found.area == pytest.approx(expected.area, rel=2e-3)
-    assert found.second_moment_y == pytest.approx(expected.second_moment_y, rel=4e-3)
-    assert found.torsion_constant == pytest.approx(expected.torsion_constant, rel=5e-3)
-    assert found.shear_area_y == pytest.approx(expected.shear_area_y, rel=5e-3)
-    assert found.shear_area_z == pytest.approx(expected.shear_area_z, rel=5e-3)
+    expected, result = reference(section, nu, 800), section.properties(nu)
+    assert result.area == pytest.approx(expected.area, rel=2e-3)
+    assert result.second_moment_y == pytest.approx(expected.second_moment_y, rel=4e-3)
+    assert result.torsion_constant == pytest.approx(expected.torsion_constant, rel=5e-3)
+    assert result.shear_area_y == pytest.approx(expected.shear_area_y, rel=5e-3)
+    assert result.shear_area_z == pytest.approx(expected.shear_area_z, rel=5e-3)
 
 
 @pytest.mark.parametrize(
@@ -146,13 +146,13 @@ def test_round_shapes(section: Section, nu: float) -> None:
 )
 def test_rounded_corners_and_root_fillets(section: Section) -> None:
     # Chords stand for the arcs of the outline: eight of them leave up to 0.3 % of I.
-    expected, found = reference(section, 0.3, 1500), section.properties(0.3)
-    assert found.area == pytest.approx(expected.area, rel=4e-3)
-    assert found.second_moment_y == pytest.approx(expected.second_moment_y, rel=4e-3)
-    assert found.second_moment_z == pytest.approx(expected.second_moment_z, rel=4e-3)
-    assert found.torsion_constant == pytest.approx(expected.torsion_constant, rel=0.014)
-    assert found.shear_area_y == pytest.approx(expected.shear_area_y, rel=0.011)
-    assert found.shear_area_z == pytest.approx(expected.shear_area_z, rel=0.011)
+    expected, result = reference(section, 0.3, 1500), section.properties(0.3)
+    assert result.area == pytest.approx(expected.area, rel=4e-3)
+    assert result.second_moment_y == pytest.approx(expected.second_moment_y, rel=4e-3)
+    assert result.second_moment_z == pytest.approx(expected.second_moment_z, rel=4e-3)
+    assert result.torsion_constant == pytest.approx(expected.torsion_constant, rel=0.014)
+    assert result.shear_area_y == pytest.approx(expected.shear_area_y, rel=0.011)
+    assert result.shear_area_z == pytest.approx(expected.shear_area_z, rel=0.011)
 
 
 ANGLE = ((0.0, 0.0), (0.1, 0.0), (0.1, 0.02), (0.015, 0.02), (0.015, 0.08), (0.0, 0.08))
@@ -180,13 +180,13 @@ HOLE = ((-0.02, -0.01), (0.01, -0.015), (0.0, 0.02))
     ids=["L", "C", "6", "6o"],
 )
 def test_polygons(section: Polygon, nu: float) -> None:
-    expected, found = reference(section, nu, 2500), section.properties(nu)
-    assert found.area == pytest.approx(expected.area, rel=1e-9)
-    assert found.second_moment_y == pytest.approx(expected.second_moment_y, rel=1e-9)
-    assert found.product_moment_yz == pytest.approx(
+    expected, result = reference(section, nu, 2500), section.properties(nu)
+    assert result.area == pytest.approx(expected.area, rel=1e-9)
+    assert result.second_moment_y == pytest.approx(expected.second_moment_y, rel=1e-9)
+    assert result.product_moment_yz == pytest.approx(
         expected.product_moment_yz, rel=1e-9, abs=1e-9 * expected.second_moment_y
     )
     # Finite elements are too stiff near re-entrant corners: what differs here is mostly theirs.
-    assert found.torsion_constant == pytest.approx(expected.torsion_constant, rel=5e-3)
-    assert found.shear_area_y == pytest.approx(expected.shear_area_y, rel=5e-3)
-    assert found.shear_area_z == pytest.approx(expected.shear_area_z, rel=5e-3)
+    assert result.torsion_constant == pytest.approx(expected.torsion_constant, rel=5e-3)
+    assert result.shear_area_y == pytest.approx(expected.shear_area_y, rel=5e-3)
+    assert result.shear_area_z == pytest.approx(expected.shear_area_z, rel=5e-3)

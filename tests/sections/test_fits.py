@@ -60,13 +60,13 @@ def test_figure_is_within_the_error(name: str, number: int) -> None:
     fit: Fit = fits()[name]
     section, solved = sample(fit.shape, tuple((key, *ends) for key, ends in fit.range.items()), number)
     for ratio in (0.0, 0.45):
-        found = section.properties(ratio)
+        result = section.properties(ratio)
         square = (ratio / (1.0 + ratio)) ** 2
         expected = {
             "torsion_constant": solved.torsion_constant,
             "torsion_modulus": solved.torsion_modulus,
-            "shear_area_y": found.area / (solved.shear_y[0] + square * solved.shear_y[1]),
-            "shear_area_z": found.area / (solved.shear_z[0] + square * solved.shear_z[1]),
+            "shear_area_y": result.area / (solved.shear_y[0] + square * solved.shear_y[1]),
+            "shear_area_z": result.area / (solved.shear_z[0] + square * solved.shear_z[1]),
         }[fit.figure]
         own = CHORD_ERROR if "root_radius / flange_thickness" in fit.range else SOLVER_ERROR
-        assert getattr(found, fit.figure) == pytest.approx(expected, rel=fit.error + own)
+        assert getattr(result, fit.figure) == pytest.approx(expected, rel=fit.error + own)

@@ -101,8 +101,8 @@ def test_symbols_and_arrays_agree_with_floats(section: Section, nu: float) -> No
             built = type(section).from_variables(ca.vertsplit(symbols))
             properties = built.properties(nu)
             outputs = [getattr(properties, name) for name in ORDERS]
-            found = ca.Function("f", [symbols], [ca.vertcat(*outputs)])(ca.DM(values)).full().ravel()
-            for name, value in zip(ORDERS, found, strict=True):
+            result = ca.Function("f", [symbols], [ca.vertcat(*outputs)])(ca.DM(values)).full().ravel()
+            for name, value in zip(ORDERS, result, strict=True):
                 assert value == pytest.approx(getattr(expected, name), rel=1e-8)
     for name in ORDERS:
         assert np.broadcast_to(getattr(arrays, name), 2)[0] == pytest.approx(getattr(expected, name), rel=1e-8)
@@ -211,8 +211,8 @@ def test_rotation_of_a_polygon(angle: float, nu: float) -> None:
 def test_a_polygon_of_a_known_shape_agrees_with_it(nu: float) -> None:
     tube = RectangularTube(0.08, 0.1, 0.008)
     outer, inner = ([tuple(point) for point in loop[:-1]] for loop in tube.outline())
-    expected, found = tube.properties(nu), Polygon(tuple(outer), (tuple(inner),)).properties(nu)
+    expected, result = tube.properties(nu), Polygon(tuple(outer), (tuple(inner),)).properties(nu)
     for field in dataclasses.fields(expected):
         if field.name != "torsion_modulus":
             value: Number = getattr(expected, field.name)
-            assert getattr(found, field.name) == pytest.approx(value, rel=0.011, abs=1e-15)
+            assert getattr(result, field.name) == pytest.approx(value, rel=0.011, abs=1e-15)

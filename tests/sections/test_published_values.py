@@ -31,23 +31,23 @@ from linkwright.core.sections import (
 def test_torsion_constant_of_rectangles(ratio: float, constant: float) -> None:
     # Timoshenko and Goodier, Theory of Elasticity, 3rd ed., section 109, table 7: J = k1 b h^3.
     for section in (Rectangle(0.02 * ratio, 0.02), Rectangle(0.02, 0.02 * ratio)):
-        found = section.properties(0.3).torsion_constant / (0.02**4 * ratio)
-        assert found == pytest.approx(constant, abs=6e-4)
+        result = section.properties(0.3).torsion_constant / (0.02**4 * ratio)
+        assert result == pytest.approx(constant, abs=6e-4)
 
 
 @pytest.mark.parametrize(("ratio", "k2"), [(1.0, 0.208), (1.5, 0.231), (2.0, 0.246), (4.0, 0.282), (10.0, 0.312)])
 def test_torsion_stress_of_rectangles(ratio: float, k2: float) -> None:
     # The same table: greatest stress T / (k2 b h^2).
-    found = Rectangle(0.02 * ratio, 0.02).properties(0.3).torsion_modulus / (0.02**3 * ratio)
-    assert found == pytest.approx(k2, rel=0.006)
+    result = Rectangle(0.02 * ratio, 0.02).properties(0.3).torsion_modulus / (0.02**3 * ratio)
+    assert result == pytest.approx(k2, rel=0.006)
 
 
 def test_torsion_of_an_equilateral_triangle() -> None:
     # Timoshenko and Goodier, section 104: J = sqrt(3) a^4 / 80, greatest stress 20 T / a^3.
     a = 0.07
-    found = Triangle(a, a * math.sqrt(3) / 2).properties(0.3)
-    assert found.torsion_constant == pytest.approx(math.sqrt(3) / 80 * a**4, rel=1e-4)
-    assert found.torsion_modulus == pytest.approx(a**3 / 20, rel=0.01)
+    result = Triangle(a, a * math.sqrt(3) / 2).properties(0.3)
+    assert result.torsion_constant == pytest.approx(math.sqrt(3) / 80 * a**4, rel=1e-4)
+    assert result.torsion_modulus == pytest.approx(a**3 / 20, rel=0.01)
     corners = ((0.0, 0.0), (a, 0.0), (a / 2, a * math.sqrt(3) / 2))
     assert Polygon(corners).properties(0.3).torsion_constant == pytest.approx(math.sqrt(3) / 80 * a**4, rel=1e-5)
 
@@ -71,36 +71,36 @@ def test_circle_shear_coefficient() -> None:
 
 
 def test_thin_round_tube_carries_half_its_area_in_shear() -> None:
-    found = Tube(0.1, 1e-6).properties(0.3)
-    assert found.shear_area_z / found.area == pytest.approx(0.5, rel=1e-4)
+    result = Tube(0.1, 1e-6).properties(0.3)
+    assert result.shear_area_z / result.area == pytest.approx(0.5, rel=1e-4)
 
 
 def test_ellipse_torsion() -> None:
     # J = pi a^3 b^3 / (a^2 + b^2) with semi-axes a, b; greatest stress 2 T / (pi a b^2), b the smaller.
-    found = Ellipse(0.06, 0.1).properties(0.3)
+    result = Ellipse(0.06, 0.1).properties(0.3)
     a, b = 0.05, 0.03
-    assert found.torsion_constant == pytest.approx(math.pi * a**3 * b**3 / (a**2 + b**2), rel=1e-12)
-    assert found.torsion_modulus == pytest.approx(math.pi * a * b**2 / 2, rel=1e-12)
+    assert result.torsion_constant == pytest.approx(math.pi * a**3 * b**3 / (a**2 + b**2), rel=1e-12)
+    assert result.torsion_modulus == pytest.approx(math.pi * a * b**2 / 2, rel=1e-12)
 
 
 def test_bredt_for_a_thin_rectangular_tube() -> None:
     b, h, t = 0.12, 0.08, 0.0004
-    found = RectangularTube(b, h, t).properties(0.3)
+    result = RectangularTube(b, h, t).properties(0.3)
     middle_b, middle_h = b - t, h - t
     bredt = 4 * (middle_b * middle_h) ** 2 * t / (2 * (middle_b + middle_h))
-    assert found.torsion_constant == pytest.approx(bredt, rel=0.012)
-    assert found.torsion_modulus == pytest.approx(2 * middle_b * middle_h * t, rel=1e-9)
+    assert result.torsion_constant == pytest.approx(bredt, rel=0.012)
+    assert result.torsion_modulus == pytest.approx(2 * middle_b * middle_h * t, rel=1e-9)
 
 
 def test_ipe_80_without_fillets() -> None:
     # EN 10365: IPE 80 is 80 x 46 x 3.8 x 5.2 mm with r = 5; A = 7.64 cm^2 and I_y = 80.1 cm^4 include the
     # fillets,
     # whose area (4 - pi) r^2 and place are known.
-    found = ISection(0.046, 0.080, 0.0052, 0.0038).properties(0.3)
+    result = ISection(0.046, 0.080, 0.0052, 0.0038).properties(0.3)
     fillet_area = (4 - math.pi) * 0.005**2
     arm = 0.040 - 0.0052 - 0.223 * 0.005
-    assert found.area + fillet_area == pytest.approx(7.64e-4, rel=1e-3)
-    assert found.second_moment_y + fillet_area * arm**2 == pytest.approx(80.1e-8, rel=2e-3)
+    assert result.area + fillet_area == pytest.approx(7.64e-4, rel=1e-3)
+    assert result.second_moment_y + fillet_area * arm**2 == pytest.approx(80.1e-8, rel=2e-3)
 
 
 def test_unequal_flanges_by_hand() -> None:
@@ -112,74 +112,74 @@ def test_unequal_flanges_by_hand() -> None:
         bottom_flange_width=0.1,
         flange_thickness=0.02,
     )
-    found = section.properties(0.3)
+    result = section.properties(0.3)
     centroid = (2000 * 10 + 600 * 50 + 1200 * 90) / 3800
     inertia = (100 * 20**3 + 10 * 60**3 + 60 * 20**3) / 12 + sum(
         a * (z - centroid) ** 2 for a, z in ((2000, 10), (600, 50), (1200, 90))
     )
-    assert found.area == pytest.approx(3800e-6)
-    assert found.centroid_z == pytest.approx(centroid * 1e-3)
-    assert found.second_moment_y == pytest.approx(inertia * 1e-12)
-    assert found.extreme_fibre_y == pytest.approx((100 - centroid) * 1e-3)
-    assert found.section_modulus_y == pytest.approx(inertia / (100 - centroid) * 1e-9)
+    assert result.area == pytest.approx(3800e-6)
+    assert result.centroid_z == pytest.approx(centroid * 1e-3)
+    assert result.second_moment_y == pytest.approx(inertia * 1e-12)
+    assert result.extreme_fibre_y == pytest.approx((100 - centroid) * 1e-3)
+    assert result.section_modulus_y == pytest.approx(inertia / (100 - centroid) * 1e-9)
 
 
 def test_ipe_80_with_fillets() -> None:
     # EN 10365 and the profile tables: A = 7.64 cm^2, I_y = 80.1, I_z = 8.49 cm^4, W_pl,y = 23.2, W_pl,z = 5.82 cm^3.
-    found = ISection(0.046, 0.080, 0.0052, 0.0038, root_radius=0.005).properties(0.3)
-    assert found.area == pytest.approx(7.64e-4, abs=0.005e-4)
-    assert found.second_moment_y == pytest.approx(80.1e-8, abs=0.05e-8)
-    assert found.second_moment_z == pytest.approx(8.49e-8, abs=0.005e-8)
-    assert found.plastic_modulus_y == pytest.approx(23.2e-6, abs=0.05e-6)
-    assert found.plastic_modulus_z == pytest.approx(5.82e-6, abs=0.005e-6)
+    result = ISection(0.046, 0.080, 0.0052, 0.0038, root_radius=0.005).properties(0.3)
+    assert result.area == pytest.approx(7.64e-4, abs=0.005e-4)
+    assert result.second_moment_y == pytest.approx(80.1e-8, abs=0.05e-8)
+    assert result.second_moment_z == pytest.approx(8.49e-8, abs=0.005e-8)
+    assert result.plastic_modulus_y == pytest.approx(23.2e-6, abs=0.05e-6)
+    assert result.plastic_modulus_z == pytest.approx(5.82e-6, abs=0.005e-6)
 
 
 def test_square_hollow_section_of_en_10219() -> None:
     # SHS 100x100x5: I_t = 441 cm^4, W_pl = 64.6 cm^3 beside A = 18.4 cm^2 and I = 271 cm^4.
-    found = section_from_name("SHS 100x5").properties(0.3)
-    assert found.torsion_constant == pytest.approx(441e-8, rel=5e-3)
-    assert found.plastic_modulus_y == pytest.approx(64.6e-6, abs=0.05e-6)
+    result = section_from_name("SHS 100x5").properties(0.3)
+    assert result.torsion_constant == pytest.approx(441e-8, rel=5e-3)
+    assert result.plastic_modulus_y == pytest.approx(64.6e-6, abs=0.05e-6)
 
 
 def test_octagon_from_first_principles() -> None:
     # Side a = width (sqrt(2) - 1), A = 2 (1 + sqrt(2)) a^2, I = (11 + 8 sqrt(2)) a^4 / 12 about any axis.
     width = 0.08
     side = width * (math.sqrt(2) - 1)
-    found = Octagon(width).properties(0.3)
-    assert found.area == pytest.approx(2 * (1 + math.sqrt(2)) * side**2, rel=1e-12)
-    assert found.second_moment_y == pytest.approx((11 + 8 * math.sqrt(2)) / 12 * side**4, rel=1e-12)
-    assert found.second_moment_z == found.second_moment_y
+    result = Octagon(width).properties(0.3)
+    assert result.area == pytest.approx(2 * (1 + math.sqrt(2)) * side**2, rel=1e-12)
+    assert result.second_moment_y == pytest.approx((11 + 8 * math.sqrt(2)) / 12 * side**4, rel=1e-12)
+    assert result.second_moment_z == result.second_moment_y
 
 
 def test_angle_by_hand() -> None:
     # 100 x 60 x 10 mm without fillets: the centroid by moments, the product moment of each leg about it.
-    found = Angle(0.06, 0.1, 0.01).properties(0.3)
+    result = Angle(0.06, 0.1, 0.01).properties(0.3)
     y, z = (600 * 30 + 900 * 5) / 1500, (600 * 5 + 900 * 55) / 1500
     product = 600 * (30 - y) * (5 - z) + 900 * (5 - y) * (55 - z)
-    assert (found.centroid_y, found.centroid_z) == pytest.approx((y * 1e-3, z * 1e-3))
-    assert found.product_moment_yz == pytest.approx(product * 1e-12)
-    greatest, least = found.principal_moments
-    assert greatest + least == pytest.approx(found.second_moment_y + found.second_moment_z)
-    turn = found.principal_angle
+    assert (result.centroid_y, result.centroid_z) == pytest.approx((y * 1e-3, z * 1e-3))
+    assert result.product_moment_yz == pytest.approx(product * 1e-12)
+    greatest, least = result.principal_moments
+    assert greatest + least == pytest.approx(result.second_moment_y + result.second_moment_z)
+    turn = result.principal_angle
     c, s = math.cos(turn), math.sin(turn)
-    about = c**2 * found.second_moment_y + s**2 * found.second_moment_z - 2 * s * c * found.product_moment_yz
+    about = c**2 * result.second_moment_y + s**2 * result.second_moment_z - 2 * s * c * result.product_moment_yz
     assert about == pytest.approx(greatest)
 
 
 def test_an_elliptical_tube_of_equal_axes_is_a_round_one() -> None:
     for wall in (0.002, 0.01, 0.02):
-        found, expected = EllipticalTube(0.1, 0.1, wall).properties(0.3), Tube(0.1, wall).properties(0.3)
-        assert found.area == pytest.approx(expected.area, rel=1e-9)
-        assert found.second_moment_y == pytest.approx(expected.second_moment_y, rel=1e-9)
-        assert found.plastic_modulus_z == pytest.approx(expected.plastic_modulus_z, rel=1e-6)
-        assert found.torsion_constant == pytest.approx(expected.torsion_constant, rel=1e-3)
-        assert found.shear_area_y == pytest.approx(expected.shear_area_y, rel=5e-3)
+        result, expected = EllipticalTube(0.1, 0.1, wall).properties(0.3), Tube(0.1, wall).properties(0.3)
+        assert result.area == pytest.approx(expected.area, rel=1e-9)
+        assert result.second_moment_y == pytest.approx(expected.second_moment_y, rel=1e-9)
+        assert result.plastic_modulus_z == pytest.approx(expected.plastic_modulus_z, rel=1e-6)
+        assert result.torsion_constant == pytest.approx(expected.torsion_constant, rel=1e-3)
+        assert result.shear_area_y == pytest.approx(expected.shear_area_y, rel=5e-3)
 
 
 def test_area_of_a_wall_along_an_ellipse_is_its_middle_line_times_its_thickness() -> None:
     # Steiner: A = L t - pi t^2; perimeter of the ellipse with semi-axes 2 and 1 is 9.688448220547676.
-    found = EllipticalTube(0.04, 0.02, 0.002).properties(0.3)
-    assert found.area == pytest.approx(0.09688448220547676 * 0.002 - math.pi * 0.002**2, rel=1e-7)
+    result = EllipticalTube(0.04, 0.02, 0.002).properties(0.3)
+    assert result.area == pytest.approx(0.09688448220547676 * 0.002 - math.pi * 0.002**2, rel=1e-7)
 
 
 @pytest.mark.parametrize(

@@ -309,7 +309,7 @@ def test_first_frequency_of_a_cantilever_converges_from_above():
 
 def test_frequencies_of_both_planes_and_of_torsion():
     """Each plane has its own first frequency, and torsion has sqrt(G J/(rho I_p))/4L (Blevins, chapter 8)."""
-    found = frequencies(cantilever(pieces=24), rotary_inertia=False)
+    result = frequencies(cantilever(pieces=24), rotary_inertia=False)
     polar = BEAM.second_moment_height + BEAM.second_moment_width
     torsional = np.sqrt(BEAM.shear_modulus * BEAM.torsion_constant / (BEAM.density * polar)) / (4 * LENGTH)
     for expected, tolerance in (
@@ -317,18 +317,18 @@ def test_frequencies_of_both_planes_and_of_torsion():
         (first_frequency(BEAM.second_moment_height), 1e-7),
         (torsional, 2e-4),  # linear twist along a member: the error falls as its square, (pi/2/24)^2/24
     ):
-        assert np.min(abs(found / expected - 1)) < tolerance
+        assert np.min(abs(result / expected - 1)) < tolerance
 
 
 def test_frequency_with_a_tip_mass_on_a_light_beam():
     """sqrt(3EI/(L^3 (M + 33/140 m)))/2pi: Rayleigh's method with the static shape (Blevins, chapter 8)."""
     tip_mass = 40.0
-    found = frequencies(cantilever(pieces=4, masses=[PointMass(4, tip_mass)]), rotary_inertia=False)[0]
+    result = frequencies(cantilever(pieces=4, masses=[PointMass(4, tip_mass)]), rotary_inertia=False)[0]
     inertia = tip_mass + 33 / 140 * BEAM.density * BEAM.area * LENGTH
     stiffness = 3 * BEAM.elastic_modulus * BEAM.second_moment_width / LENGTH**3
     expected = np.sqrt(stiffness / inertia) / (2 * np.pi)
-    assert found == pytest.approx(expected, rel=1e-5)
-    assert found < expected  # an assumed shape gives an upper bound
+    assert result == pytest.approx(expected, rel=1e-5)
+    assert result < expected  # an assumed shape gives an upper bound
 
 
 def test_stocky_simply_supported_beam_with_shear_and_rotary_inertia():

@@ -44,8 +44,8 @@ def test_heavy_mass_on_a_light_cantilever() -> None:
     """omega^2 = 3 E I / (L^3 (M + 0.24 m L)): Blevins, table 8-8; Roark, table 16.1."""
     arm, beams = cantilever(0.5, 3e4, 0.9)
     expected = math.sqrt(3 * 3e4 / (0.9**3 * (40.0 + 0.24 * 0.5 * 0.9))) / (2.0 * math.pi)
-    found = first_modes(arm, beams, 40.0, np.zeros((1, 1))).frequency[0]
-    assert found == pytest.approx(expected, rel=1e-4)
+    result = first_modes(arm, beams, 40.0, np.zeros((1, 1))).frequency[0]
+    assert result == pytest.approx(expected, rel=1e-4)
 
 
 def test_mass_on_a_soft_drive() -> None:
@@ -55,16 +55,16 @@ def test_mass_on_a_soft_drive() -> None:
     beams = (Beam(0.8, lumped_mass=12.0, lumped_at=0.3),)
     for payload in (0.0, 3.0):
         expected = math.sqrt(5e4 / (12.0 * 0.3**2 + payload * 0.8**2)) / (2.0 * math.pi)
-        found = first_modes(arm, beams, payload, np.zeros((1, 1))).frequency[0]
-        assert found == pytest.approx(expected, rel=1e-9)
+        result = first_modes(arm, beams, payload, np.zeros((1, 1))).frequency[0]
+        assert result == pytest.approx(expected, rel=1e-9)
 
 
 def test_carriage_on_a_soft_slide_rides_with_it() -> None:
     """omega^2 = K / (carriage + link + payload) for a slide whose drive gives."""
     slide = Joint("prismatic", axis=(1.0, 0.0, 0.0), range=(0.0, 1.0), stiffness=1e6, mass=30.0)
     arm = Arm("slide", (slide,), (Link(0.5, mass=8.0),))
-    found = first_modes(arm, (Beam(0.5, lumped_mass=8.0, lumped_at=0.25),), 2.0, np.zeros((1, 1)))
-    assert found.frequency[0] == pytest.approx(math.sqrt(1e6 / 40.0) / (2.0 * math.pi), rel=1e-9)
+    result = first_modes(arm, (Beam(0.5, lumped_mass=8.0, lumped_at=0.25),), 2.0, np.zeros((1, 1)))
+    assert result.frequency[0] == pytest.approx(math.sqrt(1e6 / 40.0) / (2.0 * math.pi), rel=1e-9)
 
 
 def test_motor_beside_the_end_of_a_link_swings_at_its_own_distance() -> None:
@@ -72,8 +72,8 @@ def test_motor_beside_the_end_of_a_link_swings_at_its_own_distance() -> None:
     joints = (Joint(stiffness=5e4), Joint(mass=10.0, origin_translation=(0.2, 0.0, 0.0)))
     arm = Arm("offset", joints, (Link(0.5, mass=0.0), Link(0.3, mass=0.0)))
     beams = (Beam(0.5), Beam(0.3))
-    found = first_modes(arm, beams, 0.0, np.zeros((1, 2))).frequency[0]
-    assert found == pytest.approx(math.sqrt(5e4 / (10.0 * 0.7**2)) / (2.0 * math.pi), rel=1e-9)
+    result = first_modes(arm, beams, 0.0, np.zeros((1, 2))).frequency[0]
+    assert result == pytest.approx(math.sqrt(5e4 / (10.0 * 0.7**2)) / (2.0 * math.pi), rel=1e-9)
 
 
 def test_without_anything_that_gives_the_frequency_is_infinite() -> None:
@@ -113,6 +113,6 @@ def test_absolute_angles_let_a_drive_turn_its_own_link_only() -> None:
     """
     arm = Arm("linkage", (Joint(stiffness=4e4), Joint(stiffness=1e4)), (Link(0.5, mass=0.0), Link(0.3, mass=0.0)),
               angles="absolute", payload=LoadCase())  # fmt: skip
-    found = first_modes(arm, (Beam(0.5), Beam(0.3)), 5.0, np.array([[0.4, 0.4]])).frequency[0]
+    result = first_modes(arm, (Beam(0.5), Beam(0.3)), 5.0, np.array([[0.4, 0.4]])).frequency[0]
     expected = 1.0 / math.sqrt(5.0 * (0.5**2 / 4e4 + 0.3**2 / 1e4)) / (2.0 * math.pi)
-    assert found == pytest.approx(expected, rel=1e-9)
+    assert result == pytest.approx(expected, rel=1e-9)

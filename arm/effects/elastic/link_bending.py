@@ -104,7 +104,7 @@ def _declared(_arm: Arm, beams: Sequence[Beam], link: int) -> float:
     """The link's 1/EI, of its softer direction."""
     beam = beams[link]
     rigidities = (beam.flexural_rigidity_height, beam.flexural_rigidity_width)
-    return max((1.0 / float(each) for each in rigidities if each is not None), default=0.0)
+    return max((1.0 / float(rigidity) for rigidity in rigidities if rigidity is not None), default=0.0)
 
 
 LINK_BENDING = Effect(

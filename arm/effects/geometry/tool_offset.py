@@ -13,7 +13,7 @@ from linkwright.core.arm.effects.effect import Effect, Parameter, Settings, Twis
 
 def last_link_axes(state: PoseState) -> tuple[Vector, Vector, Vector]:
     """Unit vectors along the last link, across it in the plane in which its joint turns it, and out of that plane."""
-    ends = [each.end - 1 for each in state.arm.branches] or [len(state.links) - 1]
+    ends = [branch.end - 1 for branch in state.arm.branches] or [len(state.links) - 1]
     # Of the last links of several branches those that the tip is not of have no directions.
     along, across, out = _axes(state, ends[0])
     for end in ends[1:]:

@@ -24,9 +24,9 @@ from linkwright.core.arm.effects.loads.added_weights import bearing
 def _loose(state: PoseState, settings: Settings) -> list[tuple[int, JointState, float]]:
     """The joints that have play, with all that they bear, and how much of it."""
     totals = [settings.values.get("total", joint.backlash) for joint in state.joints]
-    found = [index for index, total in enumerate(totals) if total != 0.0 and settings.acts_at(index)]
-    borne = bearing(state).joints if found else ()
-    return [(index, borne[index], totals[index]) for index in found]
+    joints = [index for index, total in enumerate(totals) if total != 0.0 and settings.acts_at(index)]
+    borne = bearing(state).joints if joints else ()
+    return [(index, borne[index], totals[index]) for index in joints]
 
 
 def _play(state: PoseState, settings: Settings) -> Iterator[Interval | Disc]:

@@ -15,9 +15,9 @@ from linkwright.core.arm.effects.loads.added_weights import bearing
 def _loose(state: PoseState, settings: Settings) -> list[tuple[int, JointState, float]]:
     """The joints that have clearance, with all that they bear, and its radius."""
     radii = [settings.values.get("radius", joint.clearance) for joint in state.joints]
-    found = [index for index, radius in enumerate(radii) if radius != 0.0 and settings.acts_at(index)]
-    borne = bearing(state).joints if found else ()
-    return [(index, borne[index], radii[index]) for index in found]
+    joints = [index for index, radius in enumerate(radii) if radius != 0.0 and settings.acts_at(index)]
+    borne = bearing(state).joints if joints else ()
+    return [(index, borne[index], radii[index]) for index in joints]
 
 
 def _play(state: PoseState, settings: Settings) -> Iterator[Interval | Disc]:

@@ -87,7 +87,7 @@ def figures(half: Half, found: Mapping[str, Results]) -> Figures:
     truths = {t["case"]: t for t in half.truths}
     ratios, nulls = _good(found["prediction"]), _good(found["nulls"])
     poses = _good(found["next_poses"])
-    sure = {case: each for case, each in poses.items() if _enough(half.said[case])}
+    sure = {case: pose for case, pose in poses.items() if _enough(half.said[case])}
     directed = [
         (result["direction"], ((half.said[case].diagnosis or {}).get("where") or {}).get("direction"))
         for case, result in ratios.items()
@@ -134,13 +134,13 @@ def _in_a_class(truth: Truth, answer: Answer) -> bool:
 def _predictions(half: Half, truths: Mapping[str, Truth], results: Results) -> tuple[Prediction, ...]:
     right = {case for case in results if all_classes_right(half.said[case], truths[case])}
     ways = list(dict.fromkeys(way for result in results.values() for way in result["ratios"]))
-    found: list[Prediction] = []
+    predictions: list[Prediction] = []
     for way in ways:
-        found.append(_prediction(way, (r["ratios"][way] for r in results.values() if way in r["ratios"])))
+        predictions.append(_prediction(way, (r["ratios"][way] for r in results.values() if way in r["ratios"])))
         if way == TOOL:
             own = (r["ratios"][way] for case, r in results.items() if case in right and way in r["ratios"])
-            found.append(_prediction(f"{TOOL}, rightly named", own))
-    return tuple(found)
+            predictions.append(_prediction(f"{TOOL}, rightly named", own))
+    return tuple(predictions)
 
 
 def _prediction(way: str, ratios: Iterable[Mapping[str, float | None]]) -> Prediction:
@@ -165,7 +165,7 @@ def said_right(names: Said, truth: Truth, *, alone: bool) -> bool:
 def _hit(names: Said, true: Mapping[str, Any], truth: Truth) -> bool:
     more = [*truth["aliases"], *truth["aliases_given_geometry"]] if len(truth["effects"]) == 1 else true["aliases"]
     others = [{"effect": effect, "at": at} for effect, at in more]
-    return any(is_it(effect, at, each) for effect, at in names for each in (true, *others))
+    return any(is_it(effect, at, item) for effect, at in names for item in (true, *others))
 
 
 def _namings(half: Half, truths: Mapping[str, Truth], something: Results, nulls: Results) -> tuple[Naming, ...]:
@@ -179,7 +179,7 @@ def _namings(half: Half, truths: Mapping[str, Truth], something: Results, nulls:
     def naming(way: str, names: Callable[[str], Said], claims: Callable[[str], bool | None]) -> Naming:
         def alarms(kind: str) -> Rate:
             told = [claims(case) for case in nulls if truths[case]["kind"] == kind]
-            return rate(bool(each) for each in told if each is not None)
+            return rate(bool(item) for item in told if item is not None)
 
         given = {case: names(case) for case in something}
         if not any(given.values()):
@@ -219,7 +219,7 @@ def _came(truth: Truth, before: Answer, after: Answer) -> str:
     """What became of an alias class: resolved (the true name alone), smaller, stayed, or lost (the truth is not in)."""
     if not all_classes_right(after, truth):
         return "lost"
-    left, was = (sum(len(members(entry)) for entry in each.entries) for each in (after, before))
+    left, was = (sum(len(members(entry)) for entry in item.entries) for item in (after, before))
     if left == len(truth["effects"]):
         return "resolved"
     return "smaller" if left < was else "stayed"

@@ -25,11 +25,11 @@ def _plain(**units: str) -> Callable[[Mapping[str, float], Case, Effect], Words]
     """Parameters as they are, under `theirs=ours_unit`, written name=unit or name='new_name unit'."""
 
     def words(p: Mapping[str, float], _: Case, __: Effect) -> Words:
-        found: dict[str, str | float] = {}
+        results: dict[str, str | float] = {}
         for name, text in units.items():
             new, unit = text.rpartition(":")[::2]
-            found[new or name] = f"{p[name]!r} {unit}" if unit != "1" else p[name]
-        return found
+            results[new or name] = f"{p[name]!r} {unit}" if unit != "1" else p[name]
+        return results
 
     return words
 
@@ -59,8 +59,8 @@ def _thermal_bending(p: Mapping[str, float], case: Case, effect: Effect) -> Word
 
 def _axes(length: str, angle: str, turn: float) -> Callable[[Mapping[str, float], Case, Effect], Words]:
     def words(p: Mapping[str, float], case: Case, _: Effect) -> Words:
-        found = {axis: f"{p[axis]!r} {length}" for axis in ("xy" if case.arm.planar else "xyz")}
-        return found | {"about_z": f"{turn * p['rotation']!r} {angle}"}
+        results = {axis: f"{p[axis]!r} {length}" for axis in ("xy" if case.arm.planar else "xyz")}
+        return results | {"about_z": f"{turn * p['rotation']!r} {angle}"}
 
     return words
 
@@ -128,7 +128,7 @@ def tellable(truth: Mapping[str, Any]) -> bool:
 
 def entries(case: Case) -> list[Entry]:
     """The concealed effects as entries of an arm file. Raises KeyError for one that the library does not have."""
-    found: list[Entry] = []
+    results: list[Entry] = []
     for effect in case.effects:
         if effect.effect in UNIFORM:
             continue
@@ -136,8 +136,8 @@ def entries(case: Case) -> list[Entry]:
         at = turning if effect.effect == "latency" else list(effect.at)
         values = {name: float(value) for name, value in effect.parameters.items()}
         words = _WORDS[effect.effect](values, case, effect)
-        found.append({"effect": effect.effect} | ({"at": at} if at else {}) | dict(words))
-    return found
+        results.append({"effect": effect.effect} | ({"at": at} if at else {}) | dict(words))
+    return results
 
 
 def true_arm(case: Case, folder: Path, target: Path) -> None:

@@ -34,28 +34,28 @@ def done(
     """The results by case, computed where `folder` does not hold them under their key. A piece that fails gives
     {FAILED: why}; it is tried again in the next run."""
     folder.mkdir(parents=True, exist_ok=True)
-    found: dict[str, dict[str, Any]] = {}
+    results: dict[str, dict[str, Any]] = {}
     waiting: list[Piece] = []
     for piece in pieces:
         kept = _kept(folder / f"{piece.case}.json", piece)
         if kept is None:
             waiting.append(piece)
         else:
-            found[piece.case] = kept
+            results[piece.case] = kept
     start = time.monotonic()
     with Processes(jobs, patience=0.0) as processes:
         outcomes = processes.outcomes(plain(partial(_one, call)), [piece.arguments for piece in waiting])
         for ended, (number, result, error) in enumerate(outcomes, 1):
             piece = waiting[number]
             if result is None:
-                found[piece.case] = {FAILED: f"{type(error).__name__}: {error}"[:300]}
+                results[piece.case] = {FAILED: f"{type(error).__name__}: {error}"[:300]}
             else:
-                found[piece.case] = result
+                results[piece.case] = result
                 content = {"key": _key(piece), "result": result}
                 (folder / f"{piece.case}.json").write_text(json.dumps(content) + "\n", encoding="utf-8")
             if ended % 20 == 0 or ended == len(waiting):
                 print(f"{part}: {ended} of {len(waiting)}, {time.monotonic() - start:.0f} s", file=sys.stderr)
-    return {piece.case: found[piece.case] for piece in pieces}
+    return {piece.case: results[piece.case] for piece in pieces}
 
 
 Call = Callable[..., dict[str, Any]]

@@ -51,12 +51,12 @@ def predicted(truth: dict[str, Any], folder: str, corrected: str, may_ask: bool)
         if tellable(truth):
             true_arm(case, Path(folder), Path(place) / "true.yaml")
             rest["true parameters"] = left(Path(place) / "true.yaml", new)
-        found = patterns(given, Path(folder) / "recording.csv")
-        there = patterns_at(given, new, found)
+        result = patterns(given, Path(folder) / "recording.csv")
+        there = patterns_at(given, new, result)
         for name, fit in BASELINES.items():
-            fitted = fit(found)
+            fitted = fit(result)
             rest[name] = there.residual - fitted.predict(there)
-            names[name], claims[name] = [list(each) for each in fitted.names], fitted.claims
+            names[name], claims[name] = [list(item) for item in fitted.names], fitted.claims
     return {
         "ratios": {name: _by_region(case, made, vectors, noise) for name, vectors in rest.items()},
         "names": names,
@@ -69,11 +69,11 @@ def _by_region(case: Case, made: Session, vectors: Array, noise: float) -> dict[
     inside = np.array([name == "inside" for name in made.region])
     if case.design.frame_free:
         vectors = vectors - _frame(case, made, vectors, inside)
-    found: dict[str, float | None] = {}
+    results: dict[str, float | None] = {}
     for region in REGIONS:
         rows = np.array([name == region for name in made.region])
-        found[region] = float(np.sqrt(np.mean(np.sum(vectors[rows] ** 2, axis=1)))) / noise if rows.any() else None
-    return found
+        results[region] = float(np.sqrt(np.mean(np.sum(vectors[rows] ** 2, axis=1)))) / noise if rows.any() else None
+    return results
 
 
 def _frame(case: Case, made: Session, vectors: Array, inside: NDArray[np.bool_]) -> Array:
@@ -105,9 +105,9 @@ def direction(case: Case) -> str:
 
 def claimed(folder: str) -> dict[str, Any]:
     """What the baselines say of a recording."""
-    found = patterns(Path(folder) / "arm.yaml", Path(folder) / "recording.csv")
-    fits = {name: fit(found) for name, fit in BASELINES.items()}
+    result = patterns(Path(folder) / "arm.yaml", Path(folder) / "recording.csv")
+    fits = {name: fit(result) for name, fit in BASELINES.items()}
     return {
-        "names": {name: [list(each) for each in fitted.names] for name, fitted in fits.items()},
+        "names": {name: [list(item) for item in fitted.names] for name, fitted in fits.items()},
         "claims": {name: fitted.claims for name, fitted in fits.items()},
     }

@@ -58,11 +58,11 @@ def _elbow(stage: Stage, rng: np.random.Generator) -> str:
 
 def _stood(stage: Stage, site: str) -> Array:
     """Where a site stands at every visit, (3, v)."""
-    found = []
+    results = []
     for rest in stage.tips.rests:
         place(stage.machine, rest.coordinates)
-        found.append(_at(stage.machine, site))
-    return np.stack(found, axis=1)
+        results.append(_at(stage.machine, site))
+    return np.stack(results, axis=1)
 
 
 def _across(stage: Stage, rng: np.random.Generator) -> Array:

@@ -19,7 +19,7 @@ SPLIT_SEED = 260623215
 
 def drawn_split() -> tuple[tuple[str, ...], tuple[str, ...]]:
     """The halves as the seed draws them from the classes' names in alphabetical order."""
-    names = sorted(each.name for each in CLASSES)
+    names = sorted(item.name for item in CLASSES)
     order = np.random.default_rng(SPLIT_SEED).permutation(len(names))
     shuffled = [names[k] for k in order]
     return tuple(sorted(shuffled[: len(names) // 2])), tuple(sorted(shuffled[len(names) // 2 :]))
@@ -71,4 +71,4 @@ order exactly. It counted as unknown in four draws, since the usual causes were 
 def classes_of(half: str) -> tuple[UnknownClass, ...]:
     """The unknown classes of the half `development` or `proof` that are drawn."""
     names = {"development": DEVELOPMENT, "proof": PROOF}[half]
-    return tuple(each for each in CLASSES if each.name in names and each.name not in WITHDRAWN)
+    return tuple(item for item in CLASSES if item.name in names and item.name not in WITHDRAWN)

@@ -34,27 +34,34 @@ def collinear_with(prepared: Prepared, terms: Sequence[Term], place: int) -> dic
     """By the name of a size what it may hold of what is not among the findings, each of those at most as large as is
     usual."""
     term = terms[place]
-    own = term.candidate
-    if own.outside or own.share or term.shared or own.only is not None or not own.at or len(own.sizes) < 2:
+    candidate = term.candidate
+    if (
+        candidate.outside
+        or candidate.share
+        or term.shared
+        or candidate.only is not None
+        or not candidate.at
+        or len(candidate.sizes) < 2
+    ):
         return {}
-    named = {each.candidate.effect for each in terms if each.candidate.at == own.at}
+    named = {item.candidate.effect for item in terms if item.candidate.at == candidate.at}
     white = prepared.observed.whitened(term.columns)
-    found: dict[str, Collinear] = {}
+    collinear: dict[str, Collinear] = {}
     for other in (group.candidate for group in prepared.pool.groups):
-        if other.outside or other.share or other.at != own.at or other.effect in named or len(other.sizes) != 1:
+        if other.outside or other.share or other.at != candidate.at or other.effect in named or len(other.sizes) != 1:
             continue
         columns = columns_of(prepared.observed, other) if _usual(other, prepared.observed.rules.fitting.usual) else None
         if columns is None or columns.shape[2] != 1:
             continue
         column = prepared.observed.whitened(columns)[:, 0]
-        for name, one in zip(own.sizes, white.T, strict=True):
+        for name, one in zip(candidate.sizes, white.T, strict=True):
             along = float(column @ one) / max(float(one @ one), 1e-300)
             if np.linalg.norm(column - along * one) <= _ALIKE * np.linalg.norm(column):
                 size = parameter_of(EFFECTS[other.effect], other.sizes[0])
                 most = max(abs(end) for end in size.typical)
                 ends = [along * max(size.lower, -most), along * min(size.upper, most)]
-                found[name] = Collinear(other.effect, max(0.0, *ends), max(0.0, *(-end for end in ends)))
-    return found
+                collinear[name] = Collinear(other.effect, max(0.0, *ends), max(0.0, *(-end for end in ends)))
+    return collinear
 
 
 def _usual(candidate: Candidate, times: float) -> bool:

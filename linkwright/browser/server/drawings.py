@@ -115,14 +115,16 @@ def worst_poses(found: Evaluation) -> list[Pose]:
 
 def front_to_click(front: Tradeoff) -> Front:
     """The front as plotly draws it, each point with its design's number, and the designs by number."""
-    found = front.found
-    drawn = front_figure(found, brief=True)
-    numbers = {(found.asked.x.factor * point.x, found.asked.y.factor * point.y): point.number for point in found.points}
+    result = front.found
+    drawn = front_figure(result, brief=True)
+    numbers = {
+        (result.asked.x.factor * point.x, result.asked.y.factor * point.y): point.number for point in result.points
+    }
     for trace in drawn["data"]:
         trace["customdata"] = [numbers.get(place) for place in zip(trace["x"], trace["y"], strict=True)]
     drawn["layout"]["legend"] = {"orientation": "h", "y": -0.22}
-    files = {point.number: point_file(found, point) for point in found.points}
-    designs = {each.number: _design(front, each, files[each.number]) for each in front.designs}
+    files = {point.number: point_file(result, point) for point in result.points}
+    designs = {design.number: _design(front, design, files[design.number]) for design in front.designs}
     return {"figure": {"data": drawn["data"], "layout": drawn["layout"]}, "designs": designs}
 
 
@@ -137,18 +139,18 @@ def poses_from(content: bytes) -> list[Pose]:
 def front_from(content: bytes) -> Front:
     """The front that a file keeps."""
     try:
-        found = TypeAdapter(Front).validate_json(content)
+        front = TypeAdapter(Front).validate_json(content)
     except ValidationError:
-        found = None
-    if found is None or not found["designs"]:
+        front = None
+    if front is None or not front["designs"]:
         raise InputError("", "front.json", "is damaged; the front cannot be shown")
-    return found
+    return front
 
 
 def _design(front: Tradeoff, design: TradeoffDesign, file: str) -> Design:
     model = design.arm.model
     known = front.found.asked.given.figures.values()
-    figures = [(each.title, each.shown(design.values[each.name]), each.unit) for each in known]
+    figures = [(item.title, item.shown(design.values[item.name]), item.unit) for item in known]
     links: list[Link] = [
         {
             "link": number,

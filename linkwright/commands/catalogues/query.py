@@ -86,11 +86,11 @@ class Query(Generic[E, N]):
 
     def condition(self, text: str) -> Callable[[E], bool]:
         """`density < 3 g/cm^3`: whether an entry has the value and keeps the limit. Raises `InputError`."""
-        found = _CONDITION.fullmatch(text)
-        if not found:
+        parsed = _CONDITION.fullmatch(text)
+        if not parsed:
             raise InputError("", "--where", f"'{text}' is no condition; write e.g. '{self.example}'")
-        name, relation = self.name(found[1], "--where"), _RELATIONS[found[2]]
-        limit = self._limit(name, found[2], found[3].strip())
+        name, relation = self.name(parsed[1], "--where"), _RELATIONS[parsed[2]]
+        limit = self._limit(name, parsed[2], parsed[3].strip())
         return lambda entry: (value := self.value(entry, name)) is not None and relation(value, limit)
 
     def _limit(self, name: N, relation: str, text: str) -> float:
@@ -107,16 +107,16 @@ class Query(Generic[E, N]):
         `InputError`.
         """
         conditions = [self.condition(text) for text in where or ()]
-        found = [entry for entry in entries if all(holds(entry) for holds in conditions)]
+        chosen_entries = [entry for entry in entries if all(holds(entry) for holds in conditions)]
         if not sort:
-            return found
+            return chosen_entries
         key, descending = sort.removeprefix("-"), sort.startswith("-")
         if key in ("name", "family"):
-            return sorted(found, key=lambda entry: str(getattr(entry, key)), reverse=descending)
+            return sorted(chosen_entries, key=lambda entry: str(getattr(entry, key)), reverse=descending)
         name = self.name(key, "--sort")
-        values = {entry.name: value for entry in found if (value := self.value(entry, name)) is not None}
-        having = (entry for entry in found if entry.name in values)
-        lacking = (entry for entry in found if entry.name not in values)
+        values = {entry.name: value for entry in chosen_entries if (value := self.value(entry, name)) is not None}
+        having = (entry for entry in chosen_entries if entry.name in values)
+        lacking = (entry for entry in chosen_entries if entry.name not in values)
         return [*sorted(having, key=lambda entry: values[entry.name], reverse=descending), *lacking]
 
     def columns(self, text: str | None) -> tuple[N, ...]:

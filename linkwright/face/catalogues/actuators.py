@@ -48,7 +48,7 @@ class Actuators(Catalogue[Actuator]):
         (kg), cost (EUR)."""
         torques = ("rated_torque_Nm", "peak_torque_Nm", "stiffness_Nm_per_rad", "tilting_stiffness_Nm_per_rad")
         keys = ("name", "maker", "gear", *torques, "backlash_rad=backlash", "mass_kg", "cost_EUR")
-        return frame([fields(each, *keys) for each in self.values()], [key.partition("=")[0] for key in keys])
+        return frame([fields(item, *keys) for item in self.values()], [key.partition("=")[0] for key in keys])
 
 
 actuators = Actuators()

@@ -1,4 +1,4 @@
-"""The physics that moves the tip, by id."""
+"""The physics that moves the tip and loads the drives, by id."""
 
 from __future__ import annotations
 
@@ -13,7 +13,8 @@ if TYPE_CHECKING:
 
 
 class Effects(Open[Effect]):
-    """The physics that moves the tip, by id; open: what is registered is simulated, evaluated and diagnosed.
+    """The physics that moves the tip and loads the drives, by id; open: what is registered is simulated, evaluated and
+    diagnosed.
 
     >>> import linkwright as lw
     >>> lw.effects["backlash"].place
@@ -33,7 +34,7 @@ class Effects(Open[Effect]):
     @property
     def table(self) -> pd.DataFrame:
         """All effects: id, title, where they act, and what a recording must hold to show them."""
-        rows = [(each.id, each.title, each.place, each.needs) for each in self.values()]
+        rows = [(item.id, item.title, item.place, item.needs) for item in self.values()]
         return frame(rows, ["id", "title", "place", "needs"])
 
 

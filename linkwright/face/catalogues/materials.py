@@ -89,16 +89,16 @@ class Materials(Catalogue[Material]):
         )
         rows = [
             (
-                each.name,
-                each.model.title,
-                each.model.family,
-                *(each.model.need(name) / unit if each.model.has(name) else math.nan for name, unit in figures),
-                each.model.need("highest_service_temperature") - ZERO_CELSIUS
-                if each.model.has("highest_service_temperature")
+                item.name,
+                item.model.title,
+                item.model.family,
+                *(item.model.need(name) / unit if item.model.has(name) else math.nan for name, unit in figures),
+                item.model.need("highest_service_temperature") - ZERO_CELSIUS
+                if item.model.has("highest_service_temperature")
                 else math.nan,
-                each.model.magnetic,
+                item.model.magnetic,
             )
-            for each in self.values()
+            for item in self.values()
         ]
         named = ["name", "title", "family", "elastic_modulus_GPa", "density_kg_per_m3", "yield_strength_MPa"]
         return frame(rows, [*named, "cost_EUR_per_kg", "highest_service_temperature_degC", "magnetic"])

@@ -45,7 +45,7 @@ class Sections(Catalogue[StockSize]):
 
     def of_family(self, *families: str) -> tuple[StockSize, ...]:
         """The sizes of some families; raises `InputError` for one that there is not, with those that there are."""
-        return tuple(size for each in families for size in self.stock.of_family(each))
+        return tuple(size for family in families for size in self.stock.of_family(family))
 
     @property
     def table(self) -> pd.DataFrame:
@@ -53,8 +53,8 @@ class Sections(Catalogue[StockSize]):
         names = {"area": 2, "second_moment_y": 4, "second_moment_z": 4, "torsion_constant": 4}
         rows: list[tuple[object, ...]] = []
         for size in self.values():
-            found = size.section.properties(0.3)
-            figures = [float(getattr(found, name)) * 100.0**power for name, power in names.items()]
+            properties = size.section.properties(0.3)
+            figures = [float(getattr(properties, name)) * 100.0**power for name, power in names.items()]
             rows.append((size.name, size.family, size.shape, *figures))
         headings = [f"{name}_cm{power}" for name, power in names.items()]
         return frame(rows, ["name", "family", "shape", *headings])

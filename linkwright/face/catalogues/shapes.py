@@ -32,7 +32,7 @@ class Shapes(Open[type[Shape]]):
 
     def __getattr__(self, name: str) -> Callable[..., Shape]:
         """What makes a section of that shape."""
-        names = {_class_name(each): each for each in SHAPES}
+        names = {_class_name(item): item for item in SHAPES}
         if name not in names:
             raise AttributeError(f"there is no shape '{name}'{nearest(name, list(names))}")
         shape = names[name]

@@ -1,1 +1,1 @@
-"""What is asked before an arm is bought, built or measured, and as long as it works."""
+"""Error budgets, measurement plans, parameter sweeps, comparisons, and condition monitoring of an arm."""

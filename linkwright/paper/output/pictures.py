@@ -36,14 +36,14 @@ def describe(figures: Sequence[Figure]) -> Description:
     """All figures, each with the truth and the paper's own curves beside each other."""
     parts = [
         section(
-            f"Figure {each.number}: {each.title}",
-            Picture(partial(_beside, each)),
-            *map(Paragraph, each.remarks),
+            f"Figure {figure.number}: {figure.title}",
+            Picture(partial(_beside, figure)),
+            *map(Paragraph, figure.remarks),
             opened=True,
         )
-        for each in figures
+        for figure in figures
     ]
-    columns = sum(len(each.columns) for each in figures)
+    columns = sum(len(figure.columns) for figure in figures)
     return Description(_TITLE, _SUMMARY, tuple(parts), f"{len(figures)} figures, {columns} columns")
 
 

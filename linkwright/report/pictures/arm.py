@@ -96,11 +96,11 @@ def skeleton_at(arm: Arm, worst: WorstPose) -> Skeleton:
     links: list[Silhouette] = []
     joints: list[tuple[Point, Joint]] = []
     for number, way in enumerate(ways(arm)):
-        own = way.arm
-        frames = place(own, [worst.q[joint] for joint in way.joints])
+        serial = way.arm
+        frames = place(serial, [worst.q[joint] for joint in way.joints])
         here = np.zeros(3)
         for k, (number_, joint, link, lead, frame) in enumerate(
-            zip(way.joints, own.joints, own.links, frames.joints, frames.links, strict=True)
+            zip(way.joints, serial.joints, serial.links, frames.joints, frames.links, strict=True)
         ):
             start = here + np.array(lead.lead, dtype=float)
             end = start + np.array(frame.vector, dtype=float)
@@ -115,7 +115,7 @@ def skeleton_at(arm: Arm, worst: WorstPose) -> Skeleton:
             else:
                 corners = _corners(link.section, bodies[number_], project)
                 links.append(Silhouette(project(start), project(end), corners))
-        if any(own.tool):
+        if any(serial.tool):
             leads.append((project(here), project(here + np.array(frames.tool, dtype=float))))
     error = project(np.array(worst.vector, dtype=float))
     return Skeleton(tuple(leads), tuple(links), tuple(joints), project(tip), error, worst)
@@ -142,9 +142,9 @@ def _corners(section: Section, body: Stand, project: Callable[[np.ndarray], Poin
 
 def shared_window(skeletons: Sequence[Skeleton]) -> Window:
     """One window and one exaggeration for pictures that are to be compared."""
-    points = [point for each in skeletons for point in each.points]
+    points = [point for item in skeletons for point in item.points]
     reach = max(math.hypot(*point) for point in points)
-    largest = max(math.hypot(*each.error) for each in skeletons)
+    largest = max(math.hypot(*item.error) for item in skeletons)
     exaggeration = nice_below(_ARROW * reach / largest) if largest > 0.0 else 1.0
     points += [(x.tip[0] + exaggeration * x.error[0], x.tip[1] + exaggeration * x.error[1]) for x in skeletons]
     xs, ys = [x for x, _ in points], [y for _, y in points]

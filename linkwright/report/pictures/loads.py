@@ -77,9 +77,9 @@ def bent_shape(arm: Arm, state: PoseState) -> tuple[Array, Array]:
 
 def _own(twists: Sequence[Twist], index: int) -> tuple[Array, Array]:
     """What a link's own effects do to its far end."""
-    own = [twist for twist in twists if twist.node == "link" and twist.index == index]
-    moved = sum((_numbers(twist.translation) for twist in own), np.zeros(3))
-    turned = sum((_numbers(twist.rotation) for twist in own), np.zeros(3))
+    twists_here = [twist for twist in twists if twist.node == "link" and twist.index == index]
+    moved = sum((_numbers(twist.translation) for twist in twists_here), np.zeros(3))
+    turned = sum((_numbers(twist.rotation) for twist in twists_here), np.zeros(3))
     return moved, turned
 
 
@@ -123,8 +123,8 @@ def _notes(drawn: Skeleton, loads: tuple[JointLoad, ...], window: Window, course
     ]
     parts: list[str] = []
     for number, ((place, _), load) in enumerate(zip(drawn.joints, loads, strict=True), start=1):
-        told = [f"{number}: {figure(math.hypot(*load.force), 3)} N", f"{figure(math.hypot(*load.moment), 3)} N·m"]
-        wide = max(width_of(each, size) for each in told)
+        texts = [f"{number}: {figure(math.hypot(*load.force), 3)} N", f"{figure(math.hypot(*load.moment), 3)} N·m"]
+        wide = max(width_of(item, size) for item in texts)
         box = next((box for box in _around(place, wide, size) if free(box, taken) and _inside(box, window)), None)
         if box is None:
             continue
@@ -133,7 +133,8 @@ def _notes(drawn: Skeleton, loads: tuple[JointLoad, ...], window: Window, course
         parts.append(line(place, corner, "rule", 0.002 * window.width))
         middle = 0.5 * (box[0] + box[2])
         parts += [
-            label(middle, box[1] + (1.0 + 1.25 * k) * size, size, each, class_="figures") for k, each in enumerate(told)
+            label(middle, box[1] + (1.0 + 1.25 * k) * size, size, item, class_="figures")
+            for k, item in enumerate(texts)
         ]
     return "".join(parts), len(parts) == 3 * len(loads)
 

@@ -28,8 +28,8 @@ _ARROW = 0.14
 def states(diagnosis: Diagnosis) -> tuple[tuple[str, Array], ...]:
     """The residuals to show: before, and after where anything was found."""
     before = ("before", diagnosis.residual_before)
-    found = bool(diagnosis.findings) or diagnosis.unknown is not None
-    return (before, ("after", diagnosis.residual_after)) if found else (before,)
+    explained = bool(diagnosis.findings) or diagnosis.unknown is not None
+    return (before, ("after", diagnosis.residual_after)) if explained else (before,)
 
 
 def nominal_tips(diagnosis: Diagnosis) -> Array:
@@ -150,13 +150,13 @@ def _hovered(diagnosis: Diagnosis, length: Array, rows: NDArray[np.int64], great
         at = f"{row_words(recording, int(recording.row[row]))}: {pose(arm, recording.q[row].tolist())}"
         return f"{at}<br>{figure(float(length[row]), 3)} mm"
 
-    told = [words(row) for row in rows.tolist()]
+    texts = [words(row) for row in rows.tolist()]
     marks = {
         "type": "scatter",
         "mode": "markers",
         "x": across.round(3).tolist(),
         "y": up.round(3).tolist(),
-        "hovertext": told,
+        "hovertext": texts,
         "hoverinfo": "text",
         "marker": {
             "size": 8,
@@ -173,7 +173,7 @@ def _hovered(diagnosis: Diagnosis, length: Array, rows: NDArray[np.int64], great
         "margin": {"l": 60, "r": 10, "t": 10, "b": 50},
         "showlegend": False,
     }
-    own = float(length.max())
-    if 0.0 < own < greatest:
-        layout.update(with_scales((0.0, greatest), (0.0, own), ("marker.cmin", "marker.cmax")))
+    longest = float(length.max())
+    if 0.0 < longest < greatest:
+        layout.update(with_scales((0.0, greatest), (0.0, longest), ("marker.cmin", "marker.cmax")))
     return {"data": [marks], "layout": layout}

@@ -31,12 +31,12 @@ def sections_grid(arms: Sequence[tuple[str, Arm]]) -> str:
     rigid = [str(n) for n in range(1, max(len(arm.links) for _, arm in arms) + 1) if n not in made]
     if not rigid:
         return cards
-    told = f"Rigid, without a section: link{'s' if len(rigid) > 1 else ''} {', '.join(rigid)}."
-    return cards + element("p", text(told), class_="lead")
+    note = f"Rigid, without a section: link{'s' if len(rigid) > 1 else ''} {', '.join(rigid)}."
+    return cards + element("p", text(note), class_="lead")
 
 
 def _card(number: int, arms: Sequence[tuple[str, Arm]], row: Sequence[_Drawn | None], size: float) -> str:
-    figures = [_figure(number, when, each, size) for (when, _), each in zip(arms, row, strict=True) if each is not None]
+    figures = [_figure(number, when, item, size) for (when, _), item in zip(arms, row, strict=True) if item is not None]
     heading = element("h3", text(f"Link {number}"))
     return element("div", heading, element("div", *figures, class_=f"columns-{len(arms)}"), class_="card")
 

@@ -20,16 +20,16 @@ _LEAST = 1e-300
 def multipliers(scores: Array, held: Array) -> Array:
     """Multipliers (N, H), none below nought, for the sums of columns at corners (N, C) and what must not be above
     nought there (N, C, H): they raise the least of `scores + held @ multipliers` over the corners."""
-    found = np.zeros((len(held), held.shape[2]))
+    multiplier = np.zeros((len(held), held.shape[2]))
     total = scores.copy()
     across = np.any(held > 0.0, axis=1) & np.any(held <= 0.0, axis=1)
     for _ in range(_SWEEPS):
         for k in np.flatnonzero(across.any(axis=0)).tolist():
-            own = held[:, :, k]
-            rest = total - found[:, k : k + 1] * own
-            found[:, k] = np.where(across[:, k], _of_one(rest, own), 0.0)
-            total = rest + found[:, k : k + 1] * own
-    return found
+            limit = held[:, :, k]
+            rest = total - multiplier[:, k : k + 1] * limit
+            multiplier[:, k] = np.where(across[:, k], _of_one(rest, limit), 0.0)
+            total = rest + multiplier[:, k : k + 1] * limit
+    return multiplier
 
 
 def _of_one(scores: Array, held: Array) -> Array:
@@ -39,27 +39,27 @@ def _of_one(scores: Array, held: Array) -> Array:
     out = scores.argmin(axis=1)
     needed = beyond[every, out] & ~beyond.all(axis=1)
     within = np.where(beyond, np.inf, scores).argmin(axis=1)
-    found = np.zeros(len(held))
+    multiplier = np.zeros(len(held))
     for _ in range(_MOST_TURNS):
         run = np.where(needed, held[every, out] - held[every, within], 1.0)
-        found = np.where(needed, (scores[every, within] - scores[every, out]) / run, 0.0)
-        least = (scores + found[:, None] * held).argmin(axis=1)
+        multiplier = np.where(needed, (scores[every, within] - scores[every, out]) / run, 0.0)
+        least = (scores + multiplier[:, None] * held).argmin(axis=1)
         lower = beyond[every, least]
         if ((least == out) | (least == within) | ~needed).all():
             break
         out, within = np.where(lower, least, out), np.where(lower, within, least)
-    return found
+    return multiplier
 
 
 def mixture(scores: Array, held: Array) -> tuple[Array, Array] | None:
     """Of one cell, the shares of the corners (C) that keep the limits (held (C, H)) with the least sum, and the
     multipliers (H) that prove it; None where none keep them."""
-    told = (held > 0.0).any(axis=0)
+    violated = (held > 0.0).any(axis=0)
     size = max(float(np.ptp(scores)), _LEAST)
     result = linprog(
         (scores - scores.min()) / size,
-        held[:, told].T,
-        np.zeros(int(told.sum())),
+        held[:, violated].T,
+        np.zeros(int(violated.sum())),
         np.ones((1, len(scores))),
         np.ones(1),
         bounds=(0.0, None),
@@ -67,6 +67,6 @@ def mixture(scores: Array, held: Array) -> tuple[Array, Array] | None:
     )
     if result.status != 0:
         return None
-    found = np.zeros(held.shape[1])
-    found[told] = np.maximum(-result.ineqlin.marginals, 0.0) * size
-    return np.asarray(result.x), found
+    multiplier = np.zeros(held.shape[1])
+    multiplier[violated] = np.maximum(-result.ineqlin.marginals, 0.0) * size
+    return np.asarray(result.x), multiplier

@@ -63,8 +63,8 @@ class BranchAndBound(ABC, Generic[Part]):
 
     def _next(self) -> None:
         """Tell of the search, and look at the part with the least bound."""
-        told = "" if math.isinf(self.gap) else f", none more than {self.gap:.2%} better"
-        self._say(self.parts, self.parts + len(self._heap), f"{self._doing}{told}")
+        gap_text = "" if math.isinf(self.gap) else f", none more than {self.gap:.2%} better"
+        self._say(self.parts, self.parts + len(self._heap), f"{self._doing}{gap_text}")
         part = heapq.heappop(self._heap)[2]
         self.parts += 1
         self._step(part)

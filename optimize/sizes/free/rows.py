@@ -21,13 +21,13 @@ class SettledRow:
         self._places = np.arange(LENGTH, row.powers.shape[1], _WIDTH)
         plain = row.powers.copy()
         plain[:, self._places] = 0.0
-        self._powers, found = np.unique(plain, axis=0, return_inverse=True)
-        self._inverse = found.ravel()
+        self._powers, index = np.unique(plain, axis=0, return_inverse=True)
+        self._inverse = index.ravel()
         self._lengths = row.powers[:, self._places]
 
     def at(self, logarithms: Array) -> PoseRow:
         """The row at logarithms of the lengths of all links (n)."""
-        own = np.exp(self._lengths @ logarithms)[:, None] * self.row.coefficients
+        terms = np.exp(self._lengths @ logarithms)[:, None] * self.row.coefficients
         size = len(self._powers)
-        columns = [np.bincount(self._inverse, own[:, k], minlength=size) for k in range(own.shape[1])]
+        columns = [np.bincount(self._inverse, terms[:, k], minlength=size) for k in range(terms.shape[1])]
         return replace(self.row, coefficients=np.stack(columns, axis=1), powers=self._powers)

@@ -135,8 +135,8 @@ chain:
 
 def test_regions_are_read_and_written_as_they_are(tmp_path):
     path = tmp_path / "arm.yaml"
-    said = "avoid: [{box: [[1 m, -1 m, 0 m], [0.5 m, 1 m, 400 mm]]}, {below: {z: -20 mm}}, {above: {x: 1.2 m}},"
-    path.write_text(f"{FILE}{said} {{box: [[0 m, 0 m], [1 m, 2 m]]}}]\n")
+    text = "avoid: [{box: [[1 m, -1 m, 0 m], [0.5 m, 1 m, 400 mm]]}, {below: {z: -20 mm}}, {above: {x: 1.2 m}},"
+    path.write_text(f"{FILE}{text} {{box: [[0 m, 0 m], [1 m, 2 m]]}}]\n")
     arm = read_arm(path)
     infinite = math.inf
     assert arm.avoid == (

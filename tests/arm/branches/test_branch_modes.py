@@ -49,11 +49,11 @@ def by_matrices(q) -> float:
 def test_both_arms_swing_with_the_torso(soft):
     arm = read_arm(soft)
     q = poses(20)
-    found = first_frequencies(arm, beams_of(arm), (1.0, 2.0), q)
-    assert found == pytest.approx([by_matrices(each) for each in q], rel=1e-7)
+    result = first_frequencies(arm, beams_of(arm), (1.0, 2.0), q)
+    assert result == pytest.approx([by_matrices(item) for item in q], rel=1e-7)
     # Whose tip counts does not matter; another payload does.
-    assert first_frequencies(arm.on("right"), beams_of(arm), (1.0, 2.0), q) == pytest.approx(found, rel=1e-12)
-    assert np.all(first_frequencies(arm, beams_of(arm), (4.0, 2.0), q) < found)
+    assert first_frequencies(arm.on("right"), beams_of(arm), (1.0, 2.0), q) == pytest.approx(result, rel=1e-12)
+    assert np.all(first_frequencies(arm, beams_of(arm), (4.0, 2.0), q) < result)
 
 
 def test_the_inertia_is_that_of_mujoco(soft):
@@ -65,15 +65,15 @@ def test_the_inertia_is_that_of_mujoco(soft):
         mujoco.mj_forward(model, data)
         mujoco.mj_fullM(model, data, inertia)
         lowest = scipy.linalg.eigh(np.diag(STIFFNESS), inertia, eigvals_only=True)[0]
-        found = first_frequencies(arm, beams_of(arm), (1.0, 2.0), q[None])[0]
+        result = first_frequencies(arm, beams_of(arm), (1.0, 2.0), q[None])[0]
         # MuJoCo's points are small balls with an inertia of their own.
-        assert found == pytest.approx(math.sqrt(lowest) / (2.0 * math.pi), rel=1e-7)
+        assert result == pytest.approx(math.sqrt(lowest) / (2.0 * math.pi), rel=1e-7)
 
 
 def test_the_least_over_the_workspace(soft):
-    found = lw.evaluate(lw.read_arm(soft)).found.frequency
-    assert found.value == pytest.approx(by_matrices(np.array(found.q)), rel=1e-7)
-    assert found.value <= min(by_matrices(each) for each in poses(500, seed=5)) * (1.0 + 1e-9)
+    result = lw.evaluate(lw.read_arm(soft)).found.frequency
+    assert result.value == pytest.approx(by_matrices(np.array(result.q)), rel=1e-7)
+    assert result.value <= min(by_matrices(pose) for pose in poses(500, seed=5)) * (1.0 + 1e-9)
 
 
 STEEL = load_catalogue(user=False).find("steel-s355")
@@ -90,7 +90,7 @@ def test_elastic_links_swing_as_in_the_frame_solver():
     arm = Arm(
         "fork", joints, links, gravity=(0.0, 0.0, -9.81), branches=branches, leave_out=frozenset({"shear_deformation"})
     )
-    found = first_frequencies(arm, beams_of(arm), (2.0, 3.0), np.array([[0.0, 0.7, -1.1]]))[0]
+    result = first_frequencies(arm, beams_of(arm), (2.0, 3.0), np.array([[0.0, 0.7, -1.1]]))[0]
 
     properties, material = TUBE.properties(STEEL.at(arm.temperature).poisson_ratio), STEEL.at(arm.temperature)
     nodes, members, masses = [np.zeros(3)], [], []
@@ -122,4 +122,4 @@ def test_elastic_links_swing_as_in_the_frame_solver():
         springs.append(frame_solver.Spring(end, len(nodes) - 1, (0.0, 0.0, 1.0), stiffness))
         masses.append(frame_solver.PointMass(link(len(nodes) - 1, direction, length), payload))
     frame = frame_solver.Frame(nodes, members, [frame_solver.Support(0)], springs, masses=masses)
-    assert found == pytest.approx(frame_solver.frequencies(frame)[0], rel=1e-6)
+    assert result == pytest.approx(frame_solver.frequencies(frame)[0], rel=1e-6)

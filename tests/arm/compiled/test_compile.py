@@ -110,16 +110,16 @@ def test_random_expressions_equal_casadi(steps, constants, seed):
     rows[25:] = np.where(rng.random((15, 3)) < 0.6, rng.choice(SPECIAL, (15, 3)), rows[25:])
     # Once equal terms are merged, CasADi itself takes y - y for 0, even where y is infinite.
     expected = casadi_values([x], ca.cse(value), [rows])
-    (found,) = vectorise([x], [value])(rows)
-    assert found.shape == expected.shape
+    (result,) = vectorise([x], [value])(rows)
+    assert result.shape == expected.shape
 
-    assert np.array_equal(found[:, exact], expected[:, exact], equal_nan=True)
+    assert np.array_equal(result[:, exact], expected[:, exact], equal_nan=True)
     all_errors = ca.vertcat(*errors) if errors else ca.SX.sym("none")
     slope = ca.sum2(ca.fabs(ca.jacobian(noisy, all_errors)))
     bound = casadi_values([x, all_errors], slope, [rows, np.zeros((len(rows), all_errors.numel()))])
     with np.errstate(invalid="ignore", over="ignore"):
         allowed = 5e-15 * (bound + np.abs(expected)) + 1e-290
-        off = np.abs(found - expected)
+        off = np.abs(result - expected)
     # First-order bounds say little where they, or those of a term before, are huge: next to poles and edges of domains.
     # The sine of 1e41, say, is noise, and the quadrant of an angle made of it a jump that no slope announces.
     widest = np.maximum.accumulate(np.where(np.isfinite(bound), bound, np.inf), axis=1)
@@ -135,8 +135,8 @@ def test_every_operation_equals_casadi_special_values_included():
     output = ca.vertcat(*one, *two, a**b, ca.if_else(a > b, a, b), a**2.5, 3.0, b)
     grid = np.array([(u, v) for u in [*SPECIAL, 0.3, -2.7] for v in [*SPECIAL, 1.9, -0.4]])
     expected = casadi_values([x], output, [grid])
-    (found,) = vectorise([x], [output])(grid)
-    np.testing.assert_allclose(found, expected, rtol=1e-14, atol=4e-16)
+    (result,) = vectorise([x], [output])(grid)
+    np.testing.assert_allclose(result, expected, rtol=1e-14, atol=4e-16)
 
 
 def test_sine_and_cosine_are_within_the_stated_distance():
@@ -146,18 +146,18 @@ def test_sine_and_cosine_are_within_the_stated_distance():
     angles = np.concatenate(
         [np.linspace(-7, 7, 20_001), rng.uniform(-1e3, 1e3, 40_000), np.arange(-640, 640) * np.pi / 2]
     )
-    (found,) = f(angles[:, None])
+    (result,) = f(angles[:, None])
     limit = 4e-16
-    assert np.max(np.abs(found[:, 0] - np.sin(angles))) <= limit
-    assert np.max(np.abs(found[:, 1] - np.cos(angles))) <= limit
+    assert np.max(np.abs(result[:, 0] - np.sin(angles))) <= limit
+    assert np.max(np.abs(result[:, 1] - np.cos(angles))) <= limit
 
 
 def test_constants_keep_their_sign_and_their_every_bit():
     x = ca.SX.sym("x")
     constants = [0.0, -0.0, 0.1, 1 / 3, np.pi, 5e-324, 1.7976931348623157e308, np.inf, -np.inf, -1e-7, 1e22]
     output = ca.vertcat(*(ca.copysign(x, c) for c in constants), *(ca.fmax(ca.fmin(x, 0), c) for c in constants))
-    (found,) = vectorise([x], [output])([[2.0]])
-    np.testing.assert_array_equal(found, casadi_values([x], output, [[[2.0]]]))
+    (result,) = vectorise([x], [output])([[2.0]])
+    np.testing.assert_array_equal(result, casadi_values([x], output, [[[2.0]]]))
 
 
 def test_rows_constants_and_layouts_broadcast():
@@ -188,8 +188,8 @@ def test_rows_constants_and_layouts_broadcast():
 def test_programs_without_inputs_or_outputs():
     x = ca.SX.sym("x", 2)
     assert vectorise([x], [])(np.ones((3, 2))) == ()
-    (found,) = vectorise([], [ca.SX(4.0)])()
-    assert found.tolist() == [[4.0]]
+    (result,) = vectorise([], [ca.SX(4.0)])()
+    assert result.tolist() == [[4.0]]
 
 
 def test_shapes_that_do_not_fit_are_refused():

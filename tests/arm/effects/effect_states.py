@@ -146,10 +146,10 @@ def spatial(seed: int = 1, *, slide: bool = True) -> Posed:
 def moved(state: PoseState, effect: str, values: Mapping[str, float], at: tuple[int, ...] = ()) -> Array:
     """What an effect moves the tip by: its twists and the seat of its play, as rows (N, 3)."""
     settings = Settings(at, MappingProxyType(dict(values)))
-    found = EFFECTS[effect]
-    tip = carried_to_tip(state, [*found.twists(state, settings), *found.seated(state, settings)])
-    rows = np.broadcast_shapes(*(np.shape(each) for each in (*tip, state.joints[0].coordinate)))
-    return np.stack([np.broadcast_to(np.asarray(each, dtype=float), rows) for each in tip], axis=-1)
+    result = EFFECTS[effect]
+    tip = carried_to_tip(state, [*result.twists(state, settings), *result.seated(state, settings)])
+    rows = np.broadcast_shapes(*(np.shape(item) for item in (*tip, state.joints[0].coordinate)))
+    return np.stack([np.broadcast_to(np.asarray(item, dtype=float), rows) for item in tip], axis=-1)
 
 
 def exact_change(change: Callable[[float], tuple[Arm, Array]], step: float = 1e-5) -> Array:

@@ -168,8 +168,8 @@ def test_a_misaligned_axis_is_a_joint_set_askew(posed: Posed) -> None:
                 return put(posed.arm, index, new), posed.q
 
             for kind, exact in (("tilt", tilted), ("shift", shifted)):
-                found = moved(posed.state, "axis_misalignment", {f"{kind}_{name}": 1.0}, (index,))
-                assert found == pytest.approx(exact_change(exact), abs=1e-8), (index, kind, name)
+                result = moved(posed.state, "axis_misalignment", {f"{kind}_{name}": 1.0}, (index,))
+                assert result == pytest.approx(exact_change(exact), abs=1e-8), (index, kind, name)
 
 
 @pytest.mark.parametrize("posed", SPATIAL, ids=["slide", "turning", "absolute"])

@@ -93,7 +93,7 @@ def lagrange(posed: Posed, row: int) -> Array:
     held = posed.held
     assert held.velocities is not None
     assert held.accelerations is not None
-    values = [np.array([each[row] for each in column]) for column in (held.velocities, held.accelerations)]
+    values = [np.array([item[row] for item in column]) for column in (held.velocities, held.accelerations)]
     return np.array(ca.Function("t", [q, v, a], [torque])(posed.q[row], *values)).ravel()
 
 
@@ -113,12 +113,12 @@ def test_inertia_is_lagranges(posed: Posed) -> None:
     held = posed.held
     assert held.velocities is not None
     assert held.accelerations is not None
-    found = np.stack(
+    result = np.stack(
         [np.broadcast_to(load, ROWS) for load in inertial_loads(posed.state, held.velocities, held.accelerations)],
         axis=1,
     )
     expected = np.stack([-lagrange(posed, row) for row in range(ROWS)])
-    assert found == pytest.approx(expected, rel=1e-9, abs=1e-9)
+    assert result == pytest.approx(expected, rel=1e-9, abs=1e-9)
 
 
 def test_an_arm_at_rest_has_no_inertia() -> None:

@@ -50,8 +50,8 @@ def test_drives_that_give_in_the_plane() -> None:
             ),
         ]
         for effect, values, angle in cases:
-            found = moved(posed.state, effect, values, (i,))
-            assert found == pytest.approx(in_space(plane.j(i) * angle[:, None]), rel=1e-9), effect
+            result = moved(posed.state, effect, values, (i,))
+            assert result == pytest.approx(in_space(plane.j(i) * angle[:, None]), rel=1e-9), effect
 
 
 def test_the_zones_are_met_by_the_loads_tried_above() -> None:
@@ -65,9 +65,9 @@ def test_the_base_gives_in_the_plane() -> None:
     """z x p tau_1 / K_0: what the compliance of the first joint's drive does, exactly."""
     posed = planar()
     plane = Plane(posed)
-    found = moved(posed.state, "base_compliance", {"compliance": 3e-6, "compliance_about_z": 1.0})
-    assert found == pytest.approx(in_space(plane.j(0) * (3e-6 * plane.tau(0))[:, None]), rel=1e-9)
-    assert found == pytest.approx(moved(posed.state, "joint_compliance", {"compliance": 3e-6}, (0,)), rel=1e-9)
+    result = moved(posed.state, "base_compliance", {"compliance": 3e-6, "compliance_about_z": 1.0})
+    assert result == pytest.approx(in_space(plane.j(0) * (3e-6 * plane.tau(0))[:, None]), rel=1e-9)
+    assert result == pytest.approx(moved(posed.state, "joint_compliance", {"compliance": 3e-6}, (0,)), rel=1e-9)
 
 
 def test_the_base_in_space_tilts_alike_about_both_of_its_axes() -> None:
@@ -91,7 +91,7 @@ def test_the_base_in_space_tilts_alike_about_both_of_its_axes() -> None:
 
 def rows(vector: object) -> Array:
     assert isinstance(vector, tuple)
-    return np.stack([np.broadcast_to(np.asarray(each, dtype=float), ROWS) for each in vector], axis=1)
+    return np.stack([np.broadcast_to(np.asarray(item, dtype=float), ROWS) for item in vector], axis=1)
 
 
 def test_friction_that_knows_no_load_is_side_held_backlash() -> None:
@@ -116,10 +116,10 @@ def test_friction_counts_as_play_where_no_side_is_known() -> None:
 def test_droop_of_the_servo_is_seen_by_the_encoder() -> None:
     posed = planar()
     asked = Asked(ROWS, command=True)
-    found = seen(posed.state, EFFECTS["servo_droop"], Settings((1,), {"compliance": 1e-5}), asked)
-    assert np.all(found.tip == 0.0)
-    assert found.command is not None
-    assert found.command[:, 1] == pytest.approx(1e-5 * Plane(posed).tau(1), rel=1e-9)
+    result = seen(posed.state, EFFECTS["servo_droop"], Settings((1,), {"compliance": 1e-5}), asked)
+    assert np.all(result.tip == 0.0)
+    assert result.command is not None
+    assert result.command[:, 1] == pytest.approx(1e-5 * Plane(posed).tau(1), rel=1e-9)
 
 
 # ---- through all that gives, against the whole arm solved again
@@ -139,8 +139,8 @@ def one_pose(chain: RandomChain) -> PoseState:
 def test_a_heavier_payload_is_the_frame_with_a_heavier_payload(chain: RandomChain) -> None:
     """By the stiffness-method solver, which knows nothing of effects."""
     heavier = tip_motion(replace(chain, payload_mass=chain.payload_mass + 1.7))[0] - tip_motion(chain)[0]
-    found = moved(one_pose(chain), "payload", {"mass": 1.7})
-    assert found == pytest.approx(heavier, rel=1e-6, abs=1e-6 * np.abs(heavier).max())
+    result = moved(one_pose(chain), "payload", {"mass": 1.7})
+    assert result == pytest.approx(heavier, rel=1e-6, abs=1e-6 * np.abs(heavier).max())
 
 
 @pytest.mark.parametrize("chain", chains())
@@ -149,8 +149,8 @@ def test_mass_along_a_link_is_the_frame_with_a_denser_link(chain: RandomChain) -
         denser = list(chain.links)
         denser[i] = replace(link, density=link.density + 2.0 / (link.area * link.length))
         change = tip_motion(replace(chain, links=tuple(denser)))[0] - tip_motion(chain)[0]
-        found = moved(one_pose(chain), "link_mass", {"mass": 2.0}, (i,))
-        assert found == pytest.approx(change, rel=1e-6, abs=1e-6 * max(np.abs(change).max(), 1e-9))
+        result = moved(one_pose(chain), "link_mass", {"mass": 2.0}, (i,))
+        assert result == pytest.approx(change, rel=1e-6, abs=1e-6 * max(np.abs(change).max(), 1e-9))
 
 
 @pytest.mark.parametrize("chain", chains())
@@ -159,8 +159,8 @@ def test_another_modulus_is_the_frame_with_another_modulus(chain: RandomChain) -
         softer = list(chain.links)
         softer[i] = replace(link, elastic_modulus=0.7 * link.elastic_modulus)
         change = tip_motion(replace(chain, links=tuple(softer)))[0] - tip_motion(chain)[0]
-        found = moved(one_pose(chain), "link_modulus", {"excess": -0.3}, (i,))
-        assert found == pytest.approx(change, rel=1e-6, abs=1e-6 * max(np.abs(change).max(), 1e-9))
+        result = moved(one_pose(chain), "link_modulus", {"excess": -0.3}, (i,))
+        assert result == pytest.approx(change, rel=1e-6, abs=1e-6 * max(np.abs(change).max(), 1e-9))
 
 
 @pytest.mark.parametrize("chain", chains())
@@ -175,8 +175,8 @@ def test_a_tilted_base_is_the_frame_under_turned_gravity(chain: RandomChain) -> 
             return tip_motion(replace(chain, gravity=(float(g[0]), float(g[1]), float(g[2]))))[0]
 
         expected = (tilted(1e-2) - tilted(-1e-2)) / 2e-2
-        found = moved(state, "base_tilt", {f"about_{'xyz'[index]}": 1.0})
-        assert found == pytest.approx(expected, rel=1e-3, abs=1e-4 * max(np.abs(expected).max(), 1e-9))
+        result = moved(state, "base_tilt", {f"about_{'xyz'[index]}": 1.0})
+        assert result == pytest.approx(expected, rel=1e-3, abs=1e-4 * max(np.abs(expected).max(), 1e-9))
 
 
 @pytest.mark.parametrize("chain", chains())
@@ -198,8 +198,8 @@ def test_a_leaning_base_is_pulled_at_by_what_is_added_too(chain: RandomChain) ->
     )
     expected = tip_motion(heavier)[0] - tip_motion(chain)[0]
     added = moved(state, "payload", {"mass": 1.7}) + moved(state, "link_mass", {"mass": 2.0}, (1,))
-    found = added + moved(state, "base_tilt", lean)
-    assert found == pytest.approx(expected, rel=1e-6, abs=1e-6 * np.abs(expected).max())
+    result = added + moved(state, "base_tilt", lean)
+    assert result == pytest.approx(expected, rel=1e-6, abs=1e-6 * np.abs(expected).max())
     alone = added + moved(one_pose(chain), "base_tilt", lean)
     assert np.abs(alone - expected).max() > 1e-3 * np.abs(expected).max()
 

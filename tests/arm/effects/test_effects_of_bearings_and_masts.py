@@ -25,7 +25,7 @@ def carried(joints: tuple[Joint, ...], lengths: tuple[float, ...], q: list[float
     links = tuple(Link(length, mass=0.0) for length in lengths)
     arm = Arm("made", joints, links, gravity=(0.0, 0.0, -G), payload=load)
     beams = [Beam(length) for length in lengths]
-    return solve(arm, [np.array([each]) for each in q], beams)
+    return solve(arm, [np.array([item]) for item in q], beams)
 
 
 def tip(state: PoseState, effect: str, **values: float) -> np.ndarray:
@@ -37,8 +37,8 @@ def test_a_bearing_tilts_by_the_moment_across_its_axis() -> None:
     joint = Joint(axis=UPRIGHT, range=(-3.0, 3.0))
     for angle in (0.0, 0.7, -2.0):
         state = carried((joint,), (1.5,), [angle], LoadCase(4.0))
-        found = tip(state, "lateral_compliance", compliance=1e-6)
-        assert found == pytest.approx([0.0, 0.0, -1e-6 * 4.0 * G * 1.5**2], rel=1e-9, abs=1e-15)
+        result = tip(state, "lateral_compliance", compliance=1e-6)
+        assert result == pytest.approx([0.0, 0.0, -1e-6 * 4.0 * G * 1.5**2], rel=1e-9, abs=1e-15)
 
 
 def test_a_joint_brings_the_stiffness_of_its_bearing() -> None:
@@ -47,10 +47,10 @@ def test_a_joint_brings_the_stiffness_of_its_bearing() -> None:
     link = Link(1.5, mass=0.0)
     arm = Arm("made", (joint,), (link,), gravity=(0.0, 0.0, -G), payload=LoadCase(4.0))
     drop = 4.0 * G * 1.5**2 / 2.5e5
-    found = evaluate(arm)
-    assert found.max_error == pytest.approx(drop, rel=1e-9)
-    assert found.by_effect["lateral_compliance"] == pytest.approx(drop, rel=1e-9)
-    assert 1.0 / found.stiffness.value == pytest.approx(1.5**2 / 2.5e5, rel=1e-9)
+    result = evaluate(arm)
+    assert result.max_error == pytest.approx(drop, rel=1e-9)
+    assert result.by_effect["lateral_compliance"] == pytest.approx(drop, rel=1e-9)
+    assert 1.0 / result.stiffness.value == pytest.approx(1.5**2 / 2.5e5, rel=1e-9)
     both = replace(arm, effects=(EffectEntry("lateral_compliance", (1,), {"compliance": 1e-6}),))
     assert evaluate(both).max_error == pytest.approx(drop * (1.0 + 2.5e5 * 1e-6), rel=1e-9)
     without = replace(arm, leave_out=frozenset({"lateral_compliance"}))
@@ -62,9 +62,9 @@ def test_a_bearing_swings_out_of_the_plane_and_sideways_alone() -> None:
     a mass at the end of a level arm on an upright axis swings at sqrt(K/(m L^2))/2 pi."""
     joint = Joint(axis=UPRIGHT, range=(-1.0, 1.0), tilting_stiffness=4e5, stiffness=1e9)
     planar = Arm("flat", (joint,), (Link(2.0, mass=0.0),), payload=LoadCase(5.0))
-    found = evaluate(planar)
-    assert "lateral_compliance" not in found.by_effect
-    assert found.sideways.value == pytest.approx(4e5 / 2.0**2, rel=1e-9)
+    result = evaluate(planar)
+    assert "lateral_compliance" not in result.by_effect
+    assert result.sideways.value == pytest.approx(4e5 / 2.0**2, rel=1e-9)
     level = evaluate(replace(planar, gravity=(0.0, 0.0, -G)))
     assert level.frequency.value == pytest.approx(math.sqrt(4e5 / 5.0) / 2.0 / (2.0 * math.pi), rel=1e-3)
 
@@ -103,8 +103,8 @@ def test_a_mast_bends_as_a_cantilever_up_to_its_carriage(height: float, before: 
     h = height + before
     across = (weight * boom * h**2 / 2.0 + side * h**3 / 3.0) / ei
     slope = (weight * boom * h + side * h**2 / 2.0) / ei
-    found = tip(state, "column_bending", flexibility=1.0 / ei, length_at_zero=before)
-    assert found == pytest.approx([across, 0.0, -slope * boom], rel=1e-9, abs=1e-15)
+    result = tip(state, "column_bending", flexibility=1.0 / ei, length_at_zero=before)
+    assert result == pytest.approx([across, 0.0, -slope * boom], rel=1e-9, abs=1e-15)
 
 
 def test_a_boom_bends_by_its_own_reach() -> None:
@@ -112,5 +112,5 @@ def test_a_boom_bends_by_its_own_reach() -> None:
     for way in (1.0, -1.0):
         slide = Joint("prismatic", axis=(way, 0.0, 0.0), range=(0.0, 2.0))
         state = carried((slide,), (0.0,), [1.5], LoadCase(10.0))
-        found = tip(state, "column_bending", flexibility=1e-6)
-        assert found == pytest.approx([0.0, 0.0, -10.0 * G * 1.5**3 / 3.0 * 1e-6], rel=1e-9, abs=1e-15)
+        result = tip(state, "column_bending", flexibility=1e-6)
+        assert result == pytest.approx([0.0, 0.0, -10.0 * G * 1.5**3 / 3.0 * 1e-6], rel=1e-9, abs=1e-15)

@@ -37,15 +37,15 @@ def test_warm_links_lengthen_bend_and_turn_their_joints_behind_their_lag() -> No
         warm, length = lagged(posed, i), posed.arm.lengths[i]
         longer = in_space(plane.u(i) * (2e-5 * length * warm)[:, None])
         # The integrator's 1e-9 a step, over some hundreds of steps of a warming of 20 K.
-        found = moved(posed.state, "thermal_expansion", {"expansion": 2e-5, "lag": LAG}, (i,))
-        assert found == pytest.approx(longer, rel=1e-6, abs=1e-10)
+        result = moved(posed.state, "thermal_expansion", {"expansion": 2e-5, "lag": LAG}, (i,))
+        assert result == pytest.approx(longer, rel=1e-6, abs=1e-10)
         bent = plane.n(i) * (3e-5 * warm * length**2 / 2.0)[:, None]
         bent += turned(plane.p - plane.o(i + 1)) * (3e-5 * warm * length)[:, None]
-        found = moved(posed.state, "thermal_bending", {"curvature": 3e-5, "lag": LAG}, (i,))
-        assert found == pytest.approx(in_space(bent), rel=1e-6, abs=1e-10)
+        result = moved(posed.state, "thermal_bending", {"curvature": 3e-5, "lag": LAG}, (i,))
+        assert result == pytest.approx(in_space(bent), rel=1e-6, abs=1e-10)
         turning = in_space(plane.j(i) * (5e-6 * warm)[:, None])
-        found = moved(posed.state, "gearbox_thermal", {"per_kelvin": 5e-6, "lag": LAG}, (i,))
-        assert found == pytest.approx(turning, rel=1e-6, abs=1e-10)
+        result = moved(posed.state, "gearbox_thermal", {"per_kelvin": 5e-6, "lag": LAG}, (i,))
+        assert result == pytest.approx(turning, rel=1e-6, abs=1e-10)
 
 
 def test_a_warm_screw_carries_its_slide_too_far() -> None:
@@ -53,8 +53,8 @@ def test_a_warm_screw_carries_its_slide_too_far() -> None:
     posed = spatial()
     unit = moved(posed.state, "encoder_offset", {"offset": 1.0}, (2,))
     travel = 2e-5 * lagged(posed, 2) * posed.q[:, 2]
-    found = moved(posed.state, "screw_expansion", {"expansion": 2e-5, "lag": LAG}, (2,))
-    assert found == pytest.approx(unit * travel[:, None], rel=1e-6, abs=1e-12)
+    result = moved(posed.state, "screw_expansion", {"expansion": 2e-5, "lag": LAG}, (2,))
+    assert result == pytest.approx(unit * travel[:, None], rel=1e-6, abs=1e-12)
     assert np.all(moved(posed.state, "screw_expansion", {"expansion": 2e-5}, (1,)) == 0.0)
 
 
@@ -86,9 +86,9 @@ def test_bending_in_space_follows_the_sections_height() -> None:
 
     def rows(vector: object) -> Array:
         assert isinstance(vector, tuple)
-        return np.stack([np.broadcast_to(np.asarray(each, dtype=float), ROWS) for each in vector], axis=1)
+        return np.stack([np.broadcast_to(np.asarray(item, dtype=float), ROWS) for item in vector], axis=1)
 
-    beyond = sum((rows(each.vector) for each in state.links[2:]), rows(state.tool))
+    beyond = sum((rows(item.vector) for item in state.links[2:]), rows(state.tool))
     beyond = beyond + sum((rows(lead) for lead in state.leads[2:]), np.zeros((ROWS, 3)))
     length = float(link.beam.length)
     turn = np.cross(rows(link.along), rows(link.height)) * (3e-5 * warm * length)[:, None]
@@ -100,8 +100,8 @@ def test_a_slide_lengthens_with_its_gearbox() -> None:
     posed = spatial(3)
     assert posed.held.warming is not None
     along = moved(posed.state, "encoder_offset", {"offset": 1.0}, (2,))
-    found = moved(posed.state, "gearbox_thermal", {"per_kelvin": 5e-6}, (2,))
-    assert found == pytest.approx(along * (5e-6 * posed.held.warming[2])[:, None], rel=1e-12)
+    result = moved(posed.state, "gearbox_thermal", {"per_kelvin": 5e-6}, (2,))
+    assert result == pytest.approx(along * (5e-6 * posed.held.warming[2])[:, None], rel=1e-12)
 
 
 def test_a_design_is_as_warm_as_its_arm() -> None:

@@ -70,15 +70,15 @@ def test_what_it_weighs_is_the_same_at_every_pose(tmp_path: Path) -> None:
 
 
 def test_what_is_evaluated_goes_by_the_length_at_each_pose(tmp_path: Path) -> None:
-    found, (area, second) = lw.evaluate(_file(tmp_path)).found, _tube(0.06, 0.004)
-    assert found.worst.error == pytest.approx(_sag(LENGTH, area, second), rel=1e-6)
-    assert found.mass == pytest.approx(RHO * area * LENGTH, rel=1e-9)
+    result, (area, second) = lw.evaluate(_file(tmp_path)).found, _tube(0.06, 0.004)
+    assert result.worst.error == pytest.approx(_sag(LENGTH, area, second), rel=1e-6)
+    assert result.mass == pytest.approx(RHO * area * LENGTH, rel=1e-9)
     moment = LOAD * G * LENGTH + 0.5 * RHO * area * G * LENGTH**2
-    assert found.strength.least_safety_factor == pytest.approx(YIELD / (moment * 0.03 / second), rel=1e-6)
+    assert result.strength.least_safety_factor == pytest.approx(YIELD / (moment * 0.03 / second), rel=1e-6)
     # A cantilever with its own mass and one at its end: 33/140 of the beam's counts with it (Rayleigh), to 1 or 2 %.
     tip = LOAD + 33.0 / 140.0 * RHO * area * LENGTH
-    assert found.frequency is not None
-    assert found.frequency.value == pytest.approx(
+    assert result.frequency is not None
+    assert result.frequency.value == pytest.approx(
         math.sqrt(3.0 * E * second / LENGTH**3 / tip) / 2.0 / math.pi, rel=5e-3
     )
 
@@ -88,14 +88,14 @@ def test_its_best_section_is_that_of_a_grid_of_sizes(tmp_path: Path) -> None:
     problem = tmp_path / "problem.yaml"
     limits = "mass: '<= 12 kg', section_size: [30 mm, 100 mm], thickness: [2 mm, 6 mm], wall_slenderness: off"
     problem.write_text(f"arm: arm.yaml\nsubject_to: {{{limits}}}\nchoose: {{section: [tube]}}\n")
-    found = lw.optimize(problem)
+    result = lw.optimize(problem)
     best = math.inf
     for diameter, wall in itertools.product(np.linspace(0.03, 0.1, 141), np.linspace(0.002, 0.006, 161)):
         area, second = _tube(float(diameter), float(wall))
         if RHO * area * LENGTH <= 12.0:
             best = min(best, max(_sag(h, area, second) for h in (LEAST, LENGTH)))
-    assert found.after.max_error_mm <= 1e3 * best * (1.0 + 1e-6)
-    assert found.after.max_error_mm >= 1e3 * best * 0.99, "between the grid's points there is little to gain"
+    assert result.after.max_error_mm <= 1e3 * best * (1.0 + 1e-6)
+    assert result.after.max_error_mm >= 1e3 * best * 0.99, "between the grid's points there is little to gain"
 
 
 def test_a_file_is_read_back_and_what_cannot_run_out_is_refused(tmp_path: Path) -> None:

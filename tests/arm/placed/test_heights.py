@@ -39,7 +39,7 @@ def test_up_is_against_gravity_whatever_the_joint(tmp_path):
         along, height = np.array(link.along), np.array(link.height)
         assert height @ along == pytest.approx(0.0, abs=1e-12)
         assert height[2] == pytest.approx(math.hypot(along[0], along[1]))  # as near to up as across the link can be
-    assert [each.words for each in heights(arm)] == ["up"] * 3
+    assert [item.words for item in heights(arm)] == ["up"] * 3
     text = arm_to_yaml(arm)
     assert text.count("height_direction: up") == 3
     path.write_text(text)
@@ -63,11 +63,11 @@ def test_a_section_stood_upright_bends_less_under_its_weight(tmp_path):
 def test_words_of_a_planar_arm_and_of_an_upright_link(tmp_path):
     """A planar file has its heights up; a column has none that could be."""
     planar = read_arm(file_of(tmp_path, [("axis: z", "")], "[0 m/s^2, -9.81 m/s^2, 0 m/s^2]"))
-    assert [each.words for each in heights(planar)] == ["up"]
+    assert [height.words for height in heights(planar)] == ["up"]
     column = read_arm(file_of(tmp_path, [("axis: z", ", direction: [0, 0, 1]")]))
-    assert [each.words for each in heights(column)] == ["level (along y)"]
+    assert [height.words for height in heights(column)] == ["level (along y)"]
     free = read_arm(file_of(tmp_path, [("axis: z", "")], "[0 m/s^2, 0 m/s^2, 0 m/s^2]"))
-    assert [each.words for each in heights(free)] == ["along y"]
+    assert [height.words for height in heights(free)] == ["along y"]
     assert stands(free, [0.5])[0].height == pytest.approx([-math.sin(0.5), math.cos(0.5), 0.0])
 
 

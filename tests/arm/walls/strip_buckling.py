@@ -20,12 +20,12 @@ _Y, _W = 0.5 * (_NODES + 1.0), 0.5 * _WEIGHTS
 
 def _shapes(free: bool) -> list[Any]:
     edge = Polynomial([0.0, 1.0]) if free else Polynomial([0.0, 1.0, -1.0])
-    found: list[Any] = [[], [], []]
+    results: list[Any] = [[], [], []]
     for order in range(_TERMS):
         bulge = Legendre.basis(order).convert(kind=Polynomial)(Polynomial([-1.0, 2.0]))
         for derivative in range(3):
-            found[derivative].append((edge * bulge).deriv(derivative)(_Y) if derivative else (edge * bulge)(_Y))
-    return [np.array(rows) for rows in found]
+            results[derivative].append((edge * bulge).deriv(derivative)(_Y) if derivative else (edge * bulge)(_Y))
+    return [np.array(rows) for rows in results]
 
 
 _SHAPES = {free: _shapes(free) for free in (False, True)}
@@ -58,7 +58,7 @@ def critical(
         return -float(eigh(load, stiff.astype(complex), eigvals_only=True)[-1])
 
     waves = np.log(np.geomspace(0.02, 60.0, 90) * (d22 / d11) ** 0.25)
-    least = int(np.argmin([largest(each) for each in waves]))
+    least = int(np.argmin([largest(wave) for wave in waves]))
     if least in (0, len(waves) - 1):
         return -1.0 / largest(waves[least])  # the longest waves: an edge that is free turns as a whole
     span = (waves[least - 1], waves[least + 1])

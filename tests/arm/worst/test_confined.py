@@ -62,9 +62,9 @@ def test_no_pose_of_the_region_is_worse_than_the_bound(tmp_path: Path, workspace
         cells = own._cells(p)  # pyright: ignore[reportPrivateUsage]
         coordinates = own._coordinates  # pyright: ignore[reportPrivateUsage]
         case = model.cases[0]
-        found = loose_bound(case, p, coordinates, reached, planar=True, gap=1e-4, effort=effort, cells=cells)
-        assert found is not None
-        return found
+        result = loose_bound(case, p, coordinates, reached, planar=True, gap=1e-4, effort=effort, cells=cells)
+        assert result is not None
+        return result
 
     confined = bound(workspace, 4_000_000)
     # Places all over the region, from starts all over the joints' ranges.
@@ -87,9 +87,9 @@ def test_a_search_says_its_bound_and_that_it_is_no_certificate(tmp_path: Path, m
     monkeypatch.setattr("linkwright.core.arm.worst.search.CONFINED", 4_000_000)
     arm = five(tmp_path)
     p = beam_values(beams_of(arm))
-    found = WorstSearch(error_model(arm), BOX).worst(p)
-    assert found.upper_bound is not None
-    assert found.upper_bound > found.error
-    assert not found.certified
+    result = WorstSearch(error_model(arm), BOX).worst(p)
+    assert result.upper_bound is not None
+    assert result.upper_bound > result.error
+    assert not result.certified
     # A design's search wants a gap that this cannot reach, and does not wait for it.
     assert WorstSearch(error_model(arm), BOX, gap=3e-5).worst(p).upper_bound is None

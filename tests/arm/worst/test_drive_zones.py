@@ -37,38 +37,38 @@ def rigid(*lengths: float, play: str = "worst", **more: object) -> Arm:
 )
 def test_a_drive_winds_up_by_the_zones_of_its_catalogue(torque: float, turned: float) -> None:
     """By hand, in mrad: 1.816 under the rated 87 N*m, where the softest zone alone would give 2.806, 55 % more."""
-    found = evaluate(rigid(0.8), load_cases=[LoadCase(torque / 0.8 / 9.81)])
-    assert found.max_error == pytest.approx(0.8e-3 * turned, rel=1e-9)
-    assert found.worst.certified
-    assert found.by_effect["joint_compliance"] == pytest.approx(found.max_error)
+    result = evaluate(rigid(0.8), load_cases=[LoadCase(torque / 0.8 / 9.81)])
+    assert result.max_error == pytest.approx(0.8e-3 * turned, rel=1e-9)
+    assert result.worst.certified
+    assert result.by_effect["joint_compliance"] == pytest.approx(result.max_error)
 
 
 def test_two_drives_in_different_zones_are_certified_by_zones() -> None:
     """Each joint is seen in all its zones over the workspace; a scan of poses finds nothing worse."""
     arm, cases = rigid(0.5, 0.45, backlash=1e-4), [LoadCase(6.0), LoadCase(0.0, force=(60.0, 40.0, 0.0))]
-    found = evaluate(arm, load_cases=cases)
+    result = evaluate(arm, load_cases=cases)
     scanned = scanned_error(arm, cases, poses=40_000)
-    assert found.worst.certified
-    assert found.worst.upper_bound is not None
-    assert scanned * (1.0 - 1e-9) <= found.max_error <= scanned * (1.0 + 2e-3)
+    assert result.worst.certified
+    assert result.worst.upper_bound is not None
+    assert scanned * (1.0 - 1e-9) <= result.max_error <= scanned * (1.0 + 2e-3)
     assert (
-        found.max_error
+        result.max_error
         < 0.9 * evaluate(replace(arm, joints=(joint(zones=(), backlash=1e-4),) * 2), load_cases=cases).max_error
     )
     seated = evaluate(replace(arm, play="loaded"), load_cases=cases)
     assert seated.worst.certified
-    assert seated.max_error <= found.max_error * (1.0 + 1e-9)
+    assert seated.max_error <= result.max_error * (1.0 + 1e-9)
 
 
 def test_too_many_ways_leave_a_bound_that_holds_and_says_its_gap() -> None:
     """512 // 2^7 = 4 ways for two drives with five zones each: the curves lie within bands about straight lines."""
     plays = tuple(EffectEntry("backlash", (k,), {"total": 1e-6}) for k in (1, 2, 1, 2, 1, 2, 1))
     arm = replace(rigid(0.5, 0.45), effects=plays)
-    found = evaluate(arm, load_cases=[LoadCase(8.0)])
+    result = evaluate(arm, load_cases=[LoadCase(8.0)])
     exact = evaluate(replace(arm, effects=()), load_cases=[LoadCase(8.0)])
-    assert not found.worst.certified
-    assert found.worst.upper_bound is not None
-    assert exact.max_error < found.max_error < found.worst.upper_bound < 1.25 * found.max_error
+    assert not result.worst.certified
+    assert result.worst.upper_bound is not None
+    assert exact.max_error < result.max_error < result.worst.upper_bound < 1.25 * result.max_error
 
 
 def test_a_band_holds_the_whole_curve() -> None:
@@ -76,7 +76,7 @@ def test_a_band_holds_the_whole_curve() -> None:
     one, other = ways([CSG.zones], np.array([greatest]), 1.0, 2)
     first_end, first = CSG.zones[0]
     for load in np.linspace(0.0, greatest, 500):
-        low, high = (each.weights[0] * load / first + each.weights[1] * first_end / first for each in (one, other))
+        low, high = (item.weights[0] * load / first + item.weights[1] * first_end / first for item in (one, other))
         assert low * (1.0 + 1e-12) - 1e-15 <= CSG.wind_up(load) <= high * (1.0 + 1e-12)
     assert other.weights[1] * first_end / first < 0.08 * CSG.wind_up(greatest)
 
@@ -85,9 +85,9 @@ def test_calibration_takes_the_wind_up_of_its_own_zone() -> None:
     """From 20 N*m on to 60 N*m, by the catalogue's own curve."""
     case = LoadCase(60.0 / 0.8 / 9.81, relative_to=Calibrated(LoadCase(20.0 / 0.8 / 9.81)))
     arm = replace(rigid(0.8), joints=(joint(range=(-0.02, 0.02)),))
-    found = evaluate(arm, load_cases=[case])
-    assert found.max_error == pytest.approx(0.8 * (CSG.wind_up(60.0) - CSG.wind_up(20.0)), rel=1e-9)
-    assert found.worst.certified
+    result = evaluate(arm, load_cases=[case])
+    assert result.max_error == pytest.approx(0.8 * (CSG.wind_up(60.0) - CSG.wind_up(20.0)), rel=1e-9)
+    assert result.worst.certified
 
 
 def test_a_stiffness_beside_the_actuator_has_no_zones(tmp_path: Path) -> None:
@@ -115,11 +115,11 @@ payload: {mass: 3 kg}
 
 def test_an_optimum_on_such_drives_is_certified_and_called_local(tmp_path: Path) -> None:
     problem = problem_of(tmp_path, ARM, "subject_to: {mass: '<= 4 kg', section_size: [10 mm, 120 mm]}\n")
-    found = optimise(problem)
-    assert found.status == "certified"
-    assert found.optimum == "local"
-    assert found.objective >= scanned_error(found.arm, problem.load_cases, poses=4000) * (1.0 - 2e-4)
-    assert found.objective < found.before.max_error
+    result = optimise(problem)
+    assert result.status == "certified"
+    assert result.optimum == "local"
+    assert result.objective >= scanned_error(result.arm, problem.load_cases, poses=4000) * (1.0 - 2e-4)
+    assert result.objective < result.before.max_error
 
 
 TUBES = """
@@ -145,8 +145,8 @@ def test_corners_between_zones_do_not_end_a_search(tmp_path: Path) -> None:
     sizes = ((0.14, 0.0054), (0.127, 0.0043))
     links = [replace(k, section=Tube(*own)) for k, own in zip(problem.arm.links, sizes, strict=True)]
     known = evaluate(problem.arm.with_links(tuple(links)), problem.workspace, problem.load_cases)
-    found = optimise(problem)
+    result = optimise(problem)
     assert known.mass <= 6.0
-    assert found.status == "certified"
-    assert found.objective <= known.max_error
-    assert found.objective == pytest.approx(known.max_error, rel=0.02)
+    assert result.status == "certified"
+    assert result.objective <= known.max_error
+    assert result.objective == pytest.approx(known.max_error, rel=0.02)

@@ -102,8 +102,8 @@ def test_bound_over_a_box_closes_in_on_the_longest(plays: int) -> None:
     generator = np.random.default_rng(8)
     lower, upper = (np.array([getattr(axis, end) for axis in played.axes]) for end in ("lower", "upper"))
     x = generator.uniform(lower, upper, (100_000, 3))
-    found = lengths(played, x)
-    near = x[np.argsort(-found)[:20]]
+    result = lengths(played, x)
+    near = x[np.argsort(-result)[:20]]
     x = np.clip(np.repeat(near, 2000, axis=0) + 0.05 * generator.normal(size=(40_000, 3)), lower, upper)
     known = float(lengths(played, x).max())
     bounds = [bound(played, known, gap=1e-4, effort=points) for points in (1_000, 100_000, 10_000_000)]
@@ -141,11 +141,11 @@ def test_pins_reach_no_farther_than_the_bound_of_a_cell(plays: int, half: float)
         toward = np.tile(start, (len(x), 1))
         for _ in range(30):
             sides = np.where(np.einsum("nki,ni->nk", intervals, toward) >= 0.0, 1.0, -1.0)
-            found = vector + np.einsum("nk,nki->ni", sides, intervals)
+            result = vector + np.einsum("nk,nki->ni", sides, intervals)
             for radius, normal in ((0.7, one), (0.4, other)):
                 across = toward - (toward * normal).sum(axis=1, keepdims=True) * normal
-                found = found + radius * across / np.linalg.norm(across, axis=1, keepdims=True)
-            toward = found
+                result = result + radius * across / np.linalg.norm(across, axis=1, keepdims=True)
+            toward = result
         reached = np.maximum(reached, np.linalg.norm(toward, axis=1))
     reached = reached.reshape(20, 200).max(axis=1)
     assert np.all(tops >= reached * (1.0 - 1e-12))
@@ -205,9 +205,11 @@ def test_a_first_guess_at_the_worst_does_not_make_a_bound_too_low() -> None:
     brute = float(errors(search, p, q).max())
     coordinates = search._coordinates  # pyright: ignore[reportPrivateUsage]
     for known in (0.1 * brute, brute):
-        found = loose_bound(search.model.cases[0], p, coordinates, known, planar=False, gap=1e-4, effort=THOROUGH // 10)
-        assert found is not None
-        assert found >= brute
+        result = loose_bound(
+            search.model.cases[0], p, coordinates, known, planar=False, gap=1e-4, effort=THOROUGH // 10
+        )
+        assert result is not None
+        assert result >= brute
 
 
 def test_an_axis_of_no_width_is_a_point() -> None:

@@ -96,19 +96,19 @@ def test_the_search_finds_what_the_equations_give(first, second, third):
         return
     point = forward(LENGTHS, (first, second, third))
     turned = place(planar_arm(), [third, 0.0, 0.0]).orientation
-    found = inverse(planar_arm(), point, turned)
-    assert len(found) == 2
+    result = inverse(planar_arm(), point, turned)
+    assert len(result) == 2
     for pose in exact:
-        assert min(apart(pose.relative, each.q) for each in found) < 1e-6
-    assert all(each.isolated and each.residual < 1e-9 for each in found)
+        assert min(apart(pose.relative, item.q) for item in result) < 1e-6
+    assert all(item.isolated and item.residual < 1e-9 for item in result)
 
 
 def test_a_redundant_arm_gives_samples_of_its_family():
     """Three joints for two coordinates: many poses, none of them isolated."""
-    found = inverse(planar_arm(), (0.7, 0.3), most=10)
-    assert len(found) == 10
-    assert not any(each.isolated for each in found)
-    tips = tip_position(planar_arm(), [each.q for each in found])[:, :2]
+    result = inverse(planar_arm(), (0.7, 0.3), most=10)
+    assert len(result) == 10
+    assert not any(item.isolated for item in result)
+    tips = tip_position(planar_arm(), [item.q for item in result])[:, :2]
     assert tips == pytest.approx(np.tile((0.7, 0.3), (10, 1)), abs=1e-9)
 
 
@@ -116,8 +116,8 @@ def test_joint_limits_are_kept():
     """An elbow that only bends one way leaves one of the two poses."""
     ranges = ((-math.pi, math.pi), (0.1, 3.0), (-math.pi, math.pi))
     turned = place(planar_arm(), [0.2, 0.0, 0.0]).orientation
-    (found,) = inverse(planar_arm(ranges=ranges), (0.7, 0.3), turned)
-    assert 0.1 <= found.q[1] <= 3.0
+    (result,) = inverse(planar_arm(ranges=ranges), (0.7, 0.3), turned)
+    assert 0.1 <= result.q[1] <= 3.0
     with pytest.raises(UnreachableInclined):
         inverse(planar_arm(ranges=((-0.1, 0.1), (0.1, 3.0), (-math.pi, math.pi))), (0.7, 0.3), turned)
 
@@ -133,16 +133,18 @@ def test_search_refuses_with_the_distance_missing(point, missing):
 def test_absolute_angles():
     """An arm whose drives hold the links against the base."""
     arm = planar_arm(angles="absolute")
-    found = inverse(arm, (0.5, -0.6), most=4)
-    assert tip_position(arm, [each.q for each in found])[:, :2] == pytest.approx(np.tile((0.5, -0.6), (4, 1)), abs=1e-9)
+    result = inverse(arm, (0.5, -0.6), most=4)
+    assert tip_position(arm, [item.q for item in result])[:, :2] == pytest.approx(
+        np.tile((0.5, -0.6), (4, 1)), abs=1e-9
+    )
 
 
 def test_rail_and_arm():
     """A slide in mm and joints in rad together."""
     rail = Joint(type="prismatic", axis=(1.0, 0.0, 0.0), range=(0.0, 2.0))
     arm = Arm("rail", (rail, Joint(), Joint()), (Link(0.0), Link(0.4), Link(0.42)))
-    found = inverse(arm, (2.5, 0.3))
-    assert all(0.0 <= each.q[0] <= 2.0 and each.residual < 1e-9 for each in found)
+    result = inverse(arm, (2.5, 0.3))
+    assert all(0.0 <= item.q[0] <= 2.0 and item.residual < 1e-9 for item in result)
     with pytest.raises(Unreachable) as refused:
         inverse(arm, (3.0, 0.0))
     assert refused.value.missing == pytest.approx(0.18, abs=1e-6)
@@ -156,7 +158,7 @@ def test_spatial_chains_meet_point_and_orientation(seed):
     arm = Arm("space", tuple(Joint(axis=link.axis) for link in chain.links), tuple(Link(x.length) for x in chain.links))
     frames = place(arm, generator.uniform(-2.0, 2.0, 6).tolist())
     target = np.array(frames.tip(), dtype=float)
-    for each in inverse(arm, target.tolist(), frames.orientation, seeds=96):
-        reached = place(arm, list(each.q))
+    for item in inverse(arm, target.tolist(), frames.orientation, seeds=96):
+        reached = place(arm, list(item.q))
         assert np.array(reached.tip()) == pytest.approx(target, abs=1e-8)
         assert np.array(reached.orientation) == pytest.approx(np.array(frames.orientation), abs=1e-7)

@@ -48,13 +48,13 @@ def test_a_sag_is_across_a_level_path_and_an_offset_along_it(space: bool) -> Non
     """A pin's disc across the rail adds its radius across the path and nothing along it."""
     arm = carriage(space=space, clearance=2e-5, backlash=3e-5)
     rail = Workspace("path", ((0.5, 0.0, 0.0), (1.2, 0.0, 0.0)), in_plane=not space)
-    found = evaluate(arm, rail)
-    assert found.seam is not None
-    assert found.seam.across.error == pytest.approx(sag(arm) + 2e-5, rel=1e-6)
-    assert found.seam.along.error == pytest.approx(5e-5 + 1.5e-5, rel=1e-6)
-    assert found.seam.whole.error == pytest.approx(np.hypot(sag(arm) + 2e-5, 6.5e-5), rel=1e-6)
-    content = evaluation_json(found)
-    assert content["across_mm"] == pytest.approx(1e3 * found.seam.across.error)
+    result = evaluate(arm, rail)
+    assert result.seam is not None
+    assert result.seam.across.error == pytest.approx(sag(arm) + 2e-5, rel=1e-6)
+    assert result.seam.along.error == pytest.approx(5e-5 + 1.5e-5, rel=1e-6)
+    assert result.seam.whole.error == pytest.approx(np.hypot(sag(arm) + 2e-5, 6.5e-5), rel=1e-6)
+    content = evaluation_json(result)
+    assert content["across_mm"] == pytest.approx(1e3 * result.seam.across.error)
     assert content["along_mm"] == pytest.approx(6.5e-2)
     assert content["whole_mm"] == content["max_error_mm"]
     counted = evaluate(arm, replace(rail, error="along"))
@@ -100,26 +100,26 @@ def by_hand(arm: Arm, load: LoadCase, start: Array, end: Array, part: str) -> fl
 def test_round_a_corner_each_piece_counts_by_its_own_direction(part: str) -> None:
     arm, path = planar_arm(), Workspace("path", CORNER, error=part)  # type: ignore[arg-type]
     cases = (LoadCase(2.0), LoadCase(0.0, force=(30.0, 0.0, 0.0)))
-    found = evaluate(arm, path, cases)
+    result = evaluate(arm, path, cases)
     ends = np.array(CORNER)[:, :2]
     expected = {
         (case, k): by_hand(arm, load, ends[k], ends[k + 1], part) for case, load in enumerate(cases) for k in range(2)
     }
-    assert found.max_error == pytest.approx(max(expected.values()), rel=1e-5)
+    assert result.max_error == pytest.approx(max(expected.values()), rel=1e-5)
     worst = max(expected, key=lambda key: expected[key])
-    assert found.worst.poses[0].load_case == worst[0]
-    assert found.worst.certified
-    assert found.seam is not None
-    assert max(found.seam.across.error, found.seam.along.error) < found.seam.whole.error
+    assert result.worst.poses[0].load_case == worst[0]
+    assert result.worst.certified
+    assert result.seam is not None
+    assert max(result.seam.across.error, result.seam.along.error) < result.seam.whole.error
 
 
 def test_where_loads_seat_the_play_its_part_counts_too() -> None:
     arm = planar_arm("loaded")
-    found = evaluate(arm, Workspace("path", CORNER[1:], error="across"))
+    result = evaluate(arm, Workspace("path", CORNER[1:], error="across"))
     q = np.array([pose for y in np.linspace(0.4, -0.3, 400) for pose in poses_at(np.array([0.6, y]))])
     arrays = error_model(arm, [LoadCase(2.0)]).cases[0].arrays(q, beam_values(beams_of(arm)))
     seated = arrays.vector[:, 0] + (np.sign(arrays.interval_seating) * arrays.intervals[:, :, 0]).sum(axis=1)
-    assert found.max_error == pytest.approx(np.abs(seated).max(), rel=1e-5)  # pins are pushed down, along the path
+    assert result.max_error == pytest.approx(np.abs(seated).max(), rel=1e-5)  # pins are pushed down, along the path
 
 
 ARM = """

@@ -24,9 +24,9 @@ def bad(q):
 
 @given(first=st.floats(-2.0, 2.0), side=st.sampled_from([-1.0, 1.0]), third=st.floats(0.5, 2.0))
 def test_joints_that_do_not_count_stand_at_nought(first: float, side: float, third: float):
-    found = plainest(bad, np.array([first, 0.7 * side, third]), BOX)
+    result = plainest(bad, np.array([first, 0.7 * side, third]), BOX)
     # The third comes no nearer than 0.5, so its mirror image is no pose of this arm.
-    assert found.tolist() == [0.0, 0.7 * side, 0.5]
+    assert result.tolist() == [0.0, 0.7 * side, 0.5]
     free = (np.full(3, -2.0), np.full(3, 2.0))
     assert plainest(bad, np.array([first, 0.7 * side, third]), free).tolist() == [0.0, 0.7, 0.0]
 
@@ -36,18 +36,18 @@ def test_a_joint_that_counts_stays(pose: list[float]):
     def load(q):
         return 1.0 - np.sum((q - np.array(pose)) ** 2, axis=1)
 
-    found = plainest(load, np.array(pose), (np.full(3, -2.0), np.full(3, 2.0)))
-    assert load(found[None])[0] >= 1.0 - 1e-9
-    assert found == pytest.approx(pose, abs=4e-5)
+    result = plainest(load, np.array(pose), (np.full(3, -2.0), np.full(3, 2.0)))
+    assert load(result[None])[0] >= 1.0 - 1e-9
+    assert result == pytest.approx(pose, abs=4e-5)
 
 
 def test_the_first_joint_of_a_planar_arm_does_not_count():
     """Turned as a whole, an arm in the plane is as slow and, by whichever force is worst, as soft: 0 is told, and what
     is told is as slow as what is found."""
     arm = read_arm(ROOT / "examples" / "welding-arm" / "arm.yaml")
-    found = evaluate(arm)
-    assert found.frequency is not None
-    assert found.stiffness is not None
-    assert found.frequency.q[0] == found.stiffness.q[0] == 0.0
-    there = first_frequencies(arm, beams_of(arm), arm.payloads(arm.cases[0]), np.array([found.frequency.q]))
-    assert there[0] == pytest.approx(found.frequency.value, rel=1e-8)
+    result = evaluate(arm)
+    assert result.frequency is not None
+    assert result.stiffness is not None
+    assert result.frequency.q[0] == result.stiffness.q[0] == 0.0
+    there = first_frequencies(arm, beams_of(arm), arm.payloads(arm.cases[0]), np.array([result.frequency.q]))
+    assert there[0] == pytest.approx(result.frequency.value, rel=1e-8)

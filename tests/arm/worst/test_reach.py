@@ -59,14 +59,14 @@ def test_first_point_outside_a_ring(start, end):
     shares = np.linspace(0.0, 1.0, 4001)
     places = np.array(start) + shares[:, None] * (np.array(end) - np.array(start))
     missing = np.array([ring.missing(place) for place in places])
-    found = ring.first_outside(start, end)
+    result = ring.first_outside(start, end)
     outside = missing > 1e-6
     if not outside.any():
-        assert found is None or ring.missing(places[min(4000, math.ceil(found * 4000))]) < 1e-6
+        assert result is None or ring.missing(places[min(4000, math.ceil(result * 4000))]) < 1e-6
     else:
-        assert found is not None
-        assert found <= shares[np.argmax(outside)] + 1e-9
-        assert not outside[: max(0, math.floor(found * 4000) - 1)].any()
+        assert result is not None
+        assert result <= shares[np.argmax(outside)] + 1e-9
+        assert not outside[: max(0, math.floor(result * 4000) - 1)].any()
 
 
 @given(st.tuples(*[st.floats(low + 0.01, high - 0.01) for low, high in LIMITED]), st.integers(0, 10**6))
@@ -118,10 +118,10 @@ def test_the_jacobian_bends_no_more_than_said(angles):
 
 def test_seam_across_the_hole_of_a_ring():
     """Links of 1000, 300 and 200 mm: the ends are reachable, the first point that is not lies at (400, 300) mm."""
-    found = check_seam(planar_arm((1.0, 0.3, 0.2)), (0.8, 0.3), (-0.8, 0.3))
-    assert (found.verdict, found.exact) == ("unreachable", True)
-    assert found.first_unreachable == pytest.approx((0.4, 0.3), abs=1e-12)
-    assert found.missing == pytest.approx(0.2)
+    result = check_seam(planar_arm((1.0, 0.3, 0.2)), (0.8, 0.3), (-0.8, 0.3))
+    assert (result.verdict, result.exact) == ("unreachable", True)
+    assert result.first_unreachable == pytest.approx((0.4, 0.3), abs=1e-12)
+    assert result.missing == pytest.approx(0.2)
     assert check_seam(planar_arm(), (0.8, 0.3), (-0.8, 0.3)).verdict == "reachable"
 
 
@@ -129,9 +129,9 @@ def test_a_walk_agrees_with_the_ring():
     """A joint that lacks a thousandth of its circle takes the walk, and finds the same point."""
     nearly = (math.pi, -math.pi + 1e-3)
     ranges = ((-math.pi, math.pi), (-math.pi, math.pi), (nearly[1], nearly[0]))
-    found = check_seam(planar_arm((1.0, 0.3, 0.2), ranges), (0.8, 0.3), (-0.8, 0.3))
-    assert (found.verdict, found.exact) == ("unreachable", False)
-    assert found.first_unreachable == pytest.approx((0.4, 0.3), abs=1e-6)
+    result = check_seam(planar_arm((1.0, 0.3, 0.2), ranges), (0.8, 0.3), (-0.8, 0.3))
+    assert (result.verdict, result.exact) == ("unreachable", False)
+    assert result.first_unreachable == pytest.approx((0.4, 0.3), abs=1e-6)
 
 
 @pytest.mark.parametrize(
@@ -146,7 +146,7 @@ def test_a_walk_agrees_with_the_ring():
 def test_seams_under_joint_limits_against_a_dense_grid(start, end):
     """Four million poses say which points of the seam have a tip near them."""
     arm = planar_arm(ranges=LIMITED)
-    found = check_seam(arm, start, end)
+    result = check_seam(arm, start, end)
     grids = [np.linspace(low, high, 160) for low, high in LIMITED]
     first, second, third = np.meshgrid(*grids, indexing="ij")
     a, b, c = first, first + second, first + second + third
@@ -156,29 +156,29 @@ def test_seams_under_joint_limits_against_a_dense_grid(start, end):
     places = complex(*start) + shares * (complex(*end) - complex(*start))
     nearest = np.array([np.abs(tips - place).min() for place in places])
     apart = 0.02  # no point of the reachable set is farther than this from a tip of the grid
-    if found.verdict == "reachable":
+    if result.verdict == "reachable":
         assert nearest.max() < apart
     else:
-        assert found.verdict == "unreachable"
-        assert nearest[shares < found.proved_to].max(initial=0.0) < apart
-        assert nearest[shares > found.proved_to].max() > 1e-3
-        assert nearest.max() == pytest.approx(found.missing, abs=apart)
+        assert result.verdict == "unreachable"
+        assert nearest[shares < result.proved_to].max(initial=0.0) < apart
+        assert nearest[shares > result.proved_to].max() > 1e-3
+        assert nearest.max() == pytest.approx(result.missing, abs=apart)
 
 
 def test_reachable_seams_are_proved_and_not_sampled():
     """Every step of the walk is covered by the ball of a pose: no gaps are left."""
     limits = tuple((-math.radians(x), math.radians(x)) for x in (120, 150, 150))
-    found = check_seam(planar_arm(ranges=limits), (0.9, -0.3), (0.4, 0.7))
-    assert (found.verdict, found.proved_to, found.gaps, found.exact) == ("reachable", 1.0, (), False)
+    result = check_seam(planar_arm(ranges=limits), (0.9, -0.3), (0.4, 0.7))
+    assert (result.verdict, result.proved_to, result.gaps, result.exact) == ("reachable", 1.0, (), False)
 
 
 def test_the_very_edge_is_left_undecided():
     """At full stretch no ball is left: poses are found, nothing is claimed of the last tenth of a millimetre."""
     limits = tuple((-math.radians(x), math.radians(x)) for x in (120, 150, 150))
-    found = check_seam(planar_arm(ranges=limits), (1.1, 0.0), (1.24, 0.0))
-    assert found.verdict == "undecided"
-    assert 0.999 < found.proved_to < 1.0
-    assert found.gaps == ((found.proved_to, 1.0),)
+    result = check_seam(planar_arm(ranges=limits), (1.1, 0.0), (1.24, 0.0))
+    assert result.verdict == "undecided"
+    assert 0.999 < result.proved_to < 1.0
+    assert result.gaps == ((result.proved_to, 1.0),)
 
 
 @pytest.mark.slow
@@ -186,9 +186,9 @@ def test_gaps_beside_each_other_are_one():
     """A seam that touches the hole's edge is undecided around the one point where it does."""
     nearly = (-math.pi + 0.04, math.pi - 0.04)
     arm = planar_arm((1.0, 0.3, 0.2), ((-math.pi, math.pi), (-math.pi, math.pi), nearly))
-    found = check_seam(arm, (0.03, 0.5), (-0.03, 0.5))
-    assert found.verdict == "undecided"
-    ((low, high),) = found.gaps
+    result = check_seam(arm, (0.03, 0.5), (-0.03, 0.5))
+    assert result.verdict == "undecided"
+    ((low, high),) = result.gaps
     assert low < 0.5 < high
 
 

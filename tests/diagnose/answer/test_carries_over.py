@@ -30,33 +30,33 @@ def named_in(null, sizes, seed=3):
     namer = Namer(prepared, thorough=False, seed=1)
     named = Named(members, (), (0.001,) * len(members), namer.test((), 99), None)
     noise = noise_floor(prepared.observed.recording, prepared.observed.arm)
-    found = Confirmed(namer, named, noise, Options(), whole=None, progress=lambda *_: None)
-    return [found.prepared.pool.groups[member].candidate.effect for member in found.members], found
+    result = Confirmed(namer, named, noise, Options(), whole=None, progress=lambda *_: None)
+    return [result.prepared.pool.groups[member].candidate.effect for member in result.members], result
 
 
 def test_what_is_there_is_kept_and_what_only_fits_goes(many_poses):
-    effects, found = named_in(many_poses, {OFFSET: 5.0, PLAY: 0.0, GIVES: 0.0})
+    effects, result = named_in(many_poses, {OFFSET: 5.0, PLAY: 0.0, GIVES: 0.0})
     assert effects == ["encoder_offset"]
-    assert len(found.unconfirmed) == 2
+    assert len(result.unconfirmed) == 2
 
 
 def test_several_that_carry_over_stay_small_ones_too(many_poses):
-    effects, found = named_in(many_poses, {OFFSET: 5.0, PLAY: 0.7})
+    effects, result = named_in(many_poses, {OFFSET: 5.0, PLAY: 0.7})
     assert len(effects) == 2
-    assert not found.unconfirmed
+    assert not result.unconfirmed
 
 
 def test_few_poses_tell_nothing_of_what_carries_over():
     """Twelve poses are too few parts of the workspace to drop a finding for; it would have to do harm."""
-    _, found = named_in(prepared_null(), {OFFSET: 5.0, PLAY: 0.7, GIVES: 0.0})
-    assert not found.unconfirmed
+    _, result = named_in(prepared_null(), {OFFSET: 5.0, PLAY: 0.7, GIVES: 0.0})
+    assert not result.unconfirmed
 
 
 @pytest.mark.slow
 def test_what_moves_next_to_nothing_beside_others_goes():
     """A fifth of the noise floor and less; all there is stays, however small, since it was tested against nothing."""
-    effects, found = named_in(prepared_null(), {OFFSET: 5.0, PLAY: 0.7, GIVES: 0.0})
+    effects, result = named_in(prepared_null(), {OFFSET: 5.0, PLAY: 0.7, GIVES: 0.0})
     assert sorted(effects) == ["backlash", "encoder_offset"]
-    assert found.too_little
-    effects, found = named_in(prepared_null(), {GIVES: 0.1})
+    assert result.too_little
+    effects, result = named_in(prepared_null(), {GIVES: 0.1})
     assert len(effects) == 1

@@ -31,8 +31,8 @@ def readings(tips_um, q=0.0, **more):
 
 
 def figure(recording, symbol, arm=None):
-    found = {each.symbol: each for each in iso.iso_figures(recording, arm or rod())}
-    return found.get(symbol)
+    results = {iso_figure.symbol: iso_figure for iso_figure in iso.iso_figures(recording, arm or rod())}
+    return results.get(symbol)
 
 
 CROSS = [(130, 40), (130, 20), (140, 30), (120, 30), (130, 30)]
@@ -41,9 +41,9 @@ CROSS = [(130, 40), (130, 20), (140, 30), (120, 30), (130, 30)]
 
 def test_accuracy_is_the_way_from_the_command_to_the_mean():
     """sqrt(130^2 + 30^2) um."""
-    found = figure(readings(CROSS), "AP")
-    assert found.value == pytest.approx(math.hypot(130.0, 30.0) * MICRON, rel=1e-9)
-    assert (found.count, found.standard) == (5, "ISO 9283:1998")
+    result = figure(readings(CROSS), "AP")
+    assert result.value == pytest.approx(math.hypot(130.0, 30.0) * MICRON, rel=1e-9)
+    assert (result.count, result.standard) == (5, "ISO 9283:1998")
 
 
 def test_repeatability_is_mean_plus_three_deviations():
@@ -61,9 +61,9 @@ def test_repeatability_does_not_mix_sides():
 def test_variation_with_the_side():
     """Means (0, 0) and (30, 40): 50 um apart."""
     first, second = [(0, 1), (0, -1), (0, 0)], [(30, 41), (30, 39), (30, 40)]
-    found = figure(readings(first + second, sides=[[1]] * 3 + [[-1]] * 3), "vAP")
-    assert found.value == pytest.approx(50.0 * MICRON, rel=1e-9)
-    assert found.count == 3
+    result = figure(readings(first + second, sides=[[1]] * 3 + [[-1]] * 3), "vAP")
+    assert result.value == pytest.approx(50.0 * MICRON, rel=1e-9)
+    assert result.count == 3
 
 
 def test_reversal_is_taken_along_the_joints_own_motion():
@@ -91,17 +91,17 @@ def test_reversal_wants_the_other_joints_on_the_same_side():
     sides = np.array([[1.0, 1.0]] * 3 + [[-1.0, -1.0]] * 3)
     tips = tip_position(arm, np.zeros((6, 2)))[:, :2] + np.array([[0.0, 0.0]] * 3 + [[0.0, 5e-5]] * 3)
     recording = Recording("r.csv", np.zeros((6, 2)), tips, np.arange(1, 7), sides=sides)
-    found = {each.symbol for each in iso.iso_figures(recording, arm)}
-    assert "vAP" in found
-    assert not found & {"B_1", "B_2"}
+    results = {iso_figure.symbol for iso_figure in iso.iso_figures(recording, arm)}
+    assert "vAP" in results
+    assert not results & {"B_1", "B_2"}
 
 
 def test_static_compliance_is_give_per_newton():
     """10 kg pull the tip down by 98.1 um: 1 um/N, 10 readings, the least of both loads counted."""
     recording = readings([(0, 0)] * 6 + [(0, -98.1)] * 4, payload_mass=[0.0] * 6 + [10.0] * 4)
-    found = figure(recording, "C")
-    assert found.value == pytest.approx(1e-6, rel=1e-9)
-    assert found.count == 4
+    result = figure(recording, "C")
+    assert result.value == pytest.approx(1e-6, rel=1e-9)
+    assert result.count == 4
 
 
 def test_static_compliance_by_a_force_at_the_tip():
@@ -130,8 +130,8 @@ def test_too_few_visits_give_nothing():
 def test_accuracy_needs_a_known_frame():
     """With the frame or the tool free nobody knows where the tip should be; repeatability does not ask."""
     for free in ({"frame": "free"}, {"tool": "free"}):
-        found = {each.symbol for each in iso.iso_figures(replace(readings(CROSS), **free), rod())}
-        assert found == {"RP"}
+        results = {iso_figure.symbol for iso_figure in iso.iso_figures(replace(readings(CROSS), **free), rod())}
+        assert results == {"RP"}
 
 
 def test_commands_are_what_accuracy_is_measured_from():

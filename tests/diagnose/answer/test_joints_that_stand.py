@@ -83,7 +83,7 @@ def read(q: Array, places: Array, rng: np.random.Generator, *, free: bool) -> Re
 
 
 def sizes_of(finding: Finding) -> dict[str, float]:
-    return {each.parameter: each.value for each in finding.parameters}
+    return {parameter.parameter: parameter.value for parameter in finding.parameters}
 
 
 @pytest.mark.parametrize(("still", "free"), [(2, True), pytest.param(4, False, marks=pytest.mark.slow)])
@@ -91,8 +91,8 @@ def test_a_tilted_axis_beside_one_that_stands(still: int, free: bool) -> None:
     rng = np.random.default_rng(1)
     q, tilts = visited(rng, still), np.zeros((5, 3))
     tilts[2] = [8e-4, 0.0, 5e-4]
-    found = diagnose(arm(weighed=True), read(q, placed(q, tilts)[0], rng, free=free))
-    (finding,) = found.findings
+    result = diagnose(arm(weighed=True), read(q, placed(q, tilts)[0], rng, free=free))
+    (finding,) = result.findings
     assert (finding.effect, finding.at) == ("axis_misalignment", (3,))
     sizes = sizes_of(finding)
     assert np.hypot(sizes["tilt_u"], sizes["tilt_v"]) == pytest.approx(np.hypot(8e-4, 5e-4), rel=0.05)
@@ -105,12 +105,12 @@ def test_a_drive_that_stands_sags_by_what_hangs_on_it(free: bool) -> None:
     rng = np.random.default_rng(1)
     q, straight = visited(rng, 2), np.zeros((5, 3))
     sag = sagged(q, COMPLIANCE, straight)
-    found = diagnose(arm(weighed=False), read(q, placed(q + sag, straight)[0], rng, free=free))
-    assert {(each.effect, each.at) for each in found.findings} == {("joint_compliance", (k,)) for k in (2, 3)}
-    assert found.verdict in ("named", "alias_class")
-    assert found.noise_floor is not None
-    assert found.rms_after < 1.1 * found.noise_floor
-    for finding in found.findings:
+    result = diagnose(arm(weighed=False), read(q, placed(q + sag, straight)[0], rng, free=free))
+    assert {(item.effect, item.at) for item in result.findings} == {("joint_compliance", (k,)) for k in (2, 3)}
+    assert result.verdict in ("named", "alias_class")
+    assert result.noise_floor is not None
+    assert result.rms_after < 1.1 * result.noise_floor
+    for finding in result.findings:
         turned = sag[:, finding.at[0] - 1]
         (size,) = finding.parameters
         truth = float(np.ptp(turned)) if free else float(turned[np.argmax(np.abs(turned))])
@@ -128,9 +128,9 @@ def test_many_small_causes_make_nothing_large_of_a_joint_that_stands(still: int,
     off[:, 2] += 1e-4 * np.sin(3.0 * q[:, 2])
     off[:, 0] += 1e-4 * np.sin(2.0 * q[:, 0])
     sag = sagged(q, COMPLIANCE, tilts)
-    found = diagnose(arm(weighed=False), read(q, placed(q + off + sag, tilts)[0], rng, free=free))
-    assert found.findings
-    for finding in found.findings:
+    result = diagnose(arm(weighed=False), read(q, placed(q + off + sag, tilts)[0], rng, free=free))
+    assert result.findings
+    for finding in result.findings:
         for name, value in sizes_of(finding).items():
             most = {"tilt": TILT, "shift": SHIFT, "sag": SAG, "offset": TILT}.get(name.partition("_")[0], np.inf)
             assert abs(value) < most, (finding.effect, finding.at, name)

@@ -43,8 +43,8 @@ def test_the_joint_that_moves_has_the_largest_share(joint, effect):
 
 def test_noise_has_no_joint(null):
     rng = np.random.default_rng(1)
-    found = [joint_shares(with_residual(null, noise_of(null, rng))) for _ in range(20)]
-    assert np.mean(found) < 0.03
+    results = [joint_shares(with_residual(null, noise_of(null, rng))) for _ in range(20)]
+    assert np.mean(results) < 0.03
 
 
 def test_what_it_depends_on_is_found(null):
@@ -63,9 +63,9 @@ def test_what_it_depends_on_is_found(null):
     }
     for name, values in cases.items():
         trial = with_residual(null, noise_of(null, rng) + moved_by(null, values))
-        found = dependences(trial, 0, np.random.default_rng(3))
-        strongest = found[0]
-        assert name in depends_on(found), name
+        result = dependences(trial, 0, np.random.default_rng(3))
+        strongest = result[0]
+        assert name in depends_on(result), name
         # What moves the tip with one coordinate goes with its position, too.
         assert strongest.on in ({name, "position"} if name == "q2" else {name}), name
 
@@ -100,4 +100,4 @@ def test_columns_that_never_change_are_not_asked_about(null):
     recording = null.observed.recording
     still = replace(null.observed, recording=replace(recording, temperature=np.full(recording.size, 295.0)))
     trial = replace(null, observed=still)
-    assert all(each.on != "temperature_degC" for each in dependences(trial, 0, np.random.default_rng(1)))
+    assert all(dependence.on != "temperature_degC" for dependence in dependences(trial, 0, np.random.default_rng(1)))

@@ -31,9 +31,9 @@ def said(found, what, before=1e-4):
 def test_what_remains_is_called_noise_where_that_is_so_of_readings_not_fitted(fitted, held_out):
     """1.7 times the noise floor held out is not the noise floor, on the first screen no more than below."""
     rms = {"rms_after": fitted * FLOOR, "rms_after_held_out": held_out * FLOOR, "noise_floor": FLOOR}
-    found = replace(made_diagnosis("named"), **rms)
+    result = replace(made_diagnosis("named"), **rms)
     noise = max(fitted, held_out) <= 1.1
-    texts = said(found, found.left), answer(found)
+    texts = said(result, result.left), answer(result)
     assert [("is the noise floor" in texts[0]), texts[1].endswith("remain, the noise floor.")] == [noise, noise]
     if not noise:
         shown = held_out if fitted <= 1.1 else fitted
@@ -41,12 +41,12 @@ def test_what_remains_is_called_noise_where_that_is_so_of_readings_not_fitted(fi
 
 
 def test_without_a_noise_floor_nothing_is_called_it():
-    found = replace(made_diagnosis("named"), noise_floor=None)
-    assert "no repeats say how much" in said(found, found.left)
-    assert math.isnan(found.left.times)
-    assert not found.left.is_noise
-    assert not found.left.is_more
-    assert "noise floor" not in answer(found)
+    result = replace(made_diagnosis("named"), noise_floor=None)
+    assert "no repeats say how much" in said(result, result.left)
+    assert math.isnan(result.left.times)
+    assert not result.left.is_noise
+    assert not result.left.is_more
+    assert "noise floor" not in answer(result)
 
 
 def test_nothing_missing_is_said_of_what_is_no_more_than_noise():
@@ -70,9 +70,9 @@ def test_nothing_missing_is_said_of_what_is_no_more_than_noise():
 
 
 def test_what_wanders_counts_with_the_noise():
-    found = replace(made_diagnosis("named"), noise_floor=3e-5, wandered=4e-5, rms_after=5e-5, rms_after_held_out=5e-5)
-    assert found.left.floor == pytest.approx(5e-5)
-    assert found.left.is_noise
+    result = replace(made_diagnosis("named"), noise_floor=3e-5, wandered=4e-5, rms_after=5e-5, rms_after_held_out=5e-5)
+    assert result.left.floor == pytest.approx(5e-5)
+    assert result.left.is_noise
 
 
 @pytest.mark.parametrize(("share", "sits"), [(0.98, True), (0.5, True), (0.49, False), (0.007, False)])
@@ -111,7 +111,7 @@ def test_an_arm_file_that_makes_it_worse_is_not_advised():
 
 def test_a_file_of_findings_that_may_be_nothing_is_not_advised():
     made = made_diagnosis("named")
-    doubtful = tuple(replace(each, may_be_nothing=True) for each in made.findings)
+    doubtful = tuple(replace(finding, may_be_nothing=True) for finding in made.findings)
     assert "Use arm.yaml" in " ".join(to_do(made))
     assert "Use arm.yaml" not in " ".join(to_do(replace(made, findings=doubtful)))
 
@@ -123,7 +123,7 @@ def test_zeros_that_are_off_are_put_in_first(off):
         FittedParameter(f"offset_{k}", "offset", (k,), "angle", math.radians(value), (0.0, 1.0))
         for k, value in enumerate(off, start=4)
     ]
-    findings = [replace(made, effect="encoder_offset", at=each.at, parameters=(each,)) for each in reversed(zeros)]
+    findings = [replace(made, effect="encoder_offset", at=zero.at, parameters=(zero,)) for zero in reversed(zeros)]
     assert put_in_first([made, *findings]) == (
         " Zero of joint 4 is off by 3 deg: put it into the arm file first."
         if len(off) == 1
@@ -153,7 +153,7 @@ def test_the_noise_floor_is_said_to_be_what_it_is(source, words):
 
 
 def test_of_a_recording_that_says_nothing_no_comparison_says_that_it_holds_no_mismatch():
-    unknown, none, nothing = (made_diagnosis(each) for each in ("unknown", "none", "insufficient_data"))
+    unknown, none, nothing = (made_diagnosis(item) for item in ("unknown", "none", "insufficient_data"))
     floor = none.noise_floor
     loud = replace(none, rms_before=2 * floor, rms_after=2 * floor, rms_after_held_out=2 * floor)
 

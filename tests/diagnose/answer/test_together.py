@@ -29,22 +29,22 @@ def refitted(null, moved, seed=1):
 
 
 def test_two_that_only_balance_each_other_are_told(null):
-    prepared, found = refitted(null, (1e-4, 0.0, 0.0))
-    assert only_with(prepared, found) == {1: (2,), 2: (1,)}
-    assert not may_be_nothing(found.parameters[0], found.terms[0].candidate.sizes)
+    prepared, result = refitted(null, (1e-4, 0.0, 0.0))
+    assert only_with(prepared, result) == {1: (2,), 2: (1,)}
+    assert not may_be_nothing(result.parameters[0], result.terms[0].candidate.sizes)
 
 
 def test_what_moves_more_than_the_mismatch_and_is_balanced_is_told(null):
     """A drive that gives against the bending of the link above it, alike but for a tenth: three times what is left."""
-    prepared, found = refitted(null, (0.0, 6e-4, -4e-4))
-    moved = [float(np.sqrt(np.mean(np.sum(term.moved**2, axis=1)))) for term in found.terms]
+    prepared, result = refitted(null, (0.0, 6e-4, -4e-4))
+    moved = [float(np.sqrt(np.mean(np.sum(term.moved**2, axis=1)))) for term in result.terms]
     mismatch = float(np.sqrt(np.mean(np.sum(prepared.observed.residual**2, axis=1))))
     assert min(moved[1:]) > 1.2 * mismatch
-    assert only_with(prepared, found) == {1: (2,), 2: (1,)}
+    assert only_with(prepared, result) == {1: (2,), 2: (1,)}
 
 
 def test_what_stands_by_itself_is_left_alone(null):
-    prepared, found = refitted(null, (1e-4, 0.0, 0.0))
+    prepared, result = refitted(null, (1e-4, 0.0, 0.0))
     alone = refit(prepared, [group_of(null, *OFFSET)], (), fit(prepared, [group_of(null, *OFFSET)]))
     assert only_with(prepared, alone) == {}
     far = group_of(null, "backlash", (2,))
@@ -52,14 +52,14 @@ def test_what_stands_by_itself_is_left_alone(null):
     pattern = null.columns[far][:, :, 0]
     moved = with_residual(null, prepared.observed.residual + 1e-4 * pattern / np.abs(pattern).max())
     assert only_with(moved, refit(moved, both, (), fit(moved, both))) == {}
-    assert found.terms[1].candidate.effect == "joint_compliance"
+    assert result.terms[1].candidate.effect == "joint_compliance"
 
 
 def test_it_is_said_in_words(null):
-    _, found = refitted(null, (1e-4, 0.0, 0.0))
-    said = reading_of(*GIVES[:1], (3,), found.parameters[1], (), "", (("link_bending", (3,)),), nothing=True)
+    _, result = refitted(null, (1e-4, 0.0, 0.0))
+    said = reading_of(*GIVES[:1], (3,), result.parameters[1], (), "", (("link_bending", (3,)),), nothing=True)
     assert said.endswith("Singly it means nothing: only together with bending of the links at link 3.")
-    alone = reading_of(*GIVES[:1], (3,), found.parameters[1], (), nothing=True)
+    alone = reading_of(*GIVES[:1], (3,), result.parameters[1], (), nothing=True)
     assert alone.endswith("With room for what is not named, its sizes may be nought.")
     assert nothing_singly([("joint_compliance", (3,)), ("link_bending", (3,))], 2e-6) == (
         "These 2 together move the tip by 0.002 mm RMS; singly they mean nothing, as others that are named would take "

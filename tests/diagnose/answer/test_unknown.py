@@ -27,13 +27,13 @@ def test_a_step_in_time(space):
     start = 2 * 20  # visits of two readings
     shift = np.zeros_like(recording.tip)
     shift[start:, 0] = 5.0 * SIGMA
-    found = diagnose(arm, replace(recording, tip=recording.tip + shift))
-    assert found.verdict == "unknown"
-    assert found.unknown.depends_on[0] == "time"
-    assert recording.time[start - 2] < found.unknown.since <= recording.time[start + 1]
-    assert found.where.since == found.unknown.since
-    assert found.unknown.amplitude == pytest.approx(5.0 * SIGMA * np.sqrt((len(shift) - start) / len(shift)), rel=0.35)
-    assert found.rms_after < 1.15 * found.noise_floor
+    result = diagnose(arm, replace(recording, tip=recording.tip + shift))
+    assert result.verdict == "unknown"
+    assert result.unknown.depends_on[0] == "time"
+    assert recording.time[start - 2] < result.unknown.since <= recording.time[start + 1]
+    assert result.where.since == result.unknown.since
+    assert result.unknown.amplitude == pytest.approx(5.0 * SIGMA * np.sqrt((len(shift) - start) / len(shift)), rel=0.35)
+    assert result.rms_after < 1.15 * result.noise_floor
 
 
 @pytest.mark.slow
@@ -42,10 +42,10 @@ def test_a_long_recording_is_described_at_all_of_its_readings():
     arm, recording = null()
     field = 8.0 * SIGMA * np.sin(2.0 * recording.q[:, :1]) * np.cos(3.0 * recording.q[:, 1:2]) * np.array([[1.0, 0.4]])
     rules = replace(RULES, search=replace(RULES.search, longest=int(0.6 * recording.tip.size)))
-    found = diagnose(arm, replace(recording, tip=recording.tip + field), Options(rules=rules))
-    assert found.verdict == "unknown"
-    assert len(found.unknown.predicted) == len(found.residual_after)
-    assert len(compensated(found)) == len(found.residual_after)
+    result = diagnose(arm, replace(recording, tip=recording.tip + field), Options(rules=rules))
+    assert result.verdict == "unknown"
+    assert len(result.unknown.predicted) == len(result.residual_after)
+    assert len(compensated(result)) == len(result.residual_after)
 
 
 @pytest.mark.slow
@@ -55,11 +55,11 @@ def test_a_joint_that_slips():
     start = 2 * 19
     turned = recorded(replace(arm, joints=(arm.joints[0], replace(arm.joints[1], zero=3e-4), arm.joints[2])), **PLAN)
     tip = np.where(np.arange(recording.size)[:, None] >= start, turned.tip, recording.tip)
-    found = diagnose(arm, replace(recording, tip=tip))
-    assert found.verdict == "unknown"
-    assert "time" in found.unknown.depends_on
-    assert recording.time[start - 2] < found.unknown.since <= recording.time[start + 1]
-    assert found.where.joint == 2
+    result = diagnose(arm, replace(recording, tip=tip))
+    assert result.verdict == "unknown"
+    assert "time" in result.unknown.depends_on
+    assert recording.time[start - 2] < result.unknown.since <= recording.time[start + 1]
+    assert result.where.joint == 2
 
 
 @pytest.mark.slow
@@ -68,13 +68,13 @@ def test_a_spring_to_a_fixed_point():
     arm, recording = null()
     rng = np.random.default_rng(1)
     away = np.column_stack([recording.tip - [1.4, 0.9], np.zeros(recording.size)])
-    found = diagnose(arm, pushed(arm, recording, -60.0 * away, rng))
-    assert found.verdict == "unknown"
-    assert "position" in found.unknown.depends_on
-    assert "spring" in found.unknown.shape or "force" in found.unknown.shape or "pull" in found.unknown.shape
-    assert found.unknown.since is None
-    assert found.rms_after < 1.3 * found.noise_floor
-    assert found.unknown.rejected
+    result = diagnose(arm, pushed(arm, recording, -60.0 * away, rng))
+    assert result.verdict == "unknown"
+    assert "position" in result.unknown.depends_on
+    assert "spring" in result.unknown.shape or "force" in result.unknown.shape or "pull" in result.unknown.shape
+    assert result.unknown.since is None
+    assert result.rms_after < 1.3 * result.noise_floor
+    assert result.unknown.rejected
 
 
 def test_a_force_field():
@@ -84,10 +84,10 @@ def test_a_force_field():
     away = np.column_stack([recording.tip - [0.7, 0.5], np.zeros(recording.size)])
     strength = 80.0 * np.exp(-np.sum(away**2, axis=1) / 0.3**2)
     toward = -away / np.maximum(np.linalg.norm(away, axis=1), 0.02)[:, None]
-    found = diagnose(arm, pushed(arm, recording, strength[:, None] * toward, rng))
-    assert found.verdict == "unknown"
-    assert "time" not in found.unknown.depends_on
-    assert found.unknown.rejected
+    result = diagnose(arm, pushed(arm, recording, strength[:, None] * toward, rng))
+    assert result.verdict == "unknown"
+    assert "time" not in result.unknown.depends_on
+    assert result.unknown.rejected
 
 
 @pytest.mark.slow
@@ -96,11 +96,11 @@ def test_a_periodic_term():
     arm, recording = null()
     wave = np.zeros_like(recording.tip)
     wave[:, 1] = 5.0 * SIGMA * np.sin(2.0 * np.pi * recording.time / 137.0)
-    found = diagnose(arm, replace(recording, tip=recording.tip + wave))
-    assert found.verdict == "unknown"
-    assert found.unknown.depends_on[0] == "time"
-    assert "periodic" in found.unknown.shape
-    assert found.rms_after < 1.15 * found.noise_floor
+    result = diagnose(arm, replace(recording, tip=recording.tip + wave))
+    assert result.verdict == "unknown"
+    assert result.unknown.depends_on[0] == "time"
+    assert "periodic" in result.unknown.shape
+    assert result.rms_after < 1.15 * result.noise_floor
 
 
 @pytest.mark.slow
@@ -111,13 +111,13 @@ def test_forms_and_the_smooth_model_are_judged_on_held_out_rows():
     place = recording.tip[:, 0] - 0.5
     force = np.column_stack([np.zeros(recording.size), 60.0 * place**2, np.zeros(recording.size)])
     made = pushed(arm, recording, force, rng)
-    found = diagnose(arm, made)
-    assert found.verdict == "unknown"
-    assert found.unknown.forms[0].share_held_out > 0.9
-    assert 0.0 < found.unknown.held_out_share < 1.0
-    kept = np.isin(recording.row, found.recording.row)
+    result = diagnose(arm, made)
+    assert result.verdict == "unknown"
+    assert result.unknown.forms[0].share_held_out > 0.9
+    assert 0.0 < result.unknown.held_out_share < 1.0
+    kept = np.isin(recording.row, result.recording.row)
     truth = (made.tip - recording.tip)[kept]
-    missed = found.unknown.predicted - truth
+    missed = result.unknown.predicted - truth
     # 80 poses are few for a process over three joints and time; better than nothing it is (its own tests say more).
     assert np.sum(missed**2) < 0.8 * np.sum(truth**2)
 
@@ -129,7 +129,7 @@ def test_what_no_form_tells_half_of_is_nothing_simple():
     q, wave = recording.q, np.zeros_like(recording.tip)
     wave[:, 0] = 8.0 * SIGMA * np.sin(3.0 * q[:, 0] * q[:, 2])
     wave[:, 1] = 8.0 * SIGMA * np.cos(3.0 * q[:, 1] * (q[:, 0] + 1.0))
-    found = diagnose(arm, replace(recording, tip=recording.tip + wave))
-    assert found.verdict == "unknown"
-    assert max(form.share_held_out for form in found.unknown.forms) < 0.5
-    assert found.unknown.shape.startswith("nothing simple (nearest comes: ")
+    result = diagnose(arm, replace(recording, tip=recording.tip + wave))
+    assert result.verdict == "unknown"
+    assert max(form.share_held_out for form in result.unknown.forms) < 0.5
+    assert result.unknown.shape.startswith("nothing simple (nearest comes: ")

@@ -39,8 +39,8 @@ def fitted(
     both = variant(null, ("windup", "windup_per_load"))
     prepared = with_residual(null, null.columns[both] @ np.array(true) + noise_of(null, rng))
     member = variant(null, sizes)
-    found = fit(prepared, [member])
-    return refit(prepared, [member], (), found).parameters[0][0], float(found.errors[0][0])
+    result = fit(prepared, [member])
+    return refit(prepared, [member], (), result).parameters[0][0], float(result.errors[0][0])
 
 
 def test_the_true_size_is_in_the_interval_though_the_other_was_left_out(null: Prepared) -> None:
@@ -80,8 +80,8 @@ def test_sizes_that_were_fitted_together_stay_as_they_were(null: Prepared) -> No
     both = variant(null, ("windup", "windup_per_load"))
     moved = null.columns[both] @ np.array([20.0 * WINDUP, 20.0 * PER_LOAD])
     prepared = with_residual(null, moved + noise_of(null, np.random.default_rng(43)))
-    found = refit(prepared, [both], (), fit(prepared, [both]))
-    assert at_active_bounds(prepared, found.terms, 0, prepared.vector, 1.0) == {}
+    result = refit(prepared, [both], (), fit(prepared, [both]))
+    assert at_active_bounds(prepared, result.terms, 0, prepared.vector, 1.0) == {}
     offset = group_of(null, "encoder_offset", (1,))
     other = refit(prepared, [offset], (), fit(prepared, [offset]))
     assert at_active_bounds(prepared, other.terms, 0, prepared.vector, 1.0) == {}

@@ -31,26 +31,26 @@ def wound_up(folder: Path, payloads: tuple[float, float], per_load: float = PER_
     columns = table(stood, tip, payload_kg=payload, **{f"dir{k + 1}": sides[:, k] for k in range(3)})
     (folder / "recording.yaml").write_text(f"sigma: {1e6 * SIGMA:g} um\n", encoding="utf-8")
     arm = replace(arm_of_drives(), gravity=(0.0, -9.81, 0.0))
-    found = diagnose(arm, read_recording(written(folder / "recording.csv", columns), arm, folder / "recording.yaml"))
-    assert [(each.effect, each.at) for each in found.findings] == [("friction_windup", (3,))]
-    return found.findings[0]
+    result = diagnose(arm, read_recording(written(folder / "recording.csv", columns), arm, folder / "recording.yaml"))
+    assert [(finding.effect, finding.at) for finding in result.findings] == [("friction_windup", (3,))]
+    return result.findings[0]
 
 
 def constant(found: Finding) -> FittedParameter:
-    return next(each for each in found.parameters if each.parameter == "windup")
+    return next(parameter for parameter in found.parameters if parameter.parameter == "windup")
 
 
 @pytest.mark.slow
 def test_the_constant_of_a_windup_may_be_play_that_friction_holds(tmp_path: Path) -> None:
-    found = wound_up(tmp_path, (2.0, 5.0))
-    windup = constant(found)
+    result = wound_up(tmp_path, (2.0, 5.0))
+    windup = constant(result)
     assert windup.value == pytest.approx(WINDUP + HALF_PLAY, rel=0.1)
     assert windup.may_hold == "backlash"
     assert windup.interval[0] > WINDUP  # of both together it is known well
     assert windup.alone[0] <= WINDUP <= windup.alone[1]
     assert windup.alone[0] >= 0.0
     assert windup.alone[1] == windup.interval[1]
-    assert "part of it may be backlash of the drives" in found.reading
+    assert "part of it may be backlash of the drives" in result.reading
 
 
 @pytest.mark.slow
@@ -62,6 +62,6 @@ def test_play_under_loads_that_no_friction_holds_is_no_part_of_it(tmp_path: Path
 
 
 def test_a_windup_of_one_size_has_play_as_another_name(tmp_path: Path) -> None:
-    found = wound_up(tmp_path, (2.0, 5.0), per_load=0.0)
-    assert [each.effect for each in found.alternatives] == ["backlash"]
-    assert constant(found).may_hold == ""
+    result = wound_up(tmp_path, (2.0, 5.0), per_load=0.0)
+    assert [alternative.effect for alternative in result.alternatives] == ["backlash"]
+    assert constant(result).may_hold == ""

@@ -43,10 +43,10 @@ def recorded(seed: int, link: int, at: float) -> Recording:
 )
 def test_a_lump_is_told_by_its_first_moment(link: int, share: float) -> None:
     at = share * LENGTHS[link]
-    found = with_written(diagnose(ARM, recorded(3, link, at)), load_catalogue(user=False))
-    (finding,) = found.findings
+    result = with_written(diagnose(ARM, recorded(3, link, at)), load_catalogue(user=False))
+    (finding,) = result.findings
     assert (finding.effect, finding.at) == ("link_mass", (link + 1,))
-    sizes = {each.parameter: each for each in finding.parameters}
+    sizes = {parameter.parameter: parameter for parameter in finding.parameters}
     # Nothing carries joint 1: of a lump on link 1 no drive tells the mass by itself.
     assert set(sizes) == ({"first_moment"} if link == 0 else {"first_moment", "mass"})
     assert sizes["first_moment"].kind == "first_moment"
@@ -56,12 +56,12 @@ def test_a_lump_is_told_by_its_first_moment(link: int, share: float) -> None:
             assert low < truth < high
             assert high - low < 0.1 * MASS * (LENGTHS[link] if name == "first_moment" else 2.0)
     assert "first_moment" in finding.reading
-    (entry,) = found.corrected.effects
+    (entry,) = result.corrected.effects
     assert entry.parameters["first_moment"] == pytest.approx(sizes["first_moment"].value)
     assert ("mass" in entry.parameters) == (link > 0)
-    assert found.written is not None
-    assert found.written.keeps(0.02)
-    assert predict(found.corrected, recorded(4, link, at)).rms < 1.15 * math.sqrt(2.0) * SIGMA
+    assert result.written is not None
+    assert result.written.keeps(0.02)
+    assert predict(result.corrected, recorded(4, link, at)).rms < 1.15 * math.sqrt(2.0) * SIGMA
 
 
 def test_where_only_the_link_itself_bends_a_mass_spread_along_it_is_told(tmp_path: Path) -> None:
@@ -82,8 +82,8 @@ def test_where_only_the_link_itself_bends_a_mass_spread_along_it_is_told(tmp_pat
     turned = weight * along * length**2 / 6.0 + payload * along * length**2 / 2.0 + moment * length
     carried = q - 9.81 / stiffness * np.column_stack([np.zeros(len(q)), turned, np.zeros(len(q))])
     moved = planar_tip(carried) - planar_tip(q) - 9.81 / stiffness * sunk[:, None] * across
-    found = diagnose(read_arm(file), read(q, moved, rng, payload_mass=payload))
-    (finding,) = found.findings
+    result = diagnose(read_arm(file), read(q, moved, rng, payload_mass=payload))
+    (finding,) = result.findings
     assert (finding.effect, finding.at) == ("link_mass", (1,))
     (mass,) = finding.parameters
     assert mass.parameter == "mass"

@@ -165,7 +165,7 @@ def test_no_link_weighs_nothing(null):
     assert bounds(link, "mass", null)[0] == pytest.approx(-0.9 * own)
     bending = null.pool.groups[group_of(null, "link_bending", (1,))].candidate
     beam = null.observed.state.links[1].beam
-    softest = min(each for each in (beam.flexural_rigidity_height, beam.flexural_rigidity_width) if each is not None)
+    softest = min(item for item in (beam.flexural_rigidity_height, beam.flexural_rigidity_width) if item is not None)
     assert bounds(bending, "flexibility", null)[0] == pytest.approx(-1.0 / softest)  # a link may be rigid
     tip = null.pool.groups[group_of(null, "payload", ())].candidate
     last = float(null.observed.state.links[2].beam.mass)

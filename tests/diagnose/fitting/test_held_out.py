@@ -66,16 +66,16 @@ def test_without_columns_nothing_is_fitted(null):
 
 def test_folds_keep_together_what_belongs_together(null):
     """All readings of a pose are in one fold of `pose blocks`, of a payload in one of `payloads`."""
-    found = splits(null.observed, 1)
+    result = splits(null.observed, 1)
     pose = poses(null.observed)
     assert pose.max() + 1 == 12
     for number in range(12):
-        assert len(np.unique(found["pose blocks"][pose == number])) == 1
-    assert len(np.unique(found["pose blocks"])) == 5
-    assert (found["payloads"] == (null.observed.recording.payload_mass > 1.0)).all()
-    assert (np.diff(found["time blocks"]) >= 0).all()
+        assert len(np.unique(result["pose blocks"][pose == number])) == 1
+    assert len(np.unique(result["pose blocks"])) == 5
+    assert (result["payloads"] == (null.observed.recording.payload_mass > 1.0)).all()
+    assert (np.diff(result["time blocks"]) >= 0).all()
     for name in ("random rows", "time blocks"):
-        assert np.bincount(found[name]).tolist() == pytest.approx([len(pose) / 5] * 5, abs=1)
+        assert np.bincount(result[name]).tolist() == pytest.approx([len(pose) / 5] * 5, abs=1)
 
 
 def test_held_out_rms_of_noise_is_a_little_above_it(null):

@@ -48,9 +48,9 @@ def test_intervals_cover():
     inside = np.zeros(2)
     for _ in range(CASES):
         residual = noise_of(null, rng) + sum(null.columns[m][:, :, 0] * x for m, x in zip(members, truth, strict=True))
-        found = refitted(with_residual(null, residual), members)
+        result = refitted(with_residual(null, residual), members)
         for k in range(2):
-            low, high = found.parameters[k][0].interval
+            low, high = result.parameters[k][0].interval
             inside[k] += low <= truth[k] <= high
     assert within(inside[0])
     assert within(inside[1])
@@ -67,9 +67,9 @@ def test_intervals_cover_beside_a_lag():
     rng = np.random.default_rng(12)
     trials, inside = 40, np.zeros(2)
     for _ in range(trials):
-        found = refitted(with_residual(null, signal + noise_of(null, rng)), [member])
+        result = refitted(with_residual(null, signal + noise_of(null, rng)), [member])
         for k, (name, truth) in enumerate((("expansion", 15e-6), ("lag", 2400.0))):
-            low, high = parameter(found, name).interval
+            low, high = parameter(result, name).interval
             inside[k] += low <= truth <= high
     assert within(inside[0], trials=trials)
     assert within(inside[1], trials=trials)
@@ -80,12 +80,12 @@ def test_a_lag_between_the_grid_is_found():
     entry = ("thermal_expansion", (1, 2, 3), {"expansion": 23e-6, "lag": 2250.0})
     prepared = of(arm, entry, hours=6.0, poses=24, temperature=(293.15, 318.15), noise=2e-6)
     member = group_of(prepared, "thermal_expansion", (0, 1, 2), lag=1800.0)
-    found = refitted(prepared, [member])
-    lag, expansion = parameter(found, "lag"), parameter(found, "expansion")
+    result = refitted(prepared, [member])
+    lag, expansion = parameter(result, "lag"), parameter(result, "expansion")
     assert lag.value == pytest.approx(2250.0, rel=0.03)
     assert lag.interval[0] < 2250.0 < lag.interval[1]
     assert expansion.value == pytest.approx(23e-6, rel=0.02)
-    assert found.rss < 0.9 * fit(prepared, [member]).rss
+    assert result.rss < 0.9 * fit(prepared, [member]).rss
 
 
 def test_a_soft_material_is_not_a_small_excess():
@@ -95,9 +95,9 @@ def test_a_soft_material_is_not_a_small_excess():
     member = group_of(prepared, "link_modulus", (0, 1, 2))
     linear = float(fit(prepared, [member]).sizes[0][0])
     assert linear == pytest.approx(-(1.0 / 0.7 - 1.0), rel=0.02)
-    found = parameter(refitted(prepared, [member]), "excess")
-    assert found.value == pytest.approx(-0.3, abs=0.005)
-    assert found.interval[0] <= -0.3 <= found.interval[1]
+    result = parameter(refitted(prepared, [member]), "excess")
+    assert result.value == pytest.approx(-0.3, abs=0.005)
+    assert result.interval[0] <= -0.3 <= result.interval[1]
 
 
 def hardening_refitted(prepared):
@@ -120,9 +120,9 @@ def test_a_knee_of_a_hardening_drive_is_found():
     )
     first = hardening_refitted(prepare(observe(arm, recording), Options()))
     near = EffectEntry("joint_hardening", (2,), {name: parameter(first, name).value for name in values})
-    found = hardening_refitted(prepare(observe(arm, recording, about=(near,)), Options()))
+    result = hardening_refitted(prepare(observe(arm, recording, about=(near,)), Options()))
     for name, truth in values.items():
-        got = parameter(found, name)
+        got = parameter(result, name)
         assert got.value == pytest.approx(truth, rel=0.1)
         assert got.interval[0] <= truth <= got.interval[1]
 
@@ -133,10 +133,10 @@ def test_no_drive_turns_against_its_load():
     arm = replace(arm, joints=tuple(replace(joint, stiffness=None) for joint in arm.joints))
     values = {"compliance": 2e-5, "remaining": -3e-6, "knee": 17.0}
     recording = recorded(with_effects(arm, ("joint_hardening", (2,), values)), payloads=(0.0, 10.0), noise=1e-6)
-    found = hardening_refitted(prepare(observe(arm, recording), Options()))
-    assert {each.parameter for each in found.parameters[0]} == {"compliance", "knee", "sharp"}
-    assert 0.0 < parameter(found, "compliance").value < 2e-5
-    assert impossible_term(prepare(observe(arm, recording), Options()), found) is None
+    result = hardening_refitted(prepare(observe(arm, recording), Options()))
+    assert {item.parameter for item in result.parameters[0]} == {"compliance", "knee", "sharp"}
+    assert 0.0 < parameter(result, "compliance").value < 2e-5
+    assert impossible_term(prepare(observe(arm, recording), Options()), result) is None
 
 
 @pytest.mark.slow
@@ -148,9 +148,9 @@ def test_no_windup_pushes_on():
         prepared = of(made_arm(), ("friction_windup", (2,), values), noise=2e-5, seed=seed)
         member = group_of(prepared, "friction_windup", (1,))
         below += fit(prepared, [member]).sizes[0][0] < 0.0
-        found = refitted(prepared, [member])
-        assert all(each.value >= 0.0 for each in found.parameters[0])
-        assert parameter(found, "windup_per_load").value == pytest.approx(1e-5, rel=0.3)
+        result = refitted(prepared, [member])
+        assert all(item.value >= 0.0 for item in result.parameters[0])
+        assert parameter(result, "windup_per_load").value == pytest.approx(1e-5, rel=0.3)
     assert 0 < below < 6
 
 
@@ -166,10 +166,10 @@ def test_a_time_constant_ends_where_the_effect_does():
     growing = columns[:, :, 0] * np.divide(time / 7e5, share, out=np.zeros_like(time), where=share > 0.0)[:, None]
     pool = make_pool(observed.whitened(prepared.beside), [(candidate, observed.whitened(columns), None)])
     alone = with_residual(replace(prepared, pool=pool, columns=(columns,)), 1e-3 * growing)
-    found = refitted(alone, [0])
-    bounds = next(each for each in EFFECTS["creep"].parameters if each.name == "time_constant")
-    assert bounds.lower < parameter(found, "time_constant").value <= bounds.upper
-    assert parameter(found, "time_constant").value > 0.9 * bounds.upper
+    result = refitted(alone, [0])
+    bounds = next(item for item in EFFECTS["creep"].parameters if item.name == "time_constant")
+    assert bounds.lower < parameter(result, "time_constant").value <= bounds.upper
+    assert parameter(result, "time_constant").value > 0.9 * bounds.upper
 
 
 def test_a_shape_that_the_data_do_not_bound_says_so():
@@ -190,13 +190,13 @@ def test_beside_a_size_at_its_bound_the_others_are_fitted_anew():
     error = float(fit(with_residual(null, noise_of(null, np.random.default_rng(4))), members).errors[0][0])
     residual = noise_of(null, np.random.default_rng(4)) + one * (rigid - 1.5 * error) + other * 4e-6
     trial = with_residual(null, residual)
-    free, found = fit(trial, members), refitted(trial, members)
+    free, result = fit(trial, members), refitted(trial, members)
     assert float(free.sizes[0][0]) < rigid
-    assert parameter(found, "compliance").value == pytest.approx(rigid)
-    assert parameter(found, "compliance").at_bound
+    assert parameter(result, "compliance").value == pytest.approx(rigid)
+    assert parameter(result, "compliance").at_bound
     white = null.observed.whitened
     design = np.concatenate([white(null.beside), white(null.columns[members[1]])], axis=1)
     wanted = np.linalg.lstsq(design, white(residual - rigid * one), rcond=None)[0][-1]
     apart = abs(float(free.sizes[1][0]) - wanted)
     assert apart > 0.2 * float(free.errors[1][0])
-    assert parameter(found, "compliance", 1).value == pytest.approx(wanted, abs=0.1 * apart)
+    assert parameter(result, "compliance", 1).value == pytest.approx(wanted, abs=0.1 * apart)

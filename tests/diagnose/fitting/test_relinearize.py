@@ -52,7 +52,7 @@ def prepared(count: int, causes: tuple[tuple[str, tuple[int, ...], str], ...], s
 def off(found, causes):
     """How far each size is from what was planted, as a share of it, and its interval."""
     names = [(term.candidate.effect, term.candidate.at) for term in found.terms]
-    told = dict(zip(names, (each[0] for each in found.parameters), strict=True))
+    told = dict(zip(names, (parameter[0] for parameter in found.parameters), strict=True))
     return {cause: (told[cause[:2]].value / SIZES[cause] - 1.0, told[cause[:2]].interval) for cause in causes}
 
 
@@ -60,8 +60,8 @@ def off(found, causes):
 def test_readings_without_noise_give_the_sizes_themselves(causes):
     """Whatever turns what the loads bend, and whatever loads bend what gives more than the file says."""
     ready, members = prepared(60, causes, 1, 0.0), range(len(causes))
-    found = relinearized(ready, members, ())
-    for share, _ in off(found.refit, causes).values():
+    result = relinearized(ready, members, ())
+    for share, _ in off(result.refit, causes).values():
         assert abs(share) < 1e-5
     first = refit(ready, members, (), fit(ready, members))
     assert max(abs(share) for share, _ in off(first, causes).values()) > 1e-3
@@ -72,8 +72,8 @@ def test_intervals_hold_what_was_planted_however_many_readings(count):
     causes, held = (ZERO, SOFT), 0
     for seed in range(5):
         ready = prepared(count, causes, seed, SIGMA)
-        found = off(relinearized(ready, range(2), ()).refit, causes)
-        held += sum(low < SIZES[cause] < high for cause, (_, (low, high)) in found.items())
+        result = off(relinearized(ready, range(2), ()).refit, causes)
+        held += sum(low < SIZES[cause] < high for cause, (_, (low, high)) in result.items())
     # Of ten intervals of 95 %; fewer than eight would be one chance in ninety.
     assert held >= 8
 
@@ -99,7 +99,7 @@ def test_a_link_that_would_give_less_than_nothing_ends_at_finite_sizes():
     assert columns is not None
     observed = replace(observed, residual=1.2 * columns[:, :, 0])
     ready = set_up(observed, packed_up([(stiffer, columns)]))
-    found = refit(ready, (0,), (), fit(ready, (0,)))
-    assert np.isfinite(found.terms[0].sizes).all()
-    assert found.terms[0].sizes[0] > 1.0
-    assert 0.0 < found.rss < np.inf
+    result = refit(ready, (0,), (), fit(ready, (0,)))
+    assert np.isfinite(result.terms[0].sizes).all()
+    assert result.terms[0].sizes[0] > 1.0
+    assert 0.0 < result.rss < np.inf

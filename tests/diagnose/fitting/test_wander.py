@@ -52,9 +52,9 @@ def test_a_walk_is_found_as_fast_as_it_is_and_none_in_white_noise():
     rng = np.random.default_rng(2)
     white = rng.standard_normal((20, 300, 2))
     time = 5.0 * np.arange(300)
-    assert [found_in(each, time) for each in white] == [0.0] * 20
+    assert [found_in(item, time) for item in white] == [0.0] * 20
     walked = white + np.cumsum(0.2 * rng.standard_normal(white.shape), axis=1)
-    rates = np.array([found_in(each, time) for each in walked])
+    rates = np.array([found_in(item, time) for item in walked])
     assert np.sqrt(5.0 * np.median(rates)) == pytest.approx(0.2, rel=0.35)  # the grid's step
 
 
@@ -68,9 +68,9 @@ def test_what_nuisances_take_up_is_neither_a_walk_nor_hides_one():
         beside[which == one, :, 2 * one : 2 * one + 2] = np.eye(2)
     away = beside @ np.array([100.0, -40.0, 30.0, 250.0])
     white = rng.standard_normal((20, 300, 2))
-    assert [found_in(each + away, time, which, beside) for each in white] == [0.0] * 20
+    assert [found_in(item + away, time, which, beside) for item in white] == [0.0] * 20
     walked = white + walks(growth(time, 0.008, which), rng.standard_normal((300, 20, 2))).transpose(1, 0, 2)
-    rates = np.array([found_in(each + away, time, which, beside) for each in walked])
+    rates = np.array([found_in(item + away, time, which, beside) for item in walked])
     assert np.sqrt(5.0 * np.median(rates)) == pytest.approx(0.2, rel=0.35)
 
 
@@ -88,9 +88,9 @@ def walk(time, rng):
 @pytest.mark.parametrize("seed", range(4))
 def test_a_tracker_that_wanders_is_no_physics(seed):
     """0.15 of the noise a reading: 0.03 mm at the end, which had physics named at p = 1e-14."""
-    found = diagnose(file(), read(seed, walk))
-    assert found.verdict == "none"
-    assert any(note.startswith("The instrument may wander") for note in found.notes)
+    result = diagnose(file(), read(seed, walk))
+    assert result.verdict == "none"
+    assert any(note.startswith("The instrument may wander") for note in result.notes)
 
 
 def back(seed, moved):
@@ -130,18 +130,18 @@ def test_a_tracker_that_was_mounted_anew_wanders_on():
     """Two recordings with frames of their own: each walk was taken for physics, as only that of one was looked for."""
     for seed in (0, 2, 4):
         parts = [replace(read(k, walk), frame="free") for k in (seed, seed + 1)]
-        found = diagnose(file(), together(parts, file()))
-        assert found.verdict == "none"
-        assert any(note.startswith("The instrument may wander") for note in found.notes)
+        result = diagnose(file(), together(parts, file()))
+        assert result.verdict == "none"
+        assert any(note.startswith("The instrument may wander") for note in result.notes)
 
 
 @pytest.mark.slow
 def test_a_drive_is_found_beside_a_tracker_that_wanders():
-    found = diagnose(file(), read(1, walk, softer=4e-6))
-    assert [(each.effect, each.at) for each in found.findings] == [("joint_compliance", (2,))]
-    size = found.findings[0].parameters[0]
+    result = diagnose(file(), read(1, walk, softer=4e-6))
+    assert [(finding.effect, finding.at) for finding in result.findings] == [("joint_compliance", (2,))]
+    size = result.findings[0].parameters[0]
     assert size.interval[0] < 4e-6 < size.interval[1]
-    assert found.unknown is None
+    assert result.unknown is None
 
 
 def _warming(seed, warm, moved):
@@ -153,18 +153,18 @@ def _warming(seed, warm, moved):
 def test_a_walk_is_not_what_a_hall_that_warms_evenly_does():
     """Whatever goes with a smooth temperature goes with time: a walk was `something that follows the temperature`."""
     warm = 6.0 * (1.0 - np.exp(-np.arange(100) / 50.0))
-    found = _warming(3, warm, lambda rng: np.cumsum(0.35 * SIGMA * rng.standard_normal((100, 2)), axis=0))
-    assert found.verdict == "none"
-    assert any(note.startswith("The instrument may wander") for note in found.notes)
+    result = _warming(3, warm, lambda rng: np.cumsum(0.35 * SIGMA * rng.standard_normal((100, 2)), axis=0))
+    assert result.verdict == "none"
+    assert any(note.startswith("The instrument may wander") for note in result.notes)
 
 
 @pytest.mark.parametrize("seed", slow_but([3, 4], 3))
 def test_what_does_follow_the_temperature_is_no_walk(seed):
     warm = 6.0 * np.sin(np.linspace(0.0, 2.0 * np.pi, 100))
-    found = _warming(seed, warm, lambda _: SIGMA * np.outer(warm, [1.0, -0.5]))
-    assert found.unknown is not None
-    assert found.unknown.depends_on == ("temperature_degC", "time")
-    assert found.unknown.shape == "something that follows the temperature"
+    result = _warming(seed, warm, lambda _: SIGMA * np.outer(warm, [1.0, -0.5]))
+    assert result.unknown is not None
+    assert result.unknown.depends_on == ("temperature_degC", "time")
+    assert result.unknown.shape == "something that follows the temperature"
 
 
 @pytest.mark.slow
@@ -172,7 +172,7 @@ def test_what_else_goes_with_time_is_no_walk():
     """A frame that drifts evenly, and something that slipped."""
     along = np.array([1.0, 0.5])
     drift = diagnose(file(), read(5, lambda time, _: 5e-8 * time[:, None] * along))
-    assert [each.effect for each in drift.findings] == ["frame_drift"]
+    assert [finding.effect for finding in drift.findings] == ["frame_drift"]
     slipped = diagnose(file(), read(6, lambda time, _: 6e-5 * (time > 500.0)[:, None] * along))
     assert slipped.verdict == "unknown"
     assert slipped.unknown.since == pytest.approx(504.0, abs=16.0)
@@ -196,28 +196,28 @@ def test_physics_along_a_raster_is_no_wander(rounds):
     """Poses and time go together in one round; in four, what the arm does comes back with the pose."""
     q = _raster(rounds)
     bends = recording(q, tips(q, gives=GIVES + np.array([0.0, 6e-6, 0.0])) + noise(7, len(q)))
-    found = diagnose(file(), bends)
-    assert [(each.effect, each.at) for each in found.findings] == [("joint_compliance", (2,))]
-    assert not any(note.startswith("The instrument may wander") for note in found.notes)
+    result = diagnose(file(), bends)
+    assert [(finding.effect, finding.at) for finding in result.findings] == [("joint_compliance", (2,))]
+    assert not any(note.startswith("The instrument may wander") for note in result.notes)
 
 
 def test_a_wander_shows_where_poses_are_come_back_to():
     """Along a raster each pose is near the one before; four rounds of it tell what stays from what wanders."""
     read_again = _gone_along(_raster(4), lambda time, rng: 3.0 * walk(time, rng))
-    found = diagnose(file(), read_again)
-    assert found.findings == ()
-    assert any(note.startswith("The instrument wanders, as what was read again") for note in found.notes)
+    result = diagnose(file(), read_again)
+    assert result.findings == ()
+    assert any(note.startswith("The instrument wanders, as what was read again") for note in result.notes)
 
 
 def test_along_one_round_no_p_value_is_given_beside_a_wander():
     """0.3 of the noise a reading: nothing tells it from the arm there, which was named at p = 1e-14."""
     q = np.repeat(_raster(1), 3, axis=0)
     walked = np.cumsum(0.3 * SIGMA * np.random.default_rng(1).standard_normal((len(q), 2)), axis=0)
-    found = diagnose(file(), recording(q, tips(q) + noise(1, len(q)) + walked))
-    assert any(note.startswith("What is left goes with time as well as") for note in found.notes)
-    assert found.findings
-    assert all(math.isnan(each.p_value) for each in found.findings)
-    assert any("none is given" in note for note in found.notes)
+    result = diagnose(file(), recording(q, tips(q) + noise(1, len(q)) + walked))
+    assert any(note.startswith("What is left goes with time as well as") for note in result.notes)
+    assert result.findings
+    assert all(math.isnan(finding.p_value) for finding in result.findings)
+    assert any("none is given" in note for note in result.notes)
 
 
 def test_neighbours_that_remember_count_as_fewer():

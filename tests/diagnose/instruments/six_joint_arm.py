@@ -38,10 +38,10 @@ class Hand:
 def transform(seed: int, reach: float = 1.5) -> Array:
     """A rigid motion, turned anyhow."""
     rng = np.random.default_rng(seed)
-    found = np.eye(4)
-    found[:3, :3] = Rotation.random(rng=rng).as_matrix()
-    found[:3, 3] = rng.uniform(-reach, reach, 3)
-    return found
+    result = np.eye(4)
+    result[:3, :3] = Rotation.random(rng=rng).as_matrix()
+    result[:3, 3] = rng.uniform(-reach, reach, 3)
+    return result
 
 
 def flange(q: Array) -> Array:

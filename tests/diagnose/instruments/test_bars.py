@@ -65,7 +65,7 @@ def test_bars_find_a_zero_and_not_that_of_joint_1():
     assert low < OFF < high
     assert result.noise_floor == pytest.approx(np.sqrt(2) * SIGMA, rel=0.25)
     assert result.rms_after == pytest.approx(np.sqrt(2) * SIGMA, rel=0.2)
-    (first,) = [each for each in result.detectable if (each.effect, each.at) == ("encoder_offset", (1,))]
+    (first,) = [item for item in result.detectable if (item.effect, item.at) == ("encoder_offset", (1,))]
     assert first.visible < 1e-3
     assert any("3 of the 3 ways" in note for note in result.notes)
 

@@ -100,12 +100,12 @@ def test_a_camera_on_the_tool_names_a_zero_and_a_soft_drive():
     q, payload = session(30, 3)
     result = diagnose(six_joint_arm(), seen_by_camera(q, payload, hand, on_tool=True, noise=NOISE))
 
-    found = {finding.effect: finding for finding in result.findings}
-    assert {(name, each.at) for name, each in found.items()} == {("encoder_offset", (3,)), ("joint_compliance", (2,))}
-    low, high = found["encoder_offset"].parameters[0].interval
+    results = {finding.effect: finding for finding in result.findings}
+    assert {(name, item.at) for name, item in results.items()} == {("encoder_offset", (3,)), ("joint_compliance", (2,))}
+    low, high = results["encoder_offset"].parameters[0].interval
     assert low < 8e-4 < high
     assert high - low < 2.5e-4  # with room for causes too small to be named beside two findings
-    low, high = found["joint_compliance"].parameters[0].interval
+    low, high = results["joint_compliance"].parameters[0].interval
     assert low < 2e-5 < high
     assert {("encoder_offset", (1,)), ("encoder_offset", (6,))} <= set(result.invisible)
     assert "It does not show 6 of the 6 ways" in " ".join(result.notes)
@@ -127,11 +127,11 @@ def test_a_focal_length_that_is_off_is_said_and_blamed_on_no_joint():
     arm = six_joint_arm()
     prepared = prepare(observe(arm, recording), Options())
     said = of_camera(prepared, [], noise_floor(recording, arm))
-    (depths,) = [each for each in said if "too short" in each]
+    (depths,) = [item for item in said if "too short" in item]
     low, high = (float(part) for part in depths.split("(")[1].split(" %")[0].split(" to "))
     assert low < 0.4 < high
     assert high - low < 0.05
-    assert any("sigma_angle): chance does not explain" in each for each in said)
+    assert any("sigma_angle): chance does not explain" in item for item in said)
     # Turns count for no better than declared.
     assert prepared.observed.scale[prepared.observed.turn_columns] == pytest.approx(3e-4)
     assert np.linalg.norm(prepared.vector) < 1.3 * np.sqrt(len(prepared.vector))
@@ -232,5 +232,5 @@ def test_without_orientations_it_is_said(files):
     (folder / "seen.csv").write_text(short, encoding="utf-8")
     read = read_recording(folder / "seen.csv", arm)
     assert read.seat == "unused"
-    assert any("There are no orientations" in each for each in read.warnings)
+    assert any("There are no orientations" in warning for warning in read.warnings)
     assert np.abs(observe(arm, read).residual).max() < 1e-3

@@ -135,4 +135,4 @@ def test_a_ballbar_at_three_sockets_and_a_height_gauge_are_one_recording():
     low, high = _offset(result, 2)
     assert low < OFF < high
     assert len(result.recordings) == 4
-    assert all(each.rms_after == pytest.approx(SIGMA, rel=0.35) for each in result.recordings)
+    assert all(recording.rms_after == pytest.approx(SIGMA, rel=0.35) for recording in result.recordings)

@@ -79,46 +79,48 @@ def test_loads_are_those_of_a_straight_arm() -> None:
 )
 def test_the_written_file_has_the_weights_that_the_torques_show(masses: Array, centres: Array) -> None:
     recording = recorded(1, masses, centres)
-    found = with_written(diagnose(file_arm(), recording), load_catalogue(user=False))
+    result = with_written(diagnose(file_arm(), recording), load_catalogue(user=False))
 
-    (finding,) = found.findings
+    (finding,) = result.findings
     assert (finding.effect, finding.at) == ("joint_compliance", (2,))
     low, high = finding.parameters[0].interval
     assert low < COMPLIANCE < high
-    assert found.written is not None
-    assert found.written.keeps(0.02)
-    assert found.written.lacks == ()
-    assert any("has the weights that the torques show" in note for note in found.notes)
+    assert result.written is not None
+    assert result.written.keeps(0.02)
+    assert result.written.lacks == ()
+    assert any("has the weights that the torques show" in note for note in result.notes)
     # A file that makes the right loads foretells other poses and payloads without their torques.
     other = replace(recorded(2, masses, centres), torque=None)
-    assert predict(found.corrected, other).rms < 1.15 * math.sqrt(2.0) * NOISE
+    assert predict(result.corrected, other).rms < 1.15 * math.sqrt(2.0) * NOISE
     if centres is CENTRES:
-        written = np.array([link.mass for link in found.corrected.links])
+        written = np.array([link.mass for link in result.corrected.links])
         assert written == pytest.approx(masses, rel=0.02)
-        assert [link.center_of_mass for link in found.corrected.links] == pytest.approx(CENTRES)
+        assert [link.center_of_mass for link in result.corrected.links] == pytest.approx(CENTRES)
 
 
 def test_what_no_weights_of_links_make_is_told_and_left_where_the_file_makes_most_of_it() -> None:
     """The payload is half as heavy again as the recording says: no arm file holds that. The links' own weights make
     most of the load, so the file with the give in it is nearer to the recording than without."""
     arm = file_arm()
-    found = with_written(diagnose(arm, recorded(1, MASSES, heavier=0.5)), load_catalogue(user=False))
+    result = with_written(diagnose(arm, recorded(1, MASSES, heavier=0.5)), load_catalogue(user=False))
 
-    assert any("How drive" in note and "is judged by the measured torque" in note for note in found.notes)
-    assert any("The corrected arm has drive" in note and "off what was measured" in note for note in found.notes)
-    assert found.corrected.links == arm.links
-    assert found.written is not None
-    assert not found.written.keeps(0.02)
-    (gives,) = (entry for entry in found.corrected.effects if entry.effect == "joint_compliance")
-    without = replace(found.corrected, effects=tuple(each for each in found.corrected.effects if each is not gives))
-    assert found.written.rms < 0.5 * predict(without, found.recording).rms
+    assert any("How drive" in note and "is judged by the measured torque" in note for note in result.notes)
+    assert any("The corrected arm has drive" in note and "off what was measured" in note for note in result.notes)
+    assert result.corrected.links == arm.links
+    assert result.written is not None
+    assert not result.written.keeps(0.02)
+    (gives,) = (entry for entry in result.corrected.effects if entry.effect == "joint_compliance")
+    without = replace(
+        result.corrected, effects=tuple(effect for effect in result.corrected.effects if effect is not gives)
+    )
+    assert result.written.rms < 0.5 * predict(without, result.recording).rms
 
 
 def test_what_the_file_loads_the_other_way_is_not_written() -> None:
     """Something hangs on the tip that pulls up by more than the links weigh; the file has them pull down."""
-    found = with_written(diagnose(file_arm(), recorded(1, MASSES, heavier=-12.0)), load_catalogue(user=False))
+    result = with_written(diagnose(file_arm(), recorded(1, MASSES, heavier=-12.0)), load_catalogue(user=False))
 
-    assert any("The corrected arm lacks how drive" in note for note in found.notes)
-    assert not any(entry.effect == "joint_compliance" for entry in found.corrected.effects)
-    assert found.written is not None
-    assert any("compliance of the drives at joint 2" in each for each in found.written.lacks)
+    assert any("The corrected arm lacks how drive" in note for note in result.notes)
+    assert not any(entry.effect == "joint_compliance" for entry in result.corrected.effects)
+    assert result.written is not None
+    assert any("compliance of the drives at joint 2" in item for item in result.written.lacks)

@@ -31,16 +31,16 @@ def weights(q, payload, masses, beyond=0.0):
     middles = 0.5 * (places + ends)
     last = tip - places[:, -1]
     held = tip + beyond * last / np.linalg.norm(last, axis=1)[:, None]
-    found = np.zeros(q.shape)
+    result = np.zeros(q.shape)
     for joint in range(5):
         for link in range(joint, 5):
             arm = middles[:, link] - places[:, joint]
             pull = [0.0, 0.0, -GRAVITY * masses[link]]
-            found[:, joint] += np.sum(np.cross(arm, pull) * axes[:, joint], axis=1)
+            result[:, joint] += np.sum(np.cross(arm, pull) * axes[:, joint], axis=1)
         arm = held - places[:, joint]
         pulls = np.outer(payload, [0.0, 0.0, -GRAVITY])
-        found[:, joint] += np.sum(np.cross(arm, pulls) * axes[:, joint], axis=1)
-    return found
+        result[:, joint] += np.sum(np.cross(arm, pulls) * axes[:, joint], axis=1)
+    return result
 
 
 def recorded(masses=MASSES, scale=1.0, sign=1.0, seed=11, compliance=COMPLIANCE, beyond=0.0):
@@ -71,7 +71,7 @@ def test_torques_bear_the_weights_out_and_tell_friction():
     assert says(result, "Torques bear out what the links weigh")
     (friction,) = [note for note in result.notes if "Friction by the torques" in note]
     for drive, value in zip((2, 3), (5.0, 2.0), strict=True):
-        (part,) = [each for each in friction.split(", ") if f"at drive {drive}" in each]
+        (part,) = [item for item in friction.split(", ") if f"at drive {drive}" in item]
         assert float(part.split("N")[0].split()[-1].rstrip(" ")) == pytest.approx(value, abs=0.15)
 
 
@@ -82,7 +82,7 @@ def test_a_link_that_is_heavier_than_the_file_says_is_told_and_its_drive_judged_
 
     assert says(result, "By the torque of drive 2 the links beyond it weigh on it")
     assert says(result, "How drive 2 gives is judged by the measured torque")
-    (finding,) = [each for each in result.findings if (each.effect, each.at) == ("joint_compliance", (2,))]
+    (finding,) = [item for item in result.findings if (item.effect, item.at) == ("joint_compliance", (2,))]
     low, high = finding.parameters[0].interval
     assert low < COMPLIANCE < high
     assert high - low < 0.1 * COMPLIANCE

@@ -34,7 +34,7 @@ COMPLIANCE, SIGMA, TORQUE_NOISE = 2e-5, 10e-6, 0.03
 def spatial_arm() -> Arm:
     """What the file says: no link was weighed."""
     joints = tuple(Joint(range=(-1.5, 1.5), axis=axis) for axis in AXES)
-    return Arm("not weighed", joints, tuple(Link(each) for each in LENGTHS), gravity=(0.0, 0.0, -9.81))
+    return Arm("not weighed", joints, tuple(Link(item) for item in LENGTHS), gravity=(0.0, 0.0, -9.81))
 
 
 def recorded(seed: int, centres: tuple[tuple[float, float, float], ...], payloads: tuple[float, ...]) -> Recording:
@@ -74,34 +74,34 @@ def recorded(seed: int, centres: tuple[tuple[float, float, float], ...], payload
     ("centres", "payloads"), [(ON_LINE, (0.0, 3.0)), pytest.param(BESIDE, (0.0,), marks=pytest.mark.slow)]
 )
 def test_what_nobody_has_weighed_is_fitted_to_the_torques_and_written(centres, payloads):
-    found = with_written(diagnose(spatial_arm(), recorded(1, centres, payloads)), load_catalogue(user=False))
+    result = with_written(diagnose(spatial_arm(), recorded(1, centres, payloads)), load_catalogue(user=False))
 
-    (finding,) = found.findings
+    (finding,) = result.findings
     assert (finding.effect, finding.at) == ("joint_compliance", (2,))
     # The compliance by itself, and no product with a weight, though no payload was known that would tell it.
     (compliance,) = finding.parameters
     low, high = compliance.interval
     assert low < COMPLIANCE < high
     assert high - low < 0.05 * COMPLIANCE
-    assert found.written is not None
-    assert found.written.keeps(0.02)
+    assert result.written is not None
+    assert result.written.keeps(0.02)
     # Under a payload that was never recorded, without torques.
     other = replace(recorded(2, centres, (0.0, 5.0)), torque=None)
-    assert predict(found.corrected, other).rms < 1.15 * math.sqrt(3.0) * SIGMA
+    assert predict(result.corrected, other).rms < 1.15 * math.sqrt(3.0) * SIGMA
     # First moments about joint 2 and 3 as they are, with what lies beyond.
-    links = found.corrected.links
-    hung = [sum(each.mass for each in link.masses) for link in links]
-    last = links[2].mass * (links[2].center_of_mass or 0.0) + sum(each.mass * each.at[0] for each in links[2].masses)
+    links = result.corrected.links
+    hung = [sum(mass.mass for mass in link.masses) for link in links]
+    last = links[2].mass * (links[2].center_of_mass or 0.0) + sum(mass.mass * mass.at[0] for mass in links[2].masses)
     assert last == pytest.approx(MASSES[2] * centres[2][0], rel=0.02)
-    whole = (links[1].center_of_mass or 0.0) * links[1].mass + sum(each.mass * each.at[0] for each in links[1].masses)
+    whole = (links[1].center_of_mass or 0.0) * links[1].mass + sum(mass.mass * mass.at[0] for mass in links[1].masses)
     assert whole + LENGTHS[1] * (links[2].mass + hung[2]) == pytest.approx(
         MASSES[1] * centres[1][0] + LENGTHS[1] * MASSES[2], rel=0.02
     )
     assert any(hung) == (centres is BESIDE)
     # Joint 1 is upright: no torque tells what link 1 weighs, and the file does not say that it does.
     assert links[0].mass is None
-    assert evaluate(found.corrected).mass is None
-    assert any("What link 1 weighs loads no drive" in note for note in found.notes)
+    assert evaluate(result.corrected).mass is None
+    assert any("What link 1 weighs loads no drive" in note for note in result.notes)
 
 
 @pytest.mark.slow
@@ -112,7 +112,7 @@ def test_without_torques_only_products_of_compliance_and_weight_show():
     (bare,) = diagnose(arm, replace(recording, torque=None)).findings
     (told,) = diagnose(arm, recording).findings
 
-    assert [each.parameter for each in bare.parameters] == ["sag", "compliance"]
+    assert [parameter.parameter for parameter in bare.parameters] == ["sag", "compliance"]
     (known,) = told.parameters
     low, high = known.interval
     assert low < planar.COMPLIANCE < high

@@ -59,17 +59,17 @@ def changed(what: str) -> Diagnosis:
 @pytest.mark.slow
 @pytest.mark.parametrize("what", ["tool", "load", "stiffness"])
 def test_a_step_in_time_is_told_by_what_has_changed(what: str) -> None:
-    found = changed(what)
-    assert found.verdict == "unknown"
-    assert found.unknown is not None
-    assert found.unknown.forms[0].name == f"{what}_step_in_time"
-    assert found.unknown.shape.startswith(found.unknown.forms[0].sentence)
-    assert found.unknown.forms[0].share_held_out > 0.9
-    assert found.unknown.since == pytest.approx(16.0 * FIRST, abs=8.0)
-    assert found.rms_after < 1.1 * np.sqrt(2.0) * SIGMA
-    assert found.findings == ()
+    result = changed(what)
+    assert result.verdict == "unknown"
+    assert result.unknown is not None
+    assert result.unknown.forms[0].name == f"{what}_step_in_time"
+    assert result.unknown.shape.startswith(result.unknown.forms[0].sentence)
+    assert result.unknown.forms[0].share_held_out > 0.9
+    assert result.unknown.since == pytest.approx(16.0 * FIRST, abs=8.0)
+    assert result.rms_after < 1.1 * np.sqrt(2.0) * SIGMA
+    assert result.findings == ()
     if what == "stiffness":
-        assert "(joint 2)" in found.unknown.shape
+        assert "(joint 2)" in result.unknown.shape
 
 
 @pytest.mark.parametrize("what", slow_but(["ridge", "kink"], "ridge"))
@@ -78,21 +78,21 @@ def test_what_has_no_form_is_not_named(what: str) -> None:
     of the library, nor one of its forms, is the answer."""
     if what == "ridge":
         q = poses_of(1)
-        found = diagnosed(1, errors=2e-4 * np.abs(q[:, 0] * q[:, 2])[:, None] * np.array([0.0, 1.0, 0.0]))
+        result = diagnosed(1, errors=2e-4 * np.abs(q[:, 0] * q[:, 2])[:, None] * np.array([0.0, 1.0, 0.0]))
     else:
         softer = np.array([0.0, 1.5e-5, 0.0])
-        found = diagnosed(1, gives=lambda torque: torque * GIVES + softer * np.maximum(torque, 0.0))
-    assert found.verdict == "unknown"
-    assert found.rms_after > 1.3 * np.sqrt(2.0) * SIGMA
+        result = diagnosed(1, gives=lambda torque: torque * GIVES + softer * np.maximum(torque, 0.0))
+    assert result.verdict == "unknown"
+    assert result.rms_after > 1.3 * np.sqrt(2.0) * SIGMA
 
 
 @pytest.mark.slow
 def test_a_joint_that_is_off_by_its_product_with_another_is_described_and_not_named() -> None:
     """The form names both joints; no cause of the library is the answer."""
     q = poses_of(1)
-    found = diagnosed(1, errors=1.5e-4 * (q[:, 0] * q[:, 1])[:, None] * np.array([0.0, 1.0, 0.0]))
-    assert found.verdict == "unknown"
-    assert found.unknown is not None
-    assert found.unknown.shape.endswith("(joint 2 by joint 1)")
-    assert found.findings == ()
-    assert found.rms_after < 1.1 * np.sqrt(2.0) * SIGMA
+    result = diagnosed(1, errors=1.5e-4 * (q[:, 0] * q[:, 1])[:, None] * np.array([0.0, 1.0, 0.0]))
+    assert result.verdict == "unknown"
+    assert result.unknown is not None
+    assert result.unknown.shape.endswith("(joint 2 by joint 1)")
+    assert result.findings == ()
+    assert result.rms_after < 1.1 * np.sqrt(2.0) * SIGMA

@@ -59,14 +59,14 @@ def place_of(candidate):
 def test_a_magnet_between_the_points_of_the_grid_is_unknown_and_has_a_place(seed, cell):
     """A grid of 0.4 m would otherwise make it some errors of the joints, or put it 0.2 m away."""
     recording, place = beside_a_magnet(seed, cell)
-    found = diagnose(ARM, recording)
-    assert found.verdict == "unknown"
-    assert "pull towards a point" in found.unknown.shape
-    assert "position" in found.unknown.depends_on
-    told = re.search(r"it is near \((-?\d+\.\d+), (-?\d+\.\d+)\) m", found.unknown.shape)
+    result = diagnose(ARM, recording)
+    assert result.verdict == "unknown"
+    assert "pull towards a point" in result.unknown.shape
+    assert "position" in result.unknown.depends_on
+    told = re.search(r"it is near \((-?\d+\.\d+), (-?\d+\.\d+)\) m", result.unknown.shape)
     assert told is not None
-    assert np.linalg.norm([float(each) for each in told.groups()] - place) < 0.03
-    assert found.rms_after < 1.2 * found.noise_floor
+    assert np.linalg.norm([float(group) for group in told.groups()] - place) < 0.03
+    assert result.rms_after < 1.2 * result.noise_floor
 
 
 @pytest.mark.parametrize("core", [0.05, 0.1, 0.2])
@@ -124,10 +124,10 @@ def test_a_force_that_wanders_with_time(seed):
     force = rng.standard_normal((100, 2))
     for visit in range(1, 100):
         force[visit] = 0.9 * force[visit - 1] + np.sqrt(1.0 - 0.9**2) * force[visit]
-    found = diagnose(ARM, read(q, given_way(q, 3.0 * np.repeat(force, 2, axis=0)), rng))
-    assert found.verdict == "unknown"
-    assert "time" in found.unknown.depends_on
-    assert "force at the tip that wanders" in found.unknown.shape
-    assert found.unknown.forms[0].name == "force_in_time"
-    assert found.unknown.forms[0].share_held_out > 0.4
-    assert not found.findings
+    result = diagnose(ARM, read(q, given_way(q, 3.0 * np.repeat(force, 2, axis=0)), rng))
+    assert result.verdict == "unknown"
+    assert "time" in result.unknown.depends_on
+    assert "force at the tip that wanders" in result.unknown.shape
+    assert result.unknown.forms[0].name == "force_in_time"
+    assert result.unknown.forms[0].share_held_out > 0.4
+    assert not result.findings

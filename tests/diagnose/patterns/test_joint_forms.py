@@ -23,13 +23,13 @@ def test_a_joint_that_is_off_in_a_part_of_its_travel(seed, low, high):
     q = visited(rng, 120, 2)
     errors = np.zeros_like(q)
     errors[:, 1] = np.where((q[:, 1] >= low) & (q[:, 1] < high), 1.5e-4, 0.0)
-    found = diagnose(ARM, read(q, turned_by(q, errors), rng))
-    assert found.verdict == "unknown"
-    assert "q2" in found.unknown.depends_on
-    assert "part of its travel" in found.unknown.shape
-    assert "joint 2" in found.unknown.shape
-    assert found.where.joint == 2
-    assert found.unknown.amplitude == pytest.approx(found.rms_before, rel=0.35)
+    result = diagnose(ARM, read(q, turned_by(q, errors), rng))
+    assert result.verdict == "unknown"
+    assert "q2" in result.unknown.depends_on
+    assert "part of its travel" in result.unknown.shape
+    assert "joint 2" in result.unknown.shape
+    assert result.where.joint == 2
+    assert result.unknown.amplitude == pytest.approx(result.rms_before, rel=0.35)
 
 
 @pytest.mark.slow
@@ -41,14 +41,14 @@ def test_a_joint_that_goes_to_and_fro_with_time(joint):
     time = 20.0 * np.arange(300)
     errors = np.zeros_like(q)
     errors[:, joint - 1] = 1e-4 * np.sin(2.0 * np.pi * time / 352.0 + joint)
-    found = diagnose(ARM, read(q, turned_by(q, errors), rng))
-    assert found.verdict == "unknown"
-    assert "time" in found.unknown.depends_on
-    assert "motion of one joint that is periodic in time" in found.unknown.shape
-    assert found.unknown.forms[0].name == "joint_periodic_in_time"
-    assert found.unknown.forms[0].share_held_out > 0.4
-    assert found.where.joint == joint
-    assert found.rms_after < 1.2 * found.noise_floor
+    result = diagnose(ARM, read(q, turned_by(q, errors), rng))
+    assert result.verdict == "unknown"
+    assert "time" in result.unknown.depends_on
+    assert "motion of one joint that is periodic in time" in result.unknown.shape
+    assert result.unknown.forms[0].name == "joint_periodic_in_time"
+    assert result.unknown.forms[0].share_held_out > 0.4
+    assert result.where.joint == joint
+    assert result.rms_after < 1.2 * result.noise_floor
 
 
 @pytest.mark.parametrize(
@@ -66,13 +66,13 @@ def test_a_joint_that_is_off_by_where_another_stands(joint, other, law):
     q = visited(rng, 100, 2)
     errors = np.zeros_like(q)
     errors[:, joint - 1] = 3e-4 * law(q) / np.abs(law(q)).max()
-    found = diagnose(ARM, read(q, turned_by(q, errors), rng))
-    assert found.verdict == "unknown"
-    assert f"(joint {joint} by joint {other})" in found.unknown.shape
-    assert f"q{other}" in found.unknown.depends_on
-    assert found.where.joint == joint
-    assert found.unknown.forms[0].share_held_out > 0.7
-    assert found.rms_after < 1.15 * found.noise_floor
+    result = diagnose(ARM, read(q, turned_by(q, errors), rng))
+    assert result.verdict == "unknown"
+    assert f"(joint {joint} by joint {other})" in result.unknown.shape
+    assert f"q{other}" in result.unknown.depends_on
+    assert result.where.joint == joint
+    assert result.unknown.forms[0].share_held_out > 0.7
+    assert result.rms_after < 1.15 * result.noise_floor
 
 
 @pytest.mark.slow
@@ -82,6 +82,6 @@ def test_a_coupling_to_the_joint_before_keeps_its_name():
     q = visited(rng, 100, 2)
     errors = np.zeros_like(q)
     errors[:, 1] = 2e-4 * q[:, 0]
-    found = diagnose(ARM, read(q, turned_by(q, errors), rng))
-    assert [(each.effect, each.at) for each in found.findings] == [("joint_coupling", (2,))]
-    assert found.unknown is None
+    result = diagnose(ARM, read(q, turned_by(q, errors), rng))
+    assert [(finding.effect, finding.at) for finding in result.findings] == [("joint_coupling", (2,))]
+    assert result.unknown is None

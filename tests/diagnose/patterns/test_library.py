@@ -22,7 +22,7 @@ def sought(effect, travel):
     q[:, 1] = STILL + travel * np.linspace(-0.5, 0.5, 60)
     recording = read(q, np.zeros((60, 2)), rng)
     observed = observe(arm_of_drives(), recording)
-    return {each.at[0] + 1 for each, _ in candidates(observed) if each.effect == effect}
+    return {item.at[0] + 1 for item, _ in candidates(observed) if item.effect == effect}
 
 
 @pytest.mark.parametrize(
@@ -44,7 +44,7 @@ def test_what_asks_for_no_travel_is_sought_at_a_joint_that_stands():
 def test_windup_is_tried_with_and_without_growth_by_the_load():
     """Coulomb friction alone is the exact alias of backlash that friction holds; with growth it is none."""
     observed = observe(made_arm(), recorded(made_arm(), poses=20, sides="both"))
-    sizes = {each.sizes for each, _ in candidates(observed) if each.effect == "friction_windup" and each.at == (1,)}
+    sizes = {item.sizes for item, _ in candidates(observed) if item.effect == "friction_windup" and item.at == (1,)}
     assert sizes == {("windup", "windup_per_load"), ("windup",)}
 
 
@@ -53,8 +53,8 @@ def test_what_friction_holds_is_declared_to_be_either(seed):
     """Whatever growth with the load chance would fit, a negative one as well."""
     arm = made_arm()
     true = with_effects(arm, ("friction_windup", (2,), {"windup": 1e-4}))
-    found = diagnose(arm, recorded(true, poses=20, sides="both", seed=seed))
-    assert found.verdict == "alias_class"
-    first = found.findings[0]
-    names = {(first.effect, first.at), *((each.effect, each.at) for each in first.alternatives)}
+    result = diagnose(arm, recorded(true, poses=20, sides="both", seed=seed))
+    assert result.verdict == "alias_class"
+    first = result.findings[0]
+    names = {(first.effect, first.at), *((alternative.effect, alternative.at) for alternative in first.alternatives)}
     assert {("friction_windup", (2,)), ("backlash", (2,))} <= names

@@ -24,4 +24,4 @@ def test_columns_come_back_whole_and_without_rows(rows, channels):
     held = Columns([part]).and_one(2.0 * given)
     assert len(held) == 2
     assert (held[1] == 2.0 * given).all()
-    assert [each.sum() for each in held[:1]] == [given.sum()]
+    assert [item.sum() for item in held[:1]] == [given.sum()]

@@ -29,16 +29,16 @@ def wavy(rng, count=1400):
 @pytest.mark.slow
 def test_a_curve_is_one_finding():
     arm, recording, error = wavy(np.random.default_rng(4))
-    found = diagnose(arm, recording)
-    assert [(each.effect, each.at) for each in found.findings] == [("joint_waviness", (2,))]
-    size = {p.parameter: p.value for p in found.findings[0].parameters}
+    result = diagnose(arm, recording)
+    assert [(finding.effect, finding.at) for finding in result.findings] == [("joint_waviness", (2,))]
+    size = {p.parameter: p.value for p in result.findings[0].parameters}
     told = sum(
         size[f"sine_{k}"] * np.sin(k * recording.q[:, 1]) + size[f"cosine_{k}"] * np.cos(k * recording.q[:, 1])
         for k in range(1, 33)
     )
     # 64 coefficients from 2,800 components of 15 um over 0.4 m: some 5 urad.
     assert np.sqrt(np.mean((told - error) ** 2)) < 10e-6
-    assert found.rms_after_held_out < 1.1 * SIGMA * np.sqrt(2.0)
+    assert result.rms_after_held_out < 1.1 * SIGMA * np.sqrt(2.0)
 
 
 def test_held_out_fits_are_held_as_asked():

@@ -22,8 +22,8 @@ def recorded():
 
 def sought(arm, recording, index):
     """The effects that are sought at one joint (from 0) alone."""
-    found = {candidate.effect for candidate, _ in candidates(observe(arm, recording)) if candidate.at == (index,)}
-    return {effect for effect in found if EFFECTS[effect].place == "joint"}
+    results = {candidate.effect for candidate, _ in candidates(observe(arm, recording)) if candidate.at == (index,)}
+    return {effect for effect in results if EFFECTS[effect].place == "joint"}
 
 
 def test_a_passive_joint_has_its_encoder_and_bearing_but_no_drive():

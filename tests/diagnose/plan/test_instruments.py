@@ -37,16 +37,16 @@ def planned(arm, instrument, effects, poses=16, frame="known", **settings):
 def errors(columns, beside):
     """Standard errors by least squares of each of some columns (n,), over their scatter, beside others (n, k)."""
     left = [column - beside @ np.linalg.lstsq(beside, column, rcond=1e-9)[0] for column in columns]
-    return np.array([1.0 / np.linalg.norm(each) for each in left])
+    return np.array([1.0 / np.linalg.norm(item) for item in left])
 
 
 def gains(found):
-    return [found.at_random(each) / each.smallest for each in found.promise.shown]
+    return [found.at_random(item) / item.smallest for item in found.promise.shown]
 
 
 def kept(found, own):
     """That the smallest sizes are some four standard errors, alike for all."""
-    smallest = np.array([each.smallest for each in found.promise.shown])
+    smallest = np.array([item.smallest for item in found.promise.shown])
     assert smallest / own == pytest.approx(np.full(len(own), smallest[0] / own[0]), rel=0.03)
     assert 3.5 < smallest[0] / own[0] < 6.0
 
@@ -60,7 +60,7 @@ def levelled():
 def test_sizes_by_a_level_are_those_of_least_squares(levelled):
     """How the level sits (straight, but for some mrad) is found along; about the upright joint nothing is tilted."""
     assert levelled.axes == ("tilt x", "tilt y")
-    assert [each.at for each in levelled.promise.shown] == [(2,), (3,)]
+    assert [item.at for item in levelled.promise.shown] == [(2,), (3,)]
     assert np.mean(np.log(gains(levelled))) > np.log(1.1)
     q, payload = levelled.recording.q, levelled.recording.payload_mass
 
@@ -85,7 +85,7 @@ def test_what_a_level_is_promised_to_show_is_found(levelled):
     names = [(one.effect, one.at) for finding in large.findings for one in (finding, *finding.alternatives)]
     assert ("joint_compliance", (3,)) in names
     assert small.verdict == "none"
-    own = next(each for each in small.detectable if (each.effect, each.at) == ("joint_compliance", (3,)))
+    own = next(item for item in small.detectable if (item.effect, item.at) == ("joint_compliance", (3,)))
     assert own.value == pytest.approx(promised.smallest, rel=0.3)
 
 
@@ -94,12 +94,12 @@ def test_sizes_by_a_camera_are_those_of_least_squares(camera):
     """Both frames and the depths' scale are found along; each component has its own scatter."""
     noise, on_tool = (30e-6, 200e-6, 80e-6), camera == "on_tool"
     effects = tuple(("joint_compliance", (joint,)) for joint in (1, 2, 4))
-    found = planned(
+    result = planned(
         six_joint_arm(), "camera", effects, frame="free", camera=camera, sigma=noise[0], camera_noise=noise[1:]
     )
-    assert np.mean(np.log(gains(found))) > np.log(1.1)
-    recording = found.recording
-    sight = _sound(found.arm, recording, found.axes, found.asked).observed.sight
+    assert np.mean(np.log(gains(result))) > np.log(1.1)
+    recording = result.recording
+    sight = _sound(result.arm, recording, result.axes, result.asked).observed.sight
     hand, last = Hand(fixed=np.eye(4), carried=np.eye(4)), flange(recording.q)[:, :3, :3]
     hand.fixed[:3, :3], hand.fixed[:3, 3], hand.carried[:3, 3] = sight.rotation, sight.translation, sight.tool
     if on_tool:
@@ -127,7 +127,7 @@ def test_sizes_by_a_camera_are_those_of_least_squares(camera):
             step[:3, :3] = Rotation.from_rotvec(1e-6 * np.eye(6)[k, :3]).as_matrix()
             step[:3, 3] = 1e-6 * np.eye(6)[k, 3:]
             beside.append(change(read(**{name: getattr(hand, name) @ step}), 1e-6))
-    kept(found, errors(columns, np.stack(beside, axis=1)))
+    kept(result, errors(columns, np.stack(beside, axis=1)))
 
 
 @pytest.mark.parametrize("instrument", ["same_point", pytest.param("plane", marks=pytest.mark.slow)])
@@ -135,9 +135,9 @@ def test_sizes_by_touches_are_those_of_least_squares(instrument):
     """Where each point or plane is, is found along; each is touched often enough, there within the joint ranges."""
     arm = spatial_arm()
     effects = tuple(("joint_compliance", (joint,)) for joint in (1, 2, 4))
-    found = planned(arm, instrument, effects, poses=24)
-    assert np.mean(np.log(gains(found))) > np.log(1.1)
-    recording, visits, sigma = found.recording, found.visits, found.asked.sigma
+    result = planned(arm, instrument, effects, poses=24)
+    assert np.mean(np.log(gains(result))) > np.log(1.1)
+    recording, visits, sigma = result.recording, result.visits, result.asked.sigma
     q, payload, label = recording.q, recording.payload_mass, recording.touches
     assert np.abs(q).max() < RANGE
     at = tips(q, payload, Truth())
@@ -163,7 +163,7 @@ def test_sizes_by_touches_are_those_of_least_squares(instrument):
         for joint in (1, 2, 4):
             soft = tips(q, payload, Truth(compliance=tuple(SOFT * np.eye(5)[joint])))
             columns.append(np.sum((soft - at) * normals, axis=1) / SOFT / sigma)
-    kept(found, errors(columns, np.stack(beside, axis=1)))
+    kept(result, errors(columns, np.stack(beside, axis=1)))
 
 
 @pytest.mark.parametrize("bars", [pytest.param(0, marks=pytest.mark.slow), 1, pytest.param(6, marks=pytest.mark.slow)])
@@ -171,14 +171,14 @@ def test_sizes_by_a_bar_are_those_of_least_squares(bars):
     """Of a bar of 0.3 m where it lies and which way it points is found along; how long it is, is known."""
     arm, length = spatial_arm(), 0.3
     effects = tuple(("joint_compliance", (joint,)) for joint in (1, 2, 4))
-    found = planned(arm, "bar", effects, poses=24, bar=[0.0, length], bars=bars)
-    assert np.mean(np.log(gains(found))) > np.log(1.1)
-    recording, sigma = found.recording, found.asked.sigma
+    result = planned(arm, "bar", effects, poses=24, bar=[0.0, length], bars=bars)
+    assert np.mean(np.log(gains(result))) > np.log(1.1)
+    recording, sigma = result.recording, result.asked.sigma
     q, payload, label, along = recording.q, recording.payload_mass, recording.touches, recording.bar_at
     assert np.abs(q).max() < RANGE
     assert label.max() + 1 <= (bars or 4)
     for one in range(label.max() + 1):  # both ends alike
-        ends = [np.sum((label == one) & (along == end)) // found.asked.repeats for end in (0.0, length)]
+        ends = [np.sum((label == one) & (along == end)) // result.asked.repeats for end in (0.0, length)]
         assert min(ends) >= 1
         assert abs(ends[0] - ends[1]) <= 1
     at = tips(q, payload, Truth())
@@ -194,7 +194,7 @@ def test_sizes_by_a_bar_are_those_of_least_squares(bars):
         beside += [np.outer(own, axis).reshape(-1) for axis in np.eye(3)]
         across = np.linalg.svd((ends[1] - ends[0])[None])[2][1:]
         beside += [np.outer(np.where(own, along, 0.0), way).reshape(-1) for way in across]
-    kept(found, errors(columns, np.stack(beside, axis=1)))
+    kept(result, errors(columns, np.stack(beside, axis=1)))
 
 
 @pytest.mark.slow
@@ -203,17 +203,17 @@ def test_what_touches_have_told_counts(instrument, bar):
     """The sizes of a plan after a recording are those of least squares of both, each with its own places."""
     arm, effects = spatial_arm(), tuple(("joint_compliance", (joint,)) for joint in (1, 2, 4))
     before = planned(arm, instrument, effects, poses=12, **({"bar": bar} if bar else {}))
-    found = plan(arm, before.asked, silent, before.recording)
+    result = plan(arm, before.asked, silent, before.recording)
     q, payload, label, along = [], [], [], []
-    for part in (before.recording, found.recording):
+    for part in (before.recording, result.recording):
         q.append(part.q)
         payload.append(part.payload_mass)
         label.append(part.touches + (max(label[0]) + 1 if label else 0))
         along.append(np.zeros(part.size) if part.bar_at is None else part.bar_at)
-    q, payload, label, along = (np.concatenate(each) for each in (q, payload, label, along))
+    q, payload, label, along = (np.concatenate(item) for item in (q, payload, label, along))
     at = tips(q, payload, Truth())
     soft = [tips(q, payload, Truth(compliance=tuple(SOFT * np.eye(5)[joint]))) for joint in (1, 2, 4)]
-    columns = [(each - at).reshape(-1) / SOFT / found.asked.sigma for each in soft]
+    columns = [(item - at).reshape(-1) / SOFT / result.asked.sigma for item in soft]
     beside = []
     for one in range(label.max() + 1):
         own = label == one
@@ -221,8 +221,8 @@ def test_what_touches_have_told_counts(instrument, bar):
         if bar:
             way = at[own & (along == bar[1])].mean(axis=0) - at[own & (along == bar[0])].mean(axis=0)
             beside += [
-                np.outer(np.where(own, along, 0.0), each).reshape(-1) for each in np.linalg.svd(way[None])[2][1:]
+                np.outer(np.where(own, along, 0.0), item).reshape(-1) for item in np.linalg.svd(way[None])[2][1:]
             ]
-    kept(found, errors(columns, np.stack(beside, axis=1)))
-    smaller = [old.smallest / new.smallest for old, new in zip(before.promise.shown, found.promise.shown, strict=True)]
+    kept(result, errors(columns, np.stack(beside, axis=1)))
+    smaller = [old.smallest / new.smallest for old, new in zip(before.promise.shown, result.promise.shown, strict=True)]
     assert min(smaller) > 1.2

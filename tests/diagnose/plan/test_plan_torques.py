@@ -51,13 +51,13 @@ def test_many_recordings_scatter_as_promised(found):
     sound = held(recording.q, recording.payload_mass, recording.sides)
     visit = (recording.row - 1) // 3
     drawn = np.array([
-        [(each.links.value, each.payload.value, each.friction) for each in drive_torques(
+        [(torque.links.value, torque.payload.value, torque.friction) for torque in drive_torques(
             found.arm, replace(recording, torque=sound + NOISE * rng.standard_normal(sound.shape)), state, visit,
             FAST.residual,
         )]
         for _ in range(DRAWS)
     ])  # fmt: skip
-    told = np.array([(each.links, each.payload, each.friction) for each in found.promise.torques])
+    told = np.array([(torque.links, torque.payload, torque.friction) for torque in found.promise.torques])
     assert told.shape == (3, 3)
     assert drawn.std(axis=0) / told == pytest.approx(np.ones((3, 3)), abs=4.0 / np.sqrt(2 * DRAWS))
     true = np.stack([np.ones(3), np.ones(3), RUBS], axis=1)
@@ -67,7 +67,9 @@ def test_many_recordings_scatter_as_promised(found):
 def test_poses_are_chosen_for_torques_too(found):
     """Weights and friction are better known than at random, on average clearly."""
     names = ("links", "payload", "friction")
-    gains = [found.torques_at_random(each.joint, n) / getattr(each, n) for each in found.promise.torques for n in names]
+    gains = [
+        found.torques_at_random(torque.joint, n) / getattr(torque, n) for torque in found.promise.torques for n in names
+    ]
     without = plan(found.arm, replace(found.asked, torque_noise=()), silent)
     assert without.promise.torques == ()
     assert np.mean(np.log(gains)) > np.log(1.1)

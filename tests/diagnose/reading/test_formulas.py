@@ -130,5 +130,5 @@ def test_what_is_no_deeper_than_that_is_computed(text: str) -> None:
 )
 def test_comparisons_choose_rows_and_never_a_blank_cell(text: str, expected: list[bool]) -> None:
     condition = read_condition(text, ["x"], file="f", key="rows")
-    found = condition.holds(lambda _: np.array([1.0, 2.0, math.nan]), 3)
-    assert found.tolist() == expected
+    result = condition.holds(lambda _: np.array([1.0, 2.0, math.nan]), 3)
+    assert result.tolist() == expected

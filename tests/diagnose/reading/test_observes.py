@@ -50,7 +50,7 @@ def test_blank_cells_here_and_there_cost_their_rows_as_ever(tmp_path):
     recording = _read(tmp_path, "frame: known", columns)
 
     assert recording.slots is None
-    assert [each.row for each in recording.rejected] == [6]
+    assert [item.row for item in recording.rejected] == [6]
 
 
 def test_rows_that_hold_different_things_are_readings_of_one_number_each(tmp_path):
@@ -168,7 +168,7 @@ def test_a_single_row_far_off_is_set_aside(tmp_path):
     far[4] += 0.05
     recording = _read(tmp_path, "observes: distance\nanchor: [500 mm, -1 m]", _only(distance_mm=1e3 * far))
 
-    assert [each.row for each in recording.rejected] == [5]
+    assert [item.row for item in recording.rejected] == [5]
 
 
 @pytest.mark.parametrize(
@@ -240,7 +240,7 @@ def _bars(label, along):
     columns = _only()
     columns["bar"] = [f"{number // 2 + 1}" for number in range(24)] if label is None else label
     ends = np.column_stack([np.zeros(12), apart]).reshape(-1) if along is None else along
-    return columns | {"bar_mm": [f"{each:.7f}" for each in ends]}
+    return columns | {"bar_mm": [f"{end:.7f}" for end in ends]}
 
 
 def test_ends_of_bars_are_read_and_written_again(tmp_path):

@@ -45,23 +45,23 @@ def test_frame_and_tool_are_recovered(space, frame, tool):
     shift = np.array([3.0, -2.0, 1.5])[:width]
     measured = (truth - shift) @ turn if frame else truth  # base = turn @ measured + shift
     asked = replace(recording, tip=measured, frame="free" if frame else "known", tool="free" if tool else "known")
-    found = aligned(asked, directions(state, recording), modelled)
-    assert found.residual == pytest.approx(0.0, abs=1e-9)
-    assert found.tool == pytest.approx(offset, abs=1e-9)
+    result = aligned(asked, directions(state, recording), modelled)
+    assert result.residual == pytest.approx(0.0, abs=1e-9)
+    assert result.tool == pytest.approx(offset, abs=1e-9)
     if frame:
-        assert found.rotation == pytest.approx(turn, abs=1e-9)
-        assert found.translation == pytest.approx(shift, abs=1e-9)
-    assert found.in_base(measured) == pytest.approx(truth, abs=1e-9)
-    assert np.linalg.det(found.rotation) == pytest.approx(1.0)
+        assert result.rotation == pytest.approx(turn, abs=1e-9)
+        assert result.translation == pytest.approx(shift, abs=1e-9)
+    assert result.in_base(measured) == pytest.approx(truth, abs=1e-9)
+    assert np.linalg.det(result.rotation) == pytest.approx(1.0)
 
 
 def test_what_is_known_stays():
     recording, state = at_rest(space=False)
-    found = aligned(
+    result = aligned(
         replace(recording, tip=recording.tip + np.array([1e-3, 0.0])), directions(state, recording), recording.tip
     )
-    assert found.residual == pytest.approx(np.tile([1e-3, 0.0], (recording.size, 1)))
-    assert found.rotation == pytest.approx(np.eye(2))
+    assert result.residual == pytest.approx(np.tile([1e-3, 0.0], (recording.size, 1)))
+    assert result.rotation == pytest.approx(np.eye(2))
 
 
 @pytest.mark.parametrize("space", [False, True])
@@ -71,7 +71,7 @@ def test_points_on_a_line_are_no_mirror(space):
     width = recording.tip.shape[1]
     line = np.linspace(0.2, 0.9, recording.size)[:, None] * np.ones(width)
     asked = replace(recording, tip=line[:, ::-1] + 0.3, frame="free")
-    found = aligned(asked, directions(state, recording), line)
-    assert found.rotation @ found.rotation.T == pytest.approx(np.eye(width), abs=1e-12)
-    assert np.linalg.det(found.rotation) == pytest.approx(1.0)
-    assert found.residual == pytest.approx(0.0, abs=1e-9)
+    result = aligned(asked, directions(state, recording), line)
+    assert result.rotation @ result.rotation.T == pytest.approx(np.eye(width), abs=1e-12)
+    assert np.linalg.det(result.rotation) == pytest.approx(1.0)
+    assert result.residual == pytest.approx(0.0, abs=1e-9)

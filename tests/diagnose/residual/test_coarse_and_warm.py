@@ -20,12 +20,12 @@ def test_one_coarse_column_does_not_switch_the_check_off(step):
     tip[70, 1] += 3e-3
     read = recording(q, tip)
     floor = noise_floor(read, file())
-    assert [each.row for each in floor.outliers] == [11, 71]
+    assert [outlier.row for outlier in floor.outliers] == [11, 71]
     assert floor.sigma[1] == pytest.approx(FINE, rel=0.2)
     assert floor.sigma[0] < 1e-5 / np.sqrt(12.0) + FINE
-    found = diagnose(file(), read)
-    assert found.verdict == "none"
-    assert found.scatter is None  # what rounding leaves is no scatter of the arm
+    result = diagnose(file(), read)
+    assert result.verdict == "none"
+    assert result.scatter is None  # what rounding leaves is no scatter of the arm
 
 
 @pytest.mark.parametrize(
@@ -37,13 +37,13 @@ def test_what_warms_up_is_no_outlier(together, lasts):
     q = np.repeat(poses(2, 120 // together), together, axis=0)
     time = 8.0 * np.arange(len(q))
     warms = 3e-4 * np.exp(-time / lasts)[:, None] * [1.0, 0.5]
-    found = diagnose(file(), recording(q, tips(q) + warms + noise(2, len(q))))
-    assert found.rejected_rows == ()
-    assert all(each.effect == "frame_drift" for each in found.findings)
+    result = diagnose(file(), recording(q, tips(q) + warms + noise(2, len(q))))
+    assert result.rejected_rows == ()
+    assert all(finding.effect == "frame_drift" for finding in result.findings)
 
 
 def test_a_first_reading_that_is_wrong_is_an_outlier_still():
     q = np.repeat(poses(2, 30), 4, axis=0)
     tip = tips(q) + noise(2, len(q))
     tip[[0, 40]] += 3e-4
-    assert [each.row for each in noise_floor(recording(q, tip), file()).outliers] == [1, 41]
+    assert [outlier.row for outlier in noise_floor(recording(q, tip), file()).outliers] == [1, 41]

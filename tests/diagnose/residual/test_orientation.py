@@ -60,9 +60,9 @@ def test_readings_without_orientation_count_for_their_place(tmp_path):
     assert np.all(signature[::3] == 0.0)
     assert np.all(signature[1::3] == 1.0)
     for recording in (whole, some):
-        found = diagnose(planar_arm(), recording)
-        assert [(each.effect, each.at) for each in found.findings] == [("encoder_scale", (3,))]
-        low, high = found.findings[0].parameters[0].interval
+        result = diagnose(planar_arm(), recording)
+        assert [(finding.effect, finding.at) for finding in result.findings] == [("encoder_scale", (3,))]
+        low, high = result.findings[0].parameters[0].interval
         assert low < SCALE < high
 
 
@@ -97,10 +97,10 @@ def test_orientations_of_another_convention_are_left_out(tmp_path):
     assert left_out.seat == "unused"
     assert "Check the order" in left_out.warnings[-1]
     assert with_sound_orientation(planar_arm(), recording) is recording
-    found = diagnose(planar_arm(), mirrored)
-    assert any("Check the order" in note for note in found.notes)
-    assert found.rms_after == diagnose(planar_arm(), replace(recording, orientation=None)).rms_after
-    assert len(q) == found.recording.size
+    result = diagnose(planar_arm(), mirrored)
+    assert any("Check the order" in note for note in result.notes)
+    assert result.rms_after == diagnose(planar_arm(), replace(recording, orientation=None)).rms_after
+    assert len(q) == result.recording.size
 
 
 def test_in_space_too_transposed_matrices_are_left_out():
@@ -131,9 +131,9 @@ def test_no_mismatch_stays_none(space, free):
 def test_a_drive_that_gives_is_found_by_place_and_turn(free):
     arm = made_arm(space=True)
     plan = Plan(poses=20, repeats=3, payloads=(0.0, 5.0), orientation=True, free_frame=free, seed=3)
-    found = diagnose(arm, simulate(with_effects(arm, SOFT), plan).recording)
-    first = found.findings[0]
+    result = diagnose(arm, simulate(with_effects(arm, SOFT), plan).recording)
+    first = result.findings[0]
     assert ("joint_compliance", (2,)) in [(first.effect, first.at), *((a.effect, a.at) for a in first.alternatives)]
-    assert found.rms_after < 1.1 * found.noise_floor
+    assert result.rms_after < 1.1 * result.noise_floor
     again = simulate(with_effects(arm, SOFT), replace(plan, seed=8)).recording
-    assert diagnose(found.corrected, again).verdict == "none"
+    assert diagnose(result.corrected, again).verdict == "none"

@@ -39,12 +39,12 @@ def cycles(seed: int, *, drift: float = 0.0, sigma: float = SIGMA) -> Recording:
 @pytest.mark.parametrize("drift", [0.0, 50e-6, 500e-6])
 def test_drift_within_a_stay_is_no_noise(drift: float) -> None:
     """The mean of twenty estimates with some 350 degrees of freedom a component: within 2 % of the truth."""
-    found = [noise_floor(stay(seed, drift), ARM) for seed in range(20)]
-    assert all(each.source == "repeats" and not each.outliers for each in found)
-    assert np.mean([each.rms_m or 0.0 for each in found]) == pytest.approx(math.sqrt(2.0) * SIGMA, rel=0.02)
+    results = [noise_floor(stay(seed, drift), ARM) for seed in range(20)]
+    assert all(result.source == "repeats" and not result.outliers for result in results)
+    assert np.mean([result.rms_m or 0.0 for result in results]) == pytest.approx(math.sqrt(2.0) * SIGMA, rel=0.02)
     if drift:
         moved = np.std(drift * (1.0 - np.exp(-np.linspace(0.0, 28800.0, 480) / 5000.0)))
-        assert [each.drift_m for each in found] == pytest.approx([float(moved)] * 20, rel=0.15)
+        assert [result.drift_m for result in results] == pytest.approx([float(moved)] * 20, rel=0.15)
 
 
 def test_a_stay_without_drift_is_kept_whole() -> None:
@@ -56,11 +56,11 @@ def test_a_stay_without_drift_is_kept_whole() -> None:
 
 @pytest.mark.parametrize("drift", [0.0, 60e-6])
 def test_poses_that_are_come_back_to(drift: float) -> None:
-    found = [noise_floor(cycles(seed, drift=drift), ARM) for seed in range(20)]
-    assert {each.source for each in found} == {"revisits"}
+    results = [noise_floor(cycles(seed, drift=drift), ARM) for seed in range(20)]
+    assert {result.source for result in results} == {"revisits"}
     # From cycle to cycle the drift is a thirtieth of itself, 2 um: next to nothing beside 8 um of noise.
-    assert np.mean([each.rms_m or 0.0 for each in found]) == pytest.approx(math.sqrt(2.0) * SIGMA, rel=0.06)
-    assert all("come back" in each.sentence for each in found)
+    assert np.mean([result.rms_m or 0.0 for result in results]) == pytest.approx(math.sqrt(2.0) * SIGMA, rel=0.06)
+    assert all("come back" in result.sentence for result in results)
 
 
 def test_a_declared_sigma_goes_before_revisits() -> None:
@@ -76,6 +76,6 @@ def test_poses_of_their_own_say_nothing_of_noise() -> None:
 def test_differences_have_the_variance_of_a_reading() -> None:
     random = np.random.default_rng(3)
     values = random.normal(0.0, 2.0, (4000, 2)) + np.linspace(0.0, 50.0, 4000)[:, None]
-    found = differences_of_revisits(values, [np.arange(2000), np.arange(2000, 4000)])
-    assert found.shape == (3998, 2)
-    assert np.sqrt(np.mean(found**2)) == pytest.approx(2.0, rel=0.03)
+    result = differences_of_revisits(values, [np.arange(2000), np.arange(2000, 4000)])
+    assert result.shape == (3998, 2)
+    assert np.sqrt(np.mean(result**2)) == pytest.approx(2.0, rel=0.03)

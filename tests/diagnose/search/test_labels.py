@@ -48,12 +48,12 @@ ROWS = np.arange(180)
     ],
 )
 def test_sides_beside_the_wrong_readings_are_told(tmp_path: Path, logged: Array, said: str) -> None:
-    found = diagnosed(tmp_path, logged)
-    assert found.verdict in ("unknown", "none")
-    assert found.labels is not None
-    assert said in found.labels.said
-    assert [at for _, at in found.labels.named] == [(2,)]
-    assert found.labels.said in found.sentence
+    result = diagnosed(tmp_path, logged)
+    assert result.verdict in ("unknown", "none")
+    assert result.labels is not None
+    assert said in result.labels.said
+    assert [at for _, at in result.labels.named] == [(2,)]
+    assert result.labels.said in result.sentence
 
 
 def slack(folder: Path, columns: list[int], seed: int = 4) -> Diagnosis:
@@ -72,25 +72,25 @@ def slack(folder: Path, columns: list[int], seed: int = 4) -> Diagnosis:
 
 @pytest.mark.slow
 def test_sides_of_two_joints_in_each_others_columns_are_told(tmp_path: Path) -> None:
-    found = slack(tmp_path, [0, 2, 1])
-    assert found.verdict in ("unknown", "none")
-    assert found.labels is not None
-    assert found.labels.said == "the sides of joints 2 and 3 stand in each other's columns (dirN)"
-    assert {at for _, at in found.labels.named} == {(2,), (3,)}
-    assert found.labels.rms < 1.1 * np.sqrt(2.0) * SIGMA
+    result = slack(tmp_path, [0, 2, 1])
+    assert result.verdict in ("unknown", "none")
+    assert result.labels is not None
+    assert result.labels.said == "the sides of joints 2 and 3 stand in each other's columns (dirN)"
+    assert {at for _, at in result.labels.named} == {(2,), (3,)}
+    assert result.labels.rms < 1.1 * np.sqrt(2.0) * SIGMA
 
 
 def test_sides_in_their_own_columns_are_left_alone(tmp_path: Path) -> None:
-    found = slack(tmp_path, [0, 1, 2])
-    assert found.labels is None
-    assert {each.at for each in found.findings} == {(2,), (3,)}
+    result = slack(tmp_path, [0, 1, 2])
+    assert result.labels is None
+    assert {finding.at for finding in result.findings} == {(2,), (3,)}
 
 
 @pytest.mark.slow
 def test_sides_that_are_right_are_left_alone(tmp_path: Path) -> None:
-    found = diagnosed(tmp_path, None)
-    assert found.labels is None
-    assert [each.at for each in found.findings] == [(2,)]
+    result = diagnosed(tmp_path, None)
+    assert result.labels is None
+    assert [finding.at for finding in result.findings] == [(2,)]
 
 
 @pytest.mark.slow
@@ -124,7 +124,7 @@ def hung(folder: Path, wrong: str) -> Diagnosis:
     swapped = {0.0: 6.0, 3.0: 3.0, 6.0: 0.0}
     said = {
         "late": np.roll(payload, 2),
-        "swapped": np.array([swapped[each] for each in payload.tolist()]),
+        "swapped": np.array([swapped[item] for item in payload.tolist()]),
         "right": payload,
     }[wrong]
     columns = table(stood, tip, payload_kg=said)
@@ -141,15 +141,15 @@ def hung(folder: Path, wrong: str) -> Diagnosis:
     ],
 )
 def test_payloads_beside_the_wrong_readings_are_told(tmp_path: Path, wrong: str, said: str) -> None:
-    found = hung(tmp_path, wrong)
-    assert found.verdict in ("unknown", "none")
-    assert found.labels is not None
-    assert said in found.labels.said
-    assert [at for _, at in found.labels.named] == [(2,)]
-    assert found.labels.said in found.sentence
+    result = hung(tmp_path, wrong)
+    assert result.verdict in ("unknown", "none")
+    assert result.labels is not None
+    assert said in result.labels.said
+    assert [at for _, at in result.labels.named] == [(2,)]
+    assert result.labels.said in result.sentence
 
 
 def test_payloads_that_are_right_are_left_alone(tmp_path: Path) -> None:
-    found = hung(tmp_path, "right")
-    assert found.labels is None
-    assert [each.at for each in found.findings] == [(2,)]
+    result = hung(tmp_path, "right")
+    assert result.labels is None
+    assert [finding.at for finding in result.findings] == [(2,)]

@@ -36,9 +36,9 @@ def test_the_base_leans_as_far_as_it_does_beside_a_payload_that_is_wrong(seed: i
     q = np.repeat(poses(seed, 40), 3, axis=0)
     scatter = np.repeat(np.random.default_rng(seed + 5).standard_normal((40, 2)), 3, axis=0)
     tip = leaning_tips(q, lean, MASS + ADDED) + noise(seed, len(q)) + 0.8 * SIGMA * scatter
-    found = diagnose(file(), recording(q, tip))
-    assert found.unknown is None
-    named = {each.effect: each.parameters[0] for each in found.findings}
+    result = diagnose(file(), recording(q, tip))
+    assert result.unknown is None
+    named = {finding.effect: finding.parameters[0] for finding in result.findings}
     assert set(named) == {"payload", "base_tilt"}
     for size, true in ((named["payload"], ADDED), (named["base_tilt"], lean)):
         lower, upper = size.interval
@@ -54,12 +54,12 @@ def test_a_base_that_seems_to_lean_further_than_any_does_is_at_its_bound(tmp_pat
     lean = BASE_TILT.parameters[2].upper + 0.5e-3
     q = np.repeat(poses(1, 40), 3, axis=0)
     tip = leaning_tips(q, float(np.arctan(lean)), MASS / float(np.cos(np.arctan(lean))))
-    found = diagnose(file(), recording(q, tip + noise(1, len(q))))
-    assert [each.effect for each in found.findings] == ["base_tilt"]
-    size = found.findings[0].parameters[0]
+    result = diagnose(file(), recording(q, tip + noise(1, len(q))))
+    assert [finding.effect for finding in result.findings] == ["base_tilt"]
+    size = result.findings[0].parameters[0]
     assert size.at_bound
     assert size.value == BASE_TILT.parameters[2].upper
     assert size.interval[0] < lean < size.interval[1]
-    write_arm(found.corrected, tmp_path / "arm.yaml")
+    write_arm(result.corrected, tmp_path / "arm.yaml")
     (entry,) = read_arm(tmp_path / "arm.yaml").effects
     assert entry.parameters["about_z"] == pytest.approx(size.value, rel=1e-11)

@@ -37,17 +37,17 @@ def member(namer: Namer, effect: str, at: tuple[int, ...]) -> int:
 
 def test_a_base_named_for_a_drive_goes() -> None:
     namer = namer_of(0.0, 2e-5)
-    wrong = tuple(member(namer, *each) for each in (BASE, SECOND))
-    found = under_one_set(namer, Named(wrong, (), (0.001, 0.001), namer.test(()), None), lambda _: None)
-    assert places(namer, renamed_under_one_set(namer, found)) == {ELBOW}
+    wrong = tuple(member(namer, *item) for item in (BASE, SECOND))
+    result = under_one_set(namer, Named(wrong, (), (0.001, 0.001), namer.test(()), None), lambda _: None)
+    assert places(namer, renamed_under_one_set(namer, result)) == {ELBOW}
 
 
 def test_a_base_that_gives_stays() -> None:
     namer = namer_of(3e-6, 2e-5)
     named = name_missing(namer, lambda _: None)
     assert BASE in places(namer, named.members)
-    found = under_one_set(namer, named, lambda _: None)
-    assert found.members == named.members
+    result = under_one_set(namer, named, lambda _: None)
+    assert result.members == named.members
 
 
 def test_nothing_that_gives_is_left_as_it_is_named() -> None:

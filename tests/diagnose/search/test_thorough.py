@@ -14,7 +14,7 @@ PLAIN = {"poses": 24, "payloads": (), "repeats": 2, "sides": "one", "temperature
 
 
 def test_a_gate_is_made_with_more_draws():
-    drawn = [len(Namer(prepared_null(**PLAIN), thorough=each, seed=1).test(())[0].drawn) for each in (False, True)]
+    drawn = [len(Namer(prepared_null(**PLAIN), thorough=item, seed=1).test(())[0].drawn) for item in (False, True)]
     assert drawn[1] > 5 * drawn[0]
 
 
@@ -22,6 +22,6 @@ def test_a_clear_effect_is_named():
     arm = made_arm(False)
     recording = recorded(arm, **PLAIN)
     moved = recording.tip + np.array([4e-4, -3e-4])
-    found = diagnose(arm, replace(recording, tip=moved), Options(thorough=True))
-    assert found.verdict in ("named", "alias_class")
-    assert found.gate_p < 0.01
+    result = diagnose(arm, replace(recording, tip=moved), Options(thorough=True))
+    assert result.verdict in ("named", "alias_class")
+    assert result.gate_p < 0.01

@@ -41,16 +41,16 @@ def both(times: float) -> Array:
 def test_two_causes_that_no_single_one_shows_are_named() -> None:
     namer = namer_of(both(10.0))
     assert min(test.p_value for test in namer.test(())) > LEVEL
-    found = name_missing(namer, lambda _: None)
-    assert found.gate[0].p_value <= LEVEL
-    named = {(namer.pool.groups[m].candidate.effect, namer.pool.groups[m].candidate.at) for m in found.members}
+    result = name_missing(namer, lambda _: None)
+    assert result.gate[0].p_value <= LEVEL
+    named = {(namer.pool.groups[m].candidate.effect, namer.pool.groups[m].candidate.at) for m in result.members}
     assert named in (set(CAUSES), {("servo_droop", (1,)), CAUSES[1]})  # one pattern to the tip
 
 
 def test_they_are_not_sought_where_the_mismatch_may_be_noise() -> None:
-    found = name_missing(namer_of(both(0.5)), lambda _: None)
-    assert found.members == ()
-    assert found.gate[0].p_value > LEVEL
+    result = name_missing(namer_of(both(0.5)), lambda _: None)
+    assert result.members == ()
+    assert result.gate[0].p_value > LEVEL
 
 
 @pytest.mark.parametrize("seed", slow_but(range(4), 2))
@@ -62,6 +62,6 @@ def test_loud_visits_that_only_scatter_get_no_two_names(seed: int) -> None:
     noise = null.observed.whitened(noise_of(null, rng)).reshape(null.observed.residual.shape)
     namer = namer_of((noise + 5.0 * off[null.visits]).reshape(-1))
     namer.rules = replace(namer.rules, false_alarm=0.003)
-    found = name_missing(namer, lambda _: None)
-    assert found.members == ()
-    assert found.gate[0].p_value > 0.003
+    result = name_missing(namer, lambda _: None)
+    assert result.members == ()
+    assert result.gate[0].p_value > 0.003

@@ -34,9 +34,9 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def test_the_mount_is_found_beside_what_gives(folder: Path) -> None:
     diagnosis = lw.diagnose(folder / "arm.yaml", [folder / "right.csv", folder / "left.csv"], without=QUICK)
     (origin,) = diagnosis.found.origins
-    for each, truth in zip(origin.parameters, (0.0, 0.2, 0.05, 0.0, 0.0, TURN), strict=True):
-        low, high = each.interval
-        assert abs(each.value - truth) <= high - low, "twice the 95 % interval"
+    for parameter, truth in zip(origin.parameters, (0.0, 0.2, 0.05, 0.0, 0.0, TURN), strict=True):
+        low, high = parameter.interval
+        assert abs(parameter.value - truth) <= high - low, "twice the 95 % interval"
         assert 0.0 < high - low < 100e-6
     assert Rotation.from_rotvec(origin.turn).magnitude() == pytest.approx(TURN, abs=50e-6)
     (soft,) = diagnosis.found.findings

@@ -35,9 +35,9 @@ def corrected(diagnosis, folder):
 
 
 def test_both_causes_at_their_places(diagnosis):
-    found = {(each["effect"], each["at"]): each for each in diagnosis.findings.to_dict("records")}
-    assert list(found) == [("joint_compliance", (2,)), ("encoder_offset", (4,))]
-    soft, zero = found.values()
+    results = {(item["effect"], item["at"]): item for item in diagnosis.findings.to_dict("records")}
+    assert list(results) == [("joint_compliance", (2,)), ("encoder_offset", (4,))]
+    soft, zero = results.values()
     assert soft["low"] < HIDDEN["compliance"] < soft["high"]
     assert zero["low"] < 1e3 * HIDDEN["offsets"][0][1] < zero["high"]
     # With room for causes too small to be named, as beside any second finding.
@@ -59,9 +59,9 @@ def test_the_weight_of_the_other_arm_matters(corrected, folder):
     (folder / "alone.yaml").write_text("tip: left\n")
     told = lw.predict(corrected, folder / "alone.csv")
     assert told.rms_mm > 10e3 * FLOOR
-    said = " ".join(told.recording.warnings)
+    text = " ".join(told.recording.warnings)
     assert (
-        "Where right was meanwhile is not said (right_q1 and on): it is taken to have stood still at 0 deg, 0" in said
+        "Where right was meanwhile is not said (right_q1 and on): it is taken to have stood still at 0 deg, 0" in text
     )
 
 

@@ -55,13 +55,13 @@ def server(tmp_path_factory):
 @pytest.fixture(scope="module")
 def chromium():
     """A browser for a module at most: while it is there, its own event loop runs in this thread."""
-    found = next((path for name in ("chromium", "chromium-browser") if (path := shutil.which(name))), None)
-    if found is None:
+    result = next((path for name in ("chromium", "chromium-browser") if (path := shutil.which(name))), None)
+    if result is None:
         pytest.skip("there is no chromium here; `.ci/run` installs it, or: apt-get install chromium")
     from playwright.sync_api import sync_playwright
 
     with sync_playwright() as playwright:
-        browser = playwright.chromium.launch(executable_path=found, args=["--no-sandbox"])
+        browser = playwright.chromium.launch(executable_path=result, args=["--no-sandbox"])
         yield browser
         browser.close()
 

@@ -20,13 +20,13 @@ def test_the_bent_shape_ends_where_the_arm_does(q):
     arm = lw.read_arm(ARM).replace("leave_out", ["backlash", "clearance"]).model
     beams = beams_of(arm, (arm.payload,))
     places, shifts = bent_shape(arm, solve(arm, list(q), beams, arm.payload))
-    found = deformed(solve(arm, [np.array([value]) for value in q], beams, arm.payload), active_effects(arm), 1)
-    assert np.linalg.norm(found.tip) > 1e-5
-    np.testing.assert_allclose(shifts[-1], found.tip[0], rtol=1e-2, atol=1e-7)
+    result = deformed(solve(arm, [np.array([value]) for value in q], beams, arm.payload), active_effects(arm), 1)
+    assert np.linalg.norm(result.tip) > 1e-5
+    np.testing.assert_allclose(shifts[-1], result.tip[0], rtol=1e-2, atol=1e-7)
     nominal, bent = np.zeros(3), np.zeros(3)
     per_link = (len(places) - 1) // arm.size
     for index, (straight, link) in enumerate(
-        zip(solve(arm, list(q), beams, arm.payload).links, found.state.links, strict=True)
+        zip(solve(arm, list(q), beams, arm.payload).links, result.state.links, strict=True)
     ):
         nominal = nominal + np.array([float(x) for x in straight.vector])
         bent = bent + np.array([float(np.ravel(x)[0]) for x in link.vector])
@@ -50,7 +50,7 @@ def test_each_worst_pose_is_told_and_drawn():
     arm = lw.read_arm(ARM).replace("name", "<script>alert(1)</script>")
     told = worst_poses(lw.evaluate(arm).found)
     assert told
-    for each in told:
-        assert each["svg"].count("<svg") == 1
-        assert 'class="bent"' in each["svg"]
-        assert "<script>" not in each["svg"]
+    for item in told:
+        assert item["svg"].count("<svg") == 1
+        assert 'class="bent"' in item["svg"]
+        assert "<script>" not in item["svg"]

@@ -75,7 +75,7 @@ def test_a_locked_base_loses_no_answer(server, page):
     page.goto(server.url)
     page.locator(".lw-picture svg .joint").first.wait_for()
     shelf = Shelf(server.folder)
-    before = {each.id for each in shelf.all()}
+    before = {item.id for item in shelf.all()}
     with closing(sqlite3.connect(shelf.path, isolation_level=None)) as other:
         other.execute("BEGIN EXCLUSIVE")
         page.get_by_role("button", name="Evaluate").click()
@@ -89,7 +89,7 @@ def test_a_locked_base_loses_no_answer(server, page):
     page.get_by_role("button", name="Keep again").wait_for(state="detached")
     # The page asks for the kept report now, which must not be gone before it is answered.
     page.frame_locator("iframe").get_by_role("heading", level=1).wait_for()
-    (fresh,) = {each.id for each in shelf.all()} - before
+    (fresh,) = {item.id for item in shelf.all()} - before
     assert "report.html" in shelf.names(fresh)
     shelf.remove(fresh)
 

@@ -27,8 +27,8 @@ def page_with(text):
 
 
 def keep(shelf, **files):
-    found = {name.replace("_", "."): content for name, content in files.items()}
-    return shelf.keep("evaluate", "an arm", "a line", found, complete=True, seconds=1.0)
+    results = {name.replace("_", "."): content for name, content in files.items()}
+    return shelf.keep("evaluate", "an arm", "a line", results, complete=True, seconds=1.0)
 
 
 @pytest.mark.parametrize("look", [Shelf.all, Shelf.runs, lambda shelf: shelf.find(1), lambda shelf: shelf.file(1, "a")])
@@ -63,7 +63,7 @@ def test_a_base_that_was_taken_away_is_made_anew(tmp_path):
     shelf = Shelf(tmp_path)
     shelf.path.unlink()
     number = keep(shelf, arm_yaml=b"chain")
-    assert [each.id for each in shelf.all()] == [number]
+    assert [item.id for item in shelf.all()] == [number]
 
 
 def test_a_garbled_base_is_one_line(tmp_path):
@@ -87,7 +87,7 @@ def test_rows_of_others_are_shown_or_refused_in_a_line(tmp_path):
     for name in ("arm.yaml", "poses.json"):
         with pytest.raises(InputError, match=f"{name} of result {number}: is damaged"):
             shelf.file(number, name)
-    assert [each.id for each in shelf.all()] == [number + 1, number]
+    assert [item.id for item in shelf.all()] == [number + 1, number]
     for none in (10**30, -1, 2**63):
         assert shelf.find(none) is None
         assert shelf.names(none) == []
@@ -126,7 +126,7 @@ def test_what_a_kill_cut_off_is_listed(tmp_path):
         shelf.begin("optimize", "elsewhere", f"{other.pid} on {host}")
         done = shelf.begin("optimize", "done", f"{os.getpid()} on {host}")
         shelf.keep("optimize", "done", "found", {}, complete=True, seconds=1.0, run=done)
-        assert sorted(each.id for each in Jobs(shelf).cut_off()) == cut
+        assert sorted(item.id for item in Jobs(shelf).cut_off()) == cut
         other.communicate(b"\n")
 
 

@@ -17,16 +17,16 @@ def checkup(linkwright, bench):
     assert err == ""
     content = json.loads((bench / "doctor.json").read_text())
     assert content["sound"] == (status == 0)
-    wrong = [each for each in content["checks"] if each["state"] == "wrong"]
-    assert all(each["would_do"] for each in wrong)
-    assert all(each["name"] in out for each in wrong)
-    return status, {each["name"]: each for each in content["checks"]}
+    wrong = [item for item in content["checks"] if item["state"] == "wrong"]
+    assert all(item["would_do"] for item in wrong)
+    assert all(item["name"] in out for item in wrong)
+    return status, {item["name"]: item for item in content["checks"]}
 
 
 def test_this_installation_is_sound(linkwright, bench):
-    status, found = checkup(linkwright, bench)
+    status, result = checkup(linkwright, bench)
     assert status == 0
-    assert {"Python", "casadi", "solver (IPOPT)", "catalogue: materials", "threads of linear algebra"} <= set(found)
+    assert {"Python", "casadi", "solver (IPOPT)", "catalogue: materials", "threads of linear algebra"} <= set(result)
 
 
 @pytest.mark.slow
@@ -36,17 +36,17 @@ def test_a_command_takes_one_thread_of_linear_algebra_unless_told_otherwise(tmp_
     given = left if asked is None else {**left, "OPENBLAS_NUM_THREADS": asked}
     told = tmp_path / "doctor.json"
     subprocess.run([sys.executable, "-m", "linkwright", "doctor", "--json", str(told)], env=given, check=True)
-    found = {each["name"]: each["found"] for each in json.loads(told.read_text())["checks"]}
-    assert found["threads of linear algebra"].startswith(f"{taken} of ")
+    results = {load["name"]: load["found"] for load in json.loads(told.read_text())["checks"]}
+    assert results["threads of linear algebra"].startswith(f"{taken} of ")
 
 
 def test_a_catalogue_that_cannot_be_read_is_named(linkwright, bench, monkeypatch):
     (bench / "own.yaml").write_text("materials: 3\n")
     monkeypatch.setenv("LINKWRIGHT_CATALOGUE", str(bench / "own.yaml"))
-    status, found = checkup(linkwright, bench)
+    status, result = checkup(linkwright, bench)
     assert status == 1
-    assert found["catalogue: materials"]["state"] == "wrong"
-    assert "own.yaml: format_version" in found["catalogue: materials"]["found"]
+    assert result["catalogue: materials"]["state"] == "wrong"
+    assert "own.yaml: format_version" in result["catalogue: materials"]["found"]
 
 
 @pytest.mark.parametrize(
@@ -65,17 +65,17 @@ def test_packages(linkwright, bench, monkeypatch, version, status, casadi, parqu
         return real(name)
 
     monkeypatch.setattr(metadata, "version", told)
-    ended, found = checkup(linkwright, bench)
-    assert (ended, found["casadi"]["state"], found["parquet recordings"]["state"]) == (status, casadi, parquet)
+    ended, result = checkup(linkwright, bench)
+    assert (ended, result["casadi"]["state"], result["parquet recordings"]["state"]) == (status, casadi, parquet)
 
 
 def test_a_solver_that_answers_wrongly_is_no_solver(linkwright, bench, monkeypatch):
     """Far fewer steps than it needs."""
     options = {"print_time": False, "ipopt": {"print_level": 0, "sb": "yes", "max_iter": 1}}
     monkeypatch.setattr("linkwright.core.optimize.exchange.program.ipopt_options", lambda: options)
-    status, found = checkup(linkwright, bench)
+    status, result = checkup(linkwright, bench)
     assert status == 1
-    assert "solves wrongly" in found["solver (IPOPT)"]["found"]
+    assert "solves wrongly" in result["solver (IPOPT)"]["found"]
 
 
 def test_a_folder_that_cannot_be_written_is_named(linkwright, bench, monkeypatch):
@@ -83,6 +83,6 @@ def test_a_folder_that_cannot_be_written_is_named(linkwright, bench, monkeypatch
         raise PermissionError(13, "Permission denied")
 
     monkeypatch.setattr(tempfile, "TemporaryFile", refused)
-    status, found = checkup(linkwright, bench)
+    status, result = checkup(linkwright, bench)
     assert status == 1
-    assert "Permission denied" in found["folder of own catalogues"]["found"]
+    assert "Permission denied" in result["folder of own catalogues"]["found"]

@@ -50,25 +50,25 @@ def area(points):
 def test_links_and_sections_are_to_scale(arm):
     """Side views as long and high as the links; the areas of the sections by closed forms; dimensions that say so."""
     space = drawing(arm).modelspace()
-    lines = [[tuple(p)[:2] for p in each.get_points()] for each in space.query("LWPOLYLINE[layer=='OUTLINE']")]
+    lines = [[tuple(p)[:2] for p in item.get_points()] for item in space.query("LWPOLYLINE[layer=='OUTLINE']")]
     areas = sorted(area(points) for points in lines)
     views = [500.0 * 100.0, 400.0 * 80.0, 300.0 * 120.0, 200.0 * 0.5 * (120.0 + 60.0)]
     sections = [60.0 * 100.0, 2 * 50.0 * 8.0 + (120.0 - 16.0) * 6.0]
     assert areas == pytest.approx(sorted([*views, *sections]), rel=1e-9)
-    radii = sorted(each.dxf.radius for each in space.query("CIRCLE[layer=='OUTLINE']"))
+    radii = sorted(item.dxf.radius for item in space.query("CIRCLE[layer=='OUTLINE']"))
     assert radii == pytest.approx(sorted([40.0, 35.0, 60.0, 56.0, 30.0, 26.0]), rel=1e-4)
-    said = sorted(each.get_measurement() for each in space.query("DIMENSION"))
+    said = sorted(item.get_measurement() for item in space.query("DIMENSION"))
     wide_and_high = [60, 100, 80, 80, 50, 120, 120, 120, 60, 60]
     assert said == pytest.approx(sorted([500, 400, 300, 200, *wide_and_high]), rel=1e-4)
 
 
 def test_a_rigid_link_is_an_axis_and_that_is_said():
     model = Arm("one", (Joint(),), (Link(0.4, mass=1.0),))
-    found = lw.export_arm(lw.Arm.of(model), to="dxf").found
-    assert any("link 1 is rigid" in each for each in found.lost)
-    space = ezdxf.read(io.StringIO(found.text)).modelspace()
+    result = lw.export_arm(lw.Arm.of(model), to="dxf").found
+    assert any("link 1 is rigid" in item for item in result.lost)
+    space = ezdxf.read(io.StringIO(result.text)).modelspace()
     assert not space.query("LWPOLYLINE")
-    assert [each.get_measurement() for each in space.query("DIMENSION")] == pytest.approx([400.0])
+    assert [item.get_measurement() for item in space.query("DIMENSION")] == pytest.approx([400.0])
 
 
 def test_parts_have_the_masses_and_inertias_of_bodies(arm):
@@ -97,6 +97,6 @@ def test_parts_have_the_masses_and_inertias_of_bodies(arm):
 
 def test_what_has_no_price_is_said():
     model = Arm("two", (Joint(mass=2.0), Joint()), (Link(0.4, mass=1.0), Link(0.4, mass=2.0)))
-    found = lw.export_arm(lw.Arm.of(model), to="bom").found
-    assert any("no price is known of drive of joint 1, link 1, link 2" in each for each in found.lost)
-    assert math.isnan(pd.read_csv(io.StringIO(found.text))["price_EUR"].iloc[0])
+    result = lw.export_arm(lw.Arm.of(model), to="bom").found
+    assert any("no price is known of drive of joint 1, link 1, link 2" in item for item in result.lost)
+    assert math.isnan(pd.read_csv(io.StringIO(result.text))["price_EUR"].iloc[0])

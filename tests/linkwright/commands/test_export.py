@@ -14,11 +14,11 @@ def test_each_format_is_written(linkwright, bench):
         status, out, err = linkwright("export", "arm.yaml", "--to", form, "--json", "said.json")
         assert (status, err) == (0, "")
         assert f"written: {name}" in out
-        found = lw.export_arm(bench / "arm.yaml", to=form)
-        assert (bench / name).read_text(encoding="utf-8") == found.text
-        assert (bench / "said.json").read_text(encoding="utf-8") == found.to_json()
-        for words in json.loads(found.to_json())["not_carried"]:
-            assert f"Not in this file: {words}." in found.text
+        result = lw.export_arm(bench / "arm.yaml", to=form)
+        assert (bench / name).read_text(encoding="utf-8") == result.text
+        assert (bench / "said.json").read_text(encoding="utf-8") == result.to_json()
+        for words in json.loads(result.to_json())["not_carried"]:
+            assert f"Not in this file: {words}." in result.text
             assert words in " ".join(out.split()) or len(words) > 40
     assert mujoco.MjModel.from_xml_path(str(bench / "arm.xml")).nu == lw.read_arm(bench / "arm.yaml").model.size
     status, _, err = linkwright("export", "arm.yaml", "--to", "urdf")
@@ -59,8 +59,8 @@ def test_what_was_found_goes_into_the_users_own_file(linkwright, bench):
     assert len(content["carried"]) == 1
     assert "joint1: rpy" in content["carried"][0]
     assert (bench / "robot.urdf").read_bytes() == before
-    found = lw.export_arm(bench / "found.yaml", into=bench / "robot.urdf")
-    assert (bench / "robot-corrected.urdf").read_bytes() == found.text.encode()
+    result = lw.export_arm(bench / "found.yaml", into=bench / "robot.urdf")
+    assert (bench / "robot-corrected.urdf").read_bytes() == result.text.encode()
     status, _, err = linkwright("export", "found.yaml", "--into", "robot.urdf")
     assert (status, "robot-corrected.urdf: is there already" in err) == (2, True)
     status, _, err = linkwright("export", "found.yaml", "--into", "robot.urdf", "--out", "robot.urdf")

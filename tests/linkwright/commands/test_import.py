@@ -25,14 +25,14 @@ def test_the_arm_file_is_written_once(linkwright, empty):
     assert (status, err) == (0, "")
     assert "3 joints from base to tip, 2.5 kg that move" in out
     assert "stiffness of the drives" in out
-    found = lw.import_arm(EXAMPLE, tip="tip")
-    assert (empty / "found.json").read_text(encoding="utf-8") == found.to_json()
-    found.save(empty / "same.yaml")
+    result = lw.import_arm(EXAMPLE, tip="tip")
+    assert (empty / "found.json").read_text(encoding="utf-8") == result.to_json()
+    result.save(empty / "same.yaml")
     assert (empty / "same.yaml").read_bytes() == (empty / "arm.yaml").read_bytes()
-    content = json.loads(found.to_json())
+    content = json.loads(result.to_json())
     assert [joint["link"] for joint in content["joints"]] == ["column", "forearm", "slide"]
     assert [joint["mass_kg"] for joint in content["joints"]] == pytest.approx([1.1, 0.8, 0.6])
-    assert lw.read_arm(empty / "arm.yaml").model.lengths == pytest.approx(found.arm.model.lengths)
+    assert lw.read_arm(empty / "arm.yaml").model.lengths == pytest.approx(result.arm.model.lengths)
     assert linkwright("import", str(EXAMPLE), "--tip", "tip")[0] == 2
     status, _, err = linkwright("import", str(EXAMPLE))
     assert status == 2

@@ -29,11 +29,11 @@ def lines_of(capsys, *words):
 
 def test_quiet_is_the_answer_and_its_warnings(arm, capsys, tmp_path):
     """No table, no file that was written; what an arm at 60 degC leaves out is a warning, and stays."""
-    found = lines_of(capsys, "evaluate", arm, "--quiet", "--json", str(tmp_path / "result.json"))
-    assert found[:1] == ["hook"]
-    assert found[1].startswith("Worst position error")
-    assert len(found) > 2
-    assert all(line.startswith("WARNING: ") for line in found[2:])
+    result = lines_of(capsys, "evaluate", arm, "--quiet", "--json", str(tmp_path / "result.json"))
+    assert result[:1] == ["hook"]
+    assert result[1].startswith("Worst position error")
+    assert len(result) > 2
+    assert all(line.startswith("WARNING: ") for line in result[2:])
     assert (tmp_path / "result.json").exists()
 
 

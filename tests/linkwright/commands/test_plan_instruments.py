@@ -52,8 +52,8 @@ def first(bench):
     q = np.repeat(RANDOM.uniform(-0.6, 0.6, (10, 3)), 3, axis=0)
     read = _read(q, np.ones_like(q), np.full(len(q), 3.0))
     rows = [
-        [*(f"{x:.9f}" for x in np.degrees(each)), "1", "1", "1", "3", f"{1e3 * value:.6f}"]
-        for each, value in zip(q, read, strict=True)
+        [*(f"{x:.9f}" for x in np.degrees(item)), "1", "1", "1", "3", f"{1e3 * value:.6f}"]
+        for item, value in zip(q, read, strict=True)
     ]
     lines = ["q1_deg,q2_deg,q3_deg,dir1,dir2,dir3,payload_kg,distance_mm", *(",".join(row) for row in rows)]
     (bench / "first.csv").write_text("\n".join(lines) + "\n")
@@ -80,12 +80,12 @@ def test_a_wire_tells_play_once_the_deciding_visits_are_made(linkwright, first):
     plan = json.loads((first / "plan.json").read_text())
     assert (plan["instrument"], plan["sees"]) == ("distance", ["distance"])
     assert plan["pairs_told"] >= plan["pairs_told_random"] > 0
-    smaller = [np.log(each["random"] / each["smallest"]) for each in plan["shown"] if each["random"]]
+    smaller = [np.log(item["random"] / item["smallest"]) for item in plan["shown"] if item["random"]]
     assert np.mean(smaller) > np.log(1.1)
     assert "anchor: [1500 mm, 300 mm, 0 mm]" in (first / "plan.yaml").read_text()
     _filled_in(first / "plan.csv", first / "second.csv")
     after = _diagnosed(linkwright, first, "first.csv", "second.csv")
-    names = [(each["effect"], each["at"]) for each in after["missing"]]
+    names = [(item["effect"], item["at"]) for item in after["missing"]]
     assert (after["verdict"], names) == ("named", [("backlash", [2])])
     assert linkwright("simulate", "arm.yaml", "--at", "plan.csv", "--out", "made.csv")[0] == 0
     assert "observes: distance" in (first / "made.yaml").read_text()
@@ -119,8 +119,8 @@ def test_a_plan_is_recorded_by_the_instrument_that_it_is_for(linkwright, bench, 
     assert lines[0].endswith(f"payload_kg,{header}")
     touches = header in ("point", "plane", "bar_mm,bar")
     if touches:  # which of those it is, and where about
-        assert {line.split(",")[-1] for line in lines[1:]} == {each["label"] for each in content["touches"]}
-        assert {each["touches"] for each in content["visits"]} == {each["label"] for each in content["touches"]}
+        assert {line.split(",")[-1] for line in lines[1:]} == {item["label"] for item in content["touches"]}
+        assert {item["touches"] for item in content["visits"]} == {item["label"] for item in content["touches"]}
     else:
         assert all(line.endswith("," * len(header.split(","))) for line in lines[1:])
     assert setting in (bench / "plan.yaml").read_text()
@@ -128,8 +128,8 @@ def test_a_plan_is_recorded_by_the_instrument_that_it_is_for(linkwright, bench, 
     assert made.found.slots is not None
     assert made.found.size == 27
     made.save("made.csv")
-    found = lw.diagnose("arm.yaml", "made.csv").found
-    names = [(one.effect, one.at) for finding in found.findings for one in (finding, *finding.alternatives)]
+    result = lw.diagnose("arm.yaml", "made.csv").found
+    names = [(one.effect, one.at) for finding in result.findings for one in (finding, *finding.alternatives)]
     assert ("joint_compliance", (2,)) in names
     more = () if options[0] == "tilt" else ("--sigma", "20 um")
     # Nine touches of a few places fill a box in which there are no other postures.
@@ -158,10 +158,10 @@ def test_torques_are_planned_read_and_diagnosed_beside_the_tip(linkwright, tmp_p
     assert first["friction_within"] > 0.0
     arguments = ("--at", plan, "--with", gives, "--torques", "2 N*m", "--out", recording)
     assert linkwright("simulate", str(HEAVY), *arguments)[0] == 0
-    found = lw.diagnose(HEAVY, recording).found
-    names = [(one.effect, one.at) for finding in found.findings for one in (finding, *finding.alternatives)]
+    result = lw.diagnose(HEAVY, recording).found
+    names = [(one.effect, one.at) for finding in result.findings for one in (finding, *finding.alternatives)]
     assert ("backlash", (2,)) in names
-    assert any("Torques bear out what the links weigh" in note for note in found.notes)
+    assert any("Torques bear out what the links weigh" in note for note in result.notes)
 
 
 @pytest.mark.parametrize(

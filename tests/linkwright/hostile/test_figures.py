@@ -200,9 +200,9 @@ def test_many_draws_of_play_need_no_memory_for_all_poses(bench):
     p = beam_values(beams_of(arm))
     arrays = model.arrays([[0.01 * k, 0.2] for k in range(128)], p)
     tracemalloc.start()
-    found = played(arrays, model.radii, "statistical", planar=True, statistics=arm.statistics)
+    result = played(arrays, model.radii, "statistical", planar=True, statistics=arm.statistics)
     peak = tracemalloc.get_traced_memory()[1]
     tracemalloc.stop()
     assert peak < 150e6
     alone = played(model.arrays([[0.05, 0.2]], p), model.radii, "statistical", planar=True, statistics=arm.statistics)
-    assert found.error[5] == pytest.approx(alone.error[0], rel=1e-12)
+    assert result.error[5] == pytest.approx(alone.error[0], rel=1e-12)

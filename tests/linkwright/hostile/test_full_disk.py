@@ -25,15 +25,15 @@ def test_the_answer_is_shown_where_its_file_cannot_be_written(linkwright, comman
     status, shown, _ = linkwright(*command)
     assert status == 0
     for option in ("--json", "--markdown"):
-        found = linkwright(*command, option, "/dev/full")
-        assert found == (2, shown, "/dev/full: cannot be written: No space left on device\n")
+        result = linkwright(*command, option, "/dev/full")
+        assert result == (2, shown, "/dev/full: cannot be written: No space left on device\n")
 
 
 def test_the_answer_is_shown_where_its_folder_cannot_hold_it(process, bench):
     """A limit of 8 kB a file: the result fits, the report does not."""
-    found = process(f"ulimit -f 8; $PYTHON -m linkwright evaluate {SMALL} --out out")
-    assert found.returncode == 2
-    assert "Worst position error" in found.stdout
-    assert found.stderr.count("\n") == 1
-    assert "report.html: cannot be written" in found.stderr
+    result = process(f"ulimit -f 8; $PYTHON -m linkwright evaluate {SMALL} --out out")
+    assert result.returncode == 2
+    assert "Worst position error" in result.stdout
+    assert result.stderr.count("\n") == 1
+    assert "report.html: cannot be written" in result.stderr
     assert not (bench / "out" / "report.html").exists()

@@ -187,7 +187,7 @@ def test_bars_are_to_scale(page, result):
         for tag, attributes in page.tags
         if tag == "span" and (attributes.get("class") or "").startswith("fill")
     ]
-    values = [value for each in (result.before, result.after) for value in each.by_effect.values()]
+    values = [value for item in (result.before, result.after) for value in item.by_effect.values()]
     assert max(widths) == 100.0
     expected = sorted(100.0 * value / max(values) for value in values)
     assert sorted(widths) == pytest.approx(expected, abs=0.01)
@@ -226,11 +226,11 @@ def test_an_arm_in_space_is_drawn_upright_through_its_tip():
     column = Joint(axis=(0.0, 0.0, 1.0), range=(0.5, 2.0))
     elbow = Joint(axis=(0.0, 1.0, 0.0), range=(-1.0, 1.0), stiffness=1e4)
     arm = replace(arm_of((Circle(0.05), Circle(0.05)), joints=(column, elbow)), gravity=(0.0, 0.0, -9.81))
-    found = evaluate(arm)
-    drawn = skeleton(found)
-    second = found.worst.poses[0].q[1]
+    result = evaluate(arm)
+    drawn = skeleton(result)
+    second = result.worst.poses[0].q[1]
     assert drawn.tip == pytest.approx((400.0 + 300.0 * math.cos(second), 300.0 * math.sin(second)), abs=1e-6)
-    page = Page(page_of(evaluations.describe(found)))
+    page = Page(page_of(evaluations.describe(result)))
     assert "seen from the side" in page.text
 
 

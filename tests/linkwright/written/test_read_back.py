@@ -79,9 +79,9 @@ def test_a_design_that_does_not_read_back_is_shown_written_and_told(
     told = capsys.readouterr()
     assert "what binds" in told.out
     assert "written:" not in told.out
-    (line,) = [each for each in told.err.splitlines() if "read back" in each]
+    (line,) = [item for item in told.err.splitlines() if "read back" in item]
     assert "result/arm.yaml: is written, but does not read back as what was found: chain[2].link.length" in line
-    assert {each.name for each in out.iterdir()} == {"arm.yaml", "report.html", "result.json"}
+    assert {item.name for item in out.iterdir()} == {"arm.yaml", "report.html", "result.json"}
 
 
 @pytest.mark.slow
@@ -113,7 +113,7 @@ def test_all_files_are_written_before_one_of_them_is_complained_of(tmp_path: Pat
     good = ReadBack("good", lambda path: () if path.read_text() == "good" else ["no"])
     with pytest.raises(NotAsWritten, match=r"a\.yaml: is written, but .*: a\.yaml differs"):
         write_each({tmp_path / "a.yaml": bad, tmp_path / "b.yaml": good, tmp_path / "c.txt": "plain"})
-    assert {each.name: each.read_text() for each in tmp_path.iterdir()} == {
+    assert {item.name: item.read_text() for item in tmp_path.iterdir()} == {
         "a.yaml": "bad", "b.yaml": "good", "c.txt": "plain"}  # fmt: skip
 
 
@@ -149,12 +149,12 @@ def test_settings_of_a_recording_are_read_back_too(tmp_path: Path, monkeypatch: 
     ],
 )
 def test_an_export_is_imported_again(right: str, wrong: str, says: str, tmp_path: Path) -> None:
-    found = lw.export_arm(WELDING / "arm.yaml", to="urdf")
-    found.save(tmp_path / "arm.urdf")
+    result = lw.export_arm(WELDING / "arm.yaml", to="urdf")
+    result.save(tmp_path / "arm.urdf")
     from dataclasses import replace
 
-    assert right in found.text
-    worse = replace(found, found=replace(found.found, text=found.text.replace(right, wrong, 1)))
+    assert right in result.text
+    worse = replace(result, found=replace(result.found, text=result.text.replace(right, wrong, 1)))
     with pytest.raises(NotAsWritten, match=says):
         worse.save(tmp_path / "arm.urdf")
     assert (tmp_path / "arm.urdf").read_text() == worse.text

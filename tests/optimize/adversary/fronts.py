@@ -39,7 +39,7 @@ def random_front(folder: Path, seed: int) -> Question:
     text = f"choose: {{section: [{', '.join(shapes)}], material: [{', '.join(metals)}]}}\n"
     sizes = f"section_size: [{random.uniform(15, 30):.0f} mm, {random.uniform(70, 110):.0f} mm]"
     limits = [sizes, f"thickness: [{random.uniform(1, 3):.1f} mm, {random.uniform(6, 12):.1f} mm]"]
-    x, y = (str(each) for each in random.choice(FIGURES, 2, replace=False))
+    x, y = (str(item) for item in random.choice(FIGURES, 2, replace=False))
     plain = problem_of(folder, arm, text + f"subject_to: {{{', '.join(limits)}}}\n")
     given = evaluate(plain.arm, plain.workspace, plain.load_cases)
     share = random.uniform(0.5, 2.0, 3)
@@ -69,12 +69,12 @@ class Held:
 
 def front_of(asked: Question, accuracy: float) -> Tradeoff:
     """The front, none of whose points is beaten in one figure and not worse in the other."""
-    found = trade_off(asked, accuracy=accuracy)
-    assert found.envelope.exhaustive
-    assert found.envelope.complete
-    points = [(point.x, point.y) for point in found.of(found.envelope)]
+    result = trade_off(asked, accuracy=accuracy)
+    assert result.envelope.exhaustive
+    assert result.envelope.complete
+    points = [(point.x, point.y) for point in result.of(result.envelope)]
     assert not any(other != own and other[0] <= own[0] and other[1] <= own[1] for own in points for other in points)
-    return found
+    return result
 
 
 def held(found: Tradeoff, every: int = 3) -> list[Held]:

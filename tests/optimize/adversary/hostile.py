@@ -74,7 +74,7 @@ def hostile(folder: Path, seed: int, links: int, *, box: bool, free: bool) -> Ho
     if random.random() < 0.5:
         ranges[1] = (int(random.integers(10, 40)), 150)
     growth = bool(random.random() < 0.5)
-    metals = [str(each) for each in random.choice(METALS, links)]
+    metals = [str(item) for item in random.choice(METALS, links)]
     own = random.random() < 0.4
     backlash = random.random() < 0.4
     loads = [(round(float(random.uniform(0, 5)), 2), *_force(random)) for _ in range(int(random.integers(1, 3)))]
@@ -147,7 +147,7 @@ def held(case: Hostile) -> str:
     (limit,) = problem.limit("mass")
     q, unreached = poses(case, arm)
     names = {link.material.name for link in problem.arm.links if link.material is not None}
-    own = problem.materials is None or (len(names) == 1 and names <= {each.name for each in problem.materials})
+    own = problem.materials is None or (len(names) == 1 and names <= {material.name for material in problem.materials})
     keeps = own and "circle" in (problem.shapes or ()) and arm.mass <= limit.value and unreached == 0.0
     try:
         result = optimise(problem)

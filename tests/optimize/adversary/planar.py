@@ -57,7 +57,7 @@ class Planar:
         """The links' mass, kg."""
         areas = self._sections()[0]
         parts = zip(areas, self.lengths, self.stuffs, strict=True)
-        return sum(area * length * stuff.density for area, length, stuff in parts)
+        return sum(area * length * item.density for area, length, item in parts)
 
     def tips(self, q: Array) -> Array:
         """The tips (N, 2) at poses (N, n), m."""
@@ -94,8 +94,8 @@ class Planar:
             levers.append(0.5 * self.backlash[k] * _turned(end))
             force = force + np.array([0.0, -self.joints[k] * GRAVITY])
         sides = itertools.product((-1.0, 1.0), repeat=len(levers))
-        played = (moved + sum(side * lever for side, lever in zip(each, levers, strict=True)) for each in sides)
-        return np.max([np.hypot(*each.T) for each in played], axis=0)
+        played = (moved + sum(side * lever for side, lever in zip(item, levers, strict=True)) for item in sides)
+        return np.max([np.hypot(*item.T) for item in played], axis=0)
 
     def poses_of(self, places: Array, turns: int) -> tuple[Array, Array]:
         """All poses (N, n) of two links, and of three with so many values of the last angle, that have their tip at
@@ -109,7 +109,7 @@ class Planar:
         with np.errstate(invalid="ignore", divide="ignore"):
             cosine = (np.abs(target) ** 2 - first**2 - second**2) / (2.0 * first * second)
         bend = np.arccos(np.clip(cosine, -1.0, 1.0))
-        found: list[Array] = []
+        results: list[Array] = []
         reached = np.zeros(len(places), dtype=bool)
         for side in (1.0, -1.0):
             elbow = side * bend
@@ -120,9 +120,9 @@ class Planar:
             limits = np.array(self.ranges)
             kept = np.all((q >= limits[:, 0] - 1e-12) & (q <= limits[:, 1] + 1e-12), axis=-1)
             kept &= np.abs(cosine) <= 1.0 + 1e-9
-            found.append(q[kept])
+            results.append(q[kept])
             reached |= kept.any(axis=1)
-        q = np.vstack(found)
+        q = np.vstack(results)
         return q, reached
 
     def grid(self, each: int) -> Array:

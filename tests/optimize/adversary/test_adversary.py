@@ -62,8 +62,8 @@ def test_an_answer_that_claims_too_much_is_noticed(
         case = replace(case, box=case.box + np.array([0.1, 0.0]))  # type: ignore[operator]
 
     def better(problem: Problem) -> OptimizationResult:
-        found = optimise(problem)
-        return replace(found, objective=0.99 * found.objective) if figure == "objective" else found
+        result = optimise(problem)
+        return replace(result, objective=0.99 * result.objective) if figure == "objective" else result
 
     monkeypatch.setattr(tried, "optimise", better)
     with pytest.raises(AssertionError):
@@ -72,8 +72,8 @@ def test_an_answer_that_claims_too_much_is_noticed(
 
 def test_sizes_by_hand_weigh_what_the_tool_says(tmp_path: Path) -> None:
     case = hostile(tmp_path, 3, 3, box=False, free=False)
-    found = evaluate(case.problem.arm, case.problem.workspace, case.problem.load_cases)
-    assert by_hand(case.problem.arm, growth=False).mass == pytest.approx(found.mass, rel=1e-12)
+    result = evaluate(case.problem.arm, case.problem.workspace, case.problem.load_cases)
+    assert by_hand(case.problem.arm, growth=False).mass == pytest.approx(result.mass, rel=1e-12)
 
 
 def test_poses_with_joints_to_spare_stay_within_their_ranges(tmp_path: Path) -> None:

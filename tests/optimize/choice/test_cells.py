@@ -87,9 +87,9 @@ def test_of_a_cell_across_a_limit_the_corner_beyond_it_is_not_what_counts(cells:
 def test_multipliers_bound_the_linear_program_over_the_corners(seed: int, limits: int) -> None:
     rng = np.random.default_rng(seed)
     scores, held = rng.normal(size=(5, 16)), rng.normal(size=(5, 16, limits))
-    found = multipliers(scores, held)
-    assert (found >= 0.0).all()
-    told = (scores + np.einsum("nch,nh->nc", held, found)).min(axis=1)
+    result = multipliers(scores, held)
+    assert (result >= 0.0).all()
+    told = (scores + np.einsum("nch,nh->nc", held, result)).min(axis=1)
     for k in range(len(scores)):
         program = linprog(scores[k], held[k].T, np.zeros(limits), np.ones((1, 16)), [1.0], bounds=(0.0, None))
         mixed = mixture(scores[k], held[k])

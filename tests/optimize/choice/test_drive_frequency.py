@@ -39,30 +39,30 @@ def test_drives_alone_are_an_oscillator_of_point_masses(tmp_path: Path) -> None:
     problem = problem_of(tmp_path, SOFT, f"subject_to: {{mass: '<= 12 kg', {ROOM}}}\n")
     allowed = frequency_allowed(problem)
     assert allowed == pytest.approx(oscillator(4e4, 1e4), rel=1e-6)
-    found = evaluate(problem.arm, problem.workspace, problem.load_cases)
-    assert found.frequency is not None
-    assert found.frequency_of_drives is not None
-    assert found.frequency.value < found.frequency_of_drives.value < allowed
-    assert evaluation_json(found)["first_frequency_of_drives_Hz"] == found.frequency_of_drives.value
+    result = evaluate(problem.arm, problem.workspace, problem.load_cases)
+    assert result.frequency is not None
+    assert result.frequency_of_drives is not None
+    assert result.frequency.value < result.frequency_of_drives.value < allowed
+    assert evaluation_json(result)["first_frequency_of_drives_Hz"] == result.frequency_of_drives.value
 
 
 def test_a_frequency_beyond_that_of_the_drives_is_refused_at_once(tmp_path: Path) -> None:
-    said: list[str] = []
+    texts: list[str] = []
     rounds: list[object] = []
     problem = problem_of(tmp_path, SOFT, f"subject_to: {{first_frequency: '>= 20 Hz', {ROOM}}}\n")
     with pytest.raises(NoAnswer, match="first_frequency"):
-        optimise(problem, log=rounds.append, told=said.append)
+        optimise(problem, log=rounds.append, told=texts.append)
     assert rounds == []
-    assert len(said) == 1
-    assert f"{oscillator(4e4, 1e4):.4g}" in said[0]
+    assert len(texts) == 1
+    assert f"{oscillator(4e4, 1e4):.4g}" in texts[0]
 
 
 def test_drives_too_soft_are_left_out_of_the_choice(tmp_path: Path) -> None:
     arm = ARM.format(one="actuator: RV-20E, mass: 4 kg", two="actuator: RV-6E")
     choose = "choose: {actuator: [[RV-20E, RV-40E], [CSG-14-100-2UH, RV-20E]]}\n"
     limits = f"first_frequency: '>= 12 Hz', {ROOM}, torque_use: off"
-    found = optimise(problem_of(tmp_path, arm, f"minimize: mass\nsubject_to: {{{limits}}}\n{choose}"))
-    outcomes = {each.actuators: each.outcome for each in found.drives}
+    result = optimise(problem_of(tmp_path, arm, f"minimize: mass\nsubject_to: {{{limits}}}\n{choose}"))
+    outcomes = {drive.actuators: drive.outcome for drive in result.drives}
     assert {outcomes[one, "CSG-14-100-2UH"] for one in ("RV-20E", "RV-40E")} == {"infeasible"}
-    assert found.after.frequency is not None
-    assert found.after.frequency.value >= 12.0 * (1.0 - 1e-3)
+    assert result.after.frequency is not None
+    assert result.after.frequency.value >= 12.0 * (1.0 - 1e-3)

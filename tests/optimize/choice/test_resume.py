@@ -99,7 +99,9 @@ def test_the_answer_is_that_of_no_stop(kind: str, tmp_path: Path, monkeypatch: p
         assert other.status == whole.status
         assert other.candidates == whole.candidates
         assert other.drives == whole.drives
-        assert [each.objective for each in other.iterations] == [each.objective for each in whole.iterations]
+        assert [iteration.objective for iteration in other.iterations] == [
+            iteration.objective for iteration in whole.iterations
+        ]
         assert [tie.arm for tie in other.near_ties] == [tie.arm for tie in whole.near_ties]
         assert other.binding == whole.binding
         assert other.robust == whole.robust
@@ -134,15 +136,15 @@ def test_rounding_goes_on_too(tmp_path: Path) -> None:
         stopped, _ = rounded(problem, path, stop_at)
         assert stopped is None or stopped.interrupted or (stopped.rounded is not None and stopped.rounded.interrupted)
         known = path.read_bytes()
-        found, _ = rounded(problem, path)
+        result, _ = rounded(problem, path)
         assert known.count(b"\n") > 1
         assert path.read_bytes().startswith(known)
-        assert found is not None
-        assert found.arm == whole.arm
-        assert found.rounded is not None
-        assert found.rounded.arm == whole.rounded.arm
-        assert found.rounded.objective == whole.rounded.objective
-        assert found.rounded.exhaustive == whole.rounded.exhaustive
+        assert result is not None
+        assert result.arm == whole.arm
+        assert result.rounded is not None
+        assert result.rounded.arm == whole.rounded.arm
+        assert result.rounded.objective == whole.rounded.objective
+        assert result.rounded.exhaustive == whole.rounded.exhaustive
 
 
 def test_what_is_of_another_problem_is_left_alone(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -22,12 +22,12 @@ _SOFT, _HEAVY = 2, 0
 
 
 def _lists(generator: np.random.Generator) -> tuple[LinkList, ...]:
-    found: list[LinkList] = []
+    lists: list[LinkList] = []
     for link in range(_LINKS):
         columns = np.zeros((_OPTIONS, len(COLUMNS)))
         columns[:, :6] = generator.normal(0.0, 0.7, (_OPTIONS, 6))
-        found.append(LinkList(link, (Option(None, None),) * _OPTIONS, columns))
-    return tuple(found)
+        lists.append(LinkList(link, (Option(None, None),) * _OPTIONS, columns))
+    return tuple(lists)
 
 
 def _row(generator: np.random.Generator, *, objective: bool, level: float = 0.0) -> PoseRow:
@@ -61,17 +61,17 @@ def test_bound_and_losses_are_below_every_combination(seed: int) -> None:
     worst, left = greatest(relaxation.rows, every, np.inf)
     assert sorted(left.tolist()) == np.flatnonzero(np.isfinite(values)).tolist()
     assert worst == pytest.approx(values[left])
-    found = relaxation.solve(Part(tuple(np.arange(_OPTIONS) for _ in lists)), np.inf)
-    assert found.bound <= values.min() * (1.0 + 1e-9)
-    if np.isinf(found.bound):
+    result = relaxation.solve(Part(tuple(np.arange(_OPTIONS) for _ in lists)), np.inf)
+    assert result.bound <= values.min() * (1.0 + 1e-9)
+    if np.isinf(result.bound):
         return
     for k in range(_LINKS):
         for option in range(_OPTIONS):
             least = values[every[:, k] == option].min()
-            assert found.bound + found.losses[k][option] <= least * (1.0 + 1e-9)
+            assert result.bound + result.losses[k][option] <= least * (1.0 + 1e-9)
     # Losses of several links add up.
-    together = sum(found.losses[k][every[:, k]] for k in range(_LINKS))
-    assert np.all(found.bound + together <= values * (1.0 + 1e-9))
+    together = sum(result.losses[k][every[:, k]] for k in range(_LINKS))
+    assert np.all(result.bound + together <= values * (1.0 + 1e-9))
     # A part of one design alone has a bound that is its value, but for what chords take off.
     best = every[int(values.argmin())]
     alone = relaxation.solve(Part(tuple(np.array([k]) for k in best)), np.inf)
@@ -81,9 +81,9 @@ def test_bound_and_losses_are_below_every_combination(seed: int) -> None:
 def test_sums_below_are_all_those_that_there_are() -> None:
     generator = np.random.default_rng(3)
     losses = [generator.uniform(0.0, 1.0, 7) for _ in range(4)]
-    found = combined(losses, 0.9, 10_000)
-    assert found is not None
+    result = combined(losses, 0.9, 10_000)
+    assert result is not None
     every = np.array(list(itertools.product(range(7), repeat=4)))
     sums = sum(own[every[:, k]] for k, own in enumerate(losses))
-    assert sorted(map(tuple, found.tolist())) == sorted(map(tuple, every[sums < 0.9].tolist()))
+    assert sorted(map(tuple, result.tolist())) == sorted(map(tuple, every[sums < 0.9].tolist()))
     assert combined(losses, 0.9, 5) is None

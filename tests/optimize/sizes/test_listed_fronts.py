@@ -26,8 +26,8 @@ JOINTS = ranged("-60 45", "-20 80", more=", mass: 1 kg, stiffness: 500 kN*m/rad,
 def _every(problem: Problem, *, alike: bool) -> list[tuple[float, float]]:
     """Mass (kg) and worst error (m) of every combination within 5 kg, or of those of one material."""
     context = context_of(replace(problem, sizes=None))
-    found: list[tuple[float, float]] = []
-    for pick in itertools.product(*[each.options for each in link_lists(problem)]):
+    results: list[tuple[float, float]] = []
+    for pick in itertools.product(*[link_list.options for link_list in link_lists(problem)]):
         if alike and len({option.material for option in pick}) > 1:
             continue
         links = [
@@ -41,8 +41,8 @@ def _every(problem: Problem, *, alike: bool) -> list[tuple[float, float]]:
             if link.section is not None and link.material is not None
         )
         if mass <= 5.0:
-            found.append((mass, context.search.worst(numeric_beams(arm, problem.load_cases), certify=False).error))
-    return found
+            results.append((mass, context.search.worst(numeric_beams(arm, problem.load_cases), certify=False).error))
+    return results
 
 
 @pytest.mark.parametrize("by", [None, pytest.param("material", marks=pytest.mark.slow)])
@@ -62,12 +62,12 @@ def test_front_is_that_of_every_combination(tmp_path: Path, by: By | None) -> No
     assert len(best) > 4
     # Each is on the exact front, and none that betters its neighbour by more than the accuracy is missing.
     for point in points:
-        assert any((point.x, point.y) == pytest.approx(each, rel=2e-5) for each in best)
+        assert any((point.x, point.y) == pytest.approx(item, rel=2e-5) for item in best)
     for mass, error in best:
         assert min(point.y for point in points if point.x <= mass * (1.0 + 1e-9)) <= error * (1.0 + 1.1e-3)
     assert all(link.section is not None for point in points for link in point.arm.links)
     again = trade_off(asked, accuracy=1e-3, journal=book)
-    assert (again.solved, [each.x for each in again.points]) == (0, [each.x for each in front.points])
+    assert (again.solved, [item.x for item in again.points]) == (0, [item.x for item in front.points])
 
 
 @pytest.mark.parametrize(

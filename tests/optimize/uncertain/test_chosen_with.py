@@ -33,9 +33,9 @@ def test_symbols_and_numbers_of_a_taper_are_one(shape: str, tmp_path: Path) -> N
     x = starting_points(space, row, 3)[2]
     scenario = Scenario((0.95, 1.05), (1.01, 0.98), (0.9, 1.1), (0.8, 1.0), (1.0, 1.0))
     symbols: Any = ca.SX.sym("x", len(x))  # pyright: ignore[reportCallIssue]
-    found = ca.Function("column", [symbols], [scenario_column(expressions(space, symbols, row), scenario)])(x)
+    result = ca.Function("column", [symbols], [scenario_column(expressions(space, symbols, row), scenario)])(x)
     numbers = scenario_values(arm_of(space, x, materials), problem.load_cases, scenario)
-    np.testing.assert_allclose(np.array(found).ravel(), numbers, rtol=1e-7, atol=1e-12)
+    np.testing.assert_allclose(np.array(result).ravel(), numbers, rtol=1e-7, atol=1e-12)
 
 
 @pytest.mark.slow
@@ -44,13 +44,13 @@ def test_a_tapered_arm_that_is_uncertain(tmp_path: Path) -> None:
     limits = f"subject_to: {{mass: '<= 3 kg', {SIZES}"
     soft, one = SOFT.replace("thickness: 10 %, ", ""), jointed([400], ranged("-30 30"))
     problem = problem_of(tmp_path, one, f"{soft}{limits}, taper: [0.5, 1]}}\n")
-    found = optimise(problem)
-    assert found.robust is not None
-    assert found.doubts == ()
+    result = optimise(problem)
+    assert result.robust is not None
+    assert result.doubts == ()
     uniform = optimise(problem_of(tmp_path, one, f"{soft}{limits}}}\n"))
-    assert found.objective < 0.95 * uniform.objective
-    assert robust_figure(found.arm, problem).value == pytest.approx(found.objective, rel=2e-4)
-    assert found.robust.loses >= 0.0
+    assert result.objective < 0.95 * uniform.objective
+    assert robust_figure(result.arm, problem).value == pytest.approx(result.objective, rel=2e-4)
+    assert result.robust.loses >= 0.0
 
 
 def test_a_balancer_for_drives_that_may_be_softer(tmp_path: Path) -> None:
@@ -65,11 +65,11 @@ def test_a_balancer_for_drives_that_may_be_softer(tmp_path: Path) -> None:
         return sag(mass, 25.0) + 0.25 * abs(turn)
 
     expected: Any = minimize_scalar(worst, bounds=(0.5, 6.0), method="bounded")
-    found = optimise(problem)
-    assert found.balance[0].value == pytest.approx(25.0, rel=1e-3)
-    assert found.objective == pytest.approx(float(expected.fun), rel=3e-4)
-    assert found.doubts == ()
-    assert found.arm.joints[0].counterbalance is not None
+    result = optimise(problem)
+    assert result.balance[0].value == pytest.approx(25.0, rel=1e-3)
+    assert result.objective == pytest.approx(float(expected.fun), rel=3e-4)
+    assert result.doubts == ()
+    assert result.arm.joints[0].counterbalance is not None
 
 
 @pytest.mark.slow
@@ -78,17 +78,17 @@ def test_places_of_motors_for_drives_that_may_be_softer(tmp_path: Path) -> None:
     limits = f"subject_to: {{mass: '<= 6 kg', {SIZES}}}\n"
     on_base = "{on: base, mass: 5 kg, stiffness: 50 kN*m/rad}"
     places = f"[{{on: joint, mass: 4 kg}}, {on_base}, {on_base.replace('50', '5')}]"
-    found = optimise(problem_of(tmp_path, TWO, f"{soft}choose: {{motor: [{{joint: 2, places: {places}}}]}}\n{limits}"))
+    result = optimise(problem_of(tmp_path, TWO, f"{soft}choose: {{motor: [{{joint: 2, places: {places}}}]}}\n{limits}"))
     at_joint = jointed([400, 300], ranged("-60 60", "-90 90"))
     first, second = at_joint.rsplit("mass: 2 kg", 1)
     by_hand = optimise(problem_of(tmp_path, f"{first}mass: 6 kg{second}", f"{soft}{limits}"))
     on_base = f"{first}mass: 2 kg, motor: {{mass: 5 kg, on: base}}{second}"
     head, tail = on_base.rsplit("stiffness: 60", 1)
     moved = optimise(problem_of(tmp_path, f"{head}stiffness: 50{tail}", f"{soft}{limits}"))
-    assert found.objective == pytest.approx(min(by_hand.objective, moved.objective), rel=1e-4)
-    assert found.motor_places[0].outcome == "best"
-    assert found.motor_places[-1].outcome in ("bounded out", "solved")
-    assert len(found.motor_places) == 3
+    assert result.objective == pytest.approx(min(by_hand.objective, moved.objective), rel=1e-4)
+    assert result.motor_places[0].outcome == "best"
+    assert result.motor_places[-1].outcome in ("bounded out", "solved")
+    assert len(result.motor_places) == 3
 
 
 def test_near_ties_are_valued_by_what_is_uncertain(tmp_path: Path) -> None:
@@ -98,9 +98,9 @@ def test_near_ties_are_valued_by_what_is_uncertain(tmp_path: Path) -> None:
         f"subject_to: {{mass: '<= 6 kg', {SIZES}}}\n"
     )
     problem = problem_of(tmp_path, TWO, text)
-    found = optimise(problem)
-    assert found.robust is not None
-    assert found.near_ties
-    for tie in found.near_ties:
+    result = optimise(problem)
+    assert result.robust is not None
+    assert result.near_ties
+    for tie in result.near_ties:
         assert tie.objective == pytest.approx(robust_figure(tie.arm, problem).value, rel=1e-6)
-        assert found.objective * (1.0 - 2e-4) <= tie.objective <= 1.03 * found.objective * (1.0 + 1e-9)
+        assert result.objective * (1.0 - 2e-4) <= tie.objective <= 1.03 * result.objective * (1.0 + 1e-9)

@@ -47,10 +47,10 @@ ALL = "{elastic_modulus: 5 %, size: 1 %, stiffness: [20 %, 40 %], backlash: 30 %
 
 
 def robust(folder: Path, arm: str, text: str) -> tuple[OptimizationResult, Robust]:
-    found = optimise(problem_of(folder, arm, text))
-    assert found.robust is not None
-    assert found.doubts == ()
-    return found, found.robust
+    result = optimise(problem_of(folder, arm, text))
+    assert result.robust is not None
+    assert result.doubts == ()
+    return result, result.robust
 
 
 def bar_error(diameter: float, modulus: float = 1.0, stiffness: float = 1.0, backlash: float = 1.0) -> float:
@@ -67,28 +67,28 @@ def bar_mass(diameter: float) -> float:
 
 
 def test_worst_of_a_bar_is_the_soft_vertex(tmp_path: Path) -> None:
-    found, told = robust(
+    result, told = robust(
         tmp_path,
         BAR,
         "robust: worst\nuncertain: {elastic_modulus: 10 %, stiffness: 20 %, backlash: 30 %}\n"
         "subject_to: {mass: '<= 1.2 kg', section_size: [10 mm, 100 mm]}\n",
     )
     thick = math.sqrt(4.0 * 1.2 / (math.pi * RHO * LENGTH))
-    assert found.objective == pytest.approx(bar_error(thick, 0.9, 0.8, 1.3), rel=1e-4)
+    assert result.objective == pytest.approx(bar_error(thick, 0.9, 0.8, 1.3), rel=1e-4)
     assert told.design.nominal == pytest.approx(bar_error(thick), rel=1e-4)
     assert told.design.scenario == Scenario((0.9,), (1.0,), (1.0,), (0.8,), (1.3,))
     assert told.rounds == 1
 
 
 def test_lightest_bar_keeps_its_error_however_soft_it_is(tmp_path: Path) -> None:
-    found, told = robust(
+    result, told = robust(
         tmp_path,
         BAR,
         "minimize: mass\nrobust: worst\nuncertain: {elastic_modulus: 10 %, stiffness: 20 %}\n"
         "subject_to: {max_error: '<= 1.2 mm', section_size: [10 mm, 100 mm]}\n",
     )
     thick = brentq(lambda d: bar_error(d, 0.9, 0.8) - 1.2e-3, 0.01, 0.05)
-    assert found.objective == pytest.approx(bar_mass(thick), rel=1e-4)
+    assert result.objective == pytest.approx(bar_mass(thick), rel=1e-4)
     assert told.design.value == pytest.approx(1.2e-3, rel=1e-4)
     # The nominal optimum keeps the limit only as it is.
     thin = brentq(lambda d: bar_error(d) - 1.2e-3, 0.01, 0.05)
@@ -98,7 +98,7 @@ def test_lightest_bar_keeps_its_error_however_soft_it_is(tmp_path: Path) -> None
 
 def test_share_of_a_bar_is_a_quantile(tmp_path: Path) -> None:
     """With one uniform factor of the modulus from 0.8 to 1.2, one in twenty is below 0.82."""
-    found, told = robust(
+    result, told = robust(
         tmp_path,
         BAR,
         "robust: 95 %\nuncertain: {elastic_modulus: 20 %}\n"
@@ -109,7 +109,7 @@ def test_share_of_a_bar_is_a_quantile(tmp_path: Path) -> None:
     assert told.design.upper is not None
     assert told.design.value == pytest.approx(exact, rel=5e-3)
     assert exact <= told.design.upper <= bar_error(thick, 0.8)
-    assert found.objective == told.design.value
+    assert result.objective == told.design.value
     assert told.samples > 0
 
 
@@ -123,18 +123,18 @@ def test_confidence_bound_is_the_textbook_rank() -> None:
 def test_no_worse_than_the_nominal_optimum(kind: str, tmp_path: Path) -> None:
     text = f"robust: {kind}\nuncertain: {ALL}\nsubject_to: {{mass: '<= 9 kg', {SIZES}}}\nchoose: {{section: [tube]}}\n"
     problem = problem_of(tmp_path, TWO, text)
-    found = optimise(problem)
-    told = found.robust
+    result = optimise(problem)
+    told = result.robust
     assert told is not None
     assert told.loses >= 0.0
     for figure in (told.design, told.nominal_design):
         assert figure.value >= figure.nominal
     assert told.nominal_design.nominal <= told.design.nominal * (1.0 + 2e-4)
     if kind == "worst":
-        assert found.doubts == ()
+        assert result.doubts == ()
         search = ScenarioSearch(problem)
         shares = np.vstack([search.samples(100, 77), np.sign(search.samples(100, 78))])
-        errors = search.errors(found.arm, shares, search.poses(found.arm, 79))
+        errors = search.errors(result.arm, shares, search.poses(result.arm, 79))
         assert errors.max() <= told.design.value * (1.0 + 1e-4)
 
 
@@ -281,6 +281,6 @@ def test_commands_and_face_say_it(tmp_path: Path, capsys: pytest.CaptureFixture[
     assert "elastic modulus ± 10 %" in capsys.readouterr().out
     value = json.loads(target.read_text(encoding="utf-8"))["robust"]["max_error_mm"]
     assert value == pytest.approx(1e3 * bar_error(0.04, 0.9), rel=1e-4)
-    found = lw.evaluate(lw.read_arm(tmp_path / "arm.yaml"), lw.read_problem(problem))
-    assert found.robust is not None
-    assert 1e3 * found.robust.value == pytest.approx(value)
+    result = lw.evaluate(lw.read_arm(tmp_path / "arm.yaml"), lw.read_problem(problem))
+    assert result.robust is not None
+    assert 1e3 * result.robust.value == pytest.approx(value)
