@@ -9,10 +9,11 @@ from __future__ import annotations
 
 import os
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any, Generic, Protocol, TypeAlias, TypeVar, cast
 
+from linkwright.core.catalogues.csv_table import WrongRows
 from linkwright.core.catalogues.store import edit_text
 from linkwright.core.catalogues.yaml_edit import YamlText
 from linkwright.core.units.names import nearest
@@ -111,6 +112,40 @@ class Editor(ABC, Generic[E]):
 
         return self.edit(path, change)
 
+    def check_each(self, file: Path | str, entries: Sequence[E]) -> None:
+        """Raise `WrongRows` where some of the entries that were read from a file may stand in none."""
+        if self._fault(file, entries) is None:
+            return
+        good: list[E] = []
+        faults: list[InputError] = []
+        for batch in self._halves(file, entries):
+            fault = self._fault(file, [*good, *batch]) if len(batch) == 1 else None
+            if fault is None:
+                good.extend(batch)
+            else:
+                faults.append(fault)
+        if faults:
+            raise WrongRows(good, faults)
+
+    def _halves(self, file: Path | str, entries: Sequence[E]) -> Iterator[Sequence[E]]:
+        """Batches that may stand in a file, and each of the other entries alone."""
+        if len(entries) == 1 or self._fault(file, entries) is None:
+            yield entries
+            return
+        middle = len(entries) // 2
+        yield from self._halves(file, entries[:middle])
+        yield from self._halves(file, entries[middle:])
+
+    def _fault(self, file: Path | str, entries: Sequence[E]) -> InputError | None:
+        """What is wrong with a file of these entries alone."""
+        document = self.document(None, file)
+        try:
+            self.put(document, entries)
+            self.check(document.text, file)
+        except InputError as error:
+            return error
+        return None
+
     def remove(self, path: Path | str, name: str) -> str:
         """Take an entry out of the file."""
 
@@ -203,9 +238,9 @@ class Editor(ABC, Generic[E]):
 
         def names(value: object) -> bool:
             if isinstance(value, dict):
-                for each, inner in cast(dict[str, object], value).items():
+                for item, inner in cast(dict[str, object], value).items():
                     listed = cast(list[object], inner) if isinstance(inner, list) else [inner]
-                    if each == key and any(isinstance(one, str) and self.plain(one) == wanted for one in listed):
+                    if item == key and any(isinstance(one, str) and self.plain(one) == wanted for one in listed):
                         return True
                     if names(inner):
                         return True

@@ -104,7 +104,7 @@ class KeyedEditor(Editor[Entry]):
     def shipped(self, name: str) -> Entry | None:
         """The shipped entry as it is written, with what its file says of all."""
         if self._shipped is None:
-            files = ((cast(dict[str, Any], each.content), Path(str(each.file)).stem) for each in self.schema.shipped())
+            files = ((cast(dict[str, Any], item.content), Path(str(item.file)).stem) for item in self.schema.shipped())
             self._shipped = list(files)
         return next((entry for data, stem in self._shipped if (entry := self._entry(data, stem, name))), None)
 
@@ -145,14 +145,14 @@ class KeyedEditor(Editor[Entry]):
         text = read_text(path)
         data = YamlText(text, file=path).data
         self.check(text, path)
-        found = (self._entry(data, Path(path).stem, name) for name in data.get(self.schema.under) or {})
-        return tuple(entry for entry in found if entry is not None)
+        entries = (self._entry(data, Path(path).stem, name) for name in data.get(self.schema.under) or {})
+        return tuple(entry for entry in entries if entry is not None)
 
     def entry(self, name: str, files: Sequence[Path | str]) -> Entry | None:
         """The entry as it is written in the last of the files that has it, or else in the shipped ones."""
         for path in reversed(files):
-            if (found := self._entry(YamlText(read_text(path), file=path).data, Path(path).stem, name)) is not None:
-                return found
+            if (entry := self._entry(YamlText(read_text(path), file=path).data, Path(path).stem, name)) is not None:
+                return entry
         return self.shipped(name)
 
     def text(self, entries: Iterable[Entry]) -> str:
@@ -179,7 +179,7 @@ class KeyedEditor(Editor[Entry]):
                 content["unconfirmed"] = marks_of(marks, self.schema.figures(), path, f"{where}: unconfirmed")
             return Entry(content.pop("name"), content, {"table": source})
 
-        return read_rows(path, self.schema.heading, [each.name for each in columns if each.needed], entry)
+        return read_rows(path, self.schema.heading, [column.name for column in columns if column.needed], entry)
 
     def _entry(self, data: Mapping[str, Any], stem: str, name: str) -> Entry | None:
         content = (data.get(self.schema.under) or {}).get(name)
@@ -255,7 +255,7 @@ class KeyedEditor(Editor[Entry]):
         """Take away what is said of whether a figure was found in its source."""
         marks = document.get([*at, mark])
         if isinstance(marks, str) and mark == "unconfirmed" and figure in self.schema.figures():  # of all figures
-            document.set([*at, mark], {each: marks for each in self.schema.figures() if each != figure})
+            document.set([*at, mark], {item: marks for item in self.schema.figures() if item != figure})
         if isinstance(marks, dict) and figure in marks:
             last = len(cast(dict[str, Any], marks)) == 1
             document.remove([*at, mark, *([] if last else [figure])])
@@ -269,8 +269,8 @@ def _set(document: YamlText, at: Sequence[str], keys: Sequence[str], value: Any)
         if laws == ["value"]:
             document.set([*path, "value"], value)
         else:
-            kept = {key: entry for key, entry in cast(dict[str, Any], old).items() if key not in _LAWS}
-            document.set(path, {"value": value, **kept})
+            content = {key: entry for key, entry in cast(dict[str, Any], old).items() if key not in _LAWS}
+            document.set(path, {"value": value, **content})
         return
     parent = document.get(path[:-1])
     if len(keys) > 1 and parent is not None and not isinstance(parent, dict):
@@ -312,9 +312,9 @@ def _free_key(known: Mapping[str, str], key: str, text: str) -> str:
     for other, written in known.items():
         if written == text:
             return other
-    base = found = key or "source"
+    base = free = key or "source"
     number = 1
-    while found in known:
+    while free in known:
         number += 1
-        found = f"{base}-{number}"
-    return found
+        free = f"{base}-{number}"
+    return free

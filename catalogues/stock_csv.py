@@ -1,8 +1,10 @@
 """Stock sizes as a table of comma-separated values.
 
-The columns are `name`, `family`, `shape`, `source`, one a dimension (`height_mm`), the printed figures (`area_cm2`,
-`second_moment_y_cm4`, `second_moment_z_cm4`) and where any row says so `found_in` and `unconfirmed`; a cell is empty
-where a shape has no such dimension.
+The columns are `name`, `family`, `shape`, `source`, one a dimension (`height_mm`, or `height_in`), the printed figures
+(`area_cm2`, `second_moment_y_cm4`, `second_moment_z_cm4`, or in inches `area_in2` and so on) and where any row says so
+`found_in` and `unconfirmed`; a cell is empty where a shape has no such dimension.
+
+A table with the headings of the AISC Shapes Database is read as it is printed (`catalogues.aisc`).
 """
 
 from __future__ import annotations
@@ -11,7 +13,8 @@ import math
 from collections.abc import Sequence
 from pathlib import Path
 
-from linkwright.core.catalogues.csv_table import read_rows, table_text
+from linkwright.core.catalogues.aisc import from_aisc, is_aisc
+from linkwright.core.catalogues.csv_table import read_cells, read_rows, table_text
 from linkwright.core.catalogues.stock_editor import Row, column_of, columns_of, neat
 from linkwright.core.sections import SHAPES
 from linkwright.core.sections.stock.tables import PRINTED
@@ -24,8 +27,8 @@ _MARKS = ("found_in", "unconfirmed")
 
 def _figures() -> list[str]:
     """Every dimension that any shape has, then the printed figures."""
-    dimensions = (f"{each.name}_mm" for kind in SHAPES.values() for each in kind.dimensions if each.kind != "points")
-    return [*dict.fromkeys(dimensions), *PRINTED]
+    columns = dict.fromkeys(column for shape in SHAPES for column in columns_of(shape))
+    return [*(column for column in columns if column not in PRINTED), *PRINTED]
 
 
 def write_table(rows: Sequence[Row]) -> str:
@@ -37,22 +40,35 @@ def write_table(rows: Sequence[Row]) -> str:
 
 
 def read_table(path: Path | str) -> tuple[Row, ...]:
-    """The rows of a table of comma-separated values; columns may be in any order. Raises `InputError`."""
+    """The rows of a table of comma-separated values; columns may be in any order.
+
+    Raises `InputError`, and `WrongRows` once all rows have been looked at.
+    """
+    cells = read_cells(path)
+    if is_aisc(cells):
+        cells = from_aisc(cells, path)
 
     def row(texts: dict[str, str], where: str) -> Row:
-        name, family, shape, source = (texts.pop(column) for column in _HEAD)
+        name, family, shape, source = (texts[column] for column in _HEAD)
         if shape not in SHAPES:
             raise InputError(path, f"{where}: shape", f"there is no shape '{shape}'{nearest(shape, SHAPES)}")
-        marks = [texts.pop(name, "") for name in _MARKS]
-        cells: dict[str, float] = {}
+        marks = [texts.get(name, "") for name in _MARKS]
+        dimensions: dict[str, float] = {}
         for column, text in texts.items():
-            try:
-                value = float(text)
-            except ValueError:
-                value = math.nan
-            if not math.isfinite(value):
-                raise InputError(path, f"{where}: {column}", f"needs a number, not '{text}'")
-            cells[column_of(shape, column)] = neat(value)
-        return Row(name, family, shape, source, {c: cells[c] for c in columns_of(shape) if c in cells}, *marks)
+            if column not in (*_HEAD, *_MARKS):
+                dimensions[column_of(shape, column)] = neat(_number(text, path, f"{where}: {column}"))
+        return Row(
+            name, family, shape, source, {c: dimensions[c] for c in columns_of(shape) if c in dimensions}, *marks
+        )
 
-    return read_rows(path, [*_HEAD, *_figures(), *_MARKS], _HEAD, row)
+    return read_rows(path, [*_HEAD, *_figures(), *_MARKS], _HEAD, row, cells)
+
+
+def _number(text: str, path: Path | str, where: str) -> float:
+    try:
+        value = float(text)
+    except ValueError:
+        value = math.nan
+    if not math.isfinite(value):
+        raise InputError(path, where, f"needs a number, not '{text}'")
+    return value

@@ -15,14 +15,32 @@ from typing import Any, cast
 from linkwright.core.catalogues.editor import Editor, Place
 from linkwright.core.catalogues.yaml_edit import YamlText
 from linkwright.core.sections import SHAPES, StockSize
-from linkwright.core.sections.stock.tables import FORMAT_VERSION, PRINTED, plain_name, read_text, shipped_sizes
+from linkwright.core.sections.stock import tables
+from linkwright.core.sections.stock.tables import (
+    FORMAT_VERSION,
+    INCH,
+    dimension_of,
+    plain_name,
+    read_text,
+    shipped_sizes,
+)
 from linkwright.core.units.names import nearest
 from linkwright.core.units.quantities import InputError, read_quantity
 
 NEW_FILE = f"format_version: {FORMAT_VERSION}\ntables: []\n"
 """What a file of stock sizes begins as."""
 
-_UNITS = MappingProxyType({"mm": ("length", 1e3), "cm2": ("area", 1e4), "cm4": ("second_moment_of_area", 1e8)})
+_UNITS = MappingProxyType(
+    {
+        "mm": ("length", 1e3),
+        "in": ("length", 1.0 / INCH),
+        "cm2": ("area", 1e4),
+        "in2": ("area", INCH**-2),
+        "cm4": ("second_moment_of_area", 1e8),
+        "in4": ("second_moment_of_area", INCH**-4),
+    }
+)
+"""How columns end: the kind of quantity, and how many of its units make one in SI."""
 
 
 @dataclass(frozen=True)
@@ -34,7 +52,7 @@ class Row:
         family: of its table.
         shape: of its table.
         source: of its table.
-        cells: numbers by column: dimensions in mm (`diameter_mm`), printed figures (`area_cm2`).
+        cells: numbers by column: dimensions (`diameter_mm`, `diameter_in`), printed figures (`area_cm2`, `area_in2`).
         found_in: the text in which it was found, empty where none is given.
         unconfirmed: what was looked for in vain where nobody could find it in its source, else empty.
     """
@@ -55,9 +73,9 @@ class Row:
 
 def row_of(size: StockSize) -> Row:
     """The row that a size was read from."""
-    cells = {f"{name}_mm": neat(1e3 * value) for name, value in size.dimensions.items()}
+    dimensions = {column: neat(value) for column, value in size.cells.items() if dimension_of(column)}
     marks = ("" if size.unconfirmed else size.found_in, size.unconfirmed)
-    return Row(size.name, size.family, size.shape, size.source, {**cells, **size.printed}, *marks)
+    return Row(size.name, size.family, size.shape, size.source, {**dimensions, **size.printed}, *marks)
 
 
 def neat(value: float) -> float:
@@ -70,14 +88,14 @@ def columns_of(shape: str) -> tuple[str, ...]:
     """The columns that a table of this shape can have beside `name`. Raises `InputError` for no such shape."""
     if shape not in SHAPES:
         raise InputError("", "shape", f"there is no shape '{shape}'{nearest(shape, SHAPES)}")
-    dimensions = [each.name for each in SHAPES[shape].dimensions if each.kind != "points"]
-    return (*(f"{name}_mm" for name in dimensions), *PRINTED)
+    return tables.columns_of(shape)
 
 
-def column_of(shape: str, key: str) -> str:
-    """The column of a dimension or printed figure: `thickness` or `thickness_mm`, `area` or `area_cm2`."""
+def column_of(shape: str, key: str, cells: Iterable[str] = ()) -> str:
+    """The column of a dimension or printed figure: `thickness` or `thickness_mm`, `area` or `area_cm2`; of the `cells`
+    of a row where these have it, else a metric one."""
     columns = columns_of(shape)
-    plain = {column.rpartition("_")[0]: column for column in columns}
+    plain = {column.rpartition("_")[0]: column for column in (*reversed(columns), *cells)}
     if key in columns:
         return key
     if key not in plain:
@@ -85,12 +103,13 @@ def column_of(shape: str, key: str) -> str:
     return plain[key]
 
 
-def cell(shape: str, key: str, text: str) -> tuple[str, float]:
-    """The column and the number that `key` and a value with its unit (`60.3 mm`, `5.74 cm^2`) mean.
+def cell(shape: str, key: str, text: str, cells: Iterable[str] = ()) -> tuple[str, float]:
+    """The column and the number that `key` and a value with its unit (`60.3 mm`, `5.74 cm^2`) mean in a row that has
+    these `cells`.
 
     Raises `InputError`.
     """
-    column = column_of(shape, key)
+    column = column_of(shape, key, cells)
     kind, factor = _UNITS[column.rpartition("_")[2]]
     return column, neat(factor * read_quantity(text, kind, file="", key=key))
 
@@ -129,8 +148,8 @@ class StockEditor(Editor[Row]):
 
     def shipped(self, name: str) -> Row | None:
         """The row that a shipped size was read from."""
-        found = (size for size in shipped_sizes() if plain_name(size.name) == plain_name(name))
-        return next((row_of(size) for size in found), None)
+        matches = (size for size in shipped_sizes() if plain_name(size.name) == plain_name(name))
+        return next((row_of(size) for size in matches), None)
 
     def put(self, document: YamlText, entries: Sequence[Row]) -> None:
         """Each where one of its name stands, the others at the end of the tables that they fit in, or in new ones."""
@@ -205,7 +224,7 @@ class StockEditor(Editor[Row]):
             texts = {key: value for key, value in changes.items() if key in ("family", "source")}
             if "shape" in changes:
                 raise InputError(path, "shape", "cannot be changed: a size of another shape is another size; add it")
-            cells = dict(cell(row.shape, key, value) for key, value in changes.items() if key not in texts)
+            cells = dict(cell(row.shape, key, value, row.cells) for key, value in changes.items() if key not in texts)
             given = {"source": source} if source else {}
             renewed = replace(row, found_in="", unconfirmed="" if {*given, *texts} & {"source"} else row.unconfirmed)
             self.put(document, [replace(renewed, cells={**row.cells, **cells}, **given, **texts)])
@@ -220,7 +239,7 @@ class StockEditor(Editor[Row]):
         def change(document: YamlText) -> str:
             self.copy_shipped(document, path, name)
             row = self._row(document, path, name)
-            column = column_of(row.shape, key)
+            column = column_of(row.shape, key, row.cells)
             if column not in row.cells:
                 raise InputError(path, key, f"{name} has none")
             self.put(document, [replace(row, cells={k: value for k, value in row.cells.items() if k != column})])

@@ -14,6 +14,7 @@ from concurrent.futures import CancelledError, Future
 from contextlib import ExitStack, contextmanager, suppress
 from typing import TYPE_CHECKING, Any
 
+from linkwright.core.units.extras import not_installed
 from linkwright.core.units.quantities import InputError
 
 from .executor import Work, WorkersLost
@@ -64,8 +65,7 @@ class Cluster(Shared):
             from distributed import Client
             from distributed.comm.addressing import get_address_host
         except ImportError:
-            message = "a cluster needs dask, which is not installed: pip install 'linkwright[cluster]'"
-            raise InputError("", "--dask", message) from None
+            raise InputError("", "--dask", not_installed("a cluster", "dask", "cluster")) from None
         try:
             # A client of an address that cannot be read says so, and once more in a traceback when it is collected.
             get_address_host(self.address)

@@ -204,7 +204,9 @@ def _read_property(
     if not isinstance(content, dict):
         value = read_quantity(content, kind, file=mapping.file, key=path)
         if references is not None and not default_source:
-            raise mapping.error(name, "has no source; write {value: ..., source: KEY} or a source for all")
+            raise mapping.error(
+                name, "has no source; write {value: ..., source: KEY} or a source for all (in a command: --source TEXT)"
+            )
         return Property(Constant(value), source=default_source)
     inner = mapping.mapping(name)
     ways = [way for way in ("value", "table", "polynomial") if inner.has(way)]
@@ -321,7 +323,7 @@ def _of_wall(wall: Wall, ply: Material, source: str) -> dict[PropertyName, Prope
     needed: list[PropertyName] = [name for name in FOLLOWING if ply.has(name)]
     valid = [ply.properties[name].valid for name in needed if name in ply.properties]
     span = (max(low for low, _ in valid), min(high for _, high in valid))
-    found: dict[PropertyName, float | None] = {
+    properties: dict[PropertyName, float | None] = {
         "elastic_modulus": wall.along,
         "transverse_modulus": wall.around,
         "shear_modulus": wall.shear,
@@ -331,7 +333,9 @@ def _of_wall(wall: Wall, ply: Material, source: str) -> dict[PropertyName, Prope
     }
     note = f"of plies of {ply.name} by laminate theory"
     made: dict[PropertyName, Property] = {
-        name: Property(Constant(value), span, source, note=note) for name, value in found.items() if value is not None
+        name: Property(Constant(value), span, source, note=note)
+        for name, value in properties.items()
+        if value is not None
     }
     for name in _ALIKE:
         if name in ply.properties:

@@ -92,19 +92,16 @@ class MissingProperty(InputError):
 
     __module__ = "linkwright"  # as people import it, and as a traceback shows it
 
-    def __init__(
-        self,
-        material: str,
-        property_name: str,
-        message: str = "is needed here and is not given; add it to the material",
-    ) -> None:
+    def __init__(self, material: str, property_name: str, message: str = "") -> None:
         self.material = material
         self.property_name = property_name
-        super().__init__(material, property_name, message)
+        edit = f"linkwright materials edit NAME {property_name}=VALUE --source TEXT"
+        lacking = f"is needed here and is not given; add it to the material (to the catalogue's by `{edit}`)"
+        super().__init__(material, property_name, message or lacking)
 
     def __reduce__(self) -> tuple[object, ...]:
         """Keep the fields when the error crosses between processes."""
-        return MissingProperty, (self.material, self.property_name)
+        return MissingProperty, (self.material, self.property_name, self.message)
 
 
 class Law(Protocol):
@@ -271,7 +268,7 @@ class Material:
 
     def __reduce__(self) -> tuple[object, ...]:
         """Copy and pickle by plain dictionaries, so that a material can cross between processes."""
-        values = (getattr(self, each.name) for each in fields(self))
+        values = (getattr(self, item.name) for item in fields(self))
         return Material, tuple(dict(value) if isinstance(value, MappingProxyType) else value for value in values)
 
     def has(self, name: PropertyName) -> bool:
@@ -284,7 +281,7 @@ class Material:
         """What was looked for in vain where nobody could find a property in its source; a shear modulus that follows is
         as sure as what it follows from."""
         if name == "shear_modulus" and name not in self.properties:
-            marks = (self.unconfirmed(each) for each in ("elastic_modulus", "poisson_ratio"))
+            marks = (self.unconfirmed(item) for item in ("elastic_modulus", "poisson_ratio"))
             return next((mark for mark in marks if mark), "")
         return self.properties[name].unconfirmed if name in self.properties else ""
 
@@ -293,17 +290,17 @@ class Material:
 
         Raises `MissingProperty` where the entry lacks it and `OutOfRange` beyond its valid range.
         """
-        found = self.properties.get(name)
-        if found is None:
+        entry = self.properties.get(name)
+        if entry is None:
             if name == "shear_modulus" and self.has(name):
                 poisson_ratio = self.need("poisson_ratio", temperature)
                 return self.need("elastic_modulus", temperature) / (2 * (1 + poisson_ratio))
             raise MissingProperty(self.name, name)
-        low, high = found.valid
+        low, high = entry.valid
         # A hair's breadth for conversions between scales; it is far below what a property can depend on.
         if not low - 1e-9 <= temperature <= high + 1e-9:
-            raise OutOfRange(self.name, name, temperature, found.valid)
-        return found.law.value(temperature)
+            raise OutOfRange(self.name, name, temperature, entry.valid)
+        return entry.law.value(temperature)
 
     def spread(self, name: PropertyName) -> tuple[float, float]:
         """Return the lowest and highest value to expect at 20 degC; both the value itself where no spread is

@@ -100,9 +100,9 @@ class DesignVariable:
 
 def design_variables(dimensions: Sequence[Dimension], *names: str) -> tuple[DesignVariable, ...]:
     """The lengths among the dimensions that have these names, as design variables."""
-    kinds = {each.name: each for each in dimensions}
-    found = ((kinds[name], kinds[name].kind) for name in names)
-    return tuple(DesignVariable(each.name, each.meaning, kind) for each, kind in found if kind in ("outer", "wall"))
+    kinds = {dimension.name: dimension for dimension in dimensions}
+    result = ((kinds[name], kinds[name].kind) for name in names)
+    return tuple(DesignVariable(item.name, item.meaning, kind) for item, kind in result if kind in ("outer", "wall"))
 
 
 @dataclass(frozen=True)
@@ -145,7 +145,11 @@ class Section(ABC):
     def __init_subclass__(cls) -> None:
         super().__init_subclass__()
         if "dimensions" in vars(cls) and "variables" not in vars(cls):
-            needed = [each.name for each in cls.dimensions if each.kind in ("outer", "wall") and not each.optional]
+            needed = [
+                dimension.name
+                for dimension in cls.dimensions
+                if dimension.kind in ("outer", "wall") and not dimension.optional
+            ]
             cls.variables = design_variables(cls.dimensions, *needed)
 
     @abstractmethod
@@ -160,6 +164,18 @@ class Section(ABC):
         """The dimensions that were given, by name, as an arm file would hold them (m)."""
         named = {dimension.name: getattr(self, dimension.name) for dimension in self.dimensions}
         return {name: value for name, value in named.items() if value is not None}
+
+    @property
+    def inner_diameter(self) -> Number | None:
+        """Diameter of the thickest round cable that fits through the closed hollow, m: 0 where there is none; None
+        where the shape has walls and does not say."""
+        return None if any(dimension.kind == "wall" for dimension in self.dimensions) else 0.0
+
+    @property
+    def inner_widths(self) -> tuple[Number, ...] | None:
+        """Widths of the closed hollow, m, the least of which is the inner diameter: apart, each is smooth."""
+        result = self.inner_diameter
+        return None if result is None else (result,)
 
     def scaled(self, factor: Number) -> Self:
         """The same section with every dimension multiplied by a factor."""

@@ -111,13 +111,17 @@ def build_tapered(shape_name: str, dimensions: Mapping[str, Any]) -> Section:
     Raises SectionError as `build` does, and for a polygon, an angle (askew all along), and anything but two numbers.
     """
     kind = SHAPES.get(shape_name)
-    points = {each.name for each in kind.dimensions if each.kind == "points"} if kind is not None else set[str]()
+    points = (
+        {dimension.name for dimension in kind.dimensions if dimension.kind == "points"}
+        if kind is not None
+        else set[str]()
+    )
     lists = {name: value for name, value in dimensions.items() if isinstance(value, (list, tuple))}
     pairs = {name: value for name, value in lists.items() if name not in points}
     if kind is None or not pairs:
         return build(shape_name, dimensions)
     for name, value in pairs.items():
-        if len(value) != 2 or any(isinstance(each, (list, tuple)) for each in value):
+        if len(value) != 2 or any(isinstance(item, (list, tuple)) for item in value):
             raise SectionError(name, "is one length, or two for a taper: [at the joint, at the far end]")
     if points or shape_name == "angle":
         raise SectionError(next(iter(pairs)), f"the shape '{shape_name}' cannot be tapered")

@@ -15,7 +15,7 @@ import pytest
 
 import linkwright as lw
 from linkwright.core.arm.effects import EFFECTS, Effect
-from linkwright.core.optimize.limits import FIGURES
+from linkwright.core.arm.figures import FIGURES
 from linkwright.core.registries import Registry
 from linkwright.core.sections import SHAPES
 from linkwright.core.sections.shapes.circle import Circle
@@ -104,7 +104,7 @@ def test_effects_and_shapes_are_such_lists():
         ({"name": "thickness"}, "the name of a range of sizes"),
         ({"name": "weight", "kind": "heaviness"}, "no kind of quantity 'heaviness'"),
         ({"name": "weight", "senses": ()}, "needs senses"),
-        ({"name": "weight", "of": None}, "needs `of`"),
+        ({"name": "weight", "follows": lw.at_poses("heft", list)}, "values called 'heft'; give both one name"),
     ],
 )
 def test_a_limit_that_could_not_be_held_is_refused(changed, said):

@@ -29,10 +29,10 @@ def meant(name: str, known: Iterable[str], alike: float = _ALIKE) -> str | None:
     """
     held: Mapping[str, Any] = known if isinstance(known, Mapping) else dict.fromkeys(known)
     by_word: dict[str, str] = {}
-    for each, thing in held.items():
+    for key, thing in held.items():
         for synonym in getattr(thing, "synonyms", ()):
-            by_word.setdefault(_plain(synonym), each)
-    by_word |= {_plain(each): each for each in held}
+            by_word.setdefault(_plain(synonym), key)
+    by_word |= {_plain(item): item for item in held}
     word = _plain(name)
     close = [word] if word in by_word else difflib.get_close_matches(word, list(by_word), n=1, cutoff=alike)
     return by_word[close[0]] if close else None
@@ -41,9 +41,9 @@ def meant(name: str, known: Iterable[str], alike: float = _ALIKE) -> str | None:
 def nearest(name: str, known: Iterable[str], alike: float = _ALIKE) -> str:
     """Return `; did you mean 'X'?` for what a name means (see `meant`), or a short list of what is known."""
     held: Mapping[str, Any] = known if isinstance(known, Mapping) else dict.fromkeys(known)
-    found = meant(name, held, alike)
-    if found is not None:
-        return f"; did you mean '{found}'?"
+    result = meant(name, held, alike)
+    if result is not None:
+        return f"; did you mean '{result}'?"
     return f"; known: {', '.join([*held][:_MOST])}{', ...' if len(held) > _MOST else ''}" if held else ""
 
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from decimal import Context, Decimal
 from functools import lru_cache
@@ -54,21 +54,22 @@ class InputError(Exception):
     """The input is wrong: the one exception of the project for that (exit status 2).
 
     `file` is where it was read, `key` the entry, `message` what is wrong and what would do; `str()` joins the
-    three into one line. `file` and `key` may be empty, and are then left out of the line.
+    three into one line. `file` and `key` may be empty, and are then left out of the line. `remedies` are settings of
+    which any would do, as they can be written beside the data (see `units.reading.refusal`).
     """
 
     __module__ = "linkwright"  # as people import it, and as a traceback shows it
 
-    def __init__(self, file: object, key: str, message: str) -> None:
-        self.file = str(file)
+    def __init__(self, file: object, key: str, message: str, *remedies: Mapping[str, Any]) -> None:
+        self.file, self.remedies = str(file), remedies
         self.key = _bounded(key, _LONGEST_KEY)
         self.message = _bounded(" ".join(message.split()), _LONGEST_MESSAGE)
         file_shown = _bounded(" ".join(self.file.splitlines()), _LONGEST_FILE)
         super().__init__(": ".join(part for part in (file_shown, " ".join(self.key.split()), self.message) if part))
 
     def __reduce__(self) -> tuple[object, ...]:
-        """Keep the three fields when an error crosses between processes."""
-        return InputError, (self.file, self.key, self.message)
+        """Keep the fields when an error crosses between processes."""
+        return InputError, (self.file, self.key, self.message, *self.remedies)
 
 
 class NoAnswer(Exception):
@@ -169,7 +170,7 @@ def _read_pure(value: object, kind: Kind, file: object, key: str) -> float:
             value = float(text)
         elif len(text) <= _LONGEST and _PURE.fullmatch(text.rstrip("%").rstrip()) and text.endswith("%"):
             value = float(Decimal(text.rstrip("%").rstrip()) / 100)
-        elif len(text) <= _LONGEST and (found := _QUANTITY.fullmatch(text)) and _unit(found[2]) is not None:
+        elif len(text) <= _LONGEST and (result := _QUANTITY.fullmatch(text)) and _unit(result[2]) is not None:
             would_do = _what_would_do(kind)
             raise InputError(file, key, f"takes a pure number ({would_do}), not {shown(value)} with a unit")
     if isinstance(value, bool) or not isinstance(value, int | float):
@@ -227,16 +228,16 @@ def _number_and_unit(value: str, due: Kind, file: object, key: str) -> tuple[str
     text, would_do = _with_ascii_symbols(value), _what_would_do(due)
     if _NOT_FINITE.fullmatch(text):
         raise InputError(file, key, f"needs a finite number, {would_do}, not {shown(value)}")
-    found = _QUANTITY.fullmatch(text) if len(text) <= _LONGEST else None
-    if not found:
+    result = _QUANTITY.fullmatch(text) if len(text) <= _LONGEST else None
+    if not result:
         raise InputError(file, key, f"{shown(value)} is not a quantity; write {would_do}")
-    unit = _unit(found[2])
+    unit = _unit(result[2])
     if unit is not None:
-        return found[1], unit
-    if re.fullmatch(r",[0-9]+\b.*", found[2]):
+        return result[1], unit
+    if re.fullmatch(r",[0-9]+\b.*", result[2]):
         raise InputError(file, key, f"{shown(value)} has a decimal comma; write a point, {would_do}")
-    if _CURRENCY.search(found[2]) or re.fullmatch(r"[A-Za-zµμ°%_*/^() 1-9-]+", found[2]):
-        raise InputError(file, key, _unknown_unit(found[2].strip(), due))
+    if _CURRENCY.search(result[2]) or re.fullmatch(r"[A-Za-zµμ°%_*/^() 1-9-]+", result[2]):
+        raise InputError(file, key, _unknown_unit(result[2].strip(), due))
     raise InputError(file, key, f"{shown(value)} is not a quantity; write {would_do}")
 
 
@@ -340,13 +341,13 @@ def read_bound(
 ) -> Bound:
     """Return the limit written as `<= 26 kg`, `== 1240 mm` or `>= 2`, in SI; raises `InputError`, which says how it
     would be written with the relations that it can have (`senses`)."""
-    found = _BOUND.fullmatch(text.strip()) if isinstance(text, str) else None
-    if not found:
+    result = _BOUND.fullmatch(text.strip()) if isinstance(text, str) else None
+    if not result:
         raise InputError(file, key, f"{shown(text)} is not a limit; write {_as_limit(text, kind, senses)}")
-    relation = {"≤": "<=", "=<": "<=", "≥": ">=", "=>": ">=", "=": "=="}.get(found[1], found[1])
+    relation = {"≤": "<=", "=<": "<=", "≥": ">=", "=>": ">=", "=": "=="}.get(result[1], result[1])
     if relation in ("<", ">"):
         raise InputError(file, key, f"{shown(text)}: a strict limit has no optimum; write '{relation}='")
-    return Bound(cast(Relation, relation), read_quantity(found[2], kind, file=file, key=key))
+    return Bound(cast(Relation, relation), read_quantity(result[2], kind, file=file, key=key))
 
 
 def _as_limit(text: object, kind: str, senses: Sequence[Relation]) -> str:

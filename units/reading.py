@@ -126,6 +126,17 @@ def yaml_line(value: object, *, quoted: bool = False) -> str:
     return lines[1:-2]
 
 
+def refusal(file: object, key: str, message: str, *remedies: MappingLike[str, Any]) -> InputError:
+    """Wrong input, with the settings of recording.yaml of which any would do, said as they are written there."""
+    write = f"; write {' or '.join(map(written, remedies))} in recording.yaml" if remedies else ""
+    return InputError(file, key, message + write, *remedies)
+
+
+def written(settings: MappingLike[str, Any]) -> str:
+    """Settings as they are written, in a sentence."""
+    return " and ".join(f"`{name}: {yaml_line(value)}`" for name, value in settings.items())
+
+
 def _refusal(problem: str, mark: yaml.Mark) -> yaml.MarkedYAMLError:
     return yaml.MarkedYAMLError(problem=problem, problem_mark=mark)
 
@@ -160,9 +171,11 @@ def parse_yaml(text: str, *, file: object) -> object:
 
 
 def parse_own_yaml(text: str) -> object:
-    """What a large YAML file of the program's own holds. It is read by the C parser, ten times as fast, which lets pass
-    what `parse_yaml` refuses; the tests read the same files by both."""
-    return yaml.load(text, Loader=getattr(yaml, "CSafeLoader", yaml.SafeLoader))
+    """What a YAML file of the program's own holds. It is read by the C parser, ten times as fast, which lets pass what
+    `parse_yaml` refuses; plain words mean the same, and the tests read the same files by both."""
+    fast: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
+    meaning = {"yaml_implicit_resolvers": _Loader.yaml_implicit_resolvers}
+    return yaml.load(text, Loader=cast(Any, type("_OwnLoader", (fast,), meaning)))
 
 
 def load_yaml(path: Path | str) -> Mapping:
@@ -182,7 +195,7 @@ def shipped_files(package: str, folder: str = "") -> Iterator[Mapping]:
     for item in sorted(files(package).joinpath(folder).iterdir(), key=lambda entry: entry.name):
         if item.name.endswith(".yaml"):
             name = f"{folder or package.rpartition('.')[2]}/{item.name}"
-            yield Mapping(parse_yaml(item.read_text(encoding="utf-8"), file=name), file=name)
+            yield Mapping(parse_own_yaml(item.read_text(encoding="utf-8")), file=name)
 
 
 class Mapping:
@@ -218,7 +231,7 @@ class Mapping:
     def raw(self, name: str, would_do: str = "a value") -> object:
         """Return the entry as YAML gave it; raises `InputError` where it is missing, saying what would do."""
         if not self.has(name):
-            known = {each: self._synonyms.get(each) for each in (*self._asked, name)}
+            known = {item: self._synonyms.get(item) for item in (*self._asked, name)}
             others = (item for item in self.content if item not in self._asked)
             near = next((item for item in others if meant(item, known, _QUITE_ALIKE) == name), None)
             hint = "" if near is None else f" ('{near}' is not a key known here; did you mean '{name}'?)"
@@ -227,7 +240,7 @@ class Mapping:
 
     def also_called(self, synonyms: MappingLike[str, tuple[str, ...]]) -> None:
         """Say what people call the entries of some names as well, so that they are told the names known here."""
-        self._synonyms.update({name: Known(each) for name, each in synonyms.items()})
+        self._synonyms.update({name: Known(synonym) for name, synonym in synonyms.items()})
 
     def version(self, known: int) -> None:
         """Refuse another `format_version` than the one that is known."""
@@ -283,8 +296,8 @@ class Mapping:
         value = self.raw(name, "a text")
         if not isinstance(value, str) or not value.strip():
             raise self.error(name, f"needs a text, not {shown(value)}")
-        if found := _CONTROL.search(value):
-            raise self.error(name, f"holds the control character {shown(found[0])}; take it out")
+        if result := _CONTROL.search(value):
+            raise self.error(name, f"holds the control character {shown(result[0])}; take it out")
         return value
 
     def when(self, name: str, default: str | None = None) -> str:

@@ -174,10 +174,18 @@ def kinds() -> dict[str, Kind]:
         _kind("time", "s", "30 s", (0.0, "ms"), (1.0, "s"), (600.0, "min"), (7200.0, "h")),
         _kind("rate", "1/s", "0.01 1/s"),
         _kind("viscous_friction", "N*m*s/rad", "3 N*m*s/rad"),
+        _kind("linear_viscous_friction", "N*s/m", "200 N*s/m"),
+        _kind("quadratic_friction", "N*m*s^2/rad^2", "2 N*m*s^2/rad^2"),
+        _kind("linear_quadratic_friction", "N*s^2/m^2", "50 N*s^2/m^2"),
+        _kind("torque_per_temperature", "N*m/K", "-0.1 N*m/K"),
+        _kind("force_per_temperature", "N/K", "-2 N/K"),
+        _kind("time_squared", "s^2", "4e-4 s^2"),
         _kind("angle_per_temperature", "rad/K", "8 urad/K", (0.0, "urad/K"), (1e-3, "mrad/K")),
         _kind("angle_per_length", "rad/m", "0.1 mrad/m", (0.0, "mrad/m"), (1.0, "rad/m")),
         _kind("length_per_temperature", "m/K", "5 um/K", (0.0, "um/K"), (1e-3, "mm/K")),
         _kind("power", "W", "250 W", (0.0, "W"), (1e4, "kW")),
+        _kind("current", "A", "2 A"),
+        _kind("torque_constant", "N*m/A", "11.2 N*m/A"),
         _kind("energy", "J", "12 J", (0.0, "J"), (1e4, "kJ")),
     )
     return {row.name: row for row in rows}

@@ -18,6 +18,7 @@ from xml.etree.ElementTree import ParseError
 from linkwright.core.units.files import read_bytes
 from linkwright.core.units.names import nearest
 from linkwright.core.units.quantities import InputError, shown
+from linkwright.core.units.reading import refusal
 
 if TYPE_CHECKING:
     from openpyxl.workbook.workbook import Workbook
@@ -60,7 +61,7 @@ def workbook_text(path: Path | str, sheet: str = "", decimal: str = ".") -> str:
 
     try:
         with zipfile.ZipFile(io.BytesIO(content)) as packed:
-            unpacked = sum(each.file_size for each in packed.infolist())
+            unpacked = sum(item.file_size for item in packed.infolist())
         if unpacked > _LARGEST:
             raise InputError(path, "", f"unpacks to more than {_LARGEST // 1024**2} MB")
         with warnings.catch_warnings():  # what a library grumbles of a file is no line of ours
@@ -76,14 +77,14 @@ def _text_of(path: Path | str, content: bytes, sheet: str, decimal: str) -> str:
     from openpyxl import load_workbook
 
     book: Workbook = load_workbook(io.BytesIO(content), read_only=True, data_only=True)
-    names = [str(each.title) for each in book.worksheets]
+    names = [str(worksheet.title) for worksheet in book.worksheets]
     if sheet and sheet not in names:
         raise InputError(path, "sheet", f"there is no sheet {shown(sheet)}{nearest(sheet, names)}")
     tables = {name: list(_rows(path, book[name])) for name in ([sheet] if sheet else names)}
     filled = [name for name, rows in tables.items() if rows]
     if len(filled) > 1:
         listed = ", ".join(shown(name, 30) for name in filled[:5])
-        raise InputError(path, "", f"has {len(filled)} sheets ({listed}); `sheet: {filled[0]}` reads one of them")
+        raise refusal(path, "", f"has {len(filled)} sheets ({listed})", *({"sheet": name} for name in filled[:5]))
     if not filled:
         raise InputError(path, "", "has no filled cell")
     stream = io.StringIO(newline="")

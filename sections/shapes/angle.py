@@ -49,6 +49,11 @@ class Angle(Section):
         Dimension("thickness", "thickness of both legs", "wall"),
     )
 
+    @property
+    def inner_diameter(self) -> Number:
+        """None is closed: 0."""
+        return 0.0
+
     def properties(self, poisson_ratio: Number) -> SectionProperties:
         """Properties (SI), exact but for J and shear areas.
 
@@ -86,9 +91,9 @@ class Angle(Section):
     def outline(self) -> Outline:
         """Six corners."""
         b, h, t = self.width, self.height, self.thickness
-        found = self.properties(0.0)
+        result = self.properties(0.0)
         corners = [(0.0, 0.0), (b, 0.0), (b, t), (t, t), (t, h), (0.0, h)]
-        return [closed([(y - found.centroid_y, z - found.centroid_z) for y, z in corners])]
+        return [closed([(y - result.centroid_y, z - result.centroid_z) for y, z in corners])]
 
     def constraints(self) -> tuple[Constraint, ...]:
         """The thickness must stay below both legs."""

@@ -51,6 +51,11 @@ class Channel(Section):
         Dimension("web_thickness", "thickness of the web", "wall"),
     )
 
+    @property
+    def inner_diameter(self) -> Number:
+        """None is closed: 0."""
+        return 0.0
+
     def properties(self, poisson_ratio: Number) -> SectionProperties:
         """Properties (SI), exact but for J and shear areas.
 

@@ -9,7 +9,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from linkwright.core.sections.numeric import Number, sqrt
+from linkwright.core.sections.numeric import Number, minimum, sqrt
 from linkwright.core.sections.properties import SectionProperties
 from linkwright.core.sections.section import (
     CURVE_POINTS,
@@ -75,6 +75,16 @@ class EllipticalTube(Section):
         Dimension("height", "outer axis in the bending plane", "outer"),
         Dimension("thickness", "wall thickness, the same everywhere", "wall"),
     )
+
+    @property
+    def inner_diameter(self) -> Number:
+        """The least width of the hollow, m."""
+        return minimum(*self.inner_widths)
+
+    @property
+    def inner_widths(self) -> tuple[Number, Number]:
+        """Both axes of the hollow, m."""
+        return self.width - 2.0 * self.thickness, self.height - 2.0 * self.thickness
 
     def properties(self, poisson_ratio: Number) -> SectionProperties:
         """Properties (SI); area, second and plastic moduli to 1e-6 for width / height from 0.3 to 3.

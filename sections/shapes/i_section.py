@@ -118,6 +118,11 @@ class ISection(Section):
         )
         return all(value is None for value in own)
 
+    @property
+    def inner_diameter(self) -> Number:
+        """None is closed: 0."""
+        return 0.0
+
     def properties(self, poisson_ratio: Number) -> SectionProperties:
         """Properties (SI); J and shear areas are fits, see `sections.formulas.thin_walls` for their range and error.
 

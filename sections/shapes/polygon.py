@@ -76,12 +76,17 @@ class Polygon(Section):
 
     @cached_property
     def _saint_venant(self) -> SaintVenant:
-        found = solve(self._loops)
+        result = solve(self._loops)
         m = moments(self._loops)
-        if found.torsion_constant > _THIN * (m.yy + m.zz):
-            return found
+        if result.torsion_constant > _THIN * (m.yy + m.zz):
+            return result
         # J is the small difference of two large integrals here: at the usual fineness it can be wrong by 2 %.
         return solve(self._loops, _FINE)
+
+    @property
+    def inner_diameter(self) -> Number | None:
+        """0 without holes; None with some, whose shapes say nothing of what fits through."""
+        return None if self.holes else 0.0
 
     def properties(self, poisson_ratio: Number) -> SectionProperties:
         """Properties (SI) about axes parallel to the given ones; area and second moments exact.
@@ -207,8 +212,8 @@ def _crossing(first: NDArray[np.float64], second: NDArray[np.float64]) -> tuple[
             edge = int(np.argmax(back))
             return edge, (edge + 1) % count
         meet &= (gap > 1) & (gap < count - 1)
-    found = np.argwhere(meet)
-    return (int(found[0][0]), int(found[0][1])) if len(found) else None
+    result = np.argwhere(meet)
+    return (int(result[0][0]), int(result[0][1])) if len(result) else None
 
 
 def _inside(point: NDArray[np.float64], loop: NDArray[np.float64]) -> bool:

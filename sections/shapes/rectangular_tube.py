@@ -77,6 +77,17 @@ class RectangularTube(Section):
         )
 
     @property
+    def inner_diameter(self) -> Number:
+        """The lesser side of the hollow, m."""
+        return minimum(*self.inner_widths)
+
+    @property
+    def inner_widths(self) -> tuple[Number, Number]:
+        """Both sides of the hollow, m."""
+        flange, web = self.walls
+        return self.height - 2.0 * flange, self.width - 2.0 * web
+
+    @property
     def radii(self) -> tuple[Number, Number] | None:
         """Outer and inner radius of the corners, m; None where they are sharp."""
         if self.corner_radius is None:

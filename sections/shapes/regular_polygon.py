@@ -109,6 +109,11 @@ class OctagonalTube(Octagon):
     )
 
     @property
+    def inner_diameter(self) -> Number:
+        """Across the flats of the hollow, m."""
+        return self.width - 2.0 * self.thickness
+
+    @property
     def inner(self) -> Number:
         """The hollow's width over the outer one."""
         return 1.0 - 2.0 * self.thickness / self.width

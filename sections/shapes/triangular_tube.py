@@ -50,6 +50,11 @@ class TriangularTube(Section):
         """Radius of the circle inscribed in the outer triangle, m: the wall that would fill it."""
         return self.width * self.height / (self.width + sqrt(self.width**2 + 4.0 * self.height**2))
 
+    @property
+    def inner_diameter(self) -> Number:
+        """Of the hollow's inscribed circle, m."""
+        return 2.0 * (self.inscribed_radius - self.thickness)
+
     def properties(self, poisson_ratio: Number) -> SectionProperties:
         """Properties (SI), exact but for J and shear areas.
 
@@ -106,9 +111,9 @@ class TriangularTube(Section):
 
     def outline(self) -> Outline:
         """Both triangles."""
-        found = self.properties(0.0)
+        result = self.properties(0.0)
         inner = 1.0 - self.thickness / self.inscribed_radius
-        y, low, high = 0.5 * self.width, -found.centroid_z, self.height - found.centroid_z
+        y, low, high = 0.5 * self.width, -result.centroid_z, self.height - result.centroid_z
         floor = low + self.thickness
         hole = [(0.0, floor + inner * self.height), (inner * y, floor), (-inner * y, floor)]
         return [closed([(-y, low), (y, low), (0.0, high)]), closed(hole)]

@@ -60,6 +60,11 @@ class Tube(Section):
         if self.bore_squared is None:
             object.__setattr__(self, "bore_squared", (self.diameter - 2.0 * self.thickness) ** 2)
 
+    @property
+    def inner_diameter(self) -> Number:
+        """Of the bore, m."""
+        return sqrt(self.bore_squared)
+
     def scaled(self, factor: Number) -> Self:
         """The same tube with both dimensions multiplied by a factor."""
         return type(self)(self.diameter * factor, self.thickness * factor, bore_squared=self.bore_squared * factor**2)

@@ -21,12 +21,14 @@ for in vain, for all its rows or some:
     unconfirmed: "in no text that could be searched"        # or {CHS 60.3x3.2: "..."}
 ```
 
-A column that ends in ``_mm`` is a dimension of the shape. `area_cm2`, `second_moment_y_cm4` and
-`second_moment_z_cm4` are what the source prints; a table without them has computed figures only.
+A column that ends in ``_mm`` or ``_in`` is a dimension of the shape. `area_cm2`, `second_moment_y_cm4` and
+`second_moment_z_cm4` (`_in2`, `_in4`) are what the source prints; a table without them has computed figures only.
 
 Rounding: a printed figure carries at least three significant digits (zeros at the end do not count beyond them),
 and may differ from the recomputed one by 0.6 units of its last digit: half for its own rounding, the rest for that
-of the source's intermediate steps. A row beyond that is refused.
+of the source's intermediate steps. Sizes in millimetres are nominal ones, and exact. Those in inches are rounded in
+print too, and may each be off by half a unit of their last digit; what that makes of a figure it may differ by as
+well. A row beyond that is refused.
 """
 
 from __future__ import annotations
@@ -62,11 +64,20 @@ STOCK_VARIABLE = "LINKWRIGHT_SECTIONS"
 _LARGEST = 1e9
 """No figure of a table is larger."""
 
+INCH = 0.0254
+"""m."""
+
+LENGTHS = MappingProxyType({"_mm": 1e-3, "_in": INCH})
+"""How columns of dimensions end, and what one of their units is in SI."""
+
 PRINTED = MappingProxyType(
     {
         "area_cm2": ("area", 1e4),
         "second_moment_y_cm4": ("second_moment_y", 1e8),
         "second_moment_z_cm4": ("second_moment_z", 1e8),
+        "area_in2": ("area", INCH**-2),
+        "second_moment_y_in4": ("second_moment_y", INCH**-4),
+        "second_moment_z_in4": ("second_moment_z", INCH**-4),
     }
 )
 """Columns of printed figures: the property that each is compared with, and how many of its units make one in SI."""
@@ -87,7 +98,7 @@ class StockSize:
         family: `IPE`.
         shape: name of the shape.
         dimensions: by name, m.
-        printed: what the source prints, by column (cm^2, cm^4); empty where A and I are computed only.
+        cells: what its row holds beside the name, by column (`height_mm`, `area_cm2`), in the column's unit.
         source: the standard.
         file: where the row stands.
         found_in: the text that anybody can look up in which the row was found, empty where nobody looked.
@@ -98,11 +109,16 @@ class StockSize:
     family: str
     shape: str
     dimensions: Mapping[str, float]
-    printed: Mapping[str, float]
+    cells: Mapping[str, float]
     source: str
     file: str
     found_in: str = ""
     unconfirmed: str = ""
+
+    @cached_property
+    def printed(self) -> Mapping[str, float]:
+        """What the source prints, by column (`area_cm2`, `area_in2`); empty where A and I are computed only."""
+        return MappingProxyType({column: value for column, value in self.cells.items() if column in PRINTED})
 
     @cached_property
     def section(self) -> Section:
@@ -140,17 +156,17 @@ class Stock:
     def of_family(self, family: str) -> tuple[StockSize, ...]:
         """The sizes of a family, whatever its case and spaces; raises InputError for one that there is not."""
         wanted = plain_name(family)
-        found = tuple(size for size in self.sizes if plain_name(size.family) == wanted)
-        if not found:
+        results = tuple(size for size in self.sizes if plain_name(size.family) == wanted)
+        if not results:
             raise InputError("", "family", f"there is no family {family!r}; known: {', '.join(self.families)}")
-        return found
+        return results
 
     def find(self, name: str, *, file: object = "", key: str = "section") -> StockSize:
         """The size of this name, whatever its case and spaces; raises InputError for file and key with the nearest."""
-        found = self._by_key.get(plain_name(name))
-        if found is None:
+        result = self._by_key.get(plain_name(name))
+        if result is None:
             raise InputError(file, key, f"there is no stock size {name!r}{self._nearest(name)}")
-        return found
+        return result
 
     def _nearest(self, name: str) -> str:
         near = meant(plain_name(name), self._by_key)
@@ -267,7 +283,7 @@ def _head(table: Any, where: str) -> tuple[str, str, str, list[str], list[Any]]:
     kind = SHAPES.get(shape)
     if kind is None:
         raise _wrong(where, f"there is no shape {shown(shape)}{nearest(shape, SHAPES)}")
-    known = {"name", *PRINTED, *(f"{each.name}_mm" for each in kind.dimensions if each.kind != "points")}
+    known = {"name", *columns_of(shape)}
     listed = isinstance(columns, list) and all(isinstance(column, str) for column in columns)
     if not listed or "name" not in columns or len(set(columns)) != len(columns):
         raise _wrong(where, "columns is a list without repeats, one of which is name")
@@ -315,15 +331,26 @@ def _read_row(row: Any, columns: list[str], family: str, shape: str, source: str
         number = isinstance(value, (int, float)) and not isinstance(value, bool)
         if not number or not 0.0 < value <= _LARGEST:
             raise _wrong(where, f"{name}: {column} must be a positive number, not {shown(value)}")
-    dimensions = {
-        column.removesuffix("_mm"): float(f"{value * 1e-3:.12g}")
-        for column, value in entries.items()
-        if column.endswith("_mm")
-    }
-    printed = {column: value for column, value in entries.items() if column in PRINTED}
-    return StockSize(
-        name, family, shape, MappingProxyType(dimensions), MappingProxyType(printed), source, where.split(": tables")[0]
-    )
+    dimensions: dict[str, float] = {}
+    for column, value in entries.items():
+        if (result := dimension_of(column)) is not None:
+            if result in dimensions:
+                raise _wrong(where, f"{result} stands there in mm and in inches")
+            dimensions[result] = float(f"{value * LENGTHS[column[-3:]]:.12g}")
+    cells = MappingProxyType(entries)
+    return StockSize(name, family, shape, MappingProxyType(dimensions), cells, source, where.split(": tables")[0])
+
+
+def dimension_of(column: str) -> str | None:
+    """The dimension that a column holds; None for a printed figure."""
+    return column[:-3] if column[-3:] in LENGTHS else None
+
+
+def columns_of(shape: str) -> tuple[str, ...]:
+    """The columns that a table of a shape can have beside `name`: each dimension in mm, each in inches, then the
+    printed figures."""
+    named = [dimension.name for dimension in SHAPES[shape].dimensions if dimension.kind != "points"]
+    return (*(f"{name}{ending}" for ending in LENGTHS for name in named), *PRINTED)
 
 
 _Columns = Mapping[str, np.ndarray[Any, np.dtype[np.float64]]]
@@ -347,15 +374,28 @@ def _check_printed(sizes: list[StockSize], shape: str, columns: _Columns, where:
     if not sizes[0].printed:
         return
     with np.errstate(all="ignore"):  # what is no number is refused below, row by row
-        properties = SHAPES[shape](**columns).properties(0.3)
+        kind = SHAPES[shape]
+        properties = kind(**columns).properties(0.3)
+        rounded = [kind(**varied).properties(0.3) for varied in _within_rounding(sizes, columns)]
     for column, (name, factor) in PRINTED.items():
         if column not in sizes[0].printed:
             continue
         computed = np.broadcast_to(getattr(properties, name) * factor, len(sizes))
-        for size, value in zip(sizes, computed, strict=True):
-            if not abs(size.printed[column] - float(value)) <= ROUNDING * last_unit(size.printed[column]):
+        slack = sum((np.abs(getattr(item, name) * factor - computed) for item in rounded), np.zeros(len(sizes)))
+        for size, value, by_sizes in zip(sizes, computed, slack, strict=True):
+            allowed = ROUNDING * last_unit(size.printed[column]) + float(by_sizes)
+            if not abs(size.printed[column] - float(value)) <= allowed:
                 given = f"{float(value):.4g}" if math.isfinite(value) else "none"
                 raise _wrong(where, f"{size.name}: {column} is {size.printed[column]:g}, its dimensions give {given}")
+
+
+def _within_rounding(sizes: list[StockSize], columns: _Columns) -> Iterator[_Columns]:
+    """The dimensions with one of those in inches, which are rounded in print, half a unit of its last digit up."""
+    for column in sizes[0].cells:
+        if column.endswith("_in"):
+            half = np.array([0.5 * INCH * last_unit(size.cells[column]) for size in sizes])
+            name = column.removesuffix("_in")
+            yield {**columns, name: columns[name] + half}
 
 
 def last_unit(printed: float) -> float:

@@ -10,9 +10,9 @@ from pathlib import Path
 
 import pytest
 
+from linkwright.core.arm.figures import FIGURES
 from linkwright.core.executors import Processes
 from linkwright.core.executors.packing import packed, unpacked
-from linkwright.core.optimize.limits import FIGURES
 from linkwright.core.optimize.problem import Problem
 from linkwright.core.optimize.result import OptimizationResult
 from linkwright.core.optimize.run import optimise
@@ -45,10 +45,10 @@ def killed_in_the_midst(dask: Dask) -> None:
 
 def same(one: OptimizationResult, other: OptimizationResult) -> bool:
     """Whether two runs came to the same, to a certificate's gap."""
-    figures = [(each.objective, each.lower_bound, each.after.max_error) for each in (one, other)]
+    figures = [(item.objective, item.lower_bound, item.after.max_error) for item in (one, other)]
     assert figures[0] == pytest.approx(figures[1], rel=1e-4)
-    kinds = [[(link.section.shape, link.material.name) for link in each.arm.links] for each in (one, other)]
-    tried = [{(each.shapes, each.materials) for each in found.candidates} for found in (one, other)]
+    kinds = [[(link.section.shape, link.material.name) for link in item.arm.links] for item in (one, other)]
+    tried = [{(candidate.shapes, candidate.materials) for candidate in found.candidates} for found in (one, other)]
     return (one.status, kinds[0], tried[0]) == (other.status, kinds[1], tried[1])
 
 
@@ -59,21 +59,21 @@ def test_choice_among_combinations(dask: Dask, tmp_path: Path):
     with Processes(2, patience=0.0) as processes:
         assert same(optimise(problem, executor=processes), alone)
         assert len(processes.processes()) == 2
-    told: list[str] = []
+    texts: list[str] = []
 
     def kill(done: int, total: int, text: str) -> None:
         del total
-        if not told and done and text == "bounding combinations":
-            told.append(text)
+        if not texts and done and text == "bounding combinations":
+            texts.append(text)
             killed_in_the_midst(dask)
 
     with joined(dask) as cluster:
         assert same(optimise(problem, executor=cluster, progress=kill), alone)
-    assert told
+    assert texts
 
 
 def points(front: Tradeoff) -> list[tuple[object, ...]]:
-    return [(each.x, each.y, each.shapes, each.materials) for each in front.points]
+    return [(point.x, point.y, point.shapes, point.materials) for point in front.points]
 
 
 @pytest.mark.slow
@@ -84,16 +84,16 @@ def test_front(dask: Dask, tmp_path: Path):
         together = trade_off(asked, accuracy=0.01, executor=processes)
         assert len(processes.processes()) == 2
     assert [(x, y) for x, y, *_ in points(together)] == [pytest.approx(pair[:2], rel=1e-4) for pair in points(alone)]
-    told: list[str] = []
+    texts: list[str] = []
 
     def kill(progress: Progress) -> None:
-        if progress.error is not None and not told:
-            told.append(progress.doing)
+        if progress.error is not None and not texts:
+            texts.append(progress.doing)
             killed_in_the_midst(dask)
 
     with joined(dask) as cluster:
         spread = trade_off(asked, accuracy=0.01, executor=cluster, told=kill)
-    assert told
+    assert texts
     # A search keeps what it knows from design to design, and which worker solves which is chance: rounding differs.
     assert [made for _, _, made, _ in points(spread)] == [made for _, _, made, _ in points(together)]
     assert [of for _, _, _, of in points(spread)] == [of for _, _, _, of in points(together)]
@@ -133,9 +133,7 @@ def test_problem_arrives_as_it_was_sent(tmp_path: Path):
 
 def test_limit_that_a_worker_does_not_know_is_named(tmp_path: Path):
     problem = problem_of(tmp_path, ARM, LIMITS)
-    own = replace(
-        FIGURES["mass"], name="own_mass", key="own_mass_kg", of=None, follows=FIGURES["wall_slenderness"].follows
-    )
+    own = replace(FIGURES["mass"], name="own_mass", key="own_mass_kg", follows=FIGURES["wall_slenderness"].follows)
     FIGURES.register(own)
     try:
         there = packed(replace(problem, limits=(replace(problem.limits[0], figure=own),)))

@@ -36,7 +36,7 @@ def test_results_come_in_the_order_of_the_items(cluster: Cluster):
 def test_each_worker_prepares_once_for_each_work(cluster: Cluster, dask: Dask):
     work = Work(object, steps.place)
     places = set(cluster.map(work, range(12)) + cluster.map(work, range(12)))
-    assert {pid for pid, _ in places} == {each.pid for each in dask.workers}
+    assert {pid for pid, _ in places} == {worker.pid for worker in dask.workers}
     assert len(places) == 2
 
 
@@ -90,7 +90,7 @@ def test_an_address_of_no_scheme_that_dask_knows_makes_no_client(monkeypatch: py
 
 def test_without_dask_one_line_says_how_to_get_it(monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setitem(sys.modules, "distributed", None)
-    with pytest.raises(InputError, match=r"pip install 'linkwright\[cluster\]'"):
+    with pytest.raises(InputError, match=r"pip install 'dask>=[0-9.]+' 'distributed>=[0-9.]+'"):
         Cluster("tcp://127.0.0.1:8786")
 
 

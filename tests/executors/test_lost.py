@@ -48,19 +48,19 @@ class Lossy(Here):
         self, work: Work[Any, Any, Any], items: Sequence[Any], pulse: Pulse = no_pulse
     ) -> Generator[tuple[int, Any]]:
         """The results until they are gone."""
-        for each in super().completed(work, items, pulse):
+        for item in super().completed(work, items, pulse):
             if not self.good:
                 raise WorkersLost(GONE)
             self.good -= 1
-            yield each
+            yield item
 
 
 def test_the_best_design_so_far_is_the_answer(tmp_path: Path):
     crew = Lossy(0)
-    found = optimise(problem_of(tmp_path, ARM, FREE + LIMITS), executor=crew)
-    assert found.interrupted
-    assert found.status == "interrupted"
-    assert found.after.max_error < found.before.max_error
+    result = optimise(problem_of(tmp_path, ARM, FREE + LIMITS), executor=crew)
+    assert result.interrupted
+    assert result.status == "interrupted"
+    assert result.after.max_error < result.before.max_error
     assert str(crew.lost) == GONE
 
 
@@ -142,7 +142,7 @@ def test_a_page_shows_the_best_so_far_and_why_it_is_no_more(
     monkeypatch.setattr(signal, "signal", ignored)
     assert work.main() == 0
     answers = [told for line in capsys.readouterr().out.splitlines() if "answer" in (told := json.loads(line))]
-    assert [told["complete"] for told in answers] == [False]
+    assert [answer["complete"] for answer in answers] == [False]
     assert answers[0]["answer"].startswith("Optimization: interrupted, ")
     assert answers[0]["answer"].endswith(f"; {GONE}")
     assert (tmp_path / "out" / "arm.yaml").exists()
@@ -155,8 +155,8 @@ def test_a_scheduler_that_is_killed_ends_the_work_at_once(caplog: pytest.LogCapt
     before = {name: list(logging.getLogger(name).filters) for name in logging.root.manager.loggerDict}
     with two_workers() as dask, joined(dask) as cluster:
         loggers = [logging.getLogger(name) for name in ("distributed.client", "distributed.utils")]
-        for each in loggers:
-            each.addHandler(caplog.handler)
+        for logger in loggers:
+            logger.addHandler(caplog.handler)
 
         def kill(number: int, result: float) -> None:
             del number
@@ -173,7 +173,7 @@ def test_a_scheduler_that_is_killed_ends_the_work_at_once(caplog: pytest.LogCapt
             assert cluster.lost is not None
             cluster.close()
         finally:
-            for each in loggers:
-                each.removeHandler(caplog.handler)
+            for item in loggers:
+                item.removeHandler(caplog.handler)
     assert caplog.records == []
     assert all(logging.getLogger(name).filters == filters for name, filters in before.items())

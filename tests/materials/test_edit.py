@@ -76,7 +76,7 @@ def test_every_shipped_material_can_be_copied_whole(own):
     MATERIALS.add(own, [entry for name in names if (entry := MATERIALS.shipped(name)) is not None])
     MATERIALS.set_keys(own, names[0], {"title": "mine"})
     assert sorted(load_layer(own).materials) == list(names)
-    layers = {name: each for layer in shipped_layers() for name, each in layer.materials.items()}
+    layers = {name: item for layer in shipped_layers() for name, item in layer.materials.items()}
     for name, copy in load_layer(own).materials.items():
         assert copy.family == layers[name].family
         assert {key: item.law for key, item in copy.properties.items()} == {

@@ -11,9 +11,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from linkwright.core.arm.errors.model import beams_of
+from linkwright.core.arm.figures import FIGURES
 from linkwright.core.arm.files.read import read_arm
 from linkwright.core.arm.files.write import arm_to_yaml
-from linkwright.core.arm.limits.walls import walls_of
 from linkwright.core.materials.catalogue import Catalogue, load_catalogue, load_layer
 from linkwright.core.materials.laminate import Ply, wall_of
 from linkwright.core.units.quantities import InputError
@@ -113,9 +113,9 @@ def test_thicknesses_weigh_plies(tmp_path: Path):
 def test_thin_walls_buckle_by_both_moduli(tmp_path: Path):
     """Jones' plate: for an isotropic one (nu 0.3) the modulus itself; for plies along a link far less than theirs."""
     same = "{elastic_modulus: 70 GPa, poisson_ratio: 0.3, density: 2700 kg/m^3, yield_strength: 200 MPa"
-    plain = walls_of(arm_of(tmp_path, same + "}")).worst
+    plain = FIGURES["wall_slenderness"].of_links(arm_of(tmp_path, same + "}"))
     both = f"{same}, isotropic: false, transverse_modulus: 70 GPa, shear_modulus: {70 / 2.6!r} GPa}}"
-    assert walls_of(arm_of(tmp_path, both)).worst == pytest.approx(plain, rel=1e-9)
+    assert FIGURES["wall_slenderness"].of_links(arm_of(tmp_path, both)) == pytest.approx(plain, rel=1e-9)
     values = load_catalogue(user=False).find("cfrp-unidirectional").at()
     nu = 0.3 * 0.3 * 10 / 135
     plate = (math.sqrt(135 * 10) + 0.3 * 10) / (1 - nu) + 2 * 5

@@ -1,9 +1,13 @@
 """Reading YAML key by key: every mistake is one line with file, key and what would do."""
 
+from pathlib import Path
+
 import pytest
 
 from linkwright.core.units.quantities import InputError
-from linkwright.core.units.reading import Mapping, load_yaml, parse_yaml
+from linkwright.core.units.reading import Mapping, load_yaml, parse_own_yaml, parse_yaml
+
+CORE = Path(__file__).parents[2] / "linkwright" / "core"
 
 
 def parse(text):
@@ -51,6 +55,15 @@ def test_words_mean_what_they_say():
         "g": None,
         "400": "x",
     }
+
+
+@pytest.mark.parametrize("folder", ["materials/catalogue", "arm/actuators", "sections/stock"])
+def test_the_programs_own_files_are_plain_yaml_that_the_c_parser_reads_alike(folder):
+    results = sorted((CORE / folder).glob("*.yaml"))
+    assert results
+    for path in results:
+        text = path.read_text(encoding="utf-8")
+        assert parse_own_yaml(text) == parse_yaml(text, file=path), path.name
 
 
 def test_files_that_cannot_be_read(tmp_path):
