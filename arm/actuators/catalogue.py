@@ -9,16 +9,17 @@ references:
   csf-csg: "Harmonic Drive LLC, Cup Type Component Sets and Housed Units, CSF & CSG Series"
 actuators:
   CSG-25-100-2UH:
-    gear: strain wave                  # or cycloidal, planetary
-    ratio: 100                         # optional
+    gear: strain wave                  # or cycloidal, planetary, belt, servo (the gear train within one)
+    ratio: 100                         # of the figures any is left out where it is unknown
     rated_torque: 87 N*m
-    peak_torque: 204 N*m               # optional
+    peak_torque: 204 N*m               # of a servo: what it stalls at
     stiffness: [31 kN*m/rad, 50 kN*m/rad, 57 kN*m/rad]   # or one value; in zones that end at zone_torques
     zone_torques: [14 N*m, 48 N*m]
     backlash: 0 arcmin                 # total lost motion
     mass: 1.5 kg
-    tilting_stiffness: 240 kN*m/rad    # of the output bearing, across its axis; left out where unknown
-    cost: {value: 1500 EUR, spread: [1200 EUR, 1900 EUR], date: 2026-01}    # left out where unknown
+    tilting_stiffness: 240 kN*m/rad    # of the output bearing, across its axis
+    cost: {value: 1500 EUR, spread: [1200 EUR, 1900 EUR], date: 2026-01}
+    note: with the motor               # what a reader should know
     source: csf-csg
 prices:                                # of actuators of other files (or this one), which stay as they are
   RV-20E: {value: 900 EUR, date: 2026-03, source: Offer 12}
@@ -58,15 +59,16 @@ ACTUATORS_VARIABLE = "LINKWRIGHT_ACTUATORS"
 CONFIRMABLE = ("rated_torque", "peak_torque", "stiffness", "backlash", "mass", "tilting_stiffness")
 """The figures that can be marked as not confirmed; `stiffness` with the torques of its zones."""
 
-GEARS = ("strain wave", "cycloidal", "planetary")
+GEARS = ("strain wave", "cycloidal", "planetary", "belt", "servo")
 
 
 @dataclass(frozen=True)
 class Actuator:
     """A gear or actuator of a joint that turns, SI (N*m, N*m/rad, rad, kg, EUR).
 
-    `stiffnesses` are those of its zones of torque, which end at `zone_torques` (one fewer). `backlash` is the total
-    lost motion, `tilting_stiffness` that of the output bearing across its axis (None where unknown). `cost` is
+    Figures are None where they are unknown. `stiffnesses` are those of its zones of torque, which end at `zone_torques`
+    (one fewer); none where unknown. `peak_torque` of a servo is what it stalls at. `backlash` is the total lost motion,
+    `tilting_stiffness` that of the output bearing across its axis. `cost` is
     indicative, `cost_spread` the lowest and highest to expect, `cost_date` when that was; None where unknown. `file` is
     where the entry stands. `unconfirmed` are the figures (of `CONFIRMABLE`) that nobody could find in their source,
     each with what was looked for; `found_in` is the text that the others were found in.
@@ -75,12 +77,12 @@ class Actuator:
     name: str
     maker: str
     gear: str
-    rated_torque: float
-    stiffnesses: tuple[float, ...]
-    backlash: float
-    mass: float
     source: str
     file: str
+    rated_torque: float | None = None
+    stiffnesses: tuple[float, ...] = ()
+    backlash: float | None = None
+    mass: float | None = None
     peak_torque: float | None = None
     tilting_stiffness: float | None = None
     ratio: float | None = None
@@ -94,12 +96,16 @@ class Actuator:
 
     def is_unconfirmed(self, name: str) -> bool:
         """Whether nobody could find this figure in its source."""
-        return any(name == each for each, _ in self.unconfirmed)
+        return any(name == item for item, _ in self.unconfirmed)
 
     @property
-    def stiffness(self) -> float:
+    def stiffness(self) -> float | None:
         """The stiffness (N*m/rad) of the softest zone: under no torque does the gear give more than by this one."""
-        return min(self.stiffnesses)
+        return min(self.stiffnesses, default=None)
+
+    def lacks(self, *names: str) -> tuple[str, ...]:
+        """Which of these figures are unknown."""
+        return tuple(name for name in names if getattr(self, name) is None)
 
     @property
     def zones(self) -> tuple[tuple[float, float], ...]:
@@ -144,26 +150,28 @@ def load_actuators(paths: Sequence[Path | str] = (), *, user: bool = True) -> Ac
 
     A file named by the environment variable or in `paths` must exist. Raises `InputError`.
     """
-    found = dict(shipped_actuators())
-    own = user_actuators_path()
-    if user and (os.path.exists(own) or os.environ.get(ACTUATORS_VARIABLE, "").strip()):
-        found = _with_file(found, load_yaml(own))
+    actuators = dict(shipped_actuators())
+    user_file = user_actuators_path()
+    if user and (os.path.exists(user_file) or os.environ.get(ACTUATORS_VARIABLE, "").strip()):
+        actuators = _with_file(actuators, load_yaml(user_file))
     for path in paths:
-        found = _with_file(found, load_yaml(path))
-    return Actuators(MappingProxyType(found))
+        actuators = _with_file(actuators, load_yaml(path))
+    return Actuators(MappingProxyType(actuators))
 
 
 def _with_file(known: Mapping[str, Actuator], keys: Keys) -> dict[str, Actuator]:
     """The actuators with those of a file over them, and its prices."""
-    found = {**known, **read_actuators(keys)}
+    actuators = {**known, **read_actuators(keys)}
     for name, price in read_prices(keys, "cost").items():
-        if name not in found:
-            raise keys.error(f"prices.{name}", f"there is no such actuator{nearest(name, list(found))}")
+        if name not in actuators:
+            raise keys.error(f"prices.{name}", f"there is no such actuator{nearest(name, list(actuators))}")
         note = f"cost: {price.source}" + (f" ({price.note})" if price.note else "")
-        note = "; ".join(text for text in (found[name].note, note) if text)
+        note = "; ".join(text for text in (actuators[name].note, note) if text)
         spread = price.spread or (price.value, price.value)
-        found[name] = replace(found[name], cost=price.value, cost_spread=spread, cost_date=price.date, note=note)
-    return found
+        actuators[name] = replace(
+            actuators[name], cost=price.value, cost_spread=spread, cost_date=price.date, note=note
+        )
+    return actuators
 
 
 def user_actuators_path() -> Path:
@@ -175,10 +183,10 @@ def user_actuators_path() -> Path:
 @lru_cache(maxsize=1)
 def shipped_actuators() -> Mapping[str, Actuator]:
     """The actuators that come with the program, read from its package data and checked."""
-    found: dict[str, Actuator] = {}
-    for each in shipped_files("linkwright.core.arm.actuators"):
-        found.update(read_actuators(each))
-    return MappingProxyType(found)
+    actuators: dict[str, Actuator] = {}
+    for file in shipped_files("linkwright.core.arm.actuators"):
+        actuators.update(read_actuators(file))
+    return MappingProxyType(actuators)
 
 
 def read_actuators(keys: Keys) -> dict[str, Actuator]:
@@ -220,30 +228,29 @@ def _read(keys: Keys, name: str, sources: Mapping[str, str], defaults: _Defaults
     with keys.reading():
         if not name.strip() or name != name.strip():
             raise keys.error("", f"{name!r} cannot be an actuator's name")
-        rated = keys.positive("rated_torque", "torque")
-        peak = keys.positive("peak_torque", "torque") if keys.has("peak_torque") else None
-        if peak is not None and peak < rated:
+        rated, peak = _positive(keys, "rated_torque", "torque"), _positive(keys, "peak_torque", "torque")
+        if peak is not None and rated is not None and peak < rated:
             raise keys.error("peak_torque", "must not be below the rated torque")
         stiffnesses, ends = _stiffnesses(keys)
-        backlash = keys.not_negative("backlash", "angle")
+        backlash = keys.not_negative("backlash", "angle") if keys.has("backlash") else None
         ratio = keys.number("ratio") if keys.has("ratio") else None
         if ratio is not None and ratio <= 0.0:
             raise keys.error("ratio", "must be positive")
-        tilting = keys.positive("tilting_stiffness", "torsional_stiffness") if keys.has("tilting_stiffness") else None
+        tilting = _positive(keys, "tilting_stiffness", "torsional_stiffness")
         marks = _marks(keys) if keys.has("unconfirmed") else defaults.unconfirmed
         source = keys.text("source")
         if source not in sources:
             known = ", ".join(sources) or "none are given"
             raise keys.error("source", f"'{source}' is not among the file's references ({known})")
         cost, spread, date = _cost(keys)
-        return Actuator(
+        actuator = Actuator(
             name=name,
             maker=keys.text("maker", defaults.maker) if defaults.maker else keys.text("maker"),
             gear=keys.choice("gear", GEARS),
             rated_torque=rated,
             stiffnesses=stiffnesses,
             backlash=backlash,
-            mass=keys.positive("mass", "mass"),
+            mass=_positive(keys, "mass", "mass"),
             source=sources[source],
             file=str(keys.file),
             peak_torque=peak,
@@ -254,14 +261,22 @@ def _read(keys: Keys, name: str, sources: Mapping[str, str], defaults: _Defaults
             cost_spread=spread,
             cost_date=date,
             note=keys.text("note", ""),
-            unconfirmed=tuple(each for each in marks if tilting is not None or each[0] != "tilting_stiffness"),
             found_in=keys.text("found_in", defaults.found_in),
         )
+    if actuator.lacks(*CONFIRMABLE) == CONFIRMABLE:
+        raise keys.error("", f"has no figure; give one or more of {', '.join(CONFIRMABLE)}")
+    return replace(actuator, unconfirmed=tuple(mark for mark in marks if not actuator.lacks(mark[0])))
+
+
+def _positive(keys: Keys, name: str, kind: str) -> float | None:
+    return keys.positive(name, kind) if keys.has(name) else None
 
 
 def _stiffnesses(keys: Keys) -> tuple[tuple[float, ...], tuple[float, ...]]:
     """The stiffness of each zone of torque, and the torques at which the zones end."""
-    if not isinstance(keys.content.get("stiffness"), list):
+    if not keys.has("stiffness"):
+        return (), ()
+    if not isinstance(keys.content["stiffness"], list):
         return (keys.positive("stiffness", "torsional_stiffness"),), ()
     zones = keys.vector("stiffness", "torsional_stiffness")
     ends = keys.vector("zone_torques", "torque")

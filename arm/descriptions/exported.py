@@ -9,16 +9,17 @@ bends it as its spread weight does (deflection w L^4/8EI, slope w L^3/6EI).
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
 
+from linkwright.core.arm.bodies.bodies import Mass, negative_moment, together
+from linkwright.core.arm.bodies.on_links import link_axes, link_before, masses_on_link
 from linkwright.core.arm.chain.beam import Beam
-from linkwright.core.arm.chain.chain import Arm, FloatVector, Joint, Link
+from linkwright.core.arm.chain.chain import Arm, FloatVector, Joint
 from linkwright.core.arm.chain.following import ties_to
-from linkwright.core.arm.chain.kinematics import section_directions
 from linkwright.core.arm.chain.vectors import IDENTITY, ZERO, about, add, compose, norm, rotate, scale, unit
 from linkwright.core.arm.effects import EFFECTS
 from linkwright.core.arm.effects.angles.encoder_offset import ENCODER_OFFSET
@@ -36,9 +37,9 @@ from linkwright.core.sections.numeric import Array
 from linkwright.core.sections.taper import Tapered
 from linkwright.core.units.quantities import InputError
 
-from .bodies import Mass, ball, known_body, negative_moment, rod, together
+from .in_motion import Format, added_parameters, effects_in_motion, heavier
 from .names import Names, names_of
-from .urdf import Frame, onward
+from .reading.tree import Frame, onward
 
 OUTER = 5.0 / 6.0
 """Where, as a share of the length, the outer half of a uniform link's weight bends it as the whole does."""
@@ -116,40 +117,44 @@ def structure(arm: Arm, *, springs: bool, weighed: bool = True) -> Structure:
     arm, names = found_geometry(arm), names_of(arm)
     unknown = () if weighed else of_unknown_mass(arm)
     beams = beams_of(without_unknown(arm, unknown))
+    added, unlike = added_parameters(arm), list[int]()
     pieces: list[Piece] = []
-    before = _before(arm)
+    before = link_before(arm)
+
+    def weighed_with(index: int, mass: Mass | None) -> Mass | None:
+        if not added[index].any():
+            return mass
+        more = heavier(mass, added[index])
+        if more is None:
+            unlike.append(index + 1)
+        return mass if more is None else more
+
     ends: dict[int | None, tuple[str, Frame]] = {None: ("", (IDENTITY, ZERO))}
     for index, (joint, link) in enumerate(zip(arm.joints, arm.links, strict=True)):
         name = names.links[index]
         on, place = ends[before[index]]
-        axes = _axes(joint, link)
-        given = _springs(arm, beams[index], axes) if springs else ()
-        inner, outer = _masses(arm, index, beams[index], axes, halved=bool(given))
+        axes = link_axes(joint, link)
+        springs_here = _springs(arm, beams[index], axes) if springs else ()
+        masses = masses_on_link(arm, index, beams[index])
         origin = onward(place, standing(joint))
         vector = scale(link.length, link.direction)
         end: Frame = (link.end_rotation, vector)
-        if given:
+        if springs_here:
             middle = scale(0.5, vector)
-            pieces.append(Piece(name, on, origin, index, (), together(inner)))
-            far = together(mass.moved(middle) for mass in outer)
-            pieces.append(Piece(f"{name}_outer", name, (IDENTITY, middle), None, given, far))
+            near, further = _halves(masses.body, beams[index], axes[:, 0])
+            pieces.append(Piece(name, on, origin, index, (), weighed_with(index, together([near, *masses.at_joint]))))
+            far = together(mass.moved(middle) for mass in (further, *masses.at_end))
+            pieces.append(Piece(f"{name}_outer", name, (IDENTITY, middle), None, springs_here, far))
             ends[index] = (f"{name}_outer", (end[0], middle))
         else:
-            own = None if index in unknown else together([*inner, *outer])
+            own = None if index in unknown else weighed_with(index, masses.whole)
             pieces.append(Piece(name, on, origin, index, (), own))
             ends[index] = (name, end)
     compliance = [drive_compliance(arm, index) for index in range(arm.size)]
-    stiffness = tuple(1.0 / each if each > 0.0 else None for each in compliance)
-    lost = (*_lost(arm, beams, springs=springs), *names.lost)
+    stiffness = tuple(1.0 / item if item > 0.0 else None for item in compliance)
+    lost = (*_lost(arm, beams, springs=springs), *_unlike_words(unlike), *names.lost)
     numbers = tuple(index + 1 for index in unknown)
     return Structure(arm, tuple(pieces), _tips(arm, ends, names), stiffness, lost, _assumed(arm), names, numbers)
-
-
-def _before(arm: Arm) -> list[int | None]:
-    """The link (from 0) on which each joint stands; none for the first."""
-    firsts = {branch.first for branch in arm.branches}
-    foot = arm.branches[0].first - 1 if arm.branches else 0
-    return [None if index == 0 else foot if index in firsts else index - 1 for index in range(arm.size)]
 
 
 def _tips(arm: Arm, ends: Mapping[int | None, tuple[str, Frame]], names: Names) -> tuple[End, ...]:
@@ -196,49 +201,13 @@ def found_geometry(arm: Arm) -> Arm:
 
 def _realigned(joint: Joint, values: Mapping[str, float]) -> Joint:
     """A joint whose axis stands askew and aside of where its file has it."""
-    u, v = (rotate(joint.origin_rotation, each) for each in across_axis(joint))
+    u, v = (rotate(joint.origin_rotation, item) for item in across_axis(joint))
     turn = add(scale(values.get("tilt_u", 0.0), u), scale(values.get("tilt_v", 0.0), v))
     shift = add(scale(values.get("shift_u", 0.0), u), scale(values.get("shift_v", 0.0), v))
     rotation, angle = joint.origin_rotation, norm(turn)
     if angle > 0.0:
         rotation = compose(about(unit(turn), math.cos(angle), math.sin(angle)), rotation)
     return replace(joint, origin_rotation=rotation, origin_translation=add(joint.origin_translation, shift))
-
-
-def _axes(joint: Joint, link: Link) -> Array:
-    height, width = section_directions(link, joint)
-    return np.array([link.direction, height, width], dtype=float).T
-
-
-def _masses(arm: Arm, index: int, beam: Beam, axes: Array, *, halved: bool) -> tuple[list[Mass], list[Mass]]:
-    """What is on a link in the frame of its joint: what moves with its joint's side, and what with its far end."""
-    link, joint = arm.links[index], arm.joints[index]
-    vector = scale(link.length, link.direction)
-    inner: list[Mass] = []
-    outer: list[Mass] = []
-    material = None if link.material is None else link.material.at(arm.temperature)
-    known = known_body(link, beam, axes)
-    body = known or rod(link, beam, axes, material)
-    if halved:
-        halves = _halves(body, beam, axes[:, 0])
-        inner.append(halves[0])
-        outer.append(halves[1])
-    else:
-        outer.append(body)
-    for each in link.masses:
-        if known is not None and each.motor_of is None:
-            continue
-        place = axes @ np.array(each.at)
-        (inner if each.on == "joint" else outer).append(
-            ball(each.mass, place + (0.0 if each.on == "joint" else np.array(vector)))
-        )
-    if not joint.revolute:
-        inner.append(ball(joint.mass, ZERO))
-    for other in (arm.joints[k] for k, before in enumerate(_before(arm)) if before == index):
-        if other.revolute:
-            place = add(vector, rotate(link.end_rotation, other.origin_translation))
-            outer.append(ball(other.mass, place))
-    return inner, outer
 
 
 def _halves(body: Mass, beam: Beam, along: Array) -> tuple[Mass, Mass]:
@@ -267,22 +236,22 @@ def _springs(arm: Arm, beam: Beam, axes: Array) -> tuple[Spring, ...]:
     if beam.flexural_rigidity_height is None or beam.flexural_rigidity_width is None or length == 0.0:
         return ()
     out = arm.leave_out
-    found: list[tuple[Motion, int, float]] = []
+    motions: list[tuple[Motion, int, float]] = []
     if beam.axial_rigidity is not None and AXIAL.id not in out:
-        found.append(("slide", 0, length / float(beam.axial_rigidity)))
+        motions.append(("slide", 0, length / float(beam.axial_rigidity)))
     shear = (beam.shear_rigidity_height, beam.shear_rigidity_width)
     for axis, rigidity, sheared in zip((1, 2), _rigidities(beam), shear, strict=True):
         give = 0.0 if LINK_BENDING.id in out else length**3 / (12.0 * rigidity)
         if sheared is not None and SHEAR_DEFORMATION.id not in out:
             give += length / float(sheared)
-        found.append(("slide", axis, give))
+        motions.append(("slide", axis, give))
     if beam.torsional_rigidity is not None and TORSION.id not in out:
-        found.append(("hinge", 0, length / float(beam.torsional_rigidity)))
+        motions.append(("hinge", 0, length / float(beam.torsional_rigidity)))
     if LINK_BENDING.id not in out:
         height, width = _rigidities(beam)
-        found.append(("hinge", 2, length / height))  # bending along the height turns about the width
-        found.append(("hinge", 1, length / width))
-    return tuple(Spring(kind, _floats(axes[:, axis]), 1.0 / give) for kind, axis, give in found if give > 0.0)
+        motions.append(("hinge", 2, length / height))  # bending along the height turns about the width
+        motions.append(("hinge", 1, length / width))
+    return tuple(Spring(kind, _floats(axes[:, axis]), 1.0 / give) for kind, axis, give in motions if give > 0.0)
 
 
 def _rigidities(beam: Beam) -> tuple[float, float]:
@@ -307,11 +276,12 @@ def mimicked(arm: Arm, index: int) -> tuple[int, float, float] | None:
 
 def _lost(arm: Arm, beams: Sequence[Beam], *, springs: bool) -> tuple[str, ...]:
     """What the pieces do not hold of an arm."""
+    form: Format = "mjcf" if springs else "urdf"
     tied = [
         joint.follows is not None and (springs or mimicked(arm, index) is None)
         for index, joint in enumerate(arm.joints)
     ]
-    found = [
+    lost = [
         *_of_joints("backlash", [joint.backlash > 0.0 for joint in arm.joints]),
         *_of_joints("clearance of bearings", [joint.clearance > 0.0 for joint in arm.joints]),
         *_of_joints("that bearings give in tilt", [joint.tilting_stiffness is not None for joint in arm.joints]),
@@ -321,21 +291,34 @@ def _lost(arm: Arm, beams: Sequence[Beam], *, springs: bool) -> tuple[str, ...]:
     ]
     for number, link in enumerate(arm.links, start=1):
         if (moment := negative_moment(link)) is not None:
-            said = f"a principal moment of {moment:.4g} kg*m^2, which no body has; a rod's stands there"
-            found.append(f"the inertia of link {number}: {said}")
+            text = f"a principal moment of {moment:.4g} kg*m^2, which no body has; a rod's stands there"
+            lost.append(f"the inertia of link {number}: {text}")
     if any(arm.payload.force) or any(arm.payload.moment):
-        found.append("the force and moment at the tip")
-    found += [
+        lost.append("the force and moment at the tip")
+    lost += effects_beside(arm, (*GEOMETRY, JOINT_COMPLIANCE.id, *effects_in_motion(form)))
+    return tuple(dict.fromkeys([*lost, *_lost_flexibility(arm, beams, springs=springs)]))
+
+
+def effects_beside(arm: Arm, held: Collection[str]) -> list[str]:
+    """What an arm's `effects` say beside those that a format holds, in words; a link that is longer by a share of its
+    length is held by none."""
+    titles = (
         f"{EFFECTS[entry.effect].title} (effect {entry.effect})"
         for entry in arm.effects
-        if entry.effect not in (*GEOMETRY, JOINT_COMPLIANCE.id) or entry.parameters.get("stretch", 0.0)
-    ]
-    return tuple(dict.fromkeys([*found, *_lost_flexibility(arm, beams, springs=springs)]))
+        if entry.effect not in held or entry.parameters.get("stretch", 0.0)
+    )
+    return list(dict.fromkeys(titles))
+
+
+def _unlike_words(links: Sequence[int]) -> tuple[str, ...]:
+    """What was found of links' weights that no body has."""
+    numbers = ", ".join(map(str, links))
+    return (f"what was found of the weight of link {numbers}: no body has it",) if links else ()
 
 
 def _of_joints(name: str, chosen: Sequence[bool]) -> list[str]:
     """What is not held of the chosen joints; nothing where there are none."""
-    places = [str(number) for number, each in enumerate(chosen, start=1) if each]
+    places = [str(number) for number, item in enumerate(chosen, start=1) if item]
     return [f"{name} (joint {', '.join(places)})"] if places else []
 
 
@@ -359,16 +342,16 @@ def _lost_flexibility(arm: Arm, beams: Sequence[Beam], *, springs: bool) -> Iter
 
 
 def _assumed(arm: Arm) -> tuple[str, ...]:
-    found: list[str] = []
+    assumed: list[str] = []
     shapeless = [
         link for link in arm.links if not link.elastic and (link.inertia is None or negative_moment(link) is not None)
     ]
     if rigid := [str(number) for number, link in enumerate(arm.links, start=1) if link in shapeless and link.mass]:
-        found.append(f"links of unknown section ({', '.join(rigid)}) have the inertia of slender rods")
-    hung = [each for link in arm.links for each in link.masses if link.inertia is None or each.motor_of is not None]
+        assumed.append(f"links of unknown section ({', '.join(rigid)}) have the inertia of slender rods")
+    hung = [mass for link in arm.links for mass in link.masses if link.inertia is None or mass.motor_of is not None]
     tips = [arm.payload.mass, *(branch.payload.mass for branch in arm.branches)]
     if hung or any(tips) or any(joint.mass for joint in arm.joints):
-        found.append("masses without a shape have the inertia of steel balls")
+        assumed.append("masses without a shape have the inertia of steel balls")
     if any(joint.motor_on_base for joint in arm.joints):
-        found.append("motors on the base are left to the base")
-    return tuple(found)
+        assumed.append("motors on the base are left to the base")
+    return tuple(assumed)

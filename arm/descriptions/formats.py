@@ -12,15 +12,16 @@ from xml.etree.ElementTree import Element, SubElement
 
 import numpy as np
 
+from linkwright.core.arm.bodies.bodies import Mass, ball
 from linkwright.core.arm.chain.chain import Arm, FloatVector, Joint
 from linkwright.core.arm.chain.following import turn_range
 from linkwright.core.arm.chain.vectors import IDENTITY, ZERO, Rotation, cross, norm, to_roll_pitch_yaw, unit
 from linkwright.core.arm.errors.model import beams_of
 from linkwright.core.units.quantities import InputError, format_quantity, shown
 
-from .bodies import Mass, ball
 from .exported import Piece, Structure, mimicked, structure
-from .urdf import Frame
+from .in_motion import of_joint
+from .reading.tree import Frame
 
 DAMPING_TIME = 1e-3
 """s; springs and drives are damped by their stiffness times this, which is 6 % of critical at 20 Hz."""
@@ -92,9 +93,9 @@ def _gravity_words(arm: Arm) -> tuple[str, ...]:
     return (f"the arm's gravity, {format_quantity(norm(arm.gravity), 'acceleration')}: the world's holds",)
 
 
-def _drive_words(found: Structure) -> tuple[str, ...]:
+def _drive_words(pieces: Structure) -> tuple[str, ...]:
     words: list[str] = []
-    for number, (joint, stiffness) in enumerate(zip(found.arm.joints, found.stiffness, strict=True), start=1):
+    for number, (joint, stiffness) in enumerate(zip(pieces.arm.joints, pieces.stiffness, strict=True), start=1):
         if stiffness is not None:
             kind = "torsional_stiffness" if joint.revolute else "linear_stiffness"
             words.append(f"joint {number}: stiffness of the drive {format_quantity(stiffness, kind, digits=6)}")
@@ -109,38 +110,38 @@ def _greatest(joint: Joint) -> tuple[float | None, float | None]:
 
 def _greatest_words(arm: Arm) -> tuple[str, ...]:
     """Efforts and speeds where a position servo has no place for them."""
-    said: list[str] = []
+    texts: list[str] = []
     for number, joint in enumerate(arm.joints, start=1):
         kinds = ("torque", "angular_speed") if joint.revolute else ("force", "speed")
         for kind, greatest in zip(kinds, (joint.effort, joint.velocity), strict=True):
             if greatest is not None:
-                said.append(f"joint {number}: {format_quantity(greatest, kind, digits=6)}")
-    return (f"the greatest efforts and speeds of the drives ({', '.join(said)})",) if said else ()
+                texts.append(f"joint {number}: {format_quantity(greatest, kind, digits=6)}")
+    return (f"the greatest efforts and speeds of the drives ({', '.join(texts)})",) if texts else ()
 
 
-def _unweighed_words(found: Structure) -> tuple[str, ...]:
-    if not found.unweighed:
+def _unweighed_words(pieces: Structure) -> tuple[str, ...]:
+    if not pieces.unweighed:
         return ()
-    links = ", ".join(map(str, found.unweighed))
+    links = ", ".join(map(str, pieces.unweighed))
     return (f"what links of unknown mass weigh (link {links}): simulators take them for weightless",)
 
 
-def _for_mujoco(found: Structure) -> tuple[dict[str, str], list[str]]:
+def _for_mujoco(pieces: Structure) -> tuple[dict[str, str], list[str]]:
     """What MuJoCo's compiler has to be told, so that it takes masses and tensors as they are or mends what no body can
     have, and what it then does, in words."""
-    asked: dict[str, str] = {}
+    options: dict[str, str] = {}
     words: list[str] = []
-    weightless = [piece.name for piece in found.pieces if not _moves_mass(piece)]
+    weightless = [piece.name for piece in pieces.pieces if not _moves_mass(piece)]
     if weightless:
-        asked |= {"boundmass": f"{_LEAST_MASS:g}", "boundinertia": f"{_LEAST_INERTIA:g}"}
-        said = f"at least {_LEAST_MASS:g} kg and {_LEAST_INERTIA:g} kg*m^2"
-        words.append(f"MuJoCo is to give what weighs nothing, or has no inertia, {said} ({', '.join(weightless)})")
-    impossible = [each.name for each in found.pieces if each.mass is not None and not _loads(each.mass)]
+        options |= {"boundmass": f"{_LEAST_MASS:g}", "boundinertia": f"{_LEAST_INERTIA:g}"}
+        text = f"at least {_LEAST_MASS:g} kg and {_LEAST_INERTIA:g} kg*m^2"
+        words.append(f"MuJoCo is to give what weighs nothing, or has no inertia, {text} ({', '.join(weightless)})")
+    impossible = [piece.name for piece in pieces.pieces if piece.mass is not None and not _loads(piece.mass)]
     if impossible:
-        asked |= {"balanceinertia": "true", "boundinertia": f"{_LEAST_INERTIA:g}"}
-        said = "where one principal moment is more than the others together"
-        words.append(f"MuJoCo is to put a ball's inertia {said} ({', '.join(impossible)})")
-    return asked, words
+        options |= {"balanceinertia": "true", "boundinertia": f"{_LEAST_INERTIA:g}"}
+        text = "where one principal moment is more than the others together"
+        words.append(f"MuJoCo is to put a ball's inertia {text} ({', '.join(impossible)})")
+    return options, words
 
 
 def _loads(mass: Mass) -> bool:
@@ -156,9 +157,9 @@ def _moves_mass(piece: Piece) -> bool:
 def _written(root: Element, arm: Arm, lines: tuple[str, ...], lost: tuple[str, ...], assumed: tuple[str, ...]) -> str:
     """The document, with what it does not hold as its first comment."""
     words = [f"{_name(arm)}, written by linkwright. Units: m, kg, s, rad, N."]
-    words += [f"Not in this file: {each}." for each in lost]
-    words += [f"Assumed: {each}." for each in assumed]
-    words += [f"{each}." for each in lines]
+    words += [f"Not in this file: {item}." for item in lost]
+    words += [f"Assumed: {item}." for item in assumed]
+    words += [f"{line}." for line in lines]
     comment = "\n  ".join(words).replace("--", "- -")
     root.insert(0, ElementTree.Comment(f"\n  {comment}\n"))
     ElementTree.indent(root)
@@ -166,10 +167,10 @@ def _written(root: Element, arm: Arm, lines: tuple[str, ...], lost: tuple[str, .
 
 
 def _urdf(arm: Arm) -> Exported:
-    found = structure(arm, springs=False, weighed=False)
-    arm, names = found.arm, found.names
+    pieces = structure(arm, springs=False, weighed=False)
+    arm, names = pieces.arm, pieces.names
     root = Element("robot", {"name": _name(arm)})
-    simulated, for_mujoco = _for_mujoco(found)
+    simulated, for_mujoco = _for_mujoco(pieces)
     if simulated:
         SubElement(SubElement(root, "mujoco"), "compiler", simulated)
     base = names.base
@@ -178,7 +179,7 @@ def _urdf(arm: Arm) -> Exported:
         SubElement(root, "link", {"name": "world"})
         _fixed(root, names.mounting, "world", base, (mounting, ZERO))
     SubElement(root, "link", {"name": base})
-    for piece in found.pieces:
+    for piece in pieces.pieces:
         assert piece.drive is not None  # without springs every piece has a drive
         _inertial(SubElement(root, "link", {"name": piece.name}), piece.mass)
         driven = arm.joints[piece.drive]
@@ -193,21 +194,25 @@ def _urdf(arm: Arm) -> Exported:
         for name, greatest in zip(("effort", "velocity"), _greatest(driven), strict=True):
             limits[name] = "0" if greatest is None else _numbers([greatest])
         SubElement(joint, "limit", limits)
+        if rubs := of_joint(arm, "urdf", piece.drive):
+            SubElement(joint, "dynamics", {name: _numbers([value]) for name, value in rubs.items()})
         if (tie := mimicked(arm, piece.drive)) is not None:
             of = {"multiplier": _numbers([tie[1]]), "offset": _numbers([tie[2]])}
             SubElement(joint, "mimic", {"joint": names.joints[tie[0]], **of})
-    for end in found.tips:
+    for end in pieces.tips:
         tip = SubElement(root, "link", {"name": end.name})
         if end.payload:
             _inertial(tip, ball(end.payload, ZERO))
         _fixed(root, end.joint, end.on, end.name, end.frame)
-    lost = (*found.lost, *_gravity_words(arm), *_unweighed_words(found))
+    lost = (*pieces.lost, *_gravity_words(arm), *_unweighed_words(pieces))
     none = [str(number) for number, joint in enumerate(arm.joints, 1) if None in _greatest(joint)]
-    assumed = (*found.assumed, *for_mujoco)
+    assumed = (*pieces.assumed, *for_mujoco)
     if none:
         assumed = (*assumed, f"efforts and velocities of 0 are not known (joint {', '.join(none)})")
     carried = ("names, frames, limits, efforts, speeds, masses and inertias",)
-    return Exported(arm, "urdf", _written(root, arm, _drive_words(found), lost, assumed), carried, lost, assumed)
+    if any(of_joint(arm, "urdf", index) for index in range(arm.size)):
+        carried = (*carried, "friction and damping of the joints")
+    return Exported(arm, "urdf", _written(root, arm, _drive_words(pieces), lost, assumed), carried, lost, assumed)
 
 
 def _fixed(root: Element, name: str, parent: str, child: str, frame: Frame) -> None:
@@ -226,15 +231,15 @@ def _inertial(link: Element, mass: Mass | None) -> None:
 
 
 def _mjcf(arm: Arm) -> Exported:
-    found = structure(arm, springs=True)
-    arm, names = found.arm, found.names
+    pieces = structure(arm, springs=True)
+    arm, names = pieces.arm, pieces.names
     root = Element("mujoco", {"model": _name(arm)})
     compiler = {"angle": "radian", "boundmass": f"{_LEAST_MASS:g}", "boundinertia": f"{_LEAST_INERTIA:g}"}
     SubElement(root, "compiler", {**compiler, "balanceinertia": "true"})
     option = {"gravity": _numbers(arm.gravity), "integrator": "implicitfast", "timestep": repr(DAMPING_TIME)}
     SubElement(root, "option", option)
     bodies = {"": SubElement(SubElement(root, "worldbody"), "body", {"name": names.base})}
-    for piece in found.pieces:
+    for piece in pieces.pieces:
         body = SubElement(bodies[piece.on], "body", {"name": piece.name, **_mujoco_frame(piece.origin)})
         bodies[piece.name] = body
         _mujoco_inertial(body, piece.mass)
@@ -243,32 +248,38 @@ def _mjcf(arm: Arm) -> Exported:
             kind = "hinge" if driven.revolute else "slide"
             span = _numbers(turn_range(arm, piece.drive))
             about = {"axis": _numbers(driven.axis), "range": span, "limited": "false"}
-            SubElement(body, "joint", {"name": names.joints[piece.drive], "type": kind, **about})
+            moved = {name: _numbers([value]) for name, value in of_joint(arm, "mjcf", piece.drive).items()}
+            SubElement(body, "joint", {"name": names.joints[piece.drive], "type": kind, **about, **moved})
         _mujoco_springs(body, piece)
-    for end in found.tips:
+    for end in pieces.tips:
         tip = SubElement(bodies[end.on], "body", {"name": end.name, **_mujoco_frame(end.frame)})
         if end.payload:
             _mujoco_inertial(tip, ball(end.payload, ZERO))
         SubElement(tip, "site", {"name": end.name})
     actuators = SubElement(root, "actuator")
     rigid = _rigid(arm)
-    for number, stiffness in enumerate(found.stiffness, start=1):
+    for number, stiffness in enumerate(pieces.stiffness, start=1):
         gain = rigid if stiffness is None else stiffness
         gains = {"kp": _numbers([gain]), "kv": _numbers([DAMPING_TIME * gain])}
-        asked = {"ctrlrange": _numbers(turn_range(arm, number - 1)), "ctrllimited": "true"}
+        control = {"ctrlrange": _numbers(turn_range(arm, number - 1)), "ctrllimited": "true"}
         joint = {"joint": names.joints[number - 1]}
-        SubElement(actuators, "position", {"name": f"drive{number}", **joint, **gains, **asked})
+        SubElement(actuators, "position", {"name": f"drive{number}", **joint, **gains, **control})
     carried = ["names, frames, limits, masses and inertias", "gravity"]
-    if any(found.stiffness):
+    moving = [of_joint(arm, "mjcf", index) for index in range(arm.size)]
+    if any(moving):
+        carried.append(f"{', '.join(dict.fromkeys(name for item in moving for name in item))} of the joints")
+    if any(pieces.stiffness):
         carried.append("stiffness of the drives, as position servos: what is asked of a joint goes to `ctrl`")
-    if any(piece.springs for piece in found.pieces):
+    if any(piece.springs for piece in pieces.pieces):
         carried.append("flexibility of the links, as springs at their middles")
-    assumed = [*found.assumed, f"damping is {DAMPING_TIME:g} s times the stiffness; no armature is known"]
-    if None in found.stiffness:
+    rotors = all("armature" in item for item in moving)
+    damped = f"springs and drives are damped by {DAMPING_TIME:g} s times their stiffness"
+    assumed = [*pieces.assumed, damped if rotors else f"{damped}; no armature is known"]
+    if None in pieces.stiffness:
         assumed.append(f"rigid drives hold to {HELD:g} rad or m under the whole weight at full reach")
-    assumed += _for_mujoco(found)[1]
-    lines = tuple(f"Carried: {each}" for each in carried)
-    lost = (*found.lost, *_greatest_words(arm))
+    assumed += _for_mujoco(pieces)[1]
+    lines = tuple(f"Carried: {item}" for item in carried)
+    lost = (*pieces.lost, *_greatest_words(arm))
     text = _written(root, arm, lines, lost, tuple(assumed))
     return Exported(arm, "mjcf", text, tuple(carried), lost, tuple(assumed))
 
@@ -281,12 +292,12 @@ def _rigid(arm: Arm) -> float:
 
 
 def _mujoco_frame(frame: Frame) -> dict[str, str]:
-    found = {"pos": _numbers(frame[1])}
+    attributes = {"pos": _numbers(frame[1])}
     if frame[0] != IDENTITY:
         # Columns of the rotation; MuJoCo makes the third.
         columns = [[row[axis] for row in frame[0]] for axis in (0, 1)]
-        found["xyaxes"] = _numbers([*columns[0], *columns[1]])
-    return found
+        attributes["xyaxes"] = _numbers([*columns[0], *columns[1]])
+    return attributes
 
 
 def _mujoco_inertial(body: Element, mass: Mass | None) -> None:

@@ -1,4 +1,4 @@
-"""A chain of a URDF's tree as an arm: frames, limits and weights, and a list of what the arm file still lacks."""
+"""A chain of a robot's tree (URDF, MJCF) as an arm: frames, limits and weights, and what the arm file still lacks."""
 
 from __future__ import annotations
 
@@ -6,27 +6,31 @@ from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
-from linkwright.core.arm.chain.chain import Branch
+from linkwright.core.arm.chain.chain import Arm, Branch, EffectEntry
 from linkwright.core.arm.chain.vectors import scale, subtract
 from linkwright.core.units.names import nearest
 from linkwright.core.units.quantities import InputError, shown
 
 from .imported_arm import Imported, Lacking
-from .urdf import Robot, UrdfJoint, read_urdf
+from .reading.elements import read_elements
+from .reading.mjcf import mjcf_tree
+from .reading.tree import Robot, TreeJoint
+from .reading.urdf import urdf_tree
 from .way import Way, plain, way_to
 
 
-def import_urdf(path: Path | str, *, base: str | None = None, tip: str | Sequence[str] | None = None) -> Imported:
-    """The arm from a link `base` (the root by default) to a link `tip` of a URDF file; to several tips, as many arms on
-    the torso that they share.
+def import_robot(path: Path | str, *, base: str | None = None, tip: str | Sequence[str] | None = None) -> Imported:
+    """The arm from a link `base` (the root by default) to a link `tip` of a URDF or MJCF file (of the latter a body or
+    a site); to several tips, as many arms on the torso that they share.
 
-    Raises `InputError` for a file that is no URDF, for a tip that is ambiguous or not beyond the base, for joints on
+    Raises `InputError` for a file that is neither, for a tip that is ambiguous or not beyond the base, for joints on
     the way that an arm cannot have, and for tips that share no joint that moves or part at several places.
     """
-    robot = read_urdf(path)
+    top = read_elements(path)
+    robot = mjcf_tree(top) if top.tag == "mujoco" else urdf_tree(top)
     start = _named(robot, base, "base") if base is not None else robot.root
     tips = [tip] if isinstance(tip, str) else list(tip or ())
-    ends = [_named(robot, each, "tip") for each in tips] or [_only_tip(robot, start)]
+    ends = [_named(robot, item, "tip") for item in tips] or [_only_tip(robot, start)]
     if len(set(ends)) < len(ends):
         raise InputError(robot.file, "tip", "names a link twice; name each tip once")
     chains = [way_to(robot, start, end) for end in ends]
@@ -35,7 +39,7 @@ def import_urdf(path: Path | str, *, base: str | None = None, tip: str | Sequenc
     return _several(robot, start, ends, chains)
 
 
-def _several(robot: Robot, start: str, ends: Sequence[str], chains: Sequence[Sequence[UrdfJoint]]) -> Imported:
+def _several(robot: Robot, start: str, ends: Sequence[str], chains: Sequence[Sequence[TreeJoint]]) -> Imported:
     """Several arms on one torso: each way read by itself, without the weights of the others, and put together."""
     ways = _ways(robot, start, ends, chains)
     shared = _shared(robot, ends, [way.joint_names for way in ways])
@@ -43,25 +47,34 @@ def _several(robot: Robot, start: str, ends: Sequence[str], chains: Sequence[Seq
     joints, links = list(first.joints), list(first.links)
     foot = scale(first.links[shared - 1].length, first.links[shared - 1].direction)
     numbers = [list(range(first.size))]
+    effects = list(first.effects)
     branches = [Branch(_branch_name(ends[0], ()), shared, first.size, first.tool)]
     for end, way in zip(ends[1:], ways[1:], strict=True):
-        at, own = len(joints), way.arm
+        at, number = len(joints), way.arm
         _check_torso(robot, way, shared)
-        places = {k: at + k - shared for k in range(shared, own.size)}
-        onward = own.links[shared - 1]
+        places = {k: at + k - shared for k in range(shared, number.size)}
+        onward = number.links[shared - 1]
         standing = subtract(scale(onward.length, onward.direction), foot)
         beyond = [
             joint if joint.follows is None else replace(joint, follows=joint.follows.moved(places))
-            for joint in own.joints[shared:]
+            for joint in number.joints[shared:]
         ]
         joints += [replace(beyond[0], origin_translation=plain(standing)), *beyond[1:]]
-        links += own.links[shared:]
+        links += number.links[shared:]
         numbers.append([*range(shared), *places.values()])
+        effects += _beyond(number, numbers[-1], shared)
         branches.append(
-            Branch(_branch_name(end, [each.name for each in branches]), at, len(joints), own.tool, away=1.0)
+            Branch(_branch_name(end, [branch.name for branch in branches]), at, len(joints), number.tool, away=1.0)
         )
     _check_torso(robot, ways[0], shared)
-    arm = replace(first, joints=tuple(joints), links=tuple(links), branches=tuple(branches), every_tip=True)
+    arm = replace(
+        first,
+        joints=tuple(joints),
+        links=tuple(links),
+        branches=tuple(branches),
+        every_tip=True,
+        effects=tuple(effects),
+    )
     names = [(way.joint_names, way.link_names) for way in ways]
     return Imported(
         arm,
@@ -73,18 +86,24 @@ def _several(robot: Robot, start: str, ends: Sequence[str], chains: Sequence[Seq
         tuple(dict.fromkeys(note for way in ways for note in way.notes)),
         _together([way.lacking for way in ways], numbers),
         tuple(dict.fromkeys(said for way in ways for said in way.lost)),
-        tuple(dict.fromkeys(said for way in ways for said in way.doubts)),
+        tuple(dict.fromkeys(doubt for way in ways for doubt in way.doubts)),
     )
 
 
-def _ways(robot: Robot, start: str, ends: Sequence[str], chains: Sequence[Sequence[UrdfJoint]]) -> list[Imported]:
+def _beyond(arm: Arm, numbers: Sequence[int], shared: int) -> list[EffectEntry]:
+    """What a way's effects say of joints beyond those that it shares, by their numbers in the whole arm."""
+    effects = [replace(effect, at=tuple(numbers[k - 1] + 1 for k in effect.at if k > shared)) for effect in arm.effects]
+    return [effect for effect in effects if effect.at]
+
+
+def _ways(robot: Robot, start: str, ends: Sequence[str], chains: Sequence[Sequence[TreeJoint]]) -> list[Imported]:
     """Each way by itself, without the weights of the others."""
     moving = [{joint.name for joint in chain if joint.kind != "fixed"} for chain in chains]
-    found: list[Imported] = []
+    imports: list[Imported] = []
     for number, (end, chain) in enumerate(zip(ends, chains, strict=True)):
         beyond = frozenset[str]().union(*(names for k, names in enumerate(moving) if k != number))
-        found.append(Way(robot, start, end, list(chain), beyond).made())
-    return found
+        imports.append(Way(robot, start, end, list(chain), beyond).made())
+    return imports
 
 
 def _shared(robot: Robot, ends: Sequence[str], names: Sequence[Sequence[str]]) -> int:
@@ -116,10 +135,10 @@ def _branch_name(link: str, taken: Sequence[str]) -> str:
     return plain if plain not in taken else f"{plain}_{len(taken) + 1}"
 
 
-def _together(each: Sequence[Sequence[Lacking]], numbers: Sequence[Sequence[int]]) -> tuple[Lacking, ...]:
+def _together(lists: Sequence[Sequence[Lacking]], numbers: Sequence[Sequence[int]]) -> tuple[Lacking, ...]:
     """What several ways lack, said once, with the numbers of joints and links in the whole arm."""
     found: dict[tuple[str, str], Lacking] = {}
-    for own, places in zip(each, numbers, strict=True):
+    for own, places in zip(lists, numbers, strict=True):
         for one in own:
             at = tuple(places[number - 1] + 1 for number in one.at)
             before = found.get((one.what, one.shows))
@@ -149,7 +168,7 @@ def _only_tip(robot: Robot, start: str) -> str:
     if not ends:
         raise InputError(robot.file, "", f"no joint beyond {shown(start)} moves; an arm has at least one that does")
     if len(ends) > 1:
-        listed = sorted(ends, key=lambda each: (-each[1], each[0]))
+        listed = sorted(ends, key=lambda end: (-end[1], end[0]))
         words = ", ".join(f"{name} ({count} joint{'s' if count > 1 else ''})" for name, count in listed[:12])
         more = f" and {len(listed) - 12} more" if len(listed) > 12 else ""
         example = next((name for name, _ in listed if robot.links[name].mass == 0.0), None)

@@ -32,21 +32,21 @@ def names_of(arm: Arm) -> Names:
     joints, again = _named([joint.name for joint in arm.joints], "joint", ())
     base, *tips = _unlike(["base", *(f"{prefix}tip" for prefix in prefixes)], {*links, *_KEPT})
     mounting, *tools = _unlike(["mounting", *(f"{prefix}tool" for prefix in prefixes)], set(joints))
-    lost = [f"the name of {each}, which another has or simulators keep" for each in (*twice, *again)]
+    lost = [f"the name of {item}, which another has or simulators keep" for item in (*twice, *again)]
     return Names(joints, links, base, mounting, tuple(tips), tuple(tools), tuple(lost))
 
 
-def _named(given: Sequence[str], kind: str, kept: Sequence[str]) -> tuple[tuple[str, ...], list[str]]:
+def _named(given: Sequence[str], kind: str, reserved: Sequence[str]) -> tuple[tuple[str, ...], list[str]]:
     """The names as given, where they are and differ, and `link3` elsewhere; and which of them could not stand."""
     names: list[str] = []
     refused: list[str] = []
     for number, name in enumerate(given, start=1):
-        stands = bool(name) and name not in names and name not in kept
+        stands = bool(name) and name not in names and name not in reserved
         if name and not stands:
             refused.append(f"{kind} {number}")
         names.append(name if stands else "")
     numbered = [f"{kind}{number}" for number, name in enumerate(names, start=1) if not name]
-    free = iter(_unlike(numbered, {*filter(None, names), *kept}))
+    free = iter(_unlike(numbered, {*filter(None, names), *reserved}))
     return tuple(name or next(free) for name in names), refused
 
 
@@ -54,8 +54,8 @@ def _unlike(names: Iterable[str], taken: set[str]) -> list[str]:
     """The names, with as many `_` after each as make it unlike those taken and the ones before."""
     found: list[str] = []
     for name in names:
-        own = name
-        while own in taken or own in found:
-            own += "_"
-        found.append(own)
+        name_here = name
+        while name_here in taken or name_here in found:
+            name_here += "_"
+        found.append(name_here)
     return found

@@ -6,12 +6,12 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from linkwright.core.arm.bodies.bodies import Mass, principal_moments
 from linkwright.core.materials.catalogue import shipped_layers
 from linkwright.core.sections.numeric import Array
 
-from .bodies import Mass, principal_moments
-from .meshes import Solid, solid
-from .urdf import Frame, Robot, UrdfLink
+from .reading.meshes import Solid, solid
+from .reading.tree import Frame, Robot, TreeLink
 
 _ROUNDING = 1e-3
 """Of the greatest moment: tensors are written with three digits."""
@@ -32,39 +32,39 @@ def doubts_of(
     `lengths` (m) are those of the arm's links: a body whose radius of gyration is beyond the longest, and beyond all
     that it is drawn by, would reach farther than the arm.
     """
-    said: list[str] = []
+    doubts: list[str] = []
     for links, _ in bodies:
         for name, _ in links:
-            said += _of_link(name, robot.links[name], robot)
+            doubts += _of_link(name, robot.links[name], robot)
     weights = [None if whole is None else whole.mass for _, whole in bodies]
     for index, weight in enumerate(weights):
         beside = [other for k in (index - 1, index + 1) if 0 <= k < len(weights) and (other := weights[k])]
         if weight and beside and min(beside) > _LIGHTER * weight:
             neighbours = " and ".join(map(_mass, beside))
-            said.append(f"{bodies[index][0][0][0]} weighs {_mass(weight)}, what stands beside it {neighbours}")
+            doubts.append(f"{bodies[index][0][0][0]} weighs {_mass(weight)}, what stands beside it {neighbours}")
     for links, whole in bodies:
         if whole is not None and whole.mass > 0.0:
-            said += _of_size(robot, links, whole, max(lengths))
-    return tuple(said)
+            doubts += _of_size(robot, links, whole, max(lengths))
+    return tuple(doubts)
 
 
-def _of_link(name: str, link: UrdfLink, robot: Robot) -> list[str]:
+def _of_link(name: str, link: TreeLink, robot: Robot) -> list[str]:
     """What a link's own figures say: its tensor, and its mass beside what it is drawn by."""
-    said: list[str] = []
+    doubts: list[str] = []
     held = link.inertial
     if held is not None and held.inertia is not None:
         least, middle, greatest = principal_moments(held.inertia)
         room = _ROUNDING * max(abs(least), abs(greatest)) + _NOTHING * held.mass
         figures = f"{least:.3g}, {middle:.3g} and {greatest:.3g} kg*m^2"
         if least < -room:
-            said.append(f"{name} has the principal moments {figures}: no body has a negative one")
+            doubts.append(f"{name} has the principal moments {figures}: no body has a negative one")
         elif greatest > least + middle + room:
-            said.append(f"{name} has the principal moments {figures}: no body has one above the sum of the others")
+            doubts.append(f"{name} has the principal moments {figures}: no body has one above the sum of the others")
     solids = [solid(shape, robot.file) for shape in link.shapes]
-    volumes = [None if each is None else each.volume for each in solids]
+    volumes = [None if item is None else item.volume for item in solids]
     known = [volume for volume in volumes if volume]
     if held is None or held.mass == 0.0 or not known or len(known) < len(volumes):
-        return said
+        return doubts
     density = held.mass / sum(known)
     densest = max(
         (material for layer in shipped_layers() for material in layer.materials.values()),
@@ -72,10 +72,10 @@ def _of_link(name: str, link: UrdfLink, robot: Robot) -> list[str]:
     )
     if not _FOAM <= density <= densest.need("density"):
         than = "lighter than foam" if density < _FOAM else f"denser than solid {densest.name}"
-        said.append(
+        doubts.append(
             f"{name} weighs {_mass(held.mass)} in the {1e3 * sum(known):.3g} litres that it is drawn by: {than}"
         )
-    return said
+    return doubts
 
 
 def _of_size(robot: Robot, links: Sequence[tuple[str, Frame]], whole: Mass, longest: float) -> list[str]:
@@ -87,13 +87,13 @@ def _of_size(robot: Robot, links: Sequence[tuple[str, Frame]], whole: Mass, long
         for shape in robot.links[name].shapes
         if (made := solid(shape, robot.file)) is not None
     ]
-    farthest = max((float(np.linalg.norm(each - whole.center, axis=1).max()) for each in drawn), default=longest)
+    farthest = max((float(np.linalg.norm(item - whole.center, axis=1).max()) for item in drawn), default=longest)
     if reach <= max(farthest, 0.0 if drawn else float(np.linalg.norm(whole.center))):
         return []
-    own = "what it is drawn by reaches" if drawn else "the arm's longest link is"
+    extent = "what it is drawn by reaches" if drawn else "the arm's longest link is"
     return [
         f"{links[0][0]} has {whole.moments[2]:.3g} kg*m^2 and {_mass(whole.mass)}: a radius of gyration of "
-        f"{1e3 * reach:.0f} mm, where {own} {1e3 * farthest:.0f} mm"
+        f"{1e3 * reach:.0f} mm, where {extent} {1e3 * farthest:.0f} mm"
     ]
 
 

@@ -11,7 +11,7 @@ from linkwright.core.arm.chain.chain import Arm
 from linkwright.core.arm.chain.following import completed
 from linkwright.core.arm.chain.kinematics import tip_position
 from linkwright.core.arm.chain.vectors import unit
-from linkwright.core.arm.descriptions.imported import import_urdf
+from linkwright.core.arm.descriptions.imported import import_robot
 from linkwright.core.arm.errors.model import beams_of
 from linkwright.core.arm.errors.unknown_mass import of_unknown_mass
 from linkwright.core.arm.evaluation import link_masses
@@ -27,28 +27,28 @@ def unlike(meant: Arm, path: Path) -> Iterator[str]:
     """What a URDF says otherwise than the arm that was meant: how many joints it has, where its tips and what is down
     are at poses spread over the ranges, however its base is turned, and what moves of its weight; nothing where it is
     the same. Raises `InputError`."""
-    tips = [f"{each.name}_tip" for each in meant.branches] or ["tip"]
-    back = import_urdf(path, tip=tips).arm
+    tips = [f"{branch.name}_tip" for branch in meant.branches] or ["tip"]
+    back = import_robot(path, tip=tips).arm
     if meant.size != back.size:
         yield f"it had {meant.size} joints and reads {back.size}"
         return
     low, high = (np.array([joint.range[end] for joint in meant.joints]) for end in (0, 1))
     q = completed(meant, low + (high - low) * np.random.default_rng(1).uniform(size=(_POSES, meant.size)))
-    one, other = (_places(each, q, down=any(meant.gravity)) for each in (meant, back))
+    one, other = (_places(item, q, down=any(meant.gravity)) for item in (meant, back))
     left, _, right = np.linalg.svd(other.T @ one)
     left[:, -1] *= np.linalg.det(left @ right)  # a turn, and no mirror
     away = float(np.linalg.norm(other @ left @ right - one, axis=1).max())
     if away > _AWAY * (sum(meant.lengths) + 1.0):
         yield f"a tip is {format_quantity(away, 'length', digits=3)} away from where it was"
-    masses = [_mass(each) for each in (meant, back)]
+    masses = [_mass(item) for item in (meant, back)]
     if masses[0] is not None and masses[1] is not None and abs(masses[0] - masses[1]) > _AWAY * (masses[0] + 1.0):
-        was, reads = (format_quantity(each, "mass", digits=6) for each in masses if each is not None)
+        was, reads = (format_quantity(mass, "mass", digits=6) for mass in masses if mass is not None)
         yield f"{was} of it moved and {reads} move"
 
 
 def _places(arm: Arm, q: Array, *, down: bool) -> Array:
     """Where each tip is at poses (N, n), a row each (M, 3) m; and, as one more, what is a metre `down`."""
-    tips = [tip_position(arm.on(each.name), q) for each in arm.branches] or [tip_position(arm, q)]
+    tips = [tip_position(arm.on(branch.name), q) for branch in arm.branches] or [tip_position(arm, q)]
     return np.vstack([*tips, *([unit(arm.gravity)] if down else [])])
 
 
@@ -56,5 +56,5 @@ def _mass(arm: Arm) -> float | None:
     """What all that moves weighs, kg; None where a link's mass is not known."""
     if of_unknown_mass(arm):
         return None
-    beside = arm.carried_mass + arm.payload.mass - arm.joints[0].mass - sum(each.motor_on_base for each in arm.joints)
+    beside = arm.carried_mass + arm.payload.mass - arm.joints[0].mass - sum(joint.motor_on_base for joint in arm.joints)
     return sum(link_masses(beams_of(arm))) + beside

@@ -1,15 +1,17 @@
-"""One way through a URDF's tree, from a base to a tip, as an arm."""
+"""One way through a robot's tree, from a base to a tip, as an arm."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
+from types import MappingProxyType
 
 import numpy as np
 
+from linkwright.core.arm.bodies.bodies import Mass, together
 from linkwright.core.arm.chain.balance import PointMass
-from linkwright.core.arm.chain.chain import Arm, FloatVector, Joint, Link
+from linkwright.core.arm.chain.chain import Arm, EffectEntry, FloatVector, Joint, Link
 from linkwright.core.arm.chain.following import Following, Tie
 from linkwright.core.arm.chain.kinematics import section_directions
 from linkwright.core.arm.chain.vectors import (
@@ -25,32 +27,41 @@ from linkwright.core.arm.chain.vectors import (
     transpose,
     unit,
 )
+from linkwright.core.arm.effects.drives.armature import ARMATURE
+from linkwright.core.arm.effects.drives.spring import SPRING
+from linkwright.core.arm.effects.effect import Effect
+from linkwright.core.arm.effects.friction.friction_coulomb import FRICTION_COULOMB
+from linkwright.core.arm.effects.friction.friction_viscous import FRICTION_VISCOUS
 from linkwright.core.units.quantities import InputError, shown
 
-from .bodies import Mass, together
 from .imported_arm import Imported, Lacking, one_line
 from .plausible import doubts_of
-from .urdf import NO_STEP, Frame, Mimic, Robot, UrdfJoint, onward
+from .reading.tree import NO_STEP, Frame, Mimic, Robot, TreeJoint, onward
 
-_STANDARD = 9.81
 _TURN = (-math.pi, math.pi)
 _ENDLESS = 100.0
 """Limits beyond this (rad) are written where there are none."""
 _ON_LINE = 1e-12
+_OF_A_DRIVE = (
+    ("friction", "friction", "N*m or N"),
+    ("damping", "damping", "N*m*s/rad or N*s/m"),
+    ("armature", "armature", "kg*m^2 or kg"),
+    ("springs", "stiffness", "N*m/rad or N/m"),
+)
 _OF_A_JOINT = ("origin", "parent", "child", "axis", "limit", "mimic", "dynamics")
 
 
-def way_to(robot: Robot, start: str, end: str) -> list[UrdfJoint]:
+def way_to(robot: Robot, start: str, end: str) -> list[TreeJoint]:
     """The joints from one link out to another."""
-    found: list[UrdfJoint] = []
+    joints: list[TreeJoint] = []
     here = end
     while here != start:
         joint = robot.above.get(here)
         if joint is None:
             raise InputError(robot.file, "tip", f"link {shown(end)} is not beyond {shown(start)}; name another --base")
-        found.append(joint)
+        joints.append(joint)
         here = joint.parent
-    return found[::-1]
+    return joints[::-1]
 
 
 @dataclass
@@ -58,7 +69,7 @@ class Body:
     """What moves as one: its frame stands at its joint, `links` are those of the file that are rigid with it, each
     where it stands. `masses` are what they weigh, in the body's frame."""
 
-    joint: UrdfJoint
+    joint: TreeJoint
     origin: Frame
     masses: list[Mass] = field(default_factory=list[Mass])
     end: Frame = NO_STEP
@@ -79,7 +90,7 @@ class Way:
     robot: Robot
     start: str
     end: str
-    chain: list[UrdfJoint]
+    chain: list[TreeJoint]
     beyond: frozenset[str] = frozenset()
     """Joints of other arms, whose weights are theirs."""
 
@@ -115,12 +126,13 @@ class Way:
             links=tuple(links),
             gravity=self._gravity(),
             tool=tool,
+            effects=_effects(bodies),
         )
         if self.folded:
             self.notes.insert(0, f"Fixed joints are folded into frames and tool: {', '.join(self.folded)}")
         if self.held:
-            told = "Joints that do not lead to the tip stand at 0, their weight counts"
-            self.notes.append(f"{told}: {', '.join(self.held)}")
+            note = "Joints that do not lead to the tip stand at 0, their weight counts"
+            self.notes.append(f"{note}: {', '.join(self.held)}")
         return Imported(
             arm,
             self.robot.file,
@@ -134,7 +146,7 @@ class Way:
             doubts_of(self.robot, [(body.links, body.whole) for body in bodies], arm.lengths),
         )
 
-    def _following(self, urdf: UrdfJoint, mimic: Mimic, joint: Joint, bodies: list[Body], joints: list[Joint]) -> Joint:
+    def _following(self, urdf: TreeJoint, mimic: Mimic, joint: Joint, bodies: list[Body], joints: list[Joint]) -> Joint:
         """A joint that mimics one nearer the base; of one that itself mimics, what that follows."""
         leader = next((k for k, body in enumerate(bodies) if body.joint.name == mimic.joint), None)
         if leader is None:
@@ -154,29 +166,29 @@ class Way:
         return replace(joint, follows=Following((tie,), constant), range=(ends[0], ends[1]))
 
     def _bodies(self) -> list[Body]:
-        found: list[Body] = []
+        bodies: list[Body] = []
         step = NO_STEP
         on_way = {joint.name for joint in self.chain} | self.beyond
         for joint in self.chain:
             step = onward(step, joint.origin)
             value = self._standing(joint)
             if value is None:
-                if found:
-                    found[-1].end = step
-                found.append(Body(joint, step))
+                if bodies:
+                    bodies[-1].end = step
+                bodies.append(Body(joint, step))
                 step = NO_STEP
             else:
                 step = onward(step, _moved(joint, value))
-            if found:
-                self._weigh(found[-1], joint.child, step, on_way)
-                body = found[-1]
+            if bodies:
+                self._weigh(bodies[-1], joint.child, step, on_way)
+                body = bodies[-1]
                 if value is not None and body.flange is None and norm(step[1]) > 0.0:
                     body.flange = step
-        if found:
-            found[-1].end = step
-        return found
+        if bodies:
+            bodies[-1].end = step
+        return bodies
 
-    def _standing(self, joint: UrdfJoint) -> float | None:
+    def _standing(self, joint: TreeJoint) -> float | None:
         """The coordinate of a joint on the way that does not move; None of one that does."""
         if joint.kind == "fixed":
             self.folded.append(joint.name)
@@ -199,8 +211,8 @@ class Way:
             inertial = self.robot.links[name].inertial
             if inertial is not None and inertial.mass > 0.0:
                 place, axes = onward(frame, (IDENTITY, inertial.center))[1], np.array(frame[0], dtype=float)
-                own = np.zeros((3, 3)) if inertial.inertia is None else axes @ inertial.inertia @ axes.T
-                body.masses.append(Mass(inertial.mass, np.array(place, dtype=float), own))
+                inertia = np.zeros((3, 3)) if inertial.inertia is None else axes @ inertial.inertia @ axes.T
+                body.masses.append(Mass(inertial.mass, np.array(place, dtype=float), inertia))
                 if inertial.inertia is None:
                     body.without_inertia.append(name)
             for joint in self.robot.below[name]:
@@ -214,14 +226,14 @@ class Way:
                 pending.append((joint.child, onward(onward(frame, joint.origin), _moved(joint, value))))
 
     def _gravity(self) -> FloatVector:
-        """Down along z of the root, all joints before the base at 0."""
+        """As it is at the root, all joints before the base at 0."""
         turned = IDENTITY
         before = way_to(self.robot, self.robot.root, self.start)
         for joint in before:
             turned = compose(turned, joint.origin[0])
         if any(joint.kind != "fixed" for joint in before):
             self.notes.append("Gravity is that with all joints before the base at 0")
-        x, y, z = rotate(transpose(turned), (0.0, 0.0, -_STANDARD))
+        x, y, z = rotate(transpose(turned), self.robot.gravity)
         return (x + 0.0, y + 0.0, z + 0.0)
 
     def _unknown(self, bodies: list[Body]) -> frozenset[int]:
@@ -229,7 +241,12 @@ class Way:
         and weighs some, is a mere frame between two joints and weighs nothing."""
         drawn = [any(self.robot.links[name].shapes for name, _ in body.links) for body in bodies]
         frames = any(drawn) and any(body.masses for body in bodies)
-        return frozenset(index for index, body in enumerate(bodies) if not body.masses and (drawn[index] or not frames))
+        unknown: list[int] = []
+        for index, body in enumerate(bodies):
+            weighed = [self.robot.links[name].weighed for name, _ in body.links]
+            said = bool(body.masses) or (frames and not drawn[index]) or all(weighed)
+            unknown += [index] if False in weighed or not said else []
+        return frozenset(unknown)
 
     def _lost(self, bodies: list[Body]) -> tuple[str, ...]:
         """What of the file an arm file has no place for."""
@@ -242,10 +259,11 @@ class Way:
         resting = {joint.parent for joint in self.chain[: self.chain.index(bodies[0].joint) + 1]}
         if weight := sum(self.robot.links[name].mass for name in resting):
             yield f"the weight of what stands still ({', '.join(sorted(resting))}: {weight:.6g} kg)"
-        if rubbed := [f"joint {n}: {body.joint.friction:g}" for n, body in enumerate(bodies, 1) if body.joint.friction]:
-            yield f"friction ({', '.join(rubbed)} N*m or N)"
-        if damped := [f"joint {n}: {body.joint.damping:g}" for n, body in enumerate(bodies, 1) if body.joint.damping]:
-            yield f"damping ({', '.join(damped)} N*m*s/rad or N*s/m)"
+        lost = [(number, body.joint) for number, body in enumerate(bodies, 1) if not _held(body.joint)]
+        for name, attribute, units in _OF_A_DRIVE:
+            values = [(number, float(getattr(joint, attribute))) for number, joint in lost]
+            if listed := [f"joint {number}: {value:g}" for number, value in values if value]:
+                yield f"{name} ({', '.join(listed)} {units})"
         endless = [str(number) for number, body in enumerate(bodies, 1) if body.joint.kind == "continuous"]
         if endless:
             yield f"that joints turn without end (joint {', '.join(endless)}): they have one turn"
@@ -258,16 +276,16 @@ class Way:
         if ends:
             yield f"names of the base and the tip in exports ({'; '.join(ends)})"
         tags = [child.tag for joint in self.robot.joints.values() for child in joint.element.children]
-        own = [tag for tag in (*tags, *self.robot.beside) if tag not in _OF_A_JOINT]
-        own += [tag for link in self.robot.links.values() for tag in link.beside]
-        if own:
-            yield f"what the tags {', '.join(dict.fromkeys(own))} say"
+        tags_lost = [tag for tag in (*tags, *self.robot.beside) if tag not in _OF_A_JOINT]
+        tags_lost += [tag for link in self.robot.links.values() for tag in link.beside]
+        if tags_lost:
+            yield f"what the tags {', '.join(dict.fromkeys(tags_lost))} say"
 
     def _lacking(self, bodies: list[Body], unknown: frozenset[int]) -> tuple[Lacking, ...]:
         def places(chosen: list[bool]) -> tuple[int, ...]:
-            return tuple(number for number, each in enumerate(chosen, start=1) if each)
+            return tuple(number for number, item in enumerate(chosen, start=1) if item)
 
-        found = [
+        lacking = [
             Lacking(
                 "stiffness of the drives",
                 (),
@@ -292,27 +310,27 @@ class Way:
         ]
         if unknown:
             words = "their weight in droop, torques and exports", "link: mass: 1.2 kg in place of unknown"
-            found.append(Lacking("mass of links", tuple(sorted(index + 1 for index in unknown)), *words))
+            lacking.append(Lacking("mass of links", tuple(sorted(index + 1 for index in unknown)), *words))
         if any(light := [bool(body.without_inertia) for body in bodies]):
             words = "how they turn in simulators", "link: inertia: {xx: 0.02 kg*m^2, yy: ..., zz: ...}"
-            found.append(Lacking("inertia of links", places(light), *words))
+            lacking.append(Lacking("inertia of links", places(light), *words))
         if any(endless := [_range(body.joint) is _TURN for body in bodies]):
             words = "the range of the joint, now one turn", "joint: range: [-360 deg, 360 deg]"
-            found.append(Lacking("limits", places(endless), *words))
+            lacking.append(Lacking("limits", places(endless), *words))
         if any(rubbed := [body.joint.friction > 0.0 for body in bodies]):
             figures = ", ".join(f"{body.joint.friction:g}" for body in bodies if body.joint.friction > 0.0)
             words = f"the file's friction ({figures} N*m or N) winds drives up", "effects: friction_windup"
-            found.append(Lacking("what friction does", places(rubbed), *words))
+            lacking.append(Lacking("what friction does", places(rubbed), *words))
         limits = [body.joint.limits for body in bodies]
-        known = [each is not None and each.effort is not None and each.effort > 0.0 for each in limits]
+        known = [limit is not None and limit.effort is not None and limit.effort > 0.0 for limit in limits]
         if any(known):
-            figures = ", ".join(f"{each.effort:g}" for each in limits if each is not None and each.effort)
+            figures = ", ".join(f"{limit.effort:g}" for limit in limits if limit is not None and limit.effort)
             words = f"the file's efforts ({figures} N*m or N) limit no design", "joint: actuator"
-            found.append(Lacking("rated torques", places(known), *words))
-        return tuple(found)
+            lacking.append(Lacking("rated torques", places(known), *words))
+        return tuple(lacking)
 
 
-def _moved(joint: UrdfJoint, value: float) -> Frame:
+def _moved(joint: TreeJoint, value: float) -> Frame:
     """The step of a joint at a coordinate."""
     if value == 0.0 or not joint.moves:
         return NO_STEP
@@ -321,7 +339,7 @@ def _moved(joint: UrdfJoint, value: float) -> Frame:
     return about(joint.axis, math.cos(value), math.sin(value)), ZERO
 
 
-def _range(joint: UrdfJoint) -> tuple[float, float]:
+def _range(joint: TreeJoint) -> tuple[float, float]:
     limits = joint.limits
     if limits is None or joint.kind == "continuous":
         return _TURN
@@ -347,6 +365,32 @@ def _joint(body: Body, *, first: bool) -> Joint:
     )
 
 
+def _own(joint: TreeJoint) -> tuple[tuple[Effect, Mapping[str, float]], ...]:
+    """What a joint's drive has of its own, as effects with their parameters."""
+    return (
+        (FRICTION_COULOMB, {"torque": joint.friction}),
+        (FRICTION_VISCOUS, {"coefficient": joint.damping}),
+        (ARMATURE, {"inertia": joint.armature}),
+        (SPRING, {"stiffness": joint.stiffness, "rest": joint.rest}),
+    )
+
+
+def _held(joint: TreeJoint) -> bool:
+    """Whether an arm file holds them: of a joint with a drive of its own, where they are finite."""
+    values = [next(iter(parameters.values())) for _, parameters in _own(joint)]
+    return joint.mimic is None and all(0.0 <= value < math.inf for value in values)
+
+
+def _effects(bodies: list[Body]) -> tuple[EffectEntry, ...]:
+    """What the joints have of their own, each joint by itself: what is found of one adds to it."""
+    return tuple(
+        EffectEntry(effect.id, (number,), MappingProxyType(dict(parameters)))
+        for number, body in enumerate(bodies, start=1)
+        for effect, parameters in _own(body.joint)
+        if next(iter(parameters.values())) > 0.0 and _held(body.joint)
+    )
+
+
 def _known(greatest: float | None) -> float | None:
     """The most that a drive gives; nothing where the file has what stands for nothing."""
     return greatest if greatest is not None and math.isfinite(greatest) and greatest > 0.0 else None
@@ -361,7 +405,7 @@ def _link(body: Body, joint: Joint, onward: Frame, *, last: bool, unknown: bool)
     if last:
         link = replace(link, end_rotation=body.end[0])
     whole = body.whole
-    if whole is None:
+    if whole is None or unknown:
         return link
     if len(body.without_inertia) < len(body.masses):
         least = max(_ON_LINE * float(np.abs(whole.inertia).max()), whole.mass * _ON_LINE**2)

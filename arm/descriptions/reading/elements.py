@@ -35,10 +35,10 @@ class Element:
 
     def one(self, tag: str) -> Element | None:
         """The only child of that tag, None where there is none. Raises `InputError` where there are several."""
-        found = list(self.all(tag))
-        if len(found) > 1:
-            raise found[1].error(f"is the second <{tag}> of one <{self.tag}>; keep one")
-        return found[0] if found else None
+        children = list(self.all(tag))
+        if len(children) > 1:
+            raise children[1].error(f"is the second <{tag}> of one <{self.tag}>; keep one")
+        return children[0] if children else None
 
     def text(self, name: str, would_do: str) -> str:
         """An attribute that is due."""
@@ -52,8 +52,8 @@ class Element:
         raw = self.attributes.get(name)
         if raw is None and default is not None:
             return default
-        found = self._numbers(name, raw, 1, f'{name}="1.5"', finite=finite)
-        return found[0]
+        numbers = self._numbers(name, raw, 1, f'{name}="1.5"', finite=finite)
+        return numbers[0]
 
     def triple(self, name: str, default: tuple[float, float, float]) -> tuple[float, float, float]:
         """Three numbers apart by blanks."""

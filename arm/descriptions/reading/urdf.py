@@ -7,42 +7,19 @@ transmissions are counted and passed over.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from pathlib import Path
 from types import MappingProxyType
-from typing import Literal, cast, get_args
+from typing import cast, get_args
 
 import numpy as np
 
 from linkwright.core.arm.chain.chain import FloatVector
-from linkwright.core.arm.chain.vectors import (
-    IDENTITY,
-    ZERO,
-    Rotation,
-    add,
-    compose,
-    from_roll_pitch_yaw,
-    norm,
-    rotate,
-    unit,
-)
-from linkwright.core.sections.numeric import Array
+from linkwright.core.arm.chain.vectors import ZERO, from_roll_pitch_yaw, norm, unit
 from linkwright.core.units.names import nearest
 from linkwright.core.units.quantities import InputError, shown
 
 from .elements import Element, read_elements
-
-Kind = Literal["revolute", "continuous", "prismatic", "fixed", "floating", "planar"]
-Frame = tuple[Rotation, FloatVector]
-"""A rotation and a translation (m): where a frame stands in another."""
-
-NO_STEP: Frame = (IDENTITY, ZERO)
-
-
-def onward(first: Frame, second: Frame) -> Frame:
-    """Where a frame stands that stands at `second` in one that stands at `first`."""
-    return compose(first[0], second[0]), add(first[1], rotate(first[0], second[1]))
-
+from .tree import NO_STEP, Frame, Inertial, Kind, Limits, Mimic, Robot, Shape, TreeJoint, TreeLink
 
 _MOMENTS = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
 _SIZES: Mapping[str, tuple[str, ...]] = MappingProxyType(
@@ -55,122 +32,30 @@ _SIZES: Mapping[str, tuple[str, ...]] = MappingProxyType(
     }
 )
 """The shapes that a link can be drawn by, with the attributes of each."""
+_KINDS = tuple(kind for kind in get_args(Kind) if kind != "ball")
 _HELD = ("effort", "velocity")
 _OF_A_LINK = ("inertial", "visual", "collision")
 _OF_A_ROBOT = ("link", "joint", "material")
 
 
-@dataclass(frozen=True)
-class Inertial:
-    """A link's mass (kg) and its centre in the link's frame (m), with its `inertia` (3, 3; kg*m^2) about that centre
-    along the link's axes; None where the file has none."""
-
-    mass: float
-    center: FloatVector
-    inertia: Array | None
-
-
-@dataclass(frozen=True)
-class Shape:
-    """What a link is drawn by: a `kind` (box, cylinder, sphere, capsule, mesh) with its `sizes` (m; of a mesh its
-    scale), where it stands in the link's frame, and the `file` of a mesh as the URDF names it."""
-
-    kind: str
-    sizes: tuple[float, ...]
-    origin: Frame
-    file: str = ""
-
-
-@dataclass(frozen=True)
-class UrdfLink:
-    """A link: its weight (None where the file says nothing of it), what it is drawn by, and the tags of what else
-    stands in it."""
-
-    inertial: Inertial | None
-    shapes: tuple[Shape, ...]
-    beside: tuple[str, ...]
-
-    @property
-    def mass(self) -> float:
-        """The mass (kg) that the file gives it, 0 where it says nothing."""
-        return 0.0 if self.inertial is None else self.inertial.mass
-
-
-@dataclass(frozen=True)
-class Limits:
-    """A joint's least and greatest coordinate (rad or m), its greatest effort (N*m or N) and speed (rad/s or m/s); None
-    where not said."""
-
-    lower: float
-    upper: float
-    effort: float | None
-    velocity: float | None
-
-
-@dataclass(frozen=True)
-class Mimic:
-    """What a joint follows: its coordinate is `multiplier` times that of `joint`, plus `offset`."""
-
-    joint: str
-    multiplier: float
-    offset: float
-
-
-@dataclass(frozen=True)
-class UrdfJoint:
-    """A joint between two links; `origin` is where it stands in the parent's frame, `axis` is a unit vector in its own.
-
-    `friction` is in N*m or N, `damping` in N*m*s/rad or N*s/m.
-    """
-
-    name: str
-    kind: Kind
-    parent: str
-    child: str
-    origin: Frame
-    axis: FloatVector
-    limits: Limits | None
-    mimic: Mimic | None
-    friction: float
-    damping: float
-    element: Element
-
-    @property
-    def moves(self) -> bool:
-        """Whether it is a joint of one coordinate."""
-        return self.kind in ("revolute", "continuous", "prismatic")
-
-
-@dataclass(frozen=True)
-class Robot:
-    """A tree of links and joints, each by its name; `above` is the joint that carries a link."""
-
-    name: str
-    file: Path
-    root: str
-    links: Mapping[str, UrdfLink]
-    joints: Mapping[str, UrdfJoint]
-    above: Mapping[str, UrdfJoint]
-    below: Mapping[str, tuple[UrdfJoint, ...]]
-    beside: tuple[str, ...] = ()
-    """The tags of what else stands in the file beside links and joints, once each."""
-
-
 def read_urdf(path: Path | str) -> Robot:
     """The tree that a URDF file describes. Raises `InputError`, one line, for anything wrong."""
-    top = read_elements(path)
+    return urdf_tree(read_elements(path))
+
+
+def urdf_tree(top: Element) -> Robot:
+    """The tree below the root element of a URDF. Raises `InputError`."""
     file = top.file
     if top.tag != "robot":
-        known = {"mujoco": "MJCF", "sdf": "SDF"}.get(top.tag)
-        told = f"is {known}" if known else f"starts with <{top.tag}>"
-        raise InputError(file, "", f"{told}, no URDF; URDF starts with <robot name=...>")
+        kind = "is SDF" if top.tag == "sdf" else f"starts with <{top.tag}>"
+        raise InputError(file, "", f"{kind}; URDF starts with <robot name=...>, MJCF with <mujoco>")
     for tag in ("xacro:include", "xacro:macro", "xacro:property", "include"):
-        if (found := next(top.all(tag), None)) is not None:
-            raise found.error("is a macro, not URDF; expand it first: xacro FILE.xacro > arm.urdf")
+        if (robot := next(top.all(tag), None)) is not None:
+            raise robot.error("is a macro, not URDF; expand it first: xacro FILE.xacro > arm.urdf")
     links = _links(top)
-    joints: dict[str, UrdfJoint] = {}
-    above: dict[str, UrdfJoint] = {}
-    below: dict[str, list[UrdfJoint]] = {name: [] for name in links}
+    joints: dict[str, TreeJoint] = {}
+    above: dict[str, TreeJoint] = {}
+    below: dict[str, list[TreeJoint]] = {name: [] for name in links}
     for element in top.all("joint"):
         joint = _joint(element, list(links))
         if joint.name in joints:
@@ -187,26 +72,26 @@ def read_urdf(path: Path | str) -> Robot:
     root = _root(file, [name for name in links if name not in above], below)
     name = " ".join(top.attributes.get("name", "").split()) or file.stem
     tree = {key: tuple(value) for key, value in below.items()}
-    return Robot(name, file, root, links, joints, above, tree, _beside(top, _OF_A_ROBOT))
+    return Robot(name, file, root, links, joints, above, tree, beside=_beside(top, _OF_A_ROBOT))
 
 
-def _links(top: Element) -> dict[str, UrdfLink]:
-    links: dict[str, UrdfLink] = {}
+def _links(top: Element) -> dict[str, TreeLink]:
+    links: dict[str, TreeLink] = {}
     for element in top.all("link"):
         name = element.text("name", 'name="forearm", say')
         if name in links:
             raise element.error("is there already; names are unique")
-        links[name] = UrdfLink(_inertial(element), _shapes(element), _beside(element, _OF_A_LINK))
+        links[name] = TreeLink(_inertial(element), _shapes(element), _beside(element, _OF_A_LINK))
     if not links:
         raise InputError(top.file, "", "holds no <link>")
     return links
 
 
-def _root(file: Path, roots: list[str], below: Mapping[str, list[UrdfJoint]]) -> str:
+def _root(file: Path, roots: list[str], below: Mapping[str, list[TreeJoint]]) -> str:
     """The only link that no joint carries, from which all others are reached."""
     if len(roots) != 1:
-        told = f"several roots ({', '.join(map(shown, roots[:6]))})" if roots else "no root: its joints form a ring"
-        raise InputError(file, "", f"has {told}; an arm's links form one tree")
+        reason = f"several roots ({', '.join(map(shown, roots[:6]))})" if roots else "no root: its joints form a ring"
+        raise InputError(file, "", f"has {reason}; an arm's links form one tree")
     reached, pending = 0, [roots[0]]
     while pending:
         reached += 1
@@ -241,12 +126,12 @@ def _inertial(link: Element) -> Inertial | None:
     tensor = element.one("inertia")
     if tensor is None:
         return Inertial(value, center, None)
-    own = {name: tensor.number(name, 0.0) for name in _MOMENTS}
+    moments = {name: tensor.number(name, 0.0) for name in _MOMENTS}
     held = np.array(
         [
-            [own["ixx"], own["ixy"], own["ixz"]],
-            [own["ixy"], own["iyy"], own["iyz"]],
-            [own["ixz"], own["iyz"], own["izz"]],
+            [moments["ixx"], moments["ixy"], moments["ixz"]],
+            [moments["ixy"], moments["iyy"], moments["iyz"]],
+            [moments["ixz"], moments["iyz"], moments["izz"]],
         ]
     )
     axes = np.array(turn, dtype=float)
@@ -256,13 +141,13 @@ def _inertial(link: Element) -> Inertial | None:
 def _shapes(link: Element) -> tuple[Shape, ...]:
     """What a link is drawn by: its visuals, or its collisions where it has none."""
     for tag in ("visual", "collision"):
-        found: list[Shape] = []
+        shapes: list[Shape] = []
         for drawn in link.all(tag):
             if (geometry := drawn.one("geometry")) is not None:
                 origin = _frame(drawn.one("origin"))
-                found += [_shape(form, origin) for form in geometry.children if form.tag in _SIZES]
-        if found:
-            return tuple(found)
+                shapes += [_shape(form, origin) for form in geometry.children if form.tag in _SIZES]
+        if shapes:
+            return tuple(shapes)
     return ()
 
 
@@ -279,11 +164,11 @@ def _shape(form: Element, origin: Frame) -> Shape:
         return Shape(form.tag, (), origin, file)
 
 
-def _joint(element: Element, links: list[str]) -> UrdfJoint:
+def _joint(element: Element, links: list[str]) -> TreeJoint:
     name = element.text("name", 'name="elbow", say')
     kind = element.text("type", 'type="revolute", say')
-    if kind not in get_args(Kind):
-        raise element.error(f"type {shown(kind)} is none of {', '.join(get_args(Kind))}")
+    if kind not in _KINDS:
+        raise element.error(f"type {shown(kind)} is none of {', '.join(_KINDS)}")
     ends: list[str] = []
     for tag in ("parent", "child"):
         end = element.one(tag)
@@ -304,7 +189,7 @@ def _joint(element: Element, links: list[str]) -> UrdfJoint:
     if (copied := element.one("mimic")) is not None:
         leader = copied.text("joint", 'joint="elbow", say')
         mimic = Mimic(leader, copied.number("multiplier", 1.0), copied.number("offset", 0.0))
-    return UrdfJoint(
+    return TreeJoint(
         name,
         cast(Kind, kind),
         ends[0],

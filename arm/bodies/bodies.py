@@ -90,8 +90,8 @@ def rod(link: Link, beam: Beam, axes: Array, material: MaterialValues | None) ->
     about = material.need("density") * length * np.array([about_width, about_height])
     slender = mass * length**2 * (spread - balance**2)
     # Second moments about the width (which resists bending along the height) and about the height.
-    own = np.diag([about[0] + about[1], slender + about[1], slender + about[0]])
-    return Mass(mass, balance * length * along, axes @ own @ axes.T)
+    inertia = np.diag([about[0] + about[1], slender + about[1], slender + about[0]])
+    return Mass(mass, balance * length * along, axes @ inertia @ axes.T)
 
 
 def known_body(link: Link, beam: Beam, axes: Array) -> Mass | None:
@@ -101,11 +101,11 @@ def known_body(link: Link, beam: Beam, axes: Array) -> Mass | None:
         return None
     point = np.zeros((3, 3))
     parts = [Mass(float(beam.lumped_mass), float(beam.lumped_at) * axes[:, 0], point)]
-    for each in link.masses:
-        if each.motor_of is None:
-            from_joint = axes @ np.array(each.at)
-            end = link.length * axes[:, 0] if each.on == "end" else 0.0
-            parts.append(Mass(each.mass, from_joint + end, point))
+    for mass in link.masses:
+        if mass.motor_of is None:
+            from_joint = axes @ np.array(mass.at)
+            end = link.length * axes[:, 0] if mass.on == "end" else 0.0
+            parts.append(Mass(mass.mass, from_joint + end, point))
     whole = together(parts)
     if whole is None:
         return None
@@ -133,7 +133,7 @@ def _along(section: Section) -> tuple[float, Array]:
     share, weights = 0.5 * (points + 1.0), 0.5 * weights
     cuts = section.along(share, 0.3) if isinstance(section, Tapered) else section.properties(0.3)
     area, *second = (
-        np.broadcast_to(np.asarray(each, dtype=float), share.shape)
-        for each in (cuts.area, cuts.second_moment_y, cuts.second_moment_z)
+        np.broadcast_to(np.asarray(item, dtype=float), share.shape)
+        for item in (cuts.area, cuts.second_moment_y, cuts.second_moment_z)
     )
-    return float(weights @ (area * share**2) / (weights @ area)), np.array([weights @ each for each in second])
+    return float(weights @ (area * share**2) / (weights @ area)), np.array([weights @ item for item in second])

@@ -1,0 +1,1 @@
+"""What an arm's links weigh: masses with their centres and inertias."""

@@ -1,0 +1,1 @@
+"""Descriptions of other programs, read into one tree of links and joints."""
