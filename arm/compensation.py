@@ -80,7 +80,7 @@ class Table:
 def model_error(arm: Arm, q: Array, payload: float) -> Array:
     """By how much the tip is off at poses q (N, n) with a payload (kg): (N, 3), m.
 
-    Raises `arm.errors.model.PropertyNeeded` and the materials' errors where the model lacks a figure.
+    Raises `arm.bodies.beams.PropertyNeeded` and the materials' errors where the model lacks a figure.
     """
     return _Model.of(arm, payload).settled(q)[0].tip
 
@@ -243,7 +243,7 @@ def table_at(arm: Arm, q: Array, payloads: tuple[float, ...], heard: Heard | Non
 def table_over(arm: Arm, points: int, payloads: tuple[float, ...], heard: Heard | None = None) -> Table:
     """The table over a grid of so many points for each joint, checked between them; `heard` as in `table_at`."""
     axes = grid_axes(arm, points)
-    q = np.stack([each.reshape(-1) for each in np.meshgrid(*axes, indexing="ij")], axis=1)
+    q = np.stack([item.reshape(-1) for item in np.meshgrid(*axes, indexing="ij")], axis=1)
     table = table_at(arm, completed(arm, q), payloads, heard)
     return replace(table, axes=axes, check=_checked(table, axes, len(q), payloads))
 
@@ -254,15 +254,15 @@ def _checked(table: Table, axes: tuple[Array, ...], size: int, payloads: tuple[f
     q = completed(arm, spread(lower, upper, _CHECKED))
     varied = [index for index, joint in enumerate(arm.joints) if moves(joint)]
     grid, shape = tuple(axes[index] for index in varied), tuple(len(axes[index]) for index in varied)
-    found: list[tuple[Array, Array, Array]] = []
+    checks: list[tuple[Array, Array, Array]] = []
     for number, mass in enumerate(payloads):
         part = slice(number * size, (number + 1) * size)
         error = model_error(arm, q, mass)
-        told = RegularGridInterpolator(grid, table.error[part].reshape(*shape, 3))(q[:, varied])
+        interpolated = RegularGridInterpolator(grid, table.error[part].reshape(*shape, 3))(q[:, varied])
         moved = RegularGridInterpolator(grid, table.correction[part].reshape(*shape, arm.size))(q[:, varied])
-        lengths = [np.linalg.norm(each, axis=1) for each in (error, error - told)]
-        found.append((lengths[0], lengths[1], remaining(arm, q, moved, mass)))
-    without, subtracted, corrected = (np.concatenate([each[k] for each in found]) for k in range(3))
+        lengths = [np.linalg.norm(item, axis=1) for item in (error, error - interpolated)]
+        checks.append((lengths[0], lengths[1], remaining(arm, q, moved, mass)))
+    without, subtracted, corrected = (np.concatenate([check[k] for check in checks]) for k in range(3))
 
     def rms(values: Array) -> float:
         return math.sqrt(float(np.mean(values * values)))

@@ -1,4 +1,4 @@
-"""What no design could be made of, and which limits stand in its way."""
+"""Materials and shapes of which no design is feasible, and the limits that each breaks."""
 
 from __future__ import annotations
 
@@ -20,24 +20,24 @@ _GIVES = 1e-6
 def dropped_of(context: Context, choice: Choice) -> tuple[Dropped, ...]:
     """What dropped out of a choice, and by which limits; nothing of what the poses of the best design do not tell."""
     problem = context.problem
-    own = [link.material for link in problem.arm.links if link.material is not None]
-    known = {material.name: material for material in (*own, *(problem.materials or ()))}
-    found: list[Dropped] = []
+    materials = [link.material for link in problem.arm.links if link.material is not None]
+    known = {material.name: material for material in (*materials, *(problem.materials or ()))}
+    dropped: list[Dropped] = []
     chosen: dict[Literal["material", "section"], Sequence[str]] = {
-        "material": [each.name for each in problem.materials or ()],
+        "material": [material.name for material in problem.materials or ()],
         "section": problem.shapes or (),
     }
     for kind, names in chosen.items():
         for name in names:
-            tried = [each for each in choice.candidates if name in _of(each, kind)]
-            if not tried or any(each.outcome != "infeasible" for each in tried):
+            tried = [candidate for candidate in choice.candidates if name in _of(candidate, kind)]
+            if not tried or any(item.outcome != "infeasible" for item in tried):
                 continue
             # Of one that has it everywhere, where there is one.
-            purest = max(tried, key=lambda each, name=name, kind=kind: _of(each, kind).count(name))
+            purest = max(tried, key=lambda item, name=name, kind=kind: _of(item, kind).count(name))
             limits = _broken(context, choice, purest, known)
             if limits:
-                found.append(Dropped(kind, name, limits))
-    return tuple(found)
+                dropped.append(Dropped(kind, name, limits))
+    return tuple(dropped)
 
 
 def _of(candidate: Candidate, kind: str) -> tuple[str | None, ...]:

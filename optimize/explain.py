@@ -1,4 +1,4 @@
-"""What holds a design back, and what that costs."""
+"""The limits and ranges that bind at the optimum, and their prices (multipliers)."""
 
 from __future__ import annotations
 
@@ -15,6 +15,7 @@ from linkwright.core.optimize.exchange.program import Solution
 from linkwright.core.units.quantities import format_quantity
 
 from .problem import Problem
+from .ranges import Ranges
 from .result import BindingLimit
 
 _FELT = 1e-6
@@ -26,8 +27,8 @@ _OF_SECTIONS = ("section_size", "thickness")
 
 def price_unit(problem: Problem, unit: str) -> str:
     """The unit of a price: the objective's unit per the limit's."""
-    own = problem.objective.unit
-    return f"{own}/{unit}" if unit else own
+    objective_unit = problem.objective.unit
+    return f"{objective_unit}/{unit}" if unit else objective_unit
 
 
 def binding_limits(problem: Problem, choice: Choice, after: Evaluation) -> tuple[BindingLimit, ...]:
@@ -36,14 +37,14 @@ def binding_limits(problem: Problem, choice: Choice, after: Evaluation) -> tuple
     solution = choice.exchanged.solution
     # The objective is a logarithm: of the error that design can change, of the mass, or of the cost.
     unchanging = choice.exchange.program(choice.exchanged.pool).fixed_error if problem.minimize == "max_error" else 0.0
-    worth = (choice.objective - unchanging) * problem.objective.factor
-    found: list[BindingLimit] = []
+    worth = (problem.objective.badness(choice.objective) - unchanging) * problem.objective.factor
+    binding: list[BindingLimit] = []
     for limit, multiplier in zip(problem.limits, solution.limit_prices, strict=True):
-        if abs(multiplier) < _FELT:
+        if abs(multiplier) < _FELT or limit.aim:
             continue
         unit, factor = limit.figure.unit, limit.figure.factor
         tightening = 1.0 if limit.relation == ">=" else -1.0
-        found.append(
+        binding.append(
             BindingLimit(
                 name=limit.name,
                 text=limit.text,
@@ -57,7 +58,7 @@ def binding_limits(problem: Problem, choice: Choice, after: Evaluation) -> tuple
         )
     sizes = ("section_size", "thickness", "link_length")
     return (
-        *found,
+        *binding,
         *_ranges(problem, choice, worth, ("taper",)),
         *_balance_bounds(problem, choice, solution, worth),
         *_ranges(problem, choice, worth, sizes),
@@ -67,15 +68,15 @@ def binding_limits(problem: Problem, choice: Choice, after: Evaluation) -> tuple
 def _ranges(problem: Problem, choice: Choice, worth: float, names: Sequence[str]) -> list[BindingLimit]:
     """The ends of ranges of tapers, sizes and lengths that hold, with the prices of all places at each added up; from
     the base out."""
-    found: list[tuple[int, BindingLimit]] = []
+    binding: list[tuple[int, BindingLimit]] = []
     for name in names:
-        span: tuple[float, float] | None = getattr(problem, name)
-        if span is None:
-            continue
-        for side in (0, 1):
-            bound, step = span[side], _STEP * span[side]
-            ends = (span[0], bound + step) if side else (bound + step, span[1])
-            prices = _moved(problem, replace(problem, **{name: ends}), choice, rows=name in _OF_SECTIONS)
+        spans = [link_ranges.spans.get(name) for link_ranges in problem.ranges]
+        ends = dict.fromkeys((side, span[side]) for side in (0, 1) for span in spans if span is not None)
+        for side, bound in ends:
+            step = _STEP * bound
+            prices = _moved(
+                problem, _with_end(problem, name, side, bound, bound + step), choice, rows=name in _OF_SECTIONS
+            )
             if not prices:
                 continue
             unit, factor, shown = "mm", 1e3, format_quantity(bound, "length")
@@ -84,36 +85,54 @@ def _ranges(problem: Problem, choice: Choice, worth: float, names: Sequence[str]
             text = f"{name} {'<=' if side else '>='} {shown} ({', '.join(prices)})"
             price = sum(prices.values()) / step * worth / factor
             limit = BindingLimit(name, text, bound * factor, bound * factor, unit, price, price_unit(problem, unit))
-            found.append((int(next(iter(prices)).split()[1]), limit))
-    return [limit for _, limit in sorted(found, key=lambda each: each[0])]
+            binding.append((int(next(iter(prices)).split()[1]), limit))
+    return [limit for _, limit in sorted(binding, key=lambda item: item[0])]
+
+
+def _with_end(problem: Problem, name: str, side: int, bound: float, other: float) -> Problem:
+    """The problem with the lower (0) or the upper (1) end of a range at another place, for all links that have it."""
+    changed: list[Ranges] = []
+    for ranges in problem.ranges:
+        span = ranges.spans.get(name)
+        if span is not None and span[side] == bound:
+            ranges = replace(ranges, **{name: (span[0], other) if side else (other, span[1])})
+        changed.append(ranges)
+    return replace(problem, ranges=tuple(changed))
 
 
 def _moved(problem: Problem, moved: Problem, choice: Choice, *, rows: bool) -> dict[str, float]:
     """What the logarithm of the objective changes by, place by place, where the end of a range is moved a little: by
     the bounds of variables, and (`rows`) by what holds sections that is no variable's bound."""
-    solution, found = choice.exchanged.solution, dict[str, float]()
+    solution, prices = choice.exchanged.solution, dict[str, float]()
     variables = design_space(moved, choice.space.shapes).variables
-    for own, other, multiplier in zip(choice.space.variables, variables, solution.bound_prices.tolist(), strict=True):
-        before, after = (own.upper, other.upper) if multiplier > 0.0 else (own.lower, other.lower)
+    for variable, other, multiplier in zip(
+        choice.space.variables, variables, solution.bound_prices.tolist(), strict=True
+    ):
+        before, after = (variable.upper, other.upper) if multiplier > 0.0 else (variable.lower, other.lower)
         if abs(multiplier) > _FELT and before != after:
-            place = f"link {own.link + 1}" if own.name == TAPER else f"link {own.link + 1} {own.name}"
-            found[place] = found.get(place, 0.0) - multiplier * (own.to_x(after) - own.to_x(before))
+            place = (
+                f"link {variable.link + 1}" if variable.name == TAPER else f"link {variable.link + 1} {variable.name}"
+            )
+            prices[place] = prices.get(place, 0.0) - multiplier * (variable.to_x(after) - variable.to_x(before))
     multipliers = dict(solution.shape_prices) if rows else {}
     sections, _ = choice.space.sections_and_lengths(solution.x.tolist())
     for link, (section, log_taper) in enumerate(zip(sections, choice.space.log_tapers(solution.x), strict=True)):
         if section is None or not rows:
             continue
+        ranges = problem.ranges[link], moved.ranges[link]
         for place, now, then in (
-            ("wall", *(section.bound_constraints(each.section_size, each.thickness) for each in (problem, moved))),
-            ("far end", *(far_constraints(section, log_taper, each) for each in (problem, moved))),
+            ("wall", *(section.bound_constraints(*link_ranges.sizes) for link_ranges in ranges)),
+            ("far end", *(far_constraints(section, log_taper, link_ranges) for link_ranges in ranges)),
         ):
             for before, after in zip(now, then, strict=True):
                 multiplier = multipliers.get(f"link {link + 1}: {before.text}", 0.0)
                 change = float(after.value - before.value)
                 # Rows are scaled by their ranges: what moves by less than this only does by that.
                 if abs(multiplier) > _FELT and abs(float(before.value)) < 1e-6 and abs(change) > 1e-4 * _STEP:
-                    found[f"link {link + 1} {place}"] = found.get(f"link {link + 1} {place}", 0.0) + multiplier * change
-    return found
+                    prices[f"link {link + 1} {place}"] = (
+                        prices.get(f"link {link + 1} {place}", 0.0) + multiplier * change
+                    )
+    return prices
 
 
 _UNITS: Mapping[str, tuple[str, float]] = MappingProxyType(
@@ -130,7 +149,7 @@ _UNITS: Mapping[str, tuple[str, float]] = MappingProxyType(
 
 def _balance_bounds(problem: Problem, choice: Choice, solution: Solution, worth: float) -> Iterator[BindingLimit]:
     """The ends of ranges of counterweights and counterbalances that hold."""
-    words = {(each.place, each.field): each for each in problem.balances}
+    words = {(item.place, item.field): item for item in problem.balances}
     for variable, multiplier in zip(choice.space.variables, solution.bound_prices.tolist(), strict=True):
         if variable.name not in FIELDS or abs(multiplier) < _FELT:
             continue

@@ -8,7 +8,8 @@ from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from typing import Any
 
-from linkwright.core.arm.evaluation import Evaluation, error_map, evaluate
+from linkwright.core.arm.error_map import error_map
+from linkwright.core.arm.evaluation import Evaluation, evaluate
 from linkwright.core.arm.worst.workspace import Unreachable
 from linkwright.core.executors import Executor
 from linkwright.core.optimize.balance.balance import settled
@@ -30,7 +31,7 @@ from .infeasible.needed import explained
 from .infeasible.quick import out_of_reach
 from .problem import Problem
 from .problem_summary import choices_in_words, limits_in_words, map_of_given, whole_error
-from .result import Iteration, OptimizationResult, Status, proved
+from .result import Iteration, OptimizationResult, Status, in_figure, proved
 from .structures import Answer, Structure, StructureSearch
 from .ties import near_ties_of
 from .trust import doubts_of, optimum_of
@@ -42,8 +43,8 @@ _NOTHING = 1e-5
 
 @dataclass(frozen=True)
 class Options:
-    """How a search is run: who hears of it (see `run.optimise`), who does what falls apart into steps, and what an
-    earlier search for the same problem has solved."""
+    """How a search is run: the callbacks for its progress (see `run.optimise`), the executor of its independent steps,
+    and the journal of an earlier search for the same problem."""
 
     log: Log | None = None
     progress: Progress | None = None
@@ -99,12 +100,12 @@ class _Solver:
         """As `structures.Solve`."""
         context = context_of(problem)
         progress = self.options.progress if self.alone else None
-        found = self.chosen(context, known, progress=progress, log=self.options.log, ties=self.alone)
-        if isinstance(found, NoChoice):
-            self.unsolved += found.unsolved
-            self.told = found.feasibility if self.alone else None
+        result = self.chosen(context, known, progress=progress, log=self.options.log, ties=self.alone)
+        if isinstance(result, NoChoice):
+            self.unsolved += result.unsolved
+            self.told = result.feasibility if self.alone else None
             return None
-        return Answer(found.objective, (context, found), found.interrupted)
+        return Answer(result.objective, (context, result), result.interrupted)
 
     def near_ties(self, search: StructureSearch[Driven], best: Choice) -> Ties:
         """What comes near the best, over all structures looked at that may hold any of it: of each, its own best and
@@ -124,9 +125,9 @@ class _Solver:
             if isinstance(choice, NoChoice):
                 continue
             arm = arm_of(choice.space, choice.exchanged.x, choice.combination.materials)
-            for each in (Tie(choice.combination, choice.objective, arm), *choice.ties.solved):
-                if each.objective <= limit:
-                    found[structure, each.combination] = each
+            for item in (Tie(choice.combination, choice.objective, arm), *choice.ties.solved):
+                if item.objective <= limit:
+                    found[structure, item.combination] = item
             left += choice.ties.left
             interrupted = choice.interrupted or choice.ties.interrupted
             if interrupted:
@@ -144,8 +145,8 @@ def nominal_optimum(problem: Problem, options: Options, given: Problem) -> Optim
     # With motors to place, its bounds would be those of the motors where they are.
     beyond = () if problem.motors else out_of_reach(problem)
     if beyond:
-        for each in beyond:
-            options.tell(each.text)
+        for item in beyond:
+            options.tell(item.text)
         first, names = first_driven(problem)
         raise Infeasible(explained(context_of(first), beyond=beyond, progress=options.progress), _looked_at(names))
     solver = _Solver(options, problem.actuators is None and not problem.motors)
@@ -161,9 +162,9 @@ def nominal_optimum(problem: Problem, options: Options, given: Problem) -> Optim
     return replace(
         result,
         seconds=time.perf_counter() - began,
-        drives=search.drives(),
+        drives=in_figure(search.drives(), problem.objective),
         drives_exhaustive=search.exhaustive,
-        motor_places=search.places(),
+        motor_places=in_figure(search.places(), problem.objective),
     )
 
 
@@ -196,11 +197,12 @@ def _result(
     problem = context.problem
     arm = settled(arm_of(choice.space, choice.exchanged.x, choice.combination.materials))
     after = evaluate(arm, problem.workspace, problem.load_cases)
+    figure = problem.objective
     lower_bound, everywhere = _bound(problem, choice, before, after)
     doubts = doubts_of(context, choice, before, after, lower_bound)
     # Poses of a box or a path are found one by one, some ten times as slowly.
     poses = 200_000 if problem.workspace.kind == "joints" else 20_000
-    objective = problem.objective.value(after)
+    objective = figure.value(after)
     assert objective is not None
     return OptimizationResult(
         problem_file=problem.file,
@@ -212,10 +214,10 @@ def _result(
         before=before,
         after=after,
         objective=objective,
-        lower_bound=lower_bound,
+        lower_bound=figure.badness(lower_bound),
         binding=binding_limits(problem, choice, after),
         iterations=choice.history,
-        candidates=choice.candidates,
+        candidates=in_figure(choice.candidates, figure),
         exhaustive=choice.exhaustive,
         seconds=0.0,
         before_map=map_of_given(given, context, poses),
@@ -225,7 +227,7 @@ def _result(
         combinations=count(problem),
         gap=choice.gap,
         bound_of="all_designs" if everywhere else "binding_poses",
-        near_ties=near_ties_of(context, choice.ties.solved),
+        near_ties=in_figure(near_ties_of(context, choice.ties.solved), figure),
         near_ties_left=choice.ties.left,
         figures=problem.figures,
         balance=balance_of(problem, choice),
@@ -235,14 +237,14 @@ def _result(
 
 
 def _bound(problem: Problem, choice: Choice, before: Evaluation, after: Evaluation) -> tuple[float, bool]:
-    """What no design goes below (SI), and whether that holds for all designs, not only for the binding poses."""
+    """The badness that no design goes below, and whether that holds for all designs, not only for the binding poses."""
     if choice.bound is not None and math.isfinite(choice.bound):
         return choice.bound, True
     if problem.minimize != "max_error":
         return choice.objective, False
-    found = choice.exchanged.solution.error
+    error = choice.exchanged.solution.error
     # Where loads cancel, what is left over is the solver's.
-    return min(found, after.max_error) if found < _NOTHING * before.max_error else found, False
+    return min(error, after.max_error) if error < _NOTHING * before.max_error else error, False
 
 
 def _status(choice: Choice, context: Context, after: Evaluation, *, searched: bool) -> Status:

@@ -3,56 +3,68 @@
 from __future__ import annotations
 
 import itertools
+import math
 from collections.abc import Mapping as MappingLike
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Literal, cast, get_args
+from typing import Literal, TypeVar, cast, get_args
 
 from linkwright.core.arm.actuators import Actuator, load_actuators
 from linkwright.core.arm.avoid.regions import Region
 from linkwright.core.arm.chain.chain import Arm, Calibrated, LoadCase
 from linkwright.core.arm.chain.vectors import ZERO
 from linkwright.core.arm.errors.parts import Part
+from linkwright.core.arm.figures import FIGURES, RANGES_CALLED, Figure, Limit, OfLinks, error_of_case
 from linkwright.core.arm.files.avoid import read_avoid
 from linkwright.core.arm.files.branches import tip_named
 from linkwright.core.arm.files.origin import UNKNOWN_ORIGIN
+from linkwright.core.arm.files.poses import read_poses
 from linkwright.core.arm.files.read import read_arm, read_load
 from linkwright.core.arm.worst.workspace import Workspace
 from linkwright.core.materials.catalogue import Catalogue, load_catalogue
 from linkwright.core.materials.material import Material
 from linkwright.core.sections import SHAPES
-from linkwright.core.sections.taper import MOST_TAPER
 from linkwright.core.units.names import nearest
-from linkwright.core.units.quantities import format_quantity, read_quantity, shown
+from linkwright.core.units.quantities import read_quantity, shown
 from linkwright.core.units.reading import Mapping, load_yaml
 
 from .balance.balance import Balance
 from .balance.motor_places import MotorChoice, read_motor_places
 from .balance.read import check_balances, read_balances
-from .limits import FIGURES, RANGES, RANGES_CALLED, Figure, Limit
-from .limits.read import read_limit
+from .ranges import Ranges, Span
+from .reading.by_link import ByLink
+from .reading.by_link import by_link as _by_link
 from .reading.called import CHOICES_CALLED, PROBLEM_CALLED
 from .reading.conditions import materials_where
 from .reading.contradictions import can_be_chosen, check_problem
+from .reading.limits import read_coordinates, read_limit
+from .reading.ranges import read_ranges, shared_ranges
 from .sizes.listed import Listed, read_sizes
 from .uncertain import Uncertain, read_uncertain
 
 _MOST_POINTS = 2000
-_SMALLEST, _LARGEST = 1e-6, 1e4
-"""What a link or a wall can measure at all, m; beyond it, the powers in a search are not finite."""
+Item = TypeVar("Item")
+
+
+@dataclass(frozen=True)
+class LinkLists:
+    """The shapes and materials of a link's own; None where it may be of all that the problem names."""
+
+    shapes: tuple[str, ...] | None
+    materials: tuple[Material, ...] | None
 
 
 @dataclass(frozen=True)
 class Problem:
-    """A design problem, in SI. `shapes` and `materials` are what each link may be; None keeps the arm's own.
+    """A design problem, in SI. `minimize` is the figure that is made as good as it can be. `shapes` and `materials` are
+    what each link may be; None keeps the arm's own. `ranges` are those of each link's sizes.
 
-    `link_length` is None where lengths stay. `same` holds what all links must agree in: `section` (the shape),
+    `same` holds what all links must agree in: `section` (the shape),
     `material`, `size` (the dimensions too), `actuator`. `actuators` are what each joint's drive may be, joint by joint
     (nothing for a joint that keeps its own); None keeps all. `figures` are those that can be limited, by name.
     `uncertain` is what the arm may be like instead; the error is then the worst, or a quantile, over that. `sizes` are
-    the sections that each link may have (none for rigid ones); None leaves their dimensions free. `taper` is the least
-    and the greatest size of a link's far end over that at its joint; None keeps links as uniform as they are.
+    the sections that each link may have (none for rigid ones); None leaves their dimensions free.
     `balances` are the numbers to choose of counterweights and counterbalances, which `arm` marks as chosen; `motors`
     the places to choose from for joints' motors. `avoid` are regions out of which proposed poses keep the arm.
     """
@@ -63,9 +75,7 @@ class Problem:
     workspace: Workspace
     load_cases: tuple[LoadCase, ...]
     limits: tuple[Limit, ...]
-    link_length: tuple[float, float] | None
-    section_size: tuple[float, float]
-    thickness: tuple[float, float]
+    ranges: tuple[Ranges, ...]
     shapes: tuple[str, ...] | None
     materials: tuple[Material, ...] | None
     same: frozenset[str]
@@ -73,27 +83,82 @@ class Problem:
     figures: MappingLike[str, Figure] = field(default_factory=lambda: FIGURES)
     uncertain: Uncertain | None = None
     sizes: tuple[tuple[Listed, ...], ...] | None = None
-    taper: tuple[float, float] | None = None
     balances: tuple[Balance, ...] = ()
     motors: tuple[MotorChoice, ...] = ()
     avoid: tuple[Region, ...] = ()
+    lists: tuple[LinkLists, ...] | None = None
+    """What each link may be of the shapes and materials, where links have lists of their own."""
+
+    def shapes_of(self, link: int) -> tuple[str, ...]:
+        """The shapes that a link (from 0) may have; none for a rigid one."""
+        section = self.arm.links[link].section
+        if section is None:
+            return ()
+        listed = None if self.lists is None else self.lists[link].shapes
+        return listed or self.shapes or (section.shape,)
+
+    def materials_of(self, link: int) -> tuple[Material, ...]:
+        """The materials that a link (from 0) may be of."""
+        given = self.arm.links[link].material
+        listed = None if self.lists is None else self.lists[link].materials
+        return listed or self.materials or (() if given is None else (given,))
 
     @property
     def objective(self) -> Figure:
-        """What is minimised."""
+        """What is minimised, or maximised where more of it is better."""
         return self.figures[self.minimize]
+
+    @property
+    def aimed(self) -> Problem:
+        """The problem with a last limit on the objective, of a badness of one, where nothing else makes it least."""
+        figure = self.objective
+        if figure.summed or any(limit.aim for limit in self.limits):
+            return self
+        aim = Limit(figure, ">=" if figure.more_is_better else "<=", 1.0, aim=True)
+        return replace(self, limits=(*self.limits, aim))
+
+    @property
+    def free_lengths(self) -> bool:
+        """Whether the length of any link is to be chosen."""
+        return any(link_ranges.link_length is not None for link_ranges in self.ranges)
+
+    @property
+    def length_spans(self) -> tuple[Span, ...]:
+        """The least and the greatest length (m) of each link, one and the same where it stays."""
+        return tuple(
+            link_ranges.link_length or (link.length, link.length)
+            for link_ranges, link in zip(self.ranges, self.arm.links, strict=True)
+        )
+
+    @property
+    def free_tapers(self) -> bool:
+        """Whether the taper of any link is to be chosen."""
+        return any(link_ranges.taper is not None for link_ranges in self.ranges)
+
+    def with_ranges(self, **changed: Span | None) -> Problem:
+        """The problem with some of the ranges of every link replaced."""
+        return replace(self, ranges=tuple(replace(link_ranges, **changed) for link_ranges in self.ranges))
 
     @property
     def must_reach(self) -> bool:
         """Whether a design must reach all of the workspace: a box or a path stays where it is while lengths are free,
         and lengths that reach less of it would have less to be judged by."""
-        free = self.link_length is not None and any(link.elastic for link in self.arm.links)
-        return free and self.workspace.kind != "joints"
+        return self.free_lengths and self.workspace.in_space
 
     def needs(self, name: str) -> bool:
         """Whether the question needs a property of the materials: it is minimised, or asked for by a limit."""
         asked = (limit.figure for limit in self.limits if not limit.assumed)
         return name in self.objective.needs or any(name in figure.needs for figure in asked)
+
+    def strength_share(self, link: int, material: Material) -> float:
+        """What is asked of the safety factor of a link (from 0) of a material, over what is asked of the others."""
+        shares = (limit.share(link, material.name) for limit in self.limit("safety_factor"))
+        return math.prod(shares)
+
+    def limits_on_link(self, link: int) -> tuple[Limit, ...]:
+        """The limits that a link's section and material keep or break by themselves, as they stand for it (from 0)."""
+        on_links = (limit for limit in self.limits if isinstance(limit.figure.follows, OfLinks) and not limit.aim)
+        return tuple(limit.on_link(link) for limit in on_links)
 
     def limit(self, name: str) -> tuple[Limit, ...]:
         """The limits on one quantity."""
@@ -109,8 +174,15 @@ def read_problem(
     """
     known = catalogue or load_catalogue()
     mapping = load_yaml(path)
-    arm = read_arm(Path(path).parent / mapping.text("arm"), known)
-    return problem_from(mapping, arm, known, figures)
+    return problem_from(mapping, read_arm(arm_file(mapping), known), known, figures)
+
+
+def arm_file(mapping: Mapping) -> Path:
+    """The arm file that a problem file names, beside it. Raises `InputError` where it names none."""
+    if mapping.content.get("chain") and not mapping.content.get("arm"):
+        message = "is an arm file; a problem file names it (`arm: FILE`) and says what to minimize within which limits"
+        raise mapping.error("", message)
+    return Path(str(mapping.file)).parent / mapping.text("arm")
 
 
 def problem_from(mapping: Mapping, arm: Arm, known: Catalogue, figures: MappingLike[str, Figure] = FIGURES) -> Problem:
@@ -119,17 +191,21 @@ def problem_from(mapping: Mapping, arm: Arm, known: Catalogue, figures: MappingL
         raise mapping.error("arm", f"chain[{arm.unknown_origins[0] + 1}].origin {UNKNOWN_ORIGIN}")
     with mapping.reading("arm"):
         mapping.also_called(PROBLEM_CALLED)
-        objectives = {name: figure for name, figure in figures.items() if figure.minimised}
-        minimize = mapping.choice("minimize", objectives, "max_error")
+        minimize = _objective(mapping, figures)
         workspace = _workspace(mapping, arm)
         cases = _load_cases(mapping, arm) or arm.cases
         if mapping.has("relative_to"):
             cases = _relative(mapping, arm, cases)
         limits, ranges, off = _subject_to(mapping, arm, figures)
+        of_cases = _limits_of_cases(mapping, cases)
+        limits = (*limits, *of_cases)
+        figures = {**figures, **{limit.name: limit.figure for limit in of_cases}} if of_cases else figures
         avoid = read_avoid(mapping)
         needs = (figure.needs for figure in (figures[minimize], *(limit.figure for limit in limits)))
         chosen = _choose(mapping, known, arm, frozenset(itertools.chain(*needs)), ranges)
-        shapes, materials, same, actuators, sizes = chosen
+        shapes, materials, lists, same, actuators, sizes = chosen
+        if "size" in same:
+            ranges = shared_ranges(mapping, ranges)
         uncertain = read_uncertain(mapping, _as_driven(arm, actuators))
         balances: tuple[Balance, ...] = ()
         motors: tuple[MotorChoice, ...] = ()
@@ -144,9 +220,7 @@ def problem_from(mapping: Mapping, arm: Arm, known: Catalogue, figures: MappingL
         workspace=workspace,
         load_cases=cases,
         limits=limits,
-        link_length=ranges.get("link_length"),
-        section_size=ranges.get("section_size", RANGES["section_size"]),
-        thickness=ranges.get("thickness", RANGES["thickness"]),
+        ranges=ranges,
         shapes=shapes,
         materials=materials,
         same=same,
@@ -154,47 +228,76 @@ def problem_from(mapping: Mapping, arm: Arm, known: Catalogue, figures: MappingL
         figures=figures,
         uncertain=uncertain,
         sizes=sizes,
-        taper=ranges.get("taper"),
         balances=balances,
         motors=motors,
         avoid=avoid,
+        lists=lists,
     )
     problem = replace(problem, limits=(*limits, *_assumed(problem, off)))
     check_problem(mapping, problem)
     return problem
 
 
+def _objective(mapping: Mapping, figures: MappingLike[str, Figure]) -> str:
+    """The figure that is minimised, or maximised where more of it is better."""
+    key = "maximize" if mapping.has("maximize") else "minimize"
+    if mapping.has("minimize") and mapping.has("maximize"):
+        raise mapping.error("maximize", "stands beside minimize; keep one, and limit the other in subject_to")
+    traded = {name: figure for name, figure in figures.items() if figure.traded}
+    name = mapping.choice(key, traded, "max_error")
+    if figures[name].more_is_better != (key == "maximize"):
+        more, other = ("less", "minimize") if key == "maximize" else ("more", "maximize")
+        raise mapping.error(key, f"{name} is better the {more} there is of it; write {other}: {name}")
+    return name
+
+
 def _assumed(problem: Problem, off: frozenset[str]) -> tuple[Limit, ...]:
     """The limits that hold without being asked for, but for those that the file has or switches off."""
-    found: list[Limit] = []
+    limits: list[Limit] = []
     for name, figure in problem.figures.items():
         value = None if figure.assumed is None or name in off or problem.limit(name) else figure.assumed(problem)
         if value is not None:
-            found.append(Limit(figure, figure.senses[0], value, assumed=True))
-    return tuple(found)
+            limits.append(Limit(figure, figure.senses[0], value, assumed=True))
+    return tuple(limits)
 
 
 def _workspace(mapping: Mapping, arm: Arm) -> Workspace:
     if not mapping.has("workspace"):
         return Workspace()
     with mapping.mapping("workspace").reading() as body:
-        kinds = [name for name in ("joints", "path", "box") if body.has(name)]
+        kinds = [name for name in ("joints", "poses", "path", "points", "box") if body.has(name)]
         if len(kinds) != 1:
-            raise body.error("", "needs one of joints, path and box, e.g. {joints: range}")
-        if kinds[0] == "joints":
+            raise body.error("", "needs one of joints, poses, path, points and box, e.g. {joints: range}")
+        if kinds[0] in ("joints", "poses"):
             if body.has("error"):
                 raise body.error("error", "is for a path, whose direction tells what is across and along")
-            return _joint_ranges(body, arm)
+            return _joint_ranges(body, arm) if kinds[0] == "joints" else _listed_poses(body, arm)
         points = _points(body, kinds[0], arm)
         flat = len(points[0]) == 2
         full = tuple((point[0], point[1], point[2] if len(point) == 3 else 0.0) for point in points)
         counted = cast(Part, body.choice("error", get_args(Part), "whole"))
-        space = Workspace(cast(Literal["path", "box"], kinds[0]), full, None, flat or arm.planar(), counted)
+        kind: Literal["path", "box"] = "box" if kinds[0] == "box" else "path"
+        space = Workspace(kind, full, None, flat or arm.planar(), counted, apart=kinds[0] == "points")
         if counted != "whole" and not space.segments:
             raise body.error(
                 "error", f"{counted} needs a direction: a path of two points or more, path: [[x, y], [x, y]]"
             )
         return space
+
+
+def _listed_poses(body: Mapping, arm: Arm) -> Workspace:
+    """Poses by their joint coordinates: from a table, which may give them weights, or as they stand in the file."""
+    weights: tuple[float, ...] = ()
+    if isinstance(body.raw("poses"), str):
+        found, given = read_poses(Path(str(body.file)).parent / body.text("poses"), arm)
+        poses = tuple(tuple(row) for row in found.tolist())
+        weights = () if given is None else tuple(given.tolist())
+    else:
+        poses = read_coordinates(body, arm)
+    if len(poses) > _MOST_POINTS:
+        raise body.error("poses", f"has {len(poses)} poses; at most {_MOST_POINTS} are looked at")
+    spans = tuple((min(column), max(column)) for column in zip(*poses, strict=True))
+    return Workspace("poses", ranges=spans, poses=poses, weights=weights)
 
 
 def _points(body: Mapping, kind: str, arm: Arm) -> list[tuple[float, ...]]:
@@ -203,13 +306,13 @@ def _points(body: Mapping, kind: str, arm: Arm) -> list[tuple[float, ...]]:
     if kind == "box" and len(points) != 2:
         raise body.error("box", f"needs two corners, [[x, y], [x, y]], not {len(points)}")
     if not points:
-        raise body.error("path", "needs at least one point, [[x, y], ...]")
+        raise body.error(kind, "needs at least one point, [[x, y], ...]")
     if arm.branches:
         message = "is of one tip, and the arm has several; use the joint ranges (workspace: {joints: range})"
         raise body.error(kind, f"{message}, or write the arm of one branch by itself")
     if len(points) > _MOST_POINTS:
         message = f"has {len(points)} points; at most {_MOST_POINTS} are followed, straight from each to the next"
-        raise body.error("path", f"{message}: leave out those in between")
+        raise body.error(kind, f"{message}: leave out those in between")
     if len({len(point) for point in points}) != 1:
         raise body.error(kind, "mixes points of two and of three components")
     flat = len(points[0]) == 2
@@ -250,7 +353,7 @@ def _load_cases(mapping: Mapping, arm: Arm) -> tuple[LoadCase, ...]:
         return ()
     cases: list[LoadCase] = []
     for body in mapping.mappings("load_cases"):
-        with body.reading():
+        with body.reading("subject_to"):
             case, named = _load_case(body)
             if body.has("tip") and not arm.branches:
                 raise body.error("tip", "is of arms with branches, and this one has a single tip; leave it out")
@@ -258,11 +361,29 @@ def _load_cases(mapping: Mapping, arm: Arm) -> tuple[LoadCase, ...]:
             if body.has("tip"):
                 tips = [tip_named(body, arm.branches, body.text("tip"))]
             elif arm.every_tip:
-                tips = [each.name for each in arm.branches]
+                tips = [branch.name for branch in arm.branches]
             cases += [replace(case, tip=tip, leaves_off=0.0 if named else arm.on(tip).payload.mass) for tip in tips]
     if not cases:
         raise mapping.error("load_cases", "is empty; leave it out to use the arm's own payload")
     return tuple(cases)
+
+
+def _limits_of_cases(mapping: Mapping, cases: Sequence[LoadCase]) -> tuple[Limit, ...]:
+    """The limits that load cases have of their own: on the worst error under them."""
+    limits: list[Limit] = []
+    bodies = mapping.mappings("load_cases") if mapping.has("load_cases") else ()
+    for number, body in enumerate(bodies):
+        if not body.has("subject_to"):
+            continue
+        with body.mapping("subject_to").reading() as limit_body:
+            if len(cases) != len(mapping.mappings("load_cases")):
+                raise limit_body.error("", "goes with one tip; name the `tip` of each load case")
+            bound = limit_body.bound("max_error", "length")
+            if bound.relation != "<=" or bound.value <= 0.0:
+                whole = shown(limit_body.raw("max_error"))
+                raise limit_body.error("max_error", f"needs a limit from above, e.g. '<= 0.1 mm', not {whole}")
+            limits.append(Limit(error_of_case(number), "<=", bound.value))
+    return tuple(limits)
 
 
 def _load_case(body: Mapping) -> tuple[LoadCase, bool]:
@@ -290,9 +411,13 @@ def _as_driven(arm: Arm, actuators: Sequence[Sequence[Actuator]] | None) -> Arm:
         return arm
     joints = [
         joint
-        if not own
-        else replace(joint, stiffness=max(each.stiffness for each in own), backlash=max(each.backlash for each in own))
-        for joint, own in zip(arm.joints, actuators, strict=True)
+        if not joint_actuators
+        else replace(
+            joint,
+            stiffness=max(actuator.stiffness for actuator in joint_actuators if actuator.stiffness is not None),
+            backlash=max(actuator.backlash or 0.0 for actuator in joint_actuators),
+        )
+        for joint, joint_actuators in zip(arm.joints, actuators, strict=True)
     ]
     return replace(arm, joints=tuple(joints))
 
@@ -318,20 +443,15 @@ def _relative(mapping: Mapping, arm: Arm, cases: tuple[LoadCase, ...]) -> tuple[
 
 def _subject_to(
     mapping: Mapping, arm: Arm, figures: MappingLike[str, Figure]
-) -> tuple[tuple[Limit, ...], dict[str, tuple[float, float]], frozenset[str]]:
-    """The limits, the ranges of sizes, and the names of limits that are switched off."""
+) -> tuple[tuple[Limit, ...], tuple[Ranges, ...], frozenset[str]]:
+    """The limits, the ranges of each link's sizes, and the names of limits that are switched off."""
     limits: list[Limit] = []
-    ranges: dict[str, tuple[float, float]] = {}
     off: set[str] = set()
     if not mapping.has("subject_to"):
-        return (), {}, frozenset()
+        return (), (Ranges(),) * arm.size, frozenset()
     with mapping.mapping("subject_to").reading() as body:
         body.also_called({**RANGES_CALLED, **{name: figure.synonyms for name, figure in figures.items()}})
-        for name, default in RANGES.items():
-            if body.has(name):
-                ranges[name] = _range(body, name, default)
-        if body.has("taper"):
-            ranges["taper"] = _taper(body)
+        ranges = read_ranges(body, arm)
         for name, figure in figures.items():
             if not body.has(name):
                 continue
@@ -346,83 +466,71 @@ def _subject_to(
     return tuple(limits), ranges, frozenset(off)
 
 
-def _range(body: Mapping, name: str, default: tuple[float, float]) -> tuple[float, float]:
-    if isinstance(body.content[name], str):
-        bound = body.bound(name, "length")
-        low = bound.value if bound.relation != "<=" else min(default[0], bound.value)
-        high = bound.value if bound.relation != ">=" else max(default[1], bound.value)
-    else:
-        low, high = body.range(name, "length")
-    if low <= 0.0:
-        raise body.error(name, f"must be above zero, not {shown(body.content[name])}")
-    if low < _SMALLEST or high > _LARGEST:
-        ends = f"{format_quantity(_SMALLEST, 'length')} and {format_quantity(_LARGEST, 'length')}"
-        raise body.error(name, f"must lie between {ends}, not {shown(body.content[name])}")
-    return low, high
-
-
-def _taper(body: Mapping) -> tuple[float, float]:
-    """The least and the greatest size of a far end over that at the joint."""
-    low, high = body.range("taper", "dimensionless")
-    if not 1.0 / MOST_TAPER <= low <= high <= MOST_TAPER:
-        would_do = f"sizes of the far end over those at the joint between {1.0 / MOST_TAPER:g} and {MOST_TAPER:g}"
-        raise body.error("taper", f"holds {would_do}, e.g. [0.4, 1], not {shown(body.content['taper'])}")
-    return low, high
-
-
 def _choose(
     mapping: Mapping,
     catalogue: Catalogue,
     arm: Arm,
     needs: frozenset[str],
-    ranges: MappingLike[str, tuple[float, float]],
+    ranges: Sequence[Ranges],
 ) -> tuple[
     tuple[str, ...] | None,
     tuple[Material, ...] | None,
+    tuple[LinkLists, ...] | None,
     frozenset[str],
     tuple[tuple[Actuator, ...], ...] | None,
     tuple[tuple[Listed, ...], ...] | None,
 ]:
     if not mapping.has("choose"):
-        return None, None, frozenset(), None, None
+        return None, None, None, frozenset(), None, None
     with mapping.mapping("choose").reading("balancer", "counterweight", "motor") as body:
         body.also_called(CHOICES_CALLED)
-        shapes: tuple[str, ...] | None = None
-        if body.has("section"):
-            names = _names(body, "section")
-            free = {name: kind for name, kind in SHAPES.items() if can_be_chosen(name)}
-            for number, name in enumerate(names, start=1):
-                if name not in free:
-                    raise body.error(f"section[{number}]", f"there is no shape '{name}' to choose{nearest(name, free)}")
-            shapes = tuple(dict.fromkeys(names))
-        materials = _materials(body, catalogue, arm, needs) if body.has("material") else None
+        shapes = _by_link(body, "section", arm, _shapes)
+        materials = _by_link(body, "material", arm, lambda item, key: _materials(item, key, catalogue, arm, needs))
         same = body.items("same", [])
         for name in same:
             if name not in ("section", "material", "size", "actuator"):
                 raise body.error("same", f"takes section, material, size and actuator, not {shown(name)}")
-        sizes = read_sizes(body, arm, shapes, ranges.get("section_size"), ranges.get("thickness"))
-        return shapes, materials, frozenset(str(name) for name in same), _actuators(body, arm), sizes
+        uniform = shapes.alike and materials.alike
+        lists = None if uniform else tuple(map(LinkLists, shapes.each, materials.each))
+        sizes = read_sizes(body, arm, shapes.each, ranges)
+        agree = frozenset(str(name) for name in same)
+        return _all(shapes), _all(materials), lists, agree, _actuators(body, arm), sizes
 
 
-def _materials(body: Mapping, catalogue: Catalogue, arm: Arm, needs: frozenset[str]) -> tuple[Material, ...]:
+def _all(by_link: ByLink[tuple[Item, ...]]) -> tuple[Item, ...] | None:
+    """What any link may be; None where nothing is said."""
+    return tuple(dict.fromkeys(item for own in by_link.each for item in own or ())) or None
+
+
+def _shapes(body: Mapping, key: str) -> tuple[str, ...]:
+    """The shapes to choose from, by name."""
+    names = _names(body, key)
+    free = {name: kind for name, kind in SHAPES.items() if can_be_chosen(name)}
+    for number, name in enumerate(names, start=1):
+        if name not in free:
+            raise body.error(f"{key}[{number}]", f"there is no shape '{name}' to choose{nearest(name, free)}")
+    return tuple(dict.fromkeys(names))
+
+
+def _materials(body: Mapping, name: str, catalogue: Catalogue, arm: Arm, needs: frozenset[str]) -> tuple[Material, ...]:
     """The materials to choose from, by name, in place, or by their properties."""
-    values = body.raw("material")
+    values = body.raw(name)
     entries = cast(list[object], values) if isinstance(values, list) else [values]
     if not entries:
-        raise body.error("material", "is empty; name at least one material")
+        raise body.error(name, "is empty; name at least one material")
     read: list[Material] = []
     for number, entry in enumerate(entries, start=1):
-        key = body.path_of("material" if entry is values else f"material[{number}]")
+        key = body.path_of(name if entry is values else f"{name}[{number}]")
         if isinstance(entry, dict) and "where" in entry:
-            with Mapping(cast(object, entry), file=body.file, key=key).reading() as own:
-                read += materials_where(own, catalogue, arm, needs)
+            with Mapping(cast(object, entry), file=body.file, key=key).reading() as conditions:
+                read += materials_where(conditions, catalogue, arm, needs)
         else:
-            read.append(catalogue.read(entry, file=body.file, key=f"{body.path_of('material')}[{number}]"))
+            read.append(catalogue.read(entry, file=body.file, key=f"{body.path_of(name)}[{number}]"))
     materials = tuple(dict.fromkeys(read))
     for material in materials:
         if any(other.name == material.name and other != material for other in materials):
             message = f"calls two materials {material.name}; give each a name of its own (name: ...)"
-            raise body.error("material", message)
+            raise body.error(name, message)
     return materials
 
 
@@ -437,7 +545,7 @@ def _actuators(body: Mapping, arm: Arm) -> tuple[tuple[Actuator, ...], ...] | No
     if len(entries) != arm.size:
         raise body.error("actuator", f"is one list of names, or a list for each of the {arm.size} joints")
     known, path = load_actuators(), body.path_of("actuator")
-    found: list[tuple[Actuator, ...]] = []
+    actuators: list[tuple[Actuator, ...]] = []
     for number, (entry, joint) in enumerate(zip(entries, arm.joints, strict=True), start=1):
         names = cast(list[object], entry) if isinstance(entry, list) else [entry]
         if not all(isinstance(name, str) for name in names):
@@ -445,10 +553,14 @@ def _actuators(body: Mapping, arm: Arm) -> tuple[tuple[Actuator, ...], ...] | No
         if names and not joint.revolute:
             raise body.error("actuator", f"joint {number} slides, and no actuator drives a slide; write [] for it")
         chosen = [known.find(str(name), file=body.file, key=path) for name in names]
-        found.append(tuple({actuator.name: actuator for actuator in chosen}.values()))
-    if not any(found):
+        for item in chosen:
+            if unknown := item.lacks("rated_torque", "stiffness", "backlash", "mass"):
+                missing = ", ".join(unknown).replace("_", " ")
+                raise body.error("actuator", f"cannot choose {item.name}, whose {missing} the catalogue does not know")
+        actuators.append(tuple({actuator.name: actuator for actuator in chosen}.values()))
+    if not any(actuators):
         raise body.error("actuator", "is empty; name at least one actuator")
-    return tuple(found)
+    return tuple(actuators)
 
 
 def _names(body: Mapping, key: str) -> list[str]:

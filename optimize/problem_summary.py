@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
+
+from linkwright.core.arm.error_map import ErrorMap, error_map
 from linkwright.core.arm.errors.model import error_model
-from linkwright.core.arm.evaluation import ErrorMap, error_map
 from linkwright.core.arm.worst.search import WorstSearch
 from linkwright.core.optimize.exchange.design import numeric_beams
 from linkwright.core.optimize.exchange.exchange import Context
 from linkwright.core.units.quantities import format_quantity
 
 from .problem import Problem
+from .ranges import Span
 
 
 def map_of_given(given: Problem, context: Context, poses: int) -> ErrorMap:
@@ -30,38 +33,62 @@ def whole_error(context: Context) -> WorstSearch:
 
 def limits_in_words(problem: Problem) -> tuple[str, ...]:
     """The limits and ranges, as people write them."""
-    ranges = {"section_size": problem.section_size, "thickness": problem.thickness, "link_length": problem.link_length}
-    spans = [
-        f"{name} {format_quantity(span[0], 'length')} to {format_quantity(span[1], 'length')}"
-        for name, span in ranges.items()
-        if span is not None
-    ]
-    if problem.taper is not None:
-        spans.append(f"taper {problem.taper[0]:g} to {problem.taper[1]:g}")
+    names = dict.fromkeys(name for link_ranges in problem.ranges for name in link_ranges.spans)
+    spans = [f"{name} {span_by_link(problem, name)}" for name in names]
     # Where sections are listed, ranges have left out sizes already.
-    return (*(limit.text for limit in problem.limits), *(() if problem.sizes is not None else spans))
+    return (*(limit.text for limit in problem.limits if not limit.aim), *(() if problem.sizes is not None else spans))
+
+
+def span_by_link(problem: Problem, name: str) -> str:
+    """A range of sizes, once for all links or link by link."""
+    spans: list[tuple[str, ...]] = []
+    for link, link_ranges in zip(problem.arm.links, problem.ranges, strict=True):
+        span = None if link.section is None else link_ranges.spans.get(name)
+        spans.append(() if span is None else (span_in_words(name, span),))
+    return _by_link(spans)
+
+
+def span_in_words(name: str, span: Span) -> str:
+    """A range with its unit."""
+    return " to ".join(f"{end:g}" if name == "taper" else format_quantity(end, "length") for end in span)
 
 
 def choices_in_words(problem: Problem) -> tuple[str, ...]:
     """What each link could be, as people write it."""
-    found: list[str] = []
+    return (*_sections_in_words(problem), *_drives_in_words(problem))
+
+
+def _sections_in_words(problem: Problem) -> Iterator[str]:
+    shapes = [problem.shapes_of(link) for link in range(problem.arm.size)]
     if problem.shapes is not None:
-        found.append(f"section: {', '.join(problem.shapes)}")
+        yield f"section: {_by_link(shapes)}"
     if problem.materials is not None:
-        found.append(f"material: {', '.join(material.name for material in problem.materials)}")
+        names = [tuple(material.name for material in problem.materials_of(link)) for link in range(problem.arm.size)]
+        yield f"material: {_by_link([names[link] if shape else () for link, shape in enumerate(shapes)])}"
     if problem.sizes is not None:
-        counts = [str(len(own)) for own in problem.sizes if own]
-        alike = len(set(counts)) == 1
-        found.append(f"sizes: {counts[0]} listed for each link" if alike else f"sizes listed: {', '.join(counts)}")
+        counts = [str(len(sections)) for sections in problem.sizes if sections]
+        same = len(set(counts)) == 1
+        yield f"sizes: {counts[0]} listed for each link" if same else f"sizes listed: {', '.join(counts)}"
+
+
+def _drives_in_words(problem: Problem) -> Iterator[str]:
     if problem.actuators is not None:
-        lists = [", ".join(each.name for each in own) for own in problem.actuators]
-        each = [f"joint {number}: {names}" for number, names in enumerate(lists, start=1) if names]
-        alike = len(each) == len(lists) and len(set(lists)) == 1
-        found.append(f"actuator: {lists[0] if alike else '; '.join(each)}")
-    for each in problem.balances:
-        low, high = (format_quantity(value, each.kind) for value in (each.lower, each.upper))
-        found.append(f"{each.words}: {low} to {high}")
-    found += [f"motor {' or '.join(place.words for place in choice.places)}" for choice in problem.motors]
+        lists = [", ".join(actuator.name for actuator in actuators) for actuators in problem.actuators]
+        by_joint = [f"joint {number}: {names}" for number, names in enumerate(lists, start=1) if names]
+        same = len(by_joint) == len(lists) and len(set(lists)) == 1
+        yield f"actuator: {lists[0] if same else '; '.join(by_joint)}"
+    for balance in problem.balances:
+        low, high = (format_quantity(value, balance.kind) for value in (balance.lower, balance.upper))
+        yield f"{balance.words}: {low} to {high}"
+    for choice in problem.motors:
+        yield f"motor {' or '.join(place.words for place in choice.places)}"
     if problem.same:
-        found.append(f"the same for all links: {', '.join(sorted(problem.same))}")
-    return tuple(found)
+        yield f"the same for all links: {', '.join(sorted(problem.same))}"
+
+
+def _by_link(names: Sequence[Sequence[str]]) -> str:
+    """Names of each elastic link (none for a rigid one), said once where all have the same."""
+    texts = {number: ", ".join(link_names) for number, link_names in enumerate(names, start=1) if link_names}
+    if len(set(texts.values())) == 1:
+        return next(iter(texts.values()))
+    return "; ".join(f"link {number}: {text}" for number, text in texts.items())

@@ -1,10 +1,10 @@
-"""Lengths to start from, where those of the arm as given do not reach the box or path asked for and are free.
+"""Initial lengths where the given arm does not reach the box or path of the problem and its lengths are free.
 
-Lengths spread over what `link_length` and `reach` allow are tried at places of the region, then closer and closer
-around those that come nearest. Of lengths that reach it those are taken that the arm as given comes to first on the way
-to them, and a little more, so that the design does not start where the arm is stretched. All of the region must be
-reached, for the exchange holds on to no place that its start does not reach: where no lengths do, that is the answer,
-with lengths beyond the limits that would.
+Lengths spread over what `link_length` and `reach` allow are tried at places of the region, then in smaller and smaller
+neighbourhoods of those that come nearest. Between the given lengths and lengths that reach the region, the start is the
+first that reaches it and a little beyond, so that the arm is not fully stretched there. The start must reach the whole
+region, because the exchange keeps no place that its start misses. Where no lengths within the limits do, the problem is
+infeasible, and lengths beyond the limits that would do are reported.
 """
 
 from __future__ import annotations
@@ -21,7 +21,17 @@ from linkwright.core.arm.worst.workspace import by_differences, joint_box, pull,
 from linkwright.core.sections.numeric import Array
 from linkwright.core.units.quantities import NoAnswer
 
-from .exchange.other_lengths import REACHED, TRIES, allowed, few_places, free_links, moved, spread_lengths, sums_allowed
+from .exchange.other_lengths import (
+    REACHED,
+    TRIES,
+    allowed,
+    few_places,
+    free_links,
+    length_bounds,
+    moved,
+    spread_lengths,
+    sums_allowed,
+)
 from .problem import Problem
 
 _TRIED, _CLOSER, _ROUNDS = 48, 24, 8
@@ -59,15 +69,15 @@ def start_that_reaches(problem: Problem) -> Start | None:
     finder = _Finder(problem)
     lengths = finder.found()
     if lengths is None:
-        told = "the arm as given reaches it all with lengths that are not allowed"
+        reason = "the arm as given reaches it all with lengths that are not allowed"
         if missing is not None:
-            told = f"{missing.where(problem.workspace.kind)} with the arm as given"
-        raise NoAnswer(f"workspace: {told}; {finder.in_vain()}; {_would_do(problem)}")
+            reason = f"{missing.where(problem.workspace.kind)} with the arm as given"
+        raise NoAnswer(f"workspace: {reason}; {finder.in_vain()}; {_would_do(problem)}")
     if missing is None:
         return None
     arm = _with(problem, lengths)
-    told = missing.where(problem.workspace.kind)
-    why = f"the arm as given does not reach it all ({told}): the search began with links of {_in_mm(arm)} mm"
+    reason = missing.where(problem.workspace.kind)
+    why = f"the arm as given does not reach it all ({reason}): the search began with links of {_in_mm(arm)} mm"
     return Start(replace(problem, arm=arm), why)
 
 
@@ -83,13 +93,18 @@ def _missed(problem: Problem, arm: Arm) -> Unreached | None:
 
 def _would_do(problem: Problem) -> str:
     """Lengths beyond the limits that reach everything, in words."""
-    assert problem.link_length is not None
-    low, high = problem.link_length
+    low, high = length_bounds(problem)
     free = tuple(limit for limit in problem.limits if limit.name != "reach")
-    wider = replace(problem, link_length=(low / _WIDER, high * _WIDER), limits=free)
+    spans = ((low / _WIDER, high * _WIDER) for low, high in problem.length_spans)
+    ranges = (
+        link_ranges if link_ranges.link_length is None else replace(link_ranges, link_length=span)
+        for link_ranges, span in zip(problem.ranges, spans, strict=True)
+    )
+    wider = replace(problem, ranges=tuple(ranges), limits=free)
     lengths = _Finder(wider).found()
     if lengths is None:
-        return f"nor from {1e3 * low / _WIDER:.4g} to {1e3 * high * _WIDER:.4g} mm: other joint ranges may be needed"
+        ends = f"{1e3 * low.min() / _WIDER:.4g} to {1e3 * high.max() * _WIDER:.4g}"
+        return f"nor from {ends} mm: other joint ranges may be needed"
     return f"links of {_in_mm(_with(wider, lengths))} mm would"
 
 
@@ -104,8 +119,7 @@ class _Finder:
     def __init__(self, problem: Problem) -> None:
         self.problem = problem
         self.free = free_links(problem)
-        assert problem.link_length is not None
-        self.low, self.high = (np.full(len(self.free), each) for each in problem.link_length)
+        self.low, self.high = length_bounds(problem)
         self.sums = sums_allowed(problem)
         self.places = few_places(problem)
         lower, upper = joint_box(problem.arm, problem.workspace)
@@ -127,7 +141,7 @@ class _Finder:
         """Lengths that reach the few places."""
         own = moved(np.array([self.problem.arm.lengths[k] for k in self.free]), self.low, self.high, self.sums)
         tried = [own, *spread_lengths(self.problem, _TRIED)]
-        rows = np.array([each for each in tried if allowed(self.problem, each)])
+        rows = np.array([item for item in tried if allowed(self.problem, item)])
         if not len(rows):
             return None
         misses = self._misses(rows)
@@ -139,7 +153,7 @@ class _Finder:
             center = rows[int(misses.max(axis=1).argmin())]
             shifts = generator.uniform(-1.0, 1.0, (_CLOSER, len(center))) * width
             closer = [moved(center + shift, self.low, self.high, self.sums) for shift in shifts]
-            more = np.array([each for each in closer if allowed(self.problem, each)]).reshape(-1, len(center))
+            more = np.array([item for item in closer if allowed(self.problem, item)]).reshape(-1, len(center))
             if len(more):
                 rows, misses = np.vstack([rows, more]), np.vstack([misses, self._misses(more)])
             width = 0.5 * width
@@ -148,7 +162,7 @@ class _Finder:
         whole = np.flatnonzero(misses.max(axis=1) <= REACHED)
         if len(whole):
             near = sorted(whole, key=lambda k: float(np.abs(rows[k] - own).max()))[:_FIRST]
-            return min((self._first(own, rows[k]) for k in near), key=lambda each: float(np.abs(each - own).max()))
+            return min((self._first(own, rows[k]) for k in near), key=lambda item: float(np.abs(item - own).max()))
         return None
 
     def _first(self, own: Array, other: Array) -> Array:
@@ -175,7 +189,7 @@ class _Finder:
 
         def tip(q: Array) -> Array:
             at = place(self.problem.arm, list(q.T), list(lengths.T)).tip()
-            return np.stack([np.broadcast_to(each, len(q)) for each in at], axis=1)
+            return np.stack([np.broadcast_to(item, len(q)) for item in at], axis=1)
 
         used = np.array([1.0, 1.0, 0.0 if self.problem.workspace.in_plane else 1.0])
         _, miss = pull(by_differences(tip), starts, targets, self.lower, self.upper, used)
@@ -183,16 +197,16 @@ class _Finder:
 
     def in_vain(self) -> str:
         """What is said where no lengths were found."""
-        low, high = (f"{1e3 * each:.4g}" for each in (self.low[0], self.high[0]))
+        low, high = (f"{1e3 * item:.4g}" for item in (self.low.min(), self.high.max()))
         sums = [f", {limit.text}" for limit in self.problem.limit("reach")]
-        kept = f"link_length {low} to {high} mm{''.join(sums)}"
+        limits = f"link_length {low} to {high} mm{''.join(sums)}"
         if not len(self.best[1]):
-            return f"no lengths keep {kept}"
+            return f"no lengths keep {limits}"
         missing, lengths, misses = self.best
-        words = " and ".join(f"{1e3 * each:.4g}" for each in _with(self.problem, lengths).lengths)
+        words = " and ".join(f"{1e3 * length:.4g}" for length in _with(self.problem, lengths).lengths)
         axes = 2 if self.problem.workspace.in_plane else 3
-        point = ", ".join(f"{1e3 * each:.4g}" for each in self.places[int(misses.argmax())][:axes])
+        point = ", ".join(f"{1e3 * item:.4g}" for item in self.places[int(misses.argmax())][:axes])
         return (
-            f"no lengths were found within {kept} that reach all of it: the best, {words} mm, "
+            f"no lengths were found within {limits} that reach all of it: the best, {words} mm, "
             f"keep the tip {1e3 * missing:.4g} mm away from ({point}) mm"
         )

@@ -4,14 +4,15 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, field
-from typing import Literal
+from dataclasses import dataclass, field, replace
+from typing import Literal, TypeVar
 
 from linkwright.core.arm.chain.chain import Arm
-from linkwright.core.arm.evaluation import ErrorMap, Evaluation
+from linkwright.core.arm.error_map import ErrorMap
+from linkwright.core.arm.evaluation import Evaluation
+from linkwright.core.arm.figures import FIGURES, KEPT_WITHIN, Figure
 from linkwright.core.units.quantities import Relation
 
-from .limits import FIGURES, KEPT_WITHIN, Figure
 from .robust.result import Robust
 from .worse import Worse, worse_figures
 
@@ -212,13 +213,25 @@ class NotRounded:
     seconds: float = 0.0
 
 
+Noted = TypeVar("Noted", Candidate, NearTie, DriveCandidate, PlaceCandidate)
+
+
+def in_figure(noted: tuple[Noted, ...], figure: Figure) -> tuple[Noted, ...]:
+    """What was found with a badness, with the objective itself (SI)."""
+    if not figure.more_is_better:
+        return noted
+    values = (None if item.objective is None else figure.badness(item.objective) for item in noted)
+    return tuple(replace(item, objective=value) for item, value in zip(noted, values, strict=True))
+
+
 @dataclass(frozen=True)
 class OptimizationResult:
     """The best design found, with the arm as given for comparison.
 
     `limits` are the limits and ranges kept, `choices` what each link could be, both as people write them. `iterations`
     is the whole log: exchanges of one choice after another, numbered through.
-    `objective` and `lower_bound` are in SI units of what was minimised (m, kg, EUR). `bound_of` says what `lower_bound`
+    `objective` and `lower_bound` are in SI units of what was minimised (m, kg, EUR), or maximised: the bound is then
+    one from above. `bound_of` says what `lower_bound`
     is: under `binding_poses` the optimum over the binding poses alone, from several starts: the design's own objective
     lies above it by no more than the certificate's gap, and only where `optimum` is `global` is it a bound for every
     design. Under `all_designs` no design of any combination goes below it (see `optimize.choice.at_once.relaxation`).
@@ -280,13 +293,16 @@ class OptimizationResult:
 
     @property
     def lower_bound_gap(self) -> float:
-        """By how much (relative) the objective is above its lower bound."""
-        return max(0.0, 1.0 - self.lower_bound / self.objective) if self.objective else 0.0
+        """By how much (relative) the objective is worse than its bound."""
+        if not self.objective:
+            return 0.0
+        badness = self.minimised.badness
+        return max(0.0, 1.0 - badness(self.lower_bound) / badness(self.objective))
 
     @property
     def unsolved(self) -> tuple[Candidate, ...]:
         """The combinations on which the solver failed: they may be better for all that is known."""
-        return tuple(each for each in self.candidates if each.outcome == "unsolved")
+        return tuple(candidate for candidate in self.candidates if candidate.outcome == "unsolved")
 
     @property
     def basis(self) -> Literal["certified", "bounded", "local"]:
@@ -298,7 +314,7 @@ class OptimizationResult:
 
     @property
     def minimised(self) -> Figure:
-        """What was minimised."""
+        """What was minimised, or maximised where more of it is better."""
         return self.figures[self.minimize]
 
     @property

@@ -30,8 +30,7 @@ _BETTER = 1e-6
 
 @dataclass(frozen=True)
 class Answer(Generic[Found]):
-    """The best design for one structure: its objective (SI), what was found, and whether an interrupt ended the search
-    for it."""
+    """The best design for one structure: its objective (SI), its result, and whether an interrupt ended its search."""
 
     objective: float
     found: Found
@@ -101,10 +100,10 @@ class StructureSearch(Generic[Found]):
 
     def problem_with(self, structure: Structure) -> Problem:
         """The problem of the links once drives and places are chosen."""
-        own = self._placed(structure.places)
+        problem = self._placed(structure.places)
         if not structure.drives:
-            return own
-        return replace(own, arm=with_actuators(own.arm, structure.drives), actuators=None)
+            return problem
+        return replace(problem, arm=with_actuators(problem.arm, structure.drives), actuators=None)
 
     def _placed(self, places: tuple[MotorPlace, ...]) -> Problem:
         joints = (choice.joint for choice in self.problem.motors)
@@ -113,15 +112,15 @@ class StructureSearch(Generic[Found]):
 
     def _look_at(self, places: tuple[MotorPlace, ...]) -> None:
         """All drives with motors at some places."""
-        own = self._placed(places)
-        if any(place.rods is not None for place in places) and reaches_less(own, self.problem):
+        problem = self._placed(places)
+        if any(place.rods is not None for place in places) and reaches_less(problem, self.problem):
             self._unreached.add(places)
-        elif own.actuators is None:
+        elif problem.actuators is None:
             self._try(Structure((), places))
-        elif few(own):
-            self._try_all(assignments(own), places)
+        elif few(problem):
+            self._try_all(assignments(problem), places)
         else:
-            self._joint_by_joint(own.actuators, places)
+            self._joint_by_joint(problem.actuators, places)
 
     def _try_all(self, picks: Sequence[Assignment], places: tuple[MotorPlace, ...]) -> None:
         """Look at choices of drives, those first with which the arm as given errs least."""
@@ -129,12 +128,12 @@ class StructureSearch(Generic[Found]):
         for structure in (Structure(pick, places) for pick in picks):
             if structure in self.noted:
                 continue
-            own = self.problem_with(structure)
-            if hopeless(own):
+            problem = self.problem_with(structure)
+            if hopeless(problem):
                 self.noted[structure] = _Noted(None, "infeasible")
             else:
-                left.append((least_error(own), structure))
-        left.sort(key=lambda each: each[0])
+                left.append((least_error(problem), structure))
+        left.sort(key=lambda item: item[0])
         for done, (_, structure) in enumerate(left):
             if self._progress is not None:
                 self._progress(done, len(left), f"actuators {names_of(structure.drives)}")
@@ -159,10 +158,10 @@ class StructureSearch(Generic[Found]):
 
     def _joint_by_joint(self, chosen: Sequence[Sequence[Actuator]], places: tuple[MotorPlace, ...]) -> None:
         """Choices in which the joints agree as far as they can, then one joint at a time until none improves."""
-        lists = [tuple[Actuator | None, ...](own) or (None,) for own in chosen]
-        longest = max(len(own) for own in lists)
-        alike = (tuple(own[min(k, len(own) - 1)] for own in lists) for k in range(longest))
-        self._try_all(list(dict.fromkeys(alike)), places)
+        lists = [tuple[Actuator | None, ...](item) or (None,) for item in chosen]
+        longest = max(len(link_list) for link_list in lists)
+        same = (tuple(link_list[min(k, len(link_list) - 1)] for link_list in lists) for k in range(longest))
+        self._try_all(list(dict.fromkeys(same)), places)
         improved = True
         while improved and self.best is not None and self.best[0].places == places:
             before = self.objective
@@ -178,27 +177,27 @@ class StructureSearch(Generic[Found]):
         if self.problem.actuators is None or self.best is None:
             return ()
         best = self.best[0]
-        found = [
-            DriveCandidate(named(each.drives), noted.objective, "best" if each == best else noted.outcome)
-            for each, noted in self.noted.items()
-            if each.places == best.places
+        candidates = [
+            DriveCandidate(named(key.drives), noted.objective, "best" if key == best else noted.outcome)
+            for key, noted in self.noted.items()
+            if key.places == best.places
         ]
-        return tuple(sorted(found, key=_rank))
+        return tuple(sorted(candidates, key=_rank))
 
     def places(self) -> tuple[PlaceCandidate, ...]:
         """What became of the places of motors, whatever the drives, the best first."""
         if not self.problem.motors:
             return ()
-        found: list[PlaceCandidate] = []
-        for places in dict.fromkeys([*(each.places for each in self.noted), *self._unreached]):
-            own = [noted for each, noted in self.noted.items() if each.places == places]
-            values = [noted.objective for noted in own if noted.objective is not None]
-            outcome = "infeasible" if all(noted.outcome == "infeasible" for noted in own) else "bounded out"
+        candidates: list[PlaceCandidate] = []
+        for places in dict.fromkeys([*(item.places for item in self.noted), *self._unreached]):
+            solved = [noted for key, noted in self.noted.items() if key.places == places]
+            values = [noted.objective for noted in solved if noted.objective is not None]
+            outcome = "infeasible" if all(noted.outcome == "infeasible" for noted in solved) else "bounded out"
             outcome = "reaches less" if places in self._unreached else "solved" if values else outcome
             outcome = "best" if self.best is not None and places == self.best[0].places else outcome
             words = tuple(place.words for place in places)
-            found.append(PlaceCandidate(words, min(values, default=None), outcome))  # type: ignore[arg-type]
-        return tuple(sorted(found, key=_rank))
+            candidates.append(PlaceCandidate(words, min(values, default=None), outcome))  # type: ignore[arg-type]
+        return tuple(sorted(candidates, key=_rank))
 
 
 def _rank(candidate: DriveCandidate | PlaceCandidate) -> float:

@@ -8,7 +8,7 @@ from dataclasses import replace
 from linkwright.core.arm.actuators import Actuator
 from linkwright.core.arm.errors.model import beam_values, beams_of
 from linkwright.core.arm.evaluation import link_masses, material_cost
-from linkwright.core.arm.limits.slowest_pose import least_frequency
+from linkwright.core.arm.figures.frequency import least_frequency
 from linkwright.core.optimize.balance.balance import settled
 from linkwright.core.optimize.choice.actuators import with_actuators
 from linkwright.core.optimize.choice.near_ties import Tie
@@ -26,7 +26,8 @@ def near_ties_of(context: Context, ties: Sequence[Tie]) -> tuple[NearTie, ...]:
         drives = tuple(joint.actuator for joint in tie.arm.joints)
         if drives not in contexts:
             others = tuple(
-                None if own == joint.actuator else own for own, joint in zip(drives, arm.joints, strict=True)
+                None if joint_drives == joint.actuator else joint_drives
+                for joint_drives, joint in zip(drives, arm.joints, strict=True)
             )
             contexts[drives] = context_of(replace(context.problem, arm=with_actuators(arm, others)))
         found.append(_near_tie(contexts[drives], tie))

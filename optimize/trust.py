@@ -1,6 +1,6 @@
-"""What every answer is held against before it is given, and how far "the best" reaches.
+"""Consistency checks of an optimum, and whether it is a global or a local one.
 
-An answer that fails one of these is given with the word `doubtful` and the reason, never as certified.
+An optimum that fails a check is reported as `doubtful` with the reason, never as certified.
 """
 
 from __future__ import annotations
@@ -12,6 +12,7 @@ import numpy as np
 
 from linkwright.core.arm.chain.chain import Arm
 from linkwright.core.arm.evaluation import Evaluation
+from linkwright.core.arm.figures import Limit, OfLinks, broken, excess
 from linkwright.core.optimize.choice.combinations import Choice
 from linkwright.core.optimize.choice.initial_arm import given_design
 from linkwright.core.optimize.exchange.design import arm_of
@@ -20,7 +21,6 @@ from linkwright.core.sections import SHAPES, Section
 from linkwright.core.sections.taper import Tapered
 from linkwright.core.units.quantities import format_quantity
 
-from .limits import OfLinks, broken, excess
 from .problem import Problem
 
 Optimum = Literal["global", "local"]
@@ -41,17 +41,17 @@ def doubts_of(
     """What is not as it must be in an answer, one line each; `before` and `after` are the evaluations of the arm as
     given and of the design."""
     problem = context.problem
-    own = before.arm.joints == problem.arm.joints and _as_given(before.arm, problem.arm)
-    own = own and given_design(problem) is not None
-    return doubts(problem, choice.objective, before, after, lower_bound, own=own)
+    among = before.arm.joints == problem.arm.joints and _as_given(before.arm, problem.arm)
+    among = among and given_design(problem) is not None
+    return doubts(problem, choice.objective, before, after, lower_bound, own=among)
 
 
-def _as_given(given: Arm, changed: Arm) -> bool:
+def _as_given(arm: Arm, changed: Arm) -> bool:
     """Whether no motor stands elsewhere, and no taper of the arm as given was replaced (see `with_chosen_links`)."""
-    kept = zip(given.links, changed.links, strict=True)
+    pairs = zip(arm.links, changed.links, strict=True)
     return all(
         old.masses == new.masses and (not isinstance(old.section, Tapered) or _ends(old.section) == _ends(new.section))
-        for old, new in kept
+        for old, new in pairs
     )
 
 
@@ -62,21 +62,22 @@ def _ends(section: Section | None) -> tuple[Section | None, Section | None]:
 def doubts(
     problem: Problem, claimed: float, before: Evaluation, after: Evaluation, lower_bound: float, *, own: bool
 ) -> tuple[str, ...]:
-    """The same of a design that was found with the objective `claimed` (SI); `own`: the arm as given is one of the
-    designs to choose from."""
+    """The same of a design that was found with an objective of the badness `claimed`, none less than `lower_bound`;
+    `own`: the arm as given is one of the designs to choose from."""
     figure = problem.objective
-    objective = figure.value(after)
-    assert objective is not None
+    reached = figure.value(after)
+    assert reached is not None
+    objective = figure.badness(reached)
     room = GAP * abs(objective) + (NOTHING if problem.minimize == "max_error" else 0.0)
 
     def shown(value: float) -> str:
-        return format_quantity(value, figure.kind, digits=6)
+        return format_quantity(figure.badness(value), figure.kind, digits=6)
 
     found: list[str] = []
     if not abs(objective - claimed) <= room:
         found.append(f"the design does {shown(objective)}, not the {shown(claimed)} that it was found with")
     if not lower_bound <= objective + room:
-        found.append(f"the design does {shown(objective)}, below its own bound {shown(lower_bound)}")
+        found.append(f"the design does {shown(objective)}, better than its own bound {shown(lower_bound)}")
     worst = after.worst
     if worst.upper_bound is not None and not worst.error <= worst.upper_bound * (1.0 + 1e-9) + NOTHING:
         found.append("the error is above its own upper bound")
@@ -84,14 +85,15 @@ def doubts(
         value = limit.of(after)
         if excess(limit, value) > GAP:
             found.append(f"{limit.text} is not kept: {format_quantity(value, limit.figure.kind, digits=6)}")
-    less, more = (0.0 if each.unreached is None else each.unreached.share for each in (before, after))
+    less, more = (0.0 if item.unreached is None else item.unreached.share for item in (before, after))
     if problem.must_reach and after.unreached is not None:
         found.append(after.unreached.where(problem.workspace.kind))
     elif more > less:
         kind, shares = problem.workspace.kind, (f"{100.0 * share:.2g} %" for share in (more, less))
         found.append(f"the design leaves {next(shares)} of the {kind} unreached, the arm as given {next(shares)}")
-    was = figure.value(before)
-    if own and was is not None and was < objective - room and keeps_limits(problem, before):
+    before_value = figure.value(before)
+    was = math.inf if not before_value else figure.badness(before_value)
+    if own and was < objective - room and keeps_limits(problem, before):
         found.append(f"the arm as given keeps all limits and does {shown(was)}")
     return tuple(found)
 
@@ -110,23 +112,24 @@ def optimum_of(context: Context, choice: Choice) -> Optimum:
     """
     problem = context.problem
     arm = arm_of(choice.space, choice.exchanged.x, choice.combination.materials)
-    # A limit on walls, say, says nothing of solid links.
-    telling = [
-        limit
-        for limit in problem.limits
-        if not (isinstance(limit.figure.follows, OfLinks) and limit.figure.of_links(limit.figure.follows, arm) == 0.0)
-    ]
-    plain = all(limit.name in _ONE_SIDED and limit.relation == "<=" for limit in telling)
+    plain = all(_from_above(limit, arm) for limit in problem.limits)
     shapes = {shape for candidate in choice.candidates for shape in candidate.shapes if shape is not None}
     shapes |= set(problem.shapes or ())  # of many combinations few are candidates
-    sound = all(each.outcome != "unsolved" for each in choice.candidates)
+    sound = all(candidate.outcome != "unsolved" for candidate in choice.candidates)
     if not (plain and sound and choice.exhaustive and choice.one_signed and not choice.space.free_lengths):
         return "local"
-    if problem.taper is not None or problem.balances:
-        return (
-            "local"  # a weight's moment about a cut is no product of powers of ends' sizes, and balance cancels loads
-        )
+    # A weight's moment about a cut is no product of powers of ends' sizes, and balance cancels loads.
+    if problem.free_tapers or problem.balances:
+        return "local"
     return "global" if all(_product_of_powers(shape, context.model.planar) for shape in shapes) else "local"
+
+
+def _from_above(limit: Limit, arm: Arm) -> bool:
+    """Whether a limit bounds a mass, the cost or the error from above, or says nothing of the arm: one on walls of
+    solid links."""
+    if not limit.aim and isinstance(limit.figure.follows, OfLinks) and limit.figure.of_links(arm) == 0.0:
+        return True
+    return limit.name in _ONE_SIDED and limit.relation == "<="
 
 
 def _product_of_powers(shape: str, planar: bool) -> bool:

@@ -1,4 +1,4 @@
-"""What a new design does worse than the arm as given: any figure that can be limited, and links that bend sideways."""
+"""Figures in which a new design is worse than the given arm: all that can be limited, and bending out of the plane."""
 
 from __future__ import annotations
 
@@ -7,9 +7,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from linkwright.core.arm.evaluation import Evaluation
-from linkwright.core.arm.limits.sideways import sideways_rigidities
-
-from .limits import Figure
+from linkwright.core.arm.figures import Figure
+from linkwright.core.arm.figures.sideways import sideways_rigidities
 
 UNCHANGED = 5e-4
 """Figures that differ by less (relative) count as the same: what four digits still show."""

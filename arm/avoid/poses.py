@@ -27,6 +27,9 @@ class NoRoom(Exception):
 Draw = Callable[[Array, Array], Array]
 Allowed = Callable[[Array], Array]
 
+_DRAWS = 16
+"""Of poses, where some must be kept clear of."""
+
 
 @dataclass(frozen=True)
 class Room:
@@ -64,15 +67,15 @@ class Room:
 def room_of(arm: Arm, recorded: Array | None, avoid: Sequence[Region] = ()) -> Room:
     """Where proposed poses may put an arm: out of what its file and others say is to be avoided; where nobody says
     anything, within the box of all joints' frames and tips at the poses that were `recorded` (N, n)."""
-    said = tuple(dict.fromkeys((*arm.avoid, *avoid)))
-    if said or recorded is None:
-        return Room(said)
+    regions = tuple(dict.fromkeys((*arm.avoid, *avoid)))
+    if regions or recorded is None:
+        return Room(regions)
     spans = tuple(zip(recorded.min(axis=0).tolist(), recorded.max(axis=0).tolist(), strict=True))
     return Room(within=around(frames_and_tips(arm, recorded)), spans=spans)
 
 
-def drawn(room: Room, box: tuple[Array, Array], draw: Draw, allowed: Allowed, count: int, draws: int) -> Array:
-    """The first `count` poses (P, n) that are allowed, fewer where so many draws bring no more.
+def drawn(room: Room, box: tuple[Array, Array], draw: Draw, allowed: Allowed, count: int) -> Array:
+    """The first `count` poses (P, n) that are allowed, fewer where sixteen draws bring no more.
 
     A draw gives points in a box of joint coordinates, its least and greatest (n,): by turns the whole `box`, and what
     of it was gone through where the arm is to stay there. `allowed` gives whole poses of those points, less those that
@@ -83,12 +86,12 @@ def drawn(room: Room, box: tuple[Array, Array], draw: Draw, allowed: Allowed, co
     if room.spans:
         least, most = np.array(room.spans).T
         boxes.append((np.clip(least, low, high), np.clip(most, low, high)))
-    found: list[Array] = []
-    for number in range(1 if room.everywhere else draws):
-        found.append(allowed(draw(*boxes[number % len(boxes)])))
-        if sum(map(len, found)) >= count:
+    drawn_poses: list[Array] = []
+    for number in range(1 if room.everywhere else _DRAWS):
+        drawn_poses.append(allowed(draw(*boxes[number % len(boxes)])))
+        if sum(map(len, drawn_poses)) >= count:
             break
-    return np.concatenate(found)[:count]
+    return np.concatenate(drawn_poses)[:count]
 
 
 def meets(arm: Arm, q: Array, regions: Sequence[Region]) -> NDArray[np.bool_]:

@@ -9,7 +9,7 @@ import numpy as np
 from linkwright.core.sections.numeric import Array
 
 from .chain import Arm
-from .kinematics import place
+from .kinematics import carried_unturned, place
 from .vectors import Rotation, Scalar
 
 
@@ -55,7 +55,7 @@ def jacobian(arm: Arm, q: Array) -> Array:
         # Such a drive turns its own link alone and carries the rest along unturned.
         for index in range(arm.size):
             if arm.joints[index].revolute:
-                after = index + arm.joints[index].spans
+                after = carried_unturned(arm.joints, index)
                 beyond = arms[:, after] if after < arm.size else 0.0
                 found[:, index] = np.cross(axes[:, index], arms[:, index] - beyond)
     return found

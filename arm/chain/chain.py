@@ -41,6 +41,18 @@ Zones = tuple[tuple[float, float], ...]
 
 
 @dataclass(frozen=True)
+class DhRow:
+    """A joint's Denavit-Hartenberg parameters as an arm file has them: a, d (m), alpha, theta (rad), and whether they
+    are the modified (proximal, Craig's) ones."""
+
+    a: float
+    d: float
+    alpha: float
+    theta: float
+    modified: bool
+
+
+@dataclass(frozen=True)
 class Joint:
     """A joint and its drive. Angles in rad, lengths in m; a prismatic joint's range and backlash are lengths.
 
@@ -59,6 +71,7 @@ class Joint:
     `origin_free` names what nobody knows of where its frame stands on the link before (see `OriginPart`): a diagnosis
     finds it, and the figures here are a guess. `name` is what other programs call it; `effort` (N*m or N) and
     `velocity` (rad/s or m/s) are the greatest that its drive gives, which they ask for and no figure here rests on.
+    `dh` are the parameters by which the file says where it stands.
     """
 
     type: JointType = "revolute"
@@ -86,6 +99,7 @@ class Joint:
     name: str = ""
     effort: float | None = None
     velocity: float | None = None
+    dh: DhRow | None = field(default=None, compare=False)
 
     @property
     def driven(self) -> bool:
@@ -159,8 +173,8 @@ class LoadCase:
         """What acts at the tip in the calibrated state; None where the whole error counts."""
         if self.relative_to is None:
             return None
-        own = replace(self, relative_to=None)
-        return own if self.relative_to.payload is None else replace(self.relative_to.payload, tip=self.tip)
+        calibrated = replace(self, relative_to=None)
+        return calibrated if self.relative_to.payload is None else replace(self.relative_to.payload, tip=self.tip)
 
 
 @dataclass(frozen=True)
@@ -294,50 +308,54 @@ class Arm:
     def carried_mass(self) -> float:
         """The masses beside links and payload, kg: joints, motors wherever they stand, what hangs on links, and the
         payloads of other branches than the tip's."""
-        hung = sum(each.mass for link in self.links for each in link.masses)
-        hung += sum(each.payload.mass for each in self.branches if each.name != self.tip)
+        hung = sum(mass.mass for link in self.links for mass in link.masses)
+        hung += sum(branch.payload.mass for branch in self.branches if branch.name != self.tip)
         return hung + sum(joint.mass + joint.motor_on_base for joint in self.joints)
 
     @property
     def tip(self) -> str:
         """The branch whose tip counts; empty for an arm without branches."""
-        return next((each.name for each in self.branches if isinstance(each.away, float) and each.away == 0.0), "")
+        return next(
+            (branch.name for branch in self.branches if isinstance(branch.away, float) and branch.away == 0.0), ""
+        )
 
     def on(self, tip: str) -> Arm:
         """The same as an arm to the tip of a branch, with that branch's payload and tool; as it is where it is that
         already, or has no branches."""
-        own = next((each for each in self.branches if each.name == tip), None)
-        if own is None or (self.tip == tip and not self.every_tip):
+        branch = next((item for item in self.branches if item.name == tip), None)
+        if branch is None or (self.tip == tip and not self.every_tip):
             return self
-        seen = tuple(replace(each, away=0.0 if each is own else 1.0) for each in self.branches)
-        return replace(self, branches=seen, tool=own.tool, payload=own.payload, every_tip=False)
+        seen = tuple(replace(item, away=0.0 if item is branch else 1.0) for item in self.branches)
+        return replace(self, branches=seen, tool=branch.tool, payload=branch.payload, every_tip=False)
 
     @property
     def cases(self) -> tuple[LoadCase, ...]:
         """The load cases that count where nobody names others: the arm's payload; with `every_tip` each branch's."""
         if not self.every_tip:
             return (self.payload,)
-        return tuple(replace(each.payload, tip=each.name) for each in self.branches)
+        return tuple(replace(branch.payload, tip=branch.name) for branch in self.branches)
 
     def payloads(self, load: LoadCase) -> tuple[float, ...]:
         """What hangs at the tips (kg) under a load case, branch by branch; of an arm without any the load's mass."""
         tip = load.tip or self.tip
-        return tuple(load.mass if each.name == tip else each.payload.mass for each in self.branches) or (load.mass,)
+        return tuple(load.mass if branch.name == tip else branch.payload.mass for branch in self.branches) or (
+            load.mass,
+        )
 
     def away(self, index: int) -> Scalar:
         """Whether a joint (from 0) is of another branch than the tip: 0, 1 or a column of both."""
-        return next((each.away for each in self.branches if each.first <= index < each.end), 0.0)
+        return next((branch.away for branch in self.branches if branch.first <= index < branch.end), 0.0)
 
     def column(self, base: str, index: int) -> str:
         """What a column of a joint (from 0) is called in a recording: `q2`, of a branch `left_q1`."""
-        own = next((each for each in self.branches if each.first <= index < each.end), None)
-        return f"{base}{index + 1}" if own is None else f"{own.name}_{base}{index - own.first + 1}"
+        branch = next((item for item in self.branches if item.first <= index < item.end), None)
+        return f"{base}{index + 1}" if branch is None else f"{branch.name}_{base}{index - branch.first + 1}"
 
     def entry(self, index: int) -> str:
         """Where a joint (from 0) and its link stand in an arm file: `chain[2]`, of a branch `branches[1].chain[2]`."""
-        for number, each in enumerate(self.branches, start=1):
-            if each.first <= index < each.end:
-                return f"branches[{number}].chain[{index - each.first + 1}]"
+        for number, branch in enumerate(self.branches, start=1):
+            if branch.first <= index < branch.end:
+                return f"branches[{number}].chain[{index - branch.first + 1}]"
         return f"chain[{index + 1}]"
 
     @property
@@ -354,7 +372,7 @@ class Arm:
 
     def whole_pose(self, q: Sequence[float]) -> tuple[float, ...]:
         """A pose with the coordinates of joints that only follow others as they are."""
-        return tuple(float(each) for each in coordinates(self, q))
+        return tuple(float(coordinate) for coordinate in coordinates(self, q))
 
     def with_links(self, links: tuple[Link, ...]) -> Arm:
         """The same arm with other links."""
@@ -363,9 +381,9 @@ class Arm:
 
 def askew(section: Section) -> bool:
     """Whether a section has no axis of symmetry along its height or width, so that it bends out of the load's plane."""
-    found = section.properties(0.3)
-    size = float(found.second_moment_y) + float(found.second_moment_z)
-    return abs(float(found.product_moment_yz)) > 1e-12 * size
+    properties = section.properties(0.3)
+    size = float(properties.second_moment_y) + float(properties.second_moment_z)
+    return abs(float(properties.product_moment_yz)) > 1e-12 * size
 
 
 def _about_z(rotation: Any) -> bool:

@@ -123,6 +123,14 @@ def section_directions(link: Link, joint: Joint) -> tuple[FloatVector, FloatVect
     return unit(cross(width, along)), width
 
 
+def carried_unturned(joints: Sequence[Joint], index: int) -> int:
+    """Where angles are absolute, the joint (from 0) from whose axis on a drive carries the rest along without turning
+    it: the next that turns, past the pieces of its own link and slides that ride on it; their number if there is none,
+    for then even the tool turns."""
+    after = range(index + joints[index].spans, len(joints))
+    return next((item for item in after if joints[item].revolute), len(joints))
+
+
 def place(arm: Arm, q: Sequence[Scalar], lengths: Sequence[Scalar] | None = None) -> Frames:
     """The arm's joints and links at joint coordinates q (rad, m), with other lengths (m) where given.
 

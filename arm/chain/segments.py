@@ -78,12 +78,12 @@ def cut(arm: Arm, beams: Sequence[Beam], pieces: int = PIECES) -> Pieces:
         )
         parts = [*[piece] * (count - 1), replace(piece, end_rotation=link.end_rotation)]
         links += [
-            replace(each, masses=_at_ends(link, first=number == 0, last=number == count - 1))
-            for number, each in enumerate(parts)
+            replace(part, masses=_at_ends(link, first=number == 0, last=number == count - 1))
+            for number, part in enumerate(parts)
         ]
     effects = tuple(_at_first_pieces(entry, first) for entry in arm.effects)
     ends = [*first, len(owner)]
-    branches = tuple(replace(each, first=ends[each.first], end=ends[each.end]) for each in arm.branches)
+    branches = tuple(replace(branch, first=ends[branch.first], end=ends[branch.end]) for branch in arm.branches)
     whole = replace(arm, joints=tuple(joints), links=tuple(links), effects=effects, branches=branches)
     return Pieces(whole, tuple(owner), tuple(first))
 
@@ -95,4 +95,4 @@ def _at_first_pieces(entry: EffectEntry, first: Sequence[int]) -> EffectEntry:
 
 def _at_ends(link: Link, *, first: bool, last: bool) -> tuple[PointMass, ...]:
     """What hangs on a piece of a link: at the link's own ends alone."""
-    return tuple(each for each in link.masses if (first if each.on == "joint" else last))
+    return tuple(mass for mass in link.masses if (first if mass.on == "joint" else last))

@@ -18,7 +18,7 @@ from .branches import alone
 from .chain import Arm, Joint, Link, LoadCase, Zones
 from .conditions import Conditions
 from .following import coordinates, turns
-from .kinematics import Frames, LinkFrame, place, section_directions
+from .kinematics import Frames, LinkFrame, carried_unturned, place, section_directions
 from .vectors import (
     Scalar,
     Vector,
@@ -192,28 +192,31 @@ def _inward(
     ends: dict[int, Load] = {}
     for index in range(arm.size - 1, -1, -1):
         joint, beam, beyond = arm.joints[index], beams[index], at
-        for each in acting:
-            at = each.at_end(index, at)
+        for item in acting:
+            at = item.at_end(index, at)
         ends[index] = at
         link, at = _along(arm.links[index], beam, placed.links[index], pull, at, warming[index])
         axis, past = placed.joints[index].axis, at
-        for each in acting:
-            past = each.past(index, past)
+        for item in acting:
+            past = item.past(index, past)
         # A slide's mass rides on it, so what moves the slide moves that too.
         riding = at.pushed(scale(joint.mass, pull)).force
         on_axis = dot(axis, past.moment if joint.revolute else riding)
         drive_load = dot(axis, at.moment if joint.revolute else riding)
         if joint.revolute and arm.angles == "absolute":
-            # Such a drive turns its own link and carries the rest along unturned, so only the link's own moment counts.
-            drive_load = dot(axis, subtract(at.moment, ends[index + joint.spans - 1].moment))
-        for each in acting:
-            drive_load = plus(drive_load, each.on_drive(index, on_axis))
+            following = carried_unturned(arm.joints, index)
+            if following < arm.size:
+                end = ends[following - 1]
+                at_axis = subtract(end.moment, cross(placed.joints[following].lead, end.force))
+                drive_load = dot(axis, subtract(at.moment, at_axis))
+        for item in acting:
+            drive_load = plus(drive_load, item.on_drive(index, on_axis))
         links.append(link)
         joints.append(_joint_state(joint, axis, at, drive_load, coordinate[index]))
         force = add(at.force, scale(joint.mass, pull))
         at = Load(force, add(past.moment, cross(placed.joints[index].lead, force)))
-        for each in acting:
-            at = each.passed_by(index, beyond, at)
+        for item in acting:
+            at = item.passed_by(index, beyond, at)
     return links[::-1], joints[::-1]
 
 
@@ -261,20 +264,20 @@ def _hanging(
     weights, as its own joints have it."""
     torso = arm.branches[0].first - 1
     link, frame = arm.links[torso], placed.links[torso]
-    own = (link.direction, *section_directions(link, arm.joints[torso]))
+    axes = (link.direction, *section_directions(link, arm.joints[torso]))
     there = (frame.along, frame.height, frame.width)
 
     def to_base(vector: Vector) -> Vector:
         turned = rotate(link.end_rotation, vector)
-        parts = [scale(dot(axis, turned), axis_there) for axis, axis_there in zip(own, there, strict=True)]
+        parts = [scale(dot(axis, turned), axis_there) for axis, axis_there in zip(axes, there, strict=True)]
         return add(add(parts[0], parts[1]), parts[2])
 
     def from_base(vector: Vector) -> Vector:
-        parts = [scale(dot(axis_there, vector), axis) for axis, axis_there in zip(own, there, strict=True)]
+        parts = [scale(dot(axis_there, vector), axis) for axis, axis_there in zip(axes, there, strict=True)]
         return rotate(transpose(link.end_rotation), add(add(parts[0], parts[1]), parts[2]))
 
     down = from_base(pull)
-    found: list[tuple[Scalar, Load]] = []
+    loads: list[tuple[Scalar, Load]] = []
     for branch in arm.branches:
         if _always(branch.away, 0.0):
             continue
@@ -284,8 +287,8 @@ def _hanging(
         first = state.joints[0]
         weight = add(first.force, scale(first.mass, down))
         turning = add(first.moment, cross(state.leads[0], weight))
-        found.append((branch.away, Load(to_base(weight), to_base(turning))))
-    return found
+        loads.append((branch.away, Load(to_base(weight), to_base(turning))))
+    return loads
 
 
 def _always(away: Scalar, value: float) -> bool:
@@ -306,7 +309,7 @@ def _only_drive(here: Scalar, joint: JointState) -> JointState:
 
 def unladen(arm: Arm) -> Arm:
     """The arm without the payloads of branches that the tip is not of."""
-    return replace(arm, branches=tuple(replace(each, payload=LoadCase()) for each in arm.branches))
+    return replace(arm, branches=tuple(replace(branch, payload=LoadCase()) for branch in arm.branches))
 
 
 def run_out(arm: Arm, beams: Sequence[Beam], q: Sequence[Scalar]) -> Sequence[Beam]:

@@ -26,9 +26,12 @@ def _is(value: Scalar, constant: float) -> bool:
     return isinstance(value, (float, int)) and value == constant
 
 
+# Arms of many pieces ask for these sums and products millions of times: what an operand is, is asked but once and in
+# place, and what says that it is nothing (`ZERO`, `IDENTITY`) is not looked into.
+
+
 def times(a: Scalar, b: Scalar) -> Scalar:
     """a * b, with the floats 0, 1 and -1 folded."""
-    # Arms of many pieces ask this millions of times: what a factor is, is asked but once.
     a_number, b_number = isinstance(a, (float, int)), isinstance(b, (float, int))
     if (a_number and a == 0.0) or (b_number and b == 0.0):
         return 0.0
@@ -47,24 +50,26 @@ def times(a: Scalar, b: Scalar) -> Scalar:
 
 def plus(a: Scalar, b: Scalar) -> Scalar:
     """a + b, with the float 0 folded."""
-    if _is(a, 0.0):
+    if isinstance(a, (float, int)) and a == 0.0:
         return b
-    if _is(b, 0.0):
+    if isinstance(b, (float, int)) and b == 0.0:
         return a
     return a + b
 
 
 def minus(a: Scalar, b: Scalar) -> Scalar:
     """a - b, with the float 0 folded."""
-    if _is(b, 0.0):
+    if isinstance(b, (float, int)) and b == 0.0:
         return a
-    if _is(a, 0.0):
+    if isinstance(a, (float, int)) and a == 0.0:
         return -b
     return a - b
 
 
 def add(a: Vector, b: Vector) -> Vector:
     """The sum of two vectors."""
+    if a is ZERO or b is ZERO:
+        return b if a is ZERO else a
     return (plus(a[0], b[0]), plus(a[1], b[1]), plus(a[2], b[2]))
 
 
@@ -75,6 +80,8 @@ def subtract(a: Vector, b: Vector) -> Vector:
 
 def scale(factor: Scalar, a: Vector) -> Vector:
     """The vector a, factor times as long."""
+    if a is ZERO:
+        return ZERO
     return (times(factor, a[0]), times(factor, a[1]), times(factor, a[2]))
 
 
@@ -85,6 +92,8 @@ def dot(a: Vector, b: Vector) -> Scalar:
 
 def cross(a: Vector, b: Vector) -> Vector:
     """The vector product a x b."""
+    if a is ZERO or b is ZERO:
+        return ZERO
     return (
         minus(times(a[1], b[2]), times(a[2], b[1])),
         minus(times(a[2], b[0]), times(a[0], b[2])),
@@ -117,7 +126,7 @@ def norm(a: tuple[float, float, float]) -> float:
 
 def unit(a: tuple[float, float, float]) -> tuple[float, float, float]:
     """The unit vector along a vector of floats, snapped; ValueError where it has no length."""
-    length, largest = norm(a), max(abs(each) for each in a)
+    length, largest = norm(a), max(abs(item) for item in a)
     if 0.0 < largest < math.inf and not 0.0 < length < math.inf:  # its square is no number, its direction is one
         return unit((a[0] / largest, a[1] / largest, a[2] / largest))
     if not length > 0.0 or not math.isfinite(length):
@@ -127,6 +136,8 @@ def unit(a: tuple[float, float, float]) -> tuple[float, float, float]:
 
 def rotate(rotation: Rotation, a: Vector) -> Vector:
     """The rotation applied to a vector."""
+    if a is ZERO or rotation is IDENTITY:
+        return a
     return (dot(rotation[0], a), dot(rotation[1], a), dot(rotation[2], a))
 
 
@@ -141,6 +152,8 @@ def transpose(rotation: Rotation) -> Rotation:
 
 def compose(a: Rotation, b: Rotation) -> Rotation:
     """The matrix product a b: b first, then a."""
+    if a is IDENTITY or b is IDENTITY:
+        return b if a is IDENTITY else a
     columns = transpose(b)
     return (
         (dot(a[0], columns[0]), dot(a[0], columns[1]), dot(a[0], columns[2])),

@@ -1,4 +1,4 @@
-"""The physics that moves the tip, one effect a file; this is the only list of those that are shipped.
+"""The physics that moves the tip and loads the drives, one effect a file; this is the only list of those shipped.
 
 `EFFECTS.register(effect)` adds one for this process, an entry point of the group `linkwright.effects` those of an
 installed package.
@@ -14,6 +14,13 @@ from linkwright.core.arm.effects.angles.joint_coupling import JOINT_COUPLING
 from linkwright.core.arm.effects.angles.joint_waviness import JOINT_WAVINESS
 from linkwright.core.arm.effects.angles.latency import LATENCY
 from linkwright.core.arm.effects.angles.stale_reading import STALE_READING
+from linkwright.core.arm.effects.drives.armature import ARMATURE
+from linkwright.core.arm.effects.drives.gear_ripple import GEAR_RIPPLE
+from linkwright.core.arm.effects.drives.joint_resonance import JOINT_RESONANCE
+from linkwright.core.arm.effects.drives.spring import SPRING
+from linkwright.core.arm.effects.drives.torque_constant import TORQUE_CONSTANT
+from linkwright.core.arm.effects.drives.torque_delay import TORQUE_DELAY
+from linkwright.core.arm.effects.drives.torque_offset import TORQUE_OFFSET
 from linkwright.core.arm.effects.elastic.axial import AXIAL
 from linkwright.core.arm.effects.elastic.base_compliance import BASE_COMPLIANCE
 from linkwright.core.arm.effects.elastic.column_bending import COLUMN_BENDING
@@ -27,6 +34,15 @@ from linkwright.core.arm.effects.elastic.servo_droop import SERVO_DROOP
 from linkwright.core.arm.effects.elastic.shear_deformation import SHEAR_DEFORMATION
 from linkwright.core.arm.effects.elastic.slope_propagation import SLOPE_PROPAGATION
 from linkwright.core.arm.effects.elastic.torsion import TORSION
+from linkwright.core.arm.effects.friction.friction_asymmetry import FRICTION_ASYMMETRY
+from linkwright.core.arm.effects.friction.friction_coulomb import FRICTION_COULOMB
+from linkwright.core.arm.effects.friction.friction_load import FRICTION_LOAD
+from linkwright.core.arm.effects.friction.friction_place import FRICTION_PLACE
+from linkwright.core.arm.effects.friction.friction_quadratic import FRICTION_QUADRATIC
+from linkwright.core.arm.effects.friction.friction_reversal import FRICTION_REVERSAL
+from linkwright.core.arm.effects.friction.friction_stribeck import FRICTION_STRIBECK
+from linkwright.core.arm.effects.friction.friction_viscous import FRICTION_VISCOUS
+from linkwright.core.arm.effects.friction.friction_warmup import FRICTION_WARMUP
 from linkwright.core.arm.effects.geometry.axis_misalignment import AXIS_MISALIGNMENT
 from linkwright.core.arm.effects.geometry.frame_drift import FRAME_DRIFT
 from linkwright.core.arm.effects.geometry.frame_misalignment import FRAME_MISALIGNMENT
@@ -38,6 +54,7 @@ from linkwright.core.arm.effects.geometry.tool_offset import TOOL_OFFSET
 from linkwright.core.arm.effects.loads.base_tilt import BASE_TILT
 from linkwright.core.arm.effects.loads.counterbalance import COUNTERBALANCE
 from linkwright.core.arm.effects.loads.dynamic_deflection import DYNAMIC_DEFLECTION
+from linkwright.core.arm.effects.loads.link_inertial import LINK_INERTIAL
 from linkwright.core.arm.effects.loads.link_mass import LINK_MASS
 from linkwright.core.arm.effects.loads.payload import PAYLOAD
 from linkwright.core.arm.effects.loads.unknown_weight import UNKNOWN_WEIGHT
@@ -95,6 +112,23 @@ EFFECTS.ship(
     DYNAMIC_DEFLECTION,
     RAIL_STRAIGHTNESS,
     RAIL_PITCH,
+    LINK_INERTIAL,
+    FRICTION_COULOMB,
+    FRICTION_VISCOUS,
+    FRICTION_STRIBECK,
+    FRICTION_LOAD,
+    FRICTION_ASYMMETRY,
+    FRICTION_WARMUP,
+    FRICTION_REVERSAL,
+    FRICTION_QUADRATIC,
+    FRICTION_PLACE,
+    ARMATURE,
+    TORQUE_CONSTANT,
+    TORQUE_OFFSET,
+    TORQUE_DELAY,
+    GEAR_RIPPLE,
+    SPRING,
+    JOINT_RESONANCE,
 )
 
 __all__ = [

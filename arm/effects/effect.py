@@ -1,4 +1,5 @@
-"""What an effect is: a name, its parameters, what a recording must hold to show it, and the twists it puts in.
+"""What an effect is: a name, its parameters, what a recording must hold to show it, the twists it puts in, and what it
+takes of the drives of a moving arm.
 
 An effect displaces and turns the chain a little at some of its nodes; the chain carries that to the tip:
 dp_tip = dp_i + dphi_i x (p_tip - p_i). Simulation, optimiser and diagnosis all use the same object.
@@ -16,8 +17,11 @@ from numpy.typing import NDArray
 
 from linkwright.core.arm.chain.beam import Beam
 from linkwright.core.arm.chain.chain import Arm, EffectEntry, Zones
+from linkwright.core.arm.chain.kinematics import carried_unturned
 from linkwright.core.arm.chain.statics import PoseState
 from linkwright.core.arm.chain.vectors import ZERO, Scalar, Vector, scale
+from linkwright.core.arm.motion.motion import Motion
+from linkwright.core.sections.numeric import Array
 
 NodeKind = Literal["base", "joint", "link", "tip"]
 """The base's origin, a joint's axis, the far end of a link, or the tip."""
@@ -28,12 +32,23 @@ Condition = Literal["time", "warming", "sides", "velocities", "accelerations", "
 Only = Literal["joints that turn", "joints that slide", "joints after the first"]
 """Which joints an effect can move, where not all."""
 
-Role = Literal["size", "shape", "given"]
+Role = Literal["size", "shape", "given", "torque"]
 """How a parameter enters: the displacement grows from nothing with a `size`; a `shape` (a lag, a threshold, an order)
-changes its pattern and is searched on a grid; what is `given` comes with the arm and is not fitted."""
+changes its pattern and is searched on a grid; what is `given` comes with the arm and is not fitted. With a `torque` the
+torque that a motion takes grows from nothing, and no tip moves."""
 
 
-Cause = Literal["geometry", "flexibility", "loads", "play and friction", "angle errors", "warming", "measurement"]
+Cause = Literal[
+    "geometry",
+    "flexibility",
+    "loads",
+    "play and friction",
+    "angle errors",
+    "warming",
+    "measurement",
+    "friction in motion",
+    "drives in motion",
+]
 """What kind of thing is at work; effects of one cause are summed up together where there are many."""
 
 
@@ -136,6 +151,11 @@ def shape(name: str, kind: str, lower: float, upper: float, typical: tuple[float
     return Parameter(name, kind, "", lower, upper, typical, "", role="shape", **how)
 
 
+def torque(name: str, kind: str, lower: float, upper: float, typical: tuple[float, float], **how: Any) -> Parameter:
+    """A parameter with which the torque of a motion grows from nothing, and no tip moves; `means` is to follow."""
+    return Parameter(name, kind, "", lower, upper, typical, "", role="torque", **how)
+
+
 def given(name: str, kind: str, lower: float, upper: float, typical: tuple[float, float], **how: Any) -> Parameter:
     """A parameter that comes with the arm and is not fitted; `means` is to follow."""
     return Parameter(name, kind, "", lower, upper, typical, "", **how)
@@ -166,10 +186,15 @@ class Settings:
 _ON_SLIDES: Mapping[str, str] = MappingProxyType(
     {
         "angle": "length",
+        "angular_speed": "speed",
         "angle_per_temperature": "length_per_temperature",
         "compliance": "linear_compliance",
+        "inertia": "mass",
+        "quadratic_friction": "linear_quadratic_friction",
         "torque": "force",
+        "torque_per_temperature": "force_per_temperature",
         "torsional_stiffness": "linear_stiffness",
+        "viscous_friction": "linear_viscous_friction",
     }
 )
 """The kinds of quantity of turning joints and what takes their place along a slide."""
@@ -180,14 +205,8 @@ def kind_at(parameter: Parameter, *, slides: bool) -> str:
     return _ON_SLIDES.get(parameter.kind, parameter.kind) if slides and not parameter.across else parameter.kind
 
 
-def no_twists(state: PoseState, settings: Settings) -> Iterable[Twist]:
-    """Nothing: for effects that are pure play."""
-    del state, settings
-    return ()
-
-
-def no_play(state: PoseState, settings: Settings) -> Iterable[Interval | Disc]:
-    """Nothing: for effects without play."""
+def nothing(state: PoseState, settings: Settings) -> tuple[()]:
+    """For effects without twists, without play, or smooth in the loads."""
     del state, settings
     return ()
 
@@ -196,12 +215,6 @@ def stands_plumb(settings: Settings) -> Vector:
     """No turn: for effects that leave the base as plumb as the arm file has it."""
     del settings
     return ZERO
-
-
-def no_kinks(state: PoseState, settings: Settings) -> Iterable[Kink]:
-    """Nothing: for effects that are smooth in the loads."""
-    del state, settings
-    return ()
 
 
 @dataclass(frozen=True)
@@ -231,13 +244,20 @@ class Sum:
     beside: str
 
 
+def among(only: Only | None, index: int, *, revolute: bool) -> bool:
+    """Whether joint `index` (from 0) is one of those that `only` names; without it all are."""
+    if only == "joints after the first":
+        return index > 0
+    return only is None or revolute == (only == "joints that turn")
+
+
 LAST_RANK = 1000
 """The rank of an effect that says nothing of how common it is."""
 
 
 @dataclass(frozen=True)
 class Effect:
-    """One kind of physics that moves the tip.
+    """One kind of physics that moves the tip, or loads the drives of a moving arm.
 
     `automatic`: in the model wherever the arm file has its data, unless `leave_out` names it; otherwise only where
     `effects` names it. `needs` says what a recording must hold to show it, `aliases` what it cannot be told from.
@@ -269,6 +289,9 @@ class Effect:
     expansion where an entry does not give this parameter. `free_with` is the setting of a recording that leaves its
     sizes open.
     `curve` gives a joint's error (rad) at coordinates (rad) by the parameters' values, for what is drawn as a curve.
+    `torques` gives what a motion takes of the drives beyond the rigid arm's torque: by joint (from 0) an array (N,),
+    N*m (N for slides), positive where the drive must push towards increasing q; joints that it leaves alone are absent.
+    They are linear in the sizes (`torque_sizes`) at fixed shapes.
     `along_the_link` marks what every piece of a link does alike, by the loads on it, so that a link that is cut does
     what the whole does; `turns_along_the_link` which of these turns the pieces beyond.
     `declared` tells what an arm file whose links are these beams gives already of the first size at a joint or link
@@ -302,9 +325,9 @@ class Effect:
     source: str
     automatic: bool = False
     parameters: tuple[Parameter, ...] = ()
-    twists: Callable[[PoseState, Settings], Iterable[Twist]] = no_twists
-    play: Callable[[PoseState, Settings], Iterable[Interval | Disc]] = no_play
-    seated: Callable[[PoseState, Settings], Iterable[Twist]] = no_twists
+    twists: Callable[[PoseState, Settings], Iterable[Twist]] = nothing
+    play: Callable[[PoseState, Settings], Iterable[Interval | Disc]] = nothing
+    seated: Callable[[PoseState, Settings], Iterable[Twist]] = nothing
     together: bool = False
     before_encoder: bool = False
     requires: tuple[Condition, ...] = ()
@@ -326,12 +349,13 @@ class Effect:
     expansion_unless: str | None = None
     free_with: Literal["frame", "tool"] | None = None
     curve: Callable[[Scalar, Mapping[str, float]], Scalar] | None = None
+    torques: Callable[[Motion, Settings], Mapping[int, Array]] | None = None
     along_the_link: bool = False
     turns_along_the_link: bool = False
     declared: Callable[[Arm, Sequence[Beam], int], float] | None = None
     repeats: bool = False
     lasts: Literal["the arm", "a while", "a recording"] = "the arm"
-    kinks: Callable[[PoseState, Settings], Iterable[Kink]] = no_kinks
+    kinks: Callable[[PoseState, Settings], Iterable[Kink]] = nothing
     under_forces: bool = False
     weights_named: bool = False
     watched: bool = False
@@ -348,14 +372,26 @@ class Effect:
         passive joint."""
         if passive and self.needs_drive:
             return False
-        if self.only == "joints after the first":
-            return index > 0
-        return self.only is None or revolute == (self.only == "joints that turn")
+        return among(self.only, index, revolute=revolute)
 
     @property
     def sizes(self) -> tuple[Parameter, ...]:
         """The parameters with which the displacement grows from nothing."""
         return tuple(parameter for parameter in self.parameters if parameter.role == "size")
+
+    @property
+    def torque_sizes(self) -> tuple[Parameter, ...]:
+        """The parameters with which the torque of a motion may grow from nothing."""
+        return tuple(
+            parameter
+            for parameter in self.parameters
+            if self.torques is not None and parameter.role in ("size", "torque")
+        )
+
+    @property
+    def moves_tip(self) -> bool:
+        """Whether it moves a tip at all, and not only loads the drives of a moving arm."""
+        return self.torques is None or self.twists is not nothing
 
     @property
     def shapes(self) -> tuple[Parameter, ...]:
@@ -364,17 +400,19 @@ class Effect:
 
     def lacking(self, given: Collection[str]) -> str | None:
         """What parameters named `given` lack for the effect to move anything, as words; None where they do."""
-        sets = self.enough or tuple((parameter.name,) for parameter in self.sizes)
-        if self.automatic or not sets or any(set(each) <= set(given) for each in sets):
+        sets = self.enough or tuple(
+            (parameter.name,) for parameter in self.parameters if parameter.role in ("size", "torque")
+        )
+        if self.automatic or not sets or any(set(item) <= set(given) for item in sets):
             return None
-        return ", or ".join(" and ".join(each) for each in sets)
+        return ", or ".join(" and ".join(item) for item in sets)
 
 
 def drive_motion(state: PoseState, index: int, amount: Scalar) -> tuple[Twist, ...]:
     """What the arm does when drive `index` moves by `amount` (rad or m).
 
     In a serial arm with relative angles all that follows turns; where angles are absolute (the drive holds its link
-    against the base) only the link itself turns and carries the rest along.
+    against the base) only the link itself turns, up to the next axis that turns, and carries the rest along.
 
     >>> import linkwright as lw
     >>> def twists(state, settings):
@@ -384,10 +422,11 @@ def drive_motion(state: PoseState, index: int, amount: Scalar) -> tuple[Twist, .
     moved = scale(amount, joint.axis)
     if not joint.revolute:
         return (Twist("joint", index, translation=moved),)
-    if state.absolute:
-        back = scale(-1.0, moved)
-        return (Twist("joint", index, rotation=moved), Twist("link", index + joint.spans - 1, rotation=back))
-    return (Twist("joint", index, rotation=moved),)
+    following = carried_unturned(state.arm.joints, index)
+    turned = Twist("joint", index, rotation=moved)
+    if state.absolute and following < state.arm.size:
+        return (turned, Twist("joint", following, rotation=scale(-1.0, moved)))
+    return (turned,)
 
 
 @dataclass(frozen=True)
@@ -404,7 +443,7 @@ class OfDrives:
     def __call__(self, state: PoseState, settings: Settings) -> Iterable[Twist]:
         """The twists of all drives."""
         for index, joint in enumerate(state.joints):
-            fits = self.only is None or joint.revolute == (self.only == "joints that turn")
-            amount = self.amount(state, settings, index) if fits and settings.acts_at(index) else 0.0
+            fits = among(self.only, index, revolute=joint.revolute) and settings.acts_at(index)
+            amount = self.amount(state, settings, index) if fits else 0.0
             if not (isinstance(amount, float) and amount == 0.0):
                 yield from drive_motion(state, index, amount)

@@ -27,10 +27,10 @@ from .tip import ActiveEffect, TipError, tip_error
 def calibrated_temperature(loads: Sequence[LoadCase]) -> float | None:
     """The temperature (K) at which the arm was calibrated, None for that at which it works; raises `ValueError` where
     load cases differ in that."""
-    found = {load.relative_to.temperature for load in loads if load.relative_to is not None}
-    if len(found) > 1:
+    temperatures = {load.relative_to.temperature for load in loads if load.relative_to is not None}
+    if len(temperatures) > 1:
         raise ValueError("load cases count from calibrations at several temperatures")
-    return next(iter(found), None)
+    return next(iter(temperatures), None)
 
 
 def planar_in(arm: Arm, load: LoadCase) -> bool:
@@ -73,19 +73,19 @@ def error_since_calibrated(state: PoseState, effects: Sequence[ActiveEffect], mo
     how play counts."""
     now = tip_error(state, effects)
     there = tip_error(calibrated_state(state), when_calibrated(effects, state.load))
-    intervals = [each for each in now.intervals if not EFFECTS[each.effect].repeats]
-    discs = [each for each in now.discs if not EFFECTS[each.effect].repeats]
+    intervals = [interval for interval in now.intervals if not EFFECTS[interval.effect].repeats]
+    discs = [disc for disc in now.discs if not EFFECTS[disc.effect].repeats]
     if mode == "loaded":
         # Where the calibration's load had pushed the play, on the other side of what counts now.
         intervals += [
-            replace(each, vector=scale(-1.0, each.vector), taken=True)
-            for each in there.intervals
-            if not EFFECTS[each.effect].repeats and not is_zero((each.seating, 0.0, 0.0))
+            replace(interval, vector=scale(-1.0, interval.vector), taken=True)
+            for interval in there.intervals
+            if not EFFECTS[interval.effect].repeats and not is_zero((interval.seating, 0.0, 0.0))
         ]
         discs += [
-            replace(each, seating=scale(-1.0, each.seating), taken=True)
-            for each in there.discs
-            if not EFFECTS[each.effect].repeats and not is_zero(each.seating)
+            replace(disc, seating=scale(-1.0, disc.seating), taken=True)
+            for disc in there.discs
+            if not EFFECTS[disc.effect].repeats and not is_zero(disc.seating)
         ]
-    kinks = (*now.kinks, *(replace(each, vector=scale(-1.0, each.vector)) for each in there.kinks))
+    kinks = (*now.kinks, *(replace(kink, vector=scale(-1.0, kink.vector)) for kink in there.kinks))
     return TipError(subtract(now.vector, there.vector), tuple(intervals), tuple(discs), kinks)

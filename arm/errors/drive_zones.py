@@ -1,4 +1,4 @@
-"""In which zones drives that stiffen under load can be, all together: in each way what they wind up by is linear."""
+"""Combinations of the stiffness zones in which the drives can be: within each, their wind-up is linear in the loads."""
 
 from __future__ import annotations
 
@@ -30,35 +30,35 @@ class Way:
 def ways(zones: Sequence[Zones], greatest: Array, size: float, most: int) -> list[Way]:
     """The ways in which drives of these `zones` can be, under loads that none exceeds (`greatest`, N*m), in parts of
     `size`; where there are more than `most`, the ends of a band about the curves of some, which are a bound."""
-    own = [_zones_of(each, float(load), size) for each, load in zip(zones, greatest, strict=True)]
-    while math.prod(len(each) for each in own) > most:
-        longest = max(range(len(own)), key=lambda k: len(own[k]))
-        if len(own[longest]) <= 2:
+    by_drive = [_zones_of(zone, float(load), size) for zone, load in zip(zones, greatest, strict=True)]
+    while math.prod(len(item) for item in by_drive) > most:
+        longest = max(range(len(by_drive)), key=lambda k: len(by_drive[k]))
+        if len(by_drive[longest]) <= 2:
             break
-        own[longest] = _band(zones[longest], float(greatest[longest]))
+        by_drive[longest] = _band(zones[longest], float(greatest[longest]))
     return [
         Way(
-            tuple(itertools.chain.from_iterable(each.weights for each in pick)),
-            tuple(each.least[0] for each in pick),
-            tuple(each.most[0] for each in pick),
-            all(each.exact for each in pick),
+            tuple(itertools.chain.from_iterable(item.weights for item in pick)),
+            tuple(item.least[0] for item in pick),
+            tuple(item.most[0] for item in pick),
+            all(item.exact for item in pick),
         )
-        for pick in itertools.product(*own)
+        for pick in itertools.product(*by_drive)
     ]
 
 
 def _zones_of(zones: Zones, greatest: float, size: float) -> list[Way]:
     """The zones of one drive that its load can reach, either way."""
     first_end, first = zones[0]
-    found = [Way((1.0, 0.0), (-first_end / size,), (first_end / size,))]
+    zone_ways = [Way((1.0, 0.0), (-first_end / size,), (first_end / size,))]
     for (start, _), (end, stiffness) in itertools.pairwise(zones):
         if start >= greatest:
             break
         slope = first / stiffness
         rest = (float(wound_up(start, zones)) - start / stiffness) * first / first_end
-        found.append(Way((slope, rest), (start / size,), (end / size,)))
-        found.append(Way((slope, -rest), (-end / size,), (-start / size,)))
-    return found
+        zone_ways.append(Way((slope, rest), (start / size,), (end / size,)))
+        zone_ways.append(Way((slope, -rest), (-end / size,), (-start / size,)))
+    return zone_ways
 
 
 def _band(zones: Zones, greatest: float) -> list[Way]:

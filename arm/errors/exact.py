@@ -140,7 +140,7 @@ def settled_shape(
     turn = shape.turn(rows)
     if between.any():
         turn = np.where(between, 0.5 * (turn + last.turn(rows)), turn)
-    return Deformed(now, tip, turn, done, tuple(matrices(each, rows) for each in shape.turned)), shape
+    return Deformed(now, tip, turn, done, tuple(matrices(item, rows) for item in shape.turned)), shape
 
 
 def bent_on(
@@ -156,7 +156,7 @@ def bent_on(
 
 def _carries_slopes(effects: Iterable[ActiveEffect]) -> bool:
     """Whether bent links turn what follows: an arm without that has no pieces that could turn each other."""
-    return any(each.effect.turns_along_the_link for each in effects)
+    return any(effect.effect.turns_along_the_link for effect in effects)
 
 
 class _Chain:
@@ -212,17 +212,17 @@ class _Chain:
                 turned[key] = add(turned.get(key, ZERO), twist.rotation)
         lengths: list[Scalar] = []
         for index, beam in enumerate(self.beams):
-            own: Scalar = beam.length
+            length: Scalar = beam.length
             shift = moved.get(("link", index), ZERO)
             if not is_zero(shift):
                 # What lengthens a link makes it a longer beam; what is left shifts its far end.
                 along = now.links[index].along
-                longer = times(dot(shift, along), np.where(np.asarray(own) > 0.0, 1.0, 0.0))
+                longer = times(dot(shift, along), np.where(np.asarray(length) > 0.0, 1.0, 0.0))
                 moved["link", index] = subtract(shift, scale(longer, along))
-                own = plus(own, longer)
-            lengths.append(own)
-        found = self._walk(moved, turned, strain, bend, lengths)
-        return self._measured(found, seen_tip), now
+                length = plus(length, longer)
+            lengths.append(length)
+        shape_ = self._walk(moved, turned, strain, bend, lengths)
+        return self._measured(shape_, seen_tip), now
 
     def _seating(self, now: PoseState) -> PoseState:
         """The state whose loads seat play: on the shape, but for joints that nothing loads at the undeformed pose."""
@@ -234,13 +234,13 @@ class _Chain:
 
     def seated_as_undeformed(self, now: PoseState, effects: Sequence[ActiveEffect]) -> NDArray[np.bool_]:
         """Where the loads on a shape seat all play on the side on which those of the undeformed pose do."""
-        alike = np.ones(self.rows, dtype=bool)
-        for effect, settings in ((each.effect, each.settings) for each in effects):
+        same = np.ones(self.rows, dtype=bool)
+        for effect, settings in ((entry.effect, entry.settings) for entry in effects):
             states = self._seating(now), self._seating(self.state)
             for here, there in zip(*(effect.seated(state, settings) for state in states), strict=True):
                 for a, b in ((here.translation, there.translation), (here.rotation, there.rotation)):
-                    alike &= np.asarray(times(4.0, dot(a, b)) >= plus(dot(a, a), dot(b, b)))
-        return alike
+                    same &= np.asarray(times(4.0, dot(a, b)) >= plus(dot(a, a), dot(b, b)))
+        return same
 
     @cached_property
     def _loaded_undeformed(self) -> list[tuple[NDArray[np.bool_], NDArray[np.bool_]]]:
@@ -294,18 +294,18 @@ class _Chain:
             joints.append(JointFrame(lead, axis, before))
             start, root = place, orientation
             directions = at_root = _turned(root, _directions(frame))
-            own = self.pieces.of(index)
-            length = times(1.0 / len(own), lengths[index])
-            for number, piece in enumerate(own):
+            pieces = self.pieces.of(index)
+            length = times(1.0 / len(pieces), lengths[index])
+            for number, piece in enumerate(pieces):
                 half, step = arc(bend[piece], scale(length, directions[0]), strain[piece])
                 middle = _turned(half, directions)
-                if piece == own[-1]:
+                if piece == pieces[-1]:
                     step = add(step, moved.get(("link", index), ZERO))
                 cut_joints.append(JointFrame(lead if number == 0 else ZERO, axis, before))
                 cut_links.append(LinkFrame(step, *middle))
                 place = add(place, step)
                 directions = _turned(half, middle)
-            stiff = all(is_zero(bend[piece]) for piece in own)
+            stiff = all(is_zero(bend[piece]) for piece in pieces)
             own_turn = IDENTITY if stiff else compose(transpose(directions), at_root)
             own_turn = after(own_turn, turned.get(("link", index), ZERO))
             orientation = compose(own_turn, root)
@@ -403,9 +403,11 @@ def _taken(value: Any, rows: NDArray[np.intp], count: int) -> Any:
     if isinstance(value, np.ndarray):
         return value[rows] if value.shape[:1] == (count,) else value
     if isinstance(value, tuple):
-        return tuple(_taken(each, rows, count) for each in value)
+        return tuple(_taken(item, rows, count) for item in value)
     if is_dataclass(value) and not isinstance(value, type):
-        return replace(value, **{each.name: _taken(getattr(value, each.name), rows, count) for each in fields(value)})
+        return replace(
+            value, **{field.name: _taken(getattr(value, field.name), rows, count) for field in fields(value)}
+        )
     return value
 
 

@@ -52,19 +52,19 @@ def beyond_first_order(
     """
     q, number = np.vstack([[worst[0]], poses]), worst[1]
     effects = active_effects(arm)
-    asked = Asked(len(q))
+    channels = Asked(len(q))
     most, longer, at_worst = 0.0, 0.0, None
     settled = True
     for index, case in enumerate(cases):
         state = solve(arm, [q[:, joint] for joint in range(arm.size)], beams_of(arm, (case,)), case)
-        exact, first, found = _both(state, effects, asked)
+        exact, first, found = _both(state, effects, channels)
         if case.relative_to is not None:
             exact_there, first_there, found_there = _both(
-                calibrated_state(state), when_calibrated(effects, case), asked
+                calibrated_state(state), when_calibrated(effects, case), channels
             )
             exact, first, found = exact - exact_there, first - first_there, found & found_there
         if projections is not None:
-            exact, first = (np.einsum("nij,nj->ni", projections, each) for each in (exact, first))
+            exact, first = (np.einsum("nij,nj->ni", projections, item) for item in (exact, first))
         off: Array = np.linalg.norm(exact - first, axis=1)
         settled = settled and bool(found.all())
         most = max(most, float(off.max()))
@@ -74,8 +74,10 @@ def beyond_first_order(
     return BeyondFirstOrder(at_worst, most if settled else None, longer if settled else None, len(q))
 
 
-def _both(state: PoseState, effects: Sequence[ActiveEffect], asked: Asked) -> tuple[Array, Array, NDArray[np.bool_]]:
+def _both(state: PoseState, effects: Sequence[ActiveEffect], channels: Asked) -> tuple[Array, Array, NDArray[np.bool_]]:
     """How far the tip has moved (N, 3), as it stands and to first order, m; and where it finds a shape."""
-    shape = deformed(state, effects, asked.rows, play_stays=state.arm.play != "loaded")
-    first = sum((seen(state, each.effect, each.settings, asked).tip for each in effects), np.zeros((asked.rows, 3)))
+    shape = deformed(state, effects, channels.rows, play_stays=state.arm.play != "loaded")
+    first = sum(
+        (seen(state, effect.effect, effect.settings, channels).tip for effect in effects), np.zeros((channels.rows, 3))
+    )
     return shape.tip, first, shape.settled

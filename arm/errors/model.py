@@ -14,16 +14,15 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
-from linkwright.core.arm.chain.beam import UNIFORM, Beam, Taper, elastic_beam
+from linkwright.core.arm.bodies.beams import beam_of
+from linkwright.core.arm.chain.beam import UNIFORM, Beam, Taper
 from linkwright.core.arm.chain.chain import Arm, Joint, Link, LoadCase, Zones, askew
 from linkwright.core.arm.chain.kinematics import parts, place, symbols
 from linkwright.core.arm.chain.similar_taper import similar_taper
 from linkwright.core.arm.chain.statics import PoseState, solve
-from linkwright.core.arm.chain.taper import tapered_beam
 from linkwright.core.arm.chain.vectors import scale
 from linkwright.core.arm.compiled.vectorise import VectorFunction, vectorise
 from linkwright.core.arm.effects import BACKLASH, JOINT_COMPLIANCE, Settings
-from linkwright.core.materials.material import MissingProperty
 from linkwright.core.sections.numeric import Array
 from linkwright.core.sections.symbols import column_of_symbols
 from linkwright.core.sections.taper import FreeTaper, Tapered
@@ -57,42 +56,20 @@ were where the arm was calibrated, its taper, and what is chosen of a counterbal
 _BALANCE = ("balancer", "counterweight", "counterweight_at")
 
 
-class PropertyNeeded(MissingProperty):
-    """A question needs a figure that the arm does not have: a link's section, its mass or a material."""
-
-    def __init__(self, message: str) -> None:
-        super().__init__("", "", message)
-
-    def __reduce__(self) -> tuple[object, ...]:
-        """Keep the message when the error crosses between processes."""
-        return PropertyNeeded, (self.message,)
-
-
-def mass_needed(arm: Arm, index: int, why: str) -> str:
-    """That the mass of a link (from 0) is not known, where its key stands and what would do."""
-    others = [k + 1 for k, link in enumerate(arm.links) if link.section is None and link.mass is None and k != index]
-    name = f", {arm.links[index].name}," if arm.links[index].name else ""
-    also = f" (of link{'s' * (len(others) > 1)} {', '.join(map(str, others))} too)" if others else ""
-    return (
-        f"{arm.entry(index)}.link.mass: the mass of link {index + 1}{name} is unknown{also}, and {why}; "
-        "write mass: 12 kg, say"
-    )
-
-
 def needs_shear_modulus(arm: Arm, loads: Sequence[LoadCase] = ()) -> bool:
     """Whether the arm's model asks its materials for a shear modulus: for shear, or for torsion out of the plane.
 
     A load case of `loads` (the arm's own payload by default) may press a planar arm out of its plane.
     """
-    asked = {each.effect.shear_modulus for each in active_effects(arm)}
+    needs = {effect.effect.shear_modulus for effect in active_effects(arm)}
     planar = all(planar_in(arm, load) for load in (loads or arm.cases))
-    return "always" in asked or ("in space" in asked and not planar)
+    return "always" in needs or ("in space" in needs and not planar)
 
 
 def needs_thermal_expansion(arm: Arm) -> bool:
     """Whether the arm's model asks its materials how much they expand: the effect does not bring its own figure."""
-    asked = [(each.effect.expansion_unless, each.settings.values) for each in active_effects(arm)]
-    return any(name is not None and name not in given for name, given in asked)
+    needs = [(effect.effect.expansion_unless, effect.settings.values) for effect in active_effects(arm)]
+    return any(name is not None and name not in given for name, given in needs)
 
 
 def beams_of(arm: Arm, loads: Sequence[LoadCase] = ()) -> tuple[Beam, ...]:
@@ -101,31 +78,16 @@ def beams_of(arm: Arm, loads: Sequence[LoadCase] = ()) -> tuple[Beam, ...]:
     Raises `PropertyNeeded` for a link of unknown mass, `MissingProperty` or `OutOfRange` for a material's figure.
     """
     shear, calibrated_at = needs_shear_modulus(arm, loads), calibrated_temperature(loads)
-    beams = (_beam(arm, index, link, shear, calibrated_at) for index, link in enumerate(arm.links))
+    beams = (beam_of(arm, index, shear=shear, calibrated_at=calibrated_at) for index in range(arm.size))
     return tuple(_with_balance(arm, index, beam) for index, beam in enumerate(beams))
 
 
 def _with_balance(arm: Arm, index: int, beam: Beam) -> Beam:
     """A link's beam with what is chosen of its joint's counterbalance and its counterweight."""
-    joint, own = arm.joints[index], [each for each in arm.links[index].masses if each.chosen]
+    joint, chosen = arm.joints[index], [mass for mass in arm.links[index].masses if mass.chosen]
     if joint.balancer_chosen:
         beam = replace(beam, balancer=getattr(joint.counterbalance, joint.balancer_chosen))
-    return replace(beam, counterweight=own[0].mass, counterweight_at=own[0].at[0]) if own else beam
-
-
-def _beam(arm: Arm, index: int, link: Link, shear: bool = False, calibrated_at: float | None = None) -> Beam:
-    if link.section is None:
-        if link.mass is None:
-            raise PropertyNeeded(mass_needed(arm, index, "this needs its weight"))
-        center = 0.5 * link.length if link.center_of_mass is None else link.center_of_mass
-        return Beam(length=link.length, lumped_mass=link.mass, lumped_at=center)
-    if link.material is None:
-        raise PropertyNeeded(f"link {index + 1} has a section but no material")
-    material = link.material.at(arm.temperature, calibrated_at)
-    if isinstance(link.section, Tapered):
-        return tapered_beam(link.length, link.section, material, shear=shear)
-    section = link.section.properties(0.3 if material.poisson_ratio is None else material.poisson_ratio)
-    return elastic_beam(link.length, section, material, shear=shear)
+    return replace(beam, counterweight=chosen[0].mass, counterweight_at=chosen[0].at[0]) if chosen else beam
 
 
 def beam_values(beams: Sequence[Beam]) -> Array:
@@ -213,7 +175,7 @@ class CaseModel:
     @property
     def taken(self) -> tuple[int, int]:
         """How many intervals and discs, the last of each, are what a calibration took of the play."""
-        return sum(each.taken for each in self.error.intervals), sum(each.taken for each in self.error.discs)
+        return sum(interval.taken for interval in self.error.intervals), sum(disc.taken for disc in self.error.discs)
 
 
 @dataclass(frozen=True)
@@ -246,8 +208,8 @@ def _modelled(arm: Arm, loads: tuple[LoadCase, ...], only: str | None, drives: b
     q, p = symbols(arm), beam_symbols(arm, drives=drives)
     position = place(arm, parts(q), [p[len(BEAM_FIELDS) * index] for index in range(arm.size)]).tip()
     # Clearances in the plane are one sum apart from all else; where tips have their own, each case keeps them.
-    alike = arm.play != "worst" or len({round(float(case.radii.sum()), 15) for case in cases}) == 1
-    planar = alike and all(planar_in(arm, case.load) for case in cases)
+    same_radii = arm.play != "worst" or len({round(float(case.radii.sum()), 15) for case in cases}) == 1
+    planar = same_radii and all(planar_in(arm, case.load) for case in cases)
     tip = _column(position)
     motion = vectorise([q, p], [tip, ca.vec(ca.densify(ca.jacobian(tip, q)))])
     return ErrorModel(arm, planar, cases, vectorise([q, p], [tip]), motion, drives)
@@ -273,7 +235,7 @@ def symbolic_beams(arm: Arm, p: Any) -> tuple[Beam, ...]:
                 values["flexural_rigidity_coupling"] = 0.0  # a constant zero costs nothing
             beams.append(Beam(**values, taper=_taper(arm, index, link, values["log_taper"])))
         else:
-            rigid = _beam(arm, index, link)
+            rigid = beam_of(arm, index)
             own = {name: p[base + BEAM_FIELDS.index(name)] for name in _BALANCE}
             beams.append(Beam(length=p[base], lumped_mass=rigid.lumped_mass, lumped_at=rigid.lumped_at, **own))
     return tuple(beams)
@@ -284,7 +246,7 @@ def _taper(arm: Arm, index: int, link: Link, log_taper: Any) -> Taper:
     to be chosen, factors of its symbol."""
     if isinstance(link.section, FreeTaper):
         return similar_taper(log_taper)
-    return _beam(arm, index, link).taper if isinstance(link.section, Tapered) else UNIFORM
+    return beam_of(arm, index).taper if isinstance(link.section, Tapered) else UNIFORM
 
 
 def _case(arm: Arm, load: LoadCase, only: str | None, drives: bool = False) -> CaseModel:
@@ -295,13 +257,13 @@ def _case(arm: Arm, load: LoadCase, only: str | None, drives: bool = False) -> C
     if drives:
         first = len(BEAM_FIELDS) * arm.size
         stiffer, looser = ([p[first + k * arm.size + joint] for joint in range(arm.size)] for k in (0, 1))
-        effects = [part for each in effects for part in _with_factors(each, stiffer)]
+        effects = [part for effect in effects for part in _with_factors(effect, stiffer)]
         arm = replace(arm, joints=tuple(map(_stiffened, arm.joints, stiffer)))
     state = solve(arm, parts(q), beams, load)
     whole = load.relative_to is None
     error = tip_error(state, effects) if whole else error_since_calibrated(state, effects, arm.play)
     if looser:
-        error = replace(error, intervals=tuple(_loosened(each, looser) for each in error.intervals))
+        error = replace(error, intervals=tuple(_loosened(interval, looser) for interval in error.intervals))
     outputs = _outputs(error, state)
     function = ca.Function("error", [q, p], list(outputs))
     return CaseModel(load, q, p, state, error, outputs, function)
@@ -326,12 +288,12 @@ def _with_factors(active: ActiveEffect, stiffer: Sequence[Any]) -> list[ActiveEf
     values = active.settings.values
     if active.effect.id != JOINT_COMPLIANCE.id or not values:
         return [active]
-    found: list[ActiveEffect] = []
+    effects: list[ActiveEffect] = []
     for joint, factor in enumerate(stiffer):
         if active.settings.acts_at(joint):
-            own = {k: v / factor if k == "compliance" else v * factor for k, v in values.items()}
-            found.append(replace(active, settings=Settings((joint,), own)))
-    return found
+            scaled = {k: v / factor if k == "compliance" else v * factor for k, v in values.items()}
+            effects.append(replace(active, settings=Settings((joint,), scaled)))
+    return effects
 
 
 def _loosened(interval: TipInterval, looser: Sequence[Any]) -> TipInterval:

@@ -21,7 +21,7 @@ from linkwright.core.arm.chain.vectors import Vector, add, cross, dot
 from linkwright.core.arm.effects import Effect, Settings, Twist
 
 from .exact import Deformed, deformed
-from .tip import ActiveEffect, carried_to_tip, motions, rotation_at_tip
+from .tip import ActiveEffect, motions
 
 Array = NDArray[np.float64]
 
@@ -76,12 +76,13 @@ def seen(state: PoseState, effect: Effect, settings: Settings, asked: Asked) -> 
 def seen_of_links(state: PoseState, twists: Sequence[Twist], asked: Asked) -> Channels:
     """What twists of the arm's body (how its parts are put together) move in every channel: no drive, no command and no
     base knows of them."""
+    shift, turn = motions(state, twists)[-1]
     return Channels(
-        columns(carried_to_tip(state, twists), asked.rows),
+        columns(shift, asked.rows),
         _none(asked, asked.joint_side, len(state.joints)),
         _base((), asked),
         _none(asked, asked.command, len(state.joints)),
-        columns(rotation_at_tip(state, twists), asked.rows) if asked.turn else None,
+        columns(turn, asked.rows) if asked.turn else None,
         None if asked.levels is None else turned_levels(state, twists, asked.levels),
     )
 
@@ -90,14 +91,14 @@ def turned_levels(state: PoseState, twists: Sequence[Twist], levels: NDArray[np.
     """How small turns along the chain turn what levels stand on (N, 3), rad: the far end of the links (from 1) that
     `levels` (N,) names, the base for 0, nothing for -1."""
     rows = len(levels)
-    found = np.zeros((rows, 3))
+    levels_turned = np.zeros((rows, 3))
     base = [twist.rotation for twist in twists if twist.node == "base"]
     walked = motions(state, twists)
     for link in np.unique(levels[levels >= 0]).tolist():
         turns = base if link == 0 else [walked[link - 1][1]]
         turned = sum((columns(turn, rows) for turn in turns), np.zeros((rows, 3)))
-        found = np.where((levels == link)[:, None], turned, found)
-    return found
+        levels_turned = np.where((levels == link)[:, None], turned, levels_turned)
+    return levels_turned
 
 
 def levels_of(shape: Deformed, effects: Sequence[ActiveEffect], asked: Asked) -> Array:
@@ -105,12 +106,12 @@ def levels_of(shape: Deformed, effects: Sequence[ActiveEffect], asked: Asked) ->
     undeformed."""
     levels = asked.levels
     assert levels is not None
-    found = np.zeros((asked.rows, 3))
-    plumb = sum((columns(each.effect.against_plumb(each.settings), 1) for each in effects), np.zeros((1, 3)))
+    turns = np.zeros((asked.rows, 3))
+    plumb = sum((columns(effect.effect.against_plumb(effect.settings), 1) for effect in effects), np.zeros((1, 3)))
     for link in np.unique(levels[levels >= 0]).tolist():
         turned = Rotation.from_rotvec(plumb) * Rotation.from_matrix(shape.turned[link])
-        found = np.where((levels == link)[:, None], turned.as_rotvec(), found)
-    return found
+        turns = np.where((levels == link)[:, None], turned.as_rotvec(), turns)
+    return turns
 
 
 def seen_of_model(state: PoseState, effects: Sequence[ActiveEffect], asked: Asked) -> Channels:
@@ -121,7 +122,7 @@ def seen_of_model(state: PoseState, effects: Sequence[ActiveEffect], asked: Aske
 
 def shape_of(state: PoseState, effects: Sequence[ActiveEffect], asked: Asked) -> Deformed:
     """The arm as it stands at the readings; what an encoder sees of its drives is in the coordinates already."""
-    moving = [each for each in effects if not (each.effect.before_encoder and asked.command)]
+    moving = [effect for effect in effects if not (effect.effect.before_encoder and asked.command)]
     return deformed(state, moving, asked.rows)
 
 
@@ -129,41 +130,41 @@ def on_shape(shape: Deformed, effects: Sequence[ActiveEffect], asked: Asked) -> 
     """What a whole model moves in every channel, once the shape that it gives the arm is known."""
     size = len(shape.state.joints)
     further = asked.joint_side or asked.base_target is not None or asked.command
-    found = [seen(shape.state, active.effect, active.settings, asked) for active in effects] if further else []
+    displacements = [seen(shape.state, active.effect, active.settings, asked) for active in effects] if further else []
 
     def total(parts: Iterable[Array | None], columns: int, wanted: bool) -> Array | None:
         return sum((part for part in parts if part is not None), np.zeros((asked.rows, columns))) if wanted else None
 
     return Channels(
         shape.tip,
-        total((each.joint_side for each in found), size, asked.joint_side),
-        total((each.base for each in found), 3, asked.base_target is not None),
-        total((each.command for each in found), size, asked.command),
+        total((displacement.joint_side for displacement in displacements), size, asked.joint_side),
+        total((displacement.base for displacement in displacements), 3, asked.base_target is not None),
+        total((displacement.command for displacement in displacements), size, asked.command),
         shape.turn if asked.turn else None,
         None if asked.levels is None else levels_of(shape, effects, asked),
     )
 
 
-def _none(asked: Asked, wanted: bool, columns: int) -> Array | None:
-    return np.zeros((asked.rows, columns)) if wanted else None
+def _none(channels: Asked, wanted: bool, columns: int) -> Array | None:
+    return np.zeros((channels.rows, columns)) if wanted else None
 
 
-def _drives(state: PoseState, twists: Iterable[Twist], asked: Asked) -> Array:
+def _drives(state: PoseState, twists: Iterable[Twist], channels: Asked) -> Array:
     """How far each joint moves along its own coordinate."""
-    moved = np.zeros((asked.rows, len(state.joints)))
+    moved = np.zeros((channels.rows, len(state.joints)))
     for twist in twists:
         if twist.node == "joint":
             joint = state.joints[twist.index]
             along = dot(joint.axis, twist.rotation if joint.revolute else twist.translation)
-            moved[:, twist.index] += np.broadcast_to(np.asarray(along, dtype=float), (asked.rows,))
+            moved[:, twist.index] += np.broadcast_to(np.asarray(along, dtype=float), (channels.rows,))
     return moved
 
 
-def _base(twists: Iterable[Twist], asked: Asked) -> Array | None:
-    if asked.base_target is None:
+def _base(twists: Iterable[Twist], channels: Asked) -> Array | None:
+    if channels.base_target is None:
         return None
     moved: Vector = (0.0, 0.0, 0.0)
     for twist in twists:
         if twist.node == "base":
-            moved = add(moved, add(twist.translation, cross(twist.rotation, asked.base_target)))
-    return columns(moved, asked.rows)
+            moved = add(moved, add(twist.translation, cross(twist.rotation, channels.base_target)))
+    return columns(moved, channels.rows)

@@ -7,7 +7,7 @@ on all else that the arm holds, and on the effects that are registered.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import fields, is_dataclass
+from dataclasses import fields, is_dataclass, replace
 from functools import lru_cache, wraps
 from typing import Any, Concatenate, ParamSpec, TypeVar, cast
 
@@ -55,7 +55,10 @@ class Structure(Identity):
     def _entries(self) -> object:
         arm = self.arm
         links = tuple(link_entries(link) for link in arm.links)
-        return (links, *(entries(getattr(arm, each.name)) for each in fields(arm) if each.name != "links"))
+        # A row of dh only says again where a joint stands, lengths among it.
+        joints = tuple(entries(replace(joint, dh=None)) for joint in arm.joints)
+        rest = (entries(getattr(arm, field.name)) for field in fields(arm) if field.name not in ("joints", "links"))
+        return (joints, links, *rest)
 
 
 def link_entries(link: Link) -> object:
@@ -63,7 +66,7 @@ def link_entries(link: Link) -> object:
     if link.section is None or isinstance(link.section, Tapered | FreeTaper):
         return entries(link)
     expands = link.material is not None and link.material.has("thermal_expansion")
-    rest = (entries(getattr(link, each.name)) for each in fields(link) if each.name not in _SYMBOLS)
+    rest = (entries(getattr(link, field.name)) for field in fields(link) if field.name not in _SYMBOLS)
     return (askew(link.section), expands, *rest)
 
 
@@ -73,10 +76,10 @@ def entries(value: object) -> object:
     if isinstance(value, tuple | list):
         return tuple(map(entries, cast("tuple[object, ...] | list[object]", value)))
     if is_dataclass(value):
-        return (type(value), *(entries(getattr(value, each.name)) for each in fields(value)))
+        return (type(value), *(entries(getattr(value, field.name)) for field in fields(value)))
     if isinstance(value, Mapping):
         held = cast("Mapping[object, object]", value)
-        return tuple(sorted(((str(key), entries(each)) for key, each in held.items()), key=lambda pair: pair[0]))
+        return tuple(sorted(((str(key), entries(item)) for key, item in held.items()), key=lambda pair: pair[0]))
     if isinstance(value, np.ndarray):
         array = cast("np.ndarray[Any, Any]", value)
         return (array.shape, array.tobytes())

@@ -12,6 +12,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from linkwright.core.arm.bodies.beams import PropertyNeeded, mass_needed
 from linkwright.core.arm.chain.arrays import columns
 from linkwright.core.arm.chain.chain import Arm, LoadCase
 from linkwright.core.arm.chain.statics import PoseState, solve
@@ -19,7 +20,7 @@ from linkwright.core.arm.effects.elastic.joint_compliance import JOINT_COMPLIANC
 from linkwright.core.arm.effects.elastic.lateral_compliance import LATERAL_COMPLIANCE
 from linkwright.core.sections.numeric import Array
 
-from .model import PropertyNeeded, beams_of, mass_needed
+from .model import beams_of
 from .tip import ActiveEffect, active_effects, carried_to_tip
 
 _POSES, _SEED = 8, 1
@@ -50,49 +51,49 @@ def unknown_taken_out(arm: Arm, loads: Sequence[LoadCase] = ()) -> Arm:
     bare = without_unknown(arm, unknown)
     if not any(arm.gravity):
         return bare
-    told = _without_what_products_say(bare)
+    remaining = _without_what_products_say(bare)
     lower, upper = np.array([joint.range for joint in arm.joints]).T
     q = lower + (upper - lower) * np.random.default_rng(_SEED).random((_POSES, arm.size))
     cases = tuple(loads) or arm.cases
     for link in unknown:
-        heavier = _with_masses(told, unknown, {link: 1.0})
-        for active in active_effects(told):
-            if any(_differ(told, heavier, active, q, case) for case in cases):
+        heavier = _with_masses(remaining, unknown, {link: 1.0})
+        for active in active_effects(remaining):
+            if any(_differ(remaining, heavier, active, q, case) for case in cases):
                 why = f"{_named(active)} moves the tip by its weight"
-                said = mass_needed(arm, link, why)
-                raise PropertyNeeded(f"{said}, or take what a diagnosis finds of it")
+                reason = mass_needed(arm, link, why)
+                raise PropertyNeeded(f"{reason}, or take what a diagnosis finds of it")
     return bare
 
 
 def weighs_nothing(arm: Arm) -> bool:
     """Whether an arm that stands under gravity has no weight of its own: 0 kg in every link and joint."""
     bare = all(link.section is None and link.mass == 0.0 for link in arm.links)
-    own = arm.carried_mass - sum(each.payload.mass for each in arm.branches if each.name != arm.tip)
-    return bare and own == 0.0 and any(arm.gravity)
+    carried = arm.carried_mass - sum(branch.payload.mass for branch in arm.branches if branch.name != arm.tip)
+    return bare and carried == 0.0 and any(arm.gravity)
 
 
 def gives_unknown(arm: Arm) -> tuple[str, ...]:
     """What gives in the arm by a compliance of which only the product with an unknown weight is known, in words."""
-    found: list[str] = []
+    products: list[str] = []
     for entry in arm.effects:
-        own = {"compliance", "compliance_about_z", "flexibility", "stiffness"} & set(entry.parameters)
-        if "unit_sag" in entry.parameters and not own:
-            active = next(each for each in active_effects(replace(arm, effects=(entry,))) if each.settings.values)
-            found.append(_named(active))
-    return tuple(found)
+        named = {"compliance", "compliance_about_z", "flexibility", "stiffness"} & set(entry.parameters)
+        if "unit_sag" in entry.parameters and not named:
+            active = next(effect for effect in active_effects(replace(arm, effects=(entry,))) if effect.settings.values)
+            products.append(_named(active))
+    return tuple(products)
 
 
 def payloads_left_out(arm: Arm, payloads: Iterable[float]) -> str | None:
     """What payloads (kg) other than the arm's own would add and the model cannot say, in words; None where it can say
     all of it. A product with an unknown weight was found under one payload, and tells nothing of another's."""
-    own = arm.payload.mass
-    other = sorted({mass for mass in payloads if abs(mass - own) > _SAME_PAYLOAD * max(own, 1.0)})
+    payload = arm.payload.mass
+    other = sorted({mass for mass in payloads if abs(mass - payload) > _SAME_PAYLOAD * max(payload, 1.0)})
     products = gives_unknown(arm) if other else ()
     if not products:
         return None
     masses = ", ".join(f"{mass:.4g}" for mass in other)
     return (
-        f"what a payload of {masses} kg adds to that of {own:.4g} kg through {', '.join(products)} is not in it: "
+        f"what a payload of {masses} kg adds to that of {payload:.4g} kg through {', '.join(products)} is not in it: "
         "nothing is known there but the product with an unknown weight; a recording with that payload would show it"
     )
 
@@ -107,13 +108,13 @@ def _with_masses(arm: Arm, unknown: Sequence[int], masses: dict[int, float]) -> 
 def _without_what_products_say(arm: Arm) -> Arm:
     """The arm without what gives under unknown weights by products: they say all that the weights do there."""
     entries = [entry for entry in arm.effects if "unit_sag" in entry.parameters]
-    told = {(entry.effect, number) for entry in entries for number in entry.at}
+    products = {(entry.effect, number) for entry in entries for number in entry.at}
     joints = [
-        replace(joint, stiffness=None, zones=()) if (JOINT_COMPLIANCE.id, number) in told else joint
+        replace(joint, stiffness=None, zones=()) if (JOINT_COMPLIANCE.id, number) in products else joint
         for number, joint in enumerate(arm.joints, start=1)
     ]
     joints = tuple(
-        replace(joint, tilting_stiffness=None) if (LATERAL_COMPLIANCE.id, number) in told else joint
+        replace(joint, tilting_stiffness=None) if (LATERAL_COMPLIANCE.id, number) in products else joint
         for number, joint in enumerate(joints, start=1)
     )
     return replace(arm, joints=joints, effects=tuple(entry for entry in arm.effects if entry not in entries))
@@ -121,7 +122,7 @@ def _without_what_products_say(arm: Arm) -> Arm:
 
 def _differ(arm: Arm, other: Arm, active: ActiveEffect, q: Array, case: LoadCase) -> bool:
     """Whether an effect moves the tips of two arms otherwise, at poses q (N, n)."""
-    moved = [_moved(each, active, q, case) for each in (arm, other)]
+    moved = [_moved(item, active, q, case) for item in (arm, other)]
     return bool(np.abs(moved[0] - moved[1]).max() > _MOVED)
 
 

@@ -19,7 +19,7 @@ from linkwright.core.units.quantities import InputError, read_number, read_quant
 from linkwright.core.units.reading import Mapping
 
 from .balance import Motor, read_counterbalance, read_masses, read_motor
-from .denavit_hartenberg import along, is_modified, modified_dh, standard_dh
+from .denavit_hartenberg import along, is_modified, modified_dh, read_dh, standard_dh
 from .following import read_following
 from .heights import UP
 from .origin import read_origin, read_vector
@@ -102,14 +102,15 @@ def _of_dh(
     what stands beside them and contradicts."""
     raw = mapping.content["joint"]
     if isinstance(raw, dict) and "axis" in raw:
-        raise mapping.error("joint.axis", "contradicts dh, whose joints turn about z; leave it out")
+        raise mapping.error("joint.axis", "is z by dh already, for joints and slides; leave it out")
     for name in ("direction", "end_rotation", *(("length",) if modified else ())):
         if body is not None and body.has(name):
             raise body.error(name, "is given by dh already; leave it out")
+    row = read_dh(mapping.mapping("dh"))
     if modified:
-        origin, joint = modified_dh(mapping.mapping("dh"), joint)
+        origin, joint = modified_dh(row, joint)
         return joint, Link(0.0), origin
-    joint, link = standard_dh(mapping.mapping("dh"), joint)
+    joint, link = standard_dh(row, joint)
     if body is not None and body.has("length") and abs(body.quantity("length", "length") - link.length) > 1e-9:
         raise body.error("length", "is given by dh already (from a and d); leave it out")
     return joint, link, None
@@ -138,15 +139,16 @@ def _joint(mapping: Mapping, size: int) -> tuple[Joint, Motor | None]:
         zones: Zones = ()
         if actuator is not None and stiffness is None:
             stiffness, zones = actuator.stiffness, actuator.zones
+        _require_known(mapping, actuator)
         cost, cost_date = read_cost(mapping)
         joint = Joint(
             type=kind,
             axis=_axis(mapping, "z" if turns else "x"),
             range=limits,
             clearance=mapping.not_negative("clearance", "length", 0.0),
-            backlash=mapping.not_negative("backlash", motion, 0.0 if actuator is None else actuator.backlash),
+            backlash=mapping.not_negative("backlash", motion, (actuator and actuator.backlash) or 0.0),
             stiffness=stiffness,
-            mass=mapping.not_negative("mass", "mass", 0.0 if actuator is None else actuator.mass),
+            mass=mapping.not_negative("mass", "mass", (actuator and actuator.mass) or 0.0),
             zero=mapping.quantity("zero", motion, 0.0),
             actuator=actuator,
             zones=zones,
@@ -176,6 +178,13 @@ def _passive(mapping: Mapping) -> bool:
         if mapping.has(name):
             raise mapping.error(name, "is of a drive, and a passive joint has none; leave it or `passive` out")
     return True
+
+
+def _require_known(mapping: Mapping, actuator: Actuator | None) -> None:
+    """Refuse an actuator of which a figure is unknown that its joint does not give."""
+    for name in () if actuator is None else actuator.lacks("stiffness", "backlash", "mass"):
+        if not mapping.has(name):
+            raise mapping.error(name, f"is not known of {mapping.text('actuator')}; give it beside the actuator")
 
 
 def _tilting(mapping: Mapping, turns: bool, actuator: Actuator | None) -> float | None:
@@ -267,11 +276,11 @@ def _link(mapping: Mapping, link: Link, catalogue: Catalogue) -> Link:
 
 def _height(mapping: Mapping, link: Link) -> Link:
     """The link with its section's height where the file says: up (see `stood_up`), or a vector in the link's frame."""
-    said = mapping.content.get("height_direction")
-    if isinstance(said, str):
+    direction = mapping.content.get("height_direction")
+    if isinstance(direction, str):
         if mapping.text("height_direction") != UP:
             raise mapping.error(
-                "height_direction", f"is {UP}, or a vector in the link's frame, e.g. [0, 0, 1], not {shown(said)}"
+                "height_direction", f"is {UP}, or a vector in the link's frame, e.g. [0, 0, 1], not {shown(direction)}"
             )
         return replace(link, height_up=True)
     height = read_vector(mapping, "height_direction", "dimensionless", ZERO)

@@ -9,20 +9,28 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import cast
 
-from linkwright.core.arm.chain.chain import FloatVector, Joint, Link
-from linkwright.core.arm.chain.vectors import Rotation, compose, from_roll_pitch_yaw, norm, unit
+from linkwright.core.arm.chain.chain import Arm, DhRow, FloatVector, Joint, Link
+from linkwright.core.arm.chain.vectors import IDENTITY, ZERO, Rotation, compose, from_roll_pitch_yaw, norm, unit
 from linkwright.core.units.reading import Mapping
 
 
-def standard_dh(mapping: Mapping, joint: Joint) -> tuple[Joint, Link]:
+def read_dh(mapping: Mapping) -> DhRow:
+    """The Denavit-Hartenberg parameters that a mapping holds."""
+    with mapping.reading():
+        convention = mapping.choice("convention", ("standard", "modified"), "standard")
+        a, d = mapping.quantity("a", "length", 0.0), mapping.quantity("d", "length", 0.0)
+        alpha, theta = mapping.quantity("alpha", "angle", 0.0), mapping.quantity("theta", "angle", 0.0)
+    return DhRow(a, d, alpha, theta, convention == "modified")
+
+
+def standard_dh(row: DhRow, joint: Joint) -> tuple[Joint, Link]:
     """Standard (distal) Denavit-Hartenberg parameters: Rz(theta + q) Tz(d) Tx(a) Rx(alpha)."""
-    a, d, alpha, theta = _dh_numbers(mapping)
-    twist = from_roll_pitch_yaw(alpha, 0.0, 0.0)
+    twist = from_roll_pitch_yaw(row.alpha, 0.0, 0.0)
     if joint.revolute:
-        joint = replace(joint, axis=(0.0, 0.0, 1.0), zero=joint.zero + theta)
+        joint = replace(joint, axis=(0.0, 0.0, 1.0), zero=joint.zero + row.theta, dh=row)
     else:
-        joint = replace(joint, axis=(0.0, 0.0, 1.0), origin_rotation=from_roll_pitch_yaw(0.0, 0.0, theta))
-    return joint, along((a, 0.0, d), Link(0.0, end_rotation=twist))
+        joint = replace(joint, axis=(0.0, 0.0, 1.0), origin_rotation=from_roll_pitch_yaw(0.0, 0.0, row.theta), dh=row)
+    return joint, along((row.a, 0.0, row.d), Link(0.0, end_rotation=twist))
 
 
 def is_modified(mapping: Mapping) -> bool:
@@ -31,27 +39,38 @@ def is_modified(mapping: Mapping) -> bool:
     return isinstance(raw, dict) and cast(dict[str, object], raw).get("convention") == "modified"
 
 
-def _dh_numbers(mapping: Mapping) -> tuple[float, float, float, float]:
-    with mapping.reading():
-        mapping.choice("convention", ("standard", "modified"), "standard")
-        a, d = mapping.quantity("a", "length", 0.0), mapping.quantity("d", "length", 0.0)
-        alpha, theta = mapping.quantity("alpha", "angle", 0.0), mapping.quantity("theta", "angle", 0.0)
-    return a, d, alpha, theta
-
-
-def modified_dh(mapping: Mapping, joint: Joint) -> tuple[tuple[Rotation, FloatVector], Joint]:
+def modified_dh(row: DhRow, joint: Joint) -> tuple[tuple[Rotation, FloatVector], Joint]:
     """Modified (proximal) parameters, Rx(alpha) Tx(a) Rz(theta + q) Tz(d) with a and alpha of the link before: where
     the joint stands (J. J. Craig, Introduction to Robotics, ch. 3). As d lies along the joint's own axis, it can go
     before the turn."""
-    a, d, alpha, theta = _dh_numbers(mapping)
-    twist = from_roll_pitch_yaw(alpha, 0.0, 0.0)
+    twist = from_roll_pitch_yaw(row.alpha, 0.0, 0.0)
     up: FloatVector = (twist[0][2], twist[1][2], twist[2][2])
-    joint = replace(joint, axis=(0.0, 0.0, 1.0))
+    joint = replace(joint, axis=(0.0, 0.0, 1.0), dh=row)
     if joint.revolute:
-        joint = replace(joint, zero=joint.zero + theta)
+        joint = replace(joint, zero=joint.zero + row.theta)
     else:
-        twist = compose(twist, from_roll_pitch_yaw(0.0, 0.0, theta))
-    return (twist, (a + d * up[0], d * up[1], d * up[2])), joint
+        twist = compose(twist, from_roll_pitch_yaw(0.0, 0.0, row.theta))
+    return (twist, (row.a + row.d * up[0], row.d * up[1], row.d * up[2])), joint
+
+
+def of_the_other_convention(arm: Arm) -> Arm | None:
+    """The geometry of an arm whose rows are meant in the other convention than its file says; None where it is not all
+    given by rows of one."""
+    rows = [joint.dh for joint in arm.joints if joint.dh is not None]
+    if len(rows) < arm.size or len({row.modified for row in rows}) > 1:
+        return None
+    joints, links = list[Joint](), list[Link]()
+    for joint, row in zip(arm.joints, rows, strict=True):
+        zero = joint.zero - row.theta if joint.revolute else joint.zero
+        joint = replace(joint, zero=zero, origin_rotation=IDENTITY, origin_translation=ZERO)
+        if row.modified:
+            joint, link = standard_dh(row, joint)
+        else:
+            (turn, shift), joint = modified_dh(row, joint)
+            joint, link = replace(joint, origin_rotation=turn, origin_translation=shift), Link(0.0)
+        joints.append(joint)
+        links.append(link)
+    return replace(arm, joints=tuple(joints), links=tuple(links))
 
 
 def along(vector: FloatVector, link: Link) -> Link:

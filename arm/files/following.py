@@ -56,27 +56,27 @@ def read_following(mapping: Mapping, size: int, *, turns: bool) -> Following | N
     text = mapping.text("follows")
     constants: list[float] = []
 
-    def held(found: re.Match[str]) -> str:
+    def held(quantity: re.Match[str]) -> str:
         kind = "angle" if turns else "length"
-        constants.append(read_quantity(found[0], kind, file=mapping.file, key=mapping.path_of("follows")))
+        constants.append(read_quantity(quantity[0], kind, file=mapping.file, key=mapping.path_of("follows")))
         return f"_{len(constants) - 1}"
 
     would_do = f"coordinates times numbers, and {'angles' if turns else 'lengths'}: -(q2 + q3), or 0.5*q2"
     if len(text) > _LONGEST:
         raise mapping.error("follows", f"is too long; write {would_do}")
     try:
-        found = _sum(ast.parse(_QUANTITY.sub(held, text), mode="eval").body, constants)
+        total = _sum(ast.parse(_QUANTITY.sub(held, text), mode="eval").body, constants)
     except (SyntaxError, ValueError, RecursionError, ZeroDivisionError, OverflowError) as error:
         reason = f" ({error})" if type(error) is ValueError else ""
         raise mapping.error("follows", f"is no such sum{reason}; write {would_do}") from None
-    if not all(map(math.isfinite, [*found.weights.values(), found.constant])):
+    if not all(map(math.isfinite, [*total.weights.values(), total.constant])):
         raise mapping.error("follows", f"is not finite; write {would_do}")
-    weights = {joint: weight for joint, weight in found.weights.items() if weight}
+    weights = {joint: weight for joint, weight in total.weights.items() if weight}
     if not weights:
         raise mapping.error("follows", f"names no joint; write {would_do}")
     if max(weights) >= size:
         raise mapping.error("follows", f"names q{max(weights) + 1}, but the arm has {size} joints")
-    return Following(tuple(Tie(joint, weight) for joint, weight in weights.items()), found.constant)
+    return Following(tuple(Tie(joint, weight) for joint, weight in weights.items()), total.constant)
 
 
 def _sum(node: ast.expr, constants: Sequence[float]) -> _Sum:
@@ -131,7 +131,7 @@ def along_links(arm: Arm) -> Arm:
     q = np.random.default_rng(1).uniform(-2.0, 2.0, (_POSES, arm.size))
     for way in ways(arm):
         placed = place(way.arm, list(q.T[list(way.joints)])).joints
-        axes = [np.stack(np.broadcast_arrays(*each.axis, np.zeros(_POSES))[:3]) for each in placed]
+        axes = [np.stack(np.broadcast_arrays(*item.axis, np.zeros(_POSES))[:3]) for item in placed]
         at = dict(zip(way.joints, axes, strict=True))
         for index in way.joints:
             joint = joints[index]
@@ -150,19 +150,19 @@ def _checked(mapping: Mapping, arm: Arm, index: int, joint: Joint, follows: Foll
     reason = next(_refusals(arm, index, follows, base), None)
     if reason is not None:
         raise mapping.error(f"{key}.follows", reason)
-    own = any(tie.joint == index for tie in follows.ties)
+    follows_itself = any(tie.joint == index for tie in follows.ties)
     ties = tuple(tie for tie in follows.ties if tie.joint != index)
-    found = Following(ties, follows.constant, driven=own)
-    if found.driven and not joint.revolute and "range" not in given:
+    following = Following(ties, follows.constant, driven=follows_itself)
+    if following.driven and not joint.revolute and "range" not in given:
         raise mapping.error(f"{key}.range", "is missing; a slide needs its range, e.g. [0 mm, 1 m]")
-    if not found.driven and "range" in given:
+    if not following.driven and "range" in given:
         raise mapping.error(f"{key}.range", "comes of the joints that this one follows; leave it out")
-    if found.driven:
-        return replace(joint, follows=found if ties else None)
+    if following.driven:
+        return replace(joint, follows=following if ties else None)
     if joint.actuator is not None or joint.counterbalance is not None:
         what = "actuator" if joint.actuator is not None else "balancer"
         raise mapping.error(f"{key}.follows", f"leaves the joint no drive of its own; leave out its {what}")
-    return replace(joint, follows=found, range=_reached(arm, found))
+    return replace(joint, follows=following, range=_reached(arm, following))
 
 
 def _refusals(arm: Arm, index: int, follows: Following, base: int) -> Iterator[str]:
@@ -181,7 +181,7 @@ def _refusals(arm: Arm, index: int, follows: Following, base: int) -> Iterator[s
             continue
         if tie.joint > index:
             yield f"names {name}, which comes after it; a joint follows those nearer the base"
-        if other.follows is not None and not any(each.joint == tie.joint for each in other.follows.ties):
+        if other.follows is not None and not any(item.joint == tie.joint for item in other.follows.ties):
             yield f"names {name}, which itself only follows; write what that follows"
         if other.revolute != arm.joints[index].revolute:
             yield f"names {name}, which {'turns' if other.revolute else 'slides'} where it does not"
@@ -191,9 +191,9 @@ def _given(mapping: Mapping, arm: Arm, index: int) -> tuple[MappingLike[str, obj
     """What the file says of a joint (from 0), the number from which its coordinates count there, and its key."""
     for number, branch in enumerate(arm.branches):
         if branch.first <= index < branch.end:
-            own = mapping.mappings("branches")[number].mappings("chain")[index - branch.first]
+            entry = mapping.mappings("branches")[number].mappings("chain")[index - branch.first]
             key = f"branches[{number + 1}].chain[{index - branch.first + 1}].joint"
-            return own.mapping("joint").content, branch.first, key
+            return entry.mapping("joint").content, branch.first, key
     return mapping.mappings("chain")[index].mapping("joint").content, 0, f"chain[{index + 1}].joint"
 
 

@@ -59,12 +59,14 @@ def arm_from(mapping: Mapping, catalogue: Catalogue, *, tip: str | None = None) 
     """The arm that a mapping describes, to a `tip` where it has several; every key of it is accounted for."""
     with mapping.reading():
         mapping.also_called(_ALSO_CALLED)
+        if mapping.content.get("arm") and not mapping.content.get("chain"):
+            raise mapping.error("", "is a problem file; the arm file is the one that it names under `arm`")
         name = mapping.text("name", "arm")
         gravity = read_vector(mapping, "gravity", "acceleration", STANDARD_GRAVITY)
         angles = cast(AngleConvention, mapping.choice("angles", ("relative", "absolute"), "relative"))
         temperature = mapping.quantity("temperature", "temperature", REFERENCE_TEMPERATURE)
         chain = mapping.mappings("chain")
-        entries = [read_entry(each, catalogue, number, len(chain)) for number, each in enumerate(chain, start=1)]
+        entries = [read_entry(item, catalogue, number, len(chain)) for number, item in enumerate(chain, start=1)]
         if not entries:
             raise mapping.error("chain", "is empty; an arm has at least one joint with its link")
         if mapping.has("product_of_exponentials"):
@@ -168,7 +170,7 @@ def read_effects(
     """The effects listed under a key, each with its places and parameters; keys of `also_known` are read elsewhere."""
     if not mapping.has(key):
         return ()
-    found: list[EffectEntry] = []
+    entries: list[EffectEntry] = []
     for entry in mapping.mappings(key):
         with entry.reading(*also_known):
             name = entry.text("effect")
@@ -177,7 +179,7 @@ def read_effects(
             at = _places(entry, len(joints))
             _check_places(entry, EFFECTS[name], at, joints)
             slides = acts_on_slides(EFFECTS[name], at, joints)
-            values: dict[str, float] = {}
+            values = _triples(entry, EFFECTS[name])
             for parameter in EFFECTS[name].parameters:
                 if entry.has(parameter.name):
                     kind = kind_at(parameter, slides=slides)
@@ -188,11 +190,22 @@ def read_effects(
                         raise entry.error("at", message)
             if (lacking := EFFECTS[name].lacking(values)) is not None:
                 raise entry.error("effect", f"{name} moves nothing as it stands; give {lacking}")
-            found.append(EffectEntry(name, at, MappingProxyType(values)))
+            entries.append(EffectEntry(name, at, MappingProxyType(values)))
         if EFFECTS[name].automatic and not values and name not in left_out:
             message = f"{name} is in the model already; give what it adds, or leave it out of the rest (leave_out)"
             raise entry.error("effect", message)
-    return tuple(found)
+    return tuple(entries)
+
+
+def _triples(entry: Mapping, effect: Effect) -> dict[str, float]:
+    """Parameters in x, y and z that are given as one list: `centre: [0 mm, 0 mm, 80 mm]`."""
+    values: dict[str, float] = {}
+    kinds = {parameter.name: parameter.kind for parameter in effect.parameters}
+    for name in (kind.removesuffix("_x") for kind in kinds if kind.endswith("_x")):
+        if f"{name}_z" in kinds and name not in kinds and entry.has(name):
+            three = read_vector(entry, name, kinds[f"{name}_x"], ZERO)
+            values |= {f"{name}_{axis}": value for axis, value in zip("xyz", three, strict=True)}
+    return values
 
 
 def _check_places(entry: Mapping, effect: Effect, at: tuple[int, ...], joints: tuple[Joint, ...]) -> None:

@@ -71,18 +71,18 @@ def segmented(arm: Arm) -> SegmentedArm:
     before: list[int | None] = [None] * arm.size
     cuts: list[CutWay] = []
     for way in ways(arm):
-        serial, own, kind = _cut(way.arm)
-        shared = own.index(way.shared) if way.shared < way.arm.size else len(own)
+        serial, cut, kind = _cut(way.arm)
+        shared = cut.index(way.shared) if way.shared < way.arm.size else len(cut)
         first = shared if cuts else 0
-        nodes = (*range(first), *range(len(owner), len(owner) + len(own) - first))
-        owner += [way.joints[each] for each in own[first:]]
+        nodes = (*range(first), *range(len(owner), len(owner) + len(cut) - first))
+        owner += [way.joints[item] for item in cut[first:]]
         kinds += kind[first:]
         for link in range(1, way.arm.size):
-            before[way.joints[link]] = nodes[own.index(link) - 1]
+            before[way.joints[link]] = nodes[cut.index(link) - 1]
         cuts.append(CutWay(serial, nodes, shared))
-    active = {each.effect.id for each in active_effects(arm)}
-    elastic = [each for each in EFFECTS.values() if each.flexible and each.automatic]
-    effects = tuple(ActiveEffect(each, Settings()) for each in elastic if each.in_modes or each.id in active)
+    active = {effect.effect.id for effect in active_effects(arm)}
+    elastic = [item for item in EFFECTS.values() if item.flexible and item.automatic]
+    effects = tuple(ActiveEffect(item, Settings()) for item in elastic if item.in_modes or item.id in active)
     return SegmentedArm(arm, tuple(cuts), tuple(owner), tuple(kinds), tuple(before), effects)
 
 
@@ -138,9 +138,9 @@ def _segment(beam: Beam, kind: SegmentKind, number: int) -> Beam:
         return Beam(length=0.0)
     if kind == "part" and beam.taper.parts:
         part = beam.taper.parts[number]
-        own = {name: times(ratio, getattr(beam, name)) for name, ratio in part.rigidities.items()}
+        rigidities = {name: times(ratio, getattr(beam, name)) for name, ratio in part.rigidities.items()}
         length = times(1.0 / SEGMENTS, beam.length)
-        return replace(beam, length=length, mass_per_length=0.0, lumped_mass=0.0, taper=part.taper, **own)
+        return replace(beam, length=length, mass_per_length=0.0, lumped_mass=0.0, taper=part.taper, **rigidities)
     if kind == "part":
         length = times(1.0 / SEGMENTS, beam.length)
         return replace(beam, length=length, mass_per_length=0.0, lumped_mass=0.0, housed=0.0)
@@ -184,11 +184,11 @@ def _hung(link: Link, beam: Beam, start: int | None, nodes: Sequence[int]) -> It
     shares = [(k + 1) / len(nodes) for k in range(len(nodes))]
     if not elastic:
         shares = [centre / link.length if link.length else 0.0, 1.0]
-    for each in link.masses:
-        away = math.hypot(*each.at)
-        own: Scalar = beam.counterweight if each.chosen else each.mass
-        if each.on == "end":
-            yield nodes[-1], each.mass
+    for item in link.masses:
+        away = math.hypot(*item.at)
+        mass: Scalar = beam.counterweight if item.chosen else item.mass
+        if item.on == "end":
+            yield nodes[-1], item.mass
             continue
         far = [k for k, share in enumerate(shares) if share * link.length >= away > 0.0]
         if away == 0.0 or link.length == 0.0:
@@ -196,11 +196,11 @@ def _hung(link: Link, beam: Beam, start: int | None, nodes: Sequence[int]) -> It
         else:
             k = far[0] if far else len(nodes) - 1
             reach = times(shares[k], beam.length)
-            part = own * away**2 / (reach * reach)
+            part = mass * away**2 / (reach * reach)
             yield nodes[k], part
         if start is not None:
             # A mass beyond the far end counts by more than itself there, and no less at the joint.
-            yield start, (own if not far and away > 0.0 else own - part)
+            yield start, (mass if not far and away > 0.0 else mass - part)
 
 
 def response(
@@ -235,7 +235,7 @@ def response(
             point_moments=turning,
             frames=frames[number],
         )
-        twists = [twist for each in segments.effects for twist in each.effect.twists(state, each.settings)]
+        twists = [twist for effect in segments.effects for twist in effect.effect.twists(state, effect.settings)]
         found.update(zip(way.nodes, displacements(state, twists), strict=True))
     return tuple(found[k] for k in range(len(segments.owner)))
 

@@ -127,22 +127,22 @@ def modes_of(section: Section, found: SectionProperties, material: MaterialValue
     return modes
 
 
-def _stress(found: SectionProperties) -> Callable[[Point], tuple[Any, Any]]:
+def _stress(properties: SectionProperties) -> Callable[[Point], tuple[Any, Any]]:
     """The compression (1/m^3) at points (m), or between them, under unit moments in height and in width."""
-    in_height, in_width, askew = found.second_moment_y, found.second_moment_z, found.product_moment_yz
+    in_height, in_width, askew = properties.second_moment_y, properties.second_moment_z, properties.product_moment_yz
     if isinstance(askew, float) and askew == 0.0:
         return lambda at: (at[1] / in_height, at[0] / in_width)
     rest = in_height * in_width - askew * askew
     return lambda at: ((at[1] * in_width - at[0] * askew) / rest, (at[0] * in_height - at[1] * askew) / rest)
 
 
-def _flat(wall: Wall, found: SectionProperties, material: WallCompliance) -> list[Mode]:
+def _flat(wall: Wall, properties: SectionProperties, material: WallCompliance) -> list[Mode]:
     assert wall.ends is not None
     (y0, z0), (y1, z1) = wall.ends
     along_y, along_z = y1 - y0, z1 - z0
     clear = sqrt(along_y * along_y + along_z * along_z)
     slender = (clear / wall.thickness) ** 2
-    stress = _stress(found)
+    stress = _stress(properties)
     mirrored = {"mirrored_height": float(wall.mirrored[0]), "mirrored_width": float(wall.mirrored[1])}
 
     def mode(at: float, pressed: Any, share: float, bent: Any, **shear: Any) -> Mode:
@@ -151,7 +151,7 @@ def _flat(wall: Wall, found: SectionProperties, material: WallCompliance) -> lis
         uneven = stress((share * along_y, share * along_z))
         even, bends = slender * pressed, slender * bent
         return Mode(
-            even / found.area,
+            even / properties.area,
             even * height,
             even * width,
             height_uneven=bends * uneven[0],
@@ -165,22 +165,22 @@ def _flat(wall: Wall, found: SectionProperties, material: WallCompliance) -> lis
         return [turning, mode(0.5, material.pressed, 0.5, material.bent)]
     sheared = slender * material.sheared
     shear = {
-        "shear_height": sheared * sqrt(along_z * along_z) / (clear * found.shear_area_z),
-        "shear_width": sheared * sqrt(along_y * along_y) / (clear * found.shear_area_y),
+        "shear_height": sheared * sqrt(along_z * along_z) / (clear * properties.shear_area_z),
+        "shear_width": sheared * sqrt(along_y * along_y) / (clear * properties.shear_area_y),
     }
     if wall.encloses is not None:
         shear["shear_torque"] = sheared / (2.0 * wall.encloses * wall.thickness)
     return [mode(0.5, material.pressed, 0.5, material.bent, **shear)]
 
 
-def _round(wall: Wall, found: SectionProperties, material: WallCompliance) -> list[Mode]:
+def _round(wall: Wall, properties: SectionProperties, material: WallCompliance) -> list[Mode]:
     modes: list[Mode] = []
     for arc in wall.arcs:
-        modes += _at_arc(arc, wall, found, material)
+        modes += _at_arc(arc, wall, properties, material)
     return modes
 
 
-def _at_arc(arc: Arc, wall: Wall, found: SectionProperties, material: WallCompliance) -> list[Mode]:
+def _at_arc(arc: Arc, wall: Wall, properties: SectionProperties, material: WallCompliance) -> list[Mode]:
     assert wall.encloses is not None
     slender = arc.radius / wall.thickness
     decay = 1.0 - exp(-sqrt(slender / material.round_depth) / 16.0)
@@ -188,13 +188,13 @@ def _at_arc(arc: Arc, wall: Wall, found: SectionProperties, material: WallCompli
     bent = slender * material.round_pressed / (1.0 - 0.731 * decay)
     twisted = material.round_twisted * slender**1.25 / sqrt(arc.radius)
     flow = {
-        "flow_height": twisted / found.shear_area_z,
-        "flow_width": twisted / found.shear_area_y,
+        "flow_height": twisted / properties.shear_area_z,
+        "flow_width": twisted / properties.shear_area_y,
         "flow_torque": twisted / (2.0 * wall.encloses * wall.thickness),
     }
     if arc.y is not None:
-        height, width = _stress(found)((arc.y, arc.z))
-        return [Mode(pressed / found.area, pressed * height, pressed * width, **flow)]
-    either = bent * arc.radius / found.second_moment_y
+        height, width = _stress(properties)((arc.y, arc.z))
+        return [Mode(pressed / properties.area, pressed * height, pressed * width, **flow)]
+    either = bent * arc.radius / properties.second_moment_y
     # Tension relieves a wall that is bent by no more than it takes off its stress.
-    return [Mode(each / found.area, either=either, **flow) for each in (pressed, bent)]
+    return [Mode(item / properties.area, either=either, **flow) for item in (pressed, bent)]

@@ -5,7 +5,7 @@ A scan of 2,000 poses understates a greatest stress by some tenths of a per cent
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 
 import numpy as np
 
@@ -14,28 +14,10 @@ from linkwright.core.arm.worst.search import WorstSearch
 from linkwright.core.arm.worst.workspace import climbing_bounds, wrapped
 from linkwright.core.sections.numeric import Array
 
-from .strength import StrengthCase
-
 _THE_SAME = 1e-9
 """Figures that differ by less than this share differ by rounding."""
-_CLIMBS = 3
-"""Climbs for each station of each link, and for each link's compression."""
 _FIRST_STEP, _LAST_STEP = 0.1, 1e-5
 _MOST_STEPS = 120
-
-
-def weakest_poses(search: WorstSearch, cases: Sequence[StrengthCase], poses: Array, p: Array, s: Array) -> Array:
-    """Poses (M, n) of greatest stress at each station of each link, and of greatest compression, per load case."""
-    return np.vstack([poses[:0], *(_weakest(search, case, poses, p, s) for case in cases)])
-
-
-def _weakest(search: WorstSearch, case: StrengthCase, poses: Array, p: Array, s: Array) -> Array:
-    def loads(q: Array) -> Array:
-        """All stresses and compressions at poses q."""
-        stress, compression, _ = case.vectorised(q, p, s)
-        return np.hstack([stress, compression])
-
-    return climbed(search, loads, poses, p, _CLIMBS)
 
 
 def climbed(
@@ -55,7 +37,9 @@ def climbed(
         return loads(q)[np.arange(len(q)), np.repeat(rows, len(q) // len(rows))]
 
     box = (search.lower, search.upper)
-    if search.workspace.kind != "joints":
+    if search.workspace.kind == "poses":
+        return starts
+    if search.workspace.in_space:
         return wander_in_region(load, starts, search.workspace, lambda q: search.motion(q, p), box)
     return wrapped(search.arm, compass(load, starts, climbing_bounds(search.arm, *box)), *box)
 
@@ -66,18 +50,18 @@ def plainest(load: Callable[[Array], Array], pose: Array, box: tuple[Array, Arra
     the one whose first joint is off to the positive side is told. `load` (N,) of poses (N, n) is greatest where they
     are worst."""
     least = float(load(pose[None])[0]) * (1.0 - _THE_SAME)
-    found = pose.copy()
+    plain = pose.copy()
     for joint, nearest in enumerate(np.clip(0.0, *box).tolist()):
-        trial = found.copy()
+        trial = plain.copy()
         trial[joint] = nearest
         if float(load(trial[None])[0]) >= least:
-            found = trial
-    moved = np.flatnonzero(found)
-    mirrored = -found
+            plain = trial
+    moved = np.flatnonzero(plain)
+    mirrored = -plain
     within = bool((box[0] <= mirrored).all() and (mirrored <= box[1]).all())
-    if len(moved) and found[moved[0]] < 0.0 and within and float(load(mirrored[None])[0]) >= least:
-        found = mirrored + 0.0
-    return found
+    if len(moved) and plain[moved[0]] < 0.0 and within and float(load(mirrored[None])[0]) >= least:
+        plain = mirrored + 0.0
+    return plain
 
 
 def compass(value: Callable[[Array], Array], starts: Array, bounds: tuple[Array, Array], *, seed: int = 11) -> Array:

@@ -53,8 +53,8 @@ class Unreached:
 
 def unreached(workspace: Workspace, motion: Motion, lower: Array, upper: Array) -> Unreached | None:
     """What of a box or path no pose within the joint box reaches, as far as a search tells; None where all is reached,
-    and for joint ranges. `motion` maps poses (N, n) to nominal tips and their slopes."""
-    return None if workspace.kind == "joints" else reached(workspace, motion, lower, upper)[1]
+    and for joint coordinates. `motion` maps poses (N, n) to nominal tips and their slopes."""
+    return reached(workspace, motion, lower, upper)[1] if workspace.in_space else None
 
 
 def reached(
@@ -67,18 +67,18 @@ def reached(
     places, weights = _places(workspace)
     used = np.array([1.0, 1.0, 0.0 if workspace.in_plane else 1.0])
     q = spread(lower, upper, _POSES)
-    found, missing = np.tile(q[0], (len(places), 1)), np.full(len(places), np.inf)
+    poses, missing = np.tile(q[0], (len(places), 1)), np.full(len(places), np.inf)
 
     def try_from(left: NDArray[np.intp], starts: Array) -> None:
         """Pull poses (N, starts, n) onto the places left; what comes nearer is kept."""
-        each = starts.shape[1]
+        count = starts.shape[1]
         pulled, miss = pull(
-            motion, starts.reshape(-1, q.shape[1]), np.repeat(places[left], each, axis=0), lower, upper, used
+            motion, starts.reshape(-1, q.shape[1]), np.repeat(places[left], count, axis=0), lower, upper, used
         )
-        best = miss.reshape(-1, each).argmin(axis=1)
-        pulled, miss = pulled.reshape(starts.shape)[range(len(left)), best], miss.reshape(-1, each).min(axis=1)
+        best = miss.reshape(-1, count).argmin(axis=1)
+        pulled, miss = pulled.reshape(starts.shape)[range(len(left)), best], miss.reshape(-1, count).min(axis=1)
         nearer = miss < missing[left]
-        found[left[nearer]], missing[left[nearer]] = pulled[nearer], miss[nearer]
+        poses[left[nearer]], missing[left[nearer]] = pulled[nearer], miss[nearer]
 
     if near is not None:
         try_from(np.arange(len(places)), near[:, None])
@@ -86,16 +86,16 @@ def reached(
     if len(left):
         tips = motion(q)[0] * used
         distances = (((tips - place) ** 2).sum(axis=1) for place in places[left] * used)
-        try_from(left, np.stack([q[np.argpartition(each, _NEAREST)[:_NEAREST]] for each in distances]))
+        try_from(left, np.stack([q[np.argpartition(distance, _NEAREST)[:_NEAREST]] for distance in distances]))
     left = np.flatnonzero(missing > _REACHED)
     if len(left):
         try_from(left, np.tile(q[:_FURTHER], (len(left), 1, 1)))
     worst = int(missing.argmax())
     if missing[worst] <= _REACHED:
-        return found, None
+        return poses, None
     point = places[worst][: 2 if workspace.in_plane else 3]
     share = float(weights[missing > _REACHED].sum() / weights.sum())
-    return found, Unreached(share, tuple(point.tolist()), float(missing[worst]))
+    return poses, Unreached(share, tuple(point.tolist()), float(missing[worst]))
 
 
 def _places(workspace: Workspace) -> tuple[Array, Array]:
@@ -103,9 +103,9 @@ def _places(workspace: Workspace) -> tuple[Array, Array]:
     points = np.array(workspace.points)
     if workspace.kind == "box":
         return _places_in_box(points.min(axis=0), points.max(axis=0), in_plane=workspace.in_plane)
-    lengths = [math.dist(a, b) for a, b in itertools.pairwise(points)]
+    lengths = [math.dist(a, b) for a, b in workspace.pieces]
     found = [points]
-    for (a, b), length in zip(itertools.pairwise(points), lengths, strict=True):
+    for (a, b), length in zip(np.array(workspace.pieces), lengths, strict=True):
         share = np.linspace(0.0, 1.0, 2 + round(_ALONG * length / (sum(lengths) or 1.0)))[1:-1, None]
         found.append(a + share * (b - a))
     places = np.vstack(found)
@@ -122,9 +122,9 @@ def _places_in_box(low: Array, high: Array, *, in_plane: bool) -> tuple[Array, A
     ends = ((grid == low) | (grid == high))[:, wide].sum(axis=1)
     places, weights = [grid], [np.where(ends >= len(wide) - 1, 1.0 / _FINER, 1.0) * 0.5**ends]
     for axis in wide:
-        others = [each for each in wide if each != axis]
+        others = [item for item in wide if item != axis]
         steps = np.linspace(low[axis], high[axis], _FINER * (count - 1) + 1)
-        for corner in itertools.product(*[(low[each], high[each]) for each in others]):
+        for corner in itertools.product(*[(low[item], high[item]) for item in others]):
             edge = np.tile(low, (len(steps) - count, 1))
             edge[:, others], edge[:, axis] = corner, steps[np.arange(len(steps)) % _FINER > 0]
             places.append(edge)

@@ -47,15 +47,15 @@ class PartSearch(WorstSearch):
     ) -> WorstCase:
         """The worst case of a design p over all pieces; `extra` is of no use on a path."""
         del extra
-        found = [search.worst(p, certify=certify, certify_up_to=certify_up_to) for search in self._searches]
+        worst_cases = [search.worst(p, certify=certify, certify_up_to=certify_up_to) for search in self._searches]
         poses = [
             replace(pose, load_case=k * self._loads + pose.load_case)
-            for k, each in enumerate(found)
-            for pose in each.poses
+            for k, case in enumerate(worst_cases)
+            for pose in case.poses
         ]
-        bounds = [each.upper_bound for each in found]
-        bound = None if None in bounds else max(each for each in bounds if each is not None)
-        error = max(each.error for each in found)
+        bounds = [case.upper_bound for case in worst_cases]
+        bound = None if None in bounds else max(item for item in bounds if item is not None)
+        error = max(case.error for case in worst_cases)
         closed = bound is not None and self._closed(error, bound)
         return WorstCase(error, bound, closed, distinct(poses))
 
@@ -63,7 +63,7 @@ class PartSearch(WorstSearch):
         """The piece on which the tip stands, under a load case."""
         tip = self.tip(q, p)[:1]
         axes = slice(0, 2) if self.workspace.in_plane else slice(0, 3)
-        away = [float(distance_to_path(tip[:, axes], np.array(piece.points)[:, axes])[0]) for piece in self.pieces]
+        away = [float(distance_to_path(tip[:, axes], piece)[0]) for piece in self.pieces]
         return int(np.argmin(away)) * self._loads + load_case
 
     def load_case(self, case: int) -> int:
@@ -74,9 +74,9 @@ class PartSearch(WorstSearch):
         """A worst case with the load cases by their own numbers."""
         poses: list[WorstPose] = []
         for pose in found.poses:
-            own = replace(pose, load_case=self.load_case(pose.load_case))
-            if (own.q, own.load_case) not in {(each.q, each.load_case) for each in poses}:
-                poses.append(own)
+            pose_ = replace(pose, load_case=self.load_case(pose.load_case))
+            if (pose_.q, pose_.load_case) not in {(item.q, item.load_case) for item in poses}:
+                poses.append(pose_)
         return replace(found, poses=tuple(poses))
 
 
@@ -97,9 +97,9 @@ def projections_at(model: ErrorModel, workspace: Workspace, tips: Array) -> Arra
         return None
     axes = slice(0, 2) if workspace.in_plane else slice(0, 3)
     pieces = workspace.segments
-    away = [distance_to_path(tips[:, axes], np.array(piece.points)[:, axes]) for piece in pieces]
-    own = [onto(_direction(piece), workspace.error, planar=model.planar) for piece in pieces]
-    return np.array(own)[np.argmin(away, axis=0)]
+    away = [distance_to_path(tips[:, axes], piece) for piece in pieces]
+    projections = [onto(_direction(piece), workspace.error, planar=model.planar) for piece in pieces]
+    return np.array(projections)[np.argmin(away, axis=0)]
 
 
 def seam_errors(model: ErrorModel, workspace: Workspace, p: Array, found: WorstCase) -> SeamErrors | None:

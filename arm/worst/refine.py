@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Callable
+from dataclasses import replace
 from functools import lru_cache
 
 import numpy as np
@@ -62,9 +63,9 @@ def uphill_each(
 def in_region(workspace: Workspace, places: Array) -> NDArray[np.bool_]:
     """Whether tips (N, 3) lie in the box, or on the path, to 0.1 um."""
     axes = 2 if workspace.in_plane else 3
-    points = np.array(workspace.points)[:, :axes]
     if workspace.kind == "path":
-        return distance_to_path(places[:, :axes], points) < _ON_REGION
+        return distance_to_path(places[:, :axes], workspace) < _ON_REGION
+    points = np.array(workspace.points)[:, :axes]
     low, high = points.min(axis=0) - _ON_REGION, points.max(axis=0) + _ON_REGION
     return np.all((places[:, :axes] >= low) & (places[:, :axes] <= high), axis=1)
 
@@ -107,7 +108,7 @@ def uphill_in_region(
     if workspace.kind == "box":
         rows = _in_box(points.min(axis=0), points.max(axis=0))
     else:
-        rows = _on_segment(place(start.tobytes())[0], points)
+        rows = _on_segment(place(start.tobytes())[0], workspace)
     result = minimize(
         objective,
         start,
@@ -129,10 +130,10 @@ def _in_box(low: Array, high: Array) -> list[tuple[str, Array, Array]]:
     return [("ineq", *inside), ("eq", eye[~free], -low[~free])]
 
 
-def _on_segment(here: Array, points: Array) -> list[tuple[str, Array, Array]]:
+def _on_segment(here: Array, path: Workspace) -> list[tuple[str, Array, Array]]:
     """Matrices and constants that a place on the segment nearest to `here` makes zero (`eq`) or not negative."""
-    segments = [(a, b) for a, b in itertools.pairwise(points)] or [(points[0], points[0])]
-    a, b = min(segments, key=lambda ends: float(distance_to_path(here[None], np.array(ends))[0]))
+    away = [float(distance_to_path(here[None], replace(path, points=ends))[0]) for ends in path.pieces]
+    a, b = np.array(path.pieces[int(np.argmin(away))])[:, : len(here)]
     along = b - a
     length = float(np.sqrt(along @ along))
     across = np.linalg.svd(along[None] / length)[2][1:] if length > 0.0 else np.eye(len(a))
@@ -152,16 +153,16 @@ def wander_in_region(
     axes = 2 if workspace.in_plane else 3
     used = np.array([1.0, 1.0, float(not workspace.in_plane)])
     path = path_points(workspace) if workspace.kind == "path" else np.empty((0, 3))
-    each = 8
+    per_start = 8
     for _ in range(16):
-        trial = np.repeat(best, each, axis=0)
+        trial = np.repeat(best, per_start, axis=0)
         trial = np.clip(trial + reach * generator.standard_normal(trial.shape), *bounds)
         if workspace.kind == "path":
             gaps = ((path[None, :, :axes] - motion(trial)[0][:, None, :axes]) ** 2).sum(axis=2)
             trial, _ = pull(motion, trial, path[gaps.argmin(axis=1)], *bounds, used, steps=20)
-        values = np.where(in_region(workspace, motion(trial)[0]), error(trial), -np.inf).reshape(len(best), each)
+        values = np.where(in_region(workspace, motion(trial)[0]), error(trial), -np.inf).reshape(len(best), per_start)
         better = values.max(axis=1) > value
-        picked = trial.reshape(len(best), each, -1)[np.arange(len(best)), values.argmax(axis=1)]
+        picked = trial.reshape(len(best), per_start, -1)[np.arange(len(best)), values.argmax(axis=1)]
         best = np.where(better[:, None], picked, best)
         value = np.where(better, values.max(axis=1), value)
         reach *= 0.6

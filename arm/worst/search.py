@@ -129,15 +129,37 @@ class WorstSearch:
 
         Raises `Unreachable` where the workspace holds points that the arm cannot reach.
         """
+        if self.workspace.kind == "poses":
+            return self._listed(p)
         polynomials = self._polynomials(p)
         starts = self.poses(p, 64 * 2**self.arm.size if polynomials is not None else self.scan)
         if extra is not None and len(extra) and self.workspace.kind == "joints":
             starts = np.vstack([starts, np.clip(extra, self.lower, self.upper)])
         self._refuse_what_is_not_finite(p, starts[:_LOOKED_AT])
         if polynomials is None:
-            found = self._scanned(p, starts)
-            return self._bounded(p, found) if certify and found.error <= certify_up_to else found
+            worst = self._scanned(p, starts)
+            return self._bounded(p, worst) if certify and worst.error <= certify_up_to else worst
         return self._climbed_and_certified(p, polynomials, starts, certify_up_to if certify else -math.inf)
+
+    def _listed(self, p: Array) -> WorstCase:
+        """The worst of the poses that the workspace lists, each of which is looked at."""
+        q = self.poses(p, len(self.workspace.poses))
+        self._refuse_what_is_not_finite(p, q)
+        poses = [pose for case in range(len(self.model.cases)) for pose in self.worst_poses_at(q, p, case)]
+        distinct_poses = distinct(poses)
+        # Discs askew to each other are climbed over, and a quantile of random play is that of its draws.
+        climbed = (
+            not self.model.planar and self.arm.play == "worst" and any(len(case.radii) for case in self.model.cases)
+        )
+        sure = not climbed and self.arm.play != "statistical"
+        return WorstCase(distinct_poses[0].error, distinct_poses[0].error if sure else None, sure, distinct_poses)
+
+    def scanned(self, p: Array) -> float:
+        """The worst error (m) of a design p at poses spread over the workspace, none climbed from: somewhat less than
+        `worst` finds. Raises as that does."""
+        q = self.poses(p, self.scan)
+        self._refuse_what_is_not_finite(p, q[:_LOOKED_AT])
+        return max(float(self.errors(q, p, case).error.max()) for case in range(len(self.model.cases)))
 
     def _refuse_what_is_not_finite(self, p: Array, q: Array) -> None:
         """Raise `NoAnswer` for a design that gives by no number at all, or by a million times its own length."""
@@ -211,7 +233,7 @@ class WorstSearch:
         if confined and len(self._coordinates.moving) > MOST_JOINTS:
             return None
         try:
-            found = [
+            polynomials = [
                 error_polynomials(
                     case,
                     number,
@@ -226,19 +248,19 @@ class WorstSearch:
             ]
         except NotPolynomial:
             return None
-        self._matter = {each.case: each.joints for each in found}
-        return found
+        self._matter = {polynomial.case: polynomial.joints for polynomial in polynomials}
+        return polynomials
 
     def _climbed_and_certified(
         self, p: Array, polynomials: list[ErrorPolynomials], starts: Array, certify_up_to: float
     ) -> WorstCase:
         cells = self._cells(p)
-        matter = sorted({joint for each in polynomials for joint in each.joints})
-        poses = [pose for each in polynomials for pose in self._climbed(p, each, starts)]
+        matter = sorted({joint for polynomial in polynomials for joint in polynomial.joints})
+        poses = [pose for polynomial in polynomials for pose in self._climbed(p, polynomial, starts)]
         worst = max(poses, key=lambda pose: pose.error)
         if worst.error > certify_up_to:
             return WorstCase(worst.error, None, False, distinct(poses, matter))
-        bound = max(self._bound(p, each, poses, cells) for each in polynomials)
+        bound = max(self._bound(p, polynomial, poses, cells) for polynomial in polynomials)
         worst = max(poses, key=lambda pose: pose.error)
         bound = max(bound, worst.error)
         return WorstCase(worst.error, bound, self._closed(worst.error, bound), distinct(poses, matter))
@@ -275,18 +297,18 @@ class WorstSearch:
     def _closed(self, error: float, bound: float) -> bool:
         return bound <= error * (1.0 + self.gap) * (1.0 + 1e-9) + 1e-15
 
-    def _bounded(self, p: Array, found: WorstCase) -> WorstCase:
+    def _bounded(self, p: Array, worst: WorstCase) -> WorstCase:
         """A worst case from a scan with a bound, where one can be had."""
         confined = self.workspace.kind != "joints"
         if self.arm.play == "statistical" or (confined and len(self._coordinates.moving) > _MOST_CONFINED):
-            return found
+            return worst
         if confined and self.gap < DEFAULT_GAP:
-            return found  # who asks for that has no use for a bound that is loose by tens of per cent
+            return worst  # who asks for that has no use for a bound that is loose by tens of per cent
         cells, count = self._cells(p), len(self.model.cases)
         effort = CONFINED // count if confined else THOROUGH
-        bounds = [self._loose_bound(p, case, found.error, effort, cells) for case in range(count)]
-        bound = None if None in bounds else max([found.error, *(each for each in bounds if each is not None)])
-        return replace(found, upper_bound=bound, certified=bound is not None and self._closed(found.error, bound))
+        bounds = [self._loose_bound(p, case, worst.error, effort, cells) for case in range(count)]
+        bound = None if None in bounds else max([worst.error, *(item for item in bounds if item is not None)])
+        return replace(worst, upper_bound=bound, certified=bound is not None and self._closed(worst.error, bound))
 
     def _loose_bound(
         self, p: Array, case: int, known: float, effort: int, cells: RegionCells | None = None
@@ -297,8 +319,8 @@ class WorstSearch:
     def _climbed(self, p: Array, polynomials: ErrorPolynomials, starts: Array) -> list[WorstPose]:
         functions = len(polynomials.weights)
         values = polynomials.values(starts)
-        each = 12 if functions <= 8 else 4
-        order = np.argsort(-values, axis=0, kind="stable")[:each]
+        per_function = 12 if functions <= 8 else 4
+        order = np.argsort(-values, axis=0, kind="stable")[:per_function]
         which = np.tile(np.arange(functions, dtype=np.intp), len(order))
         counts = np.isfinite(values[order.ravel(), which])
         order, which = order.ravel()[counts], which[counts]
@@ -336,9 +358,9 @@ class WorstSearch:
 
         def value_and_gradient(q: Array) -> tuple[float, Array]:
             x = self._coordinates.scaled(q[None])[:, joints]
-            value, own, _ = polynomials.terms.at(x, index, order=1)
+            value, derivatives, _ = polynomials.terms.at(x, index, order=1)
             gradient = np.zeros(self.arm.size)
-            gradient[joints] = own[0]
+            gradient[joints] = derivatives[0]
             return float(value[0]), gradient * slope
 
         return uphill_in_region(
@@ -374,8 +396,8 @@ class WorstSearch:
 
     def _whole(self, polynomials: ErrorPolynomials, point: Array) -> Array:
         """A certificate's point as joint coordinates; joints that do not matter stand mid-range."""
-        own = self._coordinates.of(polynomials.joints)
-        return self._coordinates.placed(polynomials.joints, own.unscaled(point[None]))[0]
+        joints = self._coordinates.of(polynomials.joints)
+        return self._coordinates.placed(polynomials.joints, joints.unscaled(point[None]))[0]
 
     # ---- scans
 
@@ -386,8 +408,8 @@ class WorstSearch:
             chosen = starts[_apart(starts, errors, 16)]
             poses += self.worst_poses_at(chosen, p, case)
             poses += self._refined(p, case, chosen)
-        found = distinct(poses)
-        return WorstCase(found[0].error, None, False, found)
+        distinct_poses = distinct(poses)
+        return WorstCase(distinct_poses[0].error, None, False, distinct_poses)
 
     def _refined(self, p: Array, case: int, starts: Array) -> list[WorstPose]:
         def error(q: Array) -> Array:
@@ -423,18 +445,18 @@ def distinct(
     if not poses:
         return ()
     q, case = np.array([pose.q for pose in poses]), np.array([pose.load_case for pose in poses])
-    own = q if joints is None else q[:, list(joints)]
-    return tuple(poses[k] for k in _worst_apart(own, np.array([pose.error for pose in poses]), case, most))
+    coordinates = q if joints is None else q[:, list(joints)]
+    return tuple(poses[k] for k in _worst_apart(coordinates, np.array([pose.error for pose in poses]), case, most))
 
 
 def _worst_apart(q: Array, errors: Array, case: NDArray[np.intp], most: int) -> list[int]:
     """Indices of the worst of some poses q (N, n) first, at most so many, near repeats in one load case left out."""
     left = np.argsort(-errors, kind="stable")
-    kept: list[int] = []
-    while len(left) and len(kept) < most:
+    chosen: list[int] = []
+    while len(left) and len(chosen) < most:
         first = left[0]
-        kept.append(int(first))
+        chosen.append(int(first))
         apart = np.abs(q[left] - q[first]).max(axis=1, initial=0.0) > _DISTINCT
         left = left[apart | (case[left] != case[first])]
         left = left[left != first]
-    return kept
+    return chosen

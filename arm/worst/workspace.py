@@ -36,19 +36,38 @@ _BITS = 48
 
 @dataclass(frozen=True)
 class Workspace:
-    """`joints`: every pose within the joint ranges; `box`: those whose tip lies in a box; `path`: on a polyline.
+    """`joints`: every pose within the joint ranges; `poses`: those that are listed; `box`: those whose tip lies in a
+    box; `path`: on a polyline.
 
     `points` (m, in the base frame) are the box's two corners or the path's vertices, each with three components; None
     in a component leaves that direction free. `ranges` replaces the arm's joint ranges where given (rad, m).
     """
 
-    kind: Literal["joints", "box", "path"] = "joints"
+    kind: Literal["joints", "poses", "box", "path"] = "joints"
     points: tuple[tuple[float, float, float], ...] = ()
     ranges: tuple[tuple[float, float], ...] | None = None
     in_plane: bool = True
     """Whether the points were given as x and y only."""
     error: Part = "whole"
     """What counts of the error on a path."""
+    apart: bool = False
+    """Whether the vertices of a path stand alone, with nothing between them."""
+    poses: tuple[tuple[float, ...], ...] = ()
+    """The joint coordinates (rad, m) of `poses`, which lie within `ranges`."""
+    weights: tuple[float, ...] = ()
+    """How much each of them counts in an average; alike where there are none."""
+
+    @property
+    def in_space(self) -> bool:
+        """Whether it is a place of the tip, which joint coordinates reach or not."""
+        return self.kind in ("box", "path")
+
+    @property
+    def pieces(self) -> tuple[tuple[FloatVector, FloatVector], ...]:
+        """The ends of the straight pieces of a path, one and the same where it has no length."""
+        if self.apart or len(self.points) == 1:
+            return tuple((point, point) for point in self.points)
+        return tuple(itertools.pairwise(self.points))
 
     @property
     def segments(self) -> tuple[Workspace, ...]:
@@ -57,7 +76,7 @@ class Workspace:
         if self.kind != "path":
             return ()
         ends: list[tuple[FloatVector, FloatVector]] = []
-        for a, b in itertools.pairwise(self.points):
+        for a, b in self.pieces:
             if a == b:
                 continue
             if ends and _goes_on(*ends[-1], b):
@@ -136,20 +155,17 @@ def _radical_inverses(base: int, count: int, seed: tuple[int, int]) -> Array:
     """0 to count - 1 with their digits mirrored at the point, each place's digits permuted at random (A. B. Owen, A
     randomized Halton algorithm in R, arXiv:1706.02808): base^k neighbours meet each base^k-th of 0..1 once."""
     generator = np.random.default_rng(seed)
-    rest, found = np.arange(count), np.zeros(count)
+    rest, inverses = np.arange(count), np.zeros(count)
     for place in range(1, math.ceil(_BITS / math.log2(base)) + 1):
-        found += generator.permutation(base)[rest % base] * float(base) ** -place
+        inverses += generator.permutation(base)[rest % base] * float(base) ** -place
         rest = rest // base
-    return found
+    return inverses
 
 
 def path_points(workspace: Workspace) -> Array:
     """Points along a path, every vertex among them, (N, 3)."""
-    vertices = np.array(workspace.points)
-    if len(vertices) == 1:
-        return vertices
     share = np.linspace(0.0, 1.0, PATH_POINTS)[:, None]
-    pieces = [a + share * (b - a) for a, b in itertools.pairwise(vertices)]
+    pieces = [a + share * (b - a) for a, b in np.array(workspace.pieces)]
     return np.unique(np.vstack(pieces), axis=0)
 
 
@@ -191,7 +207,7 @@ def pull(
         # A motion may hold something of each row, such as lengths: it is asked for all of them.
         tried = q.copy()
         tried[rows] = trial
-        place, slopes = (each[rows] for each in motion(tried))
+        place, slopes = (item[rows] for item in motion(tried))
         new_miss = (targets[rows] - place) * used
         new_distance = np.sqrt((new_miss * new_miss).sum(axis=1))
         better = new_distance < distance[rows]
@@ -203,7 +219,10 @@ def pull(
 
 
 def sample(workspace: Workspace, motion: Motion, lower: Array, upper: Array, count: int, seed: int = 1) -> Array:
-    """Poses of the workspace, spread over it; raises `Unreachable` where a path has a point without any pose."""
+    """Poses of the workspace, spread over it, or those that it lists; raises `Unreachable` where a path has a point
+    without any pose."""
+    if workspace.kind == "poses":
+        return np.array(workspace.poses)
     q = spread(lower, upper, count, seed)
     if workspace.kind == "joints":
         return q
@@ -216,14 +235,14 @@ def sample(workspace: Workspace, motion: Motion, lower: Array, upper: Array, cou
         near = np.argsort(np.sqrt((((targets - reached) * used) ** 2).sum(axis=1)) + np.where(inside, np.inf, 0.0))
         outside = near[: min(len(near) - int(inside.sum()), max(64, count // 8))]
         pulled, distance = pull(motion, q[outside], targets[outside], lower, upper, used)
-        found = np.vstack([q[inside], pulled[distance < 1e-7]])
-        if not len(found):
+        poses = np.vstack([q[inside], pulled[distance < 1e-7]])
+        if not len(poses):
             nearest = outside[int(np.argmin(distance))]
             raise Unreachable(tuple(targets[nearest][: 2 if workspace.in_plane else 3]), float(distance.min()))
-        return found
+        return poses
     points = path_points(workspace)
-    each = max(8, count // len(points))
-    starts = np.tile(q[:each], (len(points), 1)) if each <= len(q) else np.tile(q, (len(points), 1))
+    per_point = max(8, count // len(points))
+    starts = np.tile(q[:per_point], (len(points), 1)) if per_point <= len(q) else np.tile(q, (len(points), 1))
     targets = np.repeat(points, len(starts) // len(points), axis=0)
     pulled, distance = pull(motion, starts, targets, lower, upper, used)
     nearest = distance.reshape(len(points), -1).min(axis=1)
@@ -253,7 +272,7 @@ class RegionCells:
         if self.workspace.kind == "box":
             return np.all((places + reach >= points.min(axis=0)) & (places - reach <= points.max(axis=0)), axis=1)
         allowed = np.sqrt((reach * reach).sum(axis=1))
-        return distance_to_path(places, points) <= allowed
+        return distance_to_path(places, self.workspace) <= allowed
 
     def narrowed(self, centers: Array, half: Array) -> tuple[Array, Array, NDArray[np.bool_]]:
         """Cells (N, n) without what cannot have its tip in the box (that around a path), and which of them may have.
@@ -311,7 +330,7 @@ class RegionCells:
         count, axes = len(centers), range(2 if self.workspace.in_plane else 3)
         beside = self.tip.remainder(half, 1)
         found = [self.tip.at(centers, np.full(count, axis, dtype=np.intp), order=1) for axis in axes]
-        values, slopes = np.stack([each[0] for each in found]), np.stack([each[1] for each in found])
+        values, slopes = np.stack([item[0] for item in found]), np.stack([item[1] for item in found])
         return values, slopes, np.stack([np.broadcast_to(beside[axis], (count,)) for axis in axes])
 
     def _tips(self, centers: Array, half: Array) -> tuple[Array, Array]:
@@ -324,12 +343,10 @@ def region_cells(workspace: Workspace, tip: Coefficients) -> RegionCells:
     return RegionCells(workspace, terms_of(tip))
 
 
-def distance_to_path(points: Array, vertices: Array) -> Array:
-    """The distance of each point (N, d) to a polyline (M, d)."""
-    if len(vertices) == 1:
-        return np.sqrt(((points - vertices[0]) ** 2).sum(axis=1))
+def distance_to_path(points: Array, path: Workspace) -> Array:
+    """The distance of each point (N, d), its coordinates those that count, to a path."""
     best = np.full(len(points), np.inf)
-    for a, b in itertools.pairwise(vertices):
+    for a, b in np.array(path.pieces)[:, :, : points.shape[1]]:
         along = b - a
         square = float(along @ along) or 1.0
         share = np.clip(((points - a) @ along) / square, 0.0, 1.0)

@@ -22,7 +22,7 @@ def with_places(arm: Arm, places: tuple[tuple[int, MotorPlace], ...]) -> Arm:
     moved = {joint + 1 for joint, _ in places}
     joints = list(arm.joints)
     links = [
-        replace(link, masses=tuple(each for each in link.masses if each.motor_of not in moved)) for link in arm.links
+        replace(link, masses=tuple(mass for mass in link.masses if mass.motor_of not in moved)) for link in arm.links
     ]
     for number, place in places:
         joint = joints[number]
@@ -48,12 +48,12 @@ def with_places(arm: Arm, places: tuple[tuple[int, MotorPlace], ...]) -> Arm:
 def reaches_less(problem: Problem, given: Problem) -> bool:
     """Whether an arm of other coordinates leaves more of a box or path unreached than the arm as given does; with
     lengths to choose, and for joint ranges, nothing is left out for that."""
-    if problem.workspace.kind == "joints" or problem.link_length is not None:
+    if not problem.workspace.in_space or problem.free_lengths:
         return False
     shares: list[float] = []
-    for each in (problem, given):
-        search = WorstSearch(error_model(each.arm, each.load_cases), each.workspace)
-        motion = partial(search.motion, p=numeric_beams(each.arm, each.load_cases))
-        missed = unreached(each.workspace, motion, search.lower, search.upper)
+    for item in (problem, given):
+        search = WorstSearch(error_model(item.arm, item.load_cases), item.workspace)
+        motion = partial(search.motion, p=numeric_beams(item.arm, item.load_cases))
+        missed = unreached(item.workspace, motion, search.lower, search.upper)
         shares.append(0.0 if missed is None else missed.share)
     return shares[0] > shares[1]

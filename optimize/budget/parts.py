@@ -92,16 +92,16 @@ class Parts:
 
 def parts_of(arm: Arm, sheet: Sheet, poses: Array, loads: Sequence[LoadCase]) -> Parts:
     """The parts at poses (N, n) under load cases; `PropertyNeeded` where a link's mass or material is not known."""
-    own = [_at_load(arm, sheet, poses, load) for load in loads]
-    states = [each.states for each in own]
+    by_load = [_at_load(arm, sheet, poses, load) for load in loads]
+    states = [item.states for item in by_load]
     return replace(
-        own[0],
-        planar=all(each.planar for each in own),
-        fixed=_stacked([each.fixed for each in own], states),
-        varying=_stacked([each.varying for each in own], states),
-        play=_stacked([each.play for each in own], states),
-        load_scale=np.concatenate([each.load_scale for each in own]),
-        unwarmed=tuple(sorted({k for each in own for k in each.unwarmed})),
+        by_load[0],
+        planar=all(item.planar for item in by_load),
+        fixed=_stacked([item.fixed for item in by_load], states),
+        varying=_stacked([item.varying for item in by_load], states),
+        play=_stacked([item.play for item in by_load], states),
+        load_scale=np.concatenate([item.load_scale for item in by_load]),
+        unwarmed=tuple(sorted({k for item in by_load for k in item.unwarmed})),
     )
 
 
@@ -111,17 +111,17 @@ _Part = TypeVar("_Part", Fixed, Varying, Play)
 def _stacked(loads: Sequence[Sequence[_Part]], states: Sequence[int]) -> tuple[_Part, ...]:
     """The parts under one load after another. One that another tip alone has, of several on one torso, is nought at
     the states of the others."""
-    own = [_numbered(parts) for parts in loads]
+    by_load = [_numbered(parts) for parts in loads]
     found: list[_Part] = []
-    for key in dict.fromkeys(key for each in own for key in each):
-        there = [each.get(key) for each in own]
-        first = next(each for each in there if each is not None)
+    for key in dict.fromkeys(key for item in by_load for key in item):
+        there = [item.get(key) for item in by_load]
+        first = next(item for item in there if item is not None)
         names = [name for name in ("vector", "seating", "bent") if getattr(first, name, None) is not None]
         rows = {
             name: np.concatenate(
                 [
-                    np.zeros((count, *getattr(first, name).shape[1:])) if each is None else getattr(each, name)
-                    for each, count in zip(there, states, strict=True)
+                    np.zeros((count, *getattr(first, name).shape[1:])) if item is None else getattr(item, name)
+                    for item, count in zip(there, states, strict=True)
                 ]
             )
             for name in names
@@ -132,14 +132,14 @@ def _stacked(loads: Sequence[Sequence[_Part]], states: Sequence[int]) -> tuple[_
 
 def _numbered(parts: Sequence[_Part]) -> dict[tuple[object, ...], _Part]:
     """Parts by what they are; alike ones are told by their number."""
-    found: dict[tuple[object, ...], _Part] = {}
+    numbered: dict[tuple[object, ...], _Part] = {}
     for part in parts:
         what = (part.cause, part.owner, getattr(part, "factor", None), getattr(part, "key", None))
         number = 0
-        while (*what, number) in found:
+        while (*what, number) in numbered:
             number += 1
-        found[(*what, number)] = part
-    return found
+        numbered[(*what, number)] = part
+    return numbered
 
 
 def _at_load(arm: Arm, sheet: Sheet, poses: Array, load: LoadCase) -> Parts:
@@ -150,11 +150,11 @@ def _at_load(arm: Arm, sheet: Sheet, poses: Array, load: LoadCase) -> Parts:
     play: list[Play] = []
     for active in active_effects(arm):
         for owner, settings in _places(arm, active):
-            found = tip_error(state, [replace(active, settings=settings)])
-            vector = _rows(found.vector, count)
+            error = tip_error(state, [replace(active, settings=settings)])
+            vector = _rows(error.vector, count)
             if vector.any():
                 fixed.append(Fixed(active.effect.id, owner, _factor(active, owner), vector))
-            play += _play(found, owner, count)
+            play += _play(error, owner, count)
     widths = (
         {}
         if sheet.uncertain is None
@@ -206,20 +206,20 @@ def _factor(active: ActiveEffect, owner: Owner) -> str | None:
     return "elastic_modulus" if active.effect.flexible and owner[0] == "link" else None
 
 
-def _play(found: TipError, owner: Owner, count: int) -> list[Play]:
+def _play(error: TipError, owner: Owner, count: int) -> list[Play]:
     intervals = [
-        Play(each.effect, owner, _rows(each.vector, count), np.broadcast_to(each.seating, (count,)))
-        for each in found.intervals
+        Play(interval.effect, owner, _rows(interval.vector, count), np.broadcast_to(interval.seating, (count,)))
+        for interval in error.intervals
     ]
     discs = [
-        Play(each.effect, owner, _rows(each.normal, count), _rows(each.seating, count), each.radius)
-        for each in found.discs
+        Play(disc.effect, owner, _rows(disc.normal, count), _rows(disc.seating, count), disc.radius)
+        for disc in error.discs
     ]
     return [*intervals, *discs]
 
 
 def _tolerances(state: PoseState, sheet: Sheet, count: int) -> list[Varying]:
-    found: list[Varying] = []
+    varying: list[Varying] = []
     for tolerance in sheet.tolerances:
         entry = tolerance.entry
         active = ActiveEffect(EFFECTS[entry.effect], Settings(tuple(k - 1 for k in entry.at), entry.parameters))
@@ -230,15 +230,15 @@ def _tolerances(state: PoseState, sheet: Sheet, count: int) -> list[Varying]:
                 key = f"{entry.effect} {name} {owner} {tolerance.each_time}"
                 cause = f"{entry.effect}{EACH_TIME}" if tolerance.each_time else entry.effect
                 if vector.any():
-                    found.append(Varying(cause, owner, key, vector, each_time=tolerance.each_time))
-    return found
+                    varying.append(Varying(cause, owner, key, vector, each_time=tolerance.each_time))
+    return varying
 
 
 def _resized(
     arm: Arm, load: LoadCase, columns: Sequence[Array], widths: dict[tuple[str, int], float], count: int
 ) -> list[Varying]:
     """What links of other dimensions do more or less, to second order."""
-    found: list[Varying] = []
+    varying: list[Varying] = []
     middle: Array | None = None
     for (name, k), width in widths.items():
         section = arm.links[k].section
@@ -254,8 +254,8 @@ def _resized(
             ends.append(_whole(arm.with_links(tuple(links)), load, columns, count) - middle)
         low, high = ends
         if low.any() or high.any():
-            found.append(Varying(name, ("link", k), f"{name} {k}", 0.5 * (high - low), 0.5 * (high + low)))
-    return found
+            varying.append(Varying(name, ("link", k), f"{name} {k}", 0.5 * (high - low), 0.5 * (high + low)))
+    return varying
 
 
 def _whole(arm: Arm, load: LoadCase, columns: Sequence[Array], count: int) -> Array:

@@ -112,7 +112,7 @@ def budget(
     cases = tuple(load_cases) or arm.cases
     if any(case.relative_to is not None for case in cases):
         raise InputError("", "relative_to", "goes without a budget, which is of the whole error")
-    heard = progress or _silent
+    report = progress or _silent
     room = room_of(arm, None, avoid)
     poses, evenly = _poses(arm, sheet, workspace or Workspace(), cases, room)
     parts = parts_of(arm, sheet, poses, cases)
@@ -123,29 +123,29 @@ def budget(
         raise InputError("", "", f"{arm.name} has no data of anything that errs; give {would_do}")
     draws = Draws(sheet.seed, sheet.draws, parts.states)
     found = errors(parts, draws)
-    kept = quantile(found, sheet.share)
-    place = int(np.argmax(kept))
+    quantile_worst = quantile(found, sheet.share)
+    place = int(np.argmax(quantile_worst))
     worst, average = _figures(found, sheet.share, spread)
     samples = np.sort(found.max(axis=1))
     upper = upper_rank(sheet.share, sheet.draws)
-    own = owners(parts)
-    done, steps = 0, len(named) + len(own) + len(sheet.options)
+    places = owners(parts)
+    done, steps = 0, len(named) + len(places) + len(sheet.options)
     alone: list[tuple[str, float, float]] = []
     for name in named:
-        heard(f"what {name} does alone", done / steps)
+        report(f"what {name} does alone", done / steps)
         each = errors(parts, draws, Chosen(cause=name))
         alone.append((name, float(quantile(each, sheet.share)[place]), _root_mean_square(each[:, spread])))
         done += 1
     whole = sum(value**2 for _, _, value in alone) or 1.0
     halved: list[Gain] = []
-    for owner in own:
-        heard(f"a better {owner[0]} {owner[1] + 1}", done / steps)
+    for owner in places:
+        report(f"a better {owner[0]} {owner[1] + 1}", done / steps)
         better = _figures(errors(parts, draws, Chosen(better={owner: _HALF})), sheet.share, spread)
         halved.append(Gain(owner, f"{owner[0]} {owner[1] + 1}", worst - better[0], average - better[1]))
         done += 1
     options: list[Gain] = []
     for option in sheet.options:
-        heard(f"with {option.name}", done / steps)
+        report(f"with {option.name}", done / steps)
         better = _with_option(option, poses, cases, spread)
         options.append(Gain(None, option.name, worst - better[0], average - better[1], option.price))
         done += 1
@@ -162,11 +162,11 @@ def budget(
         average=average,
         pose=tuple(poses[place % len(poses)].tolist()),
         load_case=place // len(poses) + 1,
-        at_worst=float(kept[place]),
+        at_worst=float(quantile_worst[place]),
         causes=tuple(
             sorted((Cause(name, top, mean, mean**2 / whole) for name, top, mean in alone), key=lambda x: -x.at_worst)
         ),
-        halved=tuple(sorted((each for each in halved if each.worst > _LEAST * worst), key=lambda x: -x.worst)),
+        halved=tuple(sorted((item for item in halved if item.worst > _LEAST * worst), key=lambda x: -x.worst)),
         options=tuple(sorted(options, key=_worth)),
         samples=tuple(samples.tolist()),
         unwarmed=parts.unwarmed,
@@ -188,8 +188,8 @@ def _root_mean_square(values: Array) -> float:
     return float(np.sqrt(np.mean(values**2)))
 
 
-def _figures(found: Array, share: float, spread: NDArray[np.bool_]) -> tuple[float, float]:
-    return float(quantile(found.max(axis=1), share)), _root_mean_square(found[:, spread])
+def _figures(samples: Array, share: float, spread: NDArray[np.bool_]) -> tuple[float, float]:
+    return float(quantile(samples.max(axis=1), share)), _root_mean_square(samples[:, spread])
 
 
 def _spread(poses: int, evenly: int, loads: int) -> NDArray[np.bool_]:
@@ -201,8 +201,8 @@ def _with_option(
     option: Option, poses: Array, cases: Sequence[LoadCase], spread: NDArray[np.bool_]
 ) -> tuple[float, float]:
     parts: Parts = parts_of(option.arm, option.sheet, poses, cases)
-    found = errors(parts, Draws(option.sheet.seed, option.sheet.draws, parts.states), ALL)
-    return _figures(found, option.sheet.share, spread)
+    worst = errors(parts, Draws(option.sheet.seed, option.sheet.draws, parts.states), ALL)
+    return _figures(worst, option.sheet.share, spread)
 
 
 def _poses(arm: Arm, sheet: Sheet, workspace: Workspace, cases: Sequence[LoadCase], room: Room) -> tuple[Array, int]:
@@ -212,12 +212,12 @@ def _poses(arm: Arm, sheet: Sheet, workspace: Workspace, cases: Sequence[LoadCas
     p = beam_values(beams_of(arm, cases))
     worst = np.array([pose.q for pose in search.worst(p, certify=False).poses])
     worst = worst[room.allows(arm, worst)]
-    many = search.poses(p, _LOOKED_AT)
-    many = np.vstack([many[room.allows(arm, many)], worst])
-    evenly = search.poses(p, _POSES) if room.everywhere else many[: len(many) - len(worst)][:_POSES]
+    spread = search.poses(p, _LOOKED_AT)
+    spread = np.vstack([spread[room.allows(arm, spread)], worst])
+    evenly = search.poses(p, _POSES) if room.everywhere else spread[: len(spread) - len(worst)][:_POSES]
     if not len(evenly):
         raise NoRoom(f"what is to be avoided leaves none of {_LOOKED_AT} poses of the workspace")
-    parts = parts_of(arm, sheet, many, cases)
+    parts = parts_of(arm, sheet, spread, cases)
     found = errors(parts, Draws(sheet.seed, _ARMS, parts.states))
-    of_arms = many[np.unique(found.argmax(axis=1) % len(many))]
+    of_arms = spread[np.unique(found.argmax(axis=1) % len(spread))]
     return np.vstack([worst, of_arms, evenly]), min(len(evenly), _POSES)

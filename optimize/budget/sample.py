@@ -58,30 +58,30 @@ class Draws:
 def errors(parts: Parts, draws: Draws, chosen: Chosen = ALL) -> Array:
     """The error (A, S) in m of each arm at each state, play counted as the arm's mode says."""
     vectors = _vectors(parts, draws, chosen)
-    play = [each for each in parts.play if chosen.weight(each.cause, each.owner) > 0.0]
+    play = [item for item in parts.play if chosen.weight(item.cause, item.owner) > 0.0]
     if not play:
         return np.sqrt(np.einsum("asi,asi->as", vectors, vectors))
     looser = {
         k: 1.0 + width * draws.once(f"backlash {owner}") * (chosen.tolerances)
-        for k, (width, owner) in enumerate((backlash_width(parts, each), each.owner) for each in play)
+        for k, (width, owner) in enumerate((backlash_width(parts, item), item.owner) for item in play)
     }
-    found: list[Array] = []
+    samples: list[Array] = []
     step = max(1, _ROWS // parts.states)
     for start in range(0, draws.arms, step):
         rows = slice(start, start + step)
-        scales = [chosen.weight(each.cause, each.owner) * looser[k][rows] for k, each in enumerate(play)]
-        found.append(_played(parts, vectors[rows], play, scales))
-    return np.concatenate(found)
+        scales = [chosen.weight(item.cause, item.owner) * looser[k][rows] for k, item in enumerate(play)]
+        samples.append(_played(parts, vectors[rows], play, scales))
+    return np.concatenate(samples)
 
 
 def _played(parts: Parts, vectors: Array, play: list[Play], scales: list[Array]) -> Array:
     arms, states = vectors.shape[:2]
-    intervals = [k for k, each in enumerate(play) if each.radius is None]
-    discs = [k for k, each in enumerate(play) if each.radius is not None]
+    intervals = [k for k, item in enumerate(play) if item.radius is None]
+    discs = [k for k, item in enumerate(play) if item.radius is not None]
     count = arms * states
 
     def rows(values: Iterable[Array], width: int) -> Array:
-        held = [np.broadcast_to(each, (arms, states, width)).reshape(count, width) for each in values]
+        held = [np.broadcast_to(value, (arms, states, width)).reshape(count, width) for value in values]
         return np.stack(held, axis=1) if held else np.zeros((count, 0, width))
 
     reach = rows((scales[k][:, None, None] * play[k].vector[None] for k in intervals), 3)
@@ -93,34 +93,34 @@ def _played(parts: Parts, vectors: Array, play: list[Play], scales: list[Array])
     radii = np.array([(play[k].radius or 0.0) * float(scales[k][0]) for k in discs])
     if parts.arm.play == "worst" and discs and not parts.planar:
         return farthest_by_fan(arrays, radii).reshape(arms, states)
-    found = played(arrays, radii, parts.arm.play, planar=parts.planar, statistics=parts.arm.statistics)
-    return found.error.reshape(arms, states)
+    error = played(arrays, radii, parts.arm.play, planar=parts.planar, statistics=parts.arm.statistics)
+    return error.error.reshape(arms, states)
 
 
 def _vectors(parts: Parts, draws: Draws, chosen: Chosen) -> Array:
     """The error vectors (A, S, 3) without play."""
     total = np.zeros((draws.arms, parts.states, 3))
-    for each in parts.fixed:
-        weight = chosen.weight(each.cause, each.owner)
+    for item in parts.fixed:
+        weight = chosen.weight(item.cause, item.owner)
         if weight == 0.0:
             continue
-        width = 0.0 if each.factor is None else parts.widths.get((each.factor, each.owner[1]), 0.0)
+        width = 0.0 if item.factor is None else parts.widths.get((item.factor, item.owner[1]), 0.0)
         if width == 0.0 or not chosen.tolerances:
-            total += weight * each.vector[None]
+            total += weight * item.vector[None]
         else:
-            better = chosen.better.get(each.owner, 1.0)
-            softer = 1.0 / (1.0 + better * width * draws.once(f"{each.factor} {each.owner}"))
-            total += weight * softer[:, None, None] * each.vector[None]
+            better = chosen.better.get(item.owner, 1.0)
+            softer = 1.0 / (1.0 + better * width * draws.once(f"{item.factor} {item.owner}"))
+            total += weight * softer[:, None, None] * item.vector[None]
     if not chosen.tolerances:
         return total
-    for each in parts.varying:
-        weight = chosen.weight(each.cause, each.owner)
+    for item in parts.varying:
+        weight = chosen.weight(item.cause, item.owner)
         if weight == 0.0:
             continue
-        number = (draws.each_time(each.key) if each.each_time else draws.once(each.key)[:, None])[:, :, None]
-        total += weight * number * each.vector[None]
-        if each.bent is not None:
-            total += weight * number**2 * each.bent[None]
+        number = (draws.each_time(item.key) if item.each_time else draws.once(item.key)[:, None])[:, :, None]
+        total += weight * number * item.vector[None]
+        if item.bent is not None:
+            total += weight * number**2 * item.bent[None]
     scatter = chosen.weight(REPEATABILITY, ("tip", -1)) * parts.scatter
     if scatter > 0.0:
         moved = scatter * draws.scatter()
@@ -132,14 +132,14 @@ def _vectors(parts: Parts, draws: Draws, chosen: Chosen) -> Array:
 
 def causes(parts: Parts) -> tuple[str, ...]:
     """All causes of an error, each once, in the order in which they were found."""
-    named = [each.cause for group in (parts.fixed, parts.play, parts.varying) for each in group]
+    named = [item.cause for group in (parts.fixed, parts.play, parts.varying) for item in group]
     return tuple(dict.fromkeys([*named, *([REPEATABILITY] if parts.scatter > 0.0 else [])]))
 
 
 def owners(parts: Parts) -> tuple[Owner, ...]:
     """The joints and links that have any part in the error, from the base out."""
-    named = {each.owner for group in (parts.fixed, parts.play, parts.varying) for each in group}
-    return tuple(sorted((each for each in named if each[1] >= 0), key=lambda each: (each[1], each[0])))
+    named = {item.owner for group in (parts.fixed, parts.play, parts.varying) for item in group}
+    return tuple(sorted((item for item in named if item[1] >= 0), key=lambda item: (item[1], item[0])))
 
 
 def quantile(values: Array, share: float) -> Array:

@@ -68,7 +68,7 @@ def read_sheet(mapping: Mapping, arm: Arm, changed: Changed) -> Sheet:
             raise mapping.error("draws", f"needs 20 to {_MOST_DRAWS}")
         if seed < 0:
             raise mapping.error("seed", "cannot be negative")
-        found = Sheet(
+        sheet = Sheet(
             tuple(_tolerances(mapping, arm)),
             _uncertain(mapping, arm, share),
             _positive(mapping, "repeatability", "length"),
@@ -77,8 +77,8 @@ def read_sheet(mapping: Mapping, arm: Arm, changed: Changed) -> Sheet:
             draws,
             seed,
         )
-        options = tuple(_option(each, arm, found, changed) for each in _listed(mapping, "better"))
-    return replace(found, options=options)
+        options = tuple(_option(item, arm, sheet, changed) for item in _listed(mapping, "better"))
+    return replace(sheet, options=options)
 
 
 def _listed(mapping: Mapping, key: str) -> list[Mapping]:
@@ -94,19 +94,19 @@ def _positive(mapping: Mapping, name: str, kind: str) -> float:
 
 def _tolerances(mapping: Mapping, arm: Arm) -> list[Tolerance]:
     entries = read_effects(mapping, arm.joints, frozenset(EFFECTS), "tolerances", "each_time")
-    found: list[Tolerance] = []
+    tolerances: list[Tolerance] = []
     for entry, body in zip(entries, _listed(mapping, "tolerances"), strict=True):
         effect = EFFECTS[entry.effect]
-        if not effect.linear or effect.requires or effect.automatic or effect.of_instrument:
-            known = sorted(name for name, each in EFFECTS.items() if _can_be_off(name) and each.linear)
+        if not effect.sizes or not effect.linear or effect.requires or effect.automatic or effect.of_instrument:
+            known = sorted(name for name, item in EFFECTS.items() if _can_be_off(name) and item.linear)
             raise body.error("effect", f"{entry.effect} is no tolerance; those are {', '.join(known)}")
-        found.append(Tolerance(entry, body.boolean("each_time", False)))
-    return found
+        tolerances.append(Tolerance(entry, body.boolean("each_time", False)))
+    return tolerances
 
 
 def _can_be_off(name: str) -> bool:
     effect = EFFECTS[name]
-    return not (effect.requires or effect.automatic or effect.of_instrument or effect.flexible)
+    return bool(effect.sizes) and not (effect.requires or effect.automatic or effect.of_instrument or effect.flexible)
 
 
 def _uncertain(mapping: Mapping, arm: Arm, share: float) -> Uncertain | None:
@@ -155,29 +155,29 @@ def _places(body: Mapping, arm: Arm) -> list[int]:
         return []
     raw = body.raw("at")
     numbers: list[object] = list(raw) if isinstance(raw, list) else [raw]
-    found: list[int] = []
+    places: list[int] = []
     for number in numbers:
         if isinstance(number, bool) or not isinstance(number, int) or not 1 <= number <= arm.size:
             raise body.error("at", f"numbers joints or links from 1 to {arm.size}, not {shown(number)}")
-        found.append(number)
-    return found
+        places.append(number)
+    return places
 
 
 def _replaced(old: tuple[Tolerance, ...], new: list[Tolerance], arm: Arm) -> tuple[Tolerance, ...]:
     """The tolerances with better ones in place of those of the same effect, parameters and kind at the same places."""
-    found = list(old)
-    for each in new:
-        kept: list[Tolerance] = []
-        for other in found:
-            same = other.entry.effect == each.entry.effect and other.each_time == each.each_time
-            if not same or set(other.entry.parameters) != set(each.entry.parameters):
-                kept.append(other)
+    tolerances = list(old)
+    for item in new:
+        rest: list[Tolerance] = []
+        for other in tolerances:
+            same = other.entry.effect == item.entry.effect and other.each_time == item.each_time
+            if not same or set(other.entry.parameters) != set(item.entry.parameters):
+                rest.append(other)
                 continue
-            left = tuple(place for place in _all_places(other.entry, arm) if place not in each.entry.at)
-            if each.entry.at and left:
-                kept.append(Tolerance(EffectEntry(other.entry.effect, left, other.entry.parameters), other.each_time))
-        found = [*kept, each]
-    return tuple(found)
+            left = tuple(place for place in _all_places(other.entry, arm) if place not in item.entry.at)
+            if item.entry.at and left:
+                rest.append(Tolerance(EffectEntry(other.entry.effect, left, other.entry.parameters), other.each_time))
+        tolerances = [*rest, item]
+    return tuple(tolerances)
 
 
 def _all_places(entry: EffectEntry, arm: Arm) -> tuple[int, ...]:

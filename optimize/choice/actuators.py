@@ -9,13 +9,12 @@ from dataclasses import replace
 from linkwright.core.arm.actuators import Actuator
 from linkwright.core.arm.chain.chain import Arm
 from linkwright.core.arm.errors.model import beam_values, beams_of, error_model
-from linkwright.core.arm.limits.slowest_pose import frequency_of_drives
+from linkwright.core.arm.figures.frequency import FIRST_FREQUENCY, frequency_of_drives
 from linkwright.core.arm.worst.search import WorstSearch
 from linkwright.core.optimize.balance.balance import with_counterweights
 from linkwright.core.optimize.exchange.design import numeric_beams
 from linkwright.core.optimize.exchange.exchange import context_of
 from linkwright.core.optimize.exchange.program import carried_mass, drives_cost
-from linkwright.core.optimize.limits.frequency import FIRST_FREQUENCY
 from linkwright.core.optimize.problem import Problem
 
 Assignment = tuple[Actuator | None, ...]
@@ -35,8 +34,8 @@ def with_actuators(arm: Arm, assignment: Assignment) -> Arm:
             actuator=actuator,
             stiffness=actuator.stiffness,
             zones=actuator.zones,
-            backlash=actuator.backlash,
-            mass=actuator.mass,
+            backlash=actuator.backlash or 0.0,
+            mass=actuator.mass or 0.0,
             tilting_stiffness=actuator.tilting_stiffness,
             cost=None,
         )
@@ -47,16 +46,16 @@ def with_actuators(arm: Arm, assignment: Assignment) -> Arm:
 
 def assignments(problem: Problem) -> list[Assignment]:
     """Every choice of actuators that the problem allows; under `same: [actuator]` those in which all joints agree."""
-    lists = [tuple[Actuator | None, ...](own) or (None,) for own in problem.actuators or ()]
+    lists = [tuple[Actuator | None, ...](joint_actuators) or (None,) for joint_actuators in problem.actuators or ()]
     picks = itertools.product(*lists)
     if "actuator" not in problem.same:
         return list(picks)
-    return [pick for pick in picks if len({each.name for each in pick if each is not None}) <= 1]
+    return [pick for pick in picks if len({item.name for item in pick if item is not None}) <= 1]
 
 
 def count(problem: Problem) -> int:
     """How many choices there are, without listing them."""
-    sizes = [max(len(own), 1) for own in problem.actuators or ()]
+    sizes = [max(len(joint_actuators), 1) for joint_actuators in problem.actuators or ()]
     return max(sizes) if "actuator" in problem.same else math.prod(sizes)
 
 
@@ -71,20 +70,20 @@ def hopeless(problem: Problem) -> bool:
     lightest = replace(problem, arm=with_counterweights(problem.arm, problem.balances, least=True))
     heavy = any(x.relation != ">=" and carried_mass(lightest) >= x.value for x in problem.limit("total_mass"))
     dear = bool(problem.limit("cost")) and any(drives_cost(problem) >= x.value for x in problem.limit("cost"))
-    asked = max((x.value for x in problem.limit(FIRST_FREQUENCY.name) if x.relation != "<="), default=0.0)
-    return heavy or dear or (asked > 0.0 and frequency_allowed(problem) < asked)
+    required = max((x.value for x in problem.limit(FIRST_FREQUENCY.name) if x.relation != "<="), default=0.0)
+    return heavy or dear or (required > 0.0 and frequency_allowed(problem) < required)
 
 
 def frequency_allowed(problem: Problem) -> float:
     """The first frequency (Hz) that no design exceeds, for its drives: rigid links without weight, under the payloads
     and the joints' masses. Infinite where the drives are rigid or the lengths are free."""
-    if problem.link_length is not None:
+    if problem.free_lengths:
         return math.inf
     arm, cases = problem.arm, problem.load_cases
     beams = beams_of(arm, cases)
     search = WorstSearch(error_model(arm, cases), problem.workspace)
-    found = frequency_of_drives(arm, search, beams, beam_values(beams), cases, weightless=True)
-    return math.inf if found is None else found.value
+    frequency = frequency_of_drives(arm, search, beams, beam_values(beams), cases, weightless=True)
+    return math.inf if frequency is None else frequency.value
 
 
 def least_error(problem: Problem) -> float:
@@ -101,7 +100,7 @@ def first_driven(problem: Problem) -> tuple[Problem, str]:
     that the arm has."""
     if problem.actuators is None:
         return problem, ""
-    pick = tuple(own[0] if own else None for own in problem.actuators)
+    pick = tuple(joint_actuators[0] if joint_actuators else None for joint_actuators in problem.actuators)
     return replace(problem, arm=with_actuators(problem.arm, pick), actuators=None), names_of(pick)
 
 

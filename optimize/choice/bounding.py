@@ -48,14 +48,14 @@ def _chooser(problem: Problem) -> Chooser:
 
 def _bounded(chooser: Chooser, item: Item) -> tuple[Bounded, ...]:
     picks, chooser.pool = item
-    found: list[Bounded] = []
+    bounded: list[Bounded] = []
     for pick in picks:
         solved = chooser.solve_unless_ruled_out(pick)
         if solved is None or solved.objective is None or solved.solution is None:
-            found.append(Bounded(None, outcome=chooser.candidates[pick].outcome))
+            bounded.append(Bounded(None, outcome=chooser.candidates[pick].outcome))
         else:
-            found.append(Bounded(solved.objective, tuple(solved.solution.x.tolist())))
-    return tuple(found)
+            bounded.append(Bounded(solved.objective, tuple(solved.solution.x.tolist())))
+    return tuple(bounded)
 
 
 def bound_all(
@@ -76,10 +76,10 @@ def bound_all(
             groups.append([pick])
     done = 0
 
-    def count(number: int, found: tuple[Bounded, ...]) -> None:
+    def count(number: int, bounded: tuple[Bounded, ...]) -> None:
         nonlocal done
-        done += len(found)
-        for pick, each in zip(groups[number], found, strict=True):
-            keep(pick, each)
+        done += len(bounded)
+        for pick, item in zip(groups[number], bounded, strict=True):
+            keep(pick, item)
 
     executor.map(work, [(tuple(group), pool) for group in groups], lambda: told(done), count)

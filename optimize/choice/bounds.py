@@ -15,11 +15,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from linkwright.core.arm.errors.model import beams_of
+from linkwright.core.arm.figures import Cut
 from linkwright.core.optimize.exchange.binding_poses import ErrorCut, Pool
 from linkwright.core.optimize.exchange.design import MATERIAL_FIELDS, arm_of, numeric_beams
 from linkwright.core.optimize.exchange.exchange import Context, Exchange
 from linkwright.core.optimize.exchange.program import Solution, carried_mass, fixed_error, unchosen_cost
-from linkwright.core.optimize.limits import Cut
 from linkwright.core.optimize.problem import Problem
 from linkwright.core.sections.numeric import Array
 
@@ -76,18 +76,18 @@ class CombinationBounds:
     ) -> bool:
         """Raise the bounds by a solution for the pool, of those that are below `enough` (SI) and not closed; False
         where the model is no sum of products."""
-        found = _lagrangian(self.context, exchange, solution, materials, pick, pool)
-        if found is None:
+        lagrangian = _lagrangian(self.context, exchange, solution, materials, pick, pool)
+        if lagrangian is None:
             return False
-        products, per_cost, at = found
+        products, per_cost, at = lagrangian
         constant, parts = minorant(products, at)
         lengths = self.context.problem.arm.lengths
         bound = np.array(constant)
         low = ~self.closed & (self.bounds < enough)
         for axis, (link, table) in enumerate(zip(self.options.links, self.tables, strict=True)):
             # An option that is in none of those need not be looked at.
-            asked = np.asarray(low.any(axis=tuple(k for k in range(low.ndim) if k != axis)))
-            least = table.least(parts[link], per_cost * float(lengths[link]), asked)
+            undecided = np.asarray(low.any(axis=tuple(k for k in range(low.ndim) if k != axis)))
+            least = table.least(parts[link], per_cost * float(lengths[link]), undecided)
             shape = [1] * len(self.tables)
             shape[axis] = len(least)
             bound = bound + least.reshape(shape)
@@ -99,18 +99,15 @@ def combination_bounds(context: Context, feasibility: Feasibility | None) -> Com
     """Bounds for all combinations of a problem, none known yet; `feasibility` rules out some. None where there can be
     none: too many combinations, lengths to be chosen, scenarios, or play that depends on the design."""
     problem = context.problem
-    if (
-        problem.link_length is not None
-        or context.scenarios is not None
-        or (problem.arm.play != "worst" and context.uses_error)
-    ):
+    if problem.free_lengths or context.scenarios is not None or (problem.arm.play != "worst" and context.uses_error):
         return None
     options = option_table(problem)
     if math.prod(options.shape) > MOST_AT_ONCE:
         return None
     # Links that can be the same share what that can be.
-    alike = {own: LinkOptions(problem, own) for own in dict.fromkeys(options.options)}
-    tables = tuple(alike[own] for own in options.options)
+    first = options.first_alike(problem)
+    made = {k: LinkOptions(problem, options.links[k], options.options[k]) for k in dict.fromkeys(first)}
+    tables = tuple(made[k] for k in first)
     out = ~_agreeing(problem, options)
     if feasibility is not None:
         out |= feasibility.impossible
@@ -120,7 +117,7 @@ def combination_bounds(context: Context, feasibility: Feasibility | None) -> Com
 
 def _agreeing(problem: Problem, options: OptionTable) -> NDArray[np.bool_]:
     """Which combinations agree in what must be the same."""
-    found = np.ones(options.shape, dtype=bool)
+    agreeing = np.ones(options.shape, dtype=bool)
     sames: list[int] = []
     if "section" in problem.same or "size" in problem.same:
         sames.append(0)
@@ -129,16 +126,16 @@ def _agreeing(problem: Problem, options: OptionTable) -> NDArray[np.bool_]:
     for part in sames:
         names: dict[object, int] = {}
         first: Array | None = None
-        for axis, own in enumerate(options.options):
-            kinds = [entry[0] if part == 0 else entry[1].name for entry in own]
+        for axis, link_options in enumerate(options.options):
+            kinds = [entry[0] if part == 0 else entry[1].name for entry in link_options]
             shape = [1] * len(options.options)
-            shape[axis] = len(own)
+            shape[axis] = len(link_options)
             codes = np.array([names.setdefault(kind, len(names)) for kind in kinds], dtype=float).reshape(shape)
             if first is None:
                 first = codes
             else:
-                found &= codes == first
-    return found
+                agreeing &= codes == first
+    return agreeing
 
 
 def _lagrangian(
@@ -195,13 +192,13 @@ def _of_errors(
     to the objective; None where an error is no sum of products."""
     problem = context.problem
     minimised = problem.minimize == "max_error"
-    limit = min((each.value for each in problem.limit("max_error")), default=math.inf)
+    limit = min((item.value for item in problem.limit("max_error")), default=math.inf)
     whole, allowed = 1.0, limit - fixed_error(context.model)
     if minimised:
         whole, allowed = sum(weight for _, weight in cuts), 0.0
         if whole <= 0.0:
             return None
-    found: list[Products] = []
+    products: list[Products] = []
     for cut, weight in cuts:
         if weight / whole <= _FELT or not (minimised or math.isfinite(limit)):
             continue
@@ -209,40 +206,40 @@ def _of_errors(
         if error is None:
             return None
         scale = weight / whole if minimised else worth * weight / error.value(features)
-        found += [error.scaled(scale), Products({(): -scale * allowed})]
-    return found
+        products += [error.scaled(scale), Products({(): -scale * allowed})]
+    return products
 
 
 def _of_sums(
     problem: Problem, prices: Sequence[float], worth: float, mass: Products, rest: Mapping[str, float]
 ) -> tuple[list[Products], float]:
     """The limits on masses and cost with their multipliers, and what each EUR of the links' cost adds."""
-    found: list[Products] = []
+    products: list[Products] = []
     per_cost = 0.0
-    for price, own in zip(prices, problem.limits, strict=True):
-        if own.name not in ("mass", "total_mass", "cost") or abs(price) <= _FELT:
+    for price, limit in zip(prices, problem.limits, strict=True):
+        if limit.name not in ("mass", "total_mass", "cost") or abs(price) <= _FELT:
             continue
-        scale = worth * price * (-1.0 if own.relation == ">=" else 1.0)
-        if own.name == "cost":
-            per_cost += scale / own.value
-            found.append(Products({(): scale * (unchosen_cost(problem) / own.value - 1.0)}))
+        scale = worth * price * (-1.0 if limit.relation == ">=" else 1.0)
+        if limit.name == "cost":
+            per_cost += scale / limit.value
+            products.append(Products({(): scale * (unchosen_cost(problem) / limit.value - 1.0)}))
         else:
-            found.append(mass.scaled(scale / own.value))
-            found.append(Products({(): scale * (rest[own.name] / own.value - 1.0)}))
-    return found, per_cost
+            products.append(mass.scaled(scale / limit.value))
+            products.append(Products({(): scale * (rest[limit.name] / limit.value - 1.0)}))
+    return products, per_cost
 
 
 def _merged(cuts: Sequence[ErrorCut], weights: Array) -> list[tuple[ErrorCut, float]]:
     """Each pose once: spare slots repeat one."""
-    found: dict[ErrorCut, float] = {}
+    merged: dict[ErrorCut, float] = {}
     for cut, weight in zip(cuts, weights.tolist(), strict=True):
-        found[cut] = found.get(cut, 0.0) + weight
-    return list(found.items())
+        merged[cut] = merged.get(cut, 0.0) + weight
+    return list(merged.items())
 
 
 def _strengths(strength: Array, materials: Array, size: int) -> Array:
     """The links' features of stress (n, 3); 1 where the yield strength is not known."""
-    yields = materials.reshape(size, -1)[:, MATERIAL_FIELDS.index("yield_strength")]
+    yields = materials.reshape(size, -1)[:, MATERIAL_FIELDS.index("allowed_stress")]
     moduli = strength.reshape(size, -1)[:, :3]
     return np.where(yields[:, None] > 0.0, 1.0 / np.maximum(moduli * yields[:, None], 1e-300), 1.0)
 
@@ -253,9 +250,9 @@ def _of_family(
     """The rows of a family's poses with their multipliers; of a family that is not known here, nothing: the bound is
     then lower than it could be."""
     problem = context.problem
-    found: list[Products] = []
+    products: list[Products] = []
     if not len(cuts):
-        return found
+        return products
     merged: dict[Cut, Array] = {}
     for cut, own in zip(cuts, multipliers.reshape(len(cuts), -1), strict=True):
         merged[cut] = merged.get(cut, 0.0) + own
@@ -265,12 +262,12 @@ def _of_family(
         if name == "strengths":
             rows = strength_products(problem, prepared[cut.group], cut, p)  # type: ignore[index]
             weighed = zip(rows, own.tolist(), strict=False)
-            found += [row.scaled(weight) for (_, row), weight in weighed if weight > _FELT]
+            products += [row.scaled(weight) for (_, row), weight in weighed if weight > _FELT]
         elif name == "modes":
             beams = beams_of(arm, problem.load_cases)  # type: ignore[arg-type]
             limits = [limit for limit in problem.limits if limit.name == "first_frequency"]
             for limit, multiplier in zip(limits, own.tolist(), strict=True):
                 sums = inertia_products(prepared[0], prepared[1], cut, beams, p, limit.value)  # type: ignore[index]
                 if sums is not None and multiplier > _FELT:
-                    found.append(sums[0].scaled(multiplier / sums[1]))
-    return found
+                    products.append(sums[0].scaled(multiplier / sums[1]))
+    return products

@@ -14,6 +14,7 @@ from typing import Any, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
+from linkwright.core.arm.figures import OfDesign, Totals, excess
 from linkwright.core.arm.worst.workspace import Unreachable
 from linkwright.core.executors import Executor
 from linkwright.core.optimize.exchange.binding_poses import Pool, Room
@@ -28,12 +29,11 @@ from linkwright.core.optimize.exchange.design import (
     numeric_beams,
     starting_points,
 )
-from linkwright.core.optimize.exchange.exchange import Context, Exchange, Exchanged, first_pool, objective_of
+from linkwright.core.optimize.exchange.exchange import GAINED, Context, Exchange, Exchanged, badness_of, first_pool
 from linkwright.core.optimize.exchange.other_lengths import other_lengths, share_unreached, with_lengths
 from linkwright.core.optimize.exchange.program import Ask, Program, Solution, carried_mass
 from linkwright.core.optimize.exchange.rescue import solved
 from linkwright.core.optimize.journal import Journal
-from linkwright.core.optimize.limits import OfDesign, Totals, excess
 from linkwright.core.optimize.result import Candidate, Iteration
 
 from .at_once.feasibility import Feasibility, feasibility_of
@@ -141,31 +141,31 @@ class Chooser:
         left = [(number, pick) for number, pick in enumerate(picks) if pick not in self.candidates]
         if not left or self.pool is None:
             return []
-        found: dict[Combination, Bounded] = {}
+        bounded: dict[Combination, Bounded] = {}
         keys: dict[Combination, Key] = {}
         if self._answers is not None:
             keys = {pick: self._answers.key("bound", pick, self.pool) for _, pick in left}
-            found = {pick: each for pick, key in keys.items() if (each := self._answers.get(key)) is not None}
-        known = len(found)
+            bounded = {pick: answer for pick, key in keys.items() if (answer := self._answers.get(key)) is not None}
+        known = len(bounded)
 
         def told(done: int) -> None:
             if self.progress is not None:
                 self.progress(known + done, len(left), "bounding combinations")
 
-        def keep(pick: Combination, each: Bounded) -> None:
-            found[pick] = each
+        def keep(pick: Combination, bound: Bounded) -> None:
+            bounded[pick] = bound
             if self._answers is not None:
-                self._answers.put(keys[pick], each)
+                self._answers.put(keys[pick], bound)
 
-        fresh = [pick for _, pick in left if pick not in found]
+        fresh = [pick for _, pick in left if pick not in bounded]
         bound_all(executor, self._bounding, fresh, self.pool, told, keep)
         bounds: list[tuple[float, int, Array]] = []
         for number, pick in left:
-            each = found[pick]
-            if each.objective is None:
-                self.note(pick, None, each.outcome)
+            answer = bounded[pick]
+            if answer.objective is None:
+                self.note(pick, None, answer.outcome)
             else:
-                bounds.append((each.objective, number, np.array(each.x)))
+                bounds.append((answer.objective, number, np.array(answer.x)))
         return bounds
 
     def _first(self, picks: list[Combination]) -> None:
@@ -211,7 +211,7 @@ class Chooser:
         if self.best is None:
             return
         pick, space, _, _, exchanged, _ = self.best
-        near = [each for each in self._by_objective()[:_AT_OTHER_LENGTHS] if each != pick]
+        near = [item for item in self._by_objective()[:_AT_OTHER_LENGTHS] if item != pick]
         starts = other_lengths(self.context, space, exchanged.x, pick.materials)
         for number, start in enumerate(starts):
             if self.progress is not None:
@@ -234,7 +234,7 @@ class Chooser:
 
     def _reaches_less(self, one: Best, other: Best) -> bool:
         """Whether a design reaches less of a box or a path than another one does."""
-        shares = [share_unreached(self.context, each[1], each[4].x, each[0].materials) for each in (one, other)]
+        shares = [share_unreached(self.context, item[1], item[4].x, item[0].materials) for item in (one, other)]
         return shares[0] > shares[1]
 
     def _finish_near_lengths(self, pick: Combination, start: Array) -> None:
@@ -244,18 +244,21 @@ class Chooser:
         exchange, materials = self._exchange(pick.shapes), material_row(pick.materials, self.context.problem)
         program = exchange.program(self.pool)
         lengths = np.array([variable.name == LENGTH for variable in exchange.space.variables])
-        near = Ask(self.context.problem.limits, within=(start, np.where(lengths, _HELD, np.inf)))
+        aim = self.context.aim
+        near = Ask(self.context.problem.limits, aim, within=(start, np.where(lengths, _HELD, np.inf)))
         held = solved(program, start, materials, self.pool, near)
         if not held.solved:
             return
         hopeful = _HOPEFUL * self.objective
-        if objective_of(self.context, program, held.x, materials, held.error) < hopeful:
+        if exchange.objective(program, held, materials, aim) < hopeful:
             done = self.finish(pick, held.x, within=np.where(lengths, _NEAR, np.inf), above=hopeful)
             self.finish(pick, held.x if done is None else done.x)
 
     def _by_objective(self) -> list[Combination]:
         """The combinations that have an objective or a bound, best first."""
-        values = {pick: each.objective for pick, each in self.candidates.items() if each.objective is not None}
+        values = {
+            pick: candidate.objective for pick, candidate in self.candidates.items() if candidate.objective is not None
+        }
         return sorted(values, key=lambda pick: values[pick])
 
     def one_signed(self, *, everywhere: bool = False) -> bool:
@@ -264,7 +267,7 @@ class Chooser:
         if self.best is None or not self.context.uses_error or self.context.scenarios is not None:
             return True
         pick, space, _, _, exchanged, _ = self.best
-        p = numeric_beams(arm_of(space, exchanged.x, pick.materials), self.context.problem.load_cases)
+        p = self._beams(pick, space, exchanged.x)
         cuts = exchanged.solution.active.errors
         if everywhere and self.pool is not None:
             cuts = self.pool.errors
@@ -273,15 +276,24 @@ class Chooser:
     def _descend(self, pick: Combination, space: DesignSpace, materials: Array) -> None:
         """Where terms cancel, the error has several minima: into each that shows between light and heavy sections."""
         rungs = ladder(space, materials, _RUNGS)
-        errors = [self._error(pick, space, rung) for rung in rungs]
+        errors = [self._scanned(pick, space, rung) for rung in rungs]
         for index, rung in enumerate(rungs):
             if errors[index] <= min(errors[max(index - 1, 0) : index + 2]):
                 self.finish(pick, rung, within=_NEAR)
 
-    def _error(self, pick: Combination, space: DesignSpace, x: Array) -> float:
-        arm = arm_of(space, x, pick.materials)
+    def _scanned(self, pick: Combination, space: DesignSpace, x: Array) -> float:
+        """The worst error at poses spread over the workspace: enough to see where it has a minimum."""
         try:
-            return self.context.worst(arm, numeric_beams(arm, self.context.problem.load_cases), certify=False).error
+            return self.context.search.scanned(self._beams(pick, space, x))
+        except Unreachable:
+            return math.inf
+
+    def _beams(self, pick: Combination, space: DesignSpace, x: Array) -> Array:
+        return numeric_beams(arm_of(space, x, pick.materials), self.context.problem.load_cases)
+
+    def _badness(self, pick: Combination, space: DesignSpace, program: Program, x: Array, materials: Array) -> float:
+        try:
+            return badness_of(self.context, program, x, arm_of(space, x, pick.materials), materials)
         except Unreachable:
             return math.inf
 
@@ -292,7 +304,7 @@ class Chooser:
         exchange = self._exchange(pick.shapes)
         self.pool = self.pool or first_pool(self.context, space, x, pick.materials)
         program = exchange.program(self.pool)
-        known = objective_of(self.context, program, x, materials, self._error(pick, space, x))
+        known = self._badness(pick, space, program, x, materials)
         if known >= self.objective or not self._light_enough(program, x, materials):
             return
         for within in (_NEAR, 0.1 * _NEAR, 1e-4):
@@ -303,8 +315,13 @@ class Chooser:
     def hold_against_uniform(self) -> None:
         """Hold the best design against the best with the same shapes and materials and uniform links, where those are
         allowed, so that tapers never make an answer worse."""
-        allowed = self.context.problem.taper
-        if self.best is None or self.pool is None or allowed is None or not allowed[0] <= 1.0 <= allowed[1]:
+        allowed = [link_ranges.taper for link_ranges in self.context.problem.ranges if link_ranges.taper is not None]
+        if (
+            self.best is None
+            or self.pool is None
+            or not allowed
+            or not all(low <= 1.0 <= high for low, high in allowed)
+        ):
             return
         pick, space, materials, _, _, _ = self.best
         start = starting_points(space, materials, 1)[0]
@@ -339,18 +356,18 @@ class Chooser:
         return self._exchanges[shapes]
 
     def _known(
-        self, what: str, pick: Combination, exchange: Exchange, given: tuple[Any, ...], found: Callable[[], Known]
+        self, what: str, pick: Combination, exchange: Exchange, given: tuple[Any, ...], solve: Callable[[], Known]
     ) -> tuple[Known, bool]:
         """What a combination came to for the poses known, and whether it was found now, not kept from before."""
         assert self.pool is not None
         if self._answers is None:
-            return found(), True
+            return solve(), True
         key = self._answers.key(what, pick, self.pool, *given, _slots(exchange.room))
         answer = self._answers.get(key)
         if answer is not None:
             exchange.room = answer.room
             return answer, False
-        answer = found()
+        answer = solve()
         self._answers.put(key, answer)
         return answer, True
 
@@ -388,7 +405,7 @@ class Chooser:
     @property
     def undecided(self) -> bool:
         """Whether the solver failed on a combination that could be better for all that is known."""
-        return any(each.outcome == "unsolved" for each in self.candidates.values())
+        return any(candidate.outcome == "unsolved" for candidate in self.candidates.values())
 
     def ruled_out(self, pick: Combination) -> bool:
         """Whether others show that a combination cannot keep the limits; it is noted then."""
@@ -431,7 +448,7 @@ class Chooser:
             return None
         if pick not in self.candidates or objective < (self.candidates[pick].objective or math.inf):
             self.note(pick, objective, "solved")
-        if objective < self.objective * (1.0 - 1e-7):
+        if objective < self.objective * (1.0 - GAINED):
             self.best = (pick, exchange.space, materials, exchange, done, objective)
         return done
 
@@ -462,21 +479,23 @@ class Chooser:
             except Unreachable:
                 unreachable = True
             if done is not None:
-                error = done.solution.error if done.worst is None else done.worst.error
-                objective = objective_of(self.context, exchange.program(done.pool), done.x, materials, error)
+                solution, error = done.solution, done.solution.error if done.worst is None else done.worst.error
+                known_worse = replace(solution, error=error)
+                objective = exchange.objective(exchange.program(done.pool), known_worse, materials, self.context.aim)
             assert exchange.room is not None
             return Ended(exchange.room, done, objective, exchange.infeasible, unreachable, tuple(rounds))
 
         ended, fresh = self._known("finish", pick, exchange, (start, within, known), found)
         if not fresh:
             exchange.infeasible = ended.infeasible
-            for each in ended.rounds:
-                self._heard(each)
+            for item in ended.rounds:
+                self._heard(item)
         return ended
 
     def _heard(self, iteration: Iteration) -> None:
         """Exchanges of one choice after another make one log, numbered through."""
-        self.history.append(replace(iteration, number=len(self.history) + 1))
+        objective = self.context.problem.objective.badness(iteration.objective)
+        self.history.append(replace(iteration, number=len(self.history) + 1, objective=objective))
         if self._listener is not None:
             self._listener(self.history[-1])
 

@@ -71,7 +71,7 @@ class NoChoice:
     @property
     def unsolved(self) -> int:
         """On how many of them the solver failed, which proves nothing."""
-        return sum(each.outcome == "unsolved" for each in self.candidates)
+        return sum(candidate.outcome == "unsolved" for candidate in self.candidates)
 
 
 def choose(
@@ -89,8 +89,8 @@ def choose(
 
     See `chosen`, which also says what became of the combinations then.
     """
-    found = chosen(context, progress=progress, log=log, known=known, executor=executor, journal=journal, ties=ties)
-    return found if isinstance(found, Choice) else None
+    result = chosen(context, progress=progress, log=log, known=known, executor=executor, journal=journal, ties=ties)
+    return result if isinstance(result, Choice) else None
 
 
 def chosen(
@@ -153,7 +153,7 @@ class _Search:
         """Every combination of few; of more, those that bounds leave."""
         chooser, problem = self.chooser, self.chooser.context.problem
         # With lengths to choose all are bounded at once, which leaves much open and points at few of them.
-        if count(problem) <= (MOST_EACH if problem.link_length is None else MOST_COMBINATIONS):
+        if count(problem) <= (MOST_COMBINATIONS if problem.free_lengths else MOST_EACH):
             picks = combinations(problem)
             picks = possible(chooser, picks) if len(picks) > _FEW else picks
             # What cannot keep the limits takes longest to solve.
@@ -176,7 +176,7 @@ class _Search:
         own = given_design(problem)
         if own is not None:
             chooser.no_worse_than(own.combination, own.x)
-        if problem.taper is not None:
+        if problem.free_tapers:
             chooser.hold_against_uniform()
 
     def _look_near(self, first: Combination) -> None:
@@ -194,8 +194,8 @@ class _Search:
         chooser = self.chooser
         pick, space, materials, exchange, exchanged, objective = best
         noted = [
-            replace(each, objective=objective, outcome="best") if other == pick else each
-            for other, each in chooser.candidates.items()
+            replace(candidate, objective=objective, outcome="best") if other == pick else candidate
+            for other, candidate in chooser.candidates.items()
         ]
         return Choice(
             pick,

@@ -1,4 +1,4 @@
-"""The arm as given as one of the designs to choose from, so that no answer is worse than what was there already."""
+"""The given arm as one of the candidates, so that no optimum is worse than it."""
 
 from __future__ import annotations
 
@@ -27,23 +27,23 @@ class Given:
 def given_design(problem: Problem) -> Given | None:
     """The arm as given as a design; None where the problem would not allow it, or cannot say it in its variables."""
     shapes, materials = options(problem)
-    own = Combination(
+    combination = Combination(
         tuple(None if link.section is None else link.section.shape for link in problem.arm.links),
         tuple(None if link.section is None else link.material for link in problem.arm.links),
     )
-    if any(shape not in allowed for shape, allowed in zip(own.shapes, shapes, strict=True)):
+    if any(shape not in allowed for shape, allowed in zip(combination.shapes, shapes, strict=True)):
         return None
-    if any(material not in allowed for material, allowed in zip(own.materials, materials, strict=True)):
+    if any(material not in allowed for material, allowed in zip(combination.materials, materials, strict=True)):
         return None
-    if not own.agrees(problem.same):
+    if not combination.agrees(problem.same):
         return None
-    space = design_space(problem, own.shapes)
+    space = design_space(problem, combination.shapes)
     x = as_given(space)
     if x is None or not np.all(np.isfinite(x)):
         return None
-    arm = arm_of(space, x, own.materials)
-    if problem.taper is None and space.problem.arm is not problem.arm:
+    arm = arm_of(space, x, combination.materials)
+    if not problem.free_tapers and space.problem.arm is not problem.arm:
         return None  # a taper is no candidate
-    was, now = (numeric_beams(each, problem.load_cases) for each in (problem.arm, arm))
+    was, now = (numeric_beams(arm_there, problem.load_cases) for arm_there in (problem.arm, arm))
     same = np.abs(now - was) <= _ALIKE * np.maximum(np.abs(was), np.abs(now))
-    return Given(own, x) if bool(np.all(same)) and math.isfinite(float(np.abs(now).sum())) else None
+    return Given(combination, x) if bool(np.all(same)) and math.isfinite(float(np.abs(now).sum())) else None

@@ -1,4 +1,4 @@
-"""The best of many combinations: those that their bounds leave in the running are solved, the most promising first.
+"""The best of many combinations: those that their bounds do not exclude are solved, the most promising first.
 
 Every combination solved raises the bounds of the others (`optimize.choice.bounds`); those whose bound is no better than
 the best design are out without a solution of their own. Where there are too many for a bound each, all are bounded at
@@ -38,9 +38,9 @@ _MOST_PARTS, _MOST_PARTS_FREE = 120, 400
 
 @dataclass(frozen=True)
 class Among:
-    """What is known of the combinations that were not solved: how much better (relative) one could be at most (but for
-    those on which the solver failed), None where nothing tells; where all were bounded at once, the bound and what it
-    came from; else the bound of each."""
+    """Bounds on the combinations that were not solved: how much better (relative) than the incumbent one could be,
+    those on which the solver failed left out, None where it is unknown; where all were bounded at once, that bound and
+    its origin; else the bound of each combination."""
 
     gap: float | None
     proof: Proof | None = None
@@ -64,12 +64,12 @@ def among_many(chooser: Chooser) -> Among:
     context = chooser.context
     problem = context.problem
     sums = (problem.arm.play == "worst" or not context.uses_error) and context.scenarios is None
-    if problem.taper is not None or problem.balances:
+    if problem.free_tapers or problem.balances:
         chooser.link_by_link()
         return Among(None)
-    if problem.link_length is not None:
+    if problem.free_lengths:
         # A pose of a place in space turns with the lengths.
-        if sums and problem.workspace.kind == "joints":
+        if sums and not problem.workspace.in_space:
             return _at_once(chooser, _MOST_PARTS_FREE)
     elif sums and count(problem) > MOST_AT_ONCE:
         return _at_once(chooser, _MOST_PARTS)
@@ -89,7 +89,7 @@ def _at_once(chooser: Chooser, most: int) -> Among:
         return Among(None)
     gap = branching.gap
     # With lengths to choose each near tie takes seconds.
-    ties = None if chooser.context.problem.link_length is not None else branching
+    ties = None if chooser.context.problem.free_lengths else branching
     return Among(gap if math.isfinite(gap) else None, branching.proof(), ties)
 
 
@@ -110,8 +110,8 @@ def _one_by_one(chooser: Chooser, bounds: CombinationBounds | None) -> float | N
         if not left or (gap <= WANTED and number >= _MOST_CLOSING):
             return _settled(chooser, bounds)
         if chooser.progress is not None:
-            told = "" if math.isinf(gap) else f", none more than {gap:.2%} better"
-            chooser.progress(number, number + left, f"solving combinations{told}")
+            gap_text = "" if math.isinf(gap) else f", none more than {gap:.2%} better"
+            chooser.progress(number, number + left, f"solving combinations{gap_text}")
         # What has no bound of its own tells nothing of where the best is.
         finite = running & np.isfinite(bounds.bounds)
         place = np.argmin(np.where(finite, bounds.bounds, np.inf)) if finite.any() else np.argmax(running)

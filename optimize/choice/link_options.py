@@ -16,11 +16,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from linkwright.core.arm.errors.model import needs_shear_modulus
-from linkwright.core.materials.material import Material, MaterialValues
+from linkwright.core.arm.figures import ChosenMaterial
+from linkwright.core.materials.material import Material
 from linkwright.core.optimize.exchange.design import MATERIAL_FIELDS, material_row, material_values, symbolic_properties
 from linkwright.core.optimize.exchange.program import ipopt_options
 from linkwright.core.optimize.exchange.rows import symbol
-from linkwright.core.optimize.limits import OfLinks
 from linkwright.core.optimize.problem import Problem
 from linkwright.core.sections import SHAPES
 from linkwright.core.sections.numeric import Array
@@ -56,10 +56,11 @@ class _Group:
 class LinkOptions:
     """What one link can be, ready to be searched again and again."""
 
-    def __init__(self, problem: Problem, options: Sequence[tuple[str, Material]]) -> None:
-        self.problem, self.options = problem, tuple(options)
+    def __init__(self, problem: Problem, link: int, options: Sequence[tuple[str, Material]]) -> None:
+        """`link` (from 0) is the one, or the first of those alike."""
+        self.problem, self.link, self.options, self.ranges = problem, link, tuple(options), problem.ranges[link]
         self._shear = needs_shear_modulus(problem.arm, problem.load_cases)
-        self._limits = tuple(limit for limit in problem.limits if isinstance(limit.figure.follows, OfLinks))
+        self._limits = problem.limits_on_link(link)
         self._groups = tuple(self._group(shape) for shape in dict.fromkeys(shape for shape, _ in self.options))
         self._solvers: dict[tuple[str, int], Any] = {}
 
@@ -68,16 +69,16 @@ class LinkOptions:
 
         `per_price` is what each (EUR/kg)(kg/m) adds.
         """
-        found = np.full(len(self.options), -np.inf)
+        minimum = np.full(len(self.options), -np.inf)
         for group in self._groups:
             wanted = np.ones(len(group.places), dtype=bool) if asked is None else asked[group.places]
             if wanted.any():
-                found[group.places] = self._least(group, part, per_price, wanted)
-        return found
+                minimum[group.places] = self._least(group, part, per_price, wanted)
+        return minimum
 
     def _group(self, shape: str) -> _Group:
-        places = np.array([k for k, (own, _) in enumerate(self.options) if own == shape])
-        rows = np.array([material_row((self.options[k][1],), self.problem) for k in places])
+        places = np.array([k for k, (item, _) in enumerate(self.options) if item == shape])
+        rows = np.array([material_row((self.options[k][1],), self.problem, self.link) for k in places])
         materials = material_values(rows.T[:, :, None], 0)
         kind = SHAPES[shape]
         steps = np.linspace(0.0, 1.0, _GRID.get(len(kind.variables), 5))
@@ -87,7 +88,7 @@ class LinkOptions:
             section = kind.from_variables([*self._sizes(shape, grid.T[:, None])])
             columns = features(section.properties(materials.poisson_ratio), materials, shear=self._shear)
             size = (len(places), len(grid))
-            logarithms = np.log(np.stack([np.broadcast_to(each, size) for each in columns], axis=-1))
+            logarithms = np.log(np.stack([np.broadcast_to(column, size) for column in columns], axis=-1))
             allowed = np.ones(size, dtype=bool)
             for value in self._rows(section, materials):
                 allowed &= np.asarray(value) <= _ON_GRID
@@ -97,34 +98,36 @@ class LinkOptions:
 
     def _sizes(self, shape: str, at: Any) -> list[Any]:
         """The values of a shape's variables (SI) for shares of the ranges of their logarithms."""
-        bounds = SHAPES[shape].variable_bounds(self.problem.section_size, self.problem.thickness)
+        bounds = SHAPES[shape].variable_bounds(*self.ranges.sizes)
         return [low * (high / low) ** at[k] for k, (low, high) in enumerate(bounds)]
 
-    def _rows(self, section: Section, materials: MaterialValues) -> list[Any]:
+    def _rows(self, section: Section, materials: ChosenMaterial) -> list[Any]:
         """What must not be above zero for a section to be possible and keep the limits on single links."""
-        problem = self.problem
-        own = (*section.constraints(), *section.bound_constraints(problem.section_size, problem.thickness))
-        return [*(each.value for each in own), *(x for limit in self._limits for x in held(limit, section, materials))]
+        constraints = (*section.constraints(), *section.bound_constraints(*self.ranges.sizes))
+        return [
+            *(constraint.value for constraint in constraints),
+            *(x for limit in self._limits for x in held(limit, section, materials)),
+        ]
 
     def _least(self, group: _Group, part: OfLink, per_price: float, wanted: NDArray[np.bool_]) -> Array:
         growth = group.rows[:, MATERIAL_FIELDS.index("thermal_expansion"), None]
         prices = group.rows[:, MATERIAL_FIELDS.index("cost"), None]
         values = part.values(group.logarithms, growth) + per_price * prices * np.exp(group.logarithms[..., 0])
         values = np.where(group.allowed, values, np.inf)
-        found = np.full(len(values), -np.inf)
+        minimum = np.full(len(values), -np.inf)
         scale = float(np.median(np.abs(values[np.isfinite(values)]))) if np.isfinite(values).any() else 1.0
         solver, numbers = self._solver(group.shape, part, per_price, scale or 1.0)
-        for k, own in enumerate(values):
-            if not wanted[k] or not np.isfinite(own).any():
+        for k, link_values in enumerate(values):
+            if not wanted[k] or not np.isfinite(link_values).any():
                 continue
-            first = int(own.argmin())
+            first = int(link_values.argmin())
             far = np.abs(group.grid - group.grid[first]).max(axis=1) >= _FAR
-            second = int(np.where(far, own, np.inf).argmin())
+            second = int(np.where(far, link_values, np.inf).argmin())
             ends = [solver(group.grid[start], group.rows[k], numbers) for start in dict.fromkeys((first, second))]
             ended = [end for end in ends if end is not None]
             if ended:
-                found[k] = min(float(own[first]), *ended)
-        return found
+                minimum[k] = min(float(link_values[first]), *ended)
+        return minimum
 
     def _solver(self, shape: str, part: OfLink, per_price: float, scale: float) -> tuple[Any, list[float]]:
         """A descent from a start for a material's figures, and the numbers that say what is to be least."""
@@ -161,9 +164,9 @@ class LinkOptions:
         powers = symbol("powers", count * width)
         materials = _with_strength(row)
         sizes = self._sizes(shape, [at[k] for k in range(len(kind.variables))])
-        found = symbolic_properties(shape, sizes, materials.poisson_ratio)
-        columns = features(found, materials, shear=self._shear)
-        logarithms = ca.log(ca.vertcat(*[ca.fmin(each, _MOST_FEATURE) for each in columns]))
+        properties = symbolic_properties(shape, sizes, materials.poisson_ratio)
+        columns = features(properties, materials, shear=self._shear)
+        logarithms = ca.log(ca.vertcat(*[ca.fmin(column, _MOST_FEATURE) for column in columns]))
         growth = row[MATERIAL_FIELDS.index("thermal_expansion")]
         table = ca.reshape(powers, width, count).T
         products = ca.exp(ca.mtimes(table[:, :EXPANSION], logarithms))
@@ -180,7 +183,7 @@ class LinkOptions:
         }
         return ca.nlpsol("least", "ipopt", program, ipopt_options()), len(rows)
 
-    def _symbolic_rows(self, shape: str, at: Any, materials: MaterialValues) -> list[Any]:
+    def _symbolic_rows(self, shape: str, at: Any, materials: ChosenMaterial) -> list[Any]:
         """What must not be above zero, in symbols for shares of the ranges."""
         kind = SHAPES[shape]
         sizes = self._sizes(shape, [at[k] for k in range(len(kind.variables))])
@@ -188,8 +191,8 @@ class LinkOptions:
         return [value for value in rows if not value.is_constant()]
 
 
-def _with_strength(row: Any) -> MaterialValues:
+def _with_strength(row: Any) -> ChosenMaterial:
     """A material's figures in symbols; a yield strength that is not known is nought, which has no reciprocal."""
     materials = material_values(row, 0)
-    strong: Any = materials.yield_strength
-    return replace(materials, yield_strength=ca.fmax(strong, 1.0))
+    strong: Any = materials.allowed_stress
+    return replace(materials, allowed_stress=ca.fmax(strong, 1.0))

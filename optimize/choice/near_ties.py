@@ -71,7 +71,7 @@ def near_ties(chooser: Chooser, among: Among | None) -> Ties:
         if objective <= limit and best is not None and pick != best[0]
     ]
     all_solved = left == 0 and not search.failed and not interrupted
-    return Ties(tuple(sorted(ties, key=lambda each: each.objective)), left, all_solved, interrupted)
+    return Ties(tuple(sorted(ties, key=lambda tie: tie.objective)), left, all_solved, interrupted)
 
 
 class _Search:
@@ -99,7 +99,7 @@ class _Search:
             if not together:
                 return
             self._waiting = len(together)
-            for pick, _ in sorted(together, key=lambda each: [str(shape) for shape in each[0].shapes]):
+            for pick, _ in sorted(together, key=lambda item: [str(shape) for shape in item[0].shapes]):
                 if self._in_vain >= _IN_VAIN:
                     return
                 self._solve(pick, together[-1][1])
@@ -111,8 +111,8 @@ class _Search:
             return
         self.tried += 1
         if chooser.progress is not None:
-            found = len(self.found)
-            chooser.progress(found, min(found + 1 + more, MOST_SOLVED), "solving near ties")
+            count = len(self.found)
+            chooser.progress(count, min(count + 1 + more, MOST_SOLVED), "solving near ties")
         branching = None if self.among is None else self.among.branching
         if branching is not None and not branching.could_reach(pick, self.limit):
             return
@@ -142,20 +142,20 @@ class _Search:
                 yield from self._by_bounds(self.among.bounds)
             return
         near = [
-            (each.objective, number, pick)
-            for number, (pick, each) in enumerate(chooser.candidates.items())
-            if each.objective is not None and each.objective <= self.limit
+            (candidate.objective, number, pick)
+            for number, (pick, candidate) in enumerate(chooser.candidates.items())
+            if candidate.objective is not None and candidate.objective <= self.limit
         ]
-        for number, (_, _, pick) in enumerate(sorted(near, key=lambda each: each[:2])):
+        for number, (_, _, pick) in enumerate(sorted(near, key=lambda item: item[:2])):
             yield pick, len(near) - 1 - number
 
     def _by_bounds(self, bounds: CombinationBounds) -> Iterator[tuple[Combination, int]]:
         """Those that a bound for each leaves; what is solved meanwhile raises the bounds of the others."""
-        told = np.zeros(bounds.bounds.shape, dtype=bool)
+        seen = np.zeros(bounds.bounds.shape, dtype=bool)
         while True:
-            could = ~told & ~bounds.impossible & ~bounds.unsolved & (bounds.bounds <= self.limit)
+            could = ~seen & ~bounds.impossible & ~bounds.unsolved & (bounds.bounds <= self.limit)
             if not could.any():
                 return
             place = np.unravel_index(int(np.argmin(np.where(could, bounds.bounds, np.inf))), could.shape)
-            told[place] = True
+            seen[place] = True
             yield bounds.options.combination([int(k) for k in place]), int(could.sum()) - 1

@@ -20,22 +20,24 @@ class Combination:
 
     def agrees(self, same: frozenset[str]) -> bool:
         """Whether the links agree in what must be the same for all."""
-        shapes, materials = ({each for each in own if each is not None} for own in (self.shapes, self.materials))
-        alike = "section" in same or "size" in same
-        return (len(shapes) <= 1 or not alike) and (len(materials) <= 1 or "material" not in same)
+        shapes, materials = (
+            {choice for choice in choices if choice is not None} for choices in (self.shapes, self.materials)
+        )
+        same_shape = "section" in same or "size" in same
+        return (len(shapes) <= 1 or not same_shape) and (len(materials) <= 1 or "material" not in same)
 
 
 def options(problem: Problem) -> tuple[list[tuple[str | None, ...]], list[tuple[Material | None, ...]]]:
     """The shapes and the materials that each link may have."""
     shapes: list[tuple[str | None, ...]] = []
     materials: list[tuple[Material | None, ...]] = []
-    for link in problem.arm.links:
+    for number, link in enumerate(problem.arm.links):
         if link.section is None:
             shapes.append((None,))
             materials.append((None,))
         else:
-            shapes.append(problem.shapes or (link.section.shape,))
-            materials.append(problem.materials or (link.material,))
+            shapes.append(problem.shapes_of(number))
+            materials.append(problem.materials_of(number) or (None,))
     return shapes, materials
 
 
@@ -51,21 +53,35 @@ class OptionTable:
     @property
     def shape(self) -> tuple[int, ...]:
         """How many options each link has."""
-        return tuple(len(own) for own in self.options)
+        return tuple(len(link_options) for link_options in self.options)
+
+    def first_alike(self, problem: Problem) -> list[int]:
+        """For each elastic link the place of the first that is like it in its options, their ranges, and what is asked
+        of it."""
+        kinds = [
+            (
+                link_options,
+                problem.ranges[link].sizes,
+                problem.limits_on_link(link),
+                [problem.strength_share(link, m) for _, m in link_options],
+            )
+            for link, link_options in zip(self.links, self.options, strict=True)
+        ]
+        return [kinds.index(kind) for kind in kinds]
 
     def combination(self, place: Sequence[int]) -> Combination:
         """The combination at a place."""
         shapes: list[str | None] = [None] * self.size
         materials: list[Material | None] = [None] * self.size
-        for link, own, k in zip(self.links, self.options, place, strict=True):
-            shapes[link], materials[link] = own[k]
+        for link, link_options, k in zip(self.links, self.options, place, strict=True):
+            shapes[link], materials[link] = link_options[k]
         return Combination(tuple(shapes), tuple(materials))
 
     def place(self, pick: Combination) -> tuple[int, ...]:
         """Where a combination stands."""
         return tuple(
-            own.index((pick.shapes[link], pick.materials[link]))  # type: ignore[arg-type]
-            for link, own in zip(self.links, self.options, strict=True)
+            link_options.index((pick.shapes[link], pick.materials[link]))  # type: ignore[arg-type]
+            for link, link_options in zip(self.links, self.options, strict=True)
         )
 
 
@@ -73,7 +89,9 @@ def option_table(problem: Problem) -> OptionTable:
     """What each elastic link may be."""
     links = tuple(k for k, link in enumerate(problem.arm.links) if link.section is not None)
     shapes, materials = options(problem)
-    own = (tuple((shape, stuff) for shape in shapes[k] if shape for stuff in materials[k] if stuff) for k in links)
+    own = (
+        tuple((shape, material) for shape in shapes[k] if shape for material in materials[k] if material) for k in links
+    )
     return OptionTable(problem.arm.size, links, tuple(own))
 
 
@@ -97,7 +115,8 @@ def count(problem: Problem) -> int:
         options(problem), ("section" in problem.same or "size" in problem.same, "material" in problem.same), strict=True
     ):
         sizes = [len(pick) for pick in picks]
-        total *= max(sizes) if same else math.prod(sizes)
+        distinct = [set(pick) for pick in picks if pick != (None,)]
+        total *= len(set.intersection(*distinct)) if same and distinct else math.prod(sizes)
     return total
 
 
@@ -105,14 +124,14 @@ def uniform(problem: Problem) -> list[Combination]:
     """The combinations in which all links that can agree do."""
     shapes, materials = options(problem)
     kinds = list(dict.fromkeys(itertools.chain.from_iterable(shapes)))
-    stuffs = list(dict.fromkeys(itertools.chain.from_iterable(materials)))
+    common_materials = list(dict.fromkeys(itertools.chain.from_iterable(materials)))
     found = [
         Combination(
             tuple(shape if shape in own else next(iter(own)) for own in shapes),
             tuple(material if material in own else next(iter(own)) for own in materials),
         )
         for shape in kinds
-        for material in stuffs
+        for material in common_materials
     ]
     return list(dict.fromkeys(found))
 
@@ -128,5 +147,6 @@ def one_link_changed(problem: Problem, pick: Combination, link: int) -> list[Com
             new_shapes = tuple(shape if own is not None else None for own in pick.shapes)
         if "material" in problem.same:
             new_materials = tuple(material if own is not None else None for own in pick.materials)
-        trials.append(Combination(new_shapes, new_materials))
+        if all(one in own for one, own in zip((*new_shapes, *new_materials), (*shapes, *materials), strict=True)):
+            trials.append(Combination(new_shapes, new_materials))
     return list(dict.fromkeys(trials))

@@ -18,10 +18,10 @@ import numpy as np
 from linkwright.core.arm.chain.beam import Beam
 from linkwright.core.arm.chain.chain import Arm
 from linkwright.core.arm.errors.model import BEAM_FIELDS, ErrorModel
+from linkwright.core.arm.figures import Cut
+from linkwright.core.arm.figures.strength import STATIONS, STRENGTH_FIELDS, StrengthCase
 from linkwright.core.arm.limits.modes import SegmentedArm, work_and_inertia
-from linkwright.core.arm.limits.strength import STATIONS, STRENGTH_FIELDS, StrengthCase
 from linkwright.core.optimize.exchange.binding_poses import ErrorCut
-from linkwright.core.optimize.limits import Cut
 from linkwright.core.sections.numeric import Array
 
 from .products import EXPANSION, FEATURES, Power, Products
@@ -54,18 +54,18 @@ _APART = (1.7, 0.6, 1.3, 0.8, 1.9)
 
 def features_of(p: Array, size: int, strength: Array | None = None) -> Array:
     """The links' features (n, K) for beam values p; 1 where a link has none. `strength` (n, 3) are those of stress."""
-    own = p.reshape(size, len(BEAM_FIELDS))
-    found = np.ones((size, len(FEATURES)))
+    values = p.reshape(size, len(BEAM_FIELDS))
+    features = np.ones((size, len(FEATURES)))
     for link in range(size):
-        if own[link, WEIGHT] != 0.0:
-            found[link, 0] = own[link, WEIGHT]
+        if values[link, WEIGHT] != 0.0:
+            features[link, 0] = values[link, WEIGHT]
         for place, feature in SOFT.items():
-            if own[link, place] != 0.0:
-                found[link, feature] = 1.0 / own[link, place]
-    found[:, EXPANSION] = own[:, _GROWTH]
+            if values[link, place] != 0.0:
+                features[link, feature] = 1.0 / values[link, place]
+    features[:, EXPANSION] = values[:, _GROWTH]
     if strength is not None:
-        found[:, FEATURES.index("stress_axial") : EXPANSION] = strength
-    return found
+        features[:, FEATURES.index("stress_axial") : EXPANSION] = strength
+    return features
 
 
 @dataclass(frozen=True)
@@ -76,10 +76,10 @@ class Vectors:
 
     def value(self, features: Array) -> Array:
         """Its value (3,) for the links' features (n, K)."""
-        found = np.zeros(3)
+        vector = np.zeros(3)
         for power, c in self.terms.items():
-            found += c * float(np.prod([features[place] for place in power]))
-        return found
+            vector += c * float(np.prod([features[place] for place in power]))
+        return vector
 
     def along(self, direction: Array) -> Products:
         """Its part along a direction (3,): never more than its length."""
@@ -88,11 +88,11 @@ class Vectors:
 
 def error_products(model: ErrorModel, cut: ErrorCut, p: Array) -> Products | None:
     """The error (m) at a pose along the direction that it has for a design p: never more than the error itself."""
-    found = error_vectors(model, cut, p)
-    if found is None:
+    products = error_vectors(model, cut, p)
+    if products is None:
         return None
-    whole = found.value(features_of(p, model.arm.size))
-    return found.along(whole / np.linalg.norm(whole)) if np.any(whole) else None
+    whole = products.value(features_of(p, model.arm.size))
+    return products.along(whole / np.linalg.norm(whole)) if np.any(whole) else None
 
 
 def error_vectors(model: ErrorModel, cut: ErrorCut, p: Array) -> Vectors | None:
@@ -111,26 +111,26 @@ def vectors_of(model: ErrorModel, cut: ErrorCut, p: Array) -> Vectors | None:
     case = model.cases[cut.load_case]
     if case.zones:
         return None
-    own = p.reshape(size, len(BEAM_FIELDS))
-    weights = [(link, WEIGHT) for link in range(size) if own[link, WEIGHT] != 0.0]
-    soft = [(link, k) for link in range(size) for k in SOFT if own[link, k] != 0.0]
-    growing = [(link, _GROWTH) for link in range(size) if own[link, _GROWTH] != 0.0]
+    values = p.reshape(size, len(BEAM_FIELDS))
+    weights = [(link, WEIGHT) for link in range(size) if values[link, WEIGHT] != 0.0]
+    soft = [(link, k) for link in range(size) for k in SOFT if values[link, k] != 0.0]
+    growing = [(link, _GROWTH) for link in range(size) if values[link, _GROWTH] != 0.0]
 
     def vectors(designs: Array) -> Array:
         arrays = case.arrays(np.tile(cut.q, (len(designs), 1)), designs)
         play = np.einsum("k,nki->ni", np.array(cut.signs), arrays.intervals) if len(cut.signs) else 0.0
         return arrays.vector + np.array(cut.shift) + play
 
-    present = [(), *((each,) for each in (*weights, *soft, *growing)), *itertools.product(weights, soft)]
-    designs = _varied(own, (*weights, *growing), soft, present)
+    present = [(), *((weight,) for weight in (*weights, *soft, *growing)), *itertools.product(weights, soft)]
+    designs = _varied(values, (*weights, *growing), soft, present)
     for number, place in enumerate((*weights, *soft, *growing)):
         designs[-1][place] *= _APART[number % len(_APART)]
-    found = vectors(designs.reshape(len(designs), -1))
-    if not np.all(np.isfinite(found)):
+    vectors_there = vectors(designs.reshape(len(designs), -1))
+    if not np.all(np.isfinite(vectors_there)):
         return None
     features = features_of(p, size)
-    terms = _terms(dict(zip(present, found, strict=False)), features)
-    for design, value in zip(designs[-2:], found[-2:], strict=True):
+    terms = _terms(dict(zip(present, vectors_there, strict=False)), features)
+    for design, value in zip(designs[-2:], vectors_there[-2:], strict=True):
         there = features_of(design.ravel(), size)
         room = _CLOSE * sum(_sizes(terms, there).values())
         if not np.linalg.norm(Vectors(terms).value(there) - value) <= room:
@@ -144,19 +144,19 @@ Place = tuple[int, int]
 """A link, and which of its beam values."""
 
 
-def _varied(own: Array, none: Sequence[Place], soft: Sequence[Place], present: Sequence[tuple[Place, ...]]) -> Array:
+def _varied(values: Array, none: Sequence[Place], soft: Sequence[Place], present: Sequence[tuple[Place, ...]]) -> Array:
     """Designs (N + 2, n, B) that have of a design's values `none` and of its flexibilities `soft` only those `present`;
     then twice the design itself."""
-    bare = own.copy()
+    bare = values.copy()
     for place in none:
         bare[place] = 0.0
     for place in soft:
-        bare[place] = np.copysign(_RIGID, own[place])
+        bare[place] = np.copysign(_RIGID, values[place])
     designs = np.repeat(bare[None], len(present) + 2, axis=0)
     for row, places in zip(designs, present, strict=False):
         for place in places:
-            row[place] = own[place]
-    designs[-2:] = own
+            row[place] = values[place]
+    designs[-2:] = values
     return designs
 
 
@@ -211,7 +211,7 @@ def stress_products(case: StrengthCase, cut: Cut, p: Array) -> dict[tuple[int, i
     designs = np.repeat(p[None], len(weights) + 1, axis=0)
     for number, link in enumerate(weights):
         designs[number + 1, len(BEAM_FIELDS) * link + WEIGHT] *= 1.0 + small
-    found: dict[tuple[int, int], Products] = {}
+    products: dict[tuple[int, int], Products] = {}
     names = ("stress_axial", "stress_height", "stress_width")
     every = [forces(designs, counted) for counted in range(len(names))]
     for entry, link in enumerate(case.links):
@@ -219,37 +219,37 @@ def stress_products(case: StrengthCase, cut: Cut, p: Array) -> dict[tuple[int, i
             terms: dict[Power, float] = {}
             for name, values in zip(names, every, strict=True):
                 column = values[:, len(STATIONS) * entry + station]
-                own = (link, FEATURES.index(name))
+                factor = (link, FEATURES.index(name))
                 slopes = (column[1:] - column[0]) / small
-                terms[(own,)] = float(column[0] - slopes.sum())
+                terms[(factor,)] = float(column[0] - slopes.sum())
                 for weight, slope in zip(weights, slopes, strict=True):
-                    power = tuple(sorted(((weight, 0), own)))
+                    power = tuple(sorted(((weight, 0), factor)))
                     terms[power] = float(slope) / float(p[len(BEAM_FIELDS) * weight + WEIGHT])
-            found[entry, station] = Products(terms)
-    return found
+            products[entry, station] = Products(terms)
+    return products
 
 
 def compression_products(case: StrengthCase, cut: Cut, p: Array) -> dict[int, Products]:
     """For each link's entry the share of Euler's load that presses it, in the plane that is weaker for a design p."""
     size = len(p) // len(BEAM_FIELDS)
-    own = p.reshape(size, -1)
-    weights = [k for k in range(size) if own[k, WEIGHT] != 0.0]
+    values = p.reshape(size, -1)
+    weights = [k for k in range(size) if values[k, WEIGHT] != 0.0]
     planes = [BEAM_FIELDS.index(f"flexural_rigidity_{name}") for name in ("height", "width")]
-    unit = own.copy()
+    unit = values.copy()
     unit[:, planes] = 1.0
     designs = np.repeat(unit[None], len(weights) + 1, axis=0)
     designs[:, weights, WEIGHT] = 0.0
     for number, link in enumerate(weights):
         designs[number + 1, link, WEIGHT] = 1.0
     _, shares, _ = case.vectorised(np.tile(cut.q, (len(designs), 1)), designs.reshape(len(designs), -1), _ones(size))
-    found: dict[int, Products] = {}
+    products: dict[int, Products] = {}
     for entry, link in enumerate(case.links):
-        weaker = (link, SOFT[min(planes, key=lambda k: own[link, k])])
+        weaker = (link, SOFT[min(planes, key=lambda k: values[link, k])])
         terms: dict[Power, float] = {(weaker,): float(shares[0, entry])}
         for number, weight in enumerate(weights):
             terms[tuple(sorted(((weight, 0), weaker)))] = float(shares[number + 1, entry] - shares[0, entry])
-        found[entry] = Products(terms)
-    return found
+        products[entry] = Products(terms)
+    return products
 
 
 def _ones(size: int) -> Array:

@@ -54,11 +54,11 @@ class Products:
 
 def total(sums: Sequence[Products]) -> Products:
     """The sum of sums: terms with the same factors meet, so that what cancels does."""
-    found: dict[Power, float] = {}
-    for each in sums:
-        for power, c in each.terms.items():
-            found[power] = found.get(power, 0.0) + c
-    return Products(found)
+    terms: dict[Power, float] = {}
+    for item in sums:
+        for power, c in item.terms.items():
+            terms[power] = terms.get(power, 0.0) + c
+    return Products(terms)
 
 
 @dataclass(frozen=True)
@@ -73,14 +73,14 @@ class OfLink:
     def values(self, logarithms: Array, expansion: Array) -> Array:
         """Its values for the logarithms (..., K) of features (the last, which may have either sign, as it is)."""
         plain = logarithms[..., :EXPANSION]
-        found = plain @ self.logs[:EXPANSION]
+        values = plain @ self.logs[:EXPANSION]
         for c, power in zip(self.coefficients, self.powers, strict=True):
             if power[EXPANSION]:
-                found = found + c * expansion
+                values = values + c * expansion
             else:
                 used = np.flatnonzero(power)
-                found = found + c * np.exp(plain[..., used] @ power[used])
-        return found
+                values = values + c * np.exp(plain[..., used] @ power[used])
+        return values
 
 
 def minorant(products: Products, at: Array) -> tuple[float, list[OfLink]]:
@@ -95,24 +95,24 @@ def minorant(products: Products, at: Array) -> tuple[float, list[OfLink]]:
         if not links:
             constant += c
             continue
-        own = {link: np.bincount([k for each, k in power if each == link], minlength=width) for link in links}
+        linear = {link: np.bincount([k for item, k in power if item == link], minlength=width) for link in links}
         if len(links) == 1:
-            key = tuple(float(x) for x in own[links[0]])
+            key = tuple(float(x) for x in linear[links[0]])
             parts[links[0]][key] = parts[links[0]].get(key, 0.0) + c
             continue
         size = c * float(np.prod([at[place] for place in power]))
         if size >= 0.0:
             constant += size
             for link in links:
-                logs[link] += size * own[link]
-                constant -= size * float(own[link][:EXPANSION] @ np.log(at[link, :EXPANSION]))
+                logs[link] += size * linear[link]
+                constant -= size * float(linear[link][:EXPANSION] @ np.log(at[link, :EXPANSION]))
             continue
         for link in links:
-            key = tuple(len(links) * float(x) for x in own[link])
+            key = tuple(len(links) * float(x) for x in linear[link])
             there = float(np.prod(at[link] ** np.array(key)))
             parts[link][key] = parts[link].get(key, 0.0) + size / len(links) / there
-    found = [
-        OfLink(np.array(list(part.values())), np.array(list(part)).reshape(-1, width), own)
-        for part, own in zip(parts, logs, strict=True)
+    parts_of_links = [
+        OfLink(np.array(list(part.values())), np.array(list(part)).reshape(-1, width), link_log)
+        for part, link_log in zip(parts, logs, strict=True)
     ]
-    return constant, found
+    return constant, parts_of_links

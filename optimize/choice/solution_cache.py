@@ -1,7 +1,7 @@
-"""What a search has solved, kept in a journal: a search that was stopped is gone through again with the answers that it
-had, each to the last digit, and so comes to where it was and ends as it would have ended.
+"""The solutions of a search, cached in a journal. A search that was interrupted runs again from the start; what it had
+solved is read from the cache, digit for digit, so that it ends as it would have without the interrupt.
 
-An answer stands under all that it followed from: the combination, the poses known, the start, what was to beat.
+The key of a solution is all that it depends on: the combination, the poses known, the start, the objective to beat.
 """
 
 from __future__ import annotations
@@ -17,6 +17,7 @@ from typing import Any, cast
 import numpy as np
 
 from linkwright.core.arm.chain.chain import Arm
+from linkwright.core.arm.figures import Cut
 from linkwright.core.arm.files.write import arm_to_yaml
 from linkwright.core.arm.worst.search import WorstCase, WorstPose
 from linkwright.core.optimize.exchange.binding_poses import Anchor, ErrorCut, Pool, Room
@@ -24,7 +25,6 @@ from linkwright.core.optimize.exchange.exchange import Exchanged
 from linkwright.core.optimize.exchange.program import Solution
 from linkwright.core.optimize.exchange.scenarios import Scenarios
 from linkwright.core.optimize.journal import Journal
-from linkwright.core.optimize.limits import Cut
 from linkwright.core.optimize.problem import Problem
 from linkwright.core.optimize.result import Iteration
 from linkwright.core.units.quantities import InputError
@@ -69,19 +69,19 @@ class Kept:
     chosen make several arms."""
 
     def __init__(self, journal: Journal, arm: Arm, scenarios: Scenarios | None = None) -> None:
-        held = [] if scenarios is None else [[asdict(each) for each in scenarios.held]]
+        held = [] if scenarios is None else [[asdict(scenario) for scenario in scenarios.held]]
         self._journal, self._arm = journal, _digest([arm_to_yaml(arm), *held])
 
     def key(self, what: str, pick: Combination, pool: Pool, *given: Any) -> Key:
         """Under what an answer stands; `given` are numbers and arrays."""
-        plain = [each.tolist() if isinstance(each, np.ndarray) else each for each in given]
+        plain = [item.tolist() if isinstance(item, np.ndarray) else item for item in given]
         names = [None if material is None else material.name for material in pick.materials]
         return self._arm, what, _digest([pick.shapes, names, asdict(pool), plain])
 
     def get(self, key: Key) -> Any:
         """The answer under a key; None where it is not known."""
-        found = self._journal.get(key) if self._journal.has(key) else None
-        return None if found is None else unpacked(found)
+        content = self._journal.get(key) if self._journal.has(key) else None
+        return None if content is None else unpacked(content)
 
     def put(self, key: Key, answer: Answer | Ended | Bounded) -> None:
         """Keep an answer."""
@@ -113,17 +113,23 @@ def digest_of(problem: Problem, made_by: str) -> str:
     """SHA-256 over all that a search depends on: the arm, the problem, the materials' figures, and the version."""
     own = [link.material for link in problem.arm.links]
     materials = [*own, *(problem.materials or ())]
-    told = {
+    content = {
         "arm": arm_to_yaml(problem.arm),
         "workspace": asdict(problem.workspace),
         "load_cases": [asdict(case) for case in problem.load_cases],
         "limits": [[limit.name, limit.relation, limit.value, limit.poses] for limit in problem.limits],
         "materials": [None if x is None else [x.name, asdict(x.at(problem.arm.temperature))] for x in materials],
-        "actuators": [[asdict(each) for each in own] for own in problem.actuators or ()],
+        "actuators": [[asdict(item) for item in joint_actuators] for joint_actuators in problem.actuators or ()],
         "same": sorted(problem.same),
+        "lists": [
+            [link_list.shapes, [material.name for material in link_list.materials or ()]]
+            for link_list in problem.lists or ()
+        ],
     }
-    rest = {each.name: getattr(problem, each.name) for each in fields(problem) if each.name not in (*told, *_ASIDE)}
-    return _digest([told, rest, made_by, _RECORDS])
+    rest = {
+        field.name: getattr(problem, field.name) for field in fields(problem) if field.name not in (*content, *_ASIDE)
+    }
+    return _digest([content, rest, made_by, _RECORDS])
 
 
 def _digest(content: Any) -> str:
@@ -160,11 +166,11 @@ def packed(value: Any) -> Any:
     if isinstance(value, np.generic):
         return value.item()
     if isinstance(value, Mapping):
-        return {"mapping": {str(name): packed(each) for name, each in cast(Mapping[object, Any], value).items()}}
+        return {"mapping": {str(name): packed(item) for name, item in cast(Mapping[object, Any], value).items()}}
     if isinstance(value, tuple):
-        return [packed(each) for each in cast(tuple[Any, ...], value)]
+        return [packed(item) for item in cast(tuple[Any, ...], value)]
     if is_dataclass(value) and not isinstance(value, type):
-        own = {each.name: packed(getattr(value, each.name)) for each in fields(value)}
+        own = {field.name: packed(getattr(value, field.name)) for field in fields(value)}
         return {"kind": type(value).__name__, **own}
     return value
 
@@ -172,12 +178,12 @@ def packed(value: Any) -> Any:
 def unpacked(content: Any) -> Any:
     """The value that `packed` made JSON of."""
     if isinstance(content, list):
-        return tuple(unpacked(each) for each in cast(list[Any], content))
+        return tuple(unpacked(item) for item in cast(list[Any], content))
     if not isinstance(content, dict):
         return content
     own = cast(dict[str, Any], content)
     if "array" in own:
         return np.array(own["array"], dtype=float)
     if "mapping" in own:
-        return MappingProxyType({name: unpacked(each) for name, each in own["mapping"].items()})
-    return _KINDS[own["kind"]](**{name: unpacked(each) for name, each in own.items() if name != "kind"})
+        return MappingProxyType({name: unpacked(item) for name, item in own["mapping"].items()})
+    return _KINDS[own["kind"]](**{name: unpacked(item) for name, item in own.items() if name != "kind"})

@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
-from linkwright.core.optimize.limits import Cut
+from linkwright.core.arm.figures import Cut
 
 
 @dataclass(frozen=True)
@@ -57,7 +57,7 @@ class Room:
         """Whether there is room for what `other` needs; a group without poses of its own cannot fill its slots."""
         pairs = list(zip(self.errors, other.errors, strict=True))
         for family in dict(self.held) | dict(other.held):
-            groups = max(len(dict(each.held).get(family, ())) for each in (self, other))
+            groups = max(len(dict(item.held).get(family, ())) for item in (self, other))
             pairs += zip(self.slots(family, groups), other.slots(family, groups), strict=True)
         return all(_fits(have, need) for have, need in pairs)
 
@@ -122,9 +122,9 @@ class Pool:
 
     def with_cuts(self, family: str, cuts: Sequence[Cut]) -> Pool:
         """The pool with more poses of a family, repeats left out."""
-        own = self.of(family)
-        fresh = tuple(cut for cut in dict.fromkeys(cuts) if cut not in own)
-        return replace(self, held=tuple((dict(self.held) | {family: own + fresh}).items())) if fresh else self
+        cuts_before = self.of(family)
+        fresh = tuple(cut for cut in dict.fromkeys(cuts) if cut not in cuts_before)
+        return replace(self, held=tuple((dict(self.held) | {family: cuts_before + fresh}).items())) if fresh else self
 
 
 def _key(cut: ErrorCut) -> tuple[object, ...]:

@@ -23,11 +23,11 @@ from linkwright.core.arm.errors.model import (
     needs_shear_modulus,
     needs_thermal_expansion,
 )
-from linkwright.core.arm.limits.strength import STRENGTH_FIELDS
-from linkwright.core.materials.material import Material, MaterialValues
+from linkwright.core.arm.figures import ChosenMaterial, DesignExpressions
+from linkwright.core.arm.figures.strength import STRENGTH_FIELDS
+from linkwright.core.materials.material import Material
 from linkwright.core.materials.walls import WallCompliance
 from linkwright.core.optimize.balance.balance import FIELDS, balance_values, balanced
-from linkwright.core.optimize.limits import DesignExpressions
 from linkwright.core.optimize.problem import Problem
 from linkwright.core.sections import SHAPES
 from linkwright.core.sections.numeric import Array
@@ -42,11 +42,12 @@ MATERIAL_FIELDS = (
     "density",
     "poisson_ratio",
     "yield_strength",
+    "allowed_stress",
     "cost",
     "thermal_expansion",
     "stiffness_when_calibrated",
     "shear_when_calibrated",
-    *(each.name for each in fields(WallCompliance)),
+    *(field.name for field in fields(WallCompliance)),
 )
 """The order in which a program's parameters list each link's material (SI; 0 where unknown and not needed), with how
 its walls buckle."""
@@ -105,43 +106,43 @@ class DesignSpace:
     def balance(self, x: Any) -> dict[tuple[int, str], Any]:
         """What is chosen of counterbalances and counterweights (SI), by link and field of its beam."""
         values = self.values(x)
-        found = {(v.link, v.name): values[k] for k, v in enumerate(self.variables) if v.name in FIELDS}
+        numbers = {(v.link, v.name): values[k] for k, v in enumerate(self.variables) if v.name in FIELDS}
         for index, link in enumerate(self.problem.arm.links):
-            for each in link.masses:
-                if each.chosen:
-                    found.setdefault((index, "counterweight_at"), each.at[0])
-        return found
+            for mass in link.masses:
+                if mass.chosen:
+                    numbers.setdefault((index, "counterweight_at"), mass.at[0])
+        return numbers
 
     def hung(self, x: Any) -> Any:
         """By how much the counterweights (kg) are heavier than those of the arm as given."""
-        given = sum(each.mass for link in self.problem.arm.links for each in link.masses if each.chosen)
+        given = sum(mass.mass for link in self.problem.arm.links for mass in link.masses if mass.chosen)
         chosen = [value for (_, name), value in self.balance(x).items() if name == "counterweight"]
         return sum(chosen, -given) if chosen else 0.0
 
     def chosen(self, x: Any) -> list[tuple[list[Any], Any]]:
         """For each link the values (SI) of its section's design variables (none where rigid), and its length (m)."""
         values = self.values(x)
-        found: list[tuple[list[Any], Any]] = []
+        chosen: list[tuple[list[Any], Any]] = []
         for link, shape in enumerate(self.shapes):
             length = self.problem.arm.links[link].length
-            own = {v.name: values[k] for k, v in enumerate(self.variables) if v.link == link}
+            numbers = {v.name: values[k] for k, v in enumerate(self.variables) if v.link == link}
             if shape is None:
-                found.append(([], length))
+                chosen.append(([], length))
                 continue
             first = self.shapes.index(shape) if "size" in self.problem.same else link
             sizes = {v.name: values[k] for k, v in enumerate(self.variables) if v.link == first}
-            found.append(([sizes[variable.name] for variable in SHAPES[shape].variables], own.get(LENGTH, length)))
-        return found
+            chosen.append(([sizes[variable.name] for variable in SHAPES[shape].variables], numbers.get(LENGTH, length)))
+        return chosen
 
     def log_tapers(self, x: Any) -> list[Any]:
         """For each link the logarithm of its far end's size over that at its joint; 0 where it has no taper to
         choose."""
-        own = {v.link: x[k] for k, v in enumerate(self.variables) if v.name == TAPER}
-        found: list[Any] = []
+        chosen = {v.link: x[k] for k, v in enumerate(self.variables) if v.name == TAPER}
+        tapers: list[Any] = []
         for link, shape in enumerate(self.shapes):
             first = self.shapes.index(shape) if shape is not None and "size" in self.problem.same else link
-            found.append(0.0 if shape is None else own.get(first, 0.0))
-        return found
+            tapers.append(0.0 if shape is None else chosen.get(first, 0.0))
+        return tapers
 
     def sections_and_lengths(self, x: Any) -> tuple[list[Section | None], list[Any]]:
         """Each link's section, at its joint, and its length (m) for the optimiser's numbers."""
@@ -163,8 +164,8 @@ def properties_function(shape: str) -> Any:
     kind = SHAPES[shape]
     sizes = column_of_symbols("sizes", len(kind.variables))
     poisson_ratio = column_of_symbols("nu")
-    found = kind.from_variables([sizes[k] for k in range(sizes.numel())]).properties(poisson_ratio)
-    column = ca.vertcat(*[ca.SX(getattr(found, item.name)) for item in fields(SectionProperties)])
+    properties = kind.from_variables([sizes[k] for k in range(sizes.numel())]).properties(poisson_ratio)
+    column = ca.vertcat(*[ca.SX(getattr(properties, item.name)) for item in fields(SectionProperties)])
     return ca.Function(shape, [sizes, poisson_ratio], [column])
 
 
@@ -181,14 +182,14 @@ def with_chosen_links(problem: Problem) -> Problem:
     What the given section brings beside its rigidities (a taper's factors, a plane that it does not keep) is no
     candidate's, so models are built of the arm without it.
     """
-    if problem.shapes is None and problem.taper is None:
+    if problem.shapes is None and not problem.free_tapers:
         return problem
     links = list(problem.arm.links)
     for index, link in enumerate(links):
         section = link.section.near if isinstance(link.section, Tapered) else link.section
         if section is not None and askew(section) and problem.shapes is not None:
-            section = SHAPES[problem.shapes[0]].start(1e-3, problem.section_size, problem.thickness)
-        if section is not None and problem.taper is not None:
+            section = SHAPES[problem.shapes_of(index)[0]].start(1e-3, *problem.ranges[index].sizes)
+        if section is not None and problem.ranges[index].taper is not None:
             section = _free_taper(link.section, section)
         if section is not link.section:
             links[index] = replace(link, section=section, section_name=None)
@@ -197,12 +198,12 @@ def with_chosen_links(problem: Problem) -> Problem:
     return replace(problem, arm=problem.arm.with_links(tuple(links)))
 
 
-def _free_taper(given: Section | None, near: Section) -> Section:
+def _free_taper(section: Section | None, near: Section) -> Section:
     """The section whose taper is chosen, with the ends that the arm as given has where those are alike."""
-    if isinstance(given, FreeTaper):
-        return given
-    tapered = isinstance(given, Tapered) and size_ratio(given) is not None
-    return FreeTaper(near, given.far if isinstance(given, Tapered) and tapered else near)
+    if isinstance(section, FreeTaper):
+        return section
+    tapered = isinstance(section, Tapered) and size_ratio(section) is not None
+    return FreeTaper(near, section.far if isinstance(section, Tapered) and tapered else near)
 
 
 def design_space(problem: Problem, shapes: tuple[str | None, ...]) -> DesignSpace:
@@ -214,18 +215,18 @@ def design_space(problem: Problem, shapes: tuple[str | None, ...]) -> DesignSpac
             continue
         shared = "size" in problem.same and shape in shapes[:link]
         kind = SHAPES[shape]
-        bounds = kind.variable_bounds(problem.section_size, problem.thickness)
+        ranges = problem.ranges[link]
+        bounds = kind.variable_bounds(*ranges.sizes)
         for variable, (lower, upper) in zip(kind.variables, bounds, strict=True):
             if not shared:
                 variables.append(_section_variable(link, variable, lower, upper))
-        if problem.taper is not None and not shared:
-            variables.append(Variable(link, TAPER, True, 1.0, *problem.taper))
-        if problem.link_length is not None:
-            low, high = problem.link_length
-            variables.append(Variable(link, LENGTH, True, 1.0, low, high))
-    for each in problem.balances:
-        scale = max(abs(each.lower), abs(each.upper))
-        variables.append(Variable(each.place, each.field, False, scale, each.lower, each.upper))
+        if ranges.taper is not None and not shared:
+            variables.append(Variable(link, TAPER, True, 1.0, *ranges.taper))
+        if ranges.link_length is not None:
+            variables.append(Variable(link, LENGTH, True, 1.0, *ranges.link_length))
+    for balance in problem.balances:
+        scale = max(abs(balance.lower), abs(balance.upper))
+        variables.append(Variable(balance.place, balance.field, False, scale, balance.lower, balance.upper))
     return DesignSpace(problem, shapes, tuple(variables))
 
 
@@ -235,9 +236,9 @@ def _section_variable(link: int, variable: DesignVariable, lower: float, upper: 
     return Variable(link, variable.name, variable.logarithmic, scale, lower, upper)
 
 
-def material_row(materials: Sequence[Material | None], problem: Problem) -> Array:
-    """The materials' figures as the programs' parameters (for each link `MATERIAL_FIELDS`; the cost with work by the
-    kilogram); raises `MissingProperty` for what is needed."""
+def material_row(materials: Sequence[Material | None], problem: Problem, first: int = 0) -> Array:
+    """The materials' figures as the programs' parameters (for each link from the `first` on `MATERIAL_FIELDS`; the cost
+    with work by the kilogram); raises `MissingProperty` for what is needed."""
     needed = {"elastic_modulus", "density"}
     if needs_shear_modulus(problem.arm, problem.load_cases):
         needed |= {"shear_modulus"}
@@ -245,7 +246,7 @@ def material_row(materials: Sequence[Material | None], problem: Problem) -> Arra
         needed |= {"thermal_expansion"}
     needed |= {name for name in MATERIAL_FIELDS if problem.needs(name)}
     rows: list[float] = []
-    for material in materials:
+    for link, material in enumerate(materials, start=first):
         if material is None:
             rows += [0.0] * len(MATERIAL_FIELDS)
             continue
@@ -257,22 +258,24 @@ def material_row(materials: Sequence[Material | None], problem: Problem) -> Arra
                 rows.append(price_by_mass(problem.arm, material))
             elif name in needed:
                 rows.append(material.need(name, problem.arm.temperature))  # type: ignore[arg-type]
+            elif name == "allowed_stress":
+                rows.append((values.yield_strength or 0.0) / problem.strength_share(link, material))
             elif name == "poisson_ratio":
                 rows.append(0.3 if values.poisson_ratio is None else values.poisson_ratio)
             elif hasattr(walls, name):
                 rows.append(getattr(walls, name))
             else:
-                found = getattr(values, name)
-                rows.append(0.0 if found is None else found)
+                figure = getattr(values, name)
+                rows.append(0.0 if figure is None else figure)
     return np.array(rows)
 
 
-def material_values(row: Any, link: int) -> MaterialValues:
+def material_values(row: Any, link: int) -> ChosenMaterial:
     """One link's material from the parameters, as symbols or floats."""
     base = len(MATERIAL_FIELDS) * link
-    own = {name: row[base + k] for k, name in enumerate(MATERIAL_FIELDS)}
-    walls = WallCompliance(**{each.name: own.pop(each.name) for each in fields(WallCompliance)})
-    return MaterialValues("chosen", 0.0, **own, walls=walls)
+    figures = {name: row[base + k] for k, name in enumerate(MATERIAL_FIELDS)}
+    walls = WallCompliance(**{field.name: figures.pop(field.name) for field in fields(WallCompliance)})
+    return ChosenMaterial("chosen", 0.0, **figures, walls=walls)
 
 
 def expressions(space: DesignSpace, x: Any, materials: Any) -> DesignExpressions:
@@ -282,28 +285,28 @@ def expressions(space: DesignSpace, x: Any, materials: Any) -> DesignExpressions
     chosen = space.chosen(x)
     lengths = [length for _, length in chosen]
     tapers = space.log_tapers(x)
-    own = beams_of(arm, space.problem.load_cases) if any(section is None for section in sections) else None
+    rigid_beams = beams_of(arm, space.problem.load_cases) if any(section is None for section in sections) else None
     beams: list[Beam] = []
-    stuffs: list[MaterialValues | None] = []
+    chosen_materials: list[ChosenMaterial | None] = []
     properties: list[SectionProperties | None] = []
     mass: Any = 0.0
     cost: Any = 0.0
     for link, (section, length) in enumerate(zip(sections, lengths, strict=True)):
         if section is None:
-            assert own is not None
-            beams.append(own[link])
-            stuffs.append(None)
+            assert rigid_beams is not None
+            beams.append(rigid_beams[link])
+            chosen_materials.append(None)
             properties.append(None)
-            mass = mass + own[link].lumped_mass
+            mass = mass + rigid_beams[link].lumped_mass
             continue
         material = material_values(materials, link)
         found = symbolic_properties(section.shape, chosen[link][0], material.poisson_ratio)
         beam = elastic_beam(length, found, material, shear=True)
-        if space.problem.taper is not None:
+        if space.problem.ranges[link].taper is not None:
             beam = similar_beam(beam, tapers[link])
         properties.append(found)
         beams.append(beam)
-        stuffs.append(material)
+        chosen_materials.append(material)
         weight = beam.mass_per_length * length
         mass = mass + weight
         cost = cost + weight * material.cost + price_by_length(arm) * length
@@ -314,7 +317,7 @@ def expressions(space: DesignSpace, x: Any, materials: Any) -> DesignExpressions
     strength = [1.0 if found is None else getattr(found, name) for found in properties for name in STRENGTH_FIELDS]
     return DesignExpressions(
         tuple(sections),
-        tuple(stuffs),
+        tuple(chosen_materials),
         tuple(properties),
         tuple(beams),
         ca.vertcat(*[ca.SX(0.0 if entry is None else entry) for entry in column]),
@@ -377,7 +380,7 @@ def ladder(space: DesignSpace, materials: Array, count: int) -> list[Array]:
         for link, shape in enumerate(space.shapes):
             if shape is None:
                 continue
-            kind, ranges = SHAPES[shape], (problem.section_size, problem.thickness)
+            kind, ranges = SHAPES[shape], problem.ranges[link].sizes
             least, greatest = (float(kind.start(area, *ranges).properties(0.3).area) for area in (1e-12, 1e3))
             section = kind.start(least * (greatest / least) ** float(share), *ranges)
             density = materials[len(MATERIAL_FIELDS) * link + MATERIAL_FIELDS.index("density")]
@@ -398,14 +401,8 @@ def _possible(space: DesignSpace, x: Array) -> bool:
 
 def _starting_lengths(space: DesignSpace) -> list[float]:
     problem = space.problem
-    lengths = [link.length for link in problem.arm.links]
-    if problem.link_length is not None:
-        low, high = problem.link_length
-        lengths = [
-            min(max(length, low), high) if link.elastic else length
-            for length, link in zip(lengths, problem.arm.links, strict=True)
-        ]
-    return lengths
+    spans = zip(problem.arm.links, problem.length_spans, strict=True)
+    return [min(max(link.length, low), high) for link, (low, high) in spans]
 
 
 def _shared_mass(space: DesignSpace, materials: Array, lengths: list[float]) -> Array:
@@ -418,15 +415,15 @@ def _shared_mass(space: DesignSpace, materials: Array, lengths: list[float]) -> 
         assert shape is not None
         density = materials[len(MATERIAL_FIELDS) * link + MATERIAL_FIELDS.index("density")]
         share = 0.9 * most / (len(elastic) * density * lengths[link]) if math.isfinite(most) else 3e-3
-        section = SHAPES[shape].start(share, problem.section_size, problem.thickness)
+        section = SHAPES[shape].start(share, *problem.ranges[link].sizes)
         x += _own_values(space, link, section, lengths[link])
     return np.array([*x, *_given_balance(space)])
 
 
 def _given_balance(space: DesignSpace) -> list[float]:
     """The optimiser's numbers for what balances the arm as given."""
-    found = [variable for variable in space.variables if variable.name in FIELDS]
-    pairs = zip(found, balance_values(space.problem.arm, space.problem.balances), strict=True)
+    numbers = [variable for variable in space.variables if variable.name in FIELDS]
+    pairs = zip(numbers, balance_values(space.problem.arm, space.problem.balances), strict=True)
     return [variable.to_x(min(max(value, variable.lower), variable.upper)) for variable, value in pairs]
 
 

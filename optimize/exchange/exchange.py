@@ -16,12 +16,24 @@ import numpy as np
 
 from linkwright.core.arm.chain.chain import Arm
 from linkwright.core.arm.errors.model import ErrorModel, error_model
+from linkwright.core.arm.figures import (
+    Cut,
+    DesignValues,
+    Limit,
+    OfDesign,
+    OfLinks,
+    PoseFamily,
+    ThroughPoses,
+    Totals,
+    WorstError,
+    families_of,
+    shortfall,
+)
 from linkwright.core.arm.worst.coverage import reached
 from linkwright.core.arm.worst.parts import worst_search
 from linkwright.core.arm.worst.search import WorstCase, WorstPose, WorstSearch
 from linkwright.core.arm.worst.workspace import Unreachable, pull
 from linkwright.core.materials.material import Material
-from linkwright.core.optimize.limits import Cut, Limit, OfDesign, PoseFamily, Totals, families_of, shortfall
 from linkwright.core.optimize.problem import Problem
 from linkwright.core.optimize.result import Iteration
 from linkwright.core.sections.numeric import Array
@@ -37,6 +49,8 @@ Log = Callable[[Iteration], None]
 
 TOLERANCE = 2e-5
 """Relative violation at which the exchange stops; the certificate's gap is another 5e-5, so the whole is 1e-4."""
+GAINED = 1e-7
+"""A design that is better by less (relative) takes no other's place."""
 CERTIFICATE_GAP = 3e-5
 _MOST_ROUNDS = 40
 _MOST_ADDED = 6
@@ -53,7 +67,7 @@ class Context:
     problem: Problem
     model: ErrorModel
     search: WorstSearch
-    families: tuple[tuple[PoseFamily, Any], ...] = ()
+    families: tuple[tuple[PoseFamily[Any], Any], ...] = ()
     scenarios: Scenarios | None = None
     """What the error is held for instead of the arm as it is; other figures are those of the arm as it is."""
 
@@ -68,6 +82,15 @@ class Context:
         if self.scenarios is None:
             return self.search.worst(p, **settings)
         return self.scenarios.worst(arm, self.problem.load_cases, **settings)
+
+    def design(self, arm: Arm, p: Array) -> DesignValues:
+        """A design, with its beam values, for its figures through poses."""
+        return DesignValues(arm, self.problem.load_cases, self.search, p)
+
+    @property
+    def aim(self) -> int | None:
+        """The number of the limit on the objective, where that is made as tight as it can be; None elsewhere."""
+        return next((number for number, limit in enumerate(self.problem.limits) if limit.aim), None)
 
     @property
     def uses_error(self) -> bool:
@@ -103,7 +126,7 @@ def context_of(problem: Problem) -> Context:
     if problem.sizes is not None:
         message = "is settled by `optimize` alone; leave it out for this"
         raise InputError(problem.file, "choose.sizes", message)
-    problem = with_chosen_links(problem)
+    problem = with_chosen_links(problem).aimed
     model = error_model(problem.arm, problem.load_cases)
     search = worst_search(model, problem.workspace, gap=CERTIFICATE_GAP)
     limited = families_of({limit.name: limit.figure for limit in problem.limits})
@@ -112,12 +135,28 @@ def context_of(problem: Problem) -> Context:
 
 
 def objective_of(context: Context, program: Program, x: Array, materials: Array, error: float) -> float:
-    """The value (SI) of what is minimised."""
+    """The value (SI) of what is minimised: the error as given, or a sum over the links."""
     follows = context.problem.objective.follows
     if not isinstance(follows, OfDesign):
         return error
     carried = carried_mass(context.problem) + program.space.hung(x)
     return follows.value(Totals(*program.mass_cost_reach(x, materials), carried))
+
+
+def badness_of(context: Context, program: Program, x: Array, arm: Arm, materials: Array) -> float:
+    """The badness of the objective of any design, optimal or not; infinite where it has none."""
+    figure, p = context.problem.objective, numeric_beams(arm, context.problem.load_cases)
+    match figure.follows:
+        case WorstError() | OfDesign():
+            error = context.worst(arm, p, certify=False).error if isinstance(figure.follows, WorstError) else math.nan
+            return figure.badness(objective_of(context, program, x, materials, error))
+        case OfLinks():
+            value = figure.of_links(arm)
+            return math.inf if value is None else figure.badness(value)
+        case ThroughPoses(family):
+            prepared = next(each for own, each in context.families if own is family)
+            worst = family.worst(prepared, context.problem, context.design(arm, p))
+            return max((figure.badness(each.value) for each in worst if each.name == figure.name), default=math.inf)
 
 
 class Exchange:
@@ -156,6 +195,7 @@ class Exchange:
 
         `push` as for `run`.
         """
+        push = self.context.aim if push is None else push
         program = self.program(pool, spare=False)
         # Anchored poses that turn as far as they like can only make the bound lower.
         ask = Ask(self.context.problem.limits, push, turn=20.0)
@@ -163,9 +203,10 @@ class Exchange:
         if not solution.solved:
             self.infeasible = solution.infeasible
             return None
-        return solution, self._objective(program, solution, materials, push)
+        return solution, self.objective(program, solution, materials, push)
 
-    def _objective(self, program: Program, solution: Solution, materials: Array, push: int | None) -> float:
+    def objective(self, program: Program, solution: Solution, materials: Array, push: int | None) -> float:
+        """What a solution makes least: the objective (SI), or the badness of the limit that is pushed."""
         if push is None:
             return objective_of(self.context, program, solution.x, materials, solution.error)
         limit = self.context.problem.limits[push]
@@ -191,6 +232,7 @@ class Exchange:
         is made as tight as it can be: the objective is then its value, or the reciprocal where more is better.
         `within` keeps the design that near to the start, in each of the optimiser's numbers.
         """
+        push = self.context.aim if push is None else push
         ask = Ask(self.context.problem.limits, push, within=None if within is None else (start, within))
         iterations: list[Iteration] = []
         last, error = start, 1e-3
@@ -203,13 +245,13 @@ class Exchange:
             if not solution.solved:
                 self.infeasible = solution.infeasible
                 return None
-            objective = self._objective(program, solution, materials, push)
+            objective = self.objective(program, solution, materials, push)
             change = _change(self.space, last, solution.x) if number > 1 else math.nan
             last, error = solution.x, solution.error
             if objective > give_up_above * (1.0 + 1e-9) and not solution.turned:
                 return Exchanged(last, solution, pool, None, tuple(iterations), False, False, bounded_out=True)
             try:
-                found = self._judge(last, solution, chosen, pool, push)
+                judged = self._judge(last, solution, chosen, pool, push, worth=give_up_above)
             except Unreachable as missing:
                 # The new lengths miss a place that the start reaches: from now on a pose holds on to it.
                 grown = pool.with_errors(self._reaching(missing.point, start, chosen)) if self._anchors else pool
@@ -217,16 +259,16 @@ class Exchange:
                     raise
                 pool, last = grown, start
                 continue
-            iterations.append(Iteration(number, objective, change, pool.size, found.violation, found.certified))
+            iterations.append(Iteration(number, objective, change, pool.size, judged.violation, judged.certified))
             if log is not None:
                 log(iterations[-1])
             # Poses that strayed out of the joint ranges are brought back into them: another round may do better.
-            again = solution.turned or (solution.strayed and _believed_worse(solution, found))
-            agreed = found.violation <= TOLERANCE and not again
-            best = Exchanged(last, solution, pool, found.worst, tuple(iterations), found.certified, agreed)
-            if agreed or not (found.added or again):
+            again = solution.turned or (solution.strayed and _believed_worse(solution, judged))
+            agreed = judged.violation <= TOLERANCE and not again
+            best = Exchanged(last, solution, pool, judged.worst, tuple(iterations), judged.certified, agreed)
+            if agreed or not (judged.added or again):
                 break
-            pool = found.pool
+            pool = judged.pool
         return best
 
     def _reaching(self, point: tuple[float, ...], x: Array, chosen: Sequence[Material | None]) -> tuple[ErrorCut, ...]:
@@ -257,13 +299,21 @@ class Exchange:
 
     def worse_poses(self, solution: Solution, chosen: Sequence[Material | None], pool: Pool) -> Pool:
         """The pool with the poses at which a solution breaks the problem's limits; the same where there are none."""
-        found = self._judge(solution.x, solution, chosen, pool)
-        return found.pool if found.violation > TOLERANCE else pool
+        judged = self._judge(solution.x, solution, chosen, pool)
+        return judged.pool if judged.violation > TOLERANCE else pool
 
     def _judge(
-        self, x: Array, solution: Solution, chosen: Sequence[Material | None], pool: Pool, push: int | None = None
+        self,
+        x: Array,
+        solution: Solution,
+        chosen: Sequence[Material | None],
+        pool: Pool,
+        push: int | None = None,
+        *,
+        worth: float = math.inf,
     ) -> _Judged:
-        """How much worse the design is than its program believes, with the poses that show it."""
+        """How much worse the design is than its program believes, with the poses that show it. An objective that is not
+        below `worth` needs no certificate: a worse pose would only make it greater."""
         context = self.context if push is None else _pushed(self.context, push, solution.slacks[push])
         arm = arm_of(self.space, x, chosen)
         p = numeric_beams(arm, context.problem.load_cases)
@@ -271,14 +321,17 @@ class Exchange:
         if self._anchors:
             self._hold_on(p)
         grown = _anchored_again(context, pool, p) if self._anchors else pool
-        kept = grown.size
+        size_before = grown.size
         if context.uses_error:
             known = np.array([cut.q for cut in pool.errors])
             allowed = solution.error
-            limit = min((each.value for each in context.problem.limit("max_error")), default=math.inf)
+            limit = min((item.value for item in context.problem.limit("max_error")), default=math.inf)
             if context.problem.minimize != "max_error":
                 allowed = limit
-            worst = context.worst(arm, p, extra=known, certify_up_to=allowed * (1.0 + TOLERANCE))
+            enough = allowed * (1.0 + TOLERANCE)
+            if context.problem.minimize == "max_error" and push is None:
+                enough = min(enough, worth * (1.0 - GAINED))
+            worst = context.worst(arm, p, extra=known, certify_up_to=enough)
             certified = worst.certified
             violation = worst.error / max(allowed, LEAST_ERROR) - 1.0
             worse = [pose for pose in worst.poses if pose.error > allowed * (1.0 + 0.1 * TOLERANCE)]
@@ -286,16 +339,16 @@ class Exchange:
             grown = grown.with_errors(tuple(found)).with_errors(tuple(self._between(found, grown)))
         for family, prepared in context.families:
             cuts: list[Cut] = []
-            for each in family.worst(prepared, context.problem, context.search, arm, p):
+            for each in family.worst(prepared, context.problem, context.design(arm, p)):
                 limits = context.problem.limits if each.limit is None else (context.problem.limits[each.limit],)
                 short = [shortfall(limit, each.value) for limit in limits if limit.name == each.name]
                 violation = max([violation, *short])
                 if max(short, default=0.0) > TOLERANCE:
                     cuts.append(each.cut)
             grown = grown.with_cuts(family.name, cuts)
-        return _Judged(max(violation, 0.0), certified, worst, grown, grown.size > kept)
+        return _Judged(max(violation, 0.0), certified, worst, grown, grown.size > size_before)
 
-    def _between(self, found: Sequence[ErrorCut], pool: Pool) -> list[ErrorCut]:
+    def _between(self, cuts: Sequence[ErrorCut], pool: Pool) -> list[ErrorCut]:
         """Poses between those found and the nearest of the pool, as many as the program has room for.
 
         A worst pose that moves with the design is closed in on from both sides: the next design has its own between
@@ -305,15 +358,15 @@ class Exchange:
         if problem.workspace.kind != "joints" or self._program is None:
             return []
         vacant = [
-            have - sum(cut.load_case == case for cut in (*pool.errors, *found))
+            have - sum(cut.load_case == case for cut in (*pool.errors, *cuts))
             for case, have in enumerate(self._program.room.errors)
         ]
         added: list[ErrorCut] = []
-        for cut in found:
+        for cut in cuts:
             if any(cut.shift) or (cut.signs and problem.arm.play != "worst"):
                 continue  # where the play stands is the pose's own
-            alike = [each for each in pool.errors if (each.load_case, each.signs) == (cut.load_case, cut.signs)]
-            near = min(alike, key=lambda each: _apart(each.q, cut.q), default=cut)
+            similar = [error for error in pool.errors if (error.load_case, error.signs) == (cut.load_case, cut.signs)]
+            near = min(similar, key=lambda item: _apart(item.q, cut.q), default=cut)
             if not _SAME < _apart(near.q, cut.q) < _NEAR:
                 continue
             for share in _BETWEEN[: max(vacant[cut.load_case], 0)]:
@@ -336,9 +389,9 @@ class _Judged:
     added: bool
 
 
-def _believed_worse(solution: Solution, found: _Judged) -> bool:
+def _believed_worse(solution: Solution, judged: _Judged) -> bool:
     """Whether a program believes that a design is worse than it is."""
-    return found.worst is not None and found.worst.error < solution.error * (1.0 - TOLERANCE)
+    return judged.worst is not None and judged.worst.error < solution.error * (1.0 - TOLERANCE)
 
 
 def _pushed(context: Context, number: int, slack: float) -> Context:
@@ -352,7 +405,9 @@ def _pushed(context: Context, number: int, slack: float) -> Context:
 def _change(space: DesignSpace, old: Array, new: Array) -> float:
     """The largest relative change of a design quantity."""
     before, after = np.array(space.values(list(old)), dtype=float), np.array(space.values(list(new)), dtype=float)
-    sizes = np.maximum(np.abs(before), [1e-6 * max(abs(each.lower), abs(each.upper)) for each in space.variables])
+    sizes = np.maximum(
+        np.abs(before), [1e-6 * max(abs(variable.lower), abs(variable.upper)) for variable in space.variables]
+    )
     return float((np.abs(after - before) / sizes).max(initial=0.0))
 
 
@@ -411,6 +466,6 @@ def first_pool(context: Context, space: DesignSpace, x: Array, chosen: Sequence[
         poses = [pose for pose in worst.poses if pose.error > 0.9 * worst.error][:4]
         pool = pool.with_errors(tuple(error_cut(context, pose, p, space) for pose in poses))
     for family, prepared in context.families:
-        found = family.worst(prepared, context.problem, context.search, arm, p)
+        found = family.worst(prepared, context.problem, context.design(arm, p))
         pool = pool.with_cuts(family.name, family.first(found))
     return pool

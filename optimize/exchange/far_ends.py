@@ -2,31 +2,13 @@
 
 from __future__ import annotations
 
-from typing import Any, Protocol
+from typing import Any
 
 import casadi as ca
 
+from linkwright.core.optimize.ranges import Ranges
 from linkwright.core.sections import Section
-from linkwright.core.sections.section import Bounds, Constraint
-
-
-class Ranges(Protocol):
-    """What a problem says of sizes."""
-
-    @property
-    def section_size(self) -> Bounds:
-        """Of outer dimensions, m."""
-        ...
-
-    @property
-    def thickness(self) -> Bounds:
-        """Of walls, m."""
-        ...
-
-    @property
-    def taper(self) -> tuple[float, float] | None:
-        """Of the far end's size over that at the joint; None where no taper is chosen."""
-        ...
+from linkwright.core.sections.section import Constraint
 
 
 def far_constraints(near: Section, log_taper: Any, ranges: Ranges) -> list[Constraint]:
@@ -37,22 +19,23 @@ def far_constraints(near: Section, log_taper: Any, ranges: Ranges) -> list[Const
     """
     if ranges.taper is None:
         return []
+    outer, walls = ranges.sizes
     smaller, larger = ranges.taper[0] < 1.0, ranges.taper[1] > 1.0
-    found: list[Constraint] = []
+    constraints: list[Constraint] = []
     for variable in near.variables:
         if variable.kind == "area":
             continue  # bounded through the dimensions that it follows from
-        low, high = ranges.section_size if variable.kind == "outer" else ranges.thickness
+        low, high = outer if variable.kind == "outer" else walls
         size = ca.log(getattr(near, variable.name)) + log_taper
         if smaller:
             value = ca.log(low) - size
-            found.append(Constraint(f"least_{variable.name}", f"{variable.name} at least, at the far end", value))
+            constraints.append(Constraint(f"least_{variable.name}", f"{variable.name} at least, at the far end", value))
         if larger:
             value = size - ca.log(high)
-            found.append(Constraint(f"most_{variable.name}", f"{variable.name} at most, at the far end", value))
+            constraints.append(Constraint(f"most_{variable.name}", f"{variable.name} at most, at the far end", value))
     far = near.scaled(ca.exp(log_taper))
-    for constraint in far.bound_constraints(ranges.section_size, ranges.thickness):
+    for constraint in far.bound_constraints(outer, walls):
         lower, upper = ">=" in constraint.text, "<=" in constraint.text
         if (smaller and not upper) or (larger and not lower):
-            found.append(Constraint(constraint.name, f"{constraint.text}, at the far end", constraint.value))
-    return found
+            constraints.append(Constraint(constraint.name, f"{constraint.text}, at the far end", constraint.value))
+    return constraints

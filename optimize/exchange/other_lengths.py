@@ -52,7 +52,7 @@ def other_lengths(
     own = np.exp(x[at])
     orders = [own[list(order)] for order in islice(permutations(reversed(range(len(at)))), _ORDERS)]
     known, reached = _score(context, space, x, chosen), _reached(context, space, x, chosen)
-    found: list[tuple[float, Array]] = []
+    candidates: list[tuple[float, Array]] = []
     for lengths in (*orders, *spread_lengths(space.problem, _LOOKED_AT)):
         if not allowed(space.problem, lengths) or _near(lengths, own):
             continue
@@ -60,12 +60,12 @@ def other_lengths(
         trial[at] = np.log(lengths)
         score = _score(context, space, trial, chosen)
         if score < _HOPEFUL * known and _reached(context, space, trial, chosen) >= reached:
-            found.append((score, trial))
+            candidates.append((score, trial))
     starts: list[Array] = []
-    for _, trial in sorted(found, key=lambda each: each[0]):
+    for _, trial in sorted(candidates, key=lambda candidate: candidate[0]):
         if len(starts) == most:
             break
-        apart = not any(_near(np.exp(trial[at]), np.exp(each[at])) for each in starts)
+        apart = not any(_near(np.exp(trial[at]), np.exp(start[at])) for start in starts)
         if apart and share_unreached(context, space, trial, chosen) == 0.0:
             starts.append(trial)
     return starts
@@ -109,11 +109,11 @@ def few_places(problem: Problem) -> Array:
 
 def with_lengths(space: DesignSpace, x: Array, lengths: Sequence[float]) -> Array:
     """The optimiser's numbers `x` with the lengths (m) of those links whose lengths are free."""
-    found = x.copy()
+    moved_x = x.copy()
     for number, variable in enumerate(space.variables):
         if variable.name == LENGTH:
-            found[number] = variable.to_x(lengths[variable.link])
-    return found
+            moved_x[number] = variable.to_x(lengths[variable.link])
+    return moved_x
 
 
 def _near(one: Array, other: Array) -> bool:
@@ -137,15 +137,20 @@ def _score(context: Context, space: DesignSpace, x: Array, chosen: Sequence[Mate
 
 def free_links(problem: Problem) -> list[int]:
     """The links (from 0) whose lengths are free."""
-    return [k for k, link in enumerate(problem.arm.links) if link.elastic] if problem.link_length is not None else []
+    return [k for k, link_ranges in enumerate(problem.ranges) if link_ranges.link_length is not None]
+
+
+def length_bounds(problem: Problem) -> tuple[Array, Array]:
+    """The least and the greatest of each free length (m)."""
+    low, high = np.array([problem.length_spans[k] for k in free_links(problem)]).reshape(-1, 2).T
+    return low, high
 
 
 def sums_allowed(problem: Problem) -> tuple[float, float]:
     """The least and the greatest sum (m) of the free lengths that `reach` and `link_length` allow."""
-    assert problem.link_length is not None
     free = free_links(problem)
     rest = sum(link.length for link in problem.arm.links) - sum(problem.arm.links[k].length for k in free)
-    low, high = (len(free) * each for each in problem.link_length)
+    low, high = (float(bound.sum()) for bound in length_bounds(problem))
     for limit in problem.limit("reach"):
         low = max(low, limit.value - rest) if limit.relation in (">=", "==") else low
         high = min(high, limit.value - rest) if limit.relation in ("<=", "==") else high
@@ -154,9 +159,8 @@ def sums_allowed(problem: Problem) -> tuple[float, float]:
 
 def allowed(problem: Problem, lengths: Array) -> bool:
     """Whether free lengths (m) keep their bounds and those of the reach."""
-    assert problem.link_length is not None
     least, most = sums_allowed(problem)
-    low, high = problem.link_length
+    low, high = length_bounds(problem)
     inside = bool(np.all(lengths >= low * (1.0 - _SUM)) and np.all(lengths <= high * (1.0 + _SUM)))
     return inside and least * (1.0 - _SUM) <= float(lengths.sum()) <= most * (1.0 + _SUM)
 
@@ -164,14 +168,13 @@ def allowed(problem: Problem, lengths: Array) -> bool:
 def spread_lengths(problem: Problem, count: int) -> list[Array]:
     """About `count` choices of the free lengths (m), spread over what bounds and reach allow; none where these leave
     nothing."""
-    assert problem.link_length is not None
     size = len(free_links(problem))
     least, most = sums_allowed(problem)
     if size == 0 or least > most * (1.0 + _SUM):
         return []
-    low, high = np.full(size, problem.link_length[0]), np.full(size, problem.link_length[1])
-    found = [moved(row, low, high, (least, most)) for row in spread(low, high, count)[:count]]
-    return [each for each in found if allowed(problem, each)]
+    low, high = length_bounds(problem)
+    lengths = [moved(row, low, high, (least, most)) for row in spread(low, high, count)[:count]]
+    return [length for length in lengths if allowed(problem, length)]
 
 
 def moved(lengths: Array, low: Array, high: Array, sums: tuple[float, float]) -> Array:

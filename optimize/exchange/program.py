@@ -24,9 +24,9 @@ from numpy.typing import NDArray
 from linkwright.core.arm.chain.prices import fixed_price, price_by_length
 from linkwright.core.arm.errors.model import ErrorModel
 from linkwright.core.arm.evaluation import heaviest_carried
+from linkwright.core.arm.figures import Cut, Held, Limit, OfDesign, PoseFamily, Totals
 from linkwright.core.arm.worst.search import WorstPose
 from linkwright.core.arm.worst.workspace import climbing_bounds, joint_box
-from linkwright.core.optimize.limits import Cut, Held, Limit, OfDesign, PoseFamily, Totals
 from linkwright.core.optimize.problem import Problem
 from linkwright.core.units.quantities import InputError
 
@@ -49,6 +49,8 @@ from .scenarios import Scenarios, scenario_column
 Array = NDArray[np.float64]
 
 _INSIDE = 1e-6
+_ROUNDED = 1e-9
+"""By how much a row that nothing moves may be broken: what a section may be off by, too."""
 _FARTHEST = 30.0
 """How far (in its logarithm) a limit can be pushed, or can give way."""
 _GIVEN, _SMOOTH = 0.5, 1e-7
@@ -133,7 +135,8 @@ class Solution:
     turned: bool
     strayed: bool = False
     infeasible: bool = False
-    """Found without a design although limits might give way: more than a failure of the solver."""
+    """Found without a design although limits might give way, or broken whatever the design is: more than a failure of
+    the solver."""
     multipliers: Mapping[str, Array] = field(default_factory=lambda: MappingProxyType({}))
     """The multipliers of the rows, block by block: `errors`, `own` and each family's; see `Program.slotted`."""
 
@@ -161,7 +164,7 @@ def unchosen_cost(problem: Problem) -> float:
 
 def anchored(space: DesignSpace) -> bool:
     """Whether poses must follow the design: the workspace is fixed in space and the lengths are free."""
-    return space.free_lengths and space.problem.workspace.kind != "joints"
+    return space.free_lengths and space.problem.workspace.in_space
 
 
 def fixed_error(model: ErrorModel) -> float:
@@ -180,7 +183,7 @@ def _without_floor(y: float, floor: float) -> float:
     return math.exp(y) if floor == FLOOR_MM2 else math.sqrt(max(math.exp(2.0 * y) - floor, FLOOR_MM2))
 
 
-def groups_of(problem: Problem, families: Sequence[PoseFamily]) -> dict[str, int]:
+def groups_of(problem: Problem, families: Sequence[PoseFamily[Any]]) -> dict[str, int]:
     """How many groups of poses each family has, by its name."""
     return {family.name: family.groups(problem) for family in families}
 
@@ -200,7 +203,7 @@ class Program:
         self,
         space: DesignSpace,
         model: ErrorModel,
-        families: Sequence[tuple[PoseFamily, Any]],
+        families: Sequence[tuple[PoseFamily[Any], Any]],
         room: Room,
         scenarios: Scenarios | None = None,
     ) -> None:
@@ -226,7 +229,7 @@ class Program:
         rounding = symbol("rounding")
         columns = [design.beam_column]
         if scenarios is not None:
-            columns = [scenario_column(design, each) for each in scenarios.held]
+            columns = [scenario_column(design, scenario) for scenario in scenarios.held]
         errors = error_rows(
             self.model, design, columns, y, room.errors, floor, rounding=rounding, anchored=self._anchored
         )
@@ -269,6 +272,8 @@ class Program:
             "g": ca.vertcat(*every) if every else ca.SX(0, 1),
         }
         self._solver = ca.nlpsol("design", "ipopt", program, ipopt_options())
+        self._rows = self._solver.get_function("nlp_jac_g")
+        self._moving = np.array(self._rows.sparsity_out("jac_g_x").get_triplet(), dtype=int)
         self._figures = ca.Function("figures", [x, materials], [design.beam_column, design.strength_column])
         squares = [ca.exp(row + 2.0 * y) - floor for row in errors.rows]
         self._squares = ca.Function(
@@ -297,8 +302,8 @@ class Program:
         best: Solution | None = None
         for rounding in ROUNDINGS if self._cornered else ROUNDINGS[-1:]:
             near, size = (start, error) if best is None else (best.x, best.error)
-            found = self._solve(near, materials, pool, ask, size, rounding)
-            best = found if found.solved or best is None or not best.solved else best
+            solution = self._solve(near, materials, pool, ask, size, rounding)
+            best = solution if solution.solved or best is None or not best.solved else best
         assert best is not None
         return best
 
@@ -307,8 +312,9 @@ class Program:
         if ask.within is not None:
             center, room = ask.within
             lower, upper = np.maximum(lower, center - room), np.minimum(upper, center + room)
-        own = self.space.problem.limits if ask.limits is None else ask.limits
-        count = len(own)
+        limits = self.space.problem.limits if ask.limits is None else ask.limits
+        limits = [limit if number == ask.push else limit.loosened for number, limit in enumerate(limits)]
+        count = len(limits)
         squared = max(FLOOR_MM2, (ask.floor * MM) ** 2)
         y = math.log(max(error - self.fixed_error, 1e-12) * MM)
         if ask.floor > 0.0:
@@ -316,7 +322,7 @@ class Program:
         errors, held = self.slotted(pool)
         values, unknowns = self._pose_values(errors, held)
         give = np.full(count, 10.0 if ask.relax else 0.0)
-        equal = np.array([-each if x.relation == "==" else 0.0 for x, each in zip(own, give, strict=True)])
+        equal = np.array([-item if x.relation == "==" else 0.0 for x, item in zip(limits, give, strict=True)])
         slack, pushed = 0.05 * give, np.zeros(count)
         if ask.push is not None:
             give[ask.push], equal[ask.push], pushed[ask.push] = _FARTHEST, -_FARTHEST, 1.0
@@ -324,21 +330,24 @@ class Program:
         if ask.elastic is not None:
             price = np.array(ask.elastic)
             give = np.where(price > 0.0, _FARTHEST, 0.0)
-            equal = np.array([-each if x.relation == "==" else 0.0 for x, each in zip(own, give, strict=True)])
+            equal = np.array([-item if x.relation == "==" else 0.0 for x, item in zip(limits, give, strict=True)])
             slack = np.where(price > 0.0, _GIVEN, 0.0)
         weights = (0.0, 1.0) if ask.relax else (0.0 if ask.push is not None or ask.elastic is not None else 1.0, 0.0)
         # Sizes that start on a bound leave IPOPT no interior: start a hair inside.
         inside = np.clip(start, lower + _INSIDE * (upper - lower), upper - _INSIDE * (upper - lower))
         least, most = self._turns(errors, np.array(unknowns), ask.turn)
         low, high = self._row_bounds(errors)
-        result = self._solver(
-            x0=[*inside, y, *slack, *unknowns],
-            p=[*materials, *weights, *pushed, *price, *(limit.value for limit in own), squared, rounding, *values],
-            lbx=[*lower, -40.0, *equal, *least],
-            ubx=[*upper, 40.0, *give, *most],
-            lbg=low,
-            ubg=high,
-        )
+        x0 = np.array([*inside, y, *slack, *unknowns])
+        p = [*materials, *weights, *pushed, *price, *(limit.value for limit in limits), squared, rounding, *values]
+        lbx, ubx = np.array([*lower, -40.0, *equal, *least]), np.array([*upper, 40.0, *give, *most])
+        settled = self._settled(lbx == ubx)
+        broken = False
+        if settled.any():
+            # These rows are facts: a solver that has nothing to move stumbles over what they are off by in rounding.
+            row = np.array(self._rows(x0, p)[0]).ravel()[settled]
+            broken = not bool(np.all((row >= low[settled] - _ROUNDED) & (row <= high[settled] + _ROUNDED)))
+            low, high = np.where(settled, -np.inf, low), np.where(settled, np.inf, high)
+        result = self._solver(x0=x0, p=p, lbx=lbx, ubx=ubx, lbg=low, ubg=high)
         stats = self._solver.stats()
         point = np.array(result["x"]).ravel()
         multipliers = np.array(result["lam_g"]).ravel()
@@ -348,7 +357,7 @@ class Program:
         return Solution(
             x=np.clip(point[:size], lower, upper),
             error=self.fixed_error + _without_floor(min(float(point[size]), 60.0), squared) / MM,
-            solved=bool(stats["success"]),
+            solved=bool(stats["success"]) and not broken,
             limit_prices=tuple(self._limit_prices(multipliers)),
             bound_prices=np.array(result["lam_x"]).ravel()[:size],
             shape_prices=tuple(zip(self._blocks["shapes"].labels, shapes.tolist(), strict=True)),
@@ -356,15 +365,23 @@ class Program:
             active=self._active(multipliers, errors, held),
             message=str(stats["return_status"]),
             strayed=self._strayed(poses),
+            infeasible=broken,
             turned=bool(np.any((np.abs(poses - unknowns) > 0.999 * ask.turn) & ~self._at_will(errors))),
             multipliers=MappingProxyType({name: multipliers[place] for name, place in self._place.items()}),
         )
+
+    def _settled(self, fixed: NDArray[np.bool_]) -> NDArray[np.bool_]:
+        """Which rows no number moves that is free: those that depend on the fixed ones alone."""
+        settled = np.ones(len(self._lower), dtype=bool)
+        rows, numbers = self._moving
+        settled[rows[~fixed[numbers]]] = False
+        return settled
 
     def slotted(self, pool: Pool) -> tuple[list[ErrorCut], dict[str, list[Cut]]]:
         """The poses in their slots: those of the error, and those of each family by its name."""
         problem = self.space.problem
         slots = {family.name: self.room.slots(family.name, family.groups(problem)) for family in self.pose_families}
-        held = {name: filled(pool.of(name), each) for name, each in slots.items()}
+        held = {name: filled(pool.of(name), slot) for name, slot in slots.items()}
         return filled(pool.errors, self.room.errors), held
 
     def _pose_values(self, errors: list[ErrorCut], held: Mapping[str, list[Cut]]) -> tuple[list[float], list[float]]:
@@ -399,8 +416,8 @@ class Program:
     def _strayed(self, q: Array) -> bool:
         """Whether one of the anchored poses is outside the joint ranges."""
         low, high = climbing_bounds(self.model.arm, *joint_box(self.model.arm, self.space.problem.workspace))
-        each = q.reshape(-1, self.model.arm.size)
-        return bool(np.any((each < low - _STRAYED) | (each > high + _STRAYED)))
+        poses = q.reshape(-1, self.model.arm.size)
+        return bool(np.any((poses < low - _STRAYED) | (poses > high + _STRAYED)))
 
     @property
     def _axes(self) -> int:
@@ -435,12 +452,12 @@ class Program:
                 rows.reshape(count, -1).max(axis=1) > _PRESSING if count and len(rows) else np.zeros(count, dtype=bool)
             )
 
-        found = pressing("errors", len(errors))
-        pool = Pool().with_errors(tuple(cut for cut, holds in zip(errors, found, strict=True) if holds))
+        active = pressing("errors", len(errors))
+        pool = Pool().with_errors(tuple(cut for cut, holds in zip(errors, active, strict=True) if holds))
         for name, cuts in held.items():
             # Every pose of a family has equally many rows.
-            found = pressing(name, len(cuts))
-            pool = pool.with_cuts(name, [cut for cut, holds in zip(cuts, found, strict=True) if holds])
+            active = pressing(name, len(cuts))
+            pool = pool.with_cuts(name, [cut for cut, holds in zip(cuts, active, strict=True) if holds])
         return pool
 
     def _limit_prices(self, multipliers: Array) -> list[float]:

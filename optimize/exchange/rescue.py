@@ -29,7 +29,7 @@ def solved(program: Program, start: Array, materials: Array, pool: Pool, ask: As
     A solution that is not `solved` says by `infeasible` whether limits would have to give way.
     """
     first = program.solve(start, materials, pool, ask, error=error)
-    if first.solved:
+    if first.solved or first.infeasible:
         return first
     gentle = _smoothly(program, start, materials, pool, ask)
     if gentle is not None:
@@ -50,11 +50,11 @@ def _smoothly(program: Program, start: Array, materials: Array, pool: Pool, ask:
     for _ in range(_SHRINKINGS):
         if scale < LEAST_ERROR:
             break
-        found = program.solve(start, materials, pool, replace(ask, floor=scale), error=scale)
-        if not found.solved:
+        solution = program.solve(start, materials, pool, replace(ask, floor=scale), error=scale)
+        if not solution.solved:
             break
-        best, start = found, found.x
-        if found.error - program.fixed_error > _SMALLER * scale:
+        best, start = solution, solution.x
+        if solution.error - program.fixed_error > _SMALLER * scale:
             break
-        scale = max(found.error - program.fixed_error, _SMALLER * scale)
+        scale = max(solution.error - program.fixed_error, _SMALLER * scale)
     return best

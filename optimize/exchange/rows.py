@@ -11,7 +11,7 @@ import casadi as ca
 from linkwright.core.arm.chain.kinematics import place
 from linkwright.core.arm.effects.functions import wound_up
 from linkwright.core.arm.errors.model import ErrorModel
-from linkwright.core.optimize.limits import (
+from linkwright.core.arm.figures import (
     Cut,
     DesignExpressions,
     Held,
@@ -126,8 +126,8 @@ def filled(cuts: Sequence[AnyCut], slots: Sequence[int]) -> list[AnyCut]:
     """The cut in each slot, group after group (load cases, for the error); spare slots repeat the group's last."""
     found: list[AnyCut] = []
     for group, count in enumerate(slots):
-        own = [cut for cut in cuts if cut.group == group]
-        found += [own[min(slot, len(own) - 1)] for slot in range(count)]
+        members = [cut for cut in cuts if cut.group == group]
+        found += [members[min(slot, len(members) - 1)] for slot in range(count)]
     return found
 
 
@@ -147,7 +147,7 @@ def error_parameters(model: ErrorModel, cuts: Sequence[ErrorCut], *, anchored: b
 
 
 def pose_rows(
-    family: PoseFamily, prepared: Any, size: int, held: Held, design: DesignExpressions, slots: Sequence[int]
+    family: PoseFamily[Any], prepared: Any, size: int, held: Held, design: DesignExpressions, slots: Sequence[int]
 ) -> Rows:
     """A family's rows at as many poses of each group as `slots` says, for an arm of so many joints."""
     out = Rows()
@@ -171,28 +171,32 @@ def limit_rows(held: Held, design: DesignExpressions, error: Any, carried: float
     equal: list[bool] = []
     for number, limit in enumerate(held.limits):
         follows = limit.figure.follows
-        own: list[Any] = []
+        ratios: list[Any] = []
         if isinstance(follows, OfLinks):
-            own = _link_rows(limit, follows, held.slack[number], design)
+            ratios = _link_rows(limit, follows, held.slack[number], design)
         elif not isinstance(follows, ThroughPoses):
             value = error if isinstance(follows, WorstError) else follows.value(totals)
             ratio = ca.log(ca.SX(value) / limit.value)
             # Two one-sided rows would have no interior; an equality takes a slack of either sign.
-            own = [(-ratio if limit.relation == ">=" else ratio) - held.slack[number]]
-        out.rows += own
-        out.limits += [number] * len(own)
-        equal += [limit.relation == "=="] * len(own)
+            ratios = [(-ratio if limit.relation == ">=" else ratio) - held.slack[number]]
+        out.rows += ratios
+        out.limits += [number] * len(ratios)
+        equal += [limit.relation == "=="] * len(ratios)
     return out, equal
 
 
 def _link_rows(limit: Limit, follows: OfLinks, slack: Any, design: DesignExpressions) -> list[Any]:
     """A row for each value of each link; what is not known of a link cannot be held."""
     rows: list[Any] = []
-    for section, material in zip(design.sections, design.materials, strict=True):
-        values = None if section is None or material is None else follows.values(section, material)
+    for link, (section, material) in enumerate(zip(design.sections, design.materials, strict=True)):
+        if section is None or material is None:
+            continue
+        log_taper = design.beams[link].log_taper
+        tapered = isinstance(log_taper, ca.SX) and not log_taper.is_constant()
+        ends = (section, section.scaled(ca.exp(log_taper))) if tapered else (section,)
         # Not in logarithms: a wall may be as thick as it is wide, and its slenderness nothing.
-        for value in values or ():
-            ratio = ca.SX(value) / limit.value
+        for value in (value for end in ends for value in follows.values(end, material) or ()):
+            ratio = ca.SX(value) / (limit.value * limit.share(link))
             rows.append(ca.exp(-slack) - ratio if limit.relation == ">=" else ratio - ca.exp(slack))
     return rows
 
@@ -200,16 +204,15 @@ def _link_rows(limit: Limit, follows: OfLinks, slack: Any, design: DesignExpress
 def shape_rows(space: DesignSpace, design: DesignExpressions) -> Rows:
     """What makes each section possible, and bounds on dimensions that are no variables."""
     out = Rows()
-    problem = space.problem
-    for link, section in enumerate(design.sections):
+    for link, (section, ranges) in enumerate(zip(design.sections, space.problem.ranges, strict=True)):
         if section is None:
             continue
-        for constraint in (*section.constraints(), *section.bound_constraints(problem.section_size, problem.thickness)):
+        for constraint in (*section.constraints(), *section.bound_constraints(*ranges.sizes)):
             value = ca.SX(constraint.value)
             if not value.is_constant():
                 out.rows.append(value)
                 out.labels.append(f"link {link + 1}: {constraint.text}")
-        for constraint in far_constraints(section, design.beams[link].log_taper, problem):
+        for constraint in far_constraints(section, design.beams[link].log_taper, ranges):
             out.rows.append(ca.SX(constraint.value))
             out.labels.append(f"link {link + 1}: {constraint.text}")
     return out

@@ -13,9 +13,9 @@ from linkwright.core.arm.chain.beam import Beam, elastic_beam
 from linkwright.core.arm.chain.chain import Arm, Link, LoadCase
 from linkwright.core.arm.chain.similar_taper import similar_beam
 from linkwright.core.arm.errors.model import BEAM_FIELDS, ErrorModel, beam_values, beams_of
+from linkwright.core.arm.figures import DesignExpressions
 from linkwright.core.arm.worst.search import WorstCase, WorstSearch
 from linkwright.core.optimize.balance.balance import FIELDS
-from linkwright.core.optimize.limits import DesignExpressions
 from linkwright.core.optimize.uncertain import Scenario
 from linkwright.core.sections import Section
 from linkwright.core.sections.numeric import Array
@@ -35,18 +35,18 @@ class Scenarios:
 
     def worst(self, arm: Arm, loads: Sequence[LoadCase], **settings: Any) -> WorstCase:
         """The worst case of an arm over all scenarios; `settings` as in `WorstSearch.worst`."""
-        found = [self.search.worst(scenario_values(arm, loads, each), **settings) for each in self.held]
+        worst = [self.search.worst(scenario_values(arm, loads, scenario), **settings) for scenario in self.held]
         count = len(self.model.cases)
         poses = [
             replace(pose, load_case=pose.load_case + count * number)
-            for number, own in enumerate(found)
+            for number, own in enumerate(worst)
             for pose in own.poses
         ]
-        bounds = [own.upper_bound for own in found]
+        bounds = [own.upper_bound for own in worst]
         return WorstCase(
-            max(own.error for own in found),
+            max(own.error for own in worst),
             None if None in bounds else max(bound for bound in bounds if bound is not None),
-            all(own.certified for own in found),
+            all(own.certified for own in worst),
             tuple(sorted(poses, key=lambda pose: -pose.error)),
         )
 
@@ -58,7 +58,7 @@ def resized(section: Section, size: Any, thickness: Any) -> Section:
     if isinstance(section, Tapered):
         return type(section)(*(resized(end, size, thickness) for end in (section.near, section.far)))
     scaled = section.scaled(size)
-    walls = {each.name for each in section.dimensions if each.kind == "wall"}
+    walls = {dimension.name for dimension in section.dimensions if dimension.kind == "wall"}
     if not walls or thickness == 1.0:
         return scaled
     return type(section)(**{k: v * thickness if k in walls else v for k, v in scaled.given().items()})
@@ -66,7 +66,7 @@ def resized(section: Section, size: Any, thickness: Any) -> Section:
 
 def scenario_values(arm: Arm, loads: Sequence[LoadCase], scenario: Scenario) -> Array:
     """The row p of an arm as a scenario has it."""
-    links = [_resized_link(*each) for each in zip(arm.links, scenario.size, scenario.thickness, strict=True)]
+    links = [_resized_link(*item) for item in zip(arm.links, scenario.size, scenario.thickness, strict=True)]
     changed = any(new is not old for new, old in zip(links, arm.links, strict=True))
     values = beam_values(beams_of(arm.with_links(tuple(links)) if changed else arm, loads)).reshape(arm.size, -1)
     factors = np.where(_RIGIDITIES, np.array(scenario.elastic_modulus)[:, None], 1.0)

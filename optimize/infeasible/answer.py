@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
-from linkwright.core.optimize.limits import Limit
+from linkwright.core.arm.figures import Limit
 from linkwright.core.units.quantities import NoAnswer, format_quantity
 
 
@@ -80,21 +80,21 @@ class Infeasibility:
     @property
     def text(self) -> str:
         """The whole in one line."""
-        parts = [each.text for each in self.out_of_reach]
-        alone = [each.text for each in self.limits]
+        parts = [item.text for item in self.out_of_reach]
+        alone = [limit.text for limit in self.limits]
         if len(alone) == 1:
             parts += alone
         elif alone:
             parts.append(f"each alone, the others kept: {', '.join(alone)}")
             if self.joint and self.joint_sum is not None:
-                joint = " and ".join(f"{each.limit.name} {changed(each.limit, each.needed)}" for each in self.joint)
+                joint = " and ".join(f"{item.limit.name} {changed(item.limit, item.needed)}" for item in self.joint)
                 parts.append(f"smallest joint change: {joint}")
         if self.verdict == "undecided":
             words = f"could not be decided: the solver failed on {self.unsolved} of {self.looked_at} combinations"
-            said = f"{words}, the others keep no set of limits" if self.unsolved < self.looked_at else words
+            text = f"{words}, the others keep no set of limits" if self.unsolved < self.looked_at else words
         else:
-            said = "no design keeps all limits"
-        return f"{said}: {'; '.join(parts)} ({self.rests_on}; {self.kept})" if parts else f"{said} ({self.kept})"
+            text = "no design keeps all limits"
+        return f"{text}: {'; '.join(parts)} ({self.rests_on}; {self.kept})" if parts else f"{text} ({self.kept})"
 
 
 def changed(limit: Limit, value: float) -> str:

@@ -19,16 +19,17 @@ import numpy as np
 
 from linkwright.core.arm.chain.chain import Arm
 from linkwright.core.arm.evaluation import evaluate
+from linkwright.core.arm.figures import Limit, OfLinks, excess
 from linkwright.core.arm.worst.workspace import Unreachable
 from linkwright.core.optimize.choice.at_once.feasibility import Feasibility, feasibility_of
 from linkwright.core.optimize.choice.chooser import Progress
 from linkwright.core.optimize.choice.picks import Combination, combinations, count, uniform
 from linkwright.core.optimize.exchange.binding_poses import Pool
 from linkwright.core.optimize.exchange.design import arm_of, design_space, material_row, starting_points
-from linkwright.core.optimize.exchange.exchange import Context, Exchange, first_pool
+from linkwright.core.optimize.exchange.exchange import Context, Exchange, context_of, first_pool
 from linkwright.core.optimize.exchange.program import Ask, Program, Solution
-from linkwright.core.optimize.limits import Limit, OfLinks, excess
 from linkwright.core.optimize.problem import Problem
+from linkwright.core.optimize.problem_summary import span_by_link
 from linkwright.core.optimize.trust import GAP
 from linkwright.core.sections.numeric import Array
 from linkwright.core.units.quantities import format_quantity, read_bound
@@ -72,22 +73,23 @@ def explained(
     solver failed when a design was sought, and `told` what is known from there of how far all break the limits."""
     problem = context.problem
     # An error that nothing limits would otherwise be looked for at every pose.
-    problem = replace(problem, minimize="mass")
-    context = replace(context, problem=problem)
+    problem = replace(problem, minimize="mass", limits=tuple(limit for limit in problem.limits if not limit.aim))
+    context = replace(context, problem=problem) if context.aim is None else context_of(problem)
+    told = told if context.aim is None else None
     total = count(problem)
     size = len(problem.limits)
     asker = _Asker(context, told, progress)
     # What the joint change comes to is where the others begin.
     questions = ([tuple(range(size))] if size > 1 else []) + [(k,) for k in range(size)]
-    stuck = {problem.limits.index(each.limit) for each in beyond}
+    stuck = {problem.limits.index(item.limit) for item in beyond}
     answers: dict[tuple[int, ...], _Found] = {}
     for number, question in enumerate(questions):
         share = (number, len(questions))
         answers[question] = _Found("none") if stuck - set(question) else asker.answer(question, share)
     limits = tuple(
-        Needed(limit, _needed(limit, each.slacks[k]) if each.outcome == "found" else None, each.outcome)
+        Needed(limit, _needed(limit, answer.slacks[k]) if answer.outcome == "found" else None, answer.outcome)
         for k, limit in enumerate(problem.limits)
-        if (each := answers[k,])
+        if (answer := answers[k,])
     )
     joint = answers[tuple(range(size))] if size > 1 else _Found("undecided")
     changes = tuple(
@@ -110,8 +112,8 @@ def explained(
 
 
 class _Asker:
-    """Answers which least change of some limits does: over all combinations of few, else over those that come nearest,
-    and more of them with each question."""
+    """Solves for the least change of some limits that is feasible: over all combinations where they are few, else over
+    the nearest ones, whose number grows with each question."""
 
     def __init__(self, context: Context, told: Feasibility | None, progress: Progress | None) -> None:
         self._context, self._progress = context, progress
@@ -141,21 +143,21 @@ class _Asker:
         if closer is None:
             return _Found("none")
         self._added(closer)
-        asked = _Question(self._context.problem, question)
+        current = _Question(self._context.problem, question)
         many = len(self.trials)
         for done, trial in enumerate(self.trials.values()):
             if self._progress is not None:
                 self._progress(share[0] * many + done, share[1] * many, "what the limits would have to be")
-            asked.put(trial, starts=_STARTS if self._near is None or done < _NEAREST else 1)
-        answer = asked.answer()
+            current.put(trial, starts=_STARTS if self._near is None or done < _NEAREST else 1)
+        answer = current.answer()
         for _ in range(_CLOSER if len(question) == 1 else 1):
-            if self._near is None or asked.best is None or asked.best[1].x is self._near.x:
+            if self._near is None or current.best is None or current.best[1].x is self._near.x:
                 break
             # About a design that comes near, bounds tell more.
-            self._near = self._near.about(*asked.best)
+            self._near = self._near.about(*current.best)
             for trial in self._added(self._near.closer(question) or ()):
-                asked.put(trial)
-            answer = asked.answer()
+                current.put(trial)
+            answer = current.answer()
         return answer
 
 
@@ -193,13 +195,13 @@ class _Nearest:
         if limit.relation == "==":
             return []
         if not isinstance(limit.figure.follows, OfLinks):
-            found = self.told.nearest_by_one(exchange, self.x, pick, self.pool, _RANKED, question[0])
-            return None if found is None else _kinds(found, _CLOSEST)
+            nearest = self.told.nearest_by_one(exchange, self.x, pick, self.pool, _RANKED, question[0])
+            return None if nearest is None else _kinds(nearest, _CLOSEST)
         # What a single link keeps is in the cells of all bounds.
         free = replace(limit, value=limit.value * (_FREE if limit.relation == "<=" else 1.0 / _FREE))
-        limits = tuple(free if k == question[0] else each for k, each in enumerate(problem.limits))
-        told = feasibility_of(replace(self.context, problem=replace(problem, limits=limits)))
-        return None if told is not None and told.none_keeps(exchange, self.x, pick, self.pool) else []
+        limits = tuple(free if k == question[0] else item for k, item in enumerate(problem.limits))
+        feasibility = feasibility_of(replace(self.context, problem=replace(problem, limits=limits)))
+        return None if feasibility is not None and feasibility.none_keeps(exchange, self.x, pick, self.pool) else []
 
 
 def _kinds(picks: Sequence[Combination], number: int) -> list[Combination]:
@@ -209,19 +211,19 @@ def _kinds(picks: Sequence[Combination], number: int) -> list[Combination]:
 
 
 def _nearest(
-    context: Context, told: Feasibility | None, exchanges: dict[tuple[str | None, ...], Exchange]
+    context: Context, feasibility: Feasibility | None, exchanges: dict[tuple[str | None, ...], Exchange]
 ) -> _Nearest | None:
     """The combinations that come nearest to keeping all limits; None where no bound tells."""
-    told = told or feasibility_of(context)
-    if told is None:
+    feasibility = feasibility or feasibility_of(context)
+    if feasibility is None:
         return None
     most = min(count(context.problem), _RANKED)
-    picks = told.nearest_known(most)
-    if told.shown is not None and picks:
-        shown = told.shown
+    picks = feasibility.nearest_known(most)
+    if feasibility.shown is not None and picks:
+        shown = feasibility.shown
         pool = shown.pool if context.uses_error else replace(shown.pool, errors=())
         trial = _Trial(context, shown.pick, exchanges, pool)
-        return _Nearest(context, _first(context, picks), told, trial, shown.x, pool)
+        return _Nearest(context, _first(context, picks), feasibility, trial, shown.x, pool)
     price = np.ones(len(context.problem.limits))
     for pick in uniform(context.problem)[:_STARTS]:
         trial = _Trial(context, pick, exchanges)
@@ -233,23 +235,22 @@ def _nearest(
         if isinstance(solution, _Found):
             continue
         pool = trial.exchange.worse_poses(solution, pick.materials, pool)
-        picks = told.nearest(trial.exchange, solution.x, pick, pool, most)
+        picks = feasibility.nearest(trial.exchange, solution.x, pick, pool, most)
         if picks:
-            return _Nearest(context, _first(context, picks), told, trial, solution.x, pool)
+            return _Nearest(context, _first(context, picks), feasibility, trial, solution.x, pool)
     return None
 
 
 def _first(context: Context, picks: Sequence[Combination]) -> list[Combination]:
     """The nearest, and the nearest in which the links agree: bounds on mixtures of what a link can be like those best
     in which the links differ."""
-    alike = set(uniform(context.problem))
-    agreeing = [each for each in picks if each in alike]
+    same = set(uniform(context.problem))
+    agreeing = [pick for pick in picks if pick in same]
     return list(dict.fromkeys([*_kinds(picks, _NEAREST), *_kinds(agreeing, _AGREEING)]))
 
 
 def _sizes(problem: Problem) -> str:
-    low, high = (format_quantity(each, "length") for each in problem.section_size)
-    return f"section_size {low} to {high}"
+    return f"section_size {span_by_link(problem, 'section_size')}"
 
 
 class _Trial:
@@ -287,17 +288,17 @@ class _Trial:
         """The least change of the limits that have a price, for the poses met so far, from so many starts until there
         is an answer."""
         outcomes: set[str] = set()
-        for each in self._from(starts):
+        for item in self._from(starts):
             try:
-                self.pool = self.pool or first_pool(self.context, self.exchange.space, each, self.pick.materials)
+                self.pool = self.pool or first_pool(self.context, self.exchange.space, item, self.pick.materials)
             except Unreachable:
                 outcomes.add("undecided")
                 continue
-            found = _elastic(self.exchange.program(self.pool), each, self.materials, self.pool, price)
-            if not isinstance(found, _Found):
-                self._latest = found.x
-                return found
-            outcomes.add(found.outcome)
+            solution = _elastic(self.exchange.program(self.pool), item, self.materials, self.pool, price)
+            if not isinstance(solution, _Found):
+                self._latest = solution.x
+                return solution
+            outcomes.add(solution.outcome)
         return _Found("none" if outcomes == {"none"} else "undecided")
 
     def met(self, solution: Solution, slacks: Sequence[float]) -> bool:
@@ -316,8 +317,8 @@ class _Trial:
 
 
 class _Question:
-    """Which least change of some limits does, over combinations: each is solved for the poses that it has met, and only
-    those that come to least so far are held against further ones."""
+    """The least feasible change of some limits over combinations: each is solved for its poses so far, and only the
+    current best is searched for further ones."""
 
     def __init__(self, problem: Problem, question: tuple[int, ...]) -> None:
         self.problem = problem
@@ -334,23 +335,23 @@ class _Question:
         """One more combination, looked at from so many starts until it has an answer."""
         self._note(trial, trial.least(self.price, starts), 1)
 
-    def _note(self, trial: _Trial, found: Solution | _Found, rounds: int) -> None:
-        if isinstance(found, _Found):
-            self._outcomes.add(found.outcome)
+    def _note(self, trial: _Trial, solution: Solution | _Found, rounds: int) -> None:
+        if isinstance(solution, _Found):
+            self._outcomes.add(solution.outcome)
         else:
-            total = sum(map(abs, self._slacks(found)))
-            heapq.heappush(self._heap, (total, next(self._order), rounds, trial, found))
+            total = sum(map(abs, self._slacks(solution)))
+            heapq.heappush(self._heap, (total, next(self._order), rounds, trial, solution))
 
-    def _slacks(self, found: Solution) -> tuple[float, ...]:
-        return tuple(slack if cost > 0.0 else 0.0 for slack, cost in zip(found.slacks, self.price, strict=True))
+    def _slacks(self, solution: Solution) -> tuple[float, ...]:
+        return tuple(slack if cost > 0.0 else 0.0 for slack, cost in zip(solution.slacks, self.price, strict=True))
 
     def answer(self) -> _Found:
         """The least change that a whole evaluation confirms; only where all combinations have none is there none."""
         while self._heap and self._heap[0][0] < self._least.total:
-            _, _, rounds, trial, found = heapq.heappop(self._heap)
-            slacks = self._slacks(found)
+            _, _, rounds, trial, solution = heapq.heappop(self._heap)
+            slacks = self._slacks(solution)
             try:
-                more = trial.met(found, slacks)
+                more = trial.met(solution, slacks)
             except Unreachable:
                 self._outcomes.add("undecided")
                 continue
@@ -358,11 +359,11 @@ class _Question:
                 again = trial.least(self.price, 1) if rounds < _ROUNDS else _Found("undecided")
                 self._note(trial, again, rounds + 1)
                 continue
-            after = evaluate(trial.arm(found.x), self.problem.workspace, self.problem.load_cases)
+            after = evaluate(trial.arm(solution.x), self.problem.workspace, self.problem.load_cases)
             if any(excess(limit, limit.of(after)) > GAP for limit in _relaxed(self.problem, slacks)):
                 self._outcomes.add("undecided")
                 continue
-            self._least, self.best = _Found("found", sum(map(abs, slacks)), slacks), (trial, found)
+            self._least, self.best = _Found("found", sum(map(abs, slacks)), slacks), (trial, solution)
         if self._least.outcome == "found":
             return self._least
         return _Found("none" if self._outcomes == {"none"} else "undecided")

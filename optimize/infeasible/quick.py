@@ -20,9 +20,10 @@ from linkwright.core.arm.chain.prices import fixed_price, price_by_length, price
 from linkwright.core.arm.errors.model import ErrorModel, beam_values, beams_of, error_model
 from linkwright.core.arm.errors.rigid_links import rigid as rigid_beam
 from linkwright.core.arm.errors.rigid_links import values_of_rigid
-from linkwright.core.arm.limits.sideways import sideways_compliance
-from linkwright.core.arm.limits.slowest_pose import least_frequency
-from linkwright.core.arm.limits.tip_stiffness import least_stiffness, tip_compliance, tips_of
+from linkwright.core.arm.figures import KEPT_WITHIN, Limit, excess
+from linkwright.core.arm.figures.frequency import least_frequency
+from linkwright.core.arm.figures.sideways import sideways_compliance
+from linkwright.core.arm.figures.tip_stiffness import least_stiffness, tip_compliance, tips_of
 from linkwright.core.arm.worst.parts import worst_search
 from linkwright.core.arm.worst.search import WorstSearch
 from linkwright.core.arm.worst.workspace import Unreachable
@@ -32,7 +33,6 @@ from linkwright.core.optimize.choice.picks import options
 from linkwright.core.optimize.choice.signs import one_signed
 from linkwright.core.optimize.exchange.design import with_chosen_links
 from linkwright.core.optimize.exchange.program import carried_mass, cut_of, fixed_error
-from linkwright.core.optimize.limits import KEPT_WITHIN, Limit, excess
 from linkwright.core.optimize.problem import Problem
 from linkwright.core.sections import SHAPES
 from linkwright.core.sections.numeric import Array
@@ -49,7 +49,7 @@ _SURE = 1e-6
 @dataclass(frozen=True)
 class _Extremes:
     """What any option of a link has at least and at most: mass (kg/m), cost (EUR/m), rigidities, and thermal expansion
-    (1/K, none counting as nought)."""
+    (1/K, none counts as zero)."""
 
     lightest: float
     heaviest: float
@@ -72,14 +72,14 @@ def out_of_reach(problem: Problem) -> tuple[OutOfReach, ...]:
     free, for they say little then."""
     problem = with_chosen_links(problem)
     extremes = _extremes(problem)
-    found = [_of_sums(problem, extremes, limit) for limit in problem.limits]
-    if problem.link_length is None:
-        found += _through_poses(problem, extremes)
-    return tuple(each for each in found if each is not None and _beyond(each))
+    unreachable = [_of_sums(problem, extremes, limit) for limit in problem.limits]
+    if not problem.free_lengths:
+        unreachable += _through_poses(problem, extremes)
+    return tuple(item for item in unreachable if item is not None and _beyond(item))
 
 
-def _beyond(found: OutOfReach) -> bool:
-    return excess(found.limit, found.best) > max(_SURE, KEPT_WITHIN)
+def _beyond(bound: OutOfReach) -> bool:
+    return excess(bound.limit, bound.best) > max(_SURE, KEPT_WITHIN)
 
 
 # ---- sums over the links
@@ -87,25 +87,25 @@ def _beyond(found: OutOfReach) -> bool:
 
 def _extremes(problem: Problem) -> dict[int, _Extremes]:
     shapes, materials = options(problem)
-    found: dict[int, _Extremes] = {}
-    for link, (own, stuffs) in enumerate(zip(shapes, materials, strict=True)):
-        pairs = [(shape, stuff) for shape in own if shape for stuff in stuffs if stuff]
+    extremes: dict[int, _Extremes] = {}
+    for link, (link_shapes, link_materials) in enumerate(zip(shapes, materials, strict=True)):
+        pairs = [(shape, material) for shape in link_shapes if shape for material in link_materials if material]
         if pairs:
-            found[link] = _link_extremes(problem, pairs)
-    return found
+            extremes[link] = _link_extremes(problem, link, pairs)
+    return extremes
 
 
-def _link_extremes(problem: Problem, pairs: Sequence[tuple[str, Material]]) -> _Extremes:
-    ranges = (problem.section_size, problem.thickness)
+def _link_extremes(problem: Problem, link: int, pairs: Sequence[tuple[str, Material]]) -> _Extremes:
+    ranges = problem.ranges[link].sizes
     rows: list[tuple[float, ...]] = []
-    for shape, stuff in pairs:
+    for shape, item in pairs:
         least, most = (SHAPES[shape].start(area, *ranges).properties(0.3) for area in (_LEAST, _GREATEST))
-        material = stuff.at(problem.arm.temperature)
+        material = item.at(problem.arm.temperature)
         density, modulus = material.need("density"), material.need("elastic_modulus")
         # Nothing else is known of a shear modulus that is not: the largest that an isotropic material can have.
         shear = 0.5 * modulus if material.shear_modulus is None else material.shear_modulus
         light, heavy = density * float(least.area), density * float(most.area)
-        price = price_by_mass(problem.arm, stuff) if stuff.has("cost") else 0.0
+        price = price_by_mass(problem.arm, item) if item.has("cost") else 0.0
         stiff = (float(most.area), float(most.second_moment_y), float(most.second_moment_z))
         rows.append(
             (
@@ -122,17 +122,14 @@ def _link_extremes(problem: Problem, pairs: Sequence[tuple[str, Material]]) -> _
     return _Extremes(low[0], high[1], low[2], high[3], high[4], high[5], high[6], (min(grows), max(grows)))
 
 
-def _lengths(problem: Problem, link: int) -> tuple[float, float]:
-    own = problem.arm.links[link].length
-    return (own, own) if problem.link_length is None else problem.link_length
-
-
 def _cheapest_rest(problem: Problem) -> float:
     """The least that drives, rigid links and work at links can cost, EUR."""
     chosen = problem.actuators or ((),) * len(problem.arm.joints)
-    kept = [joint for joint, own in zip(problem.arm.joints, chosen, strict=True) if not own]
-    picked = sum(min(each.cost or 0.0 for each in own) for own in chosen if own)
-    return fixed_price(problem.arm, kept)[0] + picked
+    unchanged = [
+        joint for joint, joint_actuators in zip(problem.arm.joints, chosen, strict=True) if not joint_actuators
+    ]
+    picked = sum(min(item.cost or 0.0 for item in joint_actuators) for joint_actuators in chosen if joint_actuators)
+    return fixed_price(problem.arm, unchanged)[0] + picked
 
 
 def _of_sums(problem: Problem, extremes: dict[int, _Extremes], limit: Limit) -> OutOfReach | None:
@@ -145,23 +142,25 @@ def _of_sums(problem: Problem, extremes: dict[int, _Extremes], limit: Limit) -> 
                 replace(problem, arm=with_counterweights(problem.arm, problem.balances, least=False))
             )
         beside = " with joints and payload" if carried else ""
-        least = rigid + carried + _least_sum(problem, {k: each.lightest for k, each in extremes.items()})
+        least = rigid + carried + _least_sum(problem, {k: extreme.lightest for k, extreme in extremes.items()})
         if limit.relation != ">=" and least > limit.value:
             return OutOfReach(limit, least, f"the lightest sections and materials weigh{beside}")
         if limit.relation != "<=" and problem.actuators is None:
-            most = rigid + heaviest + sum(each.heaviest * _lengths(problem, k)[1] for k, each in extremes.items())
+            most = (
+                rigid + heaviest + sum(extreme.heaviest * problem.length_spans[k][1] for k, extreme in extremes.items())
+            )
             if most < limit.value:
                 return OutOfReach(limit, most, f"the heaviest sections and materials weigh{beside}")
     if limit.name == "cost":
         drives = _cheapest_rest(problem)
-        least = drives + _least_sum(problem, {k: each.cheapest for k, each in extremes.items()})
+        least = drives + _least_sum(problem, {k: extreme.cheapest for k, extreme in extremes.items()})
         return OutOfReach(limit, least, "the cheapest sections and materials cost")
     return None
 
 
 def _least_sum(problem: Problem, per_length: dict[int, float]) -> float:
     """The least of a sum over the links of what each has per length, the reach being what it must be at least."""
-    spans = {k: _lengths(problem, k) for k in per_length}
+    spans = {k: problem.length_spans[k] for k in per_length}
     fixed = sum(link.length for k, link in enumerate(problem.arm.links) if k not in per_length)
     total = sum(per_length[k] * low for k, (low, _) in spans.items())
     missing = max((x.value for x in problem.limit("reach") if x.relation != "<="), default=0.0) - fixed
@@ -177,7 +176,7 @@ def _ideal(problem: Problem) -> Arm:
     with the lightest counterweights, as near to their joints as they may be."""
     arm = with_counterweights(problem.arm, problem.balances, least=True)
     stiffest = (
-        joint if not joint.zones else replace(joint, stiffness=max(each for _, each in joint.zones), zones=())
+        joint if not joint.zones else replace(joint, stiffness=max(item for _, item in joint.zones), zones=())
         for joint in arm.joints
     )
     arm = replace(arm, joints=tuple(stiffest))
@@ -185,18 +184,18 @@ def _ideal(problem: Problem) -> Arm:
         return arm
     joints = [
         joint
-        if not own
+        if not joint_actuators
         else replace(
             joint,
-            stiffness=max(max(x.stiffnesses) for x in own),
+            stiffness=max(max(x.stiffnesses) for x in joint_actuators),
             zones=(),
-            backlash=min(x.backlash for x in own),
-            mass=min(x.mass for x in own),
+            backlash=min(x.backlash or 0.0 for x in joint_actuators),
+            mass=min(x.mass or 0.0 for x in joint_actuators),
             tilting_stiffness=None
-            if any(x.tilting_stiffness is None for x in own)
-            else max(x.tilting_stiffness or 0.0 for x in own),
+            if any(x.tilting_stiffness is None for x in joint_actuators)
+            else max(x.tilting_stiffness or 0.0 for x in joint_actuators),
         )
-        for joint, own in zip(arm.joints, problem.actuators, strict=True)
+        for joint, joint_actuators in zip(arm.joints, problem.actuators, strict=True)
     ]
     return replace(arm, joints=tuple(joints))
 
@@ -213,26 +212,26 @@ class _Bound:
 
 
 def _through_poses(problem: Problem, extremes: dict[int, _Extremes]) -> list[OutOfReach | None]:
-    asked = {limit.name for limit in problem.limits}
-    if not asked & {"max_error", "first_frequency", "tip_stiffness", "sideways_stiffness"}:
+    limited = {limit.name for limit in problem.limits}
+    if not limited & {"max_error", "first_frequency", "tip_stiffness", "sideways_stiffness"}:
         return []
     arm = _ideal(problem)
     problem = replace(problem, arm=arm)
     search = worst_search(error_model(arm, problem.load_cases), problem.workspace)
     model = search.model
-    own = beams_of(arm, problem.load_cases)
+    beams = beams_of(arm, problem.load_cases)
     bounds = [
-        _Bound("rigid, weightless links on these joints", _beams(own, extremes, rigid=True)),
-        _Bound("the stiffest and lightest links that may be chosen", _beams(own, extremes, rigid=False)),
+        _Bound("rigid, weightless links on these joints", _beams(beams, extremes, rigid=True)),
+        _Bound("the stiffest and lightest links that may be chosen", _beams(beams, extremes, rigid=False)),
     ]
     found: list[OutOfReach | None] = []
     try:
         for limit in problem.limits:
             for bound in bounds:
                 best = _best(problem, model, search, limit, bound, extremes)
-                told = None if best is None else OutOfReach(limit, best, f"{bound.words} {_VERBS[limit.name]}")
-                if told is not None and _beyond(told):
-                    found.append(told)
+                bound_here = None if best is None else OutOfReach(limit, best, f"{bound.words} {_VERBS[limit.name]}")
+                if bound_here is not None and _beyond(bound_here):
+                    found.append(bound_here)
                     break
     except Unreachable:
         pass  # the search for designs tells of that
@@ -249,33 +248,33 @@ _VERBS = MappingProxyType(
 )
 
 
-def _beams(own: Sequence[Beam], extremes: dict[int, _Extremes], *, rigid: bool) -> tuple[Beam, ...]:
+def _beams(beams: Sequence[Beam], extremes: dict[int, _Extremes], *, rigid: bool) -> tuple[Beam, ...]:
     """The links' beams; what shears counts as rigid, for no section bounds that."""
-    found: list[Beam] = []
-    for link, beam in enumerate(own):
-        each = extremes.get(link)
-        if each is None:
-            found.append(beam)
+    changed: list[Beam] = []
+    for link, beam in enumerate(beams):
+        extreme = extremes.get(link)
+        if extreme is None:
+            changed.append(beam)
         elif rigid:
-            found.append(rigid_beam(replace(beam, thermal_expansion=_expansion(beam, each))))
+            changed.append(rigid_beam(replace(beam, thermal_expansion=_expansion(beam, extreme))))
         else:
-            found.append(
+            changed.append(
                 Beam(
                     length=beam.length,
-                    mass_per_length=each.lightest,
-                    axial_rigidity=each.axial,
-                    flexural_rigidity_height=each.height,
-                    flexural_rigidity_width=each.width,
-                    torsional_rigidity=each.torsion,
-                    thermal_expansion=_expansion(beam, each),
+                    mass_per_length=extreme.lightest,
+                    axial_rigidity=extreme.axial,
+                    flexural_rigidity_height=extreme.height,
+                    flexural_rigidity_width=extreme.width,
+                    torsional_rigidity=extreme.torsion,
+                    thermal_expansion=_expansion(beam, extreme),
                 )
             )
-    return tuple(found)
+    return tuple(changed)
 
 
-def _expansion(beam: Beam, each: _Extremes) -> float | None:
+def _expansion(beam: Beam, extreme: _Extremes) -> float | None:
     """The least that a link may expand by, where its expansion counts at all."""
-    return None if beam.thermal_expansion is None else each.least_expansion
+    return None if beam.thermal_expansion is None else extreme.least_expansion
 
 
 def _best(
@@ -315,19 +314,19 @@ def _least_error(
     if any(case.relative_to is not None for case in problem.load_cases):
         return None  # what is subtracted grows with what gives
     fixed = fixed_error(model)
-    own = beams_of(problem.arm, problem.load_cases)
-    ends = [beam_values(_growing(own, extremes, end)) for end in (0, 1)]
+    beams = beams_of(problem.arm, problem.load_cases)
+    ends = [beam_values(_growing(beams, extremes, end)) for end in (0, 1)]
     for pose in search.worst(p, certify=False).poses:
         if all(one_signed(model, (cut_of(model, pose),), end, growth=True) for end in ends):
             return pose.error
     return fixed if fixed > 0.0 else None
 
 
-def _growing(own: Sequence[Beam], extremes: dict[int, _Extremes], end: int) -> list[Beam]:
+def _growing(beams: Sequence[Beam], extremes: dict[int, _Extremes], end: int) -> list[Beam]:
     """The arm's beams with the least (`end` 0) or the greatest expansion that may be chosen."""
     return [
         beam
         if beam.thermal_expansion is None or link not in extremes
         else replace(beam, thermal_expansion=extremes[link].expansion[end])
-        for link, beam in enumerate(own)
+        for link, beam in enumerate(beams)
     ]

@@ -1,4 +1,4 @@
-"""What people call the keys of a problem file as well, for who is told the names that are known."""
+"""Synonyms of the keys of a problem file, for messages that suggest a known key."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ from types import MappingProxyType
 PROBLEM_CALLED = MappingProxyType(
     {
         "minimize": ("objective", "minimise", "goal", "target", "cost_function", "optimize"),
+        "maximize": ("maximise",),
         "subject_to": ("constraints", "limits", "bounds", "constraint", "requirements"),
         "choose": ("variables", "options", "candidates", "design", "choices"),
         "load_cases": ("loads", "load_case", "payloads"),

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, cast
 
 from linkwright.core.arm.chain.chain import askew
+from linkwright.core.arm.figures import Limit
 from linkwright.core.sections import SHAPES
 from linkwright.core.sections.taper import Tapered, size_ratio
+from linkwright.core.units.names import nearest
 from linkwright.core.units.quantities import format_quantity
 from linkwright.core.units.reading import Mapping
 
@@ -28,6 +29,8 @@ def check_problem(mapping: Mapping, problem: Problem) -> None:
         raise mapping.error("uncertain", f"counts the whole error, not that {problem.workspace.error} the path")
     body = mapping.mapping("subject_to") if mapping.has("subject_to") else mapping
     _check_limits(body, problem)
+    _check_demands(body, problem)
+    _check_errors(mapping, problem)
     _check_sleeves(body, problem)
     _check_reach(body, problem)
     _check_objective(mapping, body, problem)
@@ -47,13 +50,53 @@ def _check_limits(body: Mapping, problem: Problem) -> None:
             raise body.error(name, f"asks for at least {low} and at most {high}; loosen one of them")
 
 
+def _check_demands(body: Mapping, problem: Problem) -> None:
+    """Limits that ask different things of links: each is the only one on its figure, and says something of all."""
+    for limit in (item for item in problem.limits if item.demands is not None):
+        if problem.minimize == limit.name or len(problem.limit(limit.name)) > 1:
+            where = "minimize or maximize" if problem.minimize == limit.name else "another limit on the same"
+            raise body.error(limit.name, f"asks different things of links, and stands beside {where}; keep one")
+        _check_materials(body, problem, limit)
+
+
+def _check_materials(body: Mapping, problem: Problem, limit: Limit) -> None:
+    assert limit.demands is not None
+    named = [name for name, _ in limit.demands.materials]
+    possible = dict.fromkeys(material.name for k in range(problem.arm.size) for material in problem.materials_of(k))
+    for name in named:
+        if name not in possible:
+            raise body.error(f"{limit.name}.{name}", f"is no material that a link can be of{nearest(name, possible)}")
+    lacking = [name for name in possible if named and name not in named]
+    if lacking and "others" not in cast(dict[str, object], body.content[limit.name]):
+        raise body.error(limit.name, f"says nothing of {', '.join(lacking)}; add others: ...")
+
+
+def _check_errors(mapping: Mapping, problem: Problem) -> None:
+    """Errors over poses that move with the lengths, as those of a place do, and errors of which a part counts."""
+    average = [limit.name for limit in problem.limits if limit.name == "average_error"]
+    of_cases = any(limit.figure.is_error and not limit.figure.traded for limit in problem.limits)
+    if problem.workspace.error != "whole" and of_cases:
+        message = f"holds for the whole error, and the workspace counts that {problem.workspace.error} the path"
+        raise mapping.error("load_cases", f"subject_to {message}; leave one out")
+    if not average and problem.minimize != "average_error":
+        return
+    key = "subject_to.average_error" if average else "minimize"
+    if problem.must_reach:
+        would_do = "list poses of the joints (workspace: {poses: [...]}), or keep the lengths"
+        raise mapping.error(
+            key, f"average_error is over poses that stay, and those of a place move with lengths; {would_do}"
+        )
+    if problem.workspace.error != "whole":
+        raise mapping.error(key, f"average_error is of the whole error, not of that {problem.workspace.error} the path")
+
+
 def _check_sleeves(body: Mapping, problem: Problem) -> None:
     if not any(link.runs_out for link in problem.arm.links):
         return
-    if problem.link_length is not None:
+    if problem.free_lengths:
         message = "goes with links whose length stays; what runs out of a sleeve (bends_over) is as long as its slide"
         raise body.error("link_length", f"{message} goes: leave it out")
-    if problem.taper is not None:
+    if problem.free_tapers:
         raise body.error("taper", "goes without links that run out of a sleeve (bends_over), which are uniform")
 
 
@@ -65,7 +108,12 @@ def _check_objective(mapping: Mapping, body: Mapping, problem: Problem) -> None:
         raise body.error("torque_use", f"needs joints with actuators, whose rated torque is known; {would_do}")
     if not any(link.elastic for link in problem.arm.links):
         raise mapping.error("arm", f"{problem.arm.name}: no link has a section, so there is nothing to design")
-    if problem.minimize != "max_error" and not problem.limit("max_error"):
+    figure = problem.objective
+    if not figure.summed and problem.sizes is not None:
+        message = f"goes with sections of free sizes; of listed ones {figure.name} can be limited"
+        raise mapping.error("choose.sizes", message)
+    limited = any(limit.figure.is_error for limit in problem.limits)
+    if not figure.is_error and not figure.more_is_better and not limited:
         other = [limit for limit in problem.limits if limit.relation == ">=" and limit.name != "reach"]
         if not other:
             would_do = "give max_error (e.g. '<= 0.1 mm'), safety_factor or another limit that costs something"
@@ -77,34 +125,34 @@ def _check_choices(mapping: Mapping, problem: Problem) -> None:
     if (problem.balances or problem.motors) and problem.sizes is not None:
         would_do = "write what the arm has of them into its file, and leave them out here"
         raise mapping.error("choose", f"balancer, counterweight and motor go without sizes; {would_do}")
-    twice = [each.joint + 1 for each in problem.motors if problem.actuators and problem.actuators[each.joint]]
+    twice = [motor.joint + 1 for motor in problem.motors if problem.actuators and problem.actuators[motor.joint]]
     if twice:
         would_do = "name its drive in the arm file, or leave out its motor"
         raise mapping.error("choose.motor", f"joint {twice[0]} chooses its actuator as well; {would_do}")
-    if any(place.rods is not None for each in problem.motors for place in each.places):
+    if any(place.rods is not None for motor in problem.motors for place in motor.places):
         _check_rods(mapping, problem)
 
 
 def _check_shapes(mapping: Mapping, body: Mapping, problem: Problem) -> None:
     """Sections that cannot be within the ranges of sizes, or whose dimensions cannot be optimised."""
-    own = [link.section.shape for link in problem.arm.links if link.section is not None]
-    for shape in problem.shapes or own:
-        reason = SHAPES[shape].contradiction(problem.section_size, problem.thickness)
-        if reason is not None:
-            raise body.error("thickness" if "wall" in reason or "thickness" in reason else "section_size", reason)
+    for link, ranges in enumerate(problem.ranges):
+        for shape in problem.shapes_of(link):
+            reason = SHAPES[shape].contradiction(*ranges.sizes)
+            if reason is not None:
+                raise body.error("thickness" if "wall" in reason or "thickness" in reason else "section_size", reason)
     if problem.shapes is not None:
         return
     for number, link in enumerate(problem.arm.links, start=1):
         if not isinstance(link.section, Tapered):
             continue
-        if problem.taper is None:
+        if problem.ranges[number - 1].taper is None:
             would_do = "give subject_to: {taper: [0.4, 1]}, or name uniform shapes: choose: {section: [...]}"
             raise mapping.error("choose", f"link {number} is tapered, and no taper is to be chosen; {would_do}")
         if size_ratio(link.section) is None:
             would_do = "name shapes for the links: choose: {section: [...]}"
             message = f"link {number}'s ends are not alike, one larger than the other by the same in all dimensions"
             raise mapping.error("subject_to.taper", f"{message}; {would_do}")
-    for shape in sorted(set(own)):
+    for shape in sorted({link.section.shape for link in problem.arm.links if link.section is not None}):
         if not can_be_chosen(shape):
             would_do = "name other shapes: choose: {section: [...]}"
             raise mapping.error("choose", f"the dimensions of a {shape} cannot be optimised; {would_do}")
@@ -114,7 +162,8 @@ def _check_rods(mapping: Mapping, problem: Problem) -> None:
     """Poses that a problem lists by their coordinates would be others with rods."""
     if problem.workspace.ranges is not None:
         would_do = "write joints: range; each place with rods has its own"
-        raise mapping.error("workspace.joints", f"lists ranges of coordinates, which rods change; {would_do}")
+        key = f"workspace.{problem.workspace.kind}"
+        raise mapping.error(key, f"lists coordinates of joints, which rods change; {would_do}")
     listed = next((limit.name for limit in problem.limits if limit.poses is not None), None)
     if listed is not None:
         would_do = "give the limit for the whole workspace"
@@ -123,10 +172,10 @@ def _check_rods(mapping: Mapping, problem: Problem) -> None:
 
 def _check_listed(mapping: Mapping, problem: Problem) -> None:
     """What does not go with sections from a list."""
-    if problem.link_length is not None and problem.actuators is not None:
+    if problem.free_lengths and problem.actuators is not None:
         would_do = "name the drives in the arm file, or leave link_length out"
         raise mapping.error("choose.sizes", f"goes with actuators where lengths stay; {would_do}")
-    if problem.taper is not None:
+    if problem.free_tapers:
         raise mapping.error("choose.sizes", "holds uniform sections; leave out subject_to.taper, or sizes")
     if problem.uncertain is not None:
         would_do = "leave out uncertain, and ask `evaluate --problem` of the answer"
@@ -137,16 +186,12 @@ def _check_reach(body: Mapping, problem: Problem) -> None:
     if problem.arm.branches and problem.limit("reach"):
         would_do = "bound the lengths of the links (link_length), or leave it out"
         raise body.error("reach", f"is of one tip, and the arm has several; {would_do}")
-    lengths: Sequence[tuple[float, float]] = [
-        problem.link_length if problem.link_length is not None and link.elastic else (link.length, link.length)
-        for link in problem.arm.links
-    ]
-    shortest, longest = sum(low for low, _ in lengths), sum(high for _, high in lengths)
+    shortest, longest = (sum(item) for item in zip(*problem.length_spans, strict=True))
     for limit in problem.limit("reach"):
-        asked = format_quantity(limit.value, "length")
+        required = format_quantity(limit.value, "length")
         if limit.relation in ("==", ">=") and limit.value > longest * (1.0 + 1e-9):
-            most = format_quantity(longest, "length", digits=6)
-            raise body.error("reach", f"{asked} is beyond the longest the links can be together, {most}")
+            longest_text = format_quantity(longest, "length", digits=6)
+            raise body.error("reach", f"{required} is beyond the longest the links can be together, {longest_text}")
         if limit.relation in ("==", "<=") and limit.value < shortest * (1.0 - 1e-9):
-            least = format_quantity(shortest, "length", digits=6)
-            raise body.error("reach", f"{asked} is below the shortest the links can be together, {least}")
+            shortest_text = format_quantity(shortest, "length", digits=6)
+            raise body.error("reach", f"{required} is below the shortest the links can be together, {shortest_text}")

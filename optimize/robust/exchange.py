@@ -61,7 +61,7 @@ class RobustExchange:
 
     def context_for(self, shares: list[Array]) -> Context:
         """The context of designs for some scenarios."""
-        held = tuple(self.search.uncertain.scenario(each) for each in shares)
+        held = tuple(self.search.uncertain.scenario(share) for share in shares)
         return replace(self.context, scenarios=Scenarios(self.search.model, self.search.search, held))
 
     def _designed(self, shares: list[Array]) -> RobustDesign | None:
@@ -79,17 +79,19 @@ class RobustExchange:
         """The design with the least worst error over all scenarios; the context where the last ones leave none."""
         shares = [self.search.uncertain.pessimistic()]
         while True:
-            found = self._designed(shares)
-            if found is None:
+            design = self._designed(shares)
+            if design is None:
                 return self.context_for(shares)
-            if found.choice.interrupted:
-                return found
-            own, case, _ = self.search.worst(found.arm, _SEED, shares)
-            if case.error <= found.claimed * (1.0 + _WITHIN) or any(np.array_equal(own, each) for each in shares):
-                return replace(found, settled=True)
+            if design.choice.interrupted:
+                return design
+            scenario, case, _ = self.search.worst(design.arm, _SEED, shares)
+            if case.error <= design.claimed * (1.0 + _WITHIN) or any(
+                np.array_equal(scenario, share) for share in shares
+            ):
+                return replace(design, settled=True)
             if len(shares) == _ROUNDS:
-                return found
-            shares.append(own)
+                return design
+            shares.append(scenario)
 
     def share(self, start: Arm) -> RobustDesign | Context:
         """The design with the least error that a share of the sample does not exceed, from that of an arm."""
@@ -98,33 +100,33 @@ class RobustExchange:
         order = np.argsort(self.search.sampled(start, samples, _SEED), kind="stable")
         best: tuple[float, RobustDesign] | None = None
         for _ in range(_SHARES):
-            found = self._for_set(samples, order[:size])
-            if isinstance(found, Context):
-                return found if best is None else best[1]
-            errors = self.search.sampled(found.arm, samples, _SEED)
+            design = self._for_set(samples, order[:size])
+            if isinstance(design, Context):
+                return design if best is None else best[1]
+            errors = self.search.sampled(design.arm, samples, _SEED)
             order = np.argsort(errors, kind="stable")
             value = float(errors[order[size - 1]])
             if best is not None and value >= best[0] * (1.0 - _WITHIN):
                 break
-            best = (value, replace(found, claimed=value))
-            if found.choice.interrupted:
+            best = (value, replace(design, claimed=value))
+            if design.choice.interrupted:
                 break
         assert best is not None
         return best[1]
 
-    def _for_set(self, samples: Array, kept: NDArray[np.intp]) -> RobustDesign | Context:
+    def _for_set(self, samples: Array, chosen: NDArray[np.intp]) -> RobustDesign | Context:
         """The design with the least worst error over a set of samples (their numbers, the worst last)."""
-        held = [int(kept[-1])]
+        held = [int(chosen[-1])]
         while True:
             shares = [samples[k] for k in held]
-            found = self._designed(shares)
-            if found is None:
+            design = self._designed(shares)
+            if design is None:
                 return self.context_for(shares)
-            errors = self.search.sampled(found.arm, samples[kept], _SEED)
-            worst = int(kept[int(np.argmax(errors))])
-            done = float(errors.max()) <= found.claimed * (1.0 + _WITHIN)
-            if done or worst in held or found.choice.interrupted:
-                return replace(found, settled=True)
+            errors = self.search.sampled(design.arm, samples[chosen], _SEED)
+            worst = int(chosen[int(np.argmax(errors))])
+            done = float(errors.max()) <= design.claimed * (1.0 + _WITHIN)
+            if done or worst in held or design.choice.interrupted:
+                return replace(design, settled=True)
             if len(held) == _ROUNDS:
-                return found
+                return design
             held.append(worst)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
-from scipy.stats import binom
+from scipy.special import bdtr
 
 from linkwright.core.arm.chain.chain import Arm
 from linkwright.core.optimize.problem import Problem
@@ -22,15 +22,15 @@ def robust_figure(arm: Arm, problem: Problem, search: ScenarioSearch | None = No
 
     Raises `Unreachable` where the workspace holds points that the arm cannot reach.
     """
-    found = ScenarioSearch(problem, arm) if search is None else search
-    uncertain = found.uncertain
-    nominal = found.nominal(arm)
+    scenarios = ScenarioSearch(problem, arm) if search is None else search
+    uncertain = scenarios.uncertain
+    nominal = scenarios.nominal(arm)
     if uncertain.worst:
-        shares, case, compared = found.worst(arm, _SEED)
+        shares, case, compared = scenarios.worst(arm, _SEED)
         value = max(case.error, nominal)
         return RobustFigure(1.0, value, nominal, uncertain.scenario(shares), compared, None, uncertain.widths)
-    samples = found.samples(FRESH, _SEED)
-    errors = found.sampled(arm, samples, _SEED)
+    samples = scenarios.samples(FRESH, _SEED)
+    errors = scenarios.sampled(arm, samples, _SEED)
     order = np.argsort(errors, kind="stable")
     place = rank(uncertain.share, FRESH)
     upper = upper_rank(uncertain.share, FRESH)
@@ -51,6 +51,6 @@ def upper_rank(share: float, count: int) -> int | None:
     """
     # The r-th value is above the quantile where at most r - 1 samples are below it.
     for place in range(1, count + 1):
-        if binom.cdf(place - 1, count, share) >= _CONFIDENCE:
+        if bdtr(place - 1, count, share) >= _CONFIDENCE:
             return place
     return None

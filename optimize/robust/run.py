@@ -7,7 +7,9 @@ import time
 from dataclasses import replace
 
 from linkwright.core.arm.chain.chain import Arm
-from linkwright.core.arm.evaluation import error_map, evaluate
+from linkwright.core.arm.error_map import error_map
+from linkwright.core.arm.evaluation import evaluate
+from linkwright.core.arm.figures import excess
 from linkwright.core.optimize.balance.balance import settled
 from linkwright.core.optimize.balance.chosen import balance_of
 from linkwright.core.optimize.choice.actuators import few
@@ -16,10 +18,9 @@ from linkwright.core.optimize.exchange.design import numeric_beams
 from linkwright.core.optimize.explain import binding_limits
 from linkwright.core.optimize.infeasible.answer import Infeasible
 from linkwright.core.optimize.infeasible.needed import explained
-from linkwright.core.optimize.limits import excess
 from linkwright.core.optimize.nominal import Options, nominal_optimum
 from linkwright.core.optimize.problem import Problem
-from linkwright.core.optimize.result import DriveCandidate, NearTie, OptimizationResult, Status
+from linkwright.core.optimize.result import DriveCandidate, NearTie, OptimizationResult, Status, in_figure
 from linkwright.core.optimize.structures import Answer, StructureSearch
 from linkwright.core.optimize.ties import near_ties_of
 from linkwright.core.optimize.trust import GAP
@@ -49,17 +50,17 @@ def robust_structures(problem: Problem, options: Options) -> OptimizationResult:
     worst, every = problem.uncertain.worst, few(problem)
     seconds = 0.0
 
-    def solve(own: Problem, known: float) -> Answer[OptimizationResult] | None:
+    def solve(problem_here: Problem, known: float) -> Answer[OptimizationResult] | None:
         nonlocal seconds
-        own = own if every else replace(own, actuators=problem.actuators)
-        nominal = nominal_optimum(replace(own, uncertain=None), options, problem)
+        problem_here = problem_here if every else replace(problem_here, actuators=problem.actuators)
+        nominal = nominal_optimum(replace(problem_here, uncertain=None), options, problem)
         if nominal.interrupted:
             if math.isfinite(known):
                 raise KeyboardInterrupt
             return Answer(nominal.objective, nominal, interrupted=True)
         if worst and nominal.objective >= known:
             return None
-        found = robust_optimum(own, nominal, options)
+        found = robust_optimum(problem_here, nominal, options)
         seconds += found.seconds
         return Answer(found.objective, found, found.interrupted)
 
@@ -72,7 +73,7 @@ def robust_structures(problem: Problem, options: Options) -> OptimizationResult:
         result = replace(result, interrupted=True, status="interrupted")
     drives = search.drives()
     if not every:
-        chosen = next(each.actuators for each in result.drives if each.outcome == "best")
+        chosen = next(drive.actuators for drive in result.drives if drive.outcome == "best")
         drives = (DriveCandidate(chosen, result.objective, "best"),)
     return replace(
         result,
@@ -91,19 +92,19 @@ def robust_optimum(problem: Problem, nominal: OptimizationResult, options: Optio
     worst = problem.uncertain.worst
     problem = replace(problem, arm=_driven(problem.arm, nominal.arm), actuators=None)
     exchange = RobustExchange(problem, options.progress, options.log, options.journal)
-    found = exchange.worst() if worst else exchange.share(nominal.arm)
-    if not isinstance(found, Design):
-        raise Infeasible(explained(found, progress=options.progress))
+    design = exchange.worst() if worst else exchange.share(nominal.arm)
+    if not isinstance(design, Design):
+        raise Infeasible(explained(design, progress=options.progress))
     # Both designs are judged alike, by scenarios that neither was made with.
-    own = robust_figure(found.arm, problem, exchange.search)
+    figure = robust_figure(design.arm, problem, exchange.search)
     # Of an arm with nothing left to choose, balances are constants of its model.
     plain = ScenarioSearch(problem, nominal.arm) if problem.balances else exchange.search
     before = robust_figure(nominal.arm, problem, plain)
     by_error = problem.minimize == "max_error"
-    if by_error and before.value < own.value * (1.0 - _SAME) and _keeps(problem, before):
-        robust = Robust(before, before, before.value, (), found.rounds, _samples(problem), True, ())
+    if by_error and before.value < figure.value * (1.0 - _SAME) and _keeps(problem, before):
+        robust = Robust(before, before, before.value, (), design.rounds, _samples(problem), True, ())
         return _kept(problem, nominal, robust, began)
-    return _result(problem, nominal, found, own, before, began)
+    return _result(problem, nominal, design, figure, before, began)
 
 
 def _driven(arm: Arm, nominal: Arm) -> Arm:
@@ -127,11 +128,11 @@ def _keeps(problem: Problem, figure: RobustFigure) -> bool:
 def _kept(problem: Problem, nominal: OptimizationResult, robust: Robust, began: float) -> OptimizationResult:
     """The nominal optimum as the answer: no design was found that is better for what is uncertain."""
     first = nominal.near_ties[:_MOST_TIES]
-    valued = (replace(each, objective=_judged(problem, each.arm).value) for each in first)
-    near = (each for each in valued if each.objective <= robust.design.value * (1.0 + NEAR))
+    valued = (replace(item, objective=_judged(problem, item.arm).value) for item in first)
+    near = (item for item in valued if item.objective <= robust.design.value * (1.0 + NEAR))
     return replace(
         nominal,
-        near_ties=tuple(sorted(near, key=lambda each: each.objective)),
+        near_ties=tuple(sorted(near, key=lambda item: item.objective)),
         near_ties_left=nominal.near_ties_left + len(nominal.near_ties) - len(first),
         status=_status(nominal.status, settled=True),
         objective=robust.design.value,
@@ -148,30 +149,30 @@ def _status(status: Status, *, settled: bool) -> Status:
 
 
 def _result(
-    problem: Problem, nominal: OptimizationResult, found: Design, own: RobustFigure, before: RobustFigure, began: float
+    problem: Problem, nominal: OptimizationResult, design: Design, own: RobustFigure, before: RobustFigure, began: float
 ) -> OptimizationResult:
-    choice, context = found.choice, found.context
-    arm = settled(found.arm)
+    choice, context = design.choice, design.context
+    arm = settled(design.arm)
     after = evaluate(arm, problem.workspace, problem.load_cases)
-    doubts = _doubts(problem, found, own)
+    doubts = _doubts(problem, design, own)
     for limit in problem.limits:
         if limit.name != "max_error" and excess(limit, limit.of(after)) > GAP:
             doubts = (*doubts, f"{limit.text} is not kept")
-    ties, left = _near_ties(problem, found, own)
+    ties, left = _near_ties(problem, design, own)
     robust = Robust(
         own,
         before,
-        found.claimed,
+        design.claimed,
         () if context.scenarios is None else context.scenarios.held,
-        found.rounds,
+        design.rounds,
         _samples(problem),
         False,
         doubts,
     )
-    by_error = problem.minimize == "max_error"
-    objective = own.value if by_error else problem.objective.value(after)
+    by_error, figure = problem.minimize == "max_error", problem.objective
+    objective = own.value if by_error else figure.value(after)
     assert objective is not None
-    status: Status = "converged" if choice.exchanged.converged and found.settled else "stopped"
+    status: Status = "converged" if choice.exchanged.converged and design.settled else "stopped"
     status = "searched" if status == "converged" and not choice.exhaustive else status
     status = "interrupted" if choice.interrupted else "doubtful" if doubts else status
     return replace(
@@ -180,17 +181,19 @@ def _result(
         after=after,
         status=status,
         objective=objective,
-        lower_bound=min(choice.exchanged.solution.error, objective) if by_error else choice.objective,
+        lower_bound=min(choice.exchanged.solution.error, objective)
+        if by_error
+        else problem.objective.badness(choice.objective),
         binding=binding_limits(problem, choice, after),
         iterations=choice.history,
-        candidates=choice.candidates,
+        candidates=in_figure(choice.candidates, figure),
         exhaustive=choice.exhaustive,
-        after_map=error_map(context.search, numeric_beams(found.arm, problem.load_cases), poses=_POSES),
+        after_map=error_map(context.search, numeric_beams(design.arm, problem.load_cases), poses=_POSES),
         optimum="local",
         doubts=doubts,
         gap=choice.gap,
         balance=balance_of(problem, choice),
-        near_ties=ties,
+        near_ties=in_figure(ties, figure),
         near_ties_left=left,
         interrupted=choice.interrupted,
         robust=robust,
@@ -198,24 +201,24 @@ def _result(
     )
 
 
-def _near_ties(problem: Problem, found: Design, own: RobustFigure) -> tuple[tuple[NearTie, ...], int]:
+def _near_ties(problem: Problem, design: Design, figure: RobustFigure) -> tuple[tuple[NearTie, ...], int]:
     """The near ties of the last choice, each with what it does for what is uncertain where the error is minimised, and
     how many more there may be."""
-    ties = found.choice.ties
+    ties = design.choice.ties
     solved = ties.solved[:_MOST_TIES]
     left = ties.left + len(ties.solved) - len(solved)
     if problem.minimize == "max_error":
-        valued = [replace(each, objective=_judged(problem, each.arm).value) for each in solved]
-        near = [each for each in valued if each.objective <= own.value * (1.0 + NEAR)]
-        solved = tuple(sorted(near, key=lambda each: each.objective))
-    return near_ties_of(found.context, solved), left
+        valued = [replace(item, objective=_judged(problem, item.arm).value) for item in solved]
+        near = [item for item in valued if item.objective <= figure.value * (1.0 + NEAR)]
+        solved = tuple(sorted(near, key=lambda item: item.objective))
+    return near_ties_of(design.context, solved), left
 
 
 def _judged(problem: Problem, arm: Arm) -> RobustFigure:
     return robust_figure(arm, problem, ScenarioSearch(problem, settled(arm)))
 
 
-def _doubts(problem: Problem, found: Design, own: RobustFigure) -> tuple[str, ...]:
+def _doubts(problem: Problem, design: Design, figure: RobustFigure) -> tuple[str, ...]:
     """What scenarios that the design was not made with speak against: of the worst, any that is worse; of a share, its
     limits alone, for samples differ."""
 
@@ -225,7 +228,7 @@ def _doubts(problem: Problem, found: Design, own: RobustFigure) -> tuple[str, ..
     if problem.uncertain is None or not problem.uncertain.worst:
         return ()
     doubts: list[str] = []
-    if problem.minimize == "max_error" and own.value > found.claimed * (1.0 + 10.0 * GAP):
-        doubts.append(f"a fresh scenario has {shown(own.value)}, above the {shown(found.claimed)} of the exchange")
-    broken = (limit for limit in problem.limit("max_error") if excess(limit, own.value) > 10.0 * GAP)
-    return (*doubts, *(f"{limit.text} is not kept in a fresh scenario: {shown(own.value)}" for limit in broken))
+    if problem.minimize == "max_error" and figure.value > design.claimed * (1.0 + 10.0 * GAP):
+        doubts.append(f"a fresh scenario has {shown(figure.value)}, above the {shown(design.claimed)} of the exchange")
+    broken = (limit for limit in problem.limit("max_error") if excess(limit, figure.value) > 10.0 * GAP)
+    return (*doubts, *(f"{limit.text} is not kept in a fresh scenario: {shown(figure.value)}" for limit in broken))

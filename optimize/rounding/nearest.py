@@ -12,8 +12,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from linkwright.core.arm.evaluation import Evaluation, evaluate
+from linkwright.core.arm.figures import Limit, excess
 from linkwright.core.arm.worst.workspace import Unreachable
-from linkwright.core.optimize.limits import Limit, excess
 from linkwright.core.optimize.problem import Problem
 from linkwright.core.optimize.result import NotRounded
 from linkwright.core.optimize.sizes.judge import CHUNK, Judge
@@ -61,9 +61,9 @@ def nearest_design(judge: Judge, picks: Integers) -> Nearest | None:
         if best is not None and not over[at] < best.excess:
             return Nearest(best.evaluation, best.excess, proven=True)
         over[at] = math.inf
-        found = _evaluated(judge.problem, judge, picks[at])
-        if found is not None and (best is None or found.excess < best.excess):
-            best = found
+        evaluation = _evaluated(judge.problem, judge, picks[at])
+        if evaluation is not None and (best is None or evaluation.excess < best.excess):
+            best = evaluation
     return best
 
 
@@ -76,13 +76,13 @@ def _bounds(judge: Judge, picks: Integers) -> Array:
 
 def _evaluated(problem: Problem, judge: Judge, pick: Integers) -> Nearest | None:
     try:
-        found = evaluate(judge.table.arm_of([int(k) for k in pick]), problem.workspace, problem.load_cases)
+        evaluation = evaluate(judge.table.arm_of([int(k) for k in pick]), problem.workspace, problem.load_cases)
     except Unreachable:
         return None
-    if problem.must_reach and found.unreached is not None:
+    if problem.must_reach and evaluation.unreached is not None:
         return None
-    each = [excess(limit, limit.of(found)) for limit in problem.limits]
-    return Nearest(found, max((value for value in each if not math.isnan(value)), default=0.0), proven=False)
+    excesses = [excess(limit, limit.of(evaluation)) for limit in problem.limits]
+    return Nearest(evaluation, max((value for value in excesses if not math.isnan(value)), default=0.0), proven=False)
 
 
 def why_not(judge: Judge, rounding: Rounding) -> str:

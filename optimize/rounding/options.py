@@ -11,11 +11,11 @@ from types import MappingProxyType
 
 import numpy as np
 
-from linkwright.core.arm.chain.chain import Link
 from linkwright.core.materials.catalogue import shipped_layers
 from linkwright.core.materials.material import Material
 from linkwright.core.optimize.exchange.other_lengths import allowed, free_links
 from linkwright.core.optimize.problem import Problem
+from linkwright.core.optimize.ranges import Ranges
 from linkwright.core.sections import SHAPES, StockSize, load_stock
 from linkwright.core.sections.section import Section
 from linkwright.core.units.quantities import InputError, NoAnswer, format_quantity, read_quantity
@@ -88,31 +88,31 @@ def _step(text: str, key: str) -> float:
 # ---- stock
 
 
-def stock_rows(problem: Problem, shape: str) -> list[StockSize]:
+def stock_rows(ranges: Ranges, shape: str) -> list[StockSize]:
     """The stock sizes of a shape whose dimensions lie within the problem's bounds."""
-    return [size for size in load_stock() if size.shape == shape and _in_bounds(problem, size.section)]
+    return [size for size in load_stock() if size.shape == shape and _in_bounds(ranges, size.section)]
 
 
-def _in_bounds(problem: Problem, section: Section) -> bool:
+def _in_bounds(ranges: Ranges, section: Section) -> bool:
     """Whether outer sizes and walls (not the radii of fillets and corners) lie within the problem's bounds."""
-    return not _out_of_bounds(problem, section)
+    return not _out_of_bounds(ranges, section)
 
 
-def _out_of_bounds(problem: Problem, section: Section) -> dict[str, float]:
+def _out_of_bounds(ranges: Ranges, section: Section) -> dict[str, float]:
     """The outer sizes and walls beyond the problem's bounds, each with how far in logarithms."""
-    bounds = {"outer": problem.section_size, "wall": problem.thickness}
-    found: dict[str, float] = {}
+    bounds = ranges.by_kind
+    excesses: dict[str, float] = {}
     for dimension in section.dimensions:
         value = getattr(section, dimension.name)
         if value is None or dimension.kind not in bounds:
             continue
         low, high = bounds[dimension.kind]
         if not low * (1.0 - _WITHIN) <= float(value) <= high * (1.0 + _WITHIN):
-            found[dimension.name] = max(math.log(low / value), math.log(value / high))
-    return found
+            excesses[dimension.name] = max(math.log(low / value), math.log(value / high))
+    return excesses
 
 
-def why_no_stock(problem: Problem, shapes: Sequence[str], materials: Sequence[Material]) -> str:
+def why_no_stock(ranges: Ranges, shapes: Sequence[str], materials: Sequence[Material]) -> str:
     """Why no stock size of these shapes can be had in these materials within the problem's bounds, and which comes
     nearest to them."""
     named = " or ".join(material.name for material in materials)
@@ -123,14 +123,14 @@ def why_no_stock(problem: Problem, shapes: Sequence[str], materials: Sequence[Ma
     had = [size for size in every if any(comes_in(size, material) for material in materials)]
     if not had:
         return f"{what} comes in {named}"
-    beyond = {size.name: _out_of_bounds(problem, size.section) for size in had}
+    beyond = {size.name: _out_of_bounds(ranges, size.section) for size in had}
     near = min(had, key=lambda size: sum(beyond[size.name].values()))
     sizes = [
         f"{name} {format_quantity(float(getattr(near.section, name)), 'length', digits=4)}"
         for name in beyond[near.name]
     ]
-    own = f"; the nearest, {near.name}, has {' and '.join(sizes)}" if sizes else ""
-    return f"{what} within section_size and thickness comes in {named}{own}"
+    nearest = f"; the nearest, {near.name}, has {' and '.join(sizes)}" if sizes else ""
+    return f"{what} within section_size and thickness comes in {named}{nearest}"
 
 
 def comes_in(size: StockSize, material: Material) -> bool:
@@ -146,28 +146,16 @@ def _shipped_names() -> frozenset[str]:
     return frozenset(name for layer in shipped_layers() for name in layer.materials)
 
 
-def stock_options(problem: Problem, shapes: Iterable[str], materials: Iterable[Material]) -> list[Option]:
+def stock_options(ranges: Ranges, shapes: Iterable[str], materials: Iterable[Material]) -> list[Option]:
     """Every stock size of these shapes in every one of the materials that it comes in."""
     materials = tuple(materials)
     return [
         Option(size.section, material, size.name)
         for shape in shapes
-        for size in stock_rows(problem, shape)
+        for size in stock_rows(ranges, shape)
         for material in materials
         if comes_in(size, material)
     ]
-
-
-def allowed_shapes(problem: Problem) -> tuple[str, ...]:
-    """The shapes that the problem allows its links."""
-    own = (link.section.shape for link in problem.arm.links if link.section is not None)
-    return tuple(dict.fromkeys(own)) if problem.shapes is None else problem.shapes
-
-
-def allowed_materials(problem: Problem, link: Link) -> tuple[Material, ...]:
-    """The materials that the problem allows a link."""
-    own = () if link.material is None else (link.material,)
-    return own if problem.materials is None else problem.materials
 
 
 def on_grid(problem: Problem, rounding: Rounding) -> Problem:
@@ -175,16 +163,19 @@ def on_grid(problem: Problem, rounding: Rounding) -> Problem:
 
     Raises `NoAnswer` where a bound leaves no multiple.
     """
-    lengths = None
-    if problem.link_length is not None:
-        lengths = _drawn_in("link_length", problem.link_length, rounding.length_step)
-    if rounding.step is None:
-        return replace(problem, link_length=lengths)
-    sizes = _drawn_in("section_size", problem.section_size, rounding.step)
-    walls = problem.thickness
-    if any(dimension.kind == "wall" for shape in allowed_shapes(problem) for dimension in SHAPES[shape].dimensions):
-        walls = _drawn_in("thickness", walls, rounding.step)
-    return replace(problem, section_size=sizes, thickness=walls, link_length=lengths)
+    ranges: list[Ranges] = []
+    for link, link_ranges in enumerate(problem.ranges):
+        lengths, (sizes, walls) = link_ranges.link_length, link_ranges.sizes
+        if lengths is not None:
+            lengths = _drawn_in("link_length", lengths, rounding.length_step)
+        if rounding.step is None:
+            ranges.append(replace(link_ranges, link_length=lengths))
+            continue
+        sizes = _drawn_in("section_size", sizes, rounding.step)
+        if any(dimension.kind == "wall" for shape in problem.shapes_of(link) for dimension in SHAPES[shape].dimensions):
+            walls = _drawn_in("thickness", walls, rounding.step)
+        ranges.append(replace(link_ranges, section_size=sizes, thickness=walls, link_length=lengths))
+    return replace(problem, ranges=tuple(ranges))
 
 
 def _drawn_in(name: str, bounds: tuple[float, float], step: float) -> tuple[float, float]:
@@ -211,9 +202,9 @@ def multiples(value: float, step: float, bounds: tuple[float, float], reach: int
         numbers = range(whole - reach, whole + reach + 1)
     else:
         numbers = range(math.floor(at) - reach + 1, math.floor(at) + reach + 1)
-    found = [float(f"{number * step:.12g}") for number in numbers if number > 0]
+    values = [float(f"{number * step:.12g}") for number in numbers if number > 0]
     low, high = bounds
-    return [each for each in found if low * (1.0 - _WITHIN) <= each <= high * (1.0 + _WITHIN)]
+    return [item for item in values if low * (1.0 - _WITHIN) <= item <= high * (1.0 + _WITHIN)]
 
 
 def grid_sections(problem: Problem, section: Section, step: float, reach: int, link: int) -> list[Section]:
@@ -227,18 +218,18 @@ def grid_sections(problem: Problem, section: Section, step: float, reach: int, l
         if value is None:
             continue
         name = "section_size" if dimension.kind == "outer" else "thickness"
-        bounds = problem.section_size if dimension.kind == "outer" else problem.thickness
+        bounds = problem.ranges[link].by_kind["outer" if dimension.kind == "outer" else "wall"]
         choices[dimension.name] = multiples(float(value), step, bounds, reach)
         if not choices[dimension.name]:
             span = " to ".join(format_quantity(bound, "length") for bound in bounds)
             grid = format_quantity(step, "length")
             raise NoAnswer(f"{name} {span} holds no multiple of {grid} for the {dimension.name} of link {link + 1}")
     made = [type(section)(**dict(zip(choices, sizes, strict=True))) for sizes in itertools.product(*choices.values())]
-    return [each for each in made if not each.check() and _keeps_bounds(problem, each)]
+    return [item for item in made if not item.check() and _keeps_bounds(problem.ranges[link], item)]
 
 
-def _keeps_bounds(problem: Problem, section: Section) -> bool:
-    rows = section.bound_constraints(problem.section_size, problem.thickness)
+def _keeps_bounds(ranges: Ranges, section: Section) -> bool:
+    rows = section.bound_constraints(*ranges.sizes)
     return all(float(row.value) <= 1e-9 for row in rows)
 
 
@@ -248,22 +239,22 @@ def length_choices(problem: Problem, lengths: tuple[float, ...], step: float) ->
     Raises `NoAnswer` where none do.
     """
     choices: list[list[float]] = []
-    for number, (length, link) in enumerate(zip(lengths, problem.arm.links, strict=True), start=1):
-        if problem.link_length is None or not link.elastic:
+    for number, (length, link_ranges) in enumerate(zip(lengths, problem.ranges, strict=True), start=1):
+        if link_ranges.link_length is None:
             choices.append([length])
             continue
-        choices.append(multiples(length, step, problem.link_length, 1))
+        choices.append(multiples(length, step, link_ranges.link_length, 1))
         if not choices[-1]:
-            span = " to ".join(format_quantity(bound, "length") for bound in problem.link_length)
+            span = " to ".join(format_quantity(bound, "length") for bound in link_ranges.link_length)
             grid = format_quantity(step, "length")
             raise NoAnswer(f"link_length {span} holds no multiple of {grid} for link {number}")
-    found = [pick for pick in itertools.product(*choices) if keeps_lengths(problem, pick)]
-    if not found:
+    picks = [pick for pick in itertools.product(*choices) if keeps_lengths(problem, pick)]
+    if not picks:
         limit = problem.limit("reach")[0]
         grid = format_quantity(step, "length")
-        hint = "; give a finer --round-length" if problem.link_length is not None else ""
+        hint = "; give a finer --round-length" if problem.free_lengths else ""
         raise NoAnswer(f"{limit.text}: no lengths in steps of {grid} keep it{hint}")
-    return found
+    return picks
 
 
 def moved_lengths(problem: Problem, lengths: tuple[float, ...], by: float) -> list[tuple[float, ...]]:
@@ -271,10 +262,10 @@ def moved_lengths(problem: Problem, lengths: tuple[float, ...], by: float) -> li
     free = free_links(problem)
     moves = [{k: sign * by} for k in free for sign in (1.0, -1.0)]
     moves += [{one: by, other: -by} for one, other in itertools.permutations(free, 2)]
-    found = [tuple(float(f"{x + move.get(k, 0.0):.12g}") for k, x in enumerate(lengths)) for move in moves]
-    return [pick for pick in found if keeps_lengths(problem, pick)]
+    moved = [tuple(float(f"{x + move.get(k, 0.0):.12g}") for k, x in enumerate(lengths)) for move in moves]
+    return [pick for pick in moved if keeps_lengths(problem, pick)]
 
 
 def keeps_lengths(problem: Problem, lengths: tuple[float, ...]) -> bool:
     """Whether lengths (m) keep the problem's bounds and its limits on the reach."""
-    return problem.link_length is None or allowed(problem, np.array([lengths[k] for k in free_links(problem)]))
+    return not problem.free_lengths or allowed(problem, np.array([lengths[k] for k in free_links(problem)]))

@@ -15,12 +15,12 @@ from dataclasses import replace
 from typing import Any
 
 from linkwright.core.arm.evaluation import Evaluation, evaluate
+from linkwright.core.arm.figures import broken
 from linkwright.core.arm.worst.workspace import Unreachable
 from linkwright.core.executors import Executor
 from linkwright.core.optimize.choice.combinations import Progress
 from linkwright.core.optimize.exchange.exchange import context_of
 from linkwright.core.optimize.journal import Journal
-from linkwright.core.optimize.limits import broken
 from linkwright.core.optimize.problem import Problem
 from linkwright.core.optimize.result import KeptLimit, NotRounded, OptimizationResult, Rounded
 from linkwright.core.optimize.run import Log, optimise
@@ -36,8 +36,6 @@ from .nearest import NoRounding, nearest_design, why_not
 from .options import (
     Option,
     Rounding,
-    allowed_materials,
-    allowed_shapes,
     grid_sections,
     length_choices,
     moved_lengths,
@@ -78,7 +76,10 @@ def optimise_rounded(
     if problem.uncertain is not None:
         would_do = "optimise without, then round by hand and ask `evaluate --problem`"
         raise InputError(problem.file, "uncertain", f"goes without --round; {would_do}")
-    if problem.taper is not None:
+    if not problem.objective.summed:
+        message = f"{problem.minimize} goes without --round, which compares designs by errors, masses and costs"
+        raise InputError(problem.file, "minimize", message)
+    if problem.free_tapers:
         would_do = "workshops' sizes are those of uniform links; leave one of the two out"
         raise InputError(problem.file, "subject_to.taper", f"goes without --round; {would_do}")
     if problem.sizes is not None:
@@ -112,30 +113,30 @@ def rounded(
     began = time.perf_counter()
     # Where the bounds are no multiples themselves, the optimum within those that are is what to round.
     drawn = replace(on_grid(problem, rounding), arm=result.arm, actuators=None, balances=(), motors=())
-    own = replace(problem, arm=result.arm, actuators=None, balances=(), motors=())
-    if drawn != own:
+    problem_here = replace(problem, arm=result.arm, actuators=None, balances=(), motors=())
+    if drawn != problem_here:
         try:
             result_there = optimise(drawn, progress=progress)
         except NoAnswer as reason:
             raise NoAnswer(f"within bounds that are multiples of the steps: {reason}") from None
         if result_there.interrupted:
             raise KeyboardInterrupt
-        own = replace(drawn, arm=result_there.arm)
+        problem_here = replace(drawn, arm=result_there.arm)
     else:
         result_there = result
-    search = _search(own, rounding, progress)
+    search = _search(problem_here, rounding, progress)
     beside = len(search.judge.table.lengths)
-    found = _best(search, rounding, beside)
-    while found.pick is not None:
-        after = evaluate(search.judge.table.arm_of(found.pick), own.workspace, own.load_cases)
-        if not broken(own.limits, after):
+    best = _best(search, rounding, beside)
+    while best.pick is not None:
+        after = evaluate(search.judge.table.arm_of(best.pick), problem_here.workspace, problem_here.load_cases)
+        if not broken(problem_here.limits, after):
             return _rounded(
-                own, result, rounding, search.combinations * beside, found, after, time.perf_counter() - began
+                problem_here, result, rounding, search.combinations * beside, best, after, time.perf_counter() - began
             )
         # The last word is that of the evaluation, which looks closer than a search does.
-        search.exclude(found.pick)
-        found = _best(search, rounding, beside)
-    raise NoRounding(_not_rounded(own, result, rounding, search, began))
+        search.exclude(best.pick)
+        best = _best(search, rounding, beside)
+    raise NoRounding(_not_rounded(problem_here, result, rounding, search, began))
 
 
 def _search(problem: Problem, rounding: Rounding, progress: Progress | None) -> ListSearch:
@@ -150,7 +151,7 @@ def _best(search: ListSearch, rounding: Rounding, beside: int) -> Found:
     """The best of all sizes with each of the choices of lengths `beside` the optimum's, and the bound on those; then
     with others as long as that helps. Raises `KeyboardInterrupt` where one left nothing."""
     judge, bound, stopped = search.judge, math.inf, False
-    rounds = 0 if search.context.problem.link_length is None else _ROUNDS
+    rounds = 0 if not search.context.problem.free_lengths else _ROUNDS
     try:
         for place in range(beside):
             with suppress(Unreachable):
@@ -171,10 +172,10 @@ def _best(search: ListSearch, rounding: Rounding, beside: int) -> Found:
 
 def _at(search: ListSearch, place: int) -> float:
     """Look at a choice of lengths; the bound on it."""
-    found = search.at(place)
-    if found.interrupted:
+    best = search.at(place)
+    if best.interrupted:
         raise KeyboardInterrupt
-    return found.bound
+    return best.bound
 
 
 # ---- what each link can be
@@ -182,28 +183,30 @@ def _at(search: ListSearch, place: int) -> float:
 
 def _lists(problem: Problem, rounding: Rounding) -> tuple[LinkList, ...]:
     """The sizes that each link can have, those first that are nearest to the optimum."""
-    found: list[LinkList] = []
+    lists: list[LinkList] = []
     for index, link in enumerate(problem.arm.links):
         if link.section is None:
             continue
-        options, _ = keeping(problem, _options(problem, index, link.section, rounding))
+        options, _ = keeping(problem, index, _options(problem, index, link.section, rounding))
         options.sort(key=lambda option, index=index: _distance(option, problem, index))
-        found.append(LinkList(index, tuple(options), columns_of(problem, options)))
-    return tuple(found)
+        lists.append(LinkList(index, tuple(options), columns_of(problem, index, options)))
+    return tuple(lists)
 
 
 def _options(problem: Problem, index: int, section: Section, rounding: Rounding) -> list[Option]:
-    materials = allowed_materials(problem, problem.arm.links[index])
+    materials = problem.materials_of(index)
     if rounding.step is None:
-        shapes = allowed_shapes(problem)
-        options = stock_options(problem, shapes, materials)
+        shapes = problem.shapes_of(index)
+        options = stock_options(problem.ranges[index], shapes, materials)
         if not options:
-            what = why_no_stock(problem, shapes, materials)
+            what = why_no_stock(problem.ranges[index], shapes, materials)
             raise NoAnswer(f"link {index + 1}: {what}; `linkwright sections list` has them all")
         return options
     material = problem.arm.links[index].material
     assert material is not None
-    options = [Option(each, material) for each in grid_sections(problem, section, rounding.step, _REACH, index)]
+    options = [
+        Option(grid_section, material) for grid_section in grid_sections(problem, section, rounding.step, _REACH, index)
+    ]
     if not options:
         grid = format_quantity(rounding.step, "length")
         raise NoAnswer(f"link {index + 1}: no {section.shape} near the optimum has sizes in steps of {grid}")
@@ -215,16 +218,16 @@ def _distance(option: Option, problem: Problem, index: int) -> float:
     link = problem.arm.links[index]
     assert link.section is not None
     assert link.material is not None
-    own, other = (_stiff_and_heavy(each, problem) for each in (Option(link.section, link.material), option))
+    own, other = (_stiff_and_heavy(item, problem) for item in (Option(link.section, link.material), option))
     return sum(abs(math.log(a / b)) for a, b in zip(other, own, strict=True))
 
 
 def _stiff_and_heavy(option: Option, problem: Problem) -> tuple[float, float]:
-    found = option.section.properties(0.3)
+    properties = option.section.properties(0.3)
     values = option.material.at(problem.arm.temperature)
     return (
-        float(found.area) * values.need("density"),
-        float(found.second_moment_y) * values.need("elastic_modulus"),
+        float(properties.area) * values.need("density"),
+        float(properties.second_moment_y) * values.need("elastic_modulus"),
     )
 
 
@@ -244,14 +247,14 @@ def _lengths_moved(search: ListSearch, step: float) -> bool:
     """Other lengths, by ever fewer steps (m), each with other options of one link; whether that found a better
     design."""
     judge, better = search.judge, False
-    wide = [range(min(len(own.options), _WIDE)) for own in search.lists]
+    wide = [range(min(len(link_list.options), _WIDE)) for link_list in search.lists]
     for steps in _LENGTH_STEPS:
         while judge.best is not None:
             *pick, place = judge.best[0]
             lengths = moved_lengths(search.context.problem, judge.table.lengths[place], steps * step)
             places = judge.table.add_lengths(lengths)
-            trials = ([own if k == free else [pick[k]] for k, own in enumerate(wide)] for free in range(len(wide)))
-            offers = [judge.offer(product([*each, places])) for each in trials] if places else []
+            trials = ([item if k == free else [pick[k]] for k, item in enumerate(wide)] for free in range(len(wide)))
+            offers = [judge.offer(product([*trial, places])) for trial in trials] if places else []
             if not any(offers):
                 break
             better = True
@@ -266,12 +269,12 @@ def _rounded(
     result: OptimizationResult,
     rounding: Rounding,
     every: int,
-    found: Found,
+    best: Found,
     after: Evaluation,
     seconds: float,
 ) -> Rounded:
-    proven = found.gap is not None and found.gap <= 2.0 * CLOSE
-    objective, before = (problem.objective.value(each) for each in (after, result.after))
+    proven = best.gap is not None and best.gap <= 2.0 * CLOSE
+    objective, before = (problem.objective.value(item) for item in (after, result.after))
     assert objective is not None
     assert before is not None
     return Rounded(
@@ -282,11 +285,11 @@ def _rounded(
         objective=objective,
         before=before,
         limits=_limits(problem, result, after),
-        compared=every if proven else found.compared,
-        searched=found.searched,
+        compared=every if proven else best.compared,
+        searched=best.searched,
         exhaustive=proven,
         seconds=seconds,
-        interrupted=found.interrupted,
+        interrupted=best.interrupted,
     )
 
 
@@ -294,16 +297,16 @@ def _not_rounded(
     problem: Problem, result: OptimizationResult, rounding: Rounding, search: ListSearch, began: float
 ) -> NotRounded:
     """Why there is none, and the design that breaks the limits least."""
-    judge, counts = search.judge, [len(own.options) for own in search.lists]
+    judge, counts = search.judge, [len(link_list.options) for link_list in search.lists]
     sizes = _few_enough(counts, len(judge.table.lengths))
     picks = product([*map(range, sizes), range(len(judge.table.lengths))])
     judge.offer(picks)
-    found = nearest_design(judge, picks)
+    nearest = nearest_design(judge, picks)
     told = NotRounded(rounding.text, _length_step(problem, rounding), why_not(judge, rounding))
-    if found is not None:
-        limits = _limits(problem, result, found.evaluation)
-        proven = found.proven and sizes == counts
-        told = replace(told, nearest=found.evaluation, excess=found.excess, limits=limits, proven=proven)
+    if nearest is not None:
+        limits = _limits(problem, result, nearest.evaluation)
+        proven = nearest.proven and sizes == counts
+        told = replace(told, nearest=nearest.evaluation, excess=nearest.excess, limits=limits, proven=proven)
     return replace(told, seconds=time.perf_counter() - began)
 
 
@@ -315,4 +318,4 @@ def _limits(problem: Problem, result: OptimizationResult, after: Evaluation) -> 
 
 
 def _length_step(problem: Problem, rounding: Rounding) -> float | None:
-    return rounding.length_step if problem.link_length is not None else None
+    return rounding.length_step if problem.free_lengths else None

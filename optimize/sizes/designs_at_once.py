@@ -13,11 +13,11 @@ from linkwright.core.arm.chain.chain import Arm
 from linkwright.core.arm.chain.prices import price_by_length, price_by_mass
 from linkwright.core.arm.errors.calibrated import calibrated_temperature
 from linkwright.core.arm.errors.model import BEAM_FIELDS, beam_values, beams_of, needs_shear_modulus
-from linkwright.core.arm.limits.local_buckling import values_of
-from linkwright.core.arm.limits.strength import STRENGTH_FIELDS, strength_values
+from linkwright.core.arm.figures import Figure, Limit, OfLinks, Totals
+from linkwright.core.arm.figures.local_buckling import values_of
+from linkwright.core.arm.figures.strength import STRENGTH_FIELDS, strength_values
 from linkwright.core.arm.limits.wall_modes import Mode, modes_of
 from linkwright.core.optimize.exchange.program import carried_mass, drives_cost
-from linkwright.core.optimize.limits import Figure, OfLinks, Totals
 from linkwright.core.optimize.problem import Problem
 from linkwright.core.optimize.rounding.options import Option
 from linkwright.core.sections.numeric import Array
@@ -56,21 +56,27 @@ class Table:
         ).reshape(arm.size, -1)
         shear = needs_shear_modulus(arm, problem.load_cases)
         strong, priced = problem.needs("yield_strength"), problem.needs("cost")
-        rows = [[self._row(option, shear, priced, strong) for option in own.options] for own in self.lists]
-        self._beams, self._sections, self._prices, self.yields = (
-            [np.array([entry[place] for entry in own]) for own in rows] for place in range(4)
+        rows = [
+            [self._row(option, link_list.link, shear, priced, strong) for option in link_list.options]
+            for link_list in self.lists
+        ]
+        self._beams, self._sections, self._prices, self._allowed = (
+            [np.array([entry[place] for entry in row]) for row in rows] for place in range(4)
         )
-        self._by_link: dict[str, list[Array]] = {}
+        self._by_link: dict[Limit, list[Array]] = {}
 
-    def _row(self, option: Option, shear: bool, priced: bool, strong: bool) -> tuple[Array, Array, float, float]:
-        """Beam values without length, section values, price (EUR/kg) and yield strength (Pa)."""
+    def _row(
+        self, option: Option, link: int, shear: bool, priced: bool, strong: bool
+    ) -> tuple[Array, Array, float, float]:
+        """Beam values without length, section values, price (EUR/kg) and the stress that is allowed (Pa)."""
         values = option.material.at(self.arm.temperature, calibrated_temperature(self.problem.load_cases))
         properties = option.section.properties(0.3 if values.poisson_ratio is None else values.poisson_ratio)
         beam = elastic_beam(1.0, properties, values, shear=shear)
         price = price_by_mass(self.problem.arm, option.material) if priced else 0.0
         # The moduli that count for strength are those of `evaluate`.
         moduli = strength_values([option.section.properties(0.3)])
-        return beam_values([beam]), moduli, price, values.need("yield_strength") if strong else np.nan
+        share = self.problem.strength_share(link, option.material)
+        return beam_values([beam]), moduli, price, values.need("yield_strength") / share if strong else np.nan
 
     def figures(self, picks: Integers) -> Figures:
         """The figures of designs: rows of picks are an option of each list, then a choice of lengths."""
@@ -80,12 +86,12 @@ class Table:
         s = np.broadcast_to(self._strong, (count, *self._strong.shape)).copy()
         cost = np.full(count, self._bought)
         mass = np.full(count, self._rigid_mass.sum())
-        for number, link in enumerate(each.link for each in self.lists):
+        for number, link in enumerate(link_list.link for link_list in self.lists):
             p[:, link] = self._beams[number][picks[:, number]]
             s[:, link] = self._sections[number][picks[:, number]]
-            own = p[:, link, BEAM_FIELDS.index("mass_per_length")] * lengths[:, link]
-            mass += own
-            cost += own * self._prices[number][picks[:, number]]
+            masses = p[:, link, BEAM_FIELDS.index("mass_per_length")] * lengths[:, link]
+            mass += masses
+            cost += masses * self._prices[number][picks[:, number]]
             cost += price_by_length(self.problem.arm) * lengths[:, link]
         p[:, :, BEAM_FIELDS.index("length")] = lengths
         width = len(STRENGTH_FIELDS) * size
@@ -95,55 +101,58 @@ class Table:
         """The sums over designs, as arrays."""
         return Totals(figures.mass, figures.cost, figures.reach, self.carried)
 
-    def of_links(self, figure: Figure, follows: OfLinks, picks: Integers) -> Array:
-        """A figure of the links (N) of designs, the worst over each design's links; 0 where none has anything to
-        limit. What is not known of a link is left out."""
-        if figure.name not in self._by_link:
-            self._by_link[figure.name] = [
-                np.array([self._worst_of(figure, follows, option) for option in own.options]) for own in self.lists
+    def of_links(self, limit: Limit, follows: OfLinks, picks: Integers) -> Array:
+        """The figure of the links (N) of designs that a limit is on, the worst over each design's links; 0 where none
+        has anything to limit. What is not known of a link is left out."""
+        if limit not in self._by_link:
+            self._by_link[limit] = [
+                np.array([self._worst_of(limit.figure, follows, option) for option in link_list.options])
+                / limit.share(link_list.link)
+                for link_list in self.lists
             ]
-        columns = [worst[picks[:, number]] for number, worst in enumerate(self._by_link[figure.name])]
-        least = figure.more_is_better
+        columns = [worst[picks[:, number]] for number, worst in enumerate(self._by_link[limit])]
+        least = limit.figure.more_is_better
         empty = np.inf if least else -np.inf
-        found = np.full(len(picks), empty)
+        values = np.full(len(picks), empty)
         for column in columns:
-            found = np.fmin(found, column) if least else np.fmax(found, column)
-        return np.where(found == empty, 0.0, found)
+            values = np.fmin(values, column) if least else np.fmax(values, column)
+        return np.where(values == empty, 0.0, values)
 
     def _worst_of(self, figure: Figure, follows: OfLinks, option: Option) -> float:
-        found = follows.values(option.section, option.material.at(self.arm.temperature)) or ()
-        return figure.worst([float(x) for x in found]) if found else np.nan
+        values = follows.values(option.section, option.material.at(self.arm.temperature)) or ()
+        return figure.worst([float(x) for x in values]) if values else np.nan
 
     def add_lengths(self, lengths: Sequence[tuple[float, ...]]) -> list[int]:
         """The numbers of choices of lengths (m), added where they are new."""
-        fresh = [each for each in dict.fromkeys(lengths) if each not in self._placed]
-        for each in fresh:
-            self._placed[each] = len(self._placed)
+        fresh = [length for length in dict.fromkeys(lengths) if length not in self._placed]
+        for item in fresh:
+            self._placed[item] = len(self._placed)
         self.lengths = (*self.lengths, *fresh)
         self._length_rows = np.array(self.lengths)
-        return [self._placed[each] for each in lengths]
+        return [self._placed[length] for length in lengths]
 
-    def yield_strengths(self, picks: Integers) -> Array:
-        """The links' yield strengths (N, n), Pa; NaN where unknown."""
-        found = np.full((len(picks), self.arm.size), np.nan)
-        for number, own in enumerate(self.lists):
-            found[:, own.link] = self.yields[number][picks[:, number]]
-        return found
+    def allowed_stresses(self, picks: Integers) -> Array:
+        """The links' yield strengths over what is asked of each safety factor, relative to the others (N, n), Pa; NaN
+        where unknown."""
+        stresses = np.full((len(picks), self.arm.size), np.nan)
+        for number, link_list in enumerate(self.lists):
+            stresses[:, link_list.link] = self._allowed[number][picks[:, number]]
+        return stresses
 
     def wall_modes(self, picks: Integers, link: int) -> Array:
         """How a link's walls buckle (N, K, F); noughts where it has fewer modes, or none that are known."""
-        for number, own in enumerate(self.lists):
-            if link == own.link:
+        for number, link_list in enumerate(self.lists):
+            if link == link_list.link:
                 return self._modes[number][picks[:, number]]
         return np.zeros((len(picks), 0, len(fields(Mode))))
 
     @cached_property
     def _modes(self) -> list[Array]:
         """Of each list's options, all with room for as many modes."""
-        every = [[self._modes_of(option) for option in own.options] for own in self.lists]
-        most = max((len(modes) for own in every for modes in own), default=0)
+        every = [[self._modes_of(option) for option in link_list.options] for link_list in self.lists]
+        most = max((len(modes) for item in every for modes in item), default=0)
         empty = np.zeros((most, len(fields(Mode))))
-        return [np.array([np.vstack([modes, empty[len(modes) :]]) for modes in own]) for own in every]
+        return [np.array([np.vstack([modes, empty[len(modes) :]]) for modes in item]) for item in every]
 
     def _modes_of(self, option: Option) -> Array:
         material = option.material.at(self.arm.temperature)
@@ -155,10 +164,10 @@ class Table:
         """The arm that a row of picks describes."""
         links = list(self.arm.links)
         lengths = self.lengths[pick[-1]]
-        for own, number in zip(self.lists, pick, strict=False):
-            option = own.options[number]
-            links[own.link] = replace(
-                links[own.link], section=option.section, section_name=option.stock, material=option.material
+        for link_list, number in zip(self.lists, pick, strict=False):
+            option = link_list.options[number]
+            links[link_list.link] = replace(
+                links[link_list.link], section=option.section, section_name=option.stock, material=option.material
             )
         links = [replace(link, length=length) for link, length in zip(links, lengths, strict=True)]
         return self.arm.with_links(tuple(links))
@@ -173,6 +182,9 @@ class Table:
     @cached_property
     def _kinds(self) -> list[Integers]:
         """Of each list's options a number for what must be the same for all links."""
-        kinds = [kinds_of(own, self.problem.same) for own in self.lists]
-        known = {kind: number for number, kind in enumerate(dict.fromkeys(kind for own in kinds for kind in own))}
-        return [np.array([known[kind] for kind in own], dtype=np.intp) for own in kinds]
+        kinds = [kinds_of(link_list, self.problem.same) for link_list in self.lists]
+        known = {
+            kind: number
+            for number, kind in enumerate(dict.fromkeys(kind for link_kinds in kinds for kind in link_kinds))
+        }
+        return [np.array([known[kind] for kind in link_kinds], dtype=np.intp) for link_kinds in kinds]

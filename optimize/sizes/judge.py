@@ -11,18 +11,14 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from linkwright.core.arm.chain.chain import Arm
 from linkwright.core.arm.errors.lost_motion import played
-from linkwright.core.arm.worst.coverage import reached
-from linkwright.core.arm.worst.workspace import Unreachable, pull
-from linkwright.core.optimize.exchange.binding_poses import Pool
-from linkwright.core.optimize.exchange.exchange import Context
-from linkwright.core.optimize.exchange.program import cut_of
-from linkwright.core.optimize.limits import (
+from linkwright.core.arm.figures import (
     KEPT_WITHIN,
     Cut,
     Designs,
@@ -34,6 +30,11 @@ from linkwright.core.optimize.limits import (
     Worst,
     excess,
 )
+from linkwright.core.arm.worst.coverage import reached
+from linkwright.core.arm.worst.workspace import Unreachable, pull
+from linkwright.core.optimize.exchange.binding_poses import Pool
+from linkwright.core.optimize.exchange.exchange import Context
+from linkwright.core.optimize.exchange.program import cut_of
 from linkwright.core.sections.numeric import Array
 
 from .designs_at_once import Figures, Table
@@ -90,7 +91,7 @@ class Judge:
         self._excluded: set[tuple[int, ...]] = set()
         self._heard = heard
         # Poses of a place in space turn with the lengths.
-        self._turning = self.problem.workspace.kind != "joints" and self.problem.link_length is not None
+        self._turning = self.problem.workspace.in_space and self.problem.free_lengths
 
     def learn(self, arm: Arm, p: Array) -> None:
         """Add the poses that a design shows, whatever it is worth."""
@@ -99,7 +100,7 @@ class Judge:
             near = [pose for pose in worst.poses if pose.error > 0.9 * worst.error][:_ADDED]
             self.add_poses(np.array([pose.q for pose in near]), [pose.load_case for pose in near], p)
         for family, prepared in self.context.families:
-            found = family.worst(prepared, self.problem, self.context.search, arm, p)
+            found = family.worst(prepared, self.problem, self.context.design(arm, p))
             self.pool = self.pool.with_cuts(family.name, family.first(found))
 
     def cuts(self) -> Pool:
@@ -209,15 +210,15 @@ class Judge:
         if isinstance(follows, OfDesign):
             return follows.value(self.table.totals(figures))
         if isinstance(follows, OfLinks):
-            return self.table.of_links(limit.figure, follows, picks)
+            return self.table.of_links(limit, follows, picks)
         if isinstance(follows, ThroughPoses):
-            prepared = next(each for family, each in self.context.families if family is follows.family)
+            prepared = next(item for family, item in self.context.families if family is follows.family)
             return follows.family.exactly(prepared, limit, self._designs(picks, figures))
         return None
 
     def _designs(self, picks: Integers, figures: Figures) -> Designs:
         return Designs(
-            figures.p, figures.sections, self.table.yield_strengths(picks), partial(self.table.wall_modes, picks)
+            figures.p, figures.sections, self.table.allowed_stresses(picks), partial(self.table.wall_modes, picks)
         )
 
     def _broken(self, over: Mapping[Limit, Array], alive: NDArray[np.bool_]) -> NDArray[np.bool_]:
@@ -262,15 +263,15 @@ class Judge:
         pose = self._poses[number]
         if not self._turning:
             return np.broadcast_to(np.array(pose.q), (len(lengths), len(pose.q)))
-        found = np.full((len(lengths), len(pose.q)), np.nan)
+        turned = np.full((len(lengths), len(pose.q)), np.nan)
         for choice in np.unique(lengths):
             key = (number, int(choice))
             if key not in self._moved:
                 self._moved[key] = self._reaching(pose, int(choice))
             q = self._moved[key]
             if q is not None:
-                found[lengths == choice] = q
-        return found
+                turned[lengths == choice] = q
+        return turned
 
     def _reaching(self, pose: Pose, lengths: int) -> Array | None:
         search, p = self.context.search, self._with_lengths(lengths)
@@ -320,17 +321,17 @@ class Judge:
         p = figures.p[0]
         values = {"objective": float(self._known(np.array([pick]))[0][0])}
         try:
-            kept = self._keeps_one_by_one(arm, p) and self._keeps_rest(arm, p, values)
+            feasible = self._keeps_one_by_one(arm, p) and self._keeps_rest(arm, p, values)
         except Unreachable:
             return
-        if kept and (self.best is None or values["objective"] < self.best[1]):
+        if feasible and (self.best is None or values["objective"] < self.best[1]):
             self.best = (pick, values["objective"])
             return
         # What it shows of figures whose poses say more than where joints stand joins the rows.
         for family, prepared in self.context.families:
             if family.bounds_many and family.more(prepared) > 0:
-                found = family.worst(prepared, self.problem, self.context.search, arm, p)
-                self.pool = self.pool.with_cuts(family.name, [each.cut for each in found])
+                worst = family.worst(prepared, self.problem, self.context.design(arm, p))
+                self.pool = self.pool.with_cuts(family.name, [item.cut for item in worst])
 
     def _reaches(self, lengths: int) -> bool:
         """Whether a choice of lengths reaches all that it must."""
@@ -356,14 +357,16 @@ class Judge:
                 return False
         return True
 
-    def _keeps(self, found: Sequence[Worst]) -> bool:
+    def _keeps(self, worst: Sequence[Worst]) -> bool:
         """Whether the worst of each figure keeps its limits; each is noted."""
         values: dict[tuple[str, int | None], list[float]] = {}
-        for each in found:
-            values.setdefault((each.name, each.limit), []).append(each.value)
+        for item in worst:
+            values.setdefault((item.name, item.limit), []).append(item.value)
         figures = self.problem.figures
-        kept = [self._kept(name, figures[name].worst(own), limit) for (name, limit), own in values.items()]
-        return all(kept)
+        feasible = [
+            self._kept(name, figures[name].worst(values_there), limit) for (name, limit), values_there in values.items()
+        ]
+        return all(feasible)
 
     def _keeps_one_by_one(self, arm: Arm, p: Array) -> bool:
         """The limits of families that look at designs one by one, first at the poses that others failed at."""
@@ -375,18 +378,18 @@ class Judge:
                     value = family.at_cut(prepared, self.problem, arm, cut)
                     if value is not None and not self._kept(limit.name, value):
                         return False
-            for each in family.worst(prepared, self.problem, self.context.search, arm, p):
-                if not self._kept(each.name, each.value, each.limit):
-                    self._cuts.setdefault(family.name, []).append(each.cut)
+            for item in family.worst(prepared, self.problem, self.context.design(arm, p)):
+                if not self._kept(item.name, item.value, item.limit):
+                    self._cuts.setdefault(family.name, []).append(item.cut)
                     return False
         return True
 
-    def _through(self, family: PoseFamily) -> list[Limit]:
+    def _through(self, family: PoseFamily[Any]) -> list[Limit]:
         follow = ((limit, limit.figure.follows) for limit in self.problem.limits)
-        return [limit for limit, each in follow if isinstance(each, ThroughPoses) and each.family is family]
+        return [limit for limit, item in follow if isinstance(item, ThroughPoses) and item.family is family]
 
     def _keeps_rest(self, arm: Arm, p: Array, values: dict[str, float]) -> bool:
-        kept = True
+        feasible = True
         if self.context.uses_error:
             known = np.array([pose.q for pose in self._poses]) if self._poses and not self._turning else None
             worst = self.context.search.of_loads(self.context.search.worst(p, certify=False, extra=known))
@@ -394,17 +397,17 @@ class Judge:
                 values["objective"] = worst.error
             near = [pose for pose in worst.poses if pose.error > 0.98 * worst.error][:_ADDED]
             self.add_poses(np.array([pose.q for pose in near]), [pose.load_case for pose in near], p)
-            kept = self._kept("max_error", worst.error)
+            feasible = self._kept("max_error", worst.error)
         for family, prepared in self.context.families:
-            if not kept:
+            if not feasible:
                 break
             if family.bounds_many:
-                found = family.worst(prepared, self.problem, self.context.search, arm, p)
-                kept = self._keeps(found)
-                if not kept:
-                    cases = [family.load_case(each.cut) for each in found]
-                    self.add_poses(np.array([each.cut.q for each in found]), cases, p)
-        return kept
+                found = family.worst(prepared, self.problem, self.context.design(arm, p))
+                feasible = self._keeps(found)
+                if not feasible:
+                    cases = [family.load_case(item.cut) for item in found]
+                    self.add_poses(np.array([item.cut.q for item in found]), cases, p)
+        return feasible
 
 
 def _excesses(limit: Limit, values: Array) -> Array:

@@ -2,18 +2,20 @@
 
 `stock` is every stock size of the shapes to choose from; names of stock sizes or families are just these; dimensions
 with values (`{diameter: [40 mm, 50 mm], thickness: {from: 2 mm, to: 8 mm, step: 0.5 mm}}`) are all combinations of
-them. A list of such entries, nested where it holds names, is one for each link.
+them. Said by link (`{1: stock, others: {...}}`), or as a list of such entries, each link has its own.
 """
 
 from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 from typing import cast
 
 from linkwright.core.arm.chain.chain import Arm, askew
+from linkwright.core.optimize.ranges import Ranges
+from linkwright.core.optimize.reading.by_link import by_link
 from linkwright.core.sections import SHAPES, SectionError, Stock, StockSize, load_stock
 from linkwright.core.sections.section import Section
 from linkwright.core.sections.stock.tables import plain_name
@@ -23,8 +25,6 @@ from linkwright.core.units.reading import Mapping
 _WITHIN = 1e-9
 _MOST = 200_000
 """More sections than this for one link are refused: a step is far too small."""
-
-Span = tuple[float, float]
 
 
 @dataclass(frozen=True)
@@ -36,46 +36,49 @@ class Listed:
 
 
 def read_sizes(
-    body: Mapping, arm: Arm, shapes: tuple[str, ...] | None, size: Span | None, wall: Span | None
+    body: Mapping, arm: Arm, shapes: Sequence[tuple[str, ...] | None], ranges: Sequence[Ranges]
 ) -> tuple[tuple[Listed, ...], ...] | None:
     """The sections of each link (none for rigid ones); None where the file lists none.
 
-    `shapes` are those to choose from, or None for each link's own; `size` and `wall` are the ranges that the file
-    gives (m), outside of which sizes are left out.
+    `shapes` are those that each link may have, or None for its own; `ranges` of dimensions that the file gives
+    leave out what is outside of them.
     """
     if not body.has("sizes"):
         return None
     raw = body.raw("sizes")
     nested = isinstance(raw, list) and any(not isinstance(entry, str) for entry in cast(list[object], raw))
-    entries = cast(list[object], raw) if nested else [raw] * arm.size
+    entries = cast(list[object], raw) if nested else by_link(body, "sizes", arm, lambda item, key: item.raw(key)).each
     if len(entries) != arm.size:
         raise body.error("sizes", f"is one entry for all links, or one for each of the {arm.size} links")
+    both = zip(shapes, arm.links, strict=True)
+    named = {shape for own, link in both if link.section is not None for shape in own or (link.section.shape,)}
     made: dict[object, tuple[Listed, ...]] = {}
-    found: list[tuple[Listed, ...]] = []
+    sizes: list[tuple[Listed, ...]] = []
     for number, (entry, link) in enumerate(zip(entries, arm.links, strict=True), start=1):
         if link.section is None:
-            found.append(())
+            sizes.append(())
             continue
-        own = shapes or (link.section.shape,)
-        key = (id(entry), own)
+        shape_names = shapes[number - 1] or (link.section.shape,)
+        within = ranges[number - 1]
+        key = (id(entry), shape_names, within.section_size, within.thickness)
         if key not in made:
             path = body.path_of(f"sizes[{number}]" if nested else "sizes")
-            every = _read(entry, body.file, path, own)
-            made[key] = tuple(each for each in every if _within(each.section, size, wall))
+            every = _read(entry, body.file, path, shape_names, named)
+            made[key] = tuple(item for item in every if _within(item.section, within))
             if not made[key]:
                 what = "no size of" if not every else "section_size and thickness leave no size of"
-                raise InputError(body.file, path, f"{what} shape {' or '.join(own)}")
-        found.append(made[key])
-    return tuple(found)
+                raise InputError(body.file, path, f"{what} shape {' or '.join(shape_names)}")
+        sizes.append(made[key])
+    return tuple(sizes)
 
 
-def _read(entry: object, file: object, path: str, shapes: Sequence[str]) -> list[Listed]:
+def _read(entry: object, file: object, path: str, shapes: Sequence[str], named: Collection[str]) -> list[Listed]:
     known = load_stock()
     if entry == "stock":
-        return [Listed(each.section, each) for each in known if each.shape in shapes]
+        return [Listed(item.section, item) for item in known if item.shape in shapes]
     if isinstance(entry, str | list):
         names = cast(list[object], entry) if isinstance(entry, list) else [entry]
-        found: list[Listed] = []
+        listed: list[Listed] = []
         for name in names:
             if not isinstance(name, str):
                 would_do = "names of stock sizes, `stock`, or {width: [10 mm, 20 mm], ...}"
@@ -85,10 +88,10 @@ def _read(entry: object, file: object, path: str, shapes: Sequence[str]) -> list
             except InputError as error:
                 raise InputError(file, path, error.message) from None
             _refuse_askew(sizes[0].section, file, path)
-            found += [Listed(size.section, size) for size in sizes]
-        return list({each.stock.name: each for each in found if each.stock is not None}.values())
+            listed += [Listed(size.section, size) for size in sizes]
+        return list({item.stock.name: item for item in listed if item.stock is not None}.values())
     with Mapping(entry, file=file, key=path).reading() as body:
-        return [each for shape in shapes for each in _combined(body, shape, shapes)]
+        return [item for shape in shapes for item in _combined(body, shape, named)]
 
 
 def _named(known: Stock, name: str) -> tuple[StockSize, ...]:
@@ -99,36 +102,36 @@ def _named(known: Stock, name: str) -> tuple[StockSize, ...]:
     return (known.find(name),)
 
 
-def _combined(body: Mapping, shape: str, shapes: Sequence[str]) -> list[Listed]:
+def _combined(body: Mapping, shape: str, named: Collection[str]) -> list[Listed]:
     """Every possible section of a shape with the values that its dimensions may have."""
     kind = SHAPES[shape]
     names = _dimensions(body, shape)
-    for name in body.content:  # a dimension of another of the shapes
-        if any(name == each.name for other in shapes for each in SHAPES[other].dimensions):
+    for name in body.content:  # a dimension of another of the shapes that links may have
+        if any(name == dimension.name for other in named for dimension in SHAPES[other].dimensions):
             body.has(name)
     values = [_values(body, name) for name in names]
-    if math.prod(len(each) for each in values) > _MOST:
+    if math.prod(len(value) for value in values) > _MOST:
         raise body.error("", f"names more than {_MOST} sections of {shape}; a coarser step would do")
-    found: list[Listed] = []
+    listed: list[Listed] = []
     for pick in itertools.product(*values):
         try:
             section = kind(**dict(zip(names, pick, strict=True)))
         except SectionError:
             continue
         if not section.check():
-            found.append(Listed(section))
-    if found:
-        _refuse_askew(found[0].section, body.file, body.key)
-    return found
+            listed.append(Listed(section))
+    if listed:
+        _refuse_askew(listed[0].section, body.file, body.key)
+    return listed
 
 
 def _dimensions(body: Mapping, shape: str) -> list[str]:
     """The dimensions of a shape that have values, all that it needs among them."""
     dimensions = SHAPES[shape].dimensions
-    names = [each.name for each in dimensions if each.kind != "points" and body.has(each.name)]
-    for each in dimensions:
-        if each.name not in names and not each.optional and not (each.unless and set(each.unless) <= set(names)):
-            raise body.error("", f"needs values for the {each.name} of {shape}, e.g. {each.name}: [40 mm, 50 mm]")
+    names = [dimension.name for dimension in dimensions if dimension.kind != "points" and body.has(dimension.name)]
+    for item in dimensions:
+        if item.name not in names and not item.optional and not (item.unless and set(item.unless) <= set(names)):
+            raise body.error("", f"needs values for the {item.name} of {shape}, e.g. {item.name}: [40 mm, 50 mm]")
     return names
 
 
@@ -146,13 +149,13 @@ def _values(body: Mapping, name: str) -> list[float]:
                 raise inner.error("step", f"makes {count} values; a coarser one would do")
             return [float(f"{low + k * step:.12g}") for k in range(count)]
     entries = cast(list[object], raw) if isinstance(raw, list) else [raw]
-    found = [
+    values = [
         read_quantity(entry, "length", file=body.file, key=path if entry is raw else f"{path}[{number}]")
         for number, entry in enumerate(entries, start=1)
     ]
-    if not found or min(found) <= 0.0:
+    if not values or min(values) <= 0.0:
         raise body.error(name, "needs lengths above zero, e.g. [40 mm, 50 mm]")
-    return list(dict.fromkeys(found))
+    return list(dict.fromkeys(values))
 
 
 def _refuse_askew(section: Section, file: object, path: str) -> None:
@@ -160,8 +163,8 @@ def _refuse_askew(section: Section, file: object, path: str) -> None:
         raise InputError(file, path, f"a {section.shape} bends askew, and cannot be chosen")
 
 
-def _within(section: Section, size: Span | None, wall: Span | None) -> bool:
-    spans = {"outer": size, "wall": wall}
+def _within(section: Section, ranges: Ranges) -> bool:
+    spans = {"outer": ranges.section_size, "wall": ranges.thickness}
     for dimension in section.dimensions:
         value, span = getattr(section, dimension.name), spans.get(dimension.kind)
         if value is None or span is None:

@@ -9,10 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from linkwright.core.arm.errors.model import needs_shear_modulus
+from linkwright.core.arm.figures import KEPT_WITHIN, Limit, OfLinks, excess
 from linkwright.core.optimize.choice.at_once.cells import COLUMNS
 from linkwright.core.optimize.choice.at_once.cells import columns_of as columns_of_sections
 from linkwright.core.optimize.exchange.design import material_row, material_values
-from linkwright.core.optimize.limits import KEPT_WITHIN, Limit, OfLinks, excess
 from linkwright.core.optimize.problem import Problem
 from linkwright.core.optimize.rounding.options import Option, comes_in
 from linkwright.core.sections.numeric import Array
@@ -32,40 +32,40 @@ def link_lists(problem: Problem) -> tuple[LinkList, ...]:
     """The options of each elastic link that keep all limits on single links; raises `NoAnswer` where none does."""
     assert problem.sizes is not None
     made: dict[object, tuple[tuple[Option, ...], Array]] = {}
-    found: list[LinkList] = []
-    for number, (listed, link) in enumerate(zip(problem.sizes, problem.arm.links, strict=True)):
+    lists: list[LinkList] = []
+    for number, listed in enumerate(problem.sizes):
         if not listed:
             continue
-        materials = problem.materials or (() if link.material is None else (link.material,))
-        key = (id(listed), materials)
+        materials = problem.materials_of(number)
+        shares = tuple(problem.strength_share(number, material) for material in materials)
+        key = (id(listed), materials, shares, problem.limits_on_link(number))
         if key not in made:
             every = [
-                Option(each.section, material, None if each.stock is None else each.stock.name, m * len(listed) + k)
+                Option(item.section, material, None if item.stock is None else item.stock.name, m * len(listed) + k)
                 for m, material in enumerate(materials)
-                for k, each in enumerate(listed)
-                if each.stock is None or comes_in(each.stock, material)
+                for k, item in enumerate(listed)
+                if item.stock is None or comes_in(item.stock, material)
             ]
             if not every:
-                names = " or ".join(each.name for each in materials)
+                names = " or ".join(material.name for material in materials)
                 raise NoAnswer(f"link {number + 1}: none of the sizes listed comes in {names}")
-            kept, broken = keeping(problem, every)
+            options, broken = keeping(problem, number, every)
             if broken is not None:
                 raise NoAnswer(f"no section listed keeps {broken.text}")
-            made[key] = tuple(kept), columns_of(problem, kept)
-        found.append(LinkList(number, *made[key]))
-    return tuple(found)
+            made[key] = tuple(options), columns_of(problem, number, options)
+        lists.append(LinkList(number, *made[key]))
+    return tuple(lists)
 
 
-def keeping(problem: Problem, options: Sequence[Option]) -> tuple[list[Option], Limit | None]:
-    """The options that keep the limits on single links, in their order until one is kept by none, which is the
-    second."""
+def keeping(problem: Problem, link: int, options: Sequence[Option]) -> tuple[list[Option], Limit | None]:
+    """The options of a link (from 0) that keep the limits on single links, in their order until one is kept by none,
+    which is the second."""
     left = list(options)
-    for limit in problem.limits:
-        if isinstance(limit.figure.follows, OfLinks):
-            kept = [option for option in left if _keeps(problem, limit, option)]
-            if not kept:
-                return left, limit
-            left = kept
+    for limit in problem.limits_on_link(link):
+        kept = [option for option in left if _keeps(problem, limit, option)]
+        if not kept:
+            return left, limit
+        left = kept
     return left, None
 
 
@@ -76,39 +76,41 @@ def _keeps(problem: Problem, limit: Limit, option: Option) -> bool:
     return all(excess(limit, float(value)) <= KEPT_WITHIN for value in values)
 
 
-def columns_of(problem: Problem, options: Sequence[Option]) -> Array:
-    """The columns (N, K) of options."""
+def columns_of(problem: Problem, link: int, options: Sequence[Option]) -> Array:
+    """The columns (N, K) of options of a link (from 0)."""
     shear = needs_shear_modulus(problem.arm, problem.load_cases)
-    alike: dict[tuple[str, tuple[str, ...], str], list[int]] = {}
+    groups: dict[tuple[str, tuple[str, ...], str], list[int]] = {}
     for place, option in enumerate(options):
         key = (option.section.shape, tuple(option.section.given()), option.material.name)
-        alike.setdefault(key, []).append(place)
-    found = np.zeros((len(options), len(COLUMNS)))
-    for (_, names, _), places in alike.items():
+        groups.setdefault(key, []).append(place)
+    columns = np.zeros((len(options), len(COLUMNS)))
+    for (_, names, _), places in groups.items():
         first = options[places[0]]
         sizes = {name: np.array([float(getattr(options[k].section, name)) for k in places]) for name in names}
-        values = material_values(material_row((first.material,), problem), 0)
+        values = material_values(material_row((first.material,), problem, link), 0)
         section = type(first.section)(**sizes)  # type: ignore[call-arg]
-        found[places] = columns_of_sections(section, values, (len(places),), shear=shear)
-    return found
+        columns[places] = columns_of_sections(section, values, (len(places),), shear=shear)
+    return columns
 
 
 def agreeing(lists: Sequence[LinkList], same: frozenset[str]) -> list[tuple[NDArray[np.intp], ...]]:
     """All designs, in parts that agree in what must be the same: of each link the options (by number) in a part."""
-    kinds = [kinds_of(each, same) for each in lists]
+    kinds = [kinds_of(link_list, same) for link_list in lists]
     found: list[tuple[NDArray[np.intp], ...]] = []
     for kind in dict.fromkeys(kinds[0]):
-        options = tuple(np.array([k for k, each in enumerate(own) if each == kind], dtype=np.intp) for own in kinds)
-        if all(len(own) for own in options):
+        options = tuple(
+            np.array([k for k, item in enumerate(link_kinds) if item == kind], dtype=np.intp) for link_kinds in kinds
+        )
+        if all(len(link_options) for link_options in options):
             found.append(options)
     return found
 
 
 def kinds_of(own: LinkList, same: frozenset[str]) -> list[object]:
     """Of each option what must be the same for all links."""
-    found: list[object] = []
+    kinds: list[object] = []
     for option in own.options:
         size = option.section if "size" in same else None
         shape = option.section.shape if "section" in same else None
-        found.append((size, shape, option.material.name if "material" in same else None))
-    return found
+        kinds.append((size, shape, option.material.name if "material" in same else None))
+    return kinds

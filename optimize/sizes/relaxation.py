@@ -85,15 +85,15 @@ class Relaxation:
         row = self.rows[number]
         c = row.coefficients @ direction
         constant = row.shift + float(row.constant @ direction)
-        parts = [own @ direction for own in row.own]
+        parts = [link_part @ direction for link_part in row.own]
         up = c > 0.0
         if up.any():
-            there = sum(powers[up] @ own for powers, own in zip(row.powers, y, strict=True))
+            there = sum(powers[up] @ item for powers, item in zip(row.powers, y, strict=True))
             size = c[up] * np.exp(there)
             constant += float(size @ (1.0 - there))
             parts = [
-                part + each.columns @ (size @ powers[up])
-                for part, each, powers in zip(parts, self.lists, row.powers, strict=True)
+                part + link_list.columns @ (size @ powers[up])
+                for part, link_list, powers in zip(parts, self.lists, row.powers, strict=True)
             ]
         return Cut(number, direction, row.objective, constant, tuple(parts), bool((c < 0.0).any()))
 
@@ -103,20 +103,22 @@ class Relaxation:
         row = self.rows[cut.row]
         c = row.coefficients @ cut.direction
         down = c < 0.0
-        powers = [own[down] for own in row.powers]
+        powers = [link_powers[down] for link_powers in row.powers]
         first = sum(np.minimum(p * a, p * b).sum(axis=1) for p, a, b in zip(powers, low, high, strict=True))
         last = sum(np.maximum(p * a, p * b).sum(axis=1) for p, a, b in zip(powers, low, high, strict=True))
         wide = np.maximum(last - first, 0.0)
         slope = np.exp(first) * np.where(wide > 1e-9, np.expm1(wide) / np.where(wide > 1e-9, wide, 1.0), 1.0)
-        return float(c[down] @ (np.exp(first) - slope * first)), [(c[down] * slope) @ own for own in powers]
+        return float(c[down] @ (np.exp(first) - slope * first)), [
+            (c[down] * slope) @ link_powers for link_powers in powers
+        ]
 
 
 class _Solve:
     def __init__(self, relaxation: Relaxation, part: Part) -> None:
         self.relaxation, self.part = relaxation, part
         self.count = len(part.options)
-        self.low = [each.columns[ids].min(axis=0) for each, ids in self._pairs()]
-        self.high = [each.columns[ids].max(axis=0) for each, ids in self._pairs()]
+        self.low = [item.columns[ids].min(axis=0) for item, ids in self._pairs()]
+        self.high = [item.columns[ids].max(axis=0) for item, ids in self._pairs()]
         self.cuts: list[Cut] = []
         self.constants: list[float] = []
         self.parts: list[list[Array]] = [[] for _ in range(self.count)]
@@ -132,13 +134,16 @@ class _Solve:
         return list(zip(self.relaxation.lists, self.part.options, strict=True))
 
     def _add(self, cut: Cut) -> None:
-        constant, parts = cut.constant, [own[ids] for own, ids in zip(cut.parts, self.part.options, strict=True)]
+        constant, parts = (
+            cut.constant,
+            [link_part[ids] for link_part, ids in zip(cut.parts, self.part.options, strict=True)],
+        )
         if cut.chorded:
             more, gradients = self.relaxation.chords(cut, self.low, self.high)
             constant += more
             parts = [
-                own + each.columns[ids] @ gradient
-                for own, (each, ids), gradient in zip(parts, self._pairs(), gradients, strict=True)
+                link_part + item.columns[ids] @ gradient
+                for link_part, (item, ids), gradient in zip(parts, self._pairs(), gradients, strict=True)
             ]
         self.cuts.append(cut)
         self.constants.append(constant)
@@ -160,19 +165,19 @@ class _Solve:
         """Whether limits cannot be kept, whatever the objective."""
         known, losses, self.best = self.best, self.losses, -np.inf
         self._rounds(0.1 * _BROKEN, 0.0, 1.0)
-        found = self.best > 0.1 * _BROKEN
+        impossible = self.best > 0.1 * _BROKEN
         self.best, self.losses = known, losses
-        return found
+        return impossible
 
     def _begin(self) -> None:
         """Options to begin with, and tangents at their middle where there are no cuts yet."""
-        for k, (each, ids) in enumerate(self._pairs()):
+        for k, (item, ids) in enumerate(self._pairs()):
             if self.part.columns:
                 places = np.flatnonzero(np.isin(ids, self.part.columns[k]))
                 self.columns[k] = places.tolist()
-            own = each.columns[ids]
-            heavy = [int(own[:, column].argmin()) for column in (0, 2)]
-            middle = int(np.abs(own[:, :3] - own[:, :3].mean(axis=0)).sum(axis=1).argmin())
+            columns = item.columns[ids]
+            heavy = [int(columns[:, column].argmin()) for column in (0, 2)]
+            middle = int(np.abs(columns[:, :3] - columns[:, :3].mean(axis=0)).sum(axis=1).argmin())
             self.columns[k] = list(dict.fromkeys([*self.columns[k], *heavy, middle]))
         known = {cut.row for cut in self.cuts}
         y = [each.columns[ids].mean(axis=0) for each, ids in self._pairs()]
@@ -182,14 +187,14 @@ class _Solve:
 
     def _vector(self, row: TableRow, y: Sequence[Array], shares: Sequence[Array] | None) -> Array:
         """A row's vector where each link is a mixture (of all its options alike without shares)."""
-        found = row.constant.copy()
-        for k, own in enumerate(row.own):
-            values = own[self.part.options[k]]
-            found = found + (values.mean(axis=0) if shares is None else shares[k] @ values)
+        vector = row.constant.copy()
+        for k, link_part in enumerate(row.own):
+            values = link_part[self.part.options[k]]
+            vector = vector + (values.mean(axis=0) if shares is None else shares[k] @ values)
         if len(row.coefficients):
-            logs = sum(powers @ own for powers, own in zip(row.powers, y, strict=True))
-            found = found + np.exp(logs) @ row.coefficients
-        return found
+            logs = sum(powers @ item for powers, item in zip(row.powers, y, strict=True))
+            vector = vector + np.exp(logs) @ row.coefficients
+        return vector
 
     def _rounds(self, enough: float, cost: float, price: float) -> tuple[Relaxed, float]:
         """Options and tangents join until the linear program and the bound meet."""
@@ -236,7 +241,7 @@ class _Solve:
 
     def _touch(self, shares: Sequence[Array], t: float) -> bool:
         """Tangents where rows are above what the linear program believes; whether there were any."""
-        y = [share @ each.columns[ids] for share, (each, ids) in zip(shares, self._pairs(), strict=True)]
+        y = [share @ item.columns[ids] for share, (item, ids) in zip(shares, self._pairs(), strict=True)]
         room = _TOUCHED * max(abs(t), _LITTLE)
         fresh = False
         for number, row in enumerate(self.relaxation.rows):
@@ -248,7 +253,7 @@ class _Solve:
             self._add(self.relaxation.cut(number, _direction(vector), y))
             # What is lost to chords may leave nothing of it.
             there = self.constants[-1] + sum(
-                float(own[-1] @ share) for own, share in zip(self.parts, shares, strict=True)
+                float(link_part[-1] @ share) for link_part, share in zip(self.parts, shares, strict=True)
             )
             if there <= allowed:
                 self._drop()
@@ -264,7 +269,7 @@ class _Solve:
         """The linear program over the options that joined: its value, t, shares by link over the part's options, and
         multipliers of the cuts that hold with any options."""
         objective = np.array([cut.objective for cut in self.cuts])
-        blocks = [np.array(own)[:, places] for own, places in zip(self.parts, self.columns, strict=True)]
+        blocks = [np.array(link_part)[:, places] for link_part, places in zip(self.parts, self.columns, strict=True)]
         head = np.stack([-objective.astype(float), objective.astype(float) - 1.0], axis=1)
         table = np.hstack([head, *blocks])
         sizes = [len(places) for places in self.columns]
@@ -286,9 +291,9 @@ class _Solve:
             multipliers[objective] = 0.0
         shares: list[Array] = []
         for k, places in enumerate(self.columns):
-            own = np.zeros(len(self.part.options[k]))
-            own[places] = np.maximum(result.x[ends[k] : ends[k + 1]], 0.0)
-            shares.append(own / own.sum())
+            coefficients = np.zeros(len(self.part.options[k]))
+            coefficients[places] = np.maximum(result.x[ends[k] : ends[k + 1]], 0.0)
+            shares.append(coefficients / coefficients.sum())
         return float(result.fun), float(result.x[0]), tuple(shares), multipliers
 
 

@@ -40,8 +40,8 @@ class TableRow:
         """What must not be above t (or nought) for designs: rows of picks are an option of each link."""
         vectors = np.broadcast_to(self.constant, (len(picks), len(self.constant))).copy()
         products: Array | None = None
-        for k, own in enumerate(self.own):
-            vectors += own[picks[:, k]]
+        for k, link_part in enumerate(self.own):
+            vectors += link_part[picks[:, k]]
             if len(self.coefficients):
                 factor = self.factors[k][picks[:, k]]
                 products = factor if products is None else products * factor
@@ -53,23 +53,23 @@ class TableRow:
 
 def table_row(row: PoseRow, lists: Sequence[LinkList]) -> TableRow:
     """A row over the options of links."""
-    powers = [row.powers[:, _WIDTH * each.link : _WIDTH * (each.link + 1)] for each in lists]
-    used = np.array([own.any(axis=1) for own in powers]).reshape(len(lists), -1)
+    powers = [row.powers[:, _WIDTH * link_list.link : _WIDTH * (link_list.link + 1)] for link_list in lists]
+    used = np.array([link_powers.any(axis=1) for link_powers in powers]).reshape(len(lists), -1)
     several = used.sum(axis=0) > 1
     constant = row.constant + row.coefficients[used.sum(axis=0) == 0].sum(axis=0)
-    own: list[Array] = []
-    for k, each in enumerate(lists):
+    by_link: list[Array] = []
+    for k, item in enumerate(lists):
         alone = used[k] & ~several
-        linear = row.linear[_WIDTH * each.link : _WIDTH * (each.link + 1)]
-        own.append(np.exp(each.columns @ powers[k][alone].T) @ row.coefficients[alone] + each.columns @ linear)
+        linear = row.linear[_WIDTH * item.link : _WIDTH * (item.link + 1)]
+        by_link.append(np.exp(item.columns @ powers[k][alone].T) @ row.coefficients[alone] + item.columns @ linear)
     left = tuple(own_powers[several] for own_powers in powers)
-    factors = tuple(np.exp(each.columns @ own_powers.T) for each, own_powers in zip(lists, left, strict=True))
-    return TableRow(constant, tuple(own), row.coefficients[several], left, factors, row.objective, row.shift)
+    factors = tuple(np.exp(link_list.columns @ own_powers.T) for link_list, own_powers in zip(lists, left, strict=True))
+    return TableRow(constant, tuple(by_link), row.coefficients[several], left, factors, row.objective, row.shift)
 
 
 def product(options: Sequence[Sequence[int] | Integers]) -> Integers:
     """Every combination (N, lists) of the entries of lists."""
-    axes = np.meshgrid(*[np.array(each, dtype=np.intp) for each in options], indexing="ij")
+    axes = np.meshgrid(*[np.array(option, dtype=np.intp) for option in options], indexing="ij")
     return np.stack([axis.ravel() for axis in axes], axis=1)
 
 
@@ -78,7 +78,7 @@ def greatest(rows: Sequence[TableRow], picks: Integers, enough: float) -> tuple[
     that come to `enough` or break a row are left out."""
     left = np.arange(len(picks))
     worst = np.zeros(len(picks))
-    for row in sorted(rows, key=lambda each: not each.objective):
+    for row in sorted(rows, key=lambda item: not item.objective):
         values = row.values(picks[left])
         if row.objective:
             worst[left] = np.maximum(worst[left], values)

@@ -10,11 +10,12 @@ from functools import partial
 import numpy as np
 
 from linkwright.core.arm.chain.chain import Arm
-from linkwright.core.arm.evaluation import Evaluation, error_map, evaluate
+from linkwright.core.arm.error_map import error_map
+from linkwright.core.arm.evaluation import Evaluation, evaluate
+from linkwright.core.arm.figures import Limit, broken, excess
 from linkwright.core.arm.worst.workspace import Unreachable
 from linkwright.core.optimize.exchange.design import numeric_beams
 from linkwright.core.optimize.exchange.exchange import context_of
-from linkwright.core.optimize.limits import Limit, broken, excess
 from linkwright.core.optimize.nominal import Options
 from linkwright.core.optimize.problem import Problem
 from linkwright.core.optimize.problem_summary import choices_in_words, limits_in_words, map_of_given, whole_error
@@ -67,22 +68,24 @@ def listed_structures(problem: Problem, options: Options) -> OptimizationResult:
         if options.log is not None:
             options.log(history[-1])
 
-    def solve(own: Problem, known: float) -> Answer[OptimizationResult] | None:
+    def solve(problem_here: Problem, known: float) -> Answer[OptimizationResult] | None:
         nonlocal bounded
         enough = known * (1.0 - _BETTER)
         if math.isfinite(known):
-            own = replace(own, limits=(*own.limits, Limit(own.objective, "<=", enough)))
+            problem_here = replace(
+                problem_here, limits=(*problem_here.limits, Limit(problem_here.objective, "<=", enough))
+            )
         try:
-            found = listed_optimum(own, replace(options, log=heard), problem)
+            result = listed_optimum(problem_here, replace(options, log=heard), problem)
         except NoListed as none:
             bounded = bounded and none.proven
             bounds.append(enough)
             if math.isinf(known):
                 raise
             return None
-        bounded = bounded and found.bound_of == "all_designs"
-        bounds.append(found.lower_bound)
-        return Answer(found.objective, found, found.interrupted)
+        bounded = bounded and result.bound_of == "all_designs"
+        bounds.append(result.lower_bound)
+        return Answer(result.objective, result, result.interrupted)
 
     options.evaluated(problem)
     search = StructureSearch(problem, solve, options.progress)
@@ -119,29 +122,31 @@ def listed_optimum(problem: Problem, options: Options, given: Problem) -> Optimi
     context = context_of(replace(problem, sizes=None))
     before = options.evaluated(given)
     try:
-        kind = ListSearch if problem.link_length is None else FreeListSearch
+        kind = FreeListSearch if problem.free_lengths else ListSearch
         search = kind(context, link_lists(problem), progress=options.progress, log=options.log)
-        found, after = _found(search)
+        design, after = _found(search)
     except Unreachable as error:
         raise NoAnswer(f"workspace: {error}") from None
     objective = problem.objective.value(after)
     assert objective is not None
-    gap = found.gap
+    gap = design.gap
     known = gap is not None
-    lower_bound = min(found.bound, objective) if known else objective
-    own = before.arm.joints == problem.arm.joints and _among(before.arm, search.lists)
-    doubtful = doubts(problem, found.objective, before, after, lower_bound, own=own)
+    lower_bound = min(design.bound, objective) if known else objective
+    among = before.arm.joints == problem.arm.joints and _among(before.arm, search.lists)
+    doubtful = doubts(problem, design.objective, before, after, lower_bound, own=among)
     proven = gap is not None and gap <= 2.0 * CLOSE
     links = after.arm.links
     poses = 200_000 if problem.workspace.kind == "joints" else 20_000
     shapes = tuple(None if link.section is None else link.section.shape for link in links)
-    stuffs = tuple(None if link.section is None or link.material is None else link.material.name for link in links)
+    material_names = tuple(
+        None if link.section is None or link.material is None else link.material.name for link in links
+    )
     return OptimizationResult(
         problem_file=problem.file,
         minimize=problem.minimize,
         limits=limits_in_words(problem),
         choices=choices_in_words(given),
-        status="doubtful" if doubtful else _status(found, after, proven=proven, uses_error=context.uses_error),
+        status="doubtful" if doubtful else _status(design, after, proven=proven, uses_error=context.uses_error),
         arm=after.arm,
         before=before,
         after=after,
@@ -149,7 +154,7 @@ def listed_optimum(problem: Problem, options: Options, given: Problem) -> Optimi
         lower_bound=lower_bound,
         binding=(),
         iterations=tuple(search.history),
-        candidates=(Candidate(shapes, stuffs, objective, "best"),),
+        candidates=(Candidate(shapes, material_names, objective, "best"),),
         exhaustive=proven,
         seconds=time.perf_counter() - began,
         before_map=map_of_given(given, context, poses),
@@ -159,7 +164,7 @@ def listed_optimum(problem: Problem, options: Options, given: Problem) -> Optimi
         combinations=search.combinations,
         gap=gap,
         bound_of="all_designs" if known else "binding_poses",
-        interrupted=found.interrupted,
+        interrupted=design.interrupted,
         listed=True,
         figures=problem.figures,
     )
@@ -169,20 +174,20 @@ def _found(search: ListSearch | FreeListSearch) -> tuple[Found, Evaluation]:
     """The best design with its evaluation, which has the last word; raises `NoAnswer` where there is none."""
     problem = search.context.problem
     for _ in range(_MOST_EXCLUDED):
-        found = search.run()
-        if found.pick is None:
-            proven = math.isinf(found.bound) and found.bound > 0.0
+        result = search.run()
+        if result.pick is None:
+            proven = math.isinf(result.bound) and result.bound > 0.0
             raise NoListed(_why_not(search, proven=proven), proven=proven)
-        arm = search.judge.table.arm_of(found.pick)
+        arm = search.judge.table.arm_of(result.pick)
         after = evaluate(arm, problem.workspace, problem.load_cases)
-        if found.interrupted or not broken(problem.limits, after):
-            return found, after
-        search.exclude(found.pick)
+        if result.interrupted or not broken(problem.limits, after):
+            return result, after
+        search.exclude(result.pick)
     raise NoListed("the best designs of listed sizes all break a limit when evaluated", proven=False)
 
 
-def _status(found: Found, after: Evaluation, *, proven: bool, uses_error: bool) -> Status:
-    if found.interrupted:
+def _status(result: Found, after: Evaluation, *, proven: bool, uses_error: bool) -> Status:
+    if result.interrupted:
         return "interrupted"
     if not proven:
         return "searched"
@@ -193,27 +198,28 @@ def _among(arm: Arm, lists: tuple[LinkList, ...]) -> bool:
     """Whether an arm is one of the designs to choose from."""
     return all(
         any(
-            option.section == arm.links[each.link].section and option.material == arm.links[each.link].material
-            for option in each.options
+            option.section == arm.links[link_list.link].section
+            and option.material == arm.links[link_list.link].material
+            for option in link_list.options
         )
-        for each in lists
+        for link_list in lists
     )
 
 
 def _why_not(search: ListSearch | FreeListSearch, *, proven: bool) -> str:
     """That no design keeps the limits, or none was found; and by what the nearest of a sample breaks them."""
-    told = (
+    reason = (
         "no combination of the sizes listed keeps all limits" if proven else "no design that keeps all limits was found"
     )
     generator = np.random.default_rng(1)
-    sizes = [len(each.options) for each in search.lists]
+    sizes = [len(link_list.options) for link_list in search.lists]
     picks = np.unique(np.stack([generator.integers(0, size, _SAMPLED) for size in sizes], axis=1), axis=0)
     near = nearest_design(search.judge, np.hstack([picks, np.zeros((len(picks), 1), dtype=np.intp)]))
     if near is None:
-        return told
+        return reason
     over = [(excess(limit, limit.of(near.evaluation)), limit) for limit in search.context.problem.limits]
-    worst, limit = max((each for each in over if not math.isnan(each[0])), key=lambda each: each[0])
+    worst, limit = max((item for item in over if not math.isnan(item[0])), key=lambda item: item[0])
     if worst <= 0.0:
-        return told
+        return reason
     had = format_quantity(limit.of(near.evaluation), limit.figure.kind, digits=4)
-    return f"{told}: the nearest of {len(picks):,} looked at breaks {limit.text} with {had}"
+    return f"{reason}: the nearest of {len(picks):,} looked at breaks {limit.text} with {had}"

@@ -106,19 +106,19 @@ class ListSearch(ListedSearch[Part]):
 
     def _begin(self) -> None:
         """Poses of the arm as given, of the stiffest options and of the lightest; rows read off the stiffest."""
-        for pick in ([int(each.columns[:, column].argmin()) for each in self.lists] for column in (2, 0)):
+        for pick in ([int(link_list.columns[:, column].argmin()) for link_list in self.lists] for column in (2, 0)):
             arm = self.judge.table.arm_of([*pick, self.place])
             self.judge.learn(arm, numeric_beams(arm, self.context.problem.load_cases))
-        stiff = [int(each.columns[:, 2].argmin()) for each in self.lists]
+        stiff = [int(link_list.columns[:, 2].argmin()) for link_list in self.lists]
         self._arm = self.judge.table.arm_of([*stiff, self.place])
         self._p = numeric_beams(self._arm, self.context.problem.load_cases)
         self.worth = self._worth(stiff)
-        own = rows_of(self.context, Pool(), self._arm, self._p, self.worth)
-        if own is None:
+        rows = rows_of(self.context, Pool(), self._arm, self._p, self.worth)
+        if rows is None:
             self.bounded = False
             return
-        self._own = len(own)
-        self.relaxation.rows = [table_row(row, self.lists) for row in own]
+        self._own = len(rows)
+        self.relaxation.rows = [table_row(row, self.lists) for row in rows]
         self._refresh()
 
     def _worth(self, pick: Sequence[int]) -> float:
@@ -156,24 +156,24 @@ class ListSearch(ListedSearch[Part]):
             return
         if self._compared_all(part):
             return
-        found = self.relaxation.solve(part, self._enough())
-        bound = max(found.bound, part.bound)
+        relaxed = self.relaxation.solve(part, self._enough())
+        bound = max(relaxed.bound, part.bound)
         if bound < self._enough():
-            self._try(found)
+            self._try(relaxed)
         enough = self._enough()
         if bound >= enough:
             self._done_with(bound)
             return
-        left = self._filtered(found, enough - bound)
-        found = replace(found, part=replace(left[0], bound=bound), losses=left[1], shares=left[2], bound=bound)
-        if any(len(own) == 0 for own in found.part.options):
+        left = self._filtered(relaxed, enough - bound)
+        relaxed = replace(relaxed, part=replace(left[0], bound=bound), losses=left[1], shares=left[2], bound=bound)
+        if any(len(link_options) == 0 for link_options in relaxed.part.options):
             self._done_with(enough)
             return
-        picks = combined(found.losses, enough - bound, _MOST_COMPARED)
-        if picks is not None and self._compare(self._picks(found.part, picks)):
+        picks = combined(relaxed.losses, enough - bound, _MOST_COMPARED)
+        if picks is not None and self._compare(self._picks(relaxed.part, picks)):
             self._done_with(enough)
             return
-        self._split(found)
+        self._split(relaxed)
 
     def _worth_going_on(self) -> bool:
         """Whether one more part could help, and is not one too many."""
@@ -186,16 +186,16 @@ class ListSearch(ListedSearch[Part]):
     def _link_by_link(self) -> None:
         """Where nothing bounds designs: from the stiffest, the lightest and the best, one link at a time until none
         improves."""
-        starts = [[int(each.columns[:, column].argmin()) for each in self.lists] for column in (2, 0)]
+        starts = [[int(link_list.columns[:, column].argmin()) for link_list in self.lists] for column in (2, 0)]
         if self.judge.best is not None:
             starts.insert(0, list(self.judge.best[0][:-1]))
         for start in starts:
             pick, improved = np.array(start, dtype=np.intp), True
             while improved and self.judge.complete:
                 improved = False
-                for k, each in enumerate(self.lists):
-                    trials = np.repeat(pick[None], len(each.options), axis=0)
-                    trials[:, k] = np.arange(len(each.options))
+                for k, item in enumerate(self.lists):
+                    trials = np.repeat(pick[None], len(item.options), axis=0)
+                    trials[:, k] = np.arange(len(item.options))
                     self.compared += len(trials)
                     if self.judge.offer(self._placed(trials)):
                         assert self.judge.best is not None
@@ -206,7 +206,7 @@ class ListSearch(ListedSearch[Part]):
         return self.objective * (1.0 - self.close)
 
     def _compared_all(self, part: Part) -> bool:
-        counts = [len(own) for own in part.options]
+        counts = [len(link_options) for link_options in part.options]
         if math.prod(counts) > _MOST_COMPARED:
             return False
         enough = self._enough()
@@ -215,30 +215,30 @@ class ListSearch(ListedSearch[Part]):
         self._done_with(enough if math.isinf(self.objective) else self._enough())
         return True
 
-    def _filtered(self, found: Relaxed, room: float) -> tuple[Part, tuple[Array, ...], tuple[Array, ...]]:
+    def _filtered(self, relaxed: Relaxed, room: float) -> tuple[Part, tuple[Array, ...], tuple[Array, ...]]:
         """The part without the options that cost more than there is room for."""
-        keep = [losses < room for losses in found.losses]
-        options = tuple(own[stay] for own, stay in zip(found.part.options, keep, strict=True))
-        losses = tuple(own[stay] for own, stay in zip(found.losses, keep, strict=True))
-        shares = tuple(own[stay] for own, stay in zip(found.shares, keep, strict=True))
-        return replace(found.part, options=options), losses, shares
+        keep = [losses < room for losses in relaxed.losses]
+        options = tuple(link_options[stay] for link_options, stay in zip(relaxed.part.options, keep, strict=True))
+        losses = tuple(link_losses[stay] for link_losses, stay in zip(relaxed.losses, keep, strict=True))
+        shares = tuple(link_shares[stay] for link_shares, stay in zip(relaxed.shares, keep, strict=True))
+        return replace(relaxed.part, options=options), losses, shares
 
     def _picks(self, part: Part, places: Integers) -> Integers:
-        return np.stack([own[places[:, k]] for k, own in enumerate(part.options)], axis=1)
+        return np.stack([link_options[places[:, k]] for k, link_options in enumerate(part.options)], axis=1)
 
     def _placed(self, picks: Integers) -> Integers:
         """Options of the links with the choice of lengths."""
         return np.hstack([picks, np.full((len(picks), 1), self.place, dtype=np.intp)])
 
-    def _try(self, found: Relaxed) -> None:
+    def _try(self, relaxed: Relaxed) -> None:
         """Combinations of the options of each link that cost least."""
-        each = max(2, int(_TRIED ** (1.0 / len(self.lists))))
+        per_link = max(2, int(_TRIED ** (1.0 / len(self.lists))))
         best: list[Integers] = []
-        for losses, share in zip(found.losses, found.shares, strict=True):
+        for losses, share in zip(relaxed.losses, relaxed.shares, strict=True):
             # What is mixed costs nothing, and comes first.
             order = np.lexsort((losses, share <= 1e-9))
-            best.append(order[:each])
-        self._compare(self._picks(found.part, product(best)))
+            best.append(order[:per_link])
+        self._compare(self._picks(relaxed.part, product(best)))
 
     def _compare(self, picks: Integers) -> bool:
         """Compare designs one by one; whether none of them is left that could win."""
@@ -262,31 +262,31 @@ class ListSearch(ListedSearch[Part]):
                 return False
         return not len(left)
 
-    def _split(self, found: Relaxed) -> None:
+    def _split(self, relaxed: Relaxed) -> None:
         """A part in two, by what the mixture of a link differs in most in one of the cuts that count."""
         best: tuple[float, int, NDArray[np.bool_]] | None = None
-        for k, (share, own) in enumerate(zip(found.shares, found.part.options, strict=True)):
+        for k, (share, link_options) in enumerate(zip(relaxed.shares, relaxed.part.options, strict=True)):
             mixed = share / max(float(share.sum()), 1e-300)
-            for cut, m in zip(found.cuts, found.multipliers, strict=True):
-                if m <= 1e-9 or len(own) < 2:
+            for cut, m in zip(relaxed.cuts, relaxed.multipliers, strict=True):
+                if m <= 1e-9 or len(link_options) < 2:
                     continue
-                values = cut.parts[k][own]
+                values = cut.parts[k][link_options]
                 mean = float(mixed @ values)
                 spread = m * float(mixed @ np.abs(values - mean))
                 if best is None or spread > best[0]:
                     best = spread, k, np.asarray(values <= mean)
         if best is None or best[0] <= 1e-12 or best[2].all() or not best[2].any():
-            k = max(range(len(self.lists)), key=lambda each: len(found.part.options[each]))
-            weights = self.lists[k].columns[found.part.options[k], 2]
+            k = max(range(len(self.lists)), key=lambda index: len(relaxed.part.options[index]))
+            weights = self.lists[k].columns[relaxed.part.options[k], 2]
             below: NDArray[np.bool_] = np.asarray(weights <= np.median(weights))
             if below.all():
                 below = np.arange(len(weights)) < len(weights) // 2
         else:
             _, k, below = best
         for side in (below, ~below):
-            options = list(found.part.options)
+            options = list(relaxed.part.options)
             options[k] = options[k][side]
-            self._push(replace(found.part, options=tuple(options)), found.part.bound)
+            self._push(replace(relaxed.part, options=tuple(options)), relaxed.part.bound)
 
 
 def combined(losses: Sequence[Array], room: float, most: int) -> Integers | None:
@@ -294,14 +294,14 @@ def combined(losses: Sequence[Array], room: float, most: int) -> Integers | None
     `most` on the way."""
     sums = np.zeros(1)
     picks = np.zeros((1, 0), dtype=np.intp)
-    for own in losses:
-        order = np.argsort(own, kind="stable")
-        counts = np.searchsorted(own[order], room - sums, side="left")
+    for link_losses in losses:
+        order = np.argsort(link_losses, kind="stable")
+        counts = np.searchsorted(link_losses[order], room - sums, side="left")
         if int(counts.sum()) > most:
             return None
         rows = np.repeat(np.arange(len(sums)), counts)
         starts = np.cumsum(counts) - counts
         places = order[np.arange(int(counts.sum())) - np.repeat(starts, counts)]
-        sums = sums[rows] + own[places]
+        sums = sums[rows] + link_losses[places]
         picks = np.hstack([picks[rows], places[:, None]])
     return picks

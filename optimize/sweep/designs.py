@@ -8,8 +8,9 @@ of them for all designs at once. It certifies nothing: `arm.evaluation` does, fo
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, field, fields
 from functools import cached_property, partial
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,13 +19,23 @@ from linkwright.core.arm.chain.chain import Arm, Link, LoadCase
 from linkwright.core.arm.errors.lost_motion import played
 from linkwright.core.arm.errors.model import beam_values, beams_of, error_model
 from linkwright.core.arm.evaluation import heaviest_carried, link_masses, material_cost
-from linkwright.core.arm.limits.local_buckling import values_of
-from linkwright.core.arm.limits.strength import strength_values
+from linkwright.core.arm.figures import (
+    Designs,
+    DesignValues,
+    Figure,
+    Limit,
+    OfDesign,
+    OfLinks,
+    PoseFamily,
+    ThroughPoses,
+    Totals,
+)
+from linkwright.core.arm.figures.local_buckling import values_of
+from linkwright.core.arm.figures.strength import strength_values
 from linkwright.core.arm.limits.wall_modes import Mode, modes_of
 from linkwright.core.arm.worst.refine import uphill_each
 from linkwright.core.arm.worst.search import WorstSearch
 from linkwright.core.arm.worst.workspace import Workspace, climbing_bounds
-from linkwright.core.optimize.limits import Designs, Figure, Limit, OfDesign, OfLinks, PoseFamily, ThroughPoses, Totals
 from linkwright.core.sections.numeric import Array
 
 Integers = NDArray[np.intp]
@@ -47,6 +58,7 @@ class _Question:
     limits: tuple[Limit, ...]
     shapes: None = None
     actuators: None = None
+    workspace: Workspace = field(default_factory=Workspace)
 
 
 class Sweep:
@@ -67,9 +79,9 @@ class Sweep:
     def _by_link(self, of: Callable[[int, Link], object]) -> list[Array]:
         """A value of each option, link by link, as arrays of one row for each design."""
         columns: list[Array] = []
-        for index, own in enumerate(self.options):
+        for index, link_options in enumerate(self.options):
             used = np.unique(self.rows[:, index])
-            values = {int(option): of(index, own[int(option)]) for option in used}
+            values = {int(option): of(index, link_options[int(option)]) for option in used}
             columns.append(
                 np.array([values[int(option)] for option in used])[np.searchsorted(used, self.rows[:, index])]
             )
@@ -120,8 +132,8 @@ class Sweep:
         most = [max(len(own(link)) for link in links) for links in self.options]
 
         def padded(index: int, link: Link) -> Array:
-            found = own(link)
-            return np.vstack([found, np.zeros((most[index] - len(found), width))])
+            modes = own(link)
+            return np.vstack([modes, np.zeros((most[index] - len(modes), width))])
 
         return self._by_link(padded)
 
@@ -156,17 +168,16 @@ class Sweep:
 
         def value(_: int, link: Link) -> float:
             alone = self.arm.with_links((link,) * self.arm.size)
-            assert isinstance(figure.follows, OfLinks)
             if link.section is None or link.material is None:
                 return empty
-            found = figure.of_links(figure.follows, alone)
-            return np.nan if found is None else found
+            values = figure.of_links(alone)
+            return np.nan if values is None else values
 
         columns = np.stack(self._by_link(value), axis=1)
         worst = columns.min(axis=1) if figure.more_is_better else columns.max(axis=1)
         return np.where(np.isinf(worst), 0.0, worst)
 
-    def _through_poses(self, figure: Figure, family: PoseFamily, report: Report) -> Array:
+    def _through_poses(self, figure: Figure, family: PoseFamily[Any], report: Report) -> Array:
         limit = Limit(figure, figure.senses[0], 1.0)
         question = _Question(self.arm, self.cases, (limit,))
         prepared = family.prepare(question)
@@ -179,23 +190,24 @@ class Sweep:
             some = Designs(
                 every.p[designs],
                 every.sections[designs],
-                every.yield_strengths[designs],
+                every.allowed_stresses[designs],
                 lambda link: every.walls(link)[designs],
             )
             value = family.at_pose(prepared, group, q, some)[figure.name]
             with np.errstate(divide="ignore"):
                 return 1.0 / value if less else value
 
-        found = self._worst(badness, family.groups(question), report)
-        return np.where(found > 0.0, 1.0 / np.where(found > 0.0, found, 1.0), np.nan) if less else found
+        worst = self._worst(badness, family.groups(question), report)
+        return np.where(worst > 0.0, 1.0 / np.where(worst > 0.0, worst, 1.0), np.nan) if less else worst
 
-    def _one_by_one(self, figure: Figure, family: PoseFamily, report: Report) -> Array:
+    def _one_by_one(self, figure: Figure, family: PoseFamily[Any], report: Report) -> Array:
         found = np.full(len(self.rows), np.nan)
         for number in range(len(self.rows)):
             arm = self.design(number)
+            design = DesignValues(arm, self.cases, self.search, self.p[number])
             question = _Question(arm, self.cases, (Limit(figure, figure.senses[0], 1.0),))
-            own = family.worst(family.prepare(question), question, self.search, arm, self.p[number])
-            values = [each.value for each in own if each.name == figure.name]
+            worst = family.worst(family.prepare(question), question, design)
+            values = [item.value for item in worst if item.name == figure.name]
             found[number] = figure.worst(values) if values else np.nan
             report((number + 1) / len(self.rows))
         return found
@@ -203,26 +215,26 @@ class Sweep:
     def _error(self, group: int, q: Array, designs: Integers) -> Array:
         """The error (m) of some designs, each at a pose of its own, in a load case."""
         case, model = self.search.model.cases[group], self.search.model
-        alike = np.ptp(designs) == 0 if len(designs) else False
-        arrays = case.arrays(q, self.p[designs[0]] if alike else self.p[designs])
+        same = np.ptp(designs) == 0 if len(designs) else False
+        arrays = case.arrays(q, self.p[designs[0]] if same else self.p[designs])
         return played(arrays, case.radii, self.arm.play, planar=model.planar, statistics=self.arm.statistics).error
 
     def _worst(self, badness: Badness, groups: int, report: Report) -> Array:
         """The greatest badness (N,) of each design over the joint ranges and all groups of poses."""
         poses = self.search.poses(self.p[0], _POSES)
         bounds = climbing_bounds(self.arm, self.search.lower, self.search.upper)
-        found, count = np.full(len(self.rows), -np.inf), len(self.rows)
+        worst, count = np.full(len(self.rows), -np.inf), len(self.rows)
         for start in range(0, count, _AT_ONCE):
-            own = np.arange(start, min(start + _AT_ONCE, count))
+            rows = np.arange(start, min(start + _AT_ONCE, count))
             for group in range(groups):
-                scanned = np.stack([badness(group, poses, np.full(len(poses), each)) for each in own])
+                scanned = np.stack([badness(group, poses, np.full(len(poses), row)) for row in rows])
                 first = np.argsort(-scanned, axis=1)[:, :_STARTS]
-                designs = np.repeat(own, first.shape[1])
+                designs = np.repeat(rows, first.shape[1])
                 reached = uphill_each(partial(_of_starts, badness, group, designs), poses[first.ravel()], bounds)
                 top = badness(group, reached, designs).reshape(first.shape)
-                found[own] = np.maximum.reduce([found[own], scanned.max(axis=1), top.max(axis=1)])
-            report((own[-1] + 1) / count)
-        return found
+                worst[rows] = np.maximum.reduce([worst[rows], scanned.max(axis=1), top.max(axis=1)])
+            report((rows[-1] + 1) / count)
+        return worst
 
 
 def _of_starts(badness: Badness, group: int, designs: Integers, q: Array, starts: Integers) -> Array:

@@ -1,7 +1,7 @@
 """Points of a front solved together by an executor's workers.
 
-A worker keeps the compiled programs of its search; what is known of combinations it is told with each point, so that
-a point's design follows from what is asked alone, whoever solves it.
+A worker caches the compiled programs of its search. What is known of combinations is sent with each point, so that the
+solution of a point depends on the request alone, not on the worker that solves it.
 """
 
 from __future__ import annotations
@@ -16,9 +16,9 @@ import numpy as np
 
 from linkwright.core.arm.chain.chain import Arm
 from linkwright.core.arm.evaluation import Evaluation, evaluate
+from linkwright.core.arm.figures import Figure, figures_of
 from linkwright.core.executors import Executor, Work
 from linkwright.core.optimize.exchange.design import arm_of, design_space
-from linkwright.core.optimize.limits import Figure, figures_of
 from linkwright.core.optimize.problem import Problem
 
 from .journal import Record, design_record
@@ -60,9 +60,9 @@ class Crew:
         """Solve points of a group's front; `keep` hears of each (its number and record, None where there is no design)
         as it comes. What was learnt of combinations goes into the search."""
         learnt = search.learnt()
-        items = [(group, each, learnt) for each in wanted]
-        found = self._executor.map(self._work, items, pulse, lambda number, each: keep(number, each[0]))
-        for _, more in found:
+        items = [(group, item, learnt) for item in wanted]
+        solved = self._executor.map(self._work, items, pulse, lambda number, item: keep(number, item[0]))
+        for _, more in solved:
             search.learn_from(more)
 
 
@@ -85,12 +85,12 @@ def _silent(_: str) -> None:
     return None
 
 
-def _solved(kept: _Searches, item: Item) -> Found:
+def _solved(searches: _Searches, item: Item) -> Found:
     group, wanted, learnt = item
-    search = kept.of(group)
+    search = searches.of(group)
     search.begin_with(learnt)
     design = search.best(wanted.push, wanted.held, wanted.near)
-    return None if design is None else record_of(kept.asked, search.problem, design), search.learnt()
+    return None if design is None else record_of(searches.asked, search.problem, design), search.learnt()
 
 
 def search_for(asked: Question, problem: Problem, told: Told) -> Search | ListedSearch:

@@ -1,5 +1,5 @@
-"""Points of a trade-off whose sections are listed: of all combinations the one with the least of one figure while the
-other is held, and of those as good the one with the least of the other too."""
+"""Points of a trade-off whose sections are listed: the combination that minimises one figure while the other is
+constrained, and among its ties the one that is best in the other figure too."""
 
 from __future__ import annotations
 
@@ -8,11 +8,11 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 from linkwright.core.arm.chain.chain import Arm
+from linkwright.core.arm.figures import Limit
 from linkwright.core.materials.material import Material
 from linkwright.core.optimize.choice.picks import Combination
 from linkwright.core.optimize.exchange.binding_poses import Pool
 from linkwright.core.optimize.exchange.exchange import context_of
-from linkwright.core.optimize.limits import Limit
 from linkwright.core.optimize.problem import Problem
 from linkwright.core.optimize.sizes.designs_at_once import Table
 from linkwright.core.optimize.sizes.options import link_lists
@@ -28,7 +28,7 @@ _EXACTLY = 1e-9
 
 @dataclass(frozen=True)
 class _Known:
-    """A design that is the best for every badness of the figure held from what it has to `most`."""
+    """A design that is optimal for every bound on the constrained figure from its own badness to `most`."""
 
     push: int
     least: float
@@ -44,8 +44,8 @@ class ListedSearch:
         self.asked, self.problem, self._told = asked, problem, told
         self.share = 0.0
         assert problem.sizes is not None
-        for number, (own, link) in enumerate(zip(problem.sizes, problem.arm.links, strict=True), start=1):
-            if link.section is not None and not own:
+        for number, (link_sizes, link) in enumerate(zip(problem.sizes, problem.arm.links, strict=True), start=1):
+            if link.section is not None and not link_sizes:
                 raise NoAnswer(f"link {number}: none of the sizes listed is of that shape")
         self.context = context_of(replace(problem, sizes=None))
         self.lists = link_lists(problem)
@@ -58,12 +58,12 @@ class ListedSearch:
         for known in self._known:
             if known.push == push and known.least <= held <= known.most:
                 return known.design
-        asked = self.asked
-        pushed, other = (asked.x, asked.y) if push == asked.x_limit else (asked.y, asked.x)
-        found = self._least(pushed, other, held)
-        if found is None or found[1] > asked.cap(push) * (1.0 + 1e-6):
+        question = self.asked
+        pushed, other = (question.x, question.y) if push == question.x_limit else (question.y, question.x)
+        best = self._least(pushed, other, held)
+        if best is None or best[1] > question.cap(push) * (1.0 + 1e-6):
             return None
-        numbers, badness, proven = found
+        numbers, badness, proven = best
         again = self._least(other, pushed, badness * (1.0 + _EXACTLY))
         least = held
         if again is not None:
@@ -72,10 +72,10 @@ class ListedSearch:
         shapes: list[str | None] = [None] * self.problem.arm.size
         materials: list[Material | None] = [None] * self.problem.arm.size
         codes = [-1.0] * self.problem.arm.size
-        for own, number in zip(self.lists, numbers, strict=True):
-            option = own.options[number]
-            shapes[own.link] = option.section.shape
-            materials[own.link], codes[own.link] = option.material, float(option.place)
+        for link_list, number in zip(self.lists, numbers, strict=True):
+            option = link_list.options[number]
+            shapes[link_list.link] = option.section.shape
+            materials[link_list.link], codes[link_list.link] = option.material, float(option.place)
         combination = Combination(tuple(shapes), tuple(materials))
         design = Design(combination, tuple(codes), Pool(), badness, None, proven)
         if proven:
@@ -88,15 +88,17 @@ class ListedSearch:
         limits: tuple[Limit, ...] = self.asked.problem.limits[:-2]
         if math.isfinite(held):
             limits = (*limits, other.limit(held))
-        own = replace(self.context.problem, minimize=axis.name, limits=limits)
-        search = ListSearch(replace(self.context, problem=own), self.lists, progress=self._heard(), table=self._table)
-        found = search.run()
-        if found.interrupted:
+        problem = replace(self.context.problem, minimize=axis.name, limits=limits)
+        search = ListSearch(
+            replace(self.context, problem=problem), self.lists, progress=self._heard(), table=self._table
+        )
+        best = search.run()
+        if best.interrupted:
             raise KeyboardInterrupt
-        if found.pick is None:
+        if best.pick is None:
             return None
-        gap = found.gap
-        return found.pick[:-1], found.objective, gap is not None and gap <= 2.0 * CLOSE
+        gap = best.gap
+        return best.pick[:-1], best.objective, gap is not None and gap <= 2.0 * CLOSE
 
     def _heard(self) -> Callable[[int, int, str], None]:
         def heard(_done: int, _of: int, text: str) -> None:
@@ -115,11 +117,6 @@ class ListedSearch:
         """Every point is sought by itself."""
 
 
-def _materials(problem: Problem, link: int) -> tuple[Material, ...]:
-    own = problem.arm.links[link].material
-    return problem.materials or (() if own is None else (own,))
-
-
 def listed_arm(problem: Problem, numbers: Sequence[float]) -> Arm:
     """The arm with sections by their numbers; links that have none (-1) stay."""
     assert problem.sizes is not None
@@ -128,7 +125,7 @@ def listed_arm(problem: Problem, numbers: Sequence[float]) -> Arm:
         if number < 0.0:
             continue
         m, k = divmod(int(number), len(listed))
-        own, material = listed[k], _materials(problem, place)[m]
-        name = None if own.stock is None else own.stock.name
-        links[place] = replace(links[place], section=own.section, section_name=name, material=material)
+        option, material = listed[k], problem.materials_of(place)[m]
+        name = None if option.stock is None else option.stock.name
+        links[place] = replace(links[place], section=option.section, section_name=name, material=material)
     return problem.arm.with_links(tuple(links))

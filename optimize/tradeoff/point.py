@@ -15,13 +15,13 @@ from typing import TypeVar
 
 import numpy as np
 
+from linkwright.core.arm.figures import Cut
 from linkwright.core.arm.worst.workspace import Unreachable
 from linkwright.core.optimize.choice.combinations import MOST_COMBINATIONS
 from linkwright.core.optimize.choice.picks import Combination, combinations, count, one_link_changed, uniform
 from linkwright.core.optimize.exchange.binding_poses import ErrorCut, Pool
 from linkwright.core.optimize.exchange.design import design_space, material_row, starting_points
 from linkwright.core.optimize.exchange.exchange import Context, Exchange, Exchanged, context_of, first_pool
-from linkwright.core.optimize.limits import Cut
 from linkwright.core.optimize.problem import Problem
 from linkwright.core.sections.numeric import Array
 
@@ -121,13 +121,13 @@ class Search:
 
     def learnt(self) -> Learnt:
         """What is known now."""
-        corners = {pick: tuple(own) for pick, own in self._corners.items()}
+        corners = {pick: tuple(corners_of_pick) for pick, corners_of_pick in self._corners.items()}
         return Learnt(self._first, self._met, corners, {pick: tuple(x.tolist()) for pick, x in self._known.items()})
 
     def begin_with(self, learnt: Learnt) -> None:
         """Know that and nothing else."""
         self._first, self._met = learnt.first, learnt.met
-        self._corners = {pick: list(own) for pick, own in learnt.corners.items()}
+        self._corners = {pick: list(corners_of_pick) for pick, corners_of_pick in learnt.corners.items()}
         self._known = {pick: np.array(x) for pick, x in learnt.ends.items()}
 
     def learn_from(self, learnt: Learnt) -> None:
@@ -153,21 +153,21 @@ class Search:
 
     def _keep(self, pick: Combination, corner: Corner) -> None:
         """Keep a corner, and only those that say more than others."""
-        own = self._corners.setdefault(pick, [])
-        if not any(each[0] >= corner[0] and each[1] >= corner[1] for each in own):
-            own[:] = [each for each in own if each[0] > corner[0] or each[1] > corner[1]]
-            own.append(corner)
+        corners = self._corners.setdefault(pick, [])
+        if not any(item[0] >= corner[0] and item[1] >= corner[1] for item in corners):
+            corners[:] = [item for item in corners if item[0] > corner[0] or item[1] > corner[1]]
+            corners.append(corner)
 
     def exchange(self, shapes: tuple[str | None, ...], *, small: bool = False) -> Exchange:
         """The exchange for a combination of shapes, the latest used last to go; the `small` ones are for bounds."""
-        kept = self._small if small else self._large
-        found = kept.pop(shapes, None)
-        if found is None:
-            found = Exchange(self.context, design_space(self.problem, shapes))
-            if len(kept) >= (_KEPT_SMALL if small else _KEPT):
-                kept.pop(next(iter(kept)))
-        kept[shapes] = found
-        return found
+        cache = self._small if small else self._large
+        exchange = cache.pop(shapes, None)
+        if exchange is None:
+            exchange = Exchange(self.context, design_space(self.problem, shapes))
+            if len(cache) >= (_KEPT_SMALL if small else _KEPT):
+                cache.pop(next(iter(cache)))
+        cache[shapes] = exchange
+        return exchange
 
     def few_poses(self, pool: Pool) -> Pool:
         """A pool with at least one pose of every kind that ever held a design, so that what is compiled can stay."""
@@ -197,9 +197,9 @@ class Search:
         self._told(text)
 
 
-def _others(met: tuple[AnyCut, ...], own: tuple[AnyCut, ...]) -> tuple[AnyCut, ...]:
+def _others(met: tuple[AnyCut, ...], cuts: tuple[AnyCut, ...]) -> tuple[AnyCut, ...]:
     """A cut of each group (load case) that has none of its own."""
-    covered = {cut.group for cut in own}
+    covered = {cut.group for cut in cuts}
     return tuple({cut.group: cut for cut in met if cut.group not in covered}.values())
 
 
@@ -231,8 +231,8 @@ class _Trial:
                 exchange, _ = self._exchange(pick, small=True)
                 self.pool = first_pool(exchange.context, exchange.space, search.starts(pick)[0], pick.materials)
                 search.keep_first(self.pool)
-            found = self._bound(pick, self.pool)
-            if found is not None and self.finish(pick, found[1]) and self.design is not None:
+            bound = self._bound(pick, self.pool)
+            if bound is not None and self.finish(pick, bound[1]) and self.design is not None:
                 return
 
     def _bound(self, pick: Combination, pool: Pool) -> tuple[float, Array] | None:
@@ -242,11 +242,11 @@ class _Trial:
         exchange, materials = self._exchange(pick, small=True)
         failed = False
         for start in search.starts(pick):
-            found = exchange.bound(materials, pool, start, push=self._push)
-            if found is not None:
-                search.learn(self._push, pick, self._held, found[1])
-                search.remember(pick, found[0].x)
-                return found[1], found[0].x
+            bound = exchange.bound(materials, pool, start, push=self._push)
+            if bound is not None:
+                search.learn(self._push, pick, self._held, bound[1])
+                search.remember(pick, bound[0].x)
+                return bound[1], bound[0].x
             failed = failed or not exchange.infeasible
         if failed:
             self.unsolved.add(pick)
@@ -287,10 +287,10 @@ class _Trial:
 
     def _elasticity(self, done: Exchanged) -> float | None:
         """From the multiplier of the limit that is held: d log(badness of y) / d log(badness of x), not above zero."""
-        asked = self._search.asked
-        held = asked.x_limit if self._push == asked.y_limit else asked.y_limit
+        question = self._search.asked
+        held = question.x_limit if self._push == question.y_limit else question.y_limit
         multiplier = abs(done.solution.limit_prices[held])
-        if self._push == asked.y_limit:
+        if self._push == question.y_limit:
             return -multiplier
         return -1.0 / multiplier if multiplier > 1e-9 else None
 

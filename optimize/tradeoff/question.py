@@ -9,10 +9,11 @@ from collections.abc import Mapping
 from dataclasses import asdict, dataclass, replace
 from typing import Any, Literal
 
+from linkwright.core.arm.figures import Figure, Limit
 from linkwright.core.arm.files.write import arm_to_yaml
 from linkwright.core.materials.material import Material
-from linkwright.core.optimize.limits import Figure, Limit
 from linkwright.core.optimize.problem import Problem
+from linkwright.core.optimize.problem_summary import choices_in_words
 from linkwright.core.optimize.sizes.listed import Listed
 from linkwright.core.units.names import meant, nearest
 from linkwright.core.units.quantities import InputError, format_quantity
@@ -22,6 +23,7 @@ Reach = Literal["long", "short"]
 
 _LOOSE = 1e9
 """A limit at this value (or its reciprocal, where more is better) holds nothing back."""
+_LISTED = frozenset({"poses", "weights"})
 _BOUNDS = 2
 """Which way combinations are excluded at a point: what was solved in another one is another question's."""
 
@@ -130,7 +132,7 @@ class Question:
         """The problem whose links are all of a shape, sections from lists among them."""
         sizes = self.problem.sizes
         if sizes is not None:
-            sizes = tuple(tuple(each for each in own if each.section.shape == shape) for own in sizes)
+            sizes = tuple(tuple(item for item in link_sizes if item.section.shape == shape) for link_sizes in sizes)
         return replace(self.problem, shapes=(shape,), sizes=sizes)
 
     def unlimited(self, group: Problem) -> Problem:
@@ -150,7 +152,7 @@ def question(problem: Problem, x: str, y: str, *, by: By | None = None, reach: R
     caps: list[float | None] = []
     rest = problem.limits
     for axis in axes:
-        if axis.name == "reach" and problem.link_length is None:
+        if axis.name == "reach" and not problem.free_lengths:
             raise InputError(problem.file, "subject_to", "gives no link_length, so that the reach cannot change")
         same = [
             limit
@@ -187,13 +189,19 @@ def _check(problem: Problem, x: str, y: str, known: Mapping[str, Axis], by: By |
         _check_listed(problem, (x, y))
     for option, name in (("--x", x), ("--y", y)):
         if name not in known:
-            figures = {each: axis.figure for each, axis in known.items()}
+            figures = {key: axis.figure for key, axis in known.items()}
             hint = nearest(name, figures) if meant(name, figures) else f"; take one of {', '.join(known)}"
             raise InputError("", option, f"there is no figure '{name}'{hint}")
+    shared = next((limit for name in (x, y) for limit in problem.limit(name) if limit.demands is not None), None)
+    if shared is not None:
+        would_do = "give it one value in subject_to"
+        raise InputError(problem.file, f"subject_to.{shared.name}", f"asks different things of links; {would_do}")
     if x == y:
         raise InputError("", "--y", f"is the same as --x ({x}); name two figures")
     if {x, y} == {"mass", "total_mass"}:
         raise InputError("", "--y", "total_mass is mass and a constant, so there is nothing to trade between them")
+    if by is not None and problem.lists is not None:
+        raise InputError(problem.file, "choose", f"says what each link may be; --by {by} needs one list for all links")
     if by == "material" and problem.materials is None:
         raise InputError(problem.file, "choose", "names no materials for --by material, e.g. {material: [...]}")
     if by == "shape" and problem.shapes is None:
@@ -202,31 +210,35 @@ def _check(problem: Problem, x: str, y: str, known: Mapping[str, Axis], by: By |
 
 def _check_listed(problem: Problem, names: tuple[str, str]) -> None:
     """What does not go with sections from a list."""
-    if problem.link_length is not None:
+    if problem.free_lengths:
         message = "goes with a trade-off where lengths stay; leave link_length out, or sizes"
         raise InputError(problem.file, "choose.sizes", message)
-    minimised = [name for name, each in problem.figures.items() if each.minimised]
-    other = next((name for name in names if name in problem.figures and name not in minimised), None)
+    summed = [name for name, figure in problem.figures.items() if figure.summed]
+    other = next((name for name in names if name in problem.figures and name not in summed), None)
     if other is not None:
-        message = f"goes with trade-offs between {', '.join(minimised)}, not with {other}"
+        message = f"goes with trade-offs between {', '.join(summed)}, not with {other}"
         raise InputError(problem.file, "choose.sizes", message)
 
 
 def digest(asked: Question, accuracy: float) -> str:
     """SHA-256 over all that a front depends on: the arm, the problem, the materials' figures, and what is asked."""
     problem = asked.given
-    own = {link.material.name: link.material for link in problem.arm.links if link.material is not None}
+    materials = {link.material.name: link.material for link in problem.arm.links if link.material is not None}
     chosen = {material.name: material for material in problem.materials or ()}
     content: dict[str, Any] = {
         "arm": arm_to_yaml(problem.arm),
-        "workspace": asdict(problem.workspace),
+        "workspace": {name: item for name, item in asdict(problem.workspace).items() if name not in _LISTED or item},
         "load_cases": [asdict(case) for case in problem.load_cases],
         "limits": [[limit.text, limit.poses] for limit in asked.problem.limits],
-        "ranges": [problem.link_length, problem.section_size, problem.thickness],
-        **({} if problem.taper is None else {"taper": problem.taper}),
-        **({} if problem.sizes is None else {"sizes": [[_listed(each) for each in own] for own in problem.sizes]}),
+        **_ranges(problem),
+        **(
+            {}
+            if problem.sizes is None
+            else {"sizes": [[_listed(item) for item in link_sizes] for link_sizes in problem.sizes]}
+        ),
         "shapes": problem.shapes,
-        "materials": [_figures(m, problem.arm.temperature) for m in (*own.values(), *chosen.values())],
+        **({} if problem.lists is None else {"by_link": choices_in_words(problem)}),
+        "materials": [_figures(m, problem.arm.temperature) for m in (*materials.values(), *chosen.values())],
         "chosen": list(chosen),
         "same": sorted(problem.same),
         "axes": [[axis.name, axis.more_is_better] for axis in (asked.x, asked.y)],
@@ -238,8 +250,19 @@ def digest(asked: Question, accuracy: float) -> str:
     return hashlib.sha256(json.dumps(content, sort_keys=True).encode()).hexdigest()
 
 
-def _listed(each: Listed) -> list[Any]:
-    return [each.section.shape, dict(each.section.given()), None if each.stock is None else each.stock.name]
+def _ranges(problem: Problem) -> dict[str, Any]:
+    """The ranges of all links, or of each where they differ."""
+    kinds = dict.fromkeys(
+        link_ranges for link_ranges, link in zip(problem.ranges, problem.arm.links, strict=True) if link.section
+    )
+    if len(kinds) > 1:
+        return {"ranges": [link_ranges.spans for link_ranges in problem.ranges]}
+    kind = next(iter(kinds))
+    return {"ranges": [kind.link_length, *kind.sizes], **({} if kind.taper is None else {"taper": kind.taper})}
+
+
+def _listed(listed: Listed) -> list[Any]:
+    return [listed.section.shape, dict(listed.section.given()), None if listed.stock is None else listed.stock.name]
 
 
 def _figures(material: Material, temperature: float) -> dict[str, Any]:

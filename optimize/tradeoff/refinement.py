@@ -68,8 +68,8 @@ class Stretch(Generic[AnyNode]):
 
 @dataclass(frozen=True)
 class _Open(Generic[AnyNode]):
-    """A stretch to be looked at; of designs from lists there is nothing better than the left one up to the badness of x
-    `low`, and with `last` the one just below the right one is asked for."""
+    """A stretch to be refined. Of designs from lists none beats the left one up to the badness of x `low`; with `last`,
+    the design just below the right one is requested."""
 
     left: AnyNode
     right: AnyNode
@@ -98,10 +98,10 @@ def refine(
         off = abs(math.log(axes[1].badness(left.y) / axes[1].badness(right.y)))
         work.look_at(left, right, off, max(left.level, axes[0].badness(left.x)))
     while work.pending and len(work.found) < most:
-        asked = work.next(min(together, most - len(work.found)))
-        answers = solve([stretch for stretch, _ in asked]) if asked else ()
-        for (stretch, each), middle in zip(asked, answers, strict=True):
-            work.answered(stretch.level, each, middle)
+        requests = work.next(min(together, most - len(work.found)))
+        answers = solve([stretch for stretch, _ in requests]) if requests else ()
+        for (stretch, item), middle in zip(requests, answers, strict=True):
+            work.answered(stretch.level, item, middle)
     nodes = sorted(work.found, key=lambda node: node.level)
     return Refined(tuple(nodes), work.worst, tuple(work.steps), tuple(work.failed), complete=not work.pending)
 
@@ -132,22 +132,22 @@ class _Refinement(Generic[AnyNode]):
 
     def next(self, most: int) -> list[tuple[Stretch[AnyNode], _Open[AnyNode]]]:
         """The stretches that are off by most, at most so many; those that are as narrow as can be are steps."""
-        asked: list[tuple[Stretch[AnyNode], _Open[AnyNode]]] = []
-        while self.pending and len(asked) < most:
-            urgency, _, each = heapq.heappop(self.pending)
-            level = self._level_in(each)
+        requests: list[tuple[Stretch[AnyNode], _Open[AnyNode]]] = []
+        while self.pending and len(requests) < most:
+            urgency, _, stretch = heapq.heappop(self.pending)
+            level = self._level_in(stretch)
             if level is not None:
-                asked.append((Stretch(each.left, each.right, level, -urgency), each))
-            elif self.listed or abs(each.left.y / each.right.y - 1.0) > self.accuracy:
-                self.steps.append((each.left, each.right))
-        return asked
+                requests.append((Stretch(stretch.left, stretch.right, level, -urgency), stretch))
+            elif self.listed or abs(stretch.left.y / stretch.right.y - 1.0) > self.accuracy:
+                self.steps.append((stretch.left, stretch.right))
+        return requests
 
-    def _level_in(self, each: _Open[AnyNode]) -> float | None:
+    def _level_in(self, stretch: _Open[AnyNode]) -> float | None:
         if not self.listed:
-            wide = math.log(each.right.level / each.left.level) >= NARROWEST
-            return math.sqrt(each.left.level * each.right.level) if wide else None
-        below = self._x(each.right) * (1.0 - _BELOW)
-        return None if below <= each.low else below if each.last else math.sqrt(each.low * below)
+            wide = math.log(stretch.right.level / stretch.left.level) >= NARROWEST
+            return math.sqrt(stretch.left.level * stretch.right.level) if wide else None
+        below = self._x(stretch.right) * (1.0 - _BELOW)
+        return None if below <= stretch.low else below if stretch.last else math.sqrt(stretch.low * below)
 
     def answered(self, level: float, each: _Open[AnyNode], middle: AnyNode | None) -> None:
         """Take up the point found within a stretch."""
@@ -179,18 +179,18 @@ def straight(axis: Axis, left: Node, right: Node, level: float) -> float:
 def undominated(axes: tuple[Axis, Axis], nodes: Sequence[AnyNode]) -> list[AnyNode]:
     """The points than which no other is at least as good in both figures, from the least badness of x on."""
     ranked = sorted(nodes, key=lambda node: (axes[0].badness(node.x), axes[1].badness(node.y)))
-    kept: list[AnyNode] = []
+    front: list[AnyNode] = []
     for node in ranked:
-        if not kept or axes[1].badness(node.y) < axes[1].badness(kept[-1].y):
-            kept.append(node)
-    return kept
+        if not front or axes[1].badness(node.y) < axes[1].badness(front[-1].y):
+            front.append(node)
+    return front
 
 
 def envelope(axes: tuple[Axis, Axis], fronts: Sequence[Sequence[AnyNode]]) -> list[AnyNode]:
     """The points of several fronts that lie on the best of them: above none of the others' straight lines."""
     kept: list[AnyNode] = []
-    for own, nodes in enumerate(fronts):
-        others = [front for number, front in enumerate(fronts) if number != own and front]
+    for index, nodes in enumerate(fronts):
+        others = [front for number, front in enumerate(fronts) if number != index and front]
         kept += [
             node
             for node in nodes

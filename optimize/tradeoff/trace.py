@@ -152,30 +152,30 @@ class Tracer:
 
     def trace(self) -> bool:
         """Find the ends and refine between them; False where there is no design at all."""
-        asked = self.asked
-        least = self.solve(asked.x_limit, asked.cap(asked.y_limit), [])
+        question = self.asked
+        least = self.solve(question.x_limit, question.cap(question.y_limit), [])
         if least is None:
             return False
-        left = self.solve(asked.y_limit, least.level * (1.0 + _HAIR), [least]) or least
+        left = self.solve(question.y_limit, least.level * (1.0 + _HAIR), [least]) or least
         self.nodes.append(left)
-        most = asked.cap(asked.x_limit)
-        right = self.solve(asked.y_limit, most, [left], wide=True)
+        most = question.cap(question.x_limit)
+        right = self.solve(question.y_limit, most, [left], wide=True)
         if right is None:
             # The first end's design keeps the limits, so that there must be one here.
             failed = (most,) if math.isfinite(most) else ()
             self.refined = Refined(tuple(self.nodes), 0.0, (), failed, complete=False)
             return True
-        self.capped = asked.x.badness(right.x) > most * (1.0 - 1e-4)
+        self.capped = question.x.badness(right.x) > most * (1.0 - 1e-4)
         if self._listed:
             # The least x of designs as good in y is sought at every point; a limit on x falls between two designs.
             self.capped = math.isfinite(most)
         elif not self.capped:
-            best = asked.y.badness(right.y) * (1.0 + _AT_BEST_Y)
-            right = self.solve(asked.x_limit, best, [right]) or right
-            right = replace(right, level=asked.x.badness(right.x))
+            best = question.y.badness(right.y) * (1.0 + _AT_BEST_Y)
+            right = self.solve(question.x_limit, best, [right]) or right
+            right = replace(right, level=question.x.badness(right.x))
         if right.level <= left.level * (1.0 + 1e-6):
             # The ends are one in x: where they are two in y, the better one is best in both.
-            self.nodes = [min((left, right), key=lambda node: asked.y.badness(node.y))]
+            self.nodes = [min((left, right), key=lambda node: question.y.badness(node.y))]
             return True
         missed = self._spread(left, right)
         pairs = list(itertools.pairwise(self.nodes))
@@ -211,25 +211,25 @@ class Tracer:
         return missed
 
     def _between(self, stretches: Sequence[Stretch[Node]]) -> list[Node | None]:
-        self._error = max(each.expected for each in stretches)
+        self._error = max(stretch.expected for stretch in stretches)
         if self._crew is not None:
             self._ahead(self._crew, stretches)
-        found: list[Node | None] = []
-        for each in stretches:
-            node = self.solve(self.asked.y_limit, each.level, [each.left, each.right])
+        nodes: list[Node | None] = []
+        for item in stretches:
+            node = self.solve(self.asked.y_limit, item.level, [item.left, item.right])
             if node is not None:
                 self.nodes.append(node)
-            found.append(node)
-        return found
+            nodes.append(node)
+        return nodes
 
     def _ahead(self, crew: Crew, stretches: Sequence[Stretch[Node]]) -> None:
         """Have points solved together and put into the book; an interrupt leaves those that are done among the
         nodes."""
         push = self.asked.y_limit
-        fresh = [each for each in stretches if not self._book.has(self._key(push, each.level))]
+        fresh = [stretch for stretch in stretches if not self._book.has(self._key(push, stretch.level))]
         if len(fresh) < 2:
             return
-        wanted = [Wanted(push, each.level, (each.left.design, each.right.design)) for each in fresh]
+        wanted = [Wanted(push, item.level, (item.left.design, item.right.design)) for item in fresh]
         done: list[Stretch[Node]] = []
 
         def keep(number: int, record: Record | None) -> None:
@@ -241,7 +241,7 @@ class Tracer:
         try:
             crew.solve(self.name, self.search, wanted, lambda: self._say("solving"), keep)
         except KeyboardInterrupt:
-            self.nodes += [node for each in done if (node := self._noted(push, each.level)) is not None]
+            self.nodes += [node for item in done if (node := self._noted(push, item.level)) is not None]
             raise
 
     def at(self, level: float) -> Node | None:

@@ -77,23 +77,23 @@ def trade_off(
         except KeyboardInterrupt:
             best, interrupted = _unrefined(asked, tracers), True
     seconds, solved = time.perf_counter() - began, book.size - known
-    found = _result(asked, accuracy, tracers, best, tuple(without), seconds, solved)
-    found = replace(found, start=None if start is None else start.why)
+    tradeoff = _result(asked, accuracy, tracers, best, tuple(without), seconds, solved)
+    tradeoff = replace(tradeoff, start=None if start is None else start.why)
     if not interrupted:
-        return found
-    fronts = tuple(replace(each, complete=False) for each in found.fronts)
-    return replace(found, fronts=fronts, envelope=replace(found.envelope, complete=False), interrupted=True)
+        return tradeoff
+    fronts = tuple(replace(front, complete=False) for front in tradeoff.fronts)
+    return replace(tradeoff, fronts=fronts, envelope=replace(tradeoff.envelope, complete=False), interrupted=True)
 
 
 def _traced(
-    asked: Question, tracer_of: Callable[[str, Problem], Tracer]
+    question: Question, tracer_of: Callable[[str, Problem], Tracer]
 ) -> tuple[list[Tracer], list[tuple[str, str]], bool]:
     """The fronts of all groups, those that have none with the reason, and whether an interrupt ended the work; raises
     where there is none at all."""
     tracers: list[Tracer] = []
     without: list[tuple[str, str]] = []
     blocked: list[Infeasibility] = []
-    for name, problem in asked.groups():
+    for name, problem in question.groups():
         tracer = tracer_of(name, problem)
         try:
             if tracer.trace():
@@ -101,7 +101,7 @@ def _traced(
             else:
                 without.append((name, "no combination of the sizes listed keeps all limits"))
                 if problem.sizes is None:
-                    blocked.append(explained(context_of(asked.unlimited(problem))))
+                    blocked.append(explained(context_of(question.unlimited(problem))))
                     without[-1] = name, blocked[-1].text
         except Unreachable as error:
             without.append((name, f"workspace: {error}"))
@@ -118,31 +118,31 @@ def _traced(
     return tracers, without, False
 
 
-def _unrefined(asked: Question, tracers: Sequence[Tracer]) -> Refined[Node]:
+def _unrefined(question: Question, tracers: Sequence[Tracer]) -> Refined[Node]:
     """The best of all fronts as far as they came."""
-    axes = (asked.x, asked.y)
-    nodes = _best_of(asked, [undominated(axes, tracer.nodes) for tracer in tracers])
+    axes = (question.x, question.y)
+    nodes = _best_of(question, [undominated(axes, tracer.nodes) for tracer in tracers])
     return Refined(tuple(nodes), 0.0, (), (), complete=False)
 
 
-def _best_of(asked: Question, fronts: Sequence[Sequence[Node]]) -> list[Node]:
+def _best_of(question: Question, fronts: Sequence[Sequence[Node]]) -> list[Node]:
     """The points on the best of several fronts; between designs from lists there are none."""
-    axes = (asked.x, asked.y)
-    if asked.given.sizes is not None:
+    axes = (question.x, question.y)
+    if question.given.sizes is not None:
         return undominated(axes, [node for front in fronts for node in front])
     return envelope(axes, fronts)
 
 
-def _envelope(asked: Question, tracers: Sequence[Tracer], accuracy: float) -> Refined[Node]:
+def _envelope(question: Question, tracers: Sequence[Tracer], accuracy: float) -> Refined[Node]:
     """The best of all fronts: where one takes over from another, both are solved between the points until the straight
     line is right there too."""
-    axes = (asked.x, asked.y)
+    axes = (question.x, question.y)
     named = {tracer.name: tracer for tracer in tracers}
-    nodes = _best_of(asked, [undominated(axes, tracer.nodes) for tracer in tracers])
+    nodes = _best_of(question, [undominated(axes, tracer.nodes) for tracer in tracers])
     changes = [(a, b) for a, b in itertools.pairwise(nodes) if a.group != b.group]
 
     def better(stretches: Sequence[Stretch[Node]]) -> list[Node | None]:
-        return [best(each) for each in stretches]
+        return [best(stretch) for stretch in stretches]
 
     def best(stretch: Stretch[Node]) -> Node | None:
         names = dict.fromkeys((stretch.left.group, stretch.right.group))
@@ -150,11 +150,11 @@ def _envelope(asked: Question, tracers: Sequence[Tracer], accuracy: float) -> Re
         return min(found, key=lambda node: axes[1].badness(node.y), default=None)
 
     most = len(nodes) + 40 * max(len(changes), 1)
-    return refine(axes, nodes, changes, better, accuracy, most=most, listed=asked.given.sizes is not None)
+    return refine(axes, nodes, changes, better, accuracy, most=most, listed=question.given.sizes is not None)
 
 
 def _result(
-    asked: Question,
+    question: Question,
     accuracy: float,
     tracers: Sequence[Tracer],
     best: Refined[Node] | None,
@@ -162,30 +162,30 @@ def _result(
     seconds: float,
     solved: int,
 ) -> Tradeoff:
-    axes = (asked.x, asked.y)
+    axes = (question.x, question.y)
     kept = {tracer.name: undominated(axes, tracer.nodes) for tracer in tracers}
     numbered = [node for nodes in kept.values() for node in nodes]
     number = {id(node): k for k, node in enumerate(numbered, start=1)}
     logs = (logarithmic([node.x for node in numbered]), logarithmic([node.y for node in numbered]))
     named = {tracer.name: tracer for tracer in tracers}
-    points = tuple(_point(asked, named[node.group], node, k) for k, node in enumerate(numbered, start=1))
+    points = tuple(_point(question, named[node.group], node, k) for k, node in enumerate(numbered, start=1))
 
     def front(name: str, nodes: Sequence[Node], refined: Refined[Node] | None, last: Tracer) -> Front:
-        of = [each for each in tracers if name in (each.name, "envelope")]
-        return _front(asked, name, nodes, [number[id(node)] for node in nodes], refined, logs, last.capped, of)
+        of = [tracer for tracer in tracers if name in (tracer.name, "envelope")]
+        return _front(question, name, nodes, [number[id(node)] for node in nodes], refined, logs, last.capped, of)
 
-    fronts = tuple(front(each.name, kept[each.name], each.refined, each) for each in tracers)
+    fronts = tuple(front(tracer.name, kept[tracer.name], tracer.refined, tracer) for tracer in tracers)
     whole = fronts[0]
     if best is not None:
-        nodes = _best_of(asked, list(kept.values()))
-        both = _together(best, [each.refined for each in tracers if each.refined is not None])
+        nodes = _best_of(question, list(kept.values()))
+        both = _together(best, [tracer.refined for tracer in tracers if tracer.refined is not None])
         whole = front("envelope", nodes, both, named[nodes[-1].group])
     resumed = sum(tracer.resumed for tracer in tracers)
-    return Tradeoff(asked, accuracy, points, fronts, whole, without, logs, seconds, solved, resumed)
+    return Tradeoff(question, accuracy, points, fronts, whole, without, logs, seconds, solved, resumed)
 
 
 def _front(
-    asked: Question,
+    question: Question,
     name: str,
     nodes: Sequence[Node],
     numbers: Sequence[int],
@@ -195,21 +195,21 @@ def _front(
     tracers: Sequence[Tracer],
 ) -> Front:
     """A front of numbered points, of one group or of several."""
-    at = knee((asked.x, asked.y), [node.x for node in nodes], [node.y for node in nodes], logs)
+    at = knee((question.x, question.y), [node.x for node in nodes], [node.y for node in nodes], logs)
     done = refined or Refined((), 0.0, (), (), complete=True)
     return Front(
         name=name,
         points=tuple(numbers),
         knee=None if at is None else numbers[at],
         error=done.error,
-        steps=_steps(asked, nodes, numbers, done),
+        steps=_steps(question, nodes, numbers, done),
         # Between two designs from lists there are none, so that every stretch would be idle.
-        idle=_idle(asked, done.nodes if asked.given.sizes is None else []),
-        failed=tuple(asked.x.badness(level) for level in done.failed),
+        idle=_idle(question, done.nodes if question.given.sizes is None else []),
+        failed=tuple(question.x.badness(level) for level in done.failed),
         capped=capped,
         complete=done.complete,
-        exhaustive=all(each.exhaustive for each in tracers),
-        undecided=sum(each.undecided for each in tracers),
+        exhaustive=all(tracer.exhaustive for tracer in tracers),
+        undecided=sum(tracer.undecided for tracer in tracers),
     )
 
 
@@ -217,44 +217,44 @@ def _together(best: Refined[Node], parts: Sequence[Refined[Node]]) -> Refined[No
     """The envelope with what was let stand on each front."""
     return replace(
         best,
-        error=max([best.error, *(each.error for each in parts)]),
-        steps=(*best.steps, *(step for each in parts for step in each.steps)),
-        failed=(*best.failed, *(level for each in parts for level in each.failed)),
-        complete=best.complete and all(each.complete for each in parts),
+        error=max([best.error, *(part.error for part in parts)]),
+        steps=(*best.steps, *(step for part in parts for step in part.steps)),
+        failed=(*best.failed, *(level for part in parts for level in part.failed)),
+        complete=best.complete and all(part.complete for part in parts),
     )
 
 
 def _steps(
-    asked: Question, nodes: Sequence[Node], numbers: Sequence[int], refined: Refined[Node]
+    question: Question, nodes: Sequence[Node], numbers: Sequence[int], refined: Refined[Node]
 ) -> tuple[tuple[int, int], ...]:
     """The neighbours on the front between which a stretch stayed a step."""
-    found: list[tuple[int, int]] = []
+    steps: list[tuple[int, int]] = []
     for _, right in refined.steps:
         for k in range(1, len(nodes)):
-            here, before = (asked.x.badness(nodes[each].x) for each in (k, k - 1))
+            here, before = (question.x.badness(nodes[item].x) for item in (k, k - 1))
             if before < right.level * (1.0 - 1e-9) <= here * (1.0 + 1e-4) and nodes[k].y != nodes[k - 1].y:
-                found.append((numbers[k - 1], numbers[k]))
+                steps.append((numbers[k - 1], numbers[k]))
                 break
-    return tuple(dict.fromkeys(found))
+    return tuple(dict.fromkeys(steps))
 
 
-def _idle(asked: Question, nodes: Sequence[Node]) -> tuple[tuple[float, float], ...]:
+def _idle(question: Question, nodes: Sequence[Node]) -> tuple[tuple[float, float], ...]:
     """Where more x is allowed and the best design makes no use of it."""
     spans: dict[float, float] = {}
     for node in nodes:
-        used = asked.x.badness(node.x)
+        used = question.x.badness(node.x)
         if node.level > used * (1.0 + _USED):
             at = next((start for start in spans if abs(start / used - 1.0) < _USED), used)
             spans[at] = max(spans.get(at, 0.0), node.level)
-    return tuple((asked.x.badness(start), asked.x.badness(end)) for start, end in sorted(spans.items()))
+    return tuple((question.x.badness(start), question.x.badness(end)) for start, end in sorted(spans.items()))
 
 
-def _point(asked: Question, tracer: Tracer, node: Node, number: int) -> Point:
+def _point(question: Question, tracer: Tracer, node: Node, number: int) -> Point:
     design = node.design
     slope = None
     if design.elasticity is not None:
         # Of badness to badness; a figure of which more is better falls where its badness grows.
-        sign = -1.0 if asked.x.more_is_better != asked.y.more_is_better else 1.0
+        sign = -1.0 if question.x.more_is_better != question.y.more_is_better else 1.0
         slope = sign * design.elasticity * node.y / node.x
     pick = design.combination
     return Point(

@@ -89,6 +89,7 @@ def test_the_panda_stretched_out_as_in_its_data_sheet(tmp_path: Path) -> None:
     [
         (("mass: 1 kg}", "mass: 1 kg, length: 100 mm}"), "given by dh already"),
         (("convention: modified", "convention: craig"), "convention"),
+        (("type: revolute", "type: revolute, axis: z"), "is z by dh already"),
         (("link: {rigid", "origin: {xyz: [0 mm, 0 mm, 1 mm]}, link: {rigid"), "given by dh already"),
     ],
 )

@@ -9,8 +9,8 @@ import pytest
 
 from linkwright.core.arm.chain.chain import Arm, Joint, Link, LoadCase
 from linkwright.core.arm.errors.model import beam_values, beams_of, error_model
+from linkwright.core.arm.figures.frequency import Slowness, least_frequency
 from linkwright.core.arm.limits.modes import first_frequencies
-from linkwright.core.arm.limits.slowest_pose import Slowness, least_frequency
 from linkwright.core.arm.worst.search import WorstSearch
 from linkwright.core.arm.worst.workspace import Workspace
 from linkwright.core.materials.catalogue import load_catalogue
@@ -66,9 +66,9 @@ def test_gradient_with_the_mode_held_is_that_of_the_eigenvalue(slide: bool) -> N
 def test_estimates_are_lower_bounds_and_near(slide: bool) -> None:
     arm = tangled(slide)
     q = np.random.default_rng(4).uniform(-1.0, 1.0, (40, 4))
-    exact, found = eigenvalues(arm, q), Slowness(arm, beams_of(arm), (3.0,)).estimates(q)
-    assert np.all(found <= exact * (1.0 + 1e-9))
-    assert found == pytest.approx(exact, rel=1e-2)
+    exact, result = eigenvalues(arm, q), Slowness(arm, beams_of(arm), (3.0,)).estimates(q)
+    assert np.all(result <= exact * (1.0 + 1e-9))
+    assert result == pytest.approx(exact, rel=1e-2)
 
 
 @pytest.mark.parametrize("slide", [False, True])
@@ -76,14 +76,14 @@ def test_no_pose_of_a_scan_is_slower(slide: bool) -> None:
     arm = tangled(slide)
     cases = (LoadCase(mass=3.0), LoadCase(mass=0.5))
     search, p = WorstSearch(error_model(arm, cases), Workspace()), beam_values(beams_of(arm, cases))
-    found = least_frequency(arm, search, beams_of(arm), p, cases)
-    assert found is not None
-    assert found.load_case == 0
-    assert np.all((np.array(found.q) >= search.lower) & (np.array(found.q) <= search.upper))
-    assert first_frequencies(arm, beams_of(arm), 3.0, np.array([found.q]))[0] == pytest.approx(found.value, rel=1e-12)
+    result = least_frequency(arm, search, beams_of(arm), p, cases)
+    assert result is not None
+    assert result.load_case == 0
+    assert np.all((np.array(result.q) >= search.lower) & (np.array(result.q) <= search.upper))
+    assert first_frequencies(arm, beams_of(arm), 3.0, np.array([result.q]))[0] == pytest.approx(result.value, rel=1e-12)
     q = np.random.default_rng(5).uniform(search.lower, search.upper, (800, 4))
-    q = np.vstack([q, np.clip(found.q + 0.05 * (q[:300] - q[300:600]), search.lower, search.upper)])
-    assert first_frequencies(arm, beams_of(arm), 3.0, q).min() >= found.value * (1.0 - 1e-9)
+    q = np.vstack([q, np.clip(result.q + 0.05 * (q[:300] - q[300:600]), search.lower, search.upper)])
+    assert first_frequencies(arm, beams_of(arm), 3.0, q).min() >= result.value * (1.0 - 1e-9)
 
 
 def test_a_planar_arm_is_slowest_stretched_out() -> None:
@@ -91,8 +91,8 @@ def test_a_planar_arm_is_slowest_stretched_out() -> None:
     joints = (Joint(stiffness=1e4, mass=2.0), Joint(stiffness=1e4, mass=2.0))
     arm = Arm("two", joints, tuple(Link(0.5, mass=3.0, section=TUBE, material=STEEL) for _ in range(2)))
     search, p = WorstSearch(error_model(arm), Workspace()), beam_values(beams_of(arm))
-    found = least_frequency(arm, search, beams_of(arm), p, (arm.payload,))
-    assert found is not None
+    result = least_frequency(arm, search, beams_of(arm), p, (arm.payload,))
+    assert result is not None
     straight = first_frequencies(arm, beams_of(arm), 0.0, np.zeros((1, 2)))[0]
-    assert found.value == pytest.approx(straight, rel=1e-9)
-    assert math.remainder(found.q[1], 2.0 * math.pi) == pytest.approx(0.0, abs=1e-5)
+    assert result.value == pytest.approx(straight, rel=1e-9)
+    assert math.remainder(result.q[1], 2.0 * math.pi) == pytest.approx(0.0, abs=1e-5)

@@ -9,13 +9,16 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from linkwright.core.arm.chain.arrays import jacobian
 from linkwright.core.arm.chain.balance import IdealCounterbalance, PointMass, SpringCounterbalance
 from linkwright.core.arm.chain.beam import Beam
 from linkwright.core.arm.chain.chain import Arm, Joint, Link, LoadCase
 from linkwright.core.arm.chain.following import Following, Tie, turns
-from linkwright.core.arm.chain.kinematics import place
+from linkwright.core.arm.chain.kinematics import place, tip_position
 from linkwright.core.arm.chain.statics import solve
-from linkwright.core.arm.chain.vectors import from_roll_pitch_yaw
+from linkwright.core.arm.chain.vectors import IDENTITY, from_roll_pitch_yaw
+from linkwright.core.arm.effects.effect import drive_motion
+from linkwright.core.arm.errors.tip import carried_to_tip
 from linkwright.core.sections.numeric import Array
 
 PULL = np.array([1.0, -9.0, 3.0])
@@ -96,12 +99,49 @@ def test_a_drive_holds_what_its_coordinate_does_against_weights_and_forces(seed:
         assert state.joints[index].drive_load == pytest.approx(slope + balanced, rel=1e-6, abs=1e-5)
 
 
+def held_against_the_base(seed: int) -> tuple[Arm, list[Beam], Array]:
+    """The same with absolute angles: axes along z, slides and offsets between, a tool, a moment at the tip."""
+    arm, beams, q = drawn(seed)
+    joints = [
+        replace(
+            joint,
+            axis=(0.0, 0.0, 1.0) if joint.revolute else joint.axis,
+            origin_rotation=IDENTITY,
+            follows=None,
+            counterbalance=None,
+        )
+        for joint in arm.joints
+    ]
+    return replace(arm, joints=tuple(joints), angles="absolute"), beams, q
+
+
+@settings(max_examples=60, deadline=None)
+@given(seed=st.integers(0, 2**32 - 1))
+def test_drives_that_hold_their_links_against_the_base_turn_the_tool_and_what_rides_on_slides(seed: int) -> None:
+    """By the same work; a moment at the tip does work only where the tool turns. A drive's motion moves the tip as the
+    places say."""
+    arm, beams, q = held_against_the_base(seed)
+    moment = 7.0
+    arm = replace(arm, payload=replace(arm.payload, moment=(0.0, 0.0, moment)))
+    state, moved = solve(arm, q.tolist(), beams), jacobian(arm, q[None])[0]
+    turning = [index for index, joint in enumerate(arm.joints) if joint.revolute]
+    for index in range(arm.size):
+        step = STEP * np.eye(arm.size)[index]
+        slope = (work(arm, beams, q + step) - work(arm, beams, q - step)) / (2.0 * STEP)
+        own = moment if turning and index == turning[-1] else 0.0
+        assert state.joints[index].drive_load == pytest.approx(slope + own, rel=1e-6, abs=1e-5)
+        by_place = (tip_position(arm, q + step) - tip_position(arm, q - step))[0] / (2.0 * STEP)
+        assert moved[index] == pytest.approx(by_place, abs=1e-8)
+        twists = drive_motion(state, index, 1.0)
+        assert np.array(carried_to_tip(state, twists)) == pytest.approx(by_place, abs=1e-8)
+
+
 @settings(max_examples=20, deadline=None)
 @given(seed=st.integers(0, 2**32 - 1))
 def test_the_base_carries_all_weights_and_forces(seed: int) -> None:
     """The force at the first joint, whose own mass stands on the base."""
     arm, beams, q = drawn(seed)
-    arm = replace(arm, joints=tuple(replace(each, follows=None) for each in arm.joints))
+    arm = replace(arm, joints=tuple(replace(joint, follows=None) for joint in arm.joints))
     base = solve(arm, q.tolist(), beams).joints[0]
     hung = sum(mass.mass for link in arm.links for mass in link.masses)
     weight = sum(beam.mass for beam in beams) + hung + 2.0 * (arm.size - 1) + PAYLOAD

@@ -69,18 +69,18 @@ def scanned_error(arm: Arm, loads: Sequence[LoadCase], *, poses: int = 60_000, s
 def worst_at(arm: Arm, loads: Sequence[LoadCase], q: Array) -> float:
     """The worst error (m) over poses q (N, n) and load cases."""
     model, p = error_model(arm, loads), beam_values(beams_of(arm))
-    found = [
+    results = [
         played(case.arrays(q, p), case.radii, arm.play, planar=model.planar, statistics=arm.statistics).error.max()
         for case in model.cases
     ]
-    return float(max(found))
+    return float(max(results))
 
 
 def best_value(problem: Problem) -> float:
     """The least objective, in mm, kg or EUR."""
-    found = choose(context_of(problem))
-    assert found is not None
-    return found.objective * (1e3 if problem.minimize == "max_error" else 1.0)
+    result = choose(context_of(problem))
+    assert result is not None
+    return result.objective * (1e3 if problem.minimize == "max_error" else 1.0)
 
 
 def one_exchange(problem: Problem) -> tuple[Arm, Exchanged]:
@@ -100,9 +100,9 @@ def loosened(problem: Problem, limit: BindingLimit, step: float) -> Problem:
     """The problem with one limit moved by `step` of its units (mm, kg, EUR, Hz)."""
     by = step / (problem.figures[limit.name].factor if limit.name in problem.figures else 1e3)
     if limit.name in ("section_size", "thickness", "link_length"):
-        low, high = getattr(problem, limit.name)
+        low, high = problem.ranges[0].spans[limit.name]
         moved = (low, high + by) if "<=" in limit.text else (low + by, high)
-        return replace(problem, **{limit.name: moved})
+        return problem.with_ranges(**{limit.name: moved})
     return replace(
         problem,
         limits=tuple(replace(x, value=x.value + by) if x.text == limit.text else x for x in problem.limits),

@@ -13,11 +13,11 @@ import numpy as np
 import pytest
 
 from linkwright.core.arm.evaluation import Evaluation, evaluate
+from linkwright.core.arm.figures import excess
 from linkwright.core.arm.worst.workspace import Unreachable
 from linkwright.core.optimize.choice.picks import combinations
 from linkwright.core.optimize.exchange.design import design_space, material_row, starting_points
 from linkwright.core.optimize.exchange.exchange import Exchange, context_of, first_pool, objective_of
-from linkwright.core.optimize.limits import excess
 from linkwright.core.optimize.problem import Problem
 from linkwright.core.optimize.run import optimise
 from linkwright.core.optimize.trust import keeps_limits
@@ -54,24 +54,24 @@ def random_problem(folder: Path, seed: int, *, free: bool = False, most: int = 2
     return problem_of(folder, arm, text)
 
 
-def _limits(given: Evaluation, minimize: str, generator: np.random.Generator) -> list[str]:
+def _limits(evaluation: Evaluation, minimize: str, generator: np.random.Generator) -> list[str]:
     """What a design must keep, a share of what the arm as given has."""
-    assert given.cost is not None
-    assert given.frequency is not None
-    assert given.strength.least_safety_factor is not None
+    assert evaluation.cost is not None
+    assert evaluation.frequency is not None
+    assert evaluation.strength.least_safety_factor is not None
     shares = generator.uniform(0.7, 1.3, 5)
-    found: list[str] = []
+    limits: list[str] = []
     if minimize == "max_error":
-        found.append(f"mass: '<= {shares[0] * given.mass:.3f} kg'")
+        limits.append(f"mass: '<= {shares[0] * evaluation.mass:.3f} kg'")
     else:
-        found.append(f"max_error: '<= {1e3 * shares[0] * given.max_error:.4f} mm'")
+        limits.append(f"max_error: '<= {1e3 * shares[0] * evaluation.max_error:.4f} mm'")
     if minimize != "cost" and generator.random() < 0.6:
-        found.append(f"cost: '<= {1.5 * shares[1] * given.cost:.2f} EUR'")
+        limits.append(f"cost: '<= {1.5 * shares[1] * evaluation.cost:.2f} EUR'")
     if generator.random() < 0.5:
-        found.append(f"safety_factor: '>= {0.8 * shares[2] * given.strength.least_safety_factor:.3f}'")
+        limits.append(f"safety_factor: '>= {0.8 * shares[2] * evaluation.strength.least_safety_factor:.3f}'")
     if generator.random() < 0.5:
-        found.append(f"first_frequency: '>= {0.9 * shares[3] * given.frequency.value:.3f} Hz'")
-    return found
+        limits.append(f"first_frequency: '>= {0.9 * shares[3] * evaluation.frequency.value:.3f} Hz'")
+    return limits
 
 
 def held(problem: Problem) -> float | None:
@@ -123,7 +123,7 @@ def best_of_all(problem: Problem) -> float:
 
 def agreed(problem: Problem) -> bool:
     """Hold an answer against every combination on its own; whether there was one."""
-    found, best = held(problem), best_of_all(problem)
-    assert (found is None) == math.isinf(best)
-    assert found is None or found <= best * (1.0 + GAP) + 1e-9
-    return found is not None
+    result, best = held(problem), best_of_all(problem)
+    assert (result is None) == math.isinf(best)
+    assert result is None or result <= best * (1.0 + GAP) + 1e-9
+    return result is not None

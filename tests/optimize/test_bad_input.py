@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from linkwright.core.optimize.limits import FIGURES, RANGES_CALLED
+from linkwright.core.arm.figures import FIGURES, RANGES_CALLED
 from linkwright.core.optimize.reading.called import CHOICES_CALLED, PROBLEM_CALLED
 from linkwright.core.optimize.run import optimise
 from linkwright.core.sections.shapes import SHAPES
@@ -108,7 +108,7 @@ def test_no_word_means_two_things() -> None:
         CHOICES_CALLED,
     ]
     for called in places:
-        words = [word for each in called.values() for word in each]
+        words = [word for item in called.values() for word in item]
         assert len(words) == len(set(words))
         assert not set(words) & set(called)
 

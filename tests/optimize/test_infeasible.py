@@ -56,8 +56,8 @@ def sag(diameter: float) -> float:
 
 def test_each_limit_alone_is_what_the_formulas_say(tmp_path: Path) -> None:
     asked_mass, asked_error = 0.5, 0.1e-3
-    found = explain(tmp_path, f"minimize: mass\nsubject_to: {{mass: '<= 0.5 kg', max_error: '<= 0.1 mm', {SIZES}}}\n")
-    needed = {each.limit.name: each.needed for each in found.limits}
+    result = explain(tmp_path, f"minimize: mass\nsubject_to: {{mass: '<= 0.5 kg', max_error: '<= 0.1 mm', {SIZES}}}\n")
+    needed = {limit.limit.name: limit.needed for limit in result.limits}
     stiff = brentq(lambda d: sag(d) - asked_error, 0.005, 0.2)
     light = brentq(lambda d: bar_mass(d) - asked_mass, 0.005, 0.2)
     assert needed["mass"] == pytest.approx(bar_mass(stiff), rel=1e-3)
@@ -65,22 +65,22 @@ def test_each_limit_alone_is_what_the_formulas_say(tmp_path: Path) -> None:
     # No looser than it has to be, and no tighter than a design can be.
     assert needed["mass"] >= bar_mass(stiff)
     assert needed["max_error"] >= sag(light)
-    assert found.verdict == "infeasible"
+    assert result.verdict == "infeasible"
     # The sag is about one over the mass squared, so that the least sum of logarithms gives way in mass alone.
-    assert [each.limit.name for each in found.joint] == ["mass"]
-    assert found.joint_sum == pytest.approx(math.log(bar_mass(stiff) / asked_mass), rel=1e-3)
+    assert [item.limit.name for item in result.joint] == ["mass"]
+    assert result.joint_sum == pytest.approx(math.log(bar_mass(stiff) / asked_mass), rel=1e-3)
 
 
 def test_frequency_is_bounded_by_the_joint_alone(tmp_path: Path) -> None:
     """Rigid and weightless, a link on a spring with a mass at its end has sqrt(k / m L^2) / 2 pi."""
     limit = math.sqrt(STIFFNESS / (PAYLOAD * LENGTH**2)) / (2.0 * math.pi)
     problem = f"minimize: mass\nsubject_to: {{first_frequency: '>= 100 Hz', mass: '<= 9 kg', {SIZES}}}\n"
-    found = explain(tmp_path, problem, ", stiffness: 20 kN*m/rad")
-    assert [each.limit.name for each in found.out_of_reach] == ["first_frequency"]
-    assert found.out_of_reach[0].best == pytest.approx(limit, rel=1e-6)
-    assert "rigid, weightless links" in found.text
+    result = explain(tmp_path, problem, ", stiffness: 20 kN*m/rad")
+    assert [item.limit.name for item in result.out_of_reach] == ["first_frequency"]
+    assert result.out_of_reach[0].best == pytest.approx(limit, rel=1e-6)
+    assert "rigid, weightless links" in result.text
     # Whatever the mass may be, the frequency stays out of reach; by itself it has to be below the bound.
-    needed = {each.limit.name: each for each in found.limits}
+    needed = {item.limit.name: item for item in result.limits}
     assert needed["mass"].needed is None
     assert needed["mass"].outcome == "none"
     assert needed["first_frequency"].needed is not None
@@ -89,16 +89,16 @@ def test_frequency_is_bounded_by_the_joint_alone(tmp_path: Path) -> None:
 
 def test_error_of_the_drive_alone_is_a_bound(tmp_path: Path) -> None:
     """A weight at the end of a rigid link turns its drive by m g L / k: the tip moves by that times L."""
-    found = explain(
+    result = explain(
         tmp_path, f"minimize: mass\nsubject_to: {{max_error: '<= 0.1 mm', {SIZES}}}\n", ", stiffness: 20 kN*m/rad"
     )
-    assert found.out_of_reach[0].best == pytest.approx(PAYLOAD * GRAVITY * LENGTH**2 / STIFFNESS, rel=1e-6)
+    assert result.out_of_reach[0].best == pytest.approx(PAYLOAD * GRAVITY * LENGTH**2 / STIFFNESS, rel=1e-6)
 
 
 def test_sums_are_bounded_by_the_smallest_sections(tmp_path: Path) -> None:
-    found = explain(tmp_path, "subject_to: {mass: '<= 0.01 kg', section_size: [20 mm, 60 mm]}\n")
-    assert found.out_of_reach[0].best == pytest.approx(bar_mass(0.02), rel=1e-6)
-    assert found.limits[0].needed == pytest.approx(bar_mass(0.02), rel=1e-3)
+    result = explain(tmp_path, "subject_to: {mass: '<= 0.01 kg', section_size: [20 mm, 60 mm]}\n")
+    assert result.out_of_reach[0].best == pytest.approx(bar_mass(0.02), rel=1e-6)
+    assert result.limits[0].needed == pytest.approx(bar_mass(0.02), rel=1e-3)
 
 
 @pytest.mark.parametrize("shape", [name for name, kind in SHAPES.items() if kind.variables])
@@ -149,7 +149,7 @@ def test_bounds_let_a_material_grow_by_its_own_coefficient(given: str, tmp_path:
 def test_materials_that_grow_either_way_bound_nothing(tmp_path: Path) -> None:
     """Of one that grows and one that shrinks a design may make what cancels another error."""
     metal = "{elastic_modulus: 70 GPa, density: 2700 kg/m^3, poisson_ratio: 0.3, yield_strength: 200 MPa, %s}"
-    shrinks, grows = (metal % f"thermal_expansion: {each}e-6 1/K" for each in (-9, 12))
+    shrinks, grows = (metal % f"thermal_expansion: {item}e-6 1/K" for item in (-9, 12))
     arm = (
         "chain:\n  - joint: {type: revolute, range: [-30 deg, 30 deg]}\n"
         f"    link: {{length: 1 m, section: {{shape: circle, diameter: 80 mm}}, material: {grows}}}\n"
@@ -165,9 +165,9 @@ def test_a_failure_of_the_solver_is_said_as_such(tmp_path: Path) -> None:
     text = f"subject_to: {{mass: '<= 0.5 kg', safety_factor: '>= 40', {SIZES}}}\n"
     context = context_of(problem_of(tmp_path, BAR % "", text))
     assert explained(context).verdict == "infeasible"
-    found = explained(context, unsolved=1)
-    assert found.verdict == "undecided"
-    assert found.text.startswith("could not be decided: the solver failed on 1 of 1 combinations")
+    result = explained(context, unsolved=1)
+    assert result.verdict == "undecided"
+    assert result.text.startswith("could not be decided: the solver failed on 1 of 1 combinations")
 
 
 def test_one_relaxation_rules_out_others(tmp_path: Path) -> None:
@@ -198,7 +198,7 @@ def test_command_says_why_and_writes_it(tmp_path: Path, capsys: pytest.CaptureFi
     content = json.loads(target.read_text(encoding="utf-8"))
     assert content["status"] == "infeasible"
     entries = content["infeasible"]["limits"]
-    assert [each["name"] for each in entries] == ["max_error", "mass"]
+    assert [item["name"] for item in entries] == ["max_error", "mass"]
     entry = entries[0]
     assert entry["asked"] == pytest.approx(0.1)
     assert entry["needed"] > 0.1

@@ -70,7 +70,7 @@ def test_objective_that_the_design_does_not_have_is_noticed(tmp_path: Path, monk
     def too_little(*arguments: Any) -> float:
         return 0.9 * objective_of(*arguments)
 
-    monkeypatch.setattr("linkwright.core.optimize.choice.chooser.objective_of", too_little)
+    monkeypatch.setattr("linkwright.core.optimize.exchange.exchange.objective_of", too_little)
     with pytest.raises(AssertionError):
         held(problem)
 

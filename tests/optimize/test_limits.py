@@ -16,10 +16,10 @@ from rich.console import Console
 from linkwright.core.arm.chain.chain import Arm, Joint, Link, LoadCase
 from linkwright.core.arm.errors.model import beam_values, beams_of
 from linkwright.core.arm.evaluation import evaluate
-from linkwright.core.arm.limits.tip_stiffness import least_stiffness, tip_compliance
+from linkwright.core.arm.figures import FIGURES, Figure, OfLinks, limit_on
+from linkwright.core.arm.figures.tip_stiffness import least_stiffness, tip_compliance
 from linkwright.core.materials.catalogue import load_catalogue
 from linkwright.core.materials.material import Material
-from linkwright.core.optimize.limits import FIGURES, Figure, OfLinks, limit_on
 from linkwright.core.optimize.problem import read_problem
 from linkwright.core.optimize.rounding.options import Rounding
 from linkwright.core.optimize.rounding.rounding import rounded
@@ -60,12 +60,11 @@ def one_link(section: Section, material: Material = STEEL, length: float = 0.5) 
 
 def test_slender_walls_by_hand() -> None:
     """c / t = 298 against 42 sqrt(235 / f_y * E / 210 GPa)."""
-    found = evaluate(one_link(BOX))
-    values = STEEL.at(found.arm.temperature)
+    result = evaluate(one_link(BOX))
+    values = STEEL.at(result.arm.temperature)
     greatest = 42.0 * math.sqrt(235e6 / values.need("yield_strength") * values.need("elastic_modulus") / 210e9)
-    assert found.walls.worst == pytest.approx(298.0 / greatest, rel=1e-12)
-    assert FIGURES["wall_slenderness"].value(found) == found.walls.worst
-    assert not any("buckle" in line for line in found.warnings)  # under what it bears it is far from that
+    assert FIGURES["wall_slenderness"].value(result) == pytest.approx(298.0 / greatest, rel=1e-12)
+    assert not any("buckle" in line for line in result.warnings)  # under what it bears it is far from that
 
 
 def test_a_wall_at_the_limit_yields_before_the_plate_buckles() -> None:
@@ -86,31 +85,33 @@ def test_a_wall_at_the_limit_yields_before_the_plate_buckles() -> None:
 )
 def test_walls_that_nobody_knows_are_unknown_never_solid(section: Section, material: Material, word: str) -> None:
     arm = one_link(section, material)
-    found = evaluate(arm)
-    assert found.walls.worst is None
-    assert word in found.unknown["wall_slenderness"]
-    assert evaluation_json(found)["wall_slenderness"] is None
+    result = evaluate(arm)
+    assert FIGURES["wall_slenderness"].value(result) is None
+    assert word in result.unknown["wall_slenderness"]
+    assert evaluation_json(result)["wall_slenderness"] is None
 
 
 def test_solid_links_have_no_slender_walls() -> None:
-    found = evaluate(one_link(Circle(0.05)))
-    assert found.walls.worst == 0.0
-    assert "wall_slenderness" not in found.unknown
+    result = evaluate(one_link(Circle(0.05)))
+    assert FIGURES["wall_slenderness"].value(result) == 0.0
+    assert "wall_slenderness" not in result.unknown
 
 
 def test_an_elliptical_tube_counts_where_it_is_flattest() -> None:
     """As a round tube of the curvature radius there: 2 a^2 / b across the short axis."""
-    found = evaluate(one_link(EllipticalTube(0.04, 0.1, 0.001)))
-    values = STEEL.at(found.arm.temperature)
+    result = evaluate(one_link(EllipticalTube(0.04, 0.1, 0.001)))
+    values = STEEL.at(result.arm.temperature)
     square = 235e6 / values.need("yield_strength") * values.need("elastic_modulus") / 210e9
-    assert found.walls.worst == pytest.approx(0.1**2 / 0.04 / 0.001 / (90.0 * square), rel=1e-12)
+    assert FIGURES["wall_slenderness"].value(result) == pytest.approx(
+        0.1**2 / 0.04 / 0.001 / (90.0 * square), rel=1e-12
+    )
 
 
 def test_slender_walls_are_limited_where_that_is_asked_for(tmp_path: Path) -> None:
     limited = optimise(problem_of(tmp_path, TUBES, LIGHT + ", wall_slenderness: '<= 1'}\n"))
     free = optimise(problem_of(tmp_path, TUBES, LIGHT + ", wall_slenderness: off}\n"))
     slack = optimise(problem_of(tmp_path, TUBES, LIGHT + ", wall_slenderness: '<= 1.5'}\n"))
-    worst = [result.after.walls.worst for result in (limited, slack, free)]
+    worst = [FIGURES["wall_slenderness"].value(result.after) for result in (limited, slack, free)]
     assert worst[0] == pytest.approx(1.0, abs=1e-6)
     assert worst[1] == pytest.approx(1.5, abs=1e-6)
     assert worst[2] is not None
@@ -129,7 +130,7 @@ def test_walls_that_nobody_can_judge_are_told_of_a_new_design(tmp_path: Path) ->
 
 def test_price_of_slender_walls_is_what_optimising_anew_gives(tmp_path: Path) -> None:
     problem = problem_of(tmp_path, TUBES, LIGHT + ", wall_slenderness: '<= 1'}\n")
-    (limit,) = [each for each in optimise(problem).binding if each.name == "wall_slenderness"]
+    (limit,) = [item for item in optimise(problem).binding if item.name == "wall_slenderness"]
     assert limit.price == pytest.approx(measured_price(problem, limit), rel=0.02)
 
 
@@ -155,7 +156,7 @@ def test_aspect_holds_the_height_of_a_bar(tmp_path: Path) -> None:
     for link in result.arm.links:
         area = link.section.width * link.section.height
         assert link.section.height == pytest.approx(math.sqrt(3.0 * area), rel=1e-6)
-    (limit,) = [each for each in result.binding if each.name == "aspect"]
+    (limit,) = [item for item in result.binding if item.name == "aspect"]
     assert limit.price == pytest.approx(measured_price(problem, limit), rel=0.02)
 
 
@@ -166,24 +167,24 @@ def test_tip_stiffness_of_one_link_by_hand() -> None:
     """Across the link 1 / k = L^2 / k_drive + L^3 / (3 E I), shear left out; along it nothing but the strain."""
     bar, length = Circle(0.05), 0.5
     arm = replace(one_link(bar, length=length), leave_out=frozenset({"shear_deformation"}))
-    found = evaluate(arm)
+    result = evaluate(arm)
     modulus = STEEL.at(arm.temperature).need("elastic_modulus")
     across = length**2 / DRIVE + length**3 / (3.0 * modulus * math.pi * 0.05**4 / 64.0)
-    assert found.stiffness is not None
-    assert found.stiffness.value == pytest.approx(1.0 / across, rel=1e-9)
-    assert evaluation_json(found)["tip_stiffness_N_per_mm"] == pytest.approx(1e-3 / across, rel=1e-9)
+    assert result.stiffness is not None
+    assert result.stiffness.value == pytest.approx(1.0 / across, rel=1e-9)
+    assert evaluation_json(result)["tip_stiffness_N_per_mm"] == pytest.approx(1e-3 / across, rel=1e-9)
 
 
 def test_no_pose_is_softer(tmp_path: Path) -> None:
     problem = problem_of(tmp_path, TUBES, "subject_to: {mass: '<= 5 kg'}\n")
-    found = evaluate(problem.arm).stiffness
-    assert found is not None
+    result = evaluate(problem.arm).stiffness
+    assert result is not None
     poses = np.random.default_rng(4).uniform(-math.pi / 2, math.pi / 2, (5000, 2))
     p = beam_values(beams_of(problem.arm))
     scanned = least_stiffness(tip_compliance(problem.arm, planar=True), poses, p)
     assert scanned is not None
-    assert found.value <= scanned.value * (1.0 + 1e-9)
-    assert found.value == pytest.approx(scanned.value, rel=5e-3)
+    assert result.value <= scanned.value * (1.0 + 1e-9)
+    assert result.value == pytest.approx(scanned.value, rel=5e-3)
 
 
 def test_a_cut_is_exact_where_it_was_made_and_no_bound_is_too_tight(tmp_path: Path) -> None:
@@ -196,7 +197,7 @@ def test_a_cut_is_exact_where_it_was_made_and_no_bound_is_too_tight(tmp_path: Pa
     force = np.array(own.direction)
     moved = ca.norm_2(ca.mtimes(ca.reshape(compliance.outputs[0], 2, 2), ca.DM(force)))
     softness = ca.Function("softness", [q, beams], [moved, ca.gradient(moved, beams)])
-    value, gradient = (np.array(each).ravel() for each in softness(own.q, p))
+    value, gradient = (np.array(item).ravel() for item in softness(own.q, p))
     assert float(value[0]) == pytest.approx(1.0 / own.value, rel=1e-9)
     matrix = compliance.matrices(np.array([own.q]), p)[0]
     for angle in np.linspace(0.0, math.pi, 30):
@@ -221,7 +222,7 @@ def test_stiffness_is_kept_and_priced(tmp_path: Path, asked: str) -> None:
     result = optimise(problem)
     (limit,) = problem.limit("tip_stiffness")
     assert limit.of(result.after) == pytest.approx(limit.value, rel=3e-5)
-    (binding,) = [each for each in result.binding if each.name == "tip_stiffness"]
+    (binding,) = [item for item in result.binding if item.name == "tip_stiffness"]
     assert binding.unit == "N/mm"
     assert binding.price == pytest.approx(measured_price(problem, binding), rel=0.02)
 
@@ -275,7 +276,7 @@ def test_a_new_limit_is_one_object(tmp_path: Path) -> None:
     result = optimise(problem)
     girths = [2e3 * (link.section.width + link.section.height) for link in result.arm.links]
     assert max(girths) == pytest.approx(130.0, rel=1e-6)
-    (limit,) = [each for each in result.binding if each.name == "girth"]
+    (limit,) = [item for item in result.binding if item.name == "girth"]
     assert limit.price == pytest.approx(measured_price(problem, limit), rel=0.02)
     console = Console(record=True, width=120, file=StringIO())
     show(console, describe(result))

@@ -16,13 +16,12 @@ from linkwright.core.arm.chain.chain import Arm
 from linkwright.core.arm.errors.model import beam_values, beams_of, error_model
 from linkwright.core.arm.errors.tip import active_effects
 from linkwright.core.arm.evaluation import evaluate
+from linkwright.core.arm.figures import FIGURES, figures_of
 from linkwright.core.arm.files.read import read_arm
 from linkwright.core.arm.files.write import write_arm
-from linkwright.core.arm.limits.walls import walls_of
 from linkwright.core.arm.worst.search import WorstSearch
 from linkwright.core.materials.catalogue import load_catalogue
 from linkwright.core.optimize.exchange.exchange import CERTIFICATE_GAP
-from linkwright.core.optimize.limits import FIGURES, figures_of
 from linkwright.core.optimize.problem import Problem
 from linkwright.core.optimize.rounding.options import GRADES, comes_in, multiples, read_rounding
 from linkwright.core.optimize.rounding.rounding import optimise_rounded, rounded
@@ -72,31 +71,31 @@ def mass_of(arm: Arm) -> float:
 @pytest.mark.parametrize("arm", [pytest.param(TWO, marks=pytest.mark.slow), PLAYED], ids=["drives", "play"])
 def test_rounded_bars_are_the_best_of_all_on_the_grid(arm: str, tmp_path: Path) -> None:
     problem = problem_of(tmp_path, arm, "subject_to: {mass: '<= 6 kg', section_size: [20 mm, 90 mm]}\n")
-    found = optimise_rounded(problem, read_rounding("5 mm")).rounded
-    assert found is not None
+    result = optimise_rounded(problem, read_rounding("5 mm")).rounded
+    assert result is not None
     best, search = np.inf, search_of(problem)
     for sizes in itertools.product(np.arange(30, 91, 5) * 1e-3, repeat=2):
         other = with_sections(problem.arm, [Circle(float(size)) for size in sizes])
         if mass_of(other) <= 6.0:
             best = min(best, error_of(search, other, problem))
-    assert found.objective == pytest.approx(best, rel=1e-5)
-    assert found.exhaustive
-    assert found.certified
+    assert result.objective == pytest.approx(best, rel=1e-5)
+    assert result.exhaustive
+    assert result.certified
 
 
 @pytest.mark.slow
 def test_a_light_design_within_an_error_is_the_lightest_on_the_grid(tmp_path: Path) -> None:
     text = "minimize: mass\nsubject_to: {max_error: '<= 1.5 mm', safety_factor: '>= 3', section_size: [20 mm, 90 mm]}\n"
     problem = problem_of(tmp_path, TWO, text)
-    found = optimise_rounded(problem, read_rounding("4 mm")).rounded
-    assert found is not None
+    result = optimise_rounded(problem, read_rounding("4 mm")).rounded
+    assert result is not None
     lightest, search = np.inf, search_of(problem)
     for sizes in itertools.product(np.arange(20, 69, 4) * 1e-3, repeat=2):
         other = with_sections(problem.arm, [Circle(float(size)) for size in sizes])
         if mass_of(other) < lightest and error_of(search, other, problem) <= 1.5e-3:
             strong = evaluate(other, problem.workspace, problem.load_cases).strength.least_safety_factor
             lightest = mass_of(other) if strong is not None and strong >= 3.0 else lightest
-    assert found.objective == pytest.approx(lightest, rel=1e-9)
+    assert result.objective == pytest.approx(lightest, rel=1e-9)
 
 
 @pytest.mark.slow
@@ -107,8 +106,8 @@ def test_stock_tubes_are_the_best_of_all_that_can_be_bought(tmp_path: Path) -> N
         f"choose: {{section: [tube], material: [{ALUMINIUM}, {STEEL}]}}\n"
     )
     problem = problem_of(tmp_path, TWO, text)
-    found = optimise_rounded(problem, read_rounding("stock")).rounded
-    assert found is not None
+    result = optimise_rounded(problem, read_rounding("stock")).rounded
+    assert result is not None
     tubes = [size for size in load_stock() if size.shape == "tube" and 0.04 <= size.dimensions["diameter"] <= 0.065]
     rows = [size for size in tubes if 0.002 <= size.dimensions["thickness"] <= 0.005]
     options = [(size, ALUMINIUM if size.family == "ALU TUBE" else STEEL) for size in rows]
@@ -116,11 +115,11 @@ def test_stock_tubes_are_the_best_of_all_that_can_be_bought(tmp_path: Path) -> N
     best, search = np.inf, search_of(problem)
     for pair in itertools.product(options, repeat=2):
         other = with_sections(problem.arm, [size.section for size, _ in pair], materials=[name for _, name in pair])
-        slenderness = walls_of(other).worst
+        slenderness = FIGURES["wall_slenderness"].of_links(other)
         assert slenderness is not None
         if mass_of(other) <= 4.0 and slenderness <= 1.0:
             best = min(best, error_of(search, other, problem))
-    assert found.objective == pytest.approx(best, rel=1e-5)
+    assert result.objective == pytest.approx(best, rel=1e-5)
 
 
 @pytest.mark.slow
@@ -129,9 +128,9 @@ def test_the_same_material_for_all_links_holds_in_stock(tmp_path: Path) -> None:
         "subject_to: {mass: '<= 4 kg', section_size: [30 mm, 80 mm], thickness: [2 mm, 5 mm]}\n"
         f"choose: {{section: [tube, rectangular_tube], material: [{ALUMINIUM}, {STEEL}], same: [material, size]}}\n"
     )
-    found = optimise_rounded(problem_of(tmp_path, TWO, text), read_rounding("stock")).rounded
-    assert found is not None
-    assert len({(link.section_name, link.material.name) for link in found.arm.links if link.material}) == 1
+    result = optimise_rounded(problem_of(tmp_path, TWO, text), read_rounding("stock")).rounded
+    assert result is not None
+    assert len({(link.section_name, link.material.name) for link in result.arm.links if link.material}) == 1
 
 
 # ---- what a rounded design is
@@ -193,19 +192,19 @@ def test_stock_rows_are_stock_and_come_in_their_material(tmp_path: Path) -> None
         f"choose: {{section: [tube, rectangular_tube, i_section], material: [{ALUMINIUM}, {STEEL}]}}\n"
     )
     problem = problem_of(tmp_path, TWO, text)
-    found = optimise_rounded(problem, read_rounding("stock")).rounded
-    assert found is not None
-    assert found.evaluation.max_error <= 1.2e-3
-    assert found.evaluation.reach == pytest.approx(0.7, rel=1e-12)
-    for link in found.arm.links:
+    result = optimise_rounded(problem, read_rounding("stock")).rounded
+    assert result is not None
+    assert result.evaluation.max_error <= 1.2e-3
+    assert result.evaluation.reach == pytest.approx(0.7, rel=1e-12)
+    for link in result.arm.links:
         size = load_stock().find(link.section_name or "")
         assert size.section == link.section
         assert link.material is not None
         assert comes_in(size, link.material)
         assert (link.material.name == ALUMINIUM) == size.name.startswith("ALU")
-    write_arm(found.arm, tmp_path / "rounded.yaml")
-    assert f"section: {found.arm.links[0].section_name}" in (tmp_path / "rounded.yaml").read_text()
-    assert read_arm(tmp_path / "rounded.yaml") == found.arm
+    write_arm(result.arm, tmp_path / "rounded.yaml")
+    assert f"section: {result.arm.links[0].section_name}" in (tmp_path / "rounded.yaml").read_text()
+    assert read_arm(tmp_path / "rounded.yaml") == result.arm
 
 
 @pytest.mark.slow
@@ -318,13 +317,13 @@ def test_the_command_writes_the_optimum_where_nothing_rounded_will_do(tmp_path: 
     assert "WARNING: not rounded to sizes in steps of 5 mm: no design" in screen
     assert "keeps mass == 5.1234 kg" in screen
     assert "the nearest design of sizes in steps of 5 mm breaks a limit by" in screen
-    found = json.loads((out / "result.json").read_text())
-    assert found["rounded"] is None
-    (limit,) = found["not_rounded"]["nearest"]["limits"]
+    result = json.loads((out / "result.json").read_text())
+    assert result["rounded"] is None
+    (limit,) = result["not_rounded"]["nearest"]["limits"]
     assert not limit["kept"]
     assert limit["exceeded_by"] == pytest.approx(abs(limit["value"] / 5.1234 - 1.0))
-    assert found["not_rounded"]["nearest"]["exceeds_a_limit_by"] == limit["exceeded_by"]
-    assert sum(link["mass_kg"] for link in found["links"]) == pytest.approx(5.1234, rel=1e-5)
+    assert result["not_rounded"]["nearest"]["exceeds_a_limit_by"] == limit["exceeded_by"]
+    assert sum(link["mass_kg"] for link in result["links"]) == pytest.approx(5.1234, rel=1e-5)
     assert evaluate(read_arm(out / "arm.yaml")).mass == pytest.approx(5.1234, rel=1e-5)
     assert "Not rounded to sizes in steps of 5 mm" in (out / "report.html").read_text()
 
@@ -343,7 +342,7 @@ def test_an_interrupt_while_sizes_are_compared_keeps_the_optimum(tmp_path: Path)
         def heard(done: int, total: int, words: str) -> None:
             del done, total
             calls.append(words)
-            if sum(each.startswith("rounding") for each in calls) == number:
+            if sum(call.startswith("rounding") for call in calls) == number:
                 raise KeyboardInterrupt
 
         calls.clear()

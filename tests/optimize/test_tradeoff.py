@@ -16,11 +16,11 @@ from hypothesis import strategies as st
 
 from linkwright.core.arm.errors.model import error_model
 from linkwright.core.arm.evaluation import evaluate
+from linkwright.core.arm.figures import FIGURES, Cut, limit_on
 from linkwright.core.arm.worst.search import WorstSearch
 from linkwright.core.optimize.choice.combinations import combinations
 from linkwright.core.optimize.exchange.binding_poses import Anchor, ErrorCut, Pool
 from linkwright.core.optimize.exchange.design import arm_of, design_space, numeric_beams
-from linkwright.core.optimize.limits import FIGURES, Cut, limit_on
 from linkwright.core.optimize.problem import Problem
 from linkwright.core.optimize.run import optimise
 from linkwright.core.optimize.tradeoff.front import Tradeoff
@@ -264,7 +264,7 @@ def test_journal_goes_on_where_it_stopped(folder: Path, tmp_path: Path) -> None:
     with Journal(path, key) as journal:
         cut = trade_off(asked, accuracy=COARSE, journal=journal, told=stop)
     assert cut.interrupted
-    shares = [each.share for each in seen]
+    shares = [item.share for item in seen]
     assert all(0.0 <= share <= 1.0 for share in shares)
     assert any(0.0 < share < 1.0 for share in shares)
     lines = path.read_bytes().splitlines()
@@ -279,10 +279,10 @@ def test_journal_goes_on_where_it_stopped(folder: Path, tmp_path: Path) -> None:
             [getattr(p, name) for p in whole.points], rel=1e-4
         )
     with Journal(path, key, resume=True) as journal:
-        told: list[str] = []
-        third = trade_off(asked, accuracy=COARSE, journal=journal, told=lambda progress: told.append(progress.doing))
+        texts: list[str] = []
+        third = trade_off(asked, accuracy=COARSE, journal=journal, told=lambda progress: texts.append(progress.doing))
     assert third.solved == 0
-    assert "finishing the best combinations" not in told
+    assert "finishing the best combinations" not in texts
     assert [p.x for p in third.points] == [p.x for p in again.points]
 
 
@@ -306,10 +306,10 @@ def test_digest_follows_everything_that_the_front_depends_on(tmp_path: Path) -> 
         heavier,
         replace(problem, limits=()),
         replace(problem, shapes=("tube",)),
-        replace(problem, thickness=(0.003, 0.008)),
+        problem.with_ranges(thickness=(0.003, 0.008)),
         replace(problem, same=frozenset()),
     ]
-    keys = {digest(question(each, "mass", "max_error"), 0.01) for each in (problem, *changed)}
+    keys = {digest(question(item, "mass", "max_error"), 0.01) for item in (problem, *changed)}
     keys |= {digest(base, 0.02), digest(question(problem, "mass", "max_error", by="shape"), 0.01)}
     assert len(keys) == len(changed) + 3
     elsewhere = replace(problem, file="elsewhere.yaml", minimize="mass")
@@ -353,9 +353,9 @@ def traced_curve(
 
     def solve(stretches: Sequence[Stretch[Dot]]) -> list[Dot]:
         assert len(stretches) <= together
-        assert all(each.left.level < each.level < each.right.level for each in stretches)
-        assert all(each.expected > 0.0 for each in stretches)
-        return [Dot(each.level, curve(each.level)) for each in stretches]
+        assert all(stretch.left.level < stretch.level < stretch.right.level for stretch in stretches)
+        assert all(stretch.expected > 0.0 for stretch in stretches)
+        return [Dot(stretch.level, curve(stretch.level)) for stretch in stretches]
 
     return refine(axes, [first, last], [(first, last)], solve, accuracy, most=5000, together=together)
 

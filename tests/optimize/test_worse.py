@@ -13,10 +13,10 @@ import pytest
 from linkwright.core.arm.chain.chain import Arm, Joint, Link, LoadCase
 from linkwright.core.arm.errors.model import beam_values, beams_of
 from linkwright.core.arm.evaluation import evaluate
-from linkwright.core.arm.limits.sideways import SIDEWAYS, sideways_compliance
+from linkwright.core.arm.figures import FIGURES, Figure, OfLinks
+from linkwright.core.arm.figures.sideways import SIDEWAYS, sideways_compliance
 from linkwright.core.materials.catalogue import load_catalogue
 from linkwright.core.materials.material import Constant, Material, MissingProperty, Property
-from linkwright.core.optimize.limits import FIGURES, Figure, OfLinks
 from linkwright.core.optimize.problem import read_problem
 from linkwright.core.optimize.run import optimise
 from linkwright.core.optimize.worse import softened_links, worse_figures
@@ -37,7 +37,9 @@ def arm_with(*sections: Section, material: Material = STEEL, **more: object) -> 
     """Links of 400 and 300 mm; drives that give in the plane must not count across it."""
     joint = Joint(range=(-math.pi / 2, math.pi / 2), stiffness=6e4)
     lengths = (0.4, 0.3)[: len(sections)]
-    links = tuple(Link(length, section=each, material=material) for length, each in zip(lengths, sections, strict=True))
+    links = tuple(
+        Link(length, section=section, material=material) for length, section in zip(lengths, sections, strict=True)
+    )
     return replace(Arm("planar", (joint,) * len(links), links, payload=LoadCase(2.0)), **more)
 
 
@@ -51,44 +53,44 @@ def test_sideways_compliance_of_a_bent_arm_by_castigliano() -> None:
     arm, values = arm_with(*sections), STEEL.at(293.15)
     modulus, shear = values.need("elastic_modulus"), values.shear_modulus
     assert shear is not None
-    one, two = (each.properties(values.need("poisson_ratio")) for each in sections)
+    one, two = (section.properties(values.need("poisson_ratio")) for section in sections)
     bending = 0.4**3 / (3.0 * modulus * one.second_moment_z) + 0.3**3 / (3.0 * modulus * two.second_moment_z)
     twisting = 0.3**2 * 0.4 / (shear * one.torsion_constant)
     shearing = 0.4 / (shear * one.shear_area_y) + 0.3 / (shear * two.shear_area_y)
     p = beam_values(beams_of(arm, [SIDEWAYS]))
-    found = sideways_compliance(arm).matrices(np.array([[0.3, math.pi / 2]]), p)
-    assert found[0, 0, 0] == pytest.approx(bending + twisting + shearing, rel=1e-9)
+    result = sideways_compliance(arm).matrices(np.array([[0.3, math.pi / 2]]), p)
+    assert result[0, 0, 0] == pytest.approx(bending + twisting + shearing, rel=1e-9)
 
 
 def test_the_softest_pose_across_the_plane_is_found() -> None:
     """No pose of a fine grid is softer; a straight arm of one link has L^3 / (3 E I_z) + L / (G A_y)."""
     arm = arm_with(Rectangle(0.04, 0.06), Rectangle(0.01, 0.05))
-    found = evaluate(arm)
+    result = evaluate(arm)
     grid = (
         np.array(np.meshgrid(np.linspace(-1.5, 1.5, 7), np.linspace(-math.pi / 2, math.pi / 2, 181))).reshape(2, -1).T
     )
     softest = sideways_compliance(arm).matrices(grid, beam_values(beams_of(arm, [SIDEWAYS]))).max()
-    assert found.sideways is not None
-    assert found.sideways.value == pytest.approx(1.0 / softest, rel=1e-4)
-    assert found.sideways.value <= (1.0 + 1e-9) / softest
-    assert evaluation_json(found)["sideways_stiffness_N_per_mm"] == pytest.approx(1e-3 * found.sideways.value)
+    assert result.sideways is not None
+    assert result.sideways.value == pytest.approx(1.0 / softest, rel=1e-4)
+    assert result.sideways.value <= (1.0 + 1e-9) / softest
+    assert evaluation_json(result)["sideways_stiffness_N_per_mm"] == pytest.approx(1e-3 * result.sideways.value)
 
 
 def test_an_arm_in_space_has_no_sideways() -> None:
     """Its tip stiffness counts every direction; nothing is told of one of them."""
-    found = evaluate(arm_with(Rectangle(0.04, 0.06), gravity=(0.0, 0.0, -9.81)))
-    assert found.sideways is None
-    assert not FIGURES["sideways_stiffness"].told(found)
-    assert "sideways" not in markdown(describe_evaluation(found))
+    result = evaluate(arm_with(Rectangle(0.04, 0.06), gravity=(0.0, 0.0, -9.81)))
+    assert result.sideways is None
+    assert not FIGURES["sideways_stiffness"].told(result)
+    assert "sideways" not in markdown(describe_evaluation(result))
 
 
 def test_what_the_plane_does_without_and_the_side_needs_is_named() -> None:
     """In the plane, without shear, no shear modulus is needed; links that twist need one."""
     bare = Material("bare", {"elastic_modulus": Property(Constant(2e11)), "density": Property(Constant(7800.0))})
     arm = arm_with(Rectangle(0.04, 0.06), material=bare, leave_out=frozenset({"shear_deformation"}))
-    found = evaluate(arm)
-    assert found.sideways is None
-    assert "shear_modulus" in found.unknown["sideways_stiffness"]
+    result = evaluate(arm)
+    assert result.sideways is None
+    assert "shear_modulus" in result.unknown["sideways_stiffness"]
     with pytest.raises(MissingProperty):
         beams_of(arm, [SIDEWAYS])
 
@@ -98,8 +100,8 @@ def test_what_the_plane_does_without_and_the_side_needs_is_named() -> None:
 
 def test_all_that_became_worse_is_listed_and_nothing_else() -> None:
     before, after = evaluate(arm_with(Circle(0.06), Circle(0.05))), evaluate(arm_with(Circle(0.06), THIN))
-    told = {each.figure.name for each in worse_figures(FIGURES, before, after)}
-    back = {each.figure.name for each in worse_figures(FIGURES, after, before)}
+    told = {worse_figure.figure.name for worse_figure in worse_figures(FIGURES, before, after)}
+    back = {worse_figure.figure.name for worse_figure in worse_figures(FIGURES, after, before)}
     assert {"sideways_stiffness", "aspect", "wall_slenderness"} <= told
     assert not told & back
     for name, figure in FIGURES.items():
@@ -137,7 +139,7 @@ def test_a_figure_that_only_this_test_knows_follows(tmp_path: Path) -> None:
     section = result.arm.links[0].section
     assert isinstance(section, Rectangle)
     width = 1e3 * section.width
-    (entry,) = [each for each in optimization_json(result)["worse"] if each["name"] == "slim"]
+    (entry,) = [item for item in optimization_json(result)["worse"] if item["name"] == "slim"]
     assert entry == {"name": "slim", "before": pytest.approx(60.0), "after": pytest.approx(width), "unit": "mm"}
     words = f"least width from 60 to {width:.4g} mm"
     described = describe(result)
@@ -166,7 +168,7 @@ def test_sideways_stiffness_is_kept_and_priced(tmp_path: Path) -> None:
     result = optimise(problem)
     (limit,) = problem.limit("sideways_stiffness")
     assert limit.of(result.after) == pytest.approx(4e4, rel=3e-5)
-    (binding,) = [each for each in result.binding if each.name == "sideways_stiffness"]
+    (binding,) = [item for item in result.binding if item.name == "sideways_stiffness"]
     assert binding.unit == "N/mm"
     assert "across its plane" not in markdown(describe(result))  # somebody thought of it
     assert binding.price == pytest.approx(measured_price(problem, binding), rel=0.02)

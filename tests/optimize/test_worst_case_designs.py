@@ -81,7 +81,7 @@ def test_claim_is_the_true_worst_and_limits_are_kept(name: str, tmp_path: Path) 
     for link in result.arm.links:
         sizes = {} if link.section is None else link.section.given()
         assert all(0.005 * (1 - 1e-9) <= size <= 0.2 * (1 + 1e-9) for size in sizes.values())
-    if problem.link_length is not None:
+    if problem.free_lengths:
         assert result.after.reach == pytest.approx(1.24, rel=1e-9)
 
 

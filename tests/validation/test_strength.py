@@ -10,8 +10,8 @@ import pytest
 
 from linkwright.core.arm.chain.chain import Arm, Joint, Link, LoadCase
 from linkwright.core.arm.errors.model import beam_values, beams_of
-from linkwright.core.arm.evaluation import evaluate, strength_over, warnings_of
-from linkwright.core.arm.limits.strength import StrengthResult
+from linkwright.core.arm.evaluation import evaluate
+from linkwright.core.arm.figures.strength import STRENGTHS, StrengthResult, strength_over
 from linkwright.core.materials.catalogue import load_catalogue
 from linkwright.core.materials.material import MissingProperty
 from linkwright.core.sections import build
@@ -34,8 +34,8 @@ def strength(arm: Arm, load: LoadCase, q: tuple[float, ...] = (0.0,)) -> Strengt
 
 
 def test_bending_stress_is_the_moment_over_the_section_modulus_at_the_root() -> None:
-    found = strength(rod(), LoadCase(force=(0.0, -900.0, 0.0)))
-    assert found.stress[0] == pytest.approx(900 * LENGTH / MODULUS, rel=1e-6)
+    result = strength(rod(), LoadCase(force=(0.0, -900.0, 0.0)))
+    assert result.stress[0] == pytest.approx(900 * LENGTH / MODULUS, rel=1e-6)
 
 
 def test_own_weight_bends_the_root() -> None:
@@ -46,8 +46,8 @@ def test_own_weight_bends_the_root() -> None:
 
 def test_torsion_counts_by_von_mises() -> None:
     """tau = T / W_t with W_t = pi d^3/16; sqrt(3) tau."""
-    found = strength(rod(), LoadCase(moment=(500.0, 0.0, 0.0))).stress[0]
-    assert found == pytest.approx(math.sqrt(3) * 500 / (math.pi / 16 * DIAMETER**3), rel=1e-6)
+    result = strength(rod(), LoadCase(moment=(500.0, 0.0, 0.0))).stress[0]
+    assert result == pytest.approx(math.sqrt(3) * 500 / (math.pi / 16 * DIAMETER**3), rel=1e-6)
 
 
 @pytest.mark.parametrize("force", [7e4, -7e4])
@@ -57,9 +57,9 @@ def test_axial_stress(force: float) -> None:
 
 def test_bending_compression_and_torsion_add_up() -> None:
     """sqrt((N/A + M/W)^2 + 3 (T/W_t)^2)."""
-    found = strength(rod(), LoadCase(force=(-5e4, 300.0, 0.0), moment=(200.0, 0.0, 0.0))).stress[0]
+    result = strength(rod(), LoadCase(force=(-5e4, 300.0, 0.0), moment=(200.0, 0.0, 0.0))).stress[0]
     normal, shear = 5e4 / AREA + 300 * LENGTH / MODULUS, 200 / (2 * MODULUS)
-    assert found == pytest.approx(math.hypot(normal, math.sqrt(3) * shear), rel=1e-6)
+    assert result == pytest.approx(math.hypot(normal, math.sqrt(3) * shear), rel=1e-6)
 
 
 def test_bending_in_the_width_uses_the_widths_modulus() -> None:
@@ -75,11 +75,11 @@ def test_safety_factor_is_yield_over_stress_of_the_worst_pose_and_case() -> None
     arm = rod()
     cases = (LoadCase(force=(0.0, -900.0, 0.0)), LoadCase(force=(0.0, -300.0, 0.0)))
     q = np.linspace(-1.5, 1.5, 31)[:, None]
-    found = strength_over(arm, cases, q, beam_values(beams_of(arm)))
+    result = strength_over(arm, cases, q, beam_values(beams_of(arm)))
     expected = STEEL.need("yield_strength") / (900 * LENGTH / MODULUS)
-    assert found.least_safety_factor == pytest.approx(expected, rel=1e-6)
-    assert found.poses[0][1] == 0
-    assert found.poses[0][0][0] == pytest.approx(0.0, abs=1e-9)
+    assert result.least_safety_factor == pytest.approx(expected, rel=1e-6)
+    assert result.poses[0][1] == 0
+    assert result.poses[0][0][0] == pytest.approx(0.0, abs=1e-9)
 
 
 def test_a_material_without_a_yield_strength_has_no_safety_factor(tmp_path: Path) -> None:
@@ -104,10 +104,10 @@ def test_the_weaker_way_buckles() -> None:
 
 
 def test_warnings_name_the_link_that_yields_or_buckles() -> None:
-    lines = warnings_of(strength(rod(), LoadCase(force=(-2e6, 0.0, 0.0))))
+    lines = STRENGTHS.warnings(rod(), strength(rod(), LoadCase(force=(-2e6, 0.0, 0.0))))
     assert any("link 1 yields" in line for line in lines)
     assert any("link 1 buckles" in line for line in lines)
-    assert warnings_of(strength(rod(), LoadCase(force=(0.0, -10.0, 0.0)))) == []
+    assert STRENGTHS.warnings(rod(), strength(rod(), LoadCase(force=(0.0, -10.0, 0.0)))) == []
 
 
 def test_the_papers_rubber_arm_is_said_to_bend_beyond_a_tenth(tmp_path: Path) -> None:

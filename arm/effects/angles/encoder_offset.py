@@ -2,9 +2,20 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from dataclasses import replace
+
+import numpy as np
+
 from linkwright.core.arm.chain.statics import PoseState
 from linkwright.core.arm.chain.vectors import Scalar
 from linkwright.core.arm.effects.effect import Effect, OfDrives, Settings, size
+from linkwright.core.arm.motion.motion import Motion
+from linkwright.core.arm.motion.rigid import inverse_dynamics
+from linkwright.core.sections.numeric import Array
+
+_STEP = 1e-4
+"""rad, m; over such a step a torque is straight to nine digits."""
 
 
 def _moved(state: PoseState, settings: Settings, index: int) -> Scalar:
@@ -12,10 +23,22 @@ def _moved(state: PoseState, settings: Settings, index: int) -> Scalar:
     return settings.values.get("offset", 0.0)
 
 
+def _torques(motion: Motion, settings: Settings) -> Mapping[int, Array]:
+    """To first order what other postures take: the slope of the torque over the coordinates, times the offset."""
+    offset = settings.values.get("offset", 0.0)
+    moved = offset * np.array([settings.acts_at(index) for index in range(motion.arm.size)], dtype=float)
+    size = float(np.abs(moved).max())
+    if size == 0.0:
+        return {}
+    step = moved * (_STEP / size)
+    ahead, behind = (inverse_dynamics(replace(motion, q=motion.q + way * step)) for way in (1.0, -1.0))
+    return dict(enumerate((ahead - behind).T * (size / (2.0 * _STEP))))
+
+
 ENCODER_OFFSET = Effect(
     id="encoder_offset",
     title="offset of an encoder's zero",
-    formula="sum J_i delta_i",
+    formula="sum J_i delta_i; of a motion dtau/dq_i delta_i",
     place="joint",
     cause="geometry",
     needs="poses that differ in the angles of the other joints",
@@ -27,6 +50,7 @@ ENCODER_OFFSET = Effect(
         ),
     ),
     twists=OfDrives(_moved),
+    torques=_torques,
     lasts="a while",
     rank=20,
     linear=True,

@@ -1,4 +1,4 @@
-"""What every effect keeps, shipped or registered: its entry says enough, and its physics does what the entry says."""
+"""The contract of every effect, shipped or registered: its entry is complete, and its physics behaves as declared."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ from linkwright.core.units.quantities import InputError
 
 from .behaviour import behaviour_faults
 from .entry import entry_faults
+from .torques import torque_faults
 
 
 def check(effect: Effect) -> None:
@@ -16,10 +17,11 @@ def check(effect: Effect) -> None:
     aliases that exist. The physics, on four chains in the plane and in space with everything that a recording can hold:
     it moves nothing at sizes of 0, where it cannot act and without what it requires; it is linear where it promises so;
     floats, arrays and CasADi's symbols give the same; all is finite; play is made of intervals and discs; every size
-    moves something. Takes some tenths of a second. An effect need not be registered.
+    moves something. Its torques, on a motion of each chain: nothing at sizes of 0 or where it cannot act, linear,
+    finite, one array a joint. Takes some tenths of a second. An effect need not be registered.
     """
     faults = entry_faults(effect)
     # What the entry says wrongly makes no sense to try.
-    faults = faults or behaviour_faults(effect)
+    faults = faults or [*behaviour_faults(effect), *torque_faults(effect)]
     if faults:
         raise InputError("", f"effect {effect.id or '?'}", "; ".join(faults))

@@ -1,8 +1,9 @@
-"""What an effect does on a few chains, held against what its entry says."""
+"""The displacements of an effect on a few chains, checked against its declarations."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
+from functools import partial
 from types import MappingProxyType
 from typing import Any
 
@@ -13,31 +14,20 @@ from linkwright.core.arm.chain.statics import PoseState
 from linkwright.core.arm.effects.effect import Disc, Effect, Interval, Settings, Twist
 from linkwright.core.sections.numeric import Array
 
-from .chains import ROWS, Chain, chains
+from .chains import ROWS, TOLERANCE, Chain, chains, faults_on
 
 Moved = dict[tuple[str, int], tuple[Any, ...]]
 """Displacement and rotation (six components) put in at each node."""
 
-_FAILURES = (ArithmeticError, AttributeError, LookupError, NotImplementedError, RuntimeError, TypeError, ValueError)
-_TOLERANCE = 1e-9
-
 
 def behaviour_faults(effect: Effect) -> list[str]:
     """What is wrong with an effect's physics, as phrases; each is said once, for the first chain that shows it."""
-    found: dict[str, None] = {}
     tried = chains()
-    for chain in tried:
-        try:
-            found.update(dict.fromkeys(_faults(effect, chain)))
-        except _FAILURES as error:
-            found[f"raises {type(error).__name__} ({error}) on the chain in {_where(chain)}"] = None
-    if not found:
-        found.update(dict.fromkeys(_idle_sizes(effect, tried)))
-    return list(found)
+    return faults_on(tried, partial(_faults, effect), _where) or list(_idle_sizes(effect, tried))
 
 
 def _where(chain: Chain) -> str:
-    return f"{'the plane' if chain.arm.planar() else 'space'} ({chain.arm.angles} angles)"
+    return f"the chain in {'the plane' if chain.arm.planar() else 'space'} ({chain.arm.angles} angles)"
 
 
 def _faults(effect: Effect, chain: Chain) -> Iterator[str]:
@@ -83,7 +73,7 @@ def _breaches(
 
 def _values(effect: Effect) -> dict[str, float]:
     """The upper end of what is typical for every size and shape."""
-    return {each.name: each.typical[1] for each in (*effect.sizes, *effect.shapes)}
+    return {size.name: size.typical[1] for size in (*effect.sizes, *effect.shapes)}
 
 
 def _settings(values: Mapping[str, float], at: tuple[int, ...] = ()) -> Settings:
@@ -113,7 +103,11 @@ def _strange(effect: Effect, chain: Chain, values: Mapping[str, float]) -> Itera
 
 
 def _given(effect: Effect) -> dict[str, float]:
-    return {each.name: each.typical[1] for each in effect.parameters if each.role == "given" and not effect.sizes}
+    return {
+        parameter.name: parameter.typical[1]
+        for parameter in effect.parameters
+        if parameter.role == "given" and not effect.sizes
+    }
 
 
 def _moved(effect: Effect, state: PoseState, values: Mapping[str, float], at: tuple[int, ...] = ()) -> Moved:
@@ -122,12 +116,12 @@ def _moved(effect: Effect, state: PoseState, values: Mapping[str, float], at: tu
 
 
 def _gathered(twists: Iterable[Twist]) -> Moved:
-    found: Moved = {}
+    moved: Moved = {}
     for twist in twists:
         node = (twist.node, twist.index)
         parts = (*twist.translation, *twist.rotation)
-        found[node] = tuple(a + b for a, b in zip(found[node], parts, strict=True)) if node in found else parts
-    return found
+        moved[node] = tuple(a + b for a, b in zip(moved[node], parts, strict=True)) if node in moved else parts
+    return moved
 
 
 def _table(moved: Moved, rows: int = ROWS) -> dict[tuple[str, int], Array]:
@@ -147,7 +141,7 @@ def _alike(some: Mapping[tuple[str, int], Array], others: Mapping[tuple[str, int
     for node in {*some, *others}:
         one, other = some.get(node, np.zeros(1)), others.get(node, np.zeros(1))
         size = max(float(np.max(np.abs(one))), float(np.max(np.abs(other))))
-        if not np.all(np.abs(one - other) <= _TOLERANCE * size):
+        if not np.all(np.abs(one - other) <= TOLERANCE * size):
             return False
     return True
 
@@ -157,10 +151,10 @@ def _symbolic(effect: Effect, chain: Chain, values: Mapping[str, float]) -> Iter
     settings = _settings({**values, **_given(effect)})
 
     def parts(state: PoseState) -> list[Any]:
-        play = [each.twists if isinstance(each, Interval) else () for each in effect.play(state, settings)]
-        twists = [*effect.twists(state, settings), *(twist for each in play for twist in each)]
-        found = _gathered(twists)
-        return [part for node in sorted(found) for part in found[node]]
+        play = [item.twists if isinstance(item, Interval) else () for item in effect.play(state, settings)]
+        twists = [*effect.twists(state, settings), *(twist for item in play for twist in item)]
+        moved = _gathered(twists)
+        return [part for node in sorted(moved) for part in moved[node]]
 
     q, state = chain.symbolic()
     made = parts(state)
@@ -169,13 +163,13 @@ def _symbolic(effect: Effect, chain: Chain, values: Mapping[str, float]) -> Iter
         expected = np.array([float(part) for part in parts(chain.design(row))])
         given = np.array(function(chain.q[row])).ravel()
         scale = float(np.max(np.abs(expected), initial=0.0))
-        if given.shape != expected.shape or not np.all(np.abs(given - expected) <= _TOLERANCE * scale):
+        if given.shape != expected.shape or not np.all(np.abs(given - expected) <= TOLERANCE * scale):
             yield "gives other values for CasADi's symbols than for floats"
             return
 
 
 def _idle_sizes(effect: Effect, tried: Iterable[Chain]) -> Iterator[str]:
-    shapes = {each.name: each.typical[1] for each in effect.shapes}
+    shapes = {shape.name: shape.typical[1] for shape in effect.shapes}
     states = [chain.readings() for chain in tried]
     for size in effect.sizes:
         if not any(_moves(effect, state, {**shapes, size.name: size.typical[1]}) for state in states):

@@ -3,8 +3,9 @@ slide), each at a few poses with everything that a recording can hold. All numbe
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, fields, replace
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,6 +17,10 @@ from linkwright.core.arm.chain.kinematics import parts, symbols
 from linkwright.core.arm.chain.statics import PoseState, solve
 
 ROWS = 5
+TOLERANCE = 1e-9
+"""Of the greatest value: by so much two ways to one figure may differ, by rounding."""
+_FAILURES = (ArithmeticError, AttributeError, LookupError, NotImplementedError, RuntimeError, TypeError, ValueError)
+Tried = TypeVar("Tried")
 _QUARTER = ((1.0, 0.0, 0.0), (0.0, 0.0, -1.0), (0.0, 1.0, 0.0))
 
 
@@ -55,7 +60,7 @@ def chains() -> tuple[Chain, ...]:
 
 def _at(values: Any, row: int) -> Any:
     if isinstance(values, tuple):
-        return tuple(float(each[row]) for each in values)
+        return tuple(float(value[row]) for value in values)
     return float(values[row]) if isinstance(values, np.ndarray) else None
 
 
@@ -121,3 +126,16 @@ def _chain(arm: Arm, q: NDArray[np.float64], random: np.random.Generator) -> Cha
         last_moves=each(-1.0, 1.0),
     )
     return Chain(arm, beams, q, held)
+
+
+def faults_on(
+    tried: Iterable[Tried], faults: Callable[[Tried], Iterable[str]], where: Callable[[Tried], str]
+) -> list[str]:
+    """What is wrong on any of what is tried, as phrases, each once; what is raised there is one of them."""
+    found: dict[str, None] = {}
+    for item in tried:
+        try:
+            found.update(dict.fromkeys(faults(item)))
+        except _FAILURES as error:
+            found[f"raises {type(error).__name__} ({error}) on {where(item)}"] = None
+    return list(found)

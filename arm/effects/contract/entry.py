@@ -1,4 +1,4 @@
-"""The entry of an effect: does it say enough, and do its parts go together?"""
+"""Completeness and consistency of the declarations of an effect."""
 
 from __future__ import annotations
 
@@ -32,10 +32,10 @@ _WHY = MappingProxyType(
 
 def entry_faults(effect: Effect) -> list[str]:
     """What is wrong with an effect's entry, as phrases."""
-    found = [*_words(effect), *_roles(effect), *_conditions(effect)]
+    faults = [*_words(effect), *_roles(effect), *_conditions(effect)]
     for parameter in effect.parameters:
-        found += [f"parameter {parameter.name}: {fault}" for fault in _parameter(parameter)]
-    return found
+        faults += [f"parameter {parameter.name}: {fault}" for fault in _parameter(parameter)]
+    return faults
 
 
 def _words(effect: Effect) -> Iterator[str]:
@@ -57,8 +57,10 @@ def _roles(effect: Effect) -> Iterator[str]:
     names = [parameter.name for parameter in effect.parameters]
     if len(set(names)) < len(names):
         yield "two parameters have one name"
-    if effect.shapes and not effect.sizes:
+    if effect.shapes and not any(parameter.role in ("size", "torque") for parameter in effect.parameters):
         yield "has shapes but no size"
+    if effect.torques is None and any(parameter.role == "torque" for parameter in effect.parameters):
+        yield "has a size of the torque, but no torques"
     unknown = sorted({name for group in effect.enough for name in group} - set(names))
     if unknown:
         yield f"`enough` names {', '.join(unknown)}, which are no parameters"
@@ -84,8 +86,8 @@ def _roles(effect: Effect) -> Iterator[str]:
 
 def _conditions(effect: Effect) -> Iterator[str]:
     known = get_args(Condition)
-    asked = [*effect.requires, *(each for parameter in effect.parameters for each in parameter.requires)]
-    for condition in asked:
+    conditions = [*effect.requires, *(item for parameter in effect.parameters for item in parameter.requires)]
+    for condition in conditions:
         if condition not in known:
             yield f"requires {condition!r}, which is not one of {', '.join(known)}"
     if effect.only is not None and effect.only not in get_args(Only):
@@ -105,7 +107,7 @@ def _parameter(parameter: Parameter) -> Iterator[str]:
         yield "source is empty"
     if parameter.role not in get_args(Role):
         yield f"role {parameter.role!r} is not one of {', '.join(get_args(Role))}"
-    if parameter.role == "size" and not parameter.lower <= 0.0 < parameter.upper:
+    if parameter.role in ("size", "torque") and not parameter.lower <= 0.0 < parameter.upper:
         yield "the bounds of a size must hold 0 and something above it"
     if bool(parameter.grid) != (parameter.role == "shape"):
         yield "a shape needs a grid" if parameter.role == "shape" else "only a shape has a grid"

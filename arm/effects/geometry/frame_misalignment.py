@@ -25,13 +25,13 @@ def _twists(state: PoseState, settings: Settings) -> Iterator[Twist]:
 
 
 def _shift(name: str) -> Parameter:
-    return size(name, "length", -1.0, 1.0, (10e-6, 5e-3), out_of_plane=name == "z").means(
+    return size(name, "length", -1.0, 1.0, (10e-6, 5e-3), out_of_plane=name == "z", optional=True).means(
         f"shift of the base along {name}", "fits of a measuring frame to a base by hand"
     )
 
 
 def _turn(axis: str) -> Parameter:
-    return size(f"about_{axis}", "angle", -0.2, 0.2, (0.1e-3, 1e-3), out_of_plane=axis != "z").means(
+    return size(f"about_{axis}", "angle", -0.2, 0.2, (0.1e-3, 1e-3), out_of_plane=axis != "z", optional=True).means(
         f"turn of the base about {axis}", "fits of a measuring frame to a base by hand"
     )
 

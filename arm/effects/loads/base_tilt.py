@@ -6,22 +6,22 @@ base; where it does not, its own turn is a `frame_misalignment`.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
 
 from linkwright.core.arm.chain.statics import PoseState
 from linkwright.core.arm.chain.vectors import ZERO, Vector, cross, is_zero
 from linkwright.core.arm.effects.effect import Effect, Parameter, Settings, Twist, size
 from linkwright.core.arm.effects.elastic.cantilever import elastic_twists, under_other_loads
+from linkwright.core.arm.motion.motion import Motion
+from linkwright.core.arm.motion.rigid import gravity_torque
+from linkwright.core.sections.numeric import Array
 
 from .added_weights import under_weight_alone, weights_added
 
 
 def _twists(state: PoseState, settings: Settings) -> Iterator[Twist]:
-    about_x, about_y, about_z = _turned(settings)
-    tilt: Vector = (0.0, 0.0, about_z) if state.planar else (about_x, about_y, about_z)
-    # A base turned by `tilt` sees gravity turned back by it.
-    change = cross(state.gravity, tilt)
+    change = _change(state.gravity, settings, planar=state.planar)
     if is_zero(change):
         return
     yield from elastic_twists(under_other_loads(state, gravity=change, tip_force=ZERO, tip_moment=(0.0, 0.0, 0.0)))
@@ -31,9 +31,23 @@ def _twists(state: PoseState, settings: Settings) -> Iterator[Twist]:
             yield from elastic_twists(alone)
 
 
+def _change(gravity: Vector, settings: Settings, *, planar: bool) -> Vector:
+    """A base that is turned sees gravity turned back; in the plane only what stays there counts."""
+    about_x, about_y, about_z = _turned(settings)
+    return cross(gravity, (0.0, 0.0, about_z) if planar else (about_x, about_y, about_z))
+
+
+def _torques(motion: Motion, settings: Settings) -> Mapping[int, Array]:
+    arm = motion.arm
+    change = _change(arm.gravity, settings, planar=arm.planar())
+    if is_zero(change):
+        return {}
+    return dict(enumerate(gravity_torque(arm, motion.q, change, motion.payload_mass).T))
+
+
 def _turned(settings: Settings) -> Vector:
-    given = settings.values
-    return (given.get("about_x", 0.0), given.get("about_y", 0.0), given.get("about_z", 0.0))
+    values = settings.values
+    return (values.get("about_x", 0.0), values.get("about_y", 0.0), values.get("about_z", 0.0))
 
 
 def _turn(axis: str) -> Parameter:
@@ -46,7 +60,7 @@ def _turn(axis: str) -> Parameter:
 BASE_TILT = Effect(
     id="base_tilt",
     title="tilt of the base against gravity",
-    formula="sum over what bends, under the change of gravity g x tilt",
+    formula="sum over what bends, under the change of gravity g x tilt; of a motion the torque that holds it",
     place="base",
     cause="loads",
     needs="an inclinometer, or known stiffness",
@@ -55,6 +69,7 @@ BASE_TILT = Effect(
     "(Springer, 2009), gravity in the base frame, doi:10.1007/978-1-84628-642-1",
     parameters=(_turn("x"), _turn("y"), _turn("z")),
     twists=_twists,
+    torques=_torques,
     against_plumb=_turned,
     through_flexibility=True,
     lasts="a while",

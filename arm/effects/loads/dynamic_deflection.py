@@ -10,6 +10,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from linkwright.core.arm.chain.beam import Beam
+from linkwright.core.arm.chain.kinematics import carried_unturned
 from linkwright.core.arm.chain.statics import PoseState
 from linkwright.core.arm.chain.vectors import ZERO, Scalar, Vector, add, cross, dot, scale, subtract, times
 from linkwright.core.arm.effects.effect import Effect, Settings, Twist, drive_motion, size
@@ -71,11 +72,10 @@ def inertial_loads(
     force = scale(times(-1.0, state.payload_mass), add(moving[-1].end, moving[-1].relative(state.tool)))
     moment = cross(state.tool, force)
     loads: list[Scalar] = []
-    ends: list[Vector] = [ZERO] * len(moving)
+    at_axes: list[Vector] = [ZERO] * (len(moving) + 1)
     for index in range(len(moving) - 1, -1, -1):
         link, joint, here = state.links[index], state.joints[index], moving[index]
         beam = link.beam
-        ends[index] = moment
         mass = times(beam.mass_per_length, beam.length)
         # Along a rigid rod the acceleration runs linearly from its joint to its end.
         moment = add(moment, cross(link.vector, force))
@@ -91,9 +91,10 @@ def inertial_loads(
         if not joint.revolute:
             loads.append(dot(joint.axis, add(force, own)))
         elif state.absolute:
-            loads.append(dot(joint.axis, subtract(moment, ends[index + joint.spans - 1])))
+            loads.append(dot(joint.axis, subtract(moment, at_axes[carried_unturned(state.arm.joints, index)])))
         else:
             loads.append(dot(joint.axis, moment))
+        at_axes[index] = moment
         force = add(force, own)
         moment = add(moment, cross(state.leads[index], force))
     return tuple(reversed(loads))

@@ -1,4 +1,7 @@
-"""The payload is heavier or lighter than declared, and what bends gives more or less."""
+"""The payload is heavier or lighter than declared, and what bends gives more or less.
+
+A tip shows its mass. The torques of a motion show where its centre stands and how it is spread, too.
+"""
 
 from __future__ import annotations
 
@@ -7,9 +10,10 @@ from collections.abc import Iterator, Sequence
 from linkwright.core.arm.chain.beam import Beam
 from linkwright.core.arm.chain.chain import Arm
 from linkwright.core.arm.chain.statics import PoseState
-from linkwright.core.arm.effects.effect import Effect, Settings, Twist, size
+from linkwright.core.arm.effects.effect import Effect, Parameter, Settings, Twist, given, size
 from linkwright.core.arm.effects.elastic.cantilever import elastic_twists, under_other_loads
 
+from .inertial import OfInertia, inertial_sizes, of_tip
 from .link_mass import mass_declared
 
 
@@ -30,10 +34,18 @@ def _declared(arm: Arm, beams: Sequence[Beam], _place: int) -> float:
     return arm.payload.mass + mass_declared(arm, beams, arm.size - 1)
 
 
+def _centre(axis: str) -> Parameter:
+    return given(f"centre_{axis}", "length", -10.0, 10.0, (-0.1, 0.2)).means(
+        f"of that mass: how far its centre stands from the tip along {axis} of the last link's end; only a motion's "
+        "torques show it",
+        "tools and workpieces: up to some hundred mm",
+    )
+
+
 PAYLOAD = Effect(
     id="payload",
     title="extra mass at the tip",
-    formula="sum over what bends, under the weight m g at the tip",
+    formula="sum over what bends, under the weight m g at the tip; of a motion the torque that moves it",
     place="tip",
     cause="loads",
     needs="known stiffness, or two payloads",
@@ -45,8 +57,11 @@ PAYLOAD = Effect(
             "mass at the tip beyond the payload declared",
             "tool changers, targets, cables and fillings left out of the figure declared",
         ),
+        *inertial_sizes("of what hangs at the tip, beyond the mass at the centre given", "the tip", mass=False),
+        *map(_centre, "xyz"),
     ),
     twists=_twists,
+    torques=OfInertia(of_tip),
     through_flexibility=True,
     lasts="a recording",
     rank=50,

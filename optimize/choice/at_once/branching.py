@@ -25,7 +25,7 @@ from linkwright.core.optimize.exchange.program import carried_mass
 from linkwright.core.sections.numeric import Array
 
 from .cells import link_cells
-from .lengths import LengthRows
+from .lengths import LengthRows, log_spans
 from .parts import BranchAndBound
 from .pose_rows import PoseRow, rows_of
 from .relaxation import LOOSE, Node, Relaxation, Relaxed
@@ -58,10 +58,10 @@ class Branching(BranchAndBound[Node]):
         self.context = chooser.context
         self.options = option_table(self.context.problem)
         problem = self.context.problem
-        span = problem.link_length
-        logs = (0.0, 0.0) if span is None else (math.log(span[0]), math.log(span[1]))
-        self.relaxation = Relaxation(link_cells(self.context.problem), self.options.links, problem.arm.size, logs)
-        self._free = None if span is None else LengthRows(self.context, span)
+        links = self.options.links
+        logs = log_spans(problem, links) if problem.free_lengths else None
+        self.relaxation = Relaxation(link_cells(problem), links, problem.arm.size, logs)
+        self._free = LengthRows(self.context) if problem.free_lengths else None
         self._rows_for: object = None
         self._read_off: tuple[Arm, Array] | None = None
         self._summed = True
@@ -78,8 +78,8 @@ class Branching(BranchAndBound[Node]):
         if not self._begin():
             return None
         for node in self._roots():
-            found = self.relaxation.solve(node, math.inf, rough=True)
-            self._push(replace(found.node, bound=found.bound), found.bound)
+            relaxed = self.relaxation.solve(node, math.inf, rough=True)
+            self._push(replace(relaxed.node, bound=relaxed.bound), relaxed.bound)
         if self._heap and self._heap[0][2].prices is not None:
             first = self.relaxation.solve(self._heap[0][2], math.inf, rough=True)
             self._try(next(self._picks(first)))
@@ -103,19 +103,19 @@ class Branching(BranchAndBound[Node]):
         heap: list[tuple[float, int, tuple[int, ...], list[list[tuple[float, int]]]]] = []
         left = 0
         for node in self._roots():
-            found = self.relaxation.solve(node, math.inf)
-            if found.bound >= enough:
+            relaxed = self.relaxation.solve(node, math.inf)
+            if relaxed.bound >= enough:
                 continue
-            bound, losses = self.relaxation.by_option(found, enough - found.bound)
+            bound, losses = self.relaxation.by_option(relaxed, enough - relaxed.bound)
             room = enough - bound
-            ranked = [sorted((loss, o) for o, loss in each.items() if loss < room) for each in losses]
-            left += _sums_below(room, [[loss for loss, _ in each] for each in ranked])
+            ranked = [sorted((loss, o) for o, loss in item.items() if loss < room) for item in losses]
+            left += _sums_below(room, [[loss for loss, _ in item] for item in ranked])
             heapq.heappush(heap, (bound, next(self._order), (0,) * len(ranked), ranked))
         while heap:
             bound, _, places, ranked = heapq.heappop(heap)
             left -= 1
             yield (
-                self.options.combination([each[k][1] for each, k in zip(ranked, places, strict=True)]),
+                self.options.combination([item[k][1] for item, k in zip(ranked, places, strict=True)]),
                 max(left, len(heap)),
             )
             # Each next worse one has one parent: only links from the last that was moved on are moved.
@@ -179,47 +179,49 @@ class Branching(BranchAndBound[Node]):
         same = self.context.problem.same
         kinds: list[list[tuple[object, ...]]] = []
         for cells in self.relaxation.cells:
-            alike = "section" in same or "size" in same
-            kinds.append([(s if alike else None, m.name if "material" in same else None) for s, m in cells.options])
-        found: list[Node] = []
+            same_shape = "section" in same or "size" in same
+            kinds.append(
+                [(s if same_shape else None, m.name if "material" in same else None) for s, m in cells.options]
+            )
+        nodes: list[Node] = []
         for kind in dict.fromkeys(kinds[0]):
-            allowed = [np.flatnonzero([each == kind for each in own]) for own in kinds]
-            found.append(self.relaxation.root(allowed))
-        return found
+            allowed = [np.flatnonzero([item == kind for item in link_kinds]) for link_kinds in kinds]
+            nodes.append(self.relaxation.root(allowed))
+        return nodes
 
     def _step(self, part: Node) -> None:
         enough = self.objective * (1.0 - 0.9 * self.wanted)
         if part.bound >= enough:
             self._done_with(part.bound)
             return
-        found = self.relaxation.solve(part, enough)
-        bound = max(found.bound, part.bound)
+        relaxed = self.relaxation.solve(part, enough)
+        bound = max(relaxed.bound, part.bound)
         if bound >= enough:
             self._done_with(bound)
             return
-        untried = (pick for pick in self._picks(found) if pick not in self.chooser.candidates)
+        untried = (pick for pick in self._picks(relaxed) if pick not in self.chooser.candidates)
         pick = next(untried, None)
         if pick is not None:
             self._try(pick)
             self._summed = self._refresh()
-        parts = split(self.relaxation, replace(found.node, bound=bound), found)
+        parts = split(self.relaxation, replace(relaxed.node, bound=bound), relaxed)
         if not parts:
             self._done_with(bound)
-        for each in parts:
-            self._push(each, bound)
+        for item in parts:
+            self._push(item, bound)
 
-    def _picks(self, found: Relaxed) -> Iterator[Combination]:
+    def _picks(self, relaxed: Relaxed) -> Iterator[Combination]:
         """The combinations that a relaxed solution is mixed of, the nearest first."""
         mixed: list[dict[int, float]] = []
         for k, cells in enumerate(self.relaxation.cells):
             weights: dict[int, float] = {}
-            for column, share in found.shares:
+            for column, share in relaxed.shares:
                 if column.link == k:
                     option = int(cells.option[column.cell])
                     weights[option] = weights.get(option, 0.0) + share
             mixed.append(weights)
-        every = [(math.prod(w for _, w in each), each) for each in itertools.product(*(w.items() for w in mixed))]
-        every.sort(key=lambda each: -each[0])
+        every = [(math.prod(w for _, w in item), item) for item in itertools.product(*(w.items() for w in mixed))]
+        every.sort(key=lambda item: -item[0])
         for weight, each in every:
             if weight >= _NEAR * every[0][0]:
                 yield self.options.combination([option for option, _ in each])
@@ -242,7 +244,7 @@ def _sums_below(room: float, lists: Sequence[Sequence[float]]) -> int:
     bins = 4000
     counts = np.zeros(bins)
     counts[0] = 1.0
-    for own in lists:
-        steps = np.bincount((np.array(own) / room * bins).astype(int), minlength=bins)[:bins]
+    for link_list in lists:
+        steps = np.bincount((np.array(link_list) / room * bins).astype(int), minlength=bins)[:bins]
         counts = np.convolve(counts, steps)[:bins]
     return int(counts.sum())

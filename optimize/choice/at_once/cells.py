@@ -19,12 +19,13 @@ from numpy.typing import NDArray
 
 from linkwright.core.arm.chain.beam import elastic_beam
 from linkwright.core.arm.errors.model import needs_shear_modulus
-from linkwright.core.materials.material import Material, MaterialValues
+from linkwright.core.arm.figures import ChosenMaterial, Limit, OfLinks
+from linkwright.core.materials.material import Material
 from linkwright.core.optimize.choice.picks import option_table
 from linkwright.core.optimize.choice.products import FEATURES
 from linkwright.core.optimize.exchange.design import MATERIAL_FIELDS, material_row, material_values
-from linkwright.core.optimize.limits import Limit, OfLinks
 from linkwright.core.optimize.problem import Problem
+from linkwright.core.optimize.ranges import Ranges
 from linkwright.core.sections import SHAPES
 from linkwright.core.sections.numeric import Array
 from linkwright.core.sections.properties import SectionProperties
@@ -80,32 +81,33 @@ class _Kind:
         return kind(**dict(zip(self.names, values, strict=True)))
 
 
-def _kind_of(shape: str, problem: Problem) -> _Kind:
+def _kind_of(shape: str, ranges: Ranges) -> _Kind:
     kind = SHAPES[shape]
-    bounds = {"outer": problem.section_size, "wall": problem.thickness}
+    bounds = ranges.by_kind
     plain = all(variable.kind in bounds for variable in kind.variables)
     used: Sequence[Any] = (
         kind.variables if plain else [d for d in kind.dimensions if d.kind in bounds and not d.optional]
     )
-    spans = np.log([bounds[each.kind] for each in used])
-    return _Kind(shape, tuple(each.name for each in used), plain, spans[:, 0], spans[:, 1])
+    spans = np.log([bounds[item.kind] for item in used])
+    return _Kind(shape, tuple(item.name for item in used), plain, spans[:, 0], spans[:, 1])
 
 
 class Cells:
     """The cells of a link's options (shape with material); more of them as they are split. Arrays by cell: `option`,
     `low` and `high` (logarithms of dimensions), `corners` (N, C + 1, K) whose last is the middle, `kept` (N, C + 1)
     which of those keep all limits on single links, `bends` (N, D, K) what is taken off for curvature along each
-    dimension: what sags counts, what arches does not. `held` (N, C, H) is what must not be above nought at the
+    dimension: what sags counts, what arches does not. `held` (N, C, H) is what must not be above zero at the
     corners, and `held_bends` (N, D, H) what is taken off of it; `across` tells which cells lie across such a limit."""
 
-    def __init__(self, problem: Problem, options: Sequence[tuple[str, Material]]) -> None:
-        self.problem, self.options = problem, tuple(options)
+    def __init__(self, problem: Problem, link: int, options: Sequence[tuple[str, Material]]) -> None:
+        """`link` (from 0) is the one, or the first of those alike."""
+        self.problem, self.options, self.ranges = problem, tuple(options), problem.ranges[link]
         self._shear = needs_shear_modulus(problem.arm, problem.load_cases)
-        self._limits = tuple(limit for limit in problem.limits if isinstance(limit.figure.follows, OfLinks))
+        self._limits = problem.limits_on_link(link)
         shapes = tuple(dict.fromkeys(shape for shape, _ in self.options))
-        self._kinds = tuple(_kind_of(shape, problem) for shape in shapes)
+        self._kinds = tuple(_kind_of(shape, self.ranges) for shape in shapes)
         self._kind = np.array([shapes.index(shape) for shape, _ in self.options])
-        self._rows = np.array([material_row((material,), problem) for _, material in self.options])
+        self._rows = np.array([material_row((material,), problem, link) for _, material in self.options])
         self._width = max(len(kind.names) for kind in self._kinds)
         count = 2**self._width + 1
         room = 4 * len(self.options)
@@ -129,7 +131,7 @@ class Cells:
         return self._measured(kind, np.flatnonzero(self._kind == number)[:1], middle)[2].shape[2]
 
     def _first_cells(self) -> Ids:
-        found: list[Ids] = []
+        cells: list[Ids] = []
         for number, kind in enumerate(self._kinds):
             options = np.flatnonzero(self._kind == number)
             size = len(kind.names)
@@ -144,20 +146,20 @@ class Cells:
                     break
                 widest = (self.high - self.low)[ids[poor]].argmax(axis=1)
                 ids = np.concatenate([ids[~poor], self.split(ids[poor], widest)])
-            found.append(ids)
-        return np.concatenate(found)
+            cells.append(ids)
+        return np.concatenate(cells)
 
     def _made(self, options: Ids, low: Array, high: Array) -> tuple[Ids, Ids]:
         """New cells, those that hold no section that keeps its limits left out; and where each stands in what was
         given."""
-        found: list[tuple[Ids, Ids]] = []
+        made: list[tuple[Ids, Ids]] = []
         for number, kind in enumerate(self._kinds):
-            own = np.flatnonzero(self._kind[options] == number)
-            if len(own):
-                ids, stay = self._made_of(kind, options[own], low[own], high[own])
-                found.append((ids, own[stay]))
+            members = np.flatnonzero(self._kind[options] == number)
+            if len(members):
+                ids, stay = self._made_of(kind, options[members], low[members], high[members])
+                made.append((ids, members[stay]))
         nothing = np.zeros(0, dtype=np.intp)
-        return tuple(np.concatenate(each) for each in zip(*found, strict=True)) if found else (nothing, nothing)  # type: ignore[return-value]
+        return tuple(np.concatenate(item) for item in zip(*made, strict=True)) if made else (nothing, nothing)  # type: ignore[return-value]
 
     def _made_of(self, kind: _Kind, options: Ids, low: Array, high: Array) -> tuple[Ids, NDArray[np.bool_]]:
         size = len(kind.names)
@@ -165,7 +167,7 @@ class Cells:
         sides = 0.5 + 0.5 * np.concatenate([-np.eye(size), np.eye(size)])
         shares = np.concatenate([corners, np.full((1, size), 0.5), sides])
         points = low[:, None, :size] + shares * (high - low)[:, None, :size]
-        columns, kept, held = self._measured(kind, options, points)
+        columns, feasible, held = self._measured(kind, options, points)
         last = len(corners)
         with np.errstate(invalid="ignore"):
             bends, held_bends = _sagging(columns, last), _sagging(held, last)
@@ -178,19 +180,19 @@ class Cells:
         impossible |= narrow & ~np.isfinite(bends[..., :_PLAIN]).all(axis=(1, 2))
         times = (self.corners.shape[1] - 1) // last
         full = np.concatenate([np.repeat(columns[:, :last], times, axis=1), columns[:, last : last + 1]], axis=1)
-        flags = np.concatenate([np.repeat(kept[:, :last], times, axis=1), kept[:, last : last + 1]], axis=1)
+        flags = np.concatenate([np.repeat(feasible[:, :last], times, axis=1), feasible[:, last : last + 1]], axis=1)
         stay = ~impossible
         known = np.all(np.isfinite(held_bends), axis=1, keepdims=True)
-        told = np.repeat(np.where(known, held[:, :last], -1.0), times, axis=1)[stay]
+        known_held = np.repeat(np.where(known, held[:, :last], -1.0), times, axis=1)[stay]
         limits = slice(0, held.shape[2])
         place = self._more(int(stay.sum()))
         self.option[place] = options[stay]
         self.low[place], self.high[place] = low[stay], high[stay]
         self.corners[place], self.kept[place], self.bends[place, :size] = full[stay], flags[stay], bends[stay]
         self.held[place], self.held_bends[place] = -1.0, 0.0
-        self.held[place, :, limits] = told
+        self.held[place, :, limits] = known_held
         self.held_bends[place, :size, limits] = np.where(known, held_bends, 0.0)[stay]
-        self.across[place] = (told > 0.0).any(axis=(1, 2)) & np.isfinite(bends[stay]).all(axis=(1, 2))
+        self.across[place] = (known_held > 0.0).any(axis=(1, 2)) & np.isfinite(bends[stay]).all(axis=(1, 2))
         return np.arange(place.start, place.stop), stay
 
     def _more(self, number: int) -> slice:
@@ -211,18 +213,20 @@ class Cells:
             columns = columns_of(section, materials, count, shear=self._shear)
             rows = [np.broadcast_to(np.asarray(value, dtype=float), count) for value in self._held(section, materials)]
         held = np.stack(rows, axis=-1) if rows else np.full((*count, 1), -1.0)
-        kept = np.asarray((held <= _GIVES).all(axis=-1) & np.isfinite(columns).all(axis=-1))
-        return columns, kept, np.where(np.isfinite(held), held, np.inf)
+        feasible = np.asarray((held <= _GIVES).all(axis=-1) & np.isfinite(columns).all(axis=-1))
+        return columns, feasible, np.where(np.isfinite(held), held, np.inf)
 
-    def _held(self, section: Section, materials: MaterialValues) -> list[Any]:
-        problem = self.problem
-        own = (*section.constraints(), *section.bound_constraints(problem.section_size, problem.thickness))
-        return [*(each.value for each in own), *(x for limit in self._limits for x in held(limit, section, materials))]
+    def _held(self, section: Section, materials: ChosenMaterial) -> list[Any]:
+        constraints = (*section.constraints(), *section.bound_constraints(*self.ranges.sizes))
+        return [
+            *(constraint.value for constraint in constraints),
+            *(x for limit in self._limits for x in held(limit, section, materials)),
+        ]
 
     def split(self, ids: Ids, axes: Ids) -> Ids:
         """The halves of cells, each along a dimension. Splitting one again gives the same ones."""
-        asked = list(zip(ids.tolist(), axes.tolist(), strict=True))
-        fresh = [each for each in asked if each not in self._children]
+        pairs = list(zip(ids.tolist(), axes.tolist(), strict=True))
+        fresh = [pair for pair in pairs if pair not in self._children]
         if fresh:
             parents = np.repeat(np.array([cell for cell, _ in fresh]), 2)
             along = np.repeat(np.array([axis for _, axis in fresh]), 2)
@@ -235,9 +239,9 @@ class Cells:
             order = np.argsort(places, kind="stable")
             made, owners = made[order], places[order] // 2
             ends = np.searchsorted(owners, np.arange(len(fresh) + 1))
-            for number, each in enumerate(fresh):
-                self._children[each] = made[ends[number] : ends[number + 1]]
-        return np.concatenate([self._children[each] for each in asked]) if asked else ids
+            for number, item in enumerate(fresh):
+                self._children[item] = made[ends[number] : ends[number + 1]]
+        return np.concatenate([self._children[pair] for pair in pairs]) if pairs else ids
 
     def pad(self, ids: Ids) -> Array:
         """By how much a column of cells may leave the range of its corners, either way (N, K)."""
@@ -270,8 +274,8 @@ class Cells:
     def _sags(self, ids: Ids, price: Array, weights: Array | None = None) -> tuple[Array, Array]:
         """What is taken off of a sum of columns for curvature (N), limits added with `weights` (N, H); and all that
         curves, whether it adds up or cancels."""
-        own = self.bends[ids]
-        along, every = own @ price, np.abs(own) @ np.abs(price)
+        bends = self.bends[ids]
+        along, every = bends @ price, np.abs(bends) @ np.abs(price)
         if weights is not None:
             limits = self.held_bends[ids]
             along += np.einsum("ndh,nh->nd", limits, weights)
@@ -328,7 +332,7 @@ class Cells:
     @property
     def spent(self) -> bool:
         """Whether there are as many cells as there may be."""
-        return self.count >= (MOST_CELLS if self.problem.link_length is None else MOST_CELLS_FREE)
+        return self.count >= (MOST_CELLS_FREE if self.problem.free_lengths else MOST_CELLS)
 
     def width(self, ids: Ids) -> Array:
         """The widest range of each cell (in logarithms)."""
@@ -348,35 +352,35 @@ def _sagging(values: Array, corners: int) -> Array:
     return _CURVED * (0.5 * (sides[:, :half] + sides[:, half:]) - middle)
 
 
-def columns_of(section: Section, materials: MaterialValues, shape: tuple[int, ...], *, shear: bool) -> Array:
+def columns_of(section: Section, materials: ChosenMaterial, shape: tuple[int, ...], *, shear: bool) -> Array:
     """The columns (*shape, K) of sections in materials."""
-    found = np.zeros((*shape, len(COLUMNS)))
+    columns = np.zeros((*shape, len(COLUMNS)))
     price: Any = materials.cost
     with np.errstate(all="ignore"):
-        for k, each in enumerate(features(section.properties(materials.poisson_ratio), materials, shear=shear)):
-            found[..., k] = np.log(np.broadcast_to(each, shape))
-        found[..., PRICE] = np.log(np.maximum(price * np.exp(found[..., 0]), _LEAST_PRICE))
-    found[..., EXPANSION] = materials.thermal_expansion
-    found[..., _PLAIN:] = np.where(np.isfinite(found[..., _PLAIN:]), found[..., _PLAIN:], 0.0)
-    return found
+        for k, feature in enumerate(features(section.properties(materials.poisson_ratio), materials, shear=shear)):
+            columns[..., k] = np.log(np.broadcast_to(feature, shape))
+        columns[..., PRICE] = np.log(np.maximum(price * np.exp(columns[..., 0]), _LEAST_PRICE))
+    columns[..., EXPANSION] = materials.thermal_expansion
+    columns[..., _PLAIN:] = np.where(np.isfinite(columns[..., _PLAIN:]), columns[..., _PLAIN:], 0.0)
+    return columns
 
 
-def features(found: SectionProperties, materials: MaterialValues, *, shear: bool) -> list[Any]:
+def features(found: SectionProperties, materials: ChosenMaterial, *, shear: bool) -> list[Any]:
     """A section's features but for expansion (see `products.FEATURES`), in floats, arrays or symbols."""
     beam = elastic_beam(1.0, found, materials, shear=shear)
     across = (beam.torsional_rigidity, beam.shear_rigidity_height, beam.shear_rigidity_width)
     rigid = [beam.axial_rigidity, beam.flexural_rigidity_height, beam.flexural_rigidity_width, *across]
     strong = [
-        each * materials.yield_strength for each in (found.area, found.section_modulus_y, found.section_modulus_z)
+        item * materials.allowed_stress for item in (found.area, found.section_modulus_y, found.section_modulus_z)
     ]
     return [
         beam.mass_per_length,
-        *(1.0 if each is None or (k > 2 and not shear) else 1.0 / each for k, each in enumerate(rigid)),
-        *(1.0 / each for each in strong),
+        *(1.0 if item is None or (k > 2 and not shear) else 1.0 / item for k, item in enumerate(rigid)),
+        *(1.0 / item for item in strong),
     ]
 
 
-def held(limit: Limit, section: Section, materials: MaterialValues) -> list[Any]:
+def held(limit: Limit, section: Section, materials: ChosenMaterial) -> list[Any]:
     """What must not be above nought for a single link to keep a limit."""
     follows = limit.figure.follows
     assert isinstance(follows, OfLinks)
@@ -385,7 +389,8 @@ def held(limit: Limit, section: Section, materials: MaterialValues) -> list[Any]
 
 
 def link_cells(problem: Problem) -> tuple[Cells, ...]:
-    """The cells of each elastic link; links with the same options share them."""
-    table = option_table(problem).options
-    made = {own: Cells(problem, own) for own in dict.fromkeys(table)}
-    return tuple(made[own] for own in table)
+    """The cells of each elastic link; links that are alike share them."""
+    table = option_table(problem)
+    first = table.first_alike(problem)
+    made = {k: Cells(problem, table.links[k], table.options[k]) for k in dict.fromkeys(first)}
+    return tuple(made[k] for k in first)

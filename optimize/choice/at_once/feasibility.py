@@ -1,9 +1,9 @@
-"""Which combinations cannot keep the limits, told for all at once.
+"""Infeasible combinations of shapes and materials, certified all at once.
 
-The relaxation (`relaxation`) without an objective: by how little the limits have to be broken at the poses so far. Its
-multipliers make one sum over links that no design which keeps all limits has above nought; where the least of it over a
-combination's options is above, that combination is out, whatever its sizes (a certificate of infeasibility; J. W.
-Chinneck, Feasibility and Infeasibility in Optimization, Springer 2008, ch. 2).
+The relaxation (`relaxation`) is solved for the least violation of the limits at the poses known, without an objective.
+Its multipliers give one sum over links that is at most zero for every feasible design. A combination over whose options
+the minimum of that sum is positive is infeasible, whatever its sizes (a certificate of infeasibility; J. W. Chinneck,
+Feasibility and Infeasibility in Optimization, Springer 2008, ch. 2).
 """
 
 from __future__ import annotations
@@ -40,7 +40,7 @@ _MOST = 3_000_000
 
 @dataclass(frozen=True)
 class Shown:
-    """About what rows were read off: a combination with its numbers, and the poses that its limits give way at."""
+    """The point at which rows were linearised: a combination, its variables, the poses at which limits relax."""
 
     pick: Combination
     x: Array
@@ -96,10 +96,10 @@ class Feasibility:
         not known that one is broken by all. Rows are read off about a design: a combination with its numbers."""
         if not self._read(exchange, x, pick, pool):
             return []
-        found = self._roughly(lambda: self.relaxation.least_breach(self._root, self._root))
-        if not math.isfinite(found.bound) or found.bound <= _SURE:
+        relaxed = self._roughly(lambda: self.relaxation.least_breach(self._root, self._root))
+        if not math.isfinite(relaxed.bound) or relaxed.bound <= _SURE:
             return []
-        return self._least(self._breaches(found), number)
+        return self._least(self._breaches(relaxed), number)
 
     def nearest_by_one(
         self, exchange: Exchange, x: Array, pick: Combination, pool: Pool, number: int, limit: int
@@ -114,8 +114,8 @@ class Feasibility:
         ]
         if not any(row.objective for row in self.relaxation.rows):
             return []
-        found = self._roughly(lambda: self.relaxation.solve(self._root, math.inf))
-        return self._least(self._breaches(found), number) if math.isfinite(found.bound) else None
+        relaxed = self._roughly(lambda: self.relaxation.solve(self._root, math.inf))
+        return self._least(self._breaches(relaxed), number) if math.isfinite(relaxed.bound) else None
 
     def _roughly(self, solve: Callable[[], Relaxed]) -> Relaxed:
         self.relaxation.loose = _ROUGH
@@ -159,19 +159,19 @@ class Feasibility:
 
     def _note(self, node: Node) -> None:
         """Rule out what the multipliers of a part of all designs show to be impossible."""
-        found = self.relaxation.least_breach(node, self._root)
-        if math.isfinite(found.bound):
-            self._broken = np.maximum(self._broken, self._breaches(found))
+        relaxed = self.relaxation.least_breach(node, self._root)
+        if math.isfinite(relaxed.bound):
+            self._broken = np.maximum(self._broken, self._breaches(relaxed))
             self.impossible |= self._broken > _SURE
 
-    def _breaches(self, found: Relaxed) -> NDArray[np.float64]:
+    def _breaches(self, relaxed: Relaxed) -> NDArray[np.float64]:
         """How far limits are broken at least (relative), for every combination."""
-        everywhere = replace(found, node=replace(found.node, cells=self._root.cells))
-        bound, losses = self.relaxation.by_option(everywhere, max(_SURE - found.bound, 0.0) + _ROOM)
+        everywhere = replace(relaxed, node=replace(relaxed.node, cells=self._root.cells))
+        bound, losses = self.relaxation.by_option(everywhere, max(_SURE - relaxed.bound, 0.0) + _ROOM)
         table = np.array(bound)
-        for axis, (own, cells) in enumerate(zip(losses, self.relaxation.cells, strict=True)):
+        for axis, (link_losses, cells) in enumerate(zip(losses, self.relaxation.cells, strict=True)):
             # An option without a cell has no section that keeps the limits on single links.
-            values = np.array([own.get(option, np.inf) for option in range(len(cells.options))])
+            values = np.array([link_losses.get(option, np.inf) for option in range(len(cells.options))])
             table = table + values.reshape([-1 if k == axis else 1 for k in range(len(losses))])
         return table
 
@@ -180,12 +180,7 @@ def feasibility_of(context: Context) -> Feasibility | None:
     """What rules out combinations of a problem; None where the model is no sum of products over links: lengths to be
     chosen, scenarios, play that depends on the design; or where there are too many."""
     problem = context.problem
-    if (
-        problem.link_length is not None
-        or problem.taper is not None
-        or problem.balances
-        or context.scenarios is not None
-    ):
+    if problem.free_lengths or problem.free_tapers or problem.balances or context.scenarios is not None:
         return None
     if problem.arm.play != "worst" and context.uses_error:
         return None

@@ -8,8 +8,7 @@ cost and reach are rows here; other limits are left out, which can only lower a 
 from __future__ import annotations
 
 import itertools
-import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
@@ -21,6 +20,7 @@ from linkwright.core.optimize.choice.products import Power
 from linkwright.core.optimize.exchange.binding_poses import ErrorCut, Pool
 from linkwright.core.optimize.exchange.exchange import Context
 from linkwright.core.optimize.exchange.program import carried_mass, drives_cost, fixed_error
+from linkwright.core.optimize.problem import Problem
 from linkwright.core.sections.numeric import Array
 
 from .cells import LENGTH, PRICE
@@ -34,18 +34,25 @@ _NOTHING = 1e-10
 """A monomial that adds less than this share of the greatest error is left out."""
 
 
-class LengthRows:
-    """The rows of a problem with free lengths between the bounds `span` (m); poses read off are kept."""
+def log_spans(problem: Problem, links: Sequence[int]) -> Array:
+    """The logarithms (n, 2) of the least and the greatest length (m) of some links."""
+    return np.log([problem.length_spans[link] for link in links])
 
-    def __init__(self, context: Context, span: tuple[float, float]) -> None:
-        self.context, self.span = context, span
+
+class LengthRows:
+    """The rows of a problem with free lengths between their bounds; poses read off are kept."""
+
+    def __init__(self, context: Context) -> None:
+        self.context = context
         self._known: dict[ErrorCut, dict[Power, Array] | None] = {}
         self._links = [k for k, link in enumerate(context.problem.arm.links) if link.section is not None]
         powers = itertools.product(range(_DEGREE + 1), repeat=len(self._links))
-        self._monomials = np.array([each for each in powers if sum(each) <= _DEGREE])
+        self._monomials = np.array([power for power in powers if sum(power) <= _DEGREE])
         generator = np.random.default_rng(7)
         count = len(self._monomials)
-        self._samples = generator.uniform(*span, (2 * count + 8, len(self._links)))
+        low, high = np.exp(log_spans(context.problem, self._links)).T
+        self._scale = np.sqrt(low * high)
+        self._samples = generator.uniform(low, high, (2 * count + 8, len(self._links)))
         self._read = 2 * count
 
     def rows_of(self, pool: Pool, arm: Arm, p: Array, worth: float) -> list[PoseRow] | None:
@@ -60,18 +67,18 @@ class LengthRows:
         if (by_length := price_by_length(problem.arm)) > 0.0:
             cost |= {((k, LENGTH),): np.array([by_length]) for k in self._links}
         reach: dict[Power, Array] = {((k, LENGTH),): np.ones(1) for k in self._links}
-        own = {"mass": mass, "total_mass": mass, "cost": cost, "reach": reach}
+        sums = {"mass": mass, "total_mass": mass, "cost": cost, "reach": reach}
         carried = rigid + carried_mass(problem)
         rest = {"mass": rigid, "total_mass": carried, "cost": drives_cost(problem), "reach": stays}
-        found = sums_rows(problem, own, rest, size, worth)
+        rows = sums_rows(problem, sums, rest, size, worth)
         for cut in dict.fromkeys(pool.errors):
             if cut not in self._known:
                 self._known[cut] = self._terms(cut, p)
             terms = self._known[cut]
             if terms is None:
                 return None
-            found += error_rows(problem, terms, size, worth, fixed)
-        return found
+            rows += error_rows(problem, terms, size, worth, fixed)
+        return rows
 
     def _terms(self, cut: ErrorCut, p: Array) -> dict[Power, Array] | None:
         """The error at a pose, each product with powers of lengths; None where it is no such sum."""
@@ -85,13 +92,12 @@ class LengthRows:
             if vectors is None:
                 return None
             read.append(vectors.terms)
-        scale = math.sqrt(self.span[0] * self.span[1])
-        table = np.prod((self._samples / scale)[:, None, :] ** self._monomials, axis=2)
-        sizes = {power: max(_size(each.get(power), power, p, own) for each in read) for power in _powers(read)}
+        table = np.prod((self._samples / self._scale)[:, None, :] ** self._monomials, axis=2)
+        sizes = {power: max(_size(item.get(power), power, p, own) for item in read) for power in _powers(read)}
         largest = max(sizes.values(), default=0.0)
-        found: dict[Power, Array] = {}
+        terms: dict[Power, Array] = {}
         for power, size in sizes.items():
-            values = np.array([each.get(power, np.zeros(3)) for each in read])
+            values = np.array([item.get(power, np.zeros(3)) for item in read])
             fitted, *_ = np.linalg.lstsq(table[: self._read], values[: self._read], rcond=None)
             worth = size / max(float(np.linalg.norm(values, axis=1).max()), 1e-300)
             wrong = np.abs(table[self._read :] @ fitted - values[self._read :]).max()
@@ -101,17 +107,17 @@ class LengthRows:
                 if np.linalg.norm(c) * worth <= _NOTHING * largest:
                     continue
                 lengths = [(link, LENGTH) for link, n in zip(self._links, monomial, strict=True) for _ in range(n)]
-                found[tuple(sorted((*power, *lengths)))] = c / scale ** sum(monomial)
-        return found
+                terms[tuple(sorted((*power, *lengths)))] = c / float(np.prod(self._scale ** np.array(monomial)))
+        return terms
 
 
 def _powers(read: list[Mapping[Power, Array]]) -> dict[Power, None]:
-    return dict.fromkeys(power for each in read for power in each)
+    return dict.fromkeys(power for item in read for power in item)
 
 
-def _size(c: Array | None, power: Power, p: Array, own: Array) -> float:
+def _size(c: Array | None, power: Power, p: Array, values: Array) -> float:
     """What a term adds to the error of the design that it was read off about (m)."""
     if c is None:
         return 0.0
-    features = features_of(p, len(own))
+    features = features_of(p, len(values))
     return float(np.linalg.norm(c)) * float(np.prod([abs(features[place]) for place in power]))

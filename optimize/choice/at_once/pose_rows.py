@@ -15,7 +15,9 @@ import numpy as np
 
 from linkwright.core.arm.chain.chain import Arm
 from linkwright.core.arm.errors.model import BEAM_FIELDS, beams_of
-from linkwright.core.arm.limits.strength import STATIONS
+from linkwright.core.arm.figures import Cut
+from linkwright.core.arm.figures.strength import STATIONS
+from linkwright.core.arm.figures.tip_stiffness import PreparedStiffness
 from linkwright.core.optimize.choice.pose_products import (
     SOFT,
     compression_products,
@@ -27,8 +29,6 @@ from linkwright.core.optimize.choice.products import Power, Products
 from linkwright.core.optimize.exchange.binding_poses import Pool
 from linkwright.core.optimize.exchange.exchange import Context
 from linkwright.core.optimize.exchange.program import carried_mass, fixed_error, unchosen_cost
-from linkwright.core.optimize.limits import Cut
-from linkwright.core.optimize.limits.tip_stiffness import PreparedStiffness
 from linkwright.core.optimize.problem import Problem
 from linkwright.core.sections.numeric import Array
 
@@ -42,7 +42,7 @@ _CLOSE = 1e-6
 @dataclass(frozen=True)
 class PoseRow:
     """The length of a vector (or a number) that is a sum of products, plus a shift: not above t (where `objective`) or
-    not above nought. All are relative to what the best design does, or to the limit.
+    not above zero. All are relative to what the best design does, or to the limit.
 
     `powers` (T, n K) are of the links' columns in logarithms, `linear` (n K, D) of columns as they are; `limit` is the
     number of the problem's limit that it holds, where it does.
@@ -62,8 +62,8 @@ class PoseRow:
 
     def value(self, y: Array) -> float:
         """What must not be above t, or nought."""
-        found = self.vector(y)
-        return self.shift + (float(found[0]) if len(found) == 1 else float(np.linalg.norm(found)))
+        vector = self.vector(y)
+        return self.shift + (float(vector[0]) if len(vector) == 1 else float(np.linalg.norm(vector)))
 
 
 def row_of(
@@ -112,20 +112,20 @@ def rows_of(context: Context, pool: Pool, arm: Arm, p: Array, worth: float) -> l
     problem = context.problem
     size = arm.size
     fixed = fixed_error(context.model)
-    found: list[PoseRow] = []
-    own, rest = _own(problem, arm)
-    if problem.minimize not in own and problem.minimize != "max_error":
+    rows: list[PoseRow] = []
+    sums, rest = _own(problem, arm)
+    if problem.minimize not in sums and problem.minimize != "max_error":
         return None
-    found += sums_rows(problem, own, rest, size, worth)
+    rows += sums_rows(problem, sums, rest, size, worth)
     for cut in dict.fromkeys(pool.errors):
         vectors = error_vectors(context.model, cut, p)
         if vectors is None:
             return None
-        found += error_rows(problem, dict(vectors.terms), size, worth, fixed)
+        rows += error_rows(problem, dict(vectors.terms), size, worth, fixed)
     for family, prepared in context.families:
         for cut in pool.of(family.name):
-            found += _family_rows(problem, family.name, prepared, cut, arm, p)
-    return found
+            rows += _family_rows(problem, family.name, prepared, cut, arm, p)
+    return rows
 
 
 def sums_rows(
@@ -133,26 +133,26 @@ def sums_rows(
 ) -> list[PoseRow]:
     """The rows of the figures that are sums over links whatever the pose (`own`; `rest` is what no choice changes): of
     the one to be least, over `worth`, and of every limit on one, over its value."""
-    found: list[PoseRow] = []
+    rows: list[PoseRow] = []
     if problem.minimize in own:
         terms = {**own[problem.minimize], (): np.array([rest[problem.minimize]])}
-        found.append(row_of(terms, size, objective=True, scale=worth))
+        rows.append(row_of(terms, size, objective=True, scale=worth))
     for number, limit in enumerate(problem.limits):
         if limit.name not in own:
             continue
         terms = {**own[limit.name], (): np.array([rest[limit.name] - limit.value])}
         if limit.relation != ">=":
-            found.append(row_of(terms, size, objective=False, scale=limit.value, limit=number))
+            rows.append(row_of(terms, size, objective=False, scale=limit.value, limit=number))
         if limit.relation != "<=":
             terms = {power: -c for power, c in terms.items()}
-            found.append(row_of(terms, size, objective=False, scale=limit.value, limit=number))
-    return found
+            rows.append(row_of(terms, size, objective=False, scale=limit.value, limit=number))
+    return rows
 
 
 def error_rows(problem: Problem, terms: dict[Power, Array], size: int, worth: float, fixed: float) -> Iterator[PoseRow]:
     """The rows of the error at a pose: to be least, over `worth`, and within its tightest limit; `fixed` (m) adds to
     either."""
-    limits = [(each.value, k) for k, each in enumerate(problem.limits) if each.name == "max_error"]
+    limits = [(limit.value, k) for k, limit in enumerate(problem.limits) if limit.name == "max_error"]
     least, number = min(limits, default=(math.inf, None))
     if problem.minimize == "max_error":
         yield row_of(terms, size, objective=True, scale=worth, shift=fixed)
@@ -173,33 +173,33 @@ def _own(problem: Problem, arm: Arm) -> tuple[dict[str, dict[Power, Array]], dic
 def _family_rows(problem: Problem, name: str, prepared: Any, cut: Cut, arm: Arm, p: Array) -> list[PoseRow]:
     size = arm.size
     if name == "strengths":
-        return [_scalar(each, size, limit) for limit, each in strength_products(problem, prepared[cut.group], cut, p)]
+        return [_scalar(item, size, limit) for limit, item in strength_products(problem, prepared[cut.group], cut, p)]
     if isinstance(prepared, PreparedStiffness):
         return _stiffness(problem, prepared, cut, p)
     if name != "modes":
         return []
     beams = beams_of(arm, problem.load_cases)
-    found: list[PoseRow] = []
+    rows: list[PoseRow] = []
     for number, limit in enumerate(problem.limits):
         if limit.name == "first_frequency":
             sums = inertia_products(prepared[0], prepared[1], cut, beams, p, limit.value)
             if sums is not None:
-                found.append(_scalar(sums[0].scaled(1.0 / sums[1]), size, number))
-    return found
+                rows.append(_scalar(sums[0].scaled(1.0 / sums[1]), size, number))
+    return rows
 
 
 def _stiffness(problem: Problem, prepared: PreparedStiffness, cut: Cut, p: Array) -> list[PoseRow]:
     """How far a unit force moves the tip at a pose, over what is allowed, less one: each link gives by itself."""
     size = len(p) // len(BEAM_FIELDS)
-    own = p.reshape(size, -1)
-    soft = [(link, k) for link in range(size) for k in SOFT if own[link, k] != 0.0]
-    bare = own.copy()
+    values = p.reshape(size, -1)
+    soft = [(link, k) for link in range(size) for k in SOFT if values[link, k] != 0.0]
+    bare = values.copy()
     for place in soft:
-        bare[place] = np.copysign(_RIGID, own[place])
+        bare[place] = np.copysign(_RIGID, values[place])
     designs = np.repeat(bare[None], len(soft) + 2, axis=0)
     for row, place in zip(designs[1:], soft, strict=False):
-        row[place] = own[place]
-    designs[-1] = own
+        row[place] = values[place]
+    designs[-1] = values
     moved = prepared.compliance.matrices(np.tile(cut.q, (len(designs), 1)), designs.reshape(len(designs), -1))
     moved = moved @ np.array(cut.more)
     if not np.linalg.norm(moved[0] + (moved[1:-1] - moved[0]).sum(axis=0) - moved[-1]) <= _CLOSE * np.abs(moved).max():
@@ -208,7 +208,7 @@ def _stiffness(problem: Problem, prepared: PreparedStiffness, cut: Cut, p: Array
     limit = problem.limits[number].value
     terms: dict[Power, Array] = {(): limit * moved[0]}
     for (link, k), value in zip(soft, moved[1:-1], strict=True):
-        terms[((link, SOFT[k]),)] = limit * (value - moved[0]) * abs(own[link, k])
+        terms[((link, SOFT[k]),)] = limit * (value - moved[0]) * abs(values[link, k])
     return [row_of(terms, size, objective=False, scale=1.0, shift=-1.0, limit=number)]
 
 
@@ -221,7 +221,7 @@ def strength_products(problem: Problem, case: Any, cut: Cut, p: Array) -> list[t
     """Stresses and compressions of a pose that tell, over what is allowed, less one; each with its limit's number."""
     stresses = stress_products(case, cut, p)
     presses = compression_products(case, cut, p)
-    found: list[tuple[int, Products]] = []
+    products: list[tuple[int, Products]] = []
     for number, limit in enumerate(problem.limits):
         for entry in range(len(presses)):
             if limit.name == "buckling":
@@ -230,8 +230,8 @@ def strength_products(problem: Problem, case: Any, cut: Cut, p: Array) -> list[t
                 sums = [stresses[entry, station] for station in range(len(STATIONS))]
             else:
                 continue
-            for each in sums:
-                terms = {power: limit.value * c for power, c in each.terms.items() if c != 0.0}
+            for item in sums:
+                terms = {power: limit.value * c for power, c in item.terms.items() if c != 0.0}
                 terms[()] = terms.get((), 0.0) - 1.0
-                found.append((number, Products(terms)))
-    return found
+                products.append((number, Products(terms)))
+    return products

@@ -87,26 +87,25 @@ class Relaxed:
 
 
 class Relaxation:
-    """The relaxation of the finite problem; `cells` of each elastic link, at its place in the arm. `lengths` are the
-    logarithms between which all of them are free (nought where they stay)."""
+    """The relaxation of the finite problem; `cells` of each elastic link, at its place in the arm. `lengths` (n, 2)
+    are the logarithms between which each is free (zero where all stay)."""
 
-    def __init__(
-        self, cells: Sequence[Cells], links: Sequence[int], size: int, lengths: tuple[float, float] = (0.0, 0.0)
-    ) -> None:
-        self.cells, self.links, self.size, self.lengths = tuple(cells), tuple(links), size, lengths
+    def __init__(self, cells: Sequence[Cells], links: Sequence[int], size: int, lengths: Array | None = None) -> None:
+        self.cells, self.links, self.size = tuple(cells), tuple(links), size
+        self.lengths = np.zeros((len(self.cells), 2)) if lengths is None else lengths
         self.rows: list[PoseRow] = []
         self.loose, self.little = LOOSE, _LITTLE
 
     def root(self, allowed: Sequence[Ids] | None = None) -> Node:
         """The node of all designs; `allowed`: of each link the options that it may be."""
-        found: list[Ids] = []
-        for k, own in enumerate(self.cells):
-            ids = own.roots
-            found.append(ids if allowed is None else ids[np.isin(own.option[ids], allowed[k])])
+        cells: list[Ids] = []
+        for k, link_cells in enumerate(self.cells):
+            ids = link_cells.roots
+            cells.append(ids if allowed is None else ids[np.isin(link_cells.option[ids], allowed[k])])
         free = np.full((len(self.cells), _WIDTH), np.inf)
         low, high = -free, free.copy()
-        low[:, LENGTH], high[:, LENGTH] = self.lengths
-        return Node(tuple(found), low, high)
+        low[:, LENGTH], high[:, LENGTH] = self.lengths.T
+        return Node(tuple(cells), low, high)
 
     def solve(self, node: Node, enough: float, *, rough: bool = False) -> Relaxed:
         """Bound a node; given up where the bound is `enough`, and with `rough` before any cell is split for it."""
@@ -127,10 +126,10 @@ class Relaxation:
         the node has raises it; exact to a few thousandths only where that is less than `room`."""
         bound = found.constant
         losses: list[dict[int, float]] = []
-        for own, start, price in zip(self.cells, found.node.cells, found.prices, strict=True):
-            ids = self._told_apart(own, start, price, room, LOOSE * max(abs(found.bound), self.little))
-            values, _ = own.least_kept(ids, price, room)
-            options, places = np.unique(own.option[ids], return_inverse=True)
+        for link_cells, start, price in zip(self.cells, found.node.cells, found.prices, strict=True):
+            ids = self._told_apart(link_cells, start, price, room, LOOSE * max(abs(found.bound), self.little))
+            values, _ = link_cells.least_kept(ids, price, room)
+            options, places = np.unique(link_cells.option[ids], return_inverse=True)
             least = np.full(len(options), np.inf)
             np.minimum.at(least, places, values)
             ends = found.node.low if price[LENGTH] >= 0.0 else found.node.high
@@ -138,26 +137,26 @@ class Relaxation:
             losses.append(dict(zip(options.tolist(), (least - least.min()).tolist(), strict=True)))
         return bound, losses
 
-    def _told_apart(self, own: Cells, ids: Ids, price: Array, room: float, loose: float) -> Ids:
+    def _told_apart(self, cells: Cells, ids: Ids, price: Array, room: float, loose: float) -> Ids:
         """A link's cells, split where an option that is less than `room` above the best one is not known well."""
         for _ in range(_RANKING_TURNS):
-            values, bent = own.least_kept(ids, price, room)
-            least = np.full(len(own.options), np.inf)
-            np.minimum.at(least, own.option[ids], values)
-            real = np.where(own.kept[ids], own.corners[ids] @ price, np.inf).min(axis=1)
-            coarse = (bent > _ROUGHER * loose) & (values <= least[own.option[ids]] + loose)
+            values, bent = cells.least_kept(ids, price, room)
+            least = np.full(len(cells.options), np.inf)
+            np.minimum.at(least, cells.option[ids], values)
+            real = np.where(cells.kept[ids], cells.corners[ids] @ price, np.inf).min(axis=1)
+            coarse = (bent > _ROUGHER * loose) & (values <= least[cells.option[ids]] + loose)
             coarse &= values <= least.min() + room
-            coarse &= (real - values > _ROUGHER * loose) & (own.width(ids) > NARROWEST)
-            if own.spent or not coarse.any():
+            coarse &= (real - values > _ROUGHER * loose) & (cells.width(ids) > NARROWEST)
+            if cells.spent or not coarse.any():
                 break
-            ids = np.concatenate([ids[~coarse], own.split(ids[coarse], own.telling_axes(ids[coarse], price))])
+            ids = np.concatenate([ids[~coarse], cells.split(ids[coarse], cells.telling_axes(ids[coarse], price))])
         return ids
 
     def full(self, y: Array) -> Array:
         """Columns of the elastic links (n, K) among those of all links, flat."""
-        found = np.zeros((self.size, _WIDTH))
-        found[list(self.links)] = y
-        return found.ravel()
+        columns = np.zeros((self.size, _WIDTH))
+        columns[list(self.links)] = y
+        return columns.ravel()
 
 
 class _Solve:
@@ -167,7 +166,7 @@ class _Solve:
         self.count = len(self.cells)
         self.columns: list[Column] = []
         self.tangents = list(node.tangents)
-        self.known = {_key(each) for each in self.tangents}
+        self.known = {_key(tangent) for tangent in self.tangents}
         self._box()
         self.best = -np.inf
         self.price, self.cost = _PRICES[0], 1.0
@@ -177,13 +176,13 @@ class _Solve:
     def _box(self) -> None:
         """The least and the greatest of each column in the node."""
         low, high = self.node.low.copy(), self.node.high.copy()
-        for k, own in enumerate(self.relaxation.cells):
-            least, most = own.spans(self.within.cells[k])
+        for k, link_cells in enumerate(self.relaxation.cells):
+            least, most = link_cells.spans(self.within.cells[k])
             low[k] = np.maximum(low[k], least.min(axis=0))
             high[k] = np.minimum(high[k], most.max(axis=0))
         low[:, LENGTH], high[:, LENGTH] = self.node.low[:, LENGTH], self.node.high[:, LENGTH]
         self.low, self.high = self.relaxation.full(low), self.relaxation.full(np.maximum(low, high))
-        self.cuts: list[tuple[Array, float, bool]] = [self._cut(each) for each in self.tangents]
+        self.cuts: list[tuple[Array, float, bool]] = [self._cut(tangent) for tangent in self.tangents]
 
     def _cut(self, tangent: Tangent) -> tuple[Array, float, bool]:
         """A tangent as (gradient of all columns (n, K), constant, whether it is of the objective)."""
@@ -281,39 +280,39 @@ class _Solve:
         return answer
 
     def _after(self, multipliers: Array, prices: Array) -> Node:
-        used = tuple(each for each, m in zip(self.tangents, multipliers, strict=True) if m > 1e-7)
+        used = tuple(tangent for tangent, m in zip(self.tangents, multipliers, strict=True) if m > 1e-7)
         return replace(self.node, cells=tuple(self.cells), bound=self.best, tangents=used, prices=prices)
 
     def _first_prices(self) -> Array:
-        found = np.zeros((self.count, _WIDTH))
-        found[:, 0], found[:, 2] = 1.0, 1.0
-        return found
+        prices = np.zeros((self.count, _WIDTH))
+        prices[:, 0], prices[:, 2] = 1.0, 1.0
+        return prices
 
     def _mean(self) -> Array:
         """Columns somewhere in the middle of those begun with."""
-        found = np.zeros((self.count, _WIDTH))
+        mean = np.zeros((self.count, _WIDTH))
         for k in range(self.count):
-            found[k] = np.mean([each.values for each in self.columns if each.link == k], axis=0)
-        return found
+            mean[k] = np.mean([column.values for column in self.columns if column.link == k], axis=0)
+        return mean
 
     def _mixed(self, shares: Sequence[tuple[Column, float]]) -> Array:
-        found = np.zeros((self.count, _WIDTH))
+        mixed = np.zeros((self.count, _WIDTH))
         for column, share in shares:
-            found[column.link] += share * column.values
-        return found
+            mixed[column.link] += share * column.values
+        return mixed
 
     def _touch(self, y: Array, t: float, *, every: bool = False) -> bool:
         """Add tangents at columns y where rows are above t or nought."""
         at = self.relaxation.full(y)
         fresh = False
         for number, row in enumerate(self.relaxation.rows):
-            found = row.vector(at)
-            length = float(np.linalg.norm(found))
-            value = row.shift + (float(found[0]) if len(found) == 1 else length)
+            vector = row.vector(at)
+            length = float(np.linalg.norm(vector))
+            value = row.shift + (float(vector[0]) if len(vector) == 1 else length)
             over = (value - t if self.cost else 0.0) if row.objective else value
             if not every and over <= _CLOSED * (max(t, _LITTLE) if row.objective else 1.0):
                 continue
-            direction = np.ones(1) if len(found) == 1 else found / max(length, 1e-300)
+            direction = np.ones(1) if len(vector) == 1 else vector / max(length, 1e-300)
             tangent = Tangent(number, direction, at)
             key = _key(tangent)
             if key in self.known:
@@ -328,11 +327,11 @@ class _Solve:
         """The linear program over the columns so far: its value, t, shares, multipliers of the tangents and of the
         node's sides (2, n, K)."""
         columns = self.columns
-        gradients = np.array([each[0] for each in self.cuts])
-        constants = np.array([each[1] for each in self.cuts])
-        objective = np.array([each[2] for each in self.cuts])
-        links = np.array([each.link for each in columns])
-        values = np.array([each.values for each in columns])
+        gradients = np.array([cut[0] for cut in self.cuts])
+        constants = np.array([cut[1] for cut in self.cuts])
+        objective = np.array([cut[2] for cut in self.cuts])
+        links = np.array([item.link for item in columns])
+        values = np.array([item.values for item in columns])
         table = np.einsum("mck,ck->mc", gradients[:, links], values)
         head = np.stack([-objective.astype(float), objective.astype(float) - 1.0], axis=1)
         rows, right = [np.hstack([head, table])], [-constants]
@@ -342,8 +341,8 @@ class _Solve:
                 if column == LENGTH:  # every column of the program has one of its ends
                     continue
                 sign = -1.0 if side == 0 else 1.0
-                own = np.where(links == k, sign * values[:, column], 0.0)
-                rows.append(np.concatenate([[0.0, -1.0], own])[None])
+                coefficients = np.where(links == k, sign * values[:, column], 0.0)
+                rows.append(np.concatenate([[0.0, -1.0], coefficients])[None])
                 right.append(np.array([sign * bounds[k, column]]))
                 sides.append((side, k, column))
         one = np.zeros((self.count, 2 + len(columns)))
@@ -360,19 +359,21 @@ class _Solve:
         limit = float(multipliers[:count] @ ~objective + multipliers[count:].sum())
         multipliers = multipliers * min(1.0, _over(self.cost, weight), _over(self.price, limit))
         held = np.zeros((2, self.count, _WIDTH))
-        for (side, k, column), each in zip(sides, multipliers[count:], strict=True):
-            held[side, k, column] = each
-        found = [(column, share) for column, share in zip(columns, result.x[2:].tolist(), strict=True) if share > 1e-9]
-        return float(result.fun), float(result.x[0]), found, multipliers[:count], held
+        for (side, k, column), multiplier in zip(sides, multipliers[count:], strict=True):
+            held[side, k, column] = multiplier
+        mixture = [
+            (column, share) for column, share in zip(columns, result.x[2:].tolist(), strict=True) if share > 1e-9
+        ]
+        return float(result.fun), float(result.x[0]), mixture, multipliers[:count], held
 
     def _lagrangian(self, multipliers: Array, sides: Array) -> tuple[Array, float]:
         """What each column is worth (n, K), and the constant beside."""
         prices = np.zeros((self.count, _WIDTH))
         constant = 0.0
-        for (gradient, own, _), weight in zip(self.cuts, multipliers.tolist(), strict=True):
+        for (gradient, multiplier, _), weight in zip(self.cuts, multipliers.tolist(), strict=True):
             if weight > 0.0:
                 prices += weight * gradient
-                constant += weight * own
+                constant += weight * multiplier
         prices += sides[1] - sides[0]
         low = np.where(np.isfinite(self.node.low), self.node.low, 0.0)
         high = np.where(np.isfinite(self.node.high), self.node.high, 0.0)
@@ -381,54 +382,54 @@ class _Solve:
     def _price(self, k: int, price: Array, *, loose: float | None = None) -> tuple[float, bool]:
         """The least of a link's part over its cells, and whether a column was added for it; cells that are near
         the least and by more than `loose` below the best of their sections are split first."""
-        own = self.relaxation.cells[k]
+        cells = self.relaxation.cells[k]
         end = float((self.node.low if price[LENGTH] >= 0.0 else self.node.high)[k, LENGTH])
         while True:
             ids = self.cells[k]
-            values, bent = own.least_kept(ids, price, loose or 0.0)
-            if loose is None or own.spent:
+            values, bent = cells.least_kept(ids, price, loose or 0.0)
+            if loose is None or cells.spent:
                 break
             near = (
                 np.argpartition(values, _MOST_SPLIT - 1)[:_MOST_SPLIT]
                 if len(ids) > _MOST_SPLIT
                 else np.arange(len(ids))
             )
-            real = np.where(self._inside(own, ids[near], k), own.corners[ids[near]] @ price, np.inf).min(axis=1)
+            real = np.where(self._inside(cells, ids[near], k), cells.corners[ids[near]] @ price, np.inf).min(axis=1)
             # A cell matters where it could be better than a section that is there, and is not known well enough.
             short = values[near] < np.minimum(real.min(), real) - loose
             short &= bent[near] > loose
-            coarse = near[short & (values[near] <= values.min() + loose) & (own.width(ids[near]) > NARROWEST)]
+            coarse = near[short & (values[near] <= values.min() + loose) & (cells.width(ids[near]) > NARROWEST)]
             if not len(coarse):
                 break
-            parts = own.split(ids[coarse], own.telling_axes(ids[coarse], price))
-            parts = self._overlapping(own, parts, k)
+            parts = cells.split(ids[coarse], cells.telling_axes(ids[coarse], price))
+            parts = self._overlapping(cells, parts, k)
             self.cells[k] = np.concatenate([np.delete(ids, coarse), parts])
             gone = set(ids[coarse].tolist())
-            self.columns = [each for each in self.columns if each.link != k or each.cell not in gone]
+            self.columns = [column for column in self.columns if column.link != k or column.cell not in gone]
             if not len(self.cells[k]):
                 return np.inf, False
-        best, taken = own.best_of(ids, values, price)
+        best, taken = cells.best_of(ids, values, price)
         cell = int(ids[best])
         taken[LENGTH] = end
         least = float(values[best]) + float(price[LENGTH]) * end
         if any(
-            each.link == k and each.cell == cell and np.allclose(each.values, taken, atol=1e-12)
-            for each in self.columns
+            column.link == k and column.cell == cell and np.allclose(column.values, taken, atol=1e-12)
+            for column in self.columns
         ):
             return least, False
         self.columns.append(Column(k, cell, taken))
         return least, True
 
-    def _inside(self, own: Cells, ids: Ids, k: int) -> Array:
+    def _inside(self, cells: Cells, ids: Ids, k: int) -> Array:
         """Which sections of cells are real: they keep all limits on single links, and lie in the node."""
-        points = own.corners[ids]
+        points = cells.corners[ids]
         room = 1e-9
         within = (points >= self.node.low[k] - room) & (points <= self.node.high[k] + room)
         within[..., LENGTH] = True
-        return own.kept[ids] & within.all(axis=2)
+        return cells.kept[ids] & within.all(axis=2)
 
-    def _overlapping(self, own: Cells, ids: Ids, k: int) -> Ids:
-        least, most = own.spans(ids)
+    def _overlapping(self, cells: Cells, ids: Ids, k: int) -> Ids:
+        least, most = cells.spans(ids)
         overlapping = (most >= self.node.low[k]) & (least <= self.node.high[k])
         overlapping[:, LENGTH] = True
         return ids[overlapping.all(axis=1)]

@@ -62,15 +62,15 @@ def split(relaxation: Relaxation, node: Node, found: Relaxed, *, by_kind: bool =
     return parts
 
 
-def _by_rate(relaxation: Relaxation, node: Node, found: Relaxed, score: float) -> list[Node] | None:
+def _by_rate(relaxation: Relaxation, node: Node, relaxed: Relaxed, score: float) -> list[Node] | None:
     """A part in two by the price of the materials by the kilogram, which tells options apart wholly where columns
     of sections overlap; None where splitting by a column promises far more than that (`score`)."""
     best: tuple[float, int, float] | None = None
     for k in range(len(relaxation.cells)):
-        mixed = [(share, _rate(relaxation, k, column.cell)) for column, share in found.shares if column.link == k]
+        mixed = [(share, _rate(relaxation, k, column.cell)) for column, share in relaxed.shares if column.link == k]
         shares, rates = np.array(mixed).T
         middle = float(shares @ rates / shares.sum())
-        worth = float(np.abs(found.prices[k, PRICE]) * (shares @ np.abs(rates - middle)))
+        worth = float(np.abs(relaxed.prices[k, PRICE]) * (shares @ np.abs(rates - middle)))
         if rates.max() - rates.min() > _ASIDE and (best is None or worth > best[0]):
             best = worth, k, middle
     if best is None or best[0] <= max(_LEAST_SCORE, _RATE_SHARE * score):
@@ -83,19 +83,19 @@ def _by_rate(relaxation: Relaxation, node: Node, found: Relaxed, score: float) -
     ]
 
 
-def _by_kind(relaxation: Relaxation, node: Node, found: Relaxed, score: float) -> list[Node] | None:
+def _by_kind(relaxation: Relaxation, node: Node, relaxed: Relaxed, score: float) -> list[Node] | None:
     """A part in two by what is alike to either of the two options that a link is mostly mixed of; None where splitting
     by a column promises more than that (`score`)."""
     best: tuple[float, int, list[int]] | None = None
     for k, cells in enumerate(relaxation.cells):
         mixed: dict[int, tuple[float, Array]] = {}
-        for column, share in found.shares:
+        for column, share in relaxed.shares:
             if column.link == k:
                 option = int(cells.option[column.cell])
                 weight, at = mixed.get(option, (0.0, np.zeros(len(COLUMNS))))
                 mixed[option] = (weight + share, at + share * column.values)
-        worth = sum(float(np.abs(found.prices[k]) @ np.abs(at - w * found.y[k])) for w, at in mixed.values())
-        first = sorted(mixed, key=lambda each: -mixed[each][0])[:2]
+        worth = sum(float(np.abs(relaxed.prices[k]) @ np.abs(at - w * relaxed.y[k])) for w, at in mixed.values())
+        first = sorted(mixed, key=lambda item: -mixed[item][0])[:2]
         if len(first) == 2 and (best is None or worth > best[0]):
             best = worth, k, first
     if best is None or best[0] <= max(_LEAST_SCORE, score):
@@ -105,8 +105,8 @@ def _by_kind(relaxation: Relaxation, node: Node, found: Relaxed, score: float) -
     nearer = cells.distances(one) <= cells.distances(other)
     side = nearer[cells.option[node.cells[k]]]
     return [
-        replace(node, cells=tuple(ids[each] if j == k else ids for j, ids in enumerate(node.cells)))
-        for each in (side, ~side)
+        replace(node, cells=tuple(ids[item] if j == k else ids for j, ids in enumerate(node.cells)))
+        for item in (side, ~side)
     ]
 
 

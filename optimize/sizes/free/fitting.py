@@ -16,8 +16,7 @@ _HALVED = 200
 def fitted(problem: Problem, lengths: Sequence[float]) -> tuple[float, ...]:
     """The lengths (m) of all links, those of elastic ones scaled alike and cut to the problem's range, so that the
     reach is within its limits."""
-    assert problem.link_length is not None
-    least, most = problem.link_length
+    least, most = np.array(problem.length_spans).T
     free = np.array([link.section is not None for link in problem.arm.links])
     own = np.array(lengths, dtype=float)
 
@@ -30,16 +29,16 @@ def fitted(problem: Problem, lengths: Sequence[float]) -> tuple[float, ...]:
     if low <= total <= high:
         return tuple(now.tolist())
     wanted = low if total < low else high
-    ends = [least / float(own[free].max()), most / float(own[free].min())]
+    ends = [float((least / own)[free].min()), float((most / own)[free].max())]
     for _ in range(_HALVED):
         middle = 0.5 * (ends[0] + ends[1])
         ends[0 if scaled(middle).sum() < wanted else 1] = middle
-    found = scaled(ends[1])
+    fitted_lengths = scaled(ends[1])
     # What rounding leaves is taken from a link that has room for it.
-    rest = wanted - float(found.sum())
-    room = np.where(free & (found + rest >= least) & (found + rest <= most), found, 0.0)
-    found[int(room.argmax())] += rest
-    return tuple(found.tolist())
+    rest = wanted - float(fitted_lengths.sum())
+    room = np.where(free & (fitted_lengths + rest >= least) & (fitted_lengths + rest <= most), fitted_lengths, 0.0)
+    fitted_lengths[int(room.argmax())] += rest
+    return tuple(fitted_lengths.tolist())
 
 
 def _reach(problem: Problem) -> tuple[float, float]:
@@ -54,7 +53,6 @@ def _reach(problem: Problem) -> tuple[float, float]:
 def moved(problem: Problem, lengths: Sequence[float], links: Sequence[int], step: float) -> Iterator[tuple[float, ...]]:
     """Lengths (m) beside others, as near as the problem allows: one link longer or shorter by a share, or two of them,
     one at the expense of the other."""
-    assert problem.link_length is not None
     own = np.array(lengths)
     steps = step * np.diag(own)
     pairs = [steps[one] - steps[other] * own[one] / own[other] for one, other in itertools.combinations(links, 2)]

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -11,9 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import minimize
 
+from linkwright.core.arm.figures import Limit
 from linkwright.core.optimize.choice.at_once.cells import COLUMNS, LENGTH
 from linkwright.core.optimize.choice.at_once.pose_rows import PoseRow
-from linkwright.core.optimize.limits import Limit
 from linkwright.core.sections.numeric import Array
 
 _WIDTH = len(COLUMNS)
@@ -33,15 +32,14 @@ class Lengths:
 class LengthProgram:
     """The finite problem over rows, in the logarithms of lengths; sections differ from call to call."""
 
-    def __init__(
-        self, rows: Sequence[PoseRow], limits: Sequence[Limit], links: Sequence[int], span: tuple[float, float]
-    ) -> None:
-        """`links` are the elastic ones, `span` their bounds (m), `limits` those that the rows' numbers stand for."""
-        self._links, self._span = tuple(links), (math.log(span[0]), math.log(span[1]))
+    def __init__(self, rows: Sequence[PoseRow], limits: Sequence[Limit], links: Sequence[int], spans: Array) -> None:
+        """`links` are the elastic ones, `spans` (n, 2) the logarithms of their bounds (m), `limits` those that the
+        rows' numbers stand for."""
+        self._links, self._spans = tuple(links), spans
         places = [_WIDTH * link + LENGTH for link in links]
         powers = np.vstack([np.zeros((1, len(places))), *[row.powers[:, places] for row in rows]])
-        self._monomials, found = np.unique(powers, axis=0, return_inverse=True)
-        inverse = found.ravel()
+        self._monomials, index = np.unique(powers, axis=0, return_inverse=True)
+        inverse = index.ravel()
         self._constant = int(inverse[0])
         ends = np.cumsum([1, *[len(row.powers) for row in rows]])
         self._rows = [(row, inverse[a:b]) for row, a, b in zip(rows, ends, ends[1:], strict=False)]
@@ -60,10 +58,10 @@ class LengthProgram:
         shifts = np.array([row.shift for row, _ in self._rows])
         scalar = np.array([row.coefficients.shape[1] == 1 for row, _ in self._rows])
         for number, (row, inverse) in enumerate(self._rows):
-            own = np.exp(row.powers @ columns)[:, None] * row.coefficients
-            width = own.shape[1]
+            terms = np.exp(row.powers @ columns)[:, None] * row.coefficients
+            width = terms.shape[1]
             for k in range(width):
-                table[number, k] = np.bincount(inverse, own[:, k], minlength=len(self._monomials))
+                table[number, k] = np.bincount(inverse, terms[:, k], minlength=len(self._monomials))
             table[number, :width, self._constant] += row.constant + row.linear.T @ columns
         return self._minimised(_Values(table, shifts, scalar, self._monomials), start)
 
@@ -95,16 +93,16 @@ class LengthProgram:
         constraints: list[dict[str, Any]] = [{"type": "ineq", "fun": held, "jac": slopes}]
         if len(exact):
             constraints.append({"type": "eq", "fun": met, "jac": along})
-        found: Any = minimize(
+        result: Any = minimize(
             least,
             np.append(x, t),
             jac=True,
-            bounds=[*[self._span] * count, (None, None)],
+            bounds=[*self._spans.tolist(), (None, None)],
             constraints=constraints,
             method="SLSQP",
             options={"maxiter": _MOST_STEPS, "ftol": 1e-9},
         )
-        end = np.clip(found.x[:-1], *self._span)
+        end = np.clip(result.x[:-1], *self._spans.T)
         last = values.at(end)[0]
         broken = np.concatenate([last[above][weights == 0.0], np.abs(last[self._equal])])
         if not np.isfinite(last).all() or broken.max(initial=0.0) > _KEPT:

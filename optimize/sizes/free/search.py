@@ -17,7 +17,7 @@ import numpy as np
 
 from linkwright.core.arm.worst.workspace import Unreachable
 from linkwright.core.optimize.choice.at_once.cells import COLUMNS, LENGTH
-from linkwright.core.optimize.choice.at_once.lengths import LengthRows
+from linkwright.core.optimize.choice.at_once.lengths import LengthRows, log_spans
 from linkwright.core.optimize.choice.at_once.relaxation import Node, Relaxation, Relaxed
 from linkwright.core.optimize.choice.at_once.splitting import split
 from linkwright.core.optimize.exchange.binding_poses import Pool
@@ -71,16 +71,13 @@ class FreeListSearch(ListedSearch[Node]):
     ) -> None:
         super().__init__(context, lists, "bounding all sections and lengths", progress=progress, log=log)
         problem = context.problem
-        assert problem.link_length is not None
-        self.span = problem.link_length
-        self.links = tuple(each.link for each in lists)
-        logs = (math.log(self.span[0]), math.log(self.span[1]))
-        points = {id(each.columns): Points(each) for each in lists}
-        self._points = [points[id(each.columns)] for each in lists]
-        self.relaxation = Relaxation(self._points, self.links, problem.arm.size, logs)
+        self.links = tuple(link_list.link for link_list in lists)
+        points = {id(link_list.columns): Points(link_list) for link_list in lists}
+        self._points = [points[id(link_list.columns)] for link_list in lists]
+        self.relaxation = Relaxation(self._points, self.links, problem.arm.size, log_spans(problem, self.links))
         sums = problem.arm.play == "worst" or not context.uses_error
-        self.bounded = sums and problem.workspace.kind == "joints" and problem.minimize in ("max_error", *_SUMS)
-        self._rows = LengthRows(context, self.span)
+        self.bounded = sums and not problem.workspace.in_space and problem.minimize in ("max_error", *_SUMS)
+        self._rows = LengthRows(context)
         self._held = Pool()
         self._settled: list[SettledRow] = []
         self._program: LengthProgram | None = None
@@ -127,7 +124,7 @@ class FreeListSearch(ListedSearch[Node]):
         self._begun = True
         problem = self.context.problem
         lengths = self.judge.table.add_lengths([fitted(problem, problem.arm.lengths)])[0]
-        picks = [[int(each.columns[:, column].argmin()) for each in self.lists] for column in (2, 0)]
+        picks = [[int(link_list.columns[:, column].argmin()) for link_list in self.lists] for column in (2, 0)]
         arms = [self.judge.table.arm_of([*pick, lengths]) for pick in picks]
         self._p = numeric_beams(arms[0], problem.load_cases)
         self._arm = arms[0]
@@ -159,12 +156,12 @@ class FreeListSearch(ListedSearch[Node]):
             return
         self.relaxation.rows = rows
         self._settled = [*self._settled, *(SettledRow(row) for row in rows[len(self._settled) :])]
-        self._program = LengthProgram(rows, self.context.problem.limits, self.links, self.span)
+        self._program = LengthProgram(rows, self.context.problem.limits, self.links, self.relaxation.lengths)
 
     def _columns(self, pick: Sequence[int]) -> Array:
         """The columns (n K) of an option of each link."""
         return self.relaxation.full(
-            np.array([each.columns[option] for each, option in zip(self.lists, pick, strict=True)])
+            np.array([link_list.columns[option] for link_list, option in zip(self.lists, pick, strict=True)])
         )
 
     # ---- parts
@@ -172,9 +169,9 @@ class FreeListSearch(ListedSearch[Node]):
     def _branch(self) -> None:
         for options in agreeing(self.lists, self.context.problem.same):
             node = self.relaxation.root(options)
-            found = self.relaxation.solve(node, math.inf)
-            self._push(replace(found.node, bound=found.bound), found.bound)
-            self._try(found)
+            relaxed = self.relaxation.solve(node, math.inf)
+            self._push(replace(relaxed.node, bound=relaxed.bound), relaxed.bound)
+            self._try(relaxed)
         while self._heap and self.parts < MOST_PARTS and self.gap > WANTED:
             self._next()
 
@@ -185,70 +182,73 @@ class FreeListSearch(ListedSearch[Node]):
         if part.bound >= self._enough():
             self._done_with(part.bound)
             return
-        found = self.relaxation.solve(part, self._enough())
-        bound = max(found.bound, part.bound)
+        relaxed = self.relaxation.solve(part, self._enough())
+        bound = max(relaxed.bound, part.bound)
         if bound < self._enough():
-            self._try(found)
+            self._try(relaxed)
         enough = self._enough()
         if bound >= enough:
             self._done_with(bound)
             return
-        left = self._filtered(replace(found.node, bound=bound), found, enough)
+        left = self._filtered(replace(relaxed.node, bound=bound), relaxed, enough)
         if any(len(ids) == 0 for ids in left.cells):
             self._done_with(enough)
             return
-        parts = split(self.relaxation, left, found, by_kind=False)
+        parts = split(self.relaxation, left, relaxed, by_kind=False)
         if not parts:
             self._done_with(bound)
-        for each in parts:
+        for item in parts:
             # What cells hold says where they are; sides of their columns would only be rows more.
-            low, high = np.full_like(each.low, -np.inf), np.full_like(each.high, np.inf)
-            low[:, LENGTH], high[:, LENGTH] = each.low[:, LENGTH], each.high[:, LENGTH]
-            self._push(replace(each, low=low, high=high), bound)
+            low, high = np.full_like(item.low, -np.inf), np.full_like(item.high, np.inf)
+            low[:, LENGTH], high[:, LENGTH] = item.low[:, LENGTH], item.high[:, LENGTH]
+            self._push(replace(item, low=low, high=high), bound)
 
-    def _losses(self, found: Relaxed) -> list[Array]:
+    def _losses(self, relaxed: Relaxed) -> list[Array]:
         """By how much the bound rises at least where a link must be each of a part's options."""
-        cells = zip(self._points, found.node.cells, found.prices, strict=True)
+        cells = zip(self._points, relaxed.node.cells, relaxed.prices, strict=True)
         return [points.losses(ids, price) for points, ids, price in cells]
 
-    def _filtered(self, node: Node, found: Relaxed, enough: float) -> Node:
+    def _filtered(self, node: Node, relaxed: Relaxed, enough: float) -> Node:
         """The part without the options that alone bring its bound to what is enough."""
-        bound = found.constant
+        bound = relaxed.constant
         for points, ids, price, low, high in zip(
-            self._points, node.cells, found.prices, node.low, node.high, strict=True
+            self._points, node.cells, relaxed.prices, node.low, node.high, strict=True
         ):
             end = float((low if price[LENGTH] >= 0.0 else high)[LENGTH])
             bound += float((points.corners[ids, 0] @ price).min()) + float(price[LENGTH]) * end
-        kept = [ids[own < enough - bound] for ids, own in zip(node.cells, self._losses(found), strict=True)]
-        return replace(node, cells=tuple(kept))
+        remaining = [
+            ids[link_losses < enough - bound]
+            for ids, link_losses in zip(node.cells, self._losses(relaxed), strict=True)
+        ]
+        return replace(node, cells=tuple(remaining))
 
     # ---- designs
 
-    def _try(self, found: Relaxed) -> None:
+    def _try(self, relaxed: Relaxed) -> None:
         """Sections that are best at a part's lengths, each with the lengths that are best for it."""
-        if not np.isfinite(found.bound) or not len(found.prices):
+        if not np.isfinite(relaxed.bound) or not len(relaxed.prices):
             return
         problem = self.context.problem
         lengths = list(problem.arm.lengths)
-        for link, value in zip(self.links, np.exp(found.y[:, LENGTH]).tolist(), strict=True):
+        for link, value in zip(self.links, np.exp(relaxed.y[:, LENGTH]).tolist(), strict=True):
             lengths[link] = value
-        for pick in self._picks(found, fitted(problem, lengths)):
+        for pick in self._picks(relaxed, fitted(problem, lengths)):
             if pick not in self._tried:
                 self._tried.add(pick)
                 self._settle(pick, lengths)
 
-    def _picks(self, found: Relaxed, lengths: Sequence[float]) -> list[tuple[int, ...]]:
+    def _picks(self, relaxed: Relaxed, lengths: Sequence[float]) -> list[tuple[int, ...]]:
         """The best few combinations of the options that cost least, at lengths (m)."""
-        each = max(2, int(_TRIED ** (1.0 / len(self.lists))))
-        mixed = [{column.cell for column, _ in found.shares if column.link == k} for k in range(len(self.lists))]
+        per_link = max(2, int(_TRIED ** (1.0 / len(self.lists))))
+        mixed = [{column.cell for column, _ in relaxed.shares if column.link == k} for k in range(len(self.lists))]
         few: list[Integers] = []
-        for ids, losses, own in zip(found.node.cells, self._losses(found), mixed, strict=True):
-            order = np.lexsort((losses, ~np.isin(ids, list(own))))
-            few.append(ids[order[:each]])
+        for ids, losses, item in zip(relaxed.node.cells, self._losses(relaxed), mixed, strict=True):
+            order = np.lexsort((losses, ~np.isin(ids, list(item))))
+            few.append(ids[order[:per_link]])
         logarithms = np.log(np.array(lengths))
         sub = [
-            LinkList(own.link, tuple(own.options[k] for k in ids), own.columns[ids])
-            for own, ids in zip(self.lists, few, strict=True)
+            LinkList(link_list.link, tuple(link_list.options[k] for k in ids), link_list.columns[ids])
+            for link_list, ids in zip(self.lists, few, strict=True)
         ]
         rows = [table_row(row.at(logarithms), sub) for row in self._settled]
         picks = product([range(len(ids)) for ids in few])
@@ -300,15 +300,15 @@ class FreeListSearch(ListedSearch[Node]):
         for _ in range(_TURNS):
             before = self.judge.best
             arm = problem.arm
-            links = [replace(link, length=own) for link, own in zip(arm.links, lengths, strict=True)]
-            settled = replace(problem, arm=arm.with_links(tuple(links)), link_length=None)
+            links = [replace(link, length=length) for link, length in zip(arm.links, lengths, strict=True)]
+            settled = replace(problem, arm=arm.with_links(tuple(links))).with_ranges(link_length=None)
             try:
-                found = ListSearch(context_of(settled), self.lists, progress=self.progress).run()
+                best = ListSearch(context_of(settled), self.lists, progress=self.progress).run()
             except Unreachable:
                 return
-            if found.pick is None:
+            if best.pick is None:
                 return
-            self._offer(found.pick[:-1], [tuple(lengths)])
+            self._offer(best.pick[:-1], [tuple(lengths)])
             if self.judge.best is None or self.judge.best == before:
                 return
             self._move()

@@ -81,8 +81,8 @@ def test_a_seam_is_followed_as_by_the_arm_alone(both, alone):
     two, one = lw.seam(lw.read_arm(both, tip="left"), *ends, points=3), lw.seam(alone, *ends, points=3)
     assert two.check.verdict == one.check.verdict == "reachable"
     # The postures are sampled, and there are two joints more to sample.
-    found, due = (each.table.iloc[:, 1:].to_numpy(dtype=float) for each in (two, one))
-    assert found == pytest.approx(due, rel=2e-3)
+    result, due = (item.table.iloc[:, 1:].to_numpy(dtype=float) for item in (two, one))
+    assert result == pytest.approx(due, rel=2e-3)
     assert due.min() > 0.1
 
 
@@ -91,7 +91,7 @@ def test_a_budget_is_that_of_the_arm_alone(both, alone):
     two, one = lw.budget(lw.read_arm(both, tip="left"), sheet=sheet), lw.budget(alone, sheet=sheet)
     assert two.found.nominal == pytest.approx(one.found.nominal, rel=1e-6)
     assert two.worst_mm == pytest.approx(one.worst_mm, rel=1e-3)
-    assert [each.owner for each in two.found.halved[:3]] == [each.owner for each in one.found.halved[:3]]
+    assert [item.owner for item in two.found.halved[:3]] == [item.owner for item in one.found.halved[:3]]
     assert describe(two.found).title == "two, tip of left: error budget"
 
 
@@ -102,23 +102,23 @@ def test_a_budget_of_both_is_the_worse_of_the_two(tmp_path):
     path.write_text(loose + "effects:\n  - {effect: joint_compliance, at: 2, compliance: 50 urad/(N*m)}\n")
     sheet = {"tolerances": [{"effect": "link_length", "length": "0.2 mm"}], "draws": 30}
     each = [lw.budget(lw.read_arm(path, tip=tip), sheet=sheet) for tip in ("left", "right")]
-    found = lw.budget(path, sheet=sheet)
-    assert found.found.nominal == pytest.approx(max(one.found.nominal for one in each), rel=1e-6)
-    assert found.worst_mm == pytest.approx(max(one.worst_mm for one in each), rel=1e-3)
-    assert json.loads(found.to_json())["worst_pose"]["tip"] == "left"
-    assert "at left's tip, load case 1" in repr(describe(found.found))
+    result = lw.budget(path, sheet=sheet)
+    assert result.found.nominal == pytest.approx(max(one.found.nominal for one in each), rel=1e-6)
+    assert result.worst_mm == pytest.approx(max(one.worst_mm for one in each), rel=1e-3)
+    assert json.loads(result.to_json())["worst_pose"]["tip"] == "left"
+    assert "at left's tip, load case 1" in repr(describe(result.found))
 
 
 def test_poses_that_put_one_of_the_tips_at_a_point(tmp_path):
     path = tmp_path / "arm.yaml"
     path.write_text(two_arms.arm_text())
     point = (0.3, -0.3, 1.0)
-    found = lw.inverse(lw.read_arm(path, tip="right"), *point)
-    for pose in found.found:
+    result = lw.inverse(lw.read_arm(path, tip="right"), *point)
+    for pose in result.found:
         assert two_arms.tips(pose.q)[1] == pytest.approx(point, abs=1e-9)
         assert pose.q[2:5] == pytest.approx(np.mean(np.radians(two_arms.RANGES[2:5]), axis=1))
     # Four joints for three coordinates, whatever the other arm has.
-    assert not any(pose.isolated for pose in found.found)
+    assert not any(pose.isolated for pose in result.found)
     planted = path.read_text().replace("range: [-170 deg, 170 deg]", "range: [-40 deg, -40 deg]")
     path.write_text(planted)
     assert any(pose.isolated for pose in lw.inverse(lw.read_arm(path, tip="right"), *two_arms.tips(
@@ -133,14 +133,14 @@ def test_the_other_arm_is_kept_clear_of_boxes(tmp_path):
     path.write_text(two_arms.arm_text())
     arm = lw.read_arm(path, tip="left")
     box = [[0.2, -2.0, 0.0], [2.0, 2.0, 0.7]]
-    found = lw.plan(arm, poses=8, for_=["joint_compliance:2"], repeats=1, avoid=[box])
+    result = lw.plan(arm, poses=8, for_=["joint_compliance:2"], repeats=1, avoid=[box])
     low, high = np.array(box)
-    for q in found.found.visits.q:
+    for q in result.found.visits.q:
         for tip in two_arms.tips(q):
             assert not np.all((tip >= low) & (tip <= high))
-    assert list(found.visits)[3:10] == [*(f"left_q{k}_deg" for k in (1, 2, 3)), *(f"right_q{k}_deg" for k in (1, 2)),
+    assert list(result.visits)[3:10] == [*(f"left_q{k}_deg" for k in (1, 2, 3)), *(f"right_q{k}_deg" for k in (1, 2)),
                                        "dir1", "dir2"]  # fmt: skip
-    assert 'tip: "left"' in found.settings
+    assert 'tip: "left"' in result.settings
 
 
 def test_a_plan_promises_what_least_squares_would(tmp_path):
@@ -149,11 +149,11 @@ def test_a_plan_promises_what_least_squares_would(tmp_path):
     path = tmp_path / "arm.yaml"
     path.write_text(two_arms.arm_text())
     arm = lw.read_arm(path, tip="right")
-    found = lw.plan(arm, poses=10, for_=["joint_compliance:2"], repeats=2, sigma="15 um")
+    result = lw.plan(arm, poses=10, for_=["joint_compliance:2"], repeats=2, sigma="15 um")
     step = 1e-9
-    moved = [(two_arms.tips(q, compliance=step)[1] - two_arms.tips(q)[1]) / step for q in found.found.recording.q]
+    moved = [(two_arms.tips(q, compliance=step)[1] - two_arms.tips(q)[1]) / step for q in result.found.recording.q]
     deviation = 15e-6 / np.linalg.norm(moved)
-    (smallest,) = found.shown["smallest"]
+    (smallest,) = result.shown["smallest"]
     assert 4.0 < smallest / deviation < 6.5
 
 
@@ -163,14 +163,14 @@ def test_what_one_arm_has_recorded_counts_for_the_plan_of_the_other(tmp_path):
     (tmp_path / "arm.yaml").write_text(two_arms.arm_text())
     (tmp_path / "left.csv").write_text(two_arms.recorded("left", 12, 3, noise=15e-6, compliance=50e-6))
     (tmp_path / "left.yaml").write_text("tip: left\n")
-    without = [each for each in EFFECTS if each not in QUICK]
+    without = [item for item in EFFECTS if item not in QUICK]
     before = lw.diagnose(tmp_path / "arm.yaml", tmp_path / "left.csv", without=without)
     arm = lw.read_arm(tmp_path / "arm.yaml", tip="right")
-    found = lw.plan(arm, poses=8, for_=["joint_compliance:2"], repeats=1, after=before, sigma="15 um")
+    result = lw.plan(arm, poses=8, for_=["joint_compliance:2"], repeats=1, after=before, sigma="15 um")
     step, moved = 1e-9, []
-    for which, q in ((0, before.found.recording.q), (1, found.found.recording.q)):
+    for which, q in ((0, before.found.recording.q), (1, result.found.recording.q)):
         moved += [(two_arms.tips(row, compliance=step)[which] - two_arms.tips(row)[which]) / step for row in q]
-    (smallest,) = found.shown["smallest"]
+    (smallest,) = result.shown["smallest"]
     assert 4.0 < smallest / (15e-6 / np.linalg.norm(moved)) < 6.5
 
 
@@ -191,10 +191,10 @@ def recordings(tmp_path):
 
 @pytest.mark.slow
 def test_a_torso_that_softened_is_seen_by_one_of_the_arms(recordings):
-    without = [each for each in EFFECTS if each not in QUICK]
+    without = [item for item in EFFECTS if item not in QUICK]
     arm = recordings / "arm.yaml"
-    found = lw.compare(arm, recordings / "right1.csv", recordings / "right4.csv", without=without)
-    (change,) = found.found.changes
+    result = lw.compare(arm, recordings / "right1.csv", recordings / "right4.csv", without=without)
+    (change,) = result.found.changes
     assert (change.effect, change.first.at) == ("joint_compliance", (2,))
     assert change.changed
     assert change.difference == pytest.approx(20e-6, rel=0.02)
@@ -205,11 +205,11 @@ def test_a_torso_that_softened_is_seen_by_one_of_the_arms(recordings):
 @pytest.mark.slow
 def test_a_torso_is_watched_by_the_recordings_of_both(recordings):
     days = [recordings / f"{tip}{k}.csv" for k, tip in enumerate(("left", "right", "left", "left", "right", "left"))]
-    without = [each for each in EFFECTS if each not in QUICK]
-    found = lw.watch(recordings / "arm.yaml", days, for_=["joint_compliance"], without=without)
-    steps = found.alarms[found.alarms["effect"] == "joint_compliance"]
+    without = [item for item in EFFECTS if item not in QUICK]
+    result = lw.watch(recordings / "arm.yaml", days, for_=["joint_compliance"], without=without)
+    steps = result.alarms[result.alarms["effect"] == "joint_compliance"]
     assert [tuple(at) for at in steps["at"]] == [(2,)]
-    assert [str(each) for each in steps["from"]] == ["2026-03-03"]
+    assert [str(step) for step in steps["from"]] == ["2026-03-03"]
     assert steps["change"].iloc[0] == pytest.approx(20e-6, rel=0.02)
 
 
@@ -223,11 +223,11 @@ def test_step_has_the_torso_once_and_both_arms(both):
         entry["link"] = {"length": entry["link"]["length"], **deepcopy(SLIM)}
     both.write_text(yaml.safe_dump(content))
     arm = lw.read_arm(both)
-    found = solids(arm.model)
-    assert list(found) == [f"link {k}" for k in range(1, 6)]
+    result = solids(arm.model)
+    assert list(result) == [f"link {k}" for k in range(1, 6)]
     for tip, last in (("left", "link 3"), ("right", "link 5")):
         end = 1e3 * tip_position(arm.model.on(tip), [0.0] * 5)[0]
-        box = found[last].bounding_box()
+        box = result[last].bounding_box()
         assert float(box.max.X) == pytest.approx(end[0], abs=1e-6)
         assert float(box.center().Y) == pytest.approx(end[1], abs=1e-6)
     assert "link 5" in lw.export_arm(both, to="step").found.text

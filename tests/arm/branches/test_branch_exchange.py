@@ -32,8 +32,8 @@ def poses(count: int, seed: int = 1):
 @pytest.mark.parametrize("to", ["mjcf", "urdf"])
 def test_torques_and_tips_in_mujoco(file, to):
     mujoco = pytest.importorskip("mujoco")
-    found = lw.export_arm(lw.read_arm(file), to=to)
-    model = mujoco.MjModel.from_xml_string(found.text)
+    result = lw.export_arm(lw.read_arm(file), to=to)
+    model = mujoco.MjModel.from_xml_string(result.text)
     model.opt.gravity[:] = two_arms.GRAVITY
     data = mujoco.MjData(model)
     joints = [mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_JOINT, f"joint{number}") for number in range(1, 8)]
@@ -96,10 +96,10 @@ def test_urdf_holds_both_tips(file):
     import xml.etree.ElementTree as ElementTree
 
     root = ElementTree.fromstring(lw.export_arm(lw.read_arm(file), to="urdf").text)
-    parents = {each.get("name"): each.find("parent").get("link") for each in root.iter("joint")}
+    parents = {item.get("name"): item.find("parent").get("link") for item in root.iter("joint")}
     assert parents["joint3"] == parents["joint6"] == "link2"
     assert {parents[f"{tip}_tool"] for tip in ("left", "right")} == {"link5", "link7"}
-    masses = sum(float(each.get("value")) for each in root.iter("mass"))
+    masses = sum(float(item.get("value")) for item in root.iter("mass"))
     assert masses == pytest.approx(30.0, abs=1e-6)
     assert len(lw.export_arm(lw.read_arm(file), to="bom").text.splitlines()) == 8
 
@@ -110,10 +110,10 @@ def test_a_table_against_the_error_of_one_tip(file):
     soft.write_text(file.read_text() + "effects:\n  - {effect: joint_compliance, at: 2, compliance: 50 urad/(N*m)}\n")
     with pytest.raises(InputError, match="and this takes one; name one of them"):
         lw.compensate(lw.read_arm(soft), grid=2)
-    found = lw.compensate(lw.read_arm(soft, tip="right"), poses=poses(4).tolist()).found
-    assert np.abs(found.error).max() > 1e-3
-    assert np.all(found.left < 0.02 * np.linalg.norm(found.error, axis=1))
-    assert not np.any(found.correction[:, 2:5])  # the left arm's joints stay
+    result = lw.compensate(lw.read_arm(soft, tip="right"), poses=poses(4).tolist()).found
+    assert np.abs(result.error).max() > 1e-3
+    assert np.all(result.left < 0.02 * np.linalg.norm(result.error, axis=1))
+    assert not np.any(result.correction[:, 2:5])  # the left arm's joints stay
 
 
 BODY = (
@@ -127,7 +127,7 @@ JOINT = (
 ROBOT = "".join(
     [
         '<robot name="two-armed">',
-        *(BODY.format(*each) for each in (
+        *(BODY.format(*item) for item in (
             ("pelvis", "0 0 0", 30), ("chest", "0.02 0 0.2", 8), ("head", "0 0.01 0.1", 2),
             ("l_mount", "0 0.05 0", 0.7),
             ("l_upper", "0 0.01 -0.1", 2), ("l_lower", "0.1 0 0", 1.2), ("l_finger", "0 0.02 0.01", 0.1),

@@ -55,9 +55,9 @@ def test_tips_and_what_weighs_on_the_torso(file, tip, which):
 @pytest.mark.parametrize(("tip", "which"), [("left", 0), ("right", 1)])
 def test_a_torso_that_gives_is_where_the_equilibrium_of_all_weights_is(soft, tip, which):
     made = lw.simulate(lw.read_arm(soft, tip=tip), poses=8, repeats=1, noise=0.0, sides="one", seed=3)
-    found = made.found
-    due = np.array([two_arms.tips(q, compliance=SOFT)[which] for q in found.q])
-    assert np.abs(found.tip - due).max() < 5e-9
+    result = made.found
+    due = np.array([two_arms.tips(q, compliance=SOFT)[which] for q in result.q])
+    assert np.abs(result.tip - due).max() < 5e-9
 
 
 def test_the_weight_on_the_torso_against_mujoco(file):
@@ -82,7 +82,9 @@ def test_no_effect_of_another_branch_moves_the_tip(file):
         if effect.place not in ("joint", "link"):
             continue
         values = {
-            each.name: 0.5 * (each.typical[0] + each.typical[1]) for each in effect.parameters if any(each.typical)
+            parameter.name: 0.5 * (parameter.typical[0] + parameter.typical[1])
+            for parameter in effect.parameters
+            if any(parameter.typical)
         }
         values |= {"expansion": 12e-6} if "expansion" in values else {}
         for index in (5, 6):
@@ -91,7 +93,7 @@ def test_no_effect_of_another_branch_moves_the_tip(file):
             tried += 1
     assert tried > 40
     assert state.joints[5].axis == ZERO
-    assert {each.effect.id for each in active_effects(arm)}
+    assert {active_effect.effect.id for active_effect in active_effects(arm)}
 
 
 def test_play_of_another_branch_does_not_count(tmp_path):
@@ -99,15 +101,17 @@ def test_play_of_another_branch_does_not_count(tmp_path):
     loose = "joint: {clearance: 0.1 mm, backlash: 1 mrad,"
     path.write_text(two_arms.arm_text().replace("joint: {type: revolute,", loose))
     arm = read_arm(path, tip="right")
-    found = tip_error(solve(arm, poses(1)[0].tolist(), beams_of(arm)), active_effects(arm))
-    assert [each.joint for each in found.discs] == [0, 1, 5, 6]
-    moving = [each.joint for each in found.intervals if np.linalg.norm(np.array(each.vector, dtype=float)) > 0.0]
+    result = tip_error(solve(arm, poses(1)[0].tolist(), beams_of(arm)), active_effects(arm))
+    assert [disc.joint for disc in result.discs] == [0, 1, 5, 6]
+    moving = [
+        interval.joint for interval in result.intervals if np.linalg.norm(np.array(interval.vector, dtype=float)) > 0.0
+    ]
     assert moving == [0, 1, 5, 6]
 
 
 def test_the_file_comes_back_as_it_was(soft, tmp_path):
     arm = read_arm(soft, tip="right")
-    assert [(each.name, each.first, each.end) for each in arm.branches] == [("left", 2, 5), ("right", 5, 7)]
+    assert [(branch.name, branch.first, branch.end) for branch in arm.branches] == [("left", 2, 5), ("right", 5, 7)]
     write_arm(arm, tmp_path / "back.yaml")
     assert read_arm(tmp_path / "back.yaml", tip="right") == arm
     assert arm_to_yaml(arm.on("left")) == arm_to_yaml(arm)
@@ -116,20 +120,20 @@ def test_the_file_comes_back_as_it_was(soft, tmp_path):
 
 
 def test_the_worst_case_is_over_the_other_arm_too(soft):
-    found = lw.evaluate(lw.read_arm(soft, tip="left"))
+    result = lw.evaluate(lw.read_arm(soft, tip="left"))
     # To first order: what the pitch axis turns by, on its lever.
-    q = np.array(found.found.worst.poses[0].q)
-    assert found.upper_bound_mm is not None
+    q = np.array(result.found.worst.poses[0].q)
+    assert result.upper_bound_mm is not None
 
     def error(q):
         tips, _, (at, axis) = two_arms.posture(q)
         return 1e3 * SOFT * abs(two_arms.pitch_torque(q)) * np.linalg.norm(np.cross(axis, tips[0] - at))
 
-    assert error(q) == pytest.approx(1e3 * found.found.worst.error, rel=1e-9)
+    assert error(q) == pytest.approx(1e3 * result.found.worst.error, rel=1e-9)
     # Whatever the other arm does: 2,000 poses, and the worst with the other arm at rest, are below.
-    assert max(error(each) for each in poses(2000)) < 1e3 * found.found.worst.error
-    assert error(np.array([*q[:5], 0.0, 0.0])) < 0.97 * 1e3 * found.found.worst.error
-    assert found.upper_bound_mm > 1e3 * found.found.worst.error
+    assert max(error(pose) for pose in poses(2000)) < 1e3 * result.found.worst.error
+    assert error(np.array([*q[:5], 0.0, 0.0])) < 0.97 * 1e3 * result.found.worst.error
+    assert result.upper_bound_mm > 1e3 * result.found.worst.error
 
 
 @pytest.mark.parametrize(
@@ -165,11 +169,11 @@ def test_what_takes_no_several_tips_says_so(file):
 
 def test_without_a_tip_the_worst_of_all_counts(soft):
     each = {tip: lw.evaluate(lw.read_arm(soft, tip=tip)) for tip in ("left", "right")}
-    found = lw.evaluate(lw.read_arm(soft))
-    assert found.max_error_mm == pytest.approx(max(one.max_error_mm for one in each.values()), rel=1e-9)
-    assert found.found.total_mass == pytest.approx(each["left"].found.total_mass)
+    result = lw.evaluate(lw.read_arm(soft))
+    assert result.max_error_mm == pytest.approx(max(one.max_error_mm for one in each.values()), rel=1e-9)
+    assert result.found.total_mass == pytest.approx(each["left"].found.total_mass)
     stiff = [one.found.stiffness.value for one in each.values()]
-    assert found.found.stiffness.value == pytest.approx(min(stiff), rel=1e-6)
+    assert result.found.stiffness.value == pytest.approx(min(stiff), rel=1e-6)
 
 
 WRIST = """      - joint: {axis: y, range: [-80 deg, 10 deg], stiffness: 6 kN*m/rad}

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from linkwright.core.arm.chain.balance import IdealCounterbalance, PointMass
-from linkwright.core.arm.chain.chain import Arm, EffectEntry, Joint, Link, LoadCase
+from linkwright.core.arm.chain.chain import Arm, DhRow, EffectEntry, Joint, Link, LoadCase
 from linkwright.core.arm.chain.statics import PoseState
 from linkwright.core.arm.effects import EFFECTS, Settings, Twist
 from linkwright.core.arm.errors.model import beam_values, beams_of, error_model
@@ -38,11 +38,11 @@ def test_designs_that_share_expressions_bend_as_each_should(diameter: float, len
     lever = arm(diameter, length)
     lever = lever.with_links((replace(lever.links[0], material=material),))
     model = error_model(replace(lever, leave_out=frozenset({"axial", "shear_deformation"})))
-    found = model.cases[0].arrays(np.zeros((1, 1)), beam_values(beams_of(lever))).vector[0, 1]
+    result = model.cases[0].arrays(np.zeros((1, 1)), beam_values(beams_of(lever))).vector[0, 1]
     values = material.at(lever.temperature)
     rigidity = values.elastic_modulus * math.pi * diameter**4 / 64.0
     weight = 9.81 * values.density * math.pi * diameter**2 / 4.0
-    assert found == pytest.approx(-(9.81 * length**3 / 3.0 + weight * length**4 / 8.0) / rigidity, rel=1e-9)
+    assert result == pytest.approx(-(9.81 * length**3 / 3.0 + weight * length**4 / 8.0) / rigidity, rel=1e-9)
     assert model.arm.links == lever.links
 
 
@@ -68,6 +68,14 @@ def test_sizes_and_materials_share_a_structure_and_nothing_else_does() -> None:
     assert len(set(keys)) == len(keys)
 
 
+def test_rows_of_dh_share_a_structure() -> None:
+    """A row says again what the link's length says, and a length is a symbol."""
+    short, long = (
+        arm(length=a, joints=(Joint(range=(0.0, 0.0), dh=DhRow(a, 0.0, 0.0, 0.0, False)),)) for a in (0.5, 0.9)
+    )
+    assert Structure(short) == Structure(long)
+
+
 def test_an_evaluation_is_cached_by_all_that_an_arm_holds() -> None:
     """The same question has the same answer; a flag that only a note tells of makes another question."""
     given = arm(joints=(Joint(range=(0.0, 1.0)),), gravity=(0.0, 0.0, -9.81))
@@ -80,14 +88,14 @@ def test_an_evaluation_is_cached_by_all_that_an_arm_holds() -> None:
 
 def test_another_effect_of_the_same_name_makes_other_expressions() -> None:
     """What is withdrawn and registered anew is not found in the cache."""
-    found: list[float] = []
+    results: list[float] = []
     for turn in (1e-3, 2e-3):
         EFFECTS.register(replace(EFFECTS["encoder_offset"], id="lifted", twists=_turned(turn), automatic=True))
         try:
-            found.append(evaluate(arm()).by_effect["lifted"])
+            results.append(evaluate(arm()).by_effect["lifted"])
         finally:
             EFFECTS.withdraw("lifted")
-    assert found == pytest.approx([0.5e-3, 1e-3])
+    assert results == pytest.approx([0.5e-3, 1e-3])
 
 
 def _turned(turn: float) -> Callable[[PoseState, Settings], Iterable[Twist]]:

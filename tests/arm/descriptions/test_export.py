@@ -11,7 +11,7 @@ from linkwright.core.arm.chain.chain import EffectEntry
 from linkwright.core.arm.chain.kinematics import place, tip_position
 from linkwright.core.arm.chain.statics import solve
 from linkwright.core.arm.descriptions.formats import HELD, export_arm
-from linkwright.core.arm.descriptions.imported import import_urdf
+from linkwright.core.arm.descriptions.imported import import_robot
 from linkwright.core.arm.errors.model import beams_of
 from linkwright.core.arm.errors.tip import active_effects, tip_error
 from linkwright.core.arm.files.read import arm_from, read_arm
@@ -68,14 +68,14 @@ def test_a_urdf_reads_back_the_same(spatial, tmp_path, turned):
     """Whichever way gravity pulls; the payload comes back as weight of the last link."""
     arm = replace(spatial, gravity=turned)
     (tmp_path / "arm.urdf").write_text(export_arm(arm, "urdf").text, encoding="utf-8")
-    again = import_urdf(tmp_path / "arm.urdf", base="base", tip="tip").arm
+    again = import_robot(tmp_path / "arm.urdf", base="base", tip="tip").arm
     for q in poses(arm, 5):
         assert tip_position(again, q)[0] == pytest.approx(tip_position(arm, q)[0], abs=1e-9)
         assert np.array(place(again, q).orientation, float) == pytest.approx(
             np.array(place(arm, q).orientation, float), abs=1e-9
         )
         scale = np.linalg.norm(turned) / 9.81  # a URDF has no gravity of its own
-        assert [scale * each for each in torques(again, q)] == pytest.approx(torques(arm, q), rel=1e-9, abs=1e-9)
+        assert [scale * torque for torque in torques(again, q)] == pytest.approx(torques(arm, q), rel=1e-9, abs=1e-9)
 
 
 def at_rest(model, arm, q):
@@ -143,7 +143,7 @@ def test_a_simulation_settles(spatial):
 
 def test_what_was_found_is_carried_and_the_rest_told(spatial):
     """A softer drive, a turned zero and a longer link are in the file; friction and play are listed in it."""
-    found = replace(
+    result = replace(
         spatial,
         effects=(
             EffectEntry("joint_compliance", (2,), {"compliance": 1e-5}),
@@ -152,7 +152,7 @@ def test_what_was_found_is_carried_and_the_rest_told(spatial):
             EffectEntry("backlash", (3,), {"total": 1e-3}),
         ),
     )
-    exported = export_arm(found, "mjcf")
+    exported = export_arm(result, "mjcf")
     model = mujoco.MjModel.from_xml_string(exported.text)
     assert model.actuator("drive2").gainprm[0] == pytest.approx(1.0 / (1.0 / 40e3 + 1e-5))
     truth = replace(
@@ -161,11 +161,11 @@ def test_what_was_found_is_carried_and_the_rest_told(spatial):
         links=(spatial.links[0], replace(spatial.links[1], length=0.502), *spatial.links[2:]),
     )
     q = poses(spatial, 1)[0]
-    assert at_rest(model, found, q)[0] == pytest.approx(tip_position(truth, q)[0], abs=1e-9)
+    assert at_rest(model, result, q)[0] == pytest.approx(tip_position(truth, q)[0], abs=1e-9)
     for words in ("backlash (joint 2)", "(effect backlash)"):
-        assert any(words in each for each in exported.lost)
+        assert any(words in item for item in exported.lost)
         assert words in exported.text
-    told = export_arm(found, "urdf")
+    told = export_arm(result, "urdf")
     assert "stiffness of the drives (joint 1, 2, 3, 4, 5)" in told.lost
     assert "joint 2: stiffness of the drive 28.5714 kN*m/rad" in told.text
     with pytest.raises(InputError, match="angles: are absolute"):

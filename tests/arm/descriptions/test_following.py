@@ -48,17 +48,17 @@ def arm(tmp_path):
 
 
 def test_a_urdf_says_turns_and_what_it_cannot_say(arm):
-    found = lw.export_arm(arm, to="urdf").found
-    root = ElementTree.fromstring(found.text)
+    result = lw.export_arm(arm, to="urdf").found
+    root = ElementTree.fromstring(result.text)
     # The wrist follows the forearm's coordinate, which is no single joint's turn here.
     assert root.find(".//mimic") is None
-    assert any("follow others" in each and "(joint 3, 4)" in each for each in found.lost)
-    limits = [each.find("limit").attrib for each in root.iter("joint") if each.get("type") == "revolute"]
-    ends = [[math.degrees(float(each[end])) for end in ("lower", "upper")] for each in limits]
+    assert any("follow others" in item and "(joint 3, 4)" in item for item in result.lost)
+    limits = [item.find("limit").attrib for item in root.iter("joint") if item.get("type") == "revolute"]
+    ends = [[math.degrees(float(limit[end])) for end in ("lower", "upper")] for limit in limits]
     assert np.array(ends) == pytest.approx(np.array([[-160, 160], [40, 130], [-190, 0], [-40, 60]]))
     for q in drawn():
         tip, turns = placed(q)
-        pose = tip_pose(found.text, "base", "tip", {f"joint{k}": turn for k, turn in enumerate(turns, start=1)})
+        pose = tip_pose(result.text, "base", "tip", {f"joint{k}": turn for k, turn in enumerate(turns, start=1)})
         assert pose[:3, 3] == pytest.approx(tip, abs=1e-9)
 
 

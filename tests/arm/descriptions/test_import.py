@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from linkwright.core.arm.chain.kinematics import place, tip_position
 from linkwright.core.arm.chain.statics import solve
 from linkwright.core.arm.descriptions.formats import export_arm
-from linkwright.core.arm.descriptions.imported import import_urdf
+from linkwright.core.arm.descriptions.imported import import_robot
 from linkwright.core.arm.errors.model import beams_of
 from linkwright.core.arm.files.read import read_arm
 from linkwright.core.units.quantities import InputError
@@ -43,12 +43,12 @@ def same_as_others(path, found, folder, seed=1, poses=5):
 
 def test_the_example_is_what_its_file_says(tmp_path):
     """A fixed flange turned by nearly 90 degrees, a finger beside the tip, a slide, an oblique axis."""
-    found = import_urdf(EXAMPLE, tip="tip")
-    same_as_others(EXAMPLE, found, tmp_path, poses=20)
-    assert found.joint_names == ("turn", "shoulder", "reach")
-    assert found.arm.joints[1].range == (-1.2, 2.0)
-    assert found.arm.joints[2].range == (0.0, 0.15)
-    assert [each.at for each in found.lacking if each.what == "limits"] == [(1,)]
+    result = import_robot(EXAMPLE, tip="tip")
+    same_as_others(EXAMPLE, result, tmp_path, poses=20)
+    assert result.joint_names == ("turn", "shoulder", "reach")
+    assert result.arm.joints[1].range == (-1.2, 2.0)
+    assert result.arm.joints[2].range == (0.0, 0.15)
+    assert [item.at for item in result.lacking if item.what == "limits"] == [(1,)]
 
 
 COORDINATE = st.floats(-0.5, 0.5).map(lambda x: round(x, 6))
@@ -83,13 +83,13 @@ def written(joints):
 
 
 @settings(max_examples=25, deadline=None)
-@given(joints=st.lists(JOINT, min_size=1, max_size=6).filter(lambda x: any(each[0] != "fixed" for each in x)))
+@given(joints=st.lists(JOINT, min_size=1, max_size=6).filter(lambda x: any(item[0] != "fixed" for item in x)))
 def test_any_row_of_joints(tmp_path_factory, joints):
     """Turned by right angles to six digits as makers write them, fixed ones anywhere, bodies bolted on."""
     folder = tmp_path_factory.mktemp("row")
     path = folder / "row.urdf"
     path.write_text(written(joints), encoding="utf-8")
-    same_as_others(path, import_urdf(path, tip=f"l{len(joints)}"), folder, poses=2)
+    same_as_others(path, import_robot(path, tip=f"l{len(joints)}"), folder, poses=2)
 
 
 def test_another_base_feels_gravity_from_its_own_side(tmp_path):
@@ -104,8 +104,8 @@ def test_another_base_feels_gravity_from_its_own_side(tmp_path):
     )
     path = tmp_path / "hung.urdf"
     path.write_text(hung, encoding="utf-8")
-    assert import_urdf(path, tip="tip", base="base").arm.gravity == pytest.approx((0.0, 0.0, 9.81), abs=1e-12)
-    same_as_others(path, import_urdf(path, tip="tip"), tmp_path)
+    assert import_robot(path, tip="tip", base="base").arm.gravity == pytest.approx((0.0, 0.0, 9.81), abs=1e-12)
+    same_as_others(path, import_robot(path, tip="tip"), tmp_path)
 
 
 ONE = '<link name="b"/>'
@@ -127,7 +127,7 @@ def joined(kind, inside=""):
         ('<!DOCTYPE robot [<!ENTITY a "b">]><robot name="&a;"/>', "line 1: holds a DOCTYPE"),
         ('<!DOCTYPE robot SYSTEM "file:///etc/hostname"><robot/>', "holds a DOCTYPE"),
         ('<?xml version="1.0" encoding="nothing"?><robot/>', "is no XML"),
-        ("<mujoco/>", "is MJCF, no URDF"),
+        ("<mujoco/>", "holds no <worldbody>"),
         ("<robot/>", "holds no <link>"),
         ('<robot xmlns:xacro="x"><xacro:include filename="/etc/passwd"/></robot>', "expand it first"),
         (f"<robot>{ONE}{ONE}</robot>", "names are unique"),
@@ -159,7 +159,7 @@ def test_what_is_wrong_is_one_line(tmp_path, text, words):
     path = tmp_path / "arm.urdf"
     path.write_text(text, encoding="utf-8")
     with pytest.raises(InputError) as error:
-        import_urdf(path)
+        import_robot(path)
     assert words in str(error.value)
     assert "\n" not in str(error.value)
 
@@ -176,8 +176,8 @@ def test_a_mimic_follows(tmp_path):
         lines.append(f'<axis xyz="0 1 0"/><limit lower="-1" upper="1.2"/>{mimics.get(number, "")}</joint>')
     path = tmp_path / "parallel.urdf"
     path.write_text("".join([*lines, "</robot>"]), encoding="utf-8")
-    found = import_urdf(path, tip="l4")
-    (tmp_path / "arm.yaml").write_text(found.to_yaml(), encoding="utf-8")
+    result = import_robot(path, tip="l4")
+    (tmp_path / "arm.yaml").write_text(result.to_yaml(), encoding="utf-8")
     arm = read_arm(tmp_path / "arm.yaml")
     assert [joint.driven for joint in arm.joints] == [True, True, False, False]
     draw = np.random.default_rng(4)
@@ -186,11 +186,11 @@ def test_a_mimic_follows(tmp_path):
         pose = tip_pose(path.read_text(encoding="utf-8"), "l0", "l4", named)
         assert tip_position(arm, [first, second, 0.0, 0.0])[0] == pytest.approx(pose[:3, 3], abs=1e-9)
     exported = export_arm(arm, "urdf")
-    assert not any("follow" in each for each in exported.lost)
-    assert any("follow" in each for each in export_arm(arm, "mjcf").lost)
+    assert not any("follow" in item for item in exported.lost)
+    assert any("follow" in item for item in export_arm(arm, "mjcf").lost)
     assert exported.text.count("<mimic ") == 2
     (tmp_path / "again.urdf").write_text(exported.text, encoding="utf-8")
-    again = import_urdf(tmp_path / "again.urdf").arm
+    again = import_robot(tmp_path / "again.urdf").arm
     assert tip_position(again, [0.3, 0.7, 0.0, 0.0]) == pytest.approx(tip_position(arm, [0.3, 0.7, 0.0, 0.0]), abs=1e-9)
 
 
@@ -206,7 +206,7 @@ def test_where_the_fingers_part_is_proposed(tmp_path):
     path = tmp_path / "gripper.urdf"
     path.write_text(f'<robot name="r"><link name="base"/><link name="hand"/>{arm}{fingers}</robot>', encoding="utf-8")
     with pytest.raises(InputError, match="--tip hand, where they part"):
-        import_urdf(path)
+        import_robot(path)
 
 
 def test_several_ends_are_listed():
@@ -214,11 +214,11 @@ def test_several_ends_are_listed():
     with pytest.raises(
         InputError, match=r"has 2 ends: finger \(3 joints\), tip \(3 joints\); name one, e.g. --tip tip"
     ):
-        import_urdf(EXAMPLE)
+        import_robot(EXAMPLE)
     with pytest.raises(InputError, match="there is no link 'tipp'; did you mean 'tip'"):
-        import_urdf(EXAMPLE, tip="tipp")
+        import_robot(EXAMPLE, tip="tipp")
     with pytest.raises(InputError, match="'base' is not beyond 'slide'"):
-        import_urdf(EXAMPLE, tip="base", base="slide")
+        import_robot(EXAMPLE, tip="base", base="slide")
 
 
 def test_names_cannot_write_keys(tmp_path):
@@ -226,6 +226,6 @@ def test_names_cannot_write_keys(tmp_path):
     path = tmp_path / "arm.urdf"
     named = EXAMPLE.read_text(encoding="utf-8").replace('"turn"', '"turn&#10;gravity: [9 m/s^2]"')
     path.write_text(named, encoding="utf-8")
-    text = import_urdf(path, tip="tip").to_yaml()
+    text = import_robot(path, tip="tip").to_yaml()
     (tmp_path / "arm.yaml").write_text(text, encoding="utf-8")
     assert read_arm(tmp_path / "arm.yaml").gravity == (0.0, 0.0, -9.81)

@@ -10,7 +10,7 @@ import pytest
 from linkwright.core.arm.chain.chain import EffectEntry
 from linkwright.core.arm.chain.kinematics import tip_position
 from linkwright.core.arm.descriptions.exported import found_geometry
-from linkwright.core.arm.descriptions.imported import import_urdf
+from linkwright.core.arm.descriptions.imported import import_robot
 from linkwright.core.arm.descriptions.into import into_file
 from linkwright.core.units.quantities import InputError
 from tests.arm.descriptions.urdf_chain import posed, tip_pose
@@ -56,11 +56,11 @@ def in_file(text, q):
     return tip_pose(text, "base", "tool0", dict(zip(("slew", "lift", "reach"), q, strict=True)))[:3, 3]
 
 
-@pytest.mark.parametrize("found", [FOUND, *((each,) for each in FOUND)])
+@pytest.mark.parametrize("found", [FOUND, *((item,) for item in FOUND)])
 def test_a_urdf_stands_as_the_corrected_arm(tmp_path, found):
     """To 1e-9 m at any pose; what is between the numbers stays, and so do joints that nothing was found of."""
     path = robot(tmp_path)
-    arm = import_urdf(path, base="base", tip="tool0").arm
+    arm = import_robot(path, base="base", tip="tool0").arm
     out = into_file(replace(arm, effects=found), path)
     assert not out.lost
     true = found_geometry(replace(arm, effects=found))
@@ -72,14 +72,14 @@ def test_a_urdf_stands_as_the_corrected_arm(tmp_path, found):
     # All but the frames is the same, and in frames all but the numbers and what had to be added.
     frame = re.compile(r"<origin[^>]*/>")
     assert frame.sub("", out.text) == frame.sub("", URDF)
-    told = {each.split(":")[0].removeprefix("joint ") for each in out.carried}
+    told = {item.split(":")[0].removeprefix("joint ") for item in out.carried}
     assert told <= {"slew", "lift", "reach", "tool0"}
 
 
 def test_one_zero_is_one_attribute(tmp_path):
     """Of the second joint's roll, pitch and yaw; the rest of the file is the same, byte for byte."""
     path = robot(tmp_path, URDF.replace("0 1.5707963 0", "0 0  0.3").replace("0 0.6 0.8", "0 0 1"))
-    arm = import_urdf(path, base="base", tip="tool0").arm
+    arm = import_robot(path, base="base", tip="tool0").arm
     out = into_file(replace(arm, effects=(EffectEntry("encoder_offset", (2,), {"offset": 0.05}),)), path)
     assert out.text.encode() == path.read_bytes().replace(b"0 0  0.3", b"0 0  0.35")
     assert out.carried == ("lift: rpy 0 0  0.3 is now 0 0  0.35",)
@@ -104,6 +104,18 @@ MJCF = """<mujoco model="odd"><compiler eulerseq="XYZ" autolimits="true"/>
 """
 
 
+FRAMED = (
+    MJCF.replace('<body name="upper"', '<frame pos="0.1 0.2 0" euler="0 0 30"><frame pos="0 0 0.1"><body name="upper"')
+    .replace('<joint name="lift" pos', '<frame pos="0.01 0 0" euler="0 0 10"><joint name="lift" pos')
+    .replace('class="main"/><geom', 'class="main"/></frame><geom')
+    .replace('<body name="wrist"', '<frame pos="0 0.1 0" euler="0 5 0" childclass="main"><body name="wrist"')
+    .replace(
+        '<site name="tip" pos="0.25 0 0"/></body>', '<frame pos="0 0 0.1"><site name="tip"/></frame></body></frame>'
+    )
+    .replace("</body></worldbody>", "</frame></frame></body></worldbody>")
+)
+
+
 def of_mjcf(text):
     """The same arm as an arm file has it, by MuJoCo's own frames at coordinates 0."""
     from linkwright.core.arm.chain.chain import Arm, Joint, Link
@@ -125,11 +137,12 @@ def of_mjcf(text):
     return Arm("odd", tuple(joints), tuple(links), gravity=(0.0, 0.0, -9.81))
 
 
-def test_an_mjcf_stands_as_the_corrected_arm(tmp_path):
+@pytest.mark.parametrize("text", [MJCF, FRAMED], ids=["bodies", "frames"])
+def test_an_mjcf_stands_as_the_corrected_arm(tmp_path, text):
     """Degrees, defaults, an Euler sequence, an anchor beside its body and a reference angle; other frames than the arm
-    file's. The stiffness found goes into the servo that has one."""
-    path = robot(tmp_path, MJCF, "robot.xml")
-    arm = of_mjcf(MJCF)
+    file's, and `<frame>`s about bodies, a joint and the tip. The stiffness found goes into the servo that has one."""
+    path = robot(tmp_path, text, "robot.xml")
+    arm = of_mjcf(text)
     soft = EffectEntry("joint_compliance", (2, 3), {"compliance": 1e-4})
     out = into_file(replace(arm, effects=(*FOUND, soft)), path)
     true = found_geometry(replace(arm, effects=FOUND))
@@ -150,12 +163,12 @@ def test_an_mjcf_stands_as_the_corrected_arm(tmp_path):
 def test_what_is_found_beside_frames_is_told(tmp_path):
     """A URDF has no place for a drive that gives, nor a tip where no frame stands at it."""
     path = robot(tmp_path)
-    arm = import_urdf(path, base="base", tip="wrist").arm
+    arm = import_robot(path, base="base", tip="wrist").arm
     arm = replace(arm, tool=(0.1, 0.0, 0.0))
     effects = (EffectEntry("joint_compliance", (2,), {"compliance": 1e-4}), FOUND[4])
     out = into_file(replace(arm, effects=effects), path)
-    assert any("joint_compliance" in each for each in out.lost)
-    assert any("tip stands" in each for each in out.lost)
+    assert any("joint_compliance" in item for item in out.lost)
+    assert any("tip stands" in item for item in out.lost)
 
 
 @pytest.mark.parametrize(
@@ -172,7 +185,7 @@ def test_what_is_found_beside_frames_is_told(tmp_path):
 def test_another_arms_file_is_refused(tmp_path, change, words):
     """In one line that names the joint."""
     path = robot(tmp_path)
-    arm = change(import_urdf(path, base="base", tip="tool0").arm)
+    arm = change(import_robot(path, base="base", tip="tool0").arm)
     with pytest.raises(InputError, match=words) as error:
         into_file(arm, path)
     assert "\n" not in str(error.value)

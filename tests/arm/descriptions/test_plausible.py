@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from linkwright.core.arm.descriptions.imported import import_urdf
-from linkwright.core.arm.descriptions.meshes import solid
-from linkwright.core.arm.descriptions.urdf import NO_STEP, Shape
+from linkwright.core.arm.descriptions.imported import import_robot
+from linkwright.core.arm.descriptions.reading.meshes import solid
+from linkwright.core.arm.descriptions.reading.tree import NO_STEP, Shape
 from tests.arm.descriptions.test_weights import chain, weighs
 
 SOUND = 'ixx="0.02" ixy="0" ixz="0" iyy="0.02" iyz="0" izz="0.01"'
@@ -14,7 +14,7 @@ SOUND = 'ixx="0.02" ixy="0" ixz="0" iyy="0.02" iyz="0" izz="0.01"'
 def doubts(folder, text):
     path = folder / "robot.urdf"
     path.write_text(text, encoding="utf-8")
-    return import_urdf(path).doubts
+    return import_robot(path).doubts
 
 
 @pytest.mark.parametrize(
@@ -37,11 +37,11 @@ def doubts(folder, text):
 def test_figures_that_no_body_has(tmp_path, links, words):
     """A link of 7 g between 3 and 2 kg; 1 kg*m^2 at 2 kg, whose radius of gyration is 1/sqrt(2) m, on links of 300 mm;
     a moment above the sum of the others (a flat plate has just the sum); 0.01 - 0.03 kg*m^2."""
-    found = doubts(tmp_path, chain(*links))
-    assert len(found) == bool(words)
+    result = doubts(tmp_path, chain(*links))
+    assert len(result) == bool(words)
     for word in words:
-        assert word in found[0]
-        assert found[0].startswith("l2 ")
+        assert word in result[0]
+        assert result[0].startswith("l2 ")
 
 
 @pytest.mark.parametrize(
@@ -51,9 +51,9 @@ def test_figures_that_no_body_has(tmp_path, links, words):
 def test_masses_beside_what_links_are_drawn_by(tmp_path, mass, words):
     """A box of 0.1 x 0.1 x 0.3 m holds 3 litres: 26.8 kg of the catalogue's densest bronze, 0.1 kg of foam."""
     small = f'ixx="{mass / 1e3}" ixy="0" ixz="0" iyy="{mass / 1e3}" iyz="0" izz="{mass / 1e3}"'
-    found = doubts(tmp_path, chain(weighs(mass, small), weighs(mass, small), drawn=(1,)))
-    assert len(found) == (words is not None)
-    assert words is None or (words in found[0] and "3 litres" in found[0])
+    result = doubts(tmp_path, chain(weighs(mass, small), weighs(mass, small), drawn=(1,)))
+    assert len(result) == (words is not None)
+    assert words is None or (words in result[0] and "3 litres" in result[0])
 
 
 def cube(side, kind):
@@ -81,9 +81,9 @@ def test_a_mesh_has_its_volume(tmp_path, kind):
     (tmp_path / "arm_description" / "meshes" / "cube.stl").write_bytes(cube(200.0, kind))
     robot = tmp_path / "arm_description" / "urdf" / "arm.urdf"
     for name in ("package://arm_description/meshes/cube.stl", "../meshes/cube.stl"):
-        found = solid(Shape("mesh", (1e-3, 1e-3, 1e-3), NO_STEP, name), robot)
-        assert found.volume == pytest.approx(8e-3, rel=1e-6)
-        assert found.corners.max(axis=0) == pytest.approx([0.2, 0.2, 0.2], rel=1e-6)
+        result = solid(Shape("mesh", (1e-3, 1e-3, 1e-3), NO_STEP, name), robot)
+        assert result.volume == pytest.approx(8e-3, rel=1e-6)
+        assert result.corners.max(axis=0) == pytest.approx([0.2, 0.2, 0.2], rel=1e-6)
     assert solid(Shape("mesh", (1.0, 1.0, 1.0), NO_STEP, "../meshes/none.stl"), robot) is None
     (tmp_path / "arm_description" / "meshes" / "open.stl").write_bytes(cube(200.0, "binary")[: 84 + 50 * 10])
     assert solid(Shape("mesh", (1.0, 1.0, 1.0), NO_STEP, "../meshes/open.stl"), robot) is None
@@ -94,6 +94,6 @@ def test_a_mass_far_from_its_meshs(tmp_path):
     (tmp_path / "cube.stl").write_bytes(cube(0.2, "binary"))
     mesh = '<visual><geometry><mesh filename="cube.stl"/></geometry></visual>'
     light = weighs(0.05, 'ixx="1e-4" ixy="0" ixz="0" iyy="1e-4" iyz="0" izz="1e-4"')
-    found = doubts(tmp_path, chain(light + mesh, light))
-    assert len(found) == 1
-    assert "l1 weighs 50 g in the 8 litres" in found[0]
+    result = doubts(tmp_path, chain(light + mesh, light))
+    assert len(result) == 1
+    assert "l1 weighs 50 g in the 8 litres" in result[0]

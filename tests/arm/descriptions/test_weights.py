@@ -6,9 +6,9 @@ import mujoco
 import numpy as np
 import pytest
 
+from linkwright.core.arm.bodies.beams import PropertyNeeded
 from linkwright.core.arm.descriptions.formats import export_arm
-from linkwright.core.arm.descriptions.imported import import_urdf
-from linkwright.core.arm.errors.model import PropertyNeeded
+from linkwright.core.arm.descriptions.imported import import_robot
 from linkwright.core.arm.files.read import read_arm
 from tests.arm.descriptions.urdf_chain import in_mujoco, posed, tip_pose
 
@@ -38,9 +38,9 @@ def imported(text, folder, **named):
     """The import of a URDF's text, and the arm as its arm file reads back."""
     path = folder / "robot.urdf"
     path.write_text(text, encoding="utf-8")
-    found = import_urdf(path, **named)
-    (folder / "arm.yaml").write_text(found.to_yaml(), encoding="utf-8")
-    return found, read_arm(folder / "arm.yaml")
+    result = import_robot(path, **named)
+    (folder / "arm.yaml").write_text(result.to_yaml(), encoding="utf-8")
+    return result, read_arm(folder / "arm.yaml")
 
 
 def mass_matrix(model, coordinates):
@@ -67,7 +67,7 @@ def same_dynamics(before, after, names, seed=1):
 
 def test_tensors_efforts_speeds_and_names_come_out_as_they_went_in(tmp_path):
     """Through the arm file: the flange is one body with the forearm, so their tensors are put together."""
-    found, arm = imported(TWO, tmp_path)
+    result, arm = imported(TWO, tmp_path)
     out = export_arm(arm, "urdf")
     root = ElementTree.fromstring(out.text)
     assert [link.get("name") for link in root.findall("link")] == ["base", "upper", "fore", "tip"]
@@ -76,16 +76,20 @@ def test_tensors_efforts_speeds_and_names_come_out_as_they_went_in(tmp_path):
         assert float(limits[name]["effort"]) == pytest.approx(effort, rel=1e-12)
         assert float(limits[name]["velocity"]) == pytest.approx(velocity, rel=1e-12)
     same_dynamics(TWO, out.text, ["j1", "j2"])
-    assert not any("steel balls" in each or "slender rods" in each for each in out.assumed)
+    assert not any("steel balls" in item or "slender rods" in item for item in out.assumed)
     told = export_arm(arm, "mjcf")
     assert any(
-        "joint 1: 50 N*m" in each and "joint 2: 0.7 m/s" in each.replace("700 mm/s", "0.7 m/s") for each in told.lost
+        "joint 1: 50 N*m" in item and "joint 2: 0.7 m/s" in item.replace("700 mm/s", "0.7 m/s") for item in told.lost
     )
     model = mujoco.MjModel.from_xml_string(told.text)
     assert [model.joint(k).name for k in range(2)] == ["j1", "j2"]
-    said = " ".join(found.lost)
-    for words in ("friction (joint 2: 4", "damping (joint 2: 1.5", "pedestal: 20 kg", "flange", "transmission"):
-        assert words in said
+    text = " ".join(result.lost)
+    for words in ("pedestal: 20 kg", "flange", "transmission"):
+        assert words in text
+    held = {effect.effect: (effect.at, dict(effect.parameters)) for effect in arm.effects}
+    assert held == {"friction_coulomb": ((2,), {"torque": 4.0}), "friction_viscous": ((2,), {"coefficient": 1.5})}
+    dynamics = next(item for item in root.findall("joint") if item.get("name") == "j2").find("dynamics")
+    assert {name: float(value) for name, value in dynamics.attrib.items()} == {"friction": 4.0, "damping": 1.5}
 
 
 @pytest.mark.parametrize("seed", range(6))
@@ -108,7 +112,7 @@ def test_any_tensors_through_the_arm_file(tmp_path, seed):
                 ("izz", (2, 2)),
             )
         )
-        place = " ".join(repr(float(each)) for each in points[0])
+        place = " ".join(repr(float(point)) for point in points[0])
         body = f'<inertial><origin xyz="{place}" rpy="{place}"/><mass value="{number}"/><inertia {moments}/></inertial>'
         limit = '<limit lower="-1" upper="1" effort="5" velocity="2"/>'
         lines.append(f'<link name="l{number}">{body}</link><joint name="j{number}" type="revolute">')
@@ -154,10 +158,10 @@ def weighs(kilograms, tensor='ixx="0.02" ixy="0" ixz="0" iyy="0.02" iyz="0" izz=
 )
 def test_what_a_file_does_not_weigh_is_unknown(tmp_path, text, masses):
     """A link that is drawn by nothing, while others are drawn and weighed, is a frame between two joints."""
-    found, arm = imported(text, tmp_path)
-    known = [None if link.mass is None else link.mass + sum(each.mass for each in link.masses) for link in arm.links]
+    result, arm = imported(text, tmp_path)
+    known = [None if link.mass is None else link.mass + sum(mass.mass for mass in link.masses) for link in arm.links]
     assert known == masses
-    lacking = [each.at for each in found.lacking if each.what == "mass of links"]
+    lacking = [item.at for item in result.lacking if item.what == "mass of links"]
     unknown = tuple(number for number, mass in enumerate(masses, start=1) if mass is None)
     assert lacking == [unknown] * bool(unknown)
 
@@ -169,7 +173,7 @@ def test_what_is_unknown_is_left_out_or_asked_for(tmp_path):
     links = {link.get("name"): link for link in ElementTree.fromstring(out.text).findall("link")}
     assert links["l1"].find("inertial") is not None
     assert links["l2"].find("inertial") is None
-    assert any("link 2" in each and "unknown mass" in each for each in out.lost)
+    assert any("link 2" in item and "unknown mass" in item for item in out.lost)
     with pytest.raises(PropertyNeeded, match=r"chain\[2\].link.mass: the mass of link 2, l2, is unknown"):
         export_arm(arm, "mjcf")
 
@@ -194,7 +198,7 @@ def test_exports_load_in_mujoco(tmp_path, links, words):
     out = export_arm(arm, "urdf")
     model = mujoco.MjModel.from_xml_string(out.text)
     assert ("<mujoco>" in out.text) == (words is not None)
-    assert any(words in each for each in out.assumed) if words else not any("MuJoCo" in each for each in out.assumed)
+    assert any(words in item for item in out.assumed) if words else not any("MuJoCo" in item for item in out.assumed)
     here = mujoco.MjData(model)
     here.qpos[:] = [0.3, -0.4]
     mujoco.mj_forward(model, here)
@@ -207,7 +211,7 @@ def test_a_negative_moment_is_not_carried(tmp_path):
     _, arm = imported(chain(weighs(2), impossible), tmp_path)
     for to in ("urdf", "mjcf"):
         out = export_arm(arm, to)
-        assert any("inertia of link 2" in each and "-0.1 kg*m^2" in each for each in out.lost)
+        assert any("inertia of link 2" in item and "-0.1 kg*m^2" in item for item in out.lost)
         mujoco.MjModel.from_xml_string(out.text)
 
 
@@ -218,7 +222,36 @@ def test_names_that_cannot_stand_are_told(tmp_path):
     assert (arm.links[0].name, arm.links[1].name, arm.joints[0].name) == ("world", "tip", "tool")
     for to in ("urdf", "mjcf"):
         out = export_arm(arm, to)
-        assert any("link 1" in each and "simulators keep" in each for each in out.lost)
+        assert any("link 1" in item and "simulators keep" in item for item in out.lost)
         model = mujoco.MjModel.from_xml_string(out.text)
         assert model.joint("tool").id == 0
         assert model.body("tip").id > 0
+
+
+def test_friction_of_two_armed_robots_is_numbered_through(tmp_path):
+    """The torso's once, each arm's at its own joints; what mimics has no drive that could rub."""
+    lines = ['<robot name="two"><link name="base"/><link name="torso"/>']
+    rows = (
+        ("waist", "base", "torso", 2.0, 0.0, ""),
+        ("left1", "torso", "l1", 3.0, 0.5, ""),
+        ("left2", "l1", "l2", 0.0, 0.5, ""),
+        ("right1", "torso", "r1", 3.0, 0.0, ""),
+        ("right2", "r1", "r2", 7.0, 0.0, '<mimic joint="right1"/>'),
+    )
+    lines += [f'<link name="{name}"/>' for name in ("l1", "l2", "r1", "r2")]
+    lines += [
+        f'<joint name="{name}" type="revolute"><parent link="{parent}"/><child link="{child}"/>'
+        f'<origin xyz="0.3 0 0"/><axis xyz="0 0 1"/><limit lower="-1" upper="1" effort="1" velocity="1"/>{more}'
+        f'<dynamics friction="{friction}" damping="{damping}"/></joint>'
+        for name, parent, child, friction, damping, more in rows
+    ]
+    result, arm = imported("\n".join([*lines, "</robot>"]), tmp_path, tip=["l2", "r2"])
+    held = [(effect.effect, effect.at, *effect.parameters.values()) for effect in arm.effects]
+    assert held == [
+        ("friction_coulomb", (1,), 2.0),
+        ("friction_coulomb", (2,), 3.0),
+        ("friction_viscous", (2,), 0.5),
+        ("friction_viscous", (3,), 0.5),
+        ("friction_coulomb", (4,), 3.0),
+    ]
+    assert any("friction (joint 3: 7" in item for item in result.lost)

@@ -46,7 +46,7 @@ def declared(posed: Posed) -> PoseState:
 
 
 @pytest.mark.parametrize("posed", [planar(), planar(2), spatial(), spatial(3)], ids=("plane", "other", "space", "more"))
-@pytest.mark.parametrize(("effect", "values"), OUT_OF_PROPORTION, ids=[each for each, _ in OUT_OF_PROPORTION])
+@pytest.mark.parametrize(("effect", "values"), OUT_OF_PROPORTION, ids=[item for item, _ in OUT_OF_PROPORTION])
 def test_added_weights_count_as_declared_ones(posed: Posed, effect: str, values: dict[str, float]) -> None:
     for joint in range(posed.arm.size):
         expected = moved(declared(posed), effect, values, (joint,))
@@ -93,15 +93,15 @@ def tip(arm: Arm, *, exact: bool) -> Array:
     state, effects = planar().solved(arm), active_effects(arm)
     if exact:
         return deformed(state, effects, ROWS).tip
-    found = tip_error(state, effects)
-    loads = [np.broadcast_to(each.seating, (ROWS,)) for each in found.intervals]
-    return np.stack([*(np.broadcast_to(each, (ROWS,)) for each in found.vector), *loads])
+    result = tip_error(state, effects)
+    loads = [np.broadcast_to(interval.seating, (ROWS,)) for interval in result.intervals]
+    return np.stack([*(np.broadcast_to(item, (ROWS,)) for item in result.vector), *loads])
 
 
 @pytest.mark.parametrize("exact", [True, False])
 def test_a_rigid_arm_cannot_tell_an_added_payload_from_a_declared_one(exact: bool) -> None:
     drives = (entry("friction_windup", {"windup_per_load": 2e-6}),)
     extra = entry("payload", {"mass": MASS})
-    found, expected = tip(rigid(3.0, (*drives, extra)), exact=exact), tip(rigid(3.0 + MASS, drives), exact=exact)
-    assert found == pytest.approx(expected, rel=1e-9, abs=1e-12)
+    result, expected = tip(rigid(3.0, (*drives, extra)), exact=exact), tip(rigid(3.0 + MASS, drives), exact=exact)
+    assert result == pytest.approx(expected, rel=1e-9, abs=1e-12)
     assert np.abs(tip(rigid(3.0, drives), exact=exact) - expected).max() > 1e-6

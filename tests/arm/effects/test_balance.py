@@ -13,6 +13,7 @@ from linkwright.core.arm.chain.balance import IdealCounterbalance, PointMass, Sp
 from linkwright.core.arm.chain.beam import Beam
 from linkwright.core.arm.chain.chain import Arm, Joint, Link, LoadCase
 from linkwright.core.arm.chain.statics import solve
+from linkwright.core.arm.effects.loads.counterbalance import link_angle
 from linkwright.core.arm.errors.model import beams_of
 from linkwright.core.arm.evaluation import evaluate
 from linkwright.core.arm.files.read import read_arm
@@ -75,10 +76,10 @@ def test_a_motor_on_the_base_takes_its_weight_off_the_first_drive() -> None:
     on_base = rigid(0.5, 0.4)
     on_base = replace(on_base, joints=(on_base.joints[0], replace(on_base.joints[1], motor_on_base=6.0)))
     on_first = hung(rigid(0.5, 0.4), 0, PointMass(6.0, motor_of=2))
-    found = [evaluate(arm) for arm in (at_joint, on_base, on_first)]
-    assert found[0].max_error - found[1].max_error == pytest.approx(6.0 * G * 0.5 / K * 0.9, rel=1e-6)
-    assert found[2].max_error == pytest.approx(found[1].max_error, rel=1e-9)  # at the first joint it has no lever
-    assert [each.total_mass for each in found] == [11.0] * 3
+    results = [evaluate(arm) for arm in (at_joint, on_base, on_first)]
+    assert results[0].max_error - results[1].max_error == pytest.approx(6.0 * G * 0.5 / K * 0.9, rel=1e-6)
+    assert results[2].max_error == pytest.approx(results[1].max_error, rel=1e-9)  # at the first joint it has no lever
+    assert [result.total_mass for result in results] == [11.0] * 3
 
 
 @pytest.mark.parametrize(
@@ -109,18 +110,28 @@ def test_a_spring_turns_its_link_as_its_energy_falls() -> None:
 
     slope = (energy(AT_EVERY_ANGLE + 1e-6) - energy(AT_EVERY_ANGLE - 1e-6)) / 2e-6
     assert spring.turning(AT_EVERY_ANGLE) == pytest.approx(-slope, rel=1e-6, abs=1e-4)
-    found = evaluate(rigid(0.6, counterbalance=spring))
-    assert found.worst.upper_bound is None  # no polynomial, and not called one
+    result = evaluate(rigid(0.6, counterbalance=spring))
+    assert result.worst.upper_bound is None  # no polynomial, and not called one
     loads = -5.0 * G * 0.6 * np.cos(np.linspace(-math.pi, math.pi, 20_001))
     loads += spring.turning(np.linspace(-math.pi, math.pi, 20_001))
-    assert found.max_error == pytest.approx(0.6 * np.abs(loads).max() / K, rel=1e-6)
+    assert result.max_error == pytest.approx(0.6 * np.abs(loads).max() / K, rel=1e-6)
+
+
+@pytest.mark.parametrize("axis", [(0.0, 0.0, 1.0), (0.0, 1.0, 0.0), (0.48, -0.6, 0.64)])
+def test_a_balancing_spring_does_no_work_over_a_whole_turn(axis: tuple[float, float, float]) -> None:
+    """Its torque is the slope of an energy: none about a plumb axis is the same at every angle, as a zero is."""
+    link = Link(0.4, direction=(0.36, 0.48, 0.8), mass=0.0)
+    arm = Arm("leans", (Joint(axis=axis),), (link,), gravity=(0.0, 0.0, -G), payload=LoadCase(5.0))
+    turn = np.linspace(0.0, 2.0 * np.pi, 36, endpoint=False)
+    for along in link_angle(solve(arm, [turn], beams_of(arm)), 0):
+        assert np.mean(np.broadcast_to(along, turn.shape)) == pytest.approx(0.0, abs=1e-12)
 
 
 def test_a_counterweight_slows_the_arm_by_its_moment_of_inertia() -> None:
     arm = hung(rigid(0.6, payload=4.0), 0, PointMass(9.0, (-0.2, 0.1, 0.0)))
     inertia = 4.0 * 0.6**2 + 9.0 * (0.2**2 + 0.1**2)
-    found = first_frequencies(arm, beams_of(arm), 4.0, np.zeros((1, 1)))
-    assert found[0] == pytest.approx(math.sqrt(K / inertia) / (2.0 * math.pi), rel=1e-6)
+    result = first_frequencies(arm, beams_of(arm), 4.0, np.zeros((1, 1)))
+    assert result[0] == pytest.approx(math.sqrt(K / inertia) / (2.0 * math.pi), rel=1e-6)
     assert Beam(0.6).mass == 0.0
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -13,6 +14,9 @@ from linkwright.core.arm.chain.statics import PoseState
 from linkwright.core.arm.effects import EFFECTS, Disc, Effect, Interval, Parameter, Settings, Twist
 from linkwright.core.arm.effects.contract import check
 from linkwright.core.arm.effects.effect import drive_motion
+from linkwright.core.arm.effects.torques import OfEachDrive
+from linkwright.core.arm.motion.motion import Motion
+from linkwright.core.sections.numeric import Array
 from linkwright.core.units.quantities import InputError
 
 OFFSET = EFFECTS["encoder_offset"]
@@ -70,6 +74,55 @@ def test_a_wrong_entry_is_told(effect: Effect, said: str) -> None:
     assert said in str(caught.value)
     assert str(caught.value).startswith(f"effect {effect.id}: ")
     assert "\n" not in str(caught.value)
+
+
+RUBS = EFFECTS["friction_coulomb"]
+
+
+@pytest.mark.parametrize(
+    ("torques", "said"),
+    [
+        (lambda motion, _: {9: np.ones(motion.size)}, "takes torque of joint 9, which the chain does not have"),
+        (lambda *_: {0: np.ones(3)}, "has torques of shape (3,), where one for each instant is due"),
+        (lambda motion, _: {0: np.full(motion.size, np.nan)}, "gives torques that are not finite"),
+        (lambda motion, _: {0: np.ones(motion.size)}, "takes torque at a size of 0"),
+        (
+            lambda motion, settings: {0: np.full(motion.size, settings.values["torque"] ** 2)},
+            "has torques that are not linear in its sizes",
+        ),
+        (lambda *_: {}, "the size torque takes no torque, on no chain"),
+        (lambda _, settings: {0: settings.values["tork"]}, "raises KeyError ('tork') on a motion"),
+        (None, "has a size of the torque, but no torques"),
+    ],
+)
+def test_torques_that_break_the_contract_are_told(torques: Any, said: str) -> None:
+    with pytest.raises(InputError) as caught:
+        check(replace(RUBS, torques=torques))
+    assert said in str(caught.value)
+
+
+def test_a_default_that_is_not_what_the_torques_go_by_is_told() -> None:
+    stribeck = EFFECTS["friction_stribeck"]
+    size, speed = stribeck.parameters
+    with pytest.raises(InputError, match="another torque where a shape is not named than at its default"):
+        check(replace(stribeck, parameters=(size, replace(speed, default=0.3))))
+
+
+def test_torque_of_a_joint_without_a_drive_is_told() -> None:
+    def everywhere(motion: Motion, settings: Settings) -> dict[int, Array]:
+        acting = (index for index in range(motion.arm.size) if settings.acts_at(index))
+        return {index: settings.values.get("torque", 0.0) * motion.velocity[:, index] for index in acting}
+
+    with pytest.raises(InputError, match="takes torque of a joint without a drive"):
+        check(replace(RUBS, torques=everywhere))
+
+
+def test_torque_where_an_effect_cannot_act_is_told() -> None:
+    place = EFFECTS["friction_place"]
+    everywhere = OfEachDrive(lambda motion, values, joint: values.get("sine", 0.0) * motion.velocity[:, joint])
+    cosine = replace(place, parameters=place.parameters[:1], torques=everywhere)
+    with pytest.raises(InputError, match="takes torque where it cannot act"):
+        check(cosine)
 
 
 def test_all_faults_are_told_at_once() -> None:

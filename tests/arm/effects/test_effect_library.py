@@ -35,12 +35,12 @@ NAMES = [f"{effect.id}.{size}" for effect, size in SIZED]
 
 def shapes(effect: Effect) -> dict[str, float]:
     """Something for every shape parameter."""
-    return {each.name: each.typical[1] for each in effect.shapes}
+    return {shape.name: shape.typical[1] for shape in effect.shapes}
 
 
 def an_entry(effect: Effect) -> dict[str, float]:
     """Something for every parameter."""
-    return {each.name: each.typical[1] for each in effect.parameters}
+    return {parameter.name: parameter.typical[1] for parameter in effect.parameters}
 
 
 # ---- the entry
@@ -54,33 +54,36 @@ def test_every_entry_is_whole(effect: Effect) -> None:
     assert effect.needs
     assert effect.source
     assert set(effect.aliases) <= set(EFFECTS) - {effect.id}
-    names = [each.name for each in effect.parameters]
+    names = [parameter.name for parameter in effect.parameters]
     assert len(set(names)) == len(names)
-    for each in effect.parameters:
-        assert each.kind in kinds()
-        assert kind_at(each, slides=True) in kinds()
-        assert each.lower <= each.typical[0] <= each.typical[1] <= each.upper
-        assert each.source
-        assert bool(each.grid) == (each.role == "shape")
-        assert list(each.grid) == sorted(set(each.grid))
-        if not each.relative_to_load:
-            assert all(each.lower <= value <= each.upper for value in each.grid)
-        if each.role == "size":
-            assert each.lower <= 0.0 < each.upper
+    for item in effect.parameters:
+        assert item.kind in kinds()
+        assert kind_at(item, slides=True) in kinds()
+        assert item.lower <= item.typical[0] <= item.typical[1] <= item.upper
+        assert item.source
+        assert bool(item.grid) == (item.role == "shape")
+        assert list(item.grid) == sorted(set(item.grid))
+        if not item.relative_to_load:
+            assert all(item.lower <= value <= item.upper for value in item.grid)
+        if item.role in ("size", "torque"):
+            assert item.lower <= 0.0 < item.upper
     for group in effect.enough:
         assert set(group) <= set(names)
-    assert not effect.shapes or effect.sizes
+    assert not effect.shapes or effect.sizes or effect.torque_sizes
 
 
 def test_the_whole_table_is_there() -> None:
-    """The ids of effects.md's table, torsion, and what rails, screws and real joints add."""
+    """The ids of effects.md's table, torsion, what rails, screws and real joints add, and those of motion logs."""
     table = """link_bending slope_propagation axial shear_deformation link_modulus link_mass joint_compliance
     joint_hardening servo_droop backlash friction_windup clearance encoder_offset encoder_eccentricity encoder_scale
     gear_transmission_error joint_coupling link_length payload tool_offset thermal_expansion thermal_bending
     gearbox_thermal creep base_tilt base_compliance frame_misalignment frame_drift instrument_scale
     axis_misalignment counterbalance
     latency stale_reading dynamic_deflection torsion rail_straightness rail_pitch joint_waviness
-    screw_expansion column_bending lateral_compliance unknown_weight"""
+    screw_expansion column_bending lateral_compliance unknown_weight
+    friction_coulomb friction_viscous friction_stribeck friction_load friction_asymmetry friction_warmup
+    friction_reversal friction_quadratic friction_place armature torque_constant torque_offset torque_delay
+    link_inertial gear_ripple spring joint_resonance"""
     assert set(EFFECTS) == set(table.split())
 
 
@@ -90,7 +93,7 @@ def test_the_documentation_names_every_effect_and_parameter() -> None:
     lines = {line.split("`")[1]: line for line in page.splitlines() if line[:3] == "| `"}
     assert set(EFFECTS) <= set(lines)
     for effect in EFFECTS.values():
-        for name in ends_of_series([each.name for each in effect.parameters]):
+        for name in ends_of_series([parameter.name for parameter in effect.parameters]):
             assert f"`{name}`" in lines[effect.id], (effect.id, name)
 
 
@@ -99,7 +102,7 @@ def ends_of_series(names: list[str]) -> list[str]:
     series: dict[str, list[str]] = {}
     for name in names:
         series.setdefault(re.sub(r"_[0-9]+$", "", name), []).append(name)
-    return [name for each in series.values() for name in ((each[0], each[-1]) if len(each) > 8 else each)]
+    return [name for item in series.values() for name in ((item[0], item[-1]) if len(item) > 8 else item)]
 
 
 # ---- linearity and places
@@ -110,7 +113,7 @@ def ends_of_series(names: list[str]) -> list[str]:
 def test_the_displacement_is_linear_in_every_size(which: int, arm: int, factor: float, share: float) -> None:
     effect, size = SIZED[which]
     state = POSED[arm].state
-    (parameter,) = [each for each in effect.parameters if each.name == size]
+    (parameter,) = [item for item in effect.parameters if item.name == size]
     value = share * parameter.typical[1]
     if effect.id in NOT_LINEAR:
         # To first order only: 1/(1+x) - 1 = -x + x^2 ...
@@ -125,7 +128,7 @@ def test_the_displacement_is_linear_in_every_size(which: int, arm: int, factor: 
 @pytest.mark.parametrize("effect", [effect for effect in EFFECTS.values() if len(effect.sizes) > 1], ids=lambda e: e.id)
 @pytest.mark.parametrize("posed", POSED, ids=range(4))
 def test_sizes_add_up_and_those_absent_count_as_nothing(effect: Effect, posed: Posed) -> None:
-    state, values = posed.state, {each.name: each.typical[1] for each in effect.sizes}
+    state, values = posed.state, {size.name: size.typical[1] for size in effect.sizes}
     apart = sum(moved(state, effect.id, {**shapes(effect), name: value}) for name, value in values.items())
     assert moved(state, effect.id, {**shapes(effect), **values}) == pytest.approx(apart, rel=1e-9, abs=1e-16)
 
@@ -133,11 +136,11 @@ def test_sizes_add_up_and_those_absent_count_as_nothing(effect: Effect, posed: P
 @pytest.mark.parametrize("effect", EFFECTS.values(), ids=EFFECTS)
 def test_without_a_size_nothing_moves(effect: Effect) -> None:
     """But for what an arm has data for: its drives' stiffness, and its materials' expansion."""
-    still = [{}, shapes(effect)] + [{**shapes(effect), each.name: 0.0} for each in effect.sizes]
+    still = [{}, shapes(effect)] + [{**shapes(effect), size.name: 0.0} for size in effect.sizes]
     for posed in POSED:
         for values in still:
             data = effect.automatic or effect.id == "thermal_expansion"
-            if not (data and not set(values) & {each.name for each in effect.sizes}):
+            if not (data and not set(values) & {size.name for size in effect.sizes}):
                 assert np.all(moved(posed.state, effect.id, values) == 0.0), values
 
 
@@ -146,7 +149,7 @@ def test_without_a_size_nothing_moves(effect: Effect) -> None:
 )
 @pytest.mark.parametrize("posed", POSED, ids=range(4))
 def test_everywhere_is_the_sum_of_every_place(effect: Effect, posed: Posed) -> None:
-    values = {**shapes(effect), **{each.name: each.typical[1] for each in effect.sizes}}
+    values = {**shapes(effect), **{size.name: size.typical[1] for size in effect.sizes}}
     everywhere = moved(posed.state, effect.id, values)
     places = [moved(posed.state, effect.id, values, (i,)) for i in range(posed.arm.size)]
     assert everywhere == pytest.approx(sum(places), rel=1e-9, abs=1e-16)
@@ -167,7 +170,7 @@ def test_every_size_moves_some_arm(effect: Effect, size: str) -> None:
 
 @pytest.mark.parametrize("effect", EFFECTS.values(), ids=EFFECTS)
 def test_a_planar_arm_stays_in_its_plane(effect: Effect) -> None:
-    values = {**shapes(effect), **{each.name: each.typical[1] for each in effect.sizes}}
+    values = {**shapes(effect), **{size.name: size.typical[1] for size in effect.sizes}}
     assert np.all(moved(planar().state, effect.id, values)[:, 2] == 0.0)
 
 
@@ -175,7 +178,7 @@ def test_a_planar_arm_stays_in_its_plane(effect: Effect) -> None:
 @pytest.mark.parametrize("posed", POSED, ids=range(4))
 def test_readings_at_once_are_readings_one_by_one(effect: Effect, posed: Posed) -> None:
     """But for lags, which ask for the readings before."""
-    values = {**shapes(effect), **{each.name: each.typical[1] for each in effect.sizes}}
+    values = {**shapes(effect), **{size.name: size.typical[1] for size in effect.sizes}}
     values = {name: value for name, value in values.items() if name != "lag"}
     every = moved(posed.state, effect.id, values)
     for row in range(3):
@@ -195,11 +198,13 @@ def test_a_designs_symbols_give_the_same_numbers(effect: Effect, posed: Posed) -
     q = symbols(arm)
     made = tip_error(solve(arm, parts(q), posed.beams), active_effects(arm))
     function = ca.Function(
-        "e", [q], [ca.vertcat(*map(ca.SX, [*made.vector, *(c for each in made.intervals for c in each.vector)]))]
+        "e",
+        [q],
+        [ca.vertcat(*map(ca.SX, [*made.vector, *(c for interval in made.intervals for c in interval.vector)]))],
     )
     for row in posed.q[:3]:
         error = tip_error(solve(arm, row.tolist(), posed.beams), active_effects(arm))
-        expected = [*error.vector, *(c for each in error.intervals for c in each.vector)]
+        expected = [*error.vector, *(c for interval in error.intervals for c in interval.vector)]
         assert np.array(function(row)).ravel() == pytest.approx(np.array(expected, dtype=float), rel=1e-9, abs=1e-16)
 
 
@@ -238,7 +243,7 @@ def entry_text(effect: Effect, at: int | None, *, slides: bool) -> str:
     return f"effects:\n  - {{{', '.join([f'effect: {effect.id}', *where, *values])}}}\n"
 
 
-@pytest.mark.parametrize("effect", [each for each in EFFECTS.values() if each.parameters], ids=lambda e: e.id)
+@pytest.mark.parametrize("effect", [item for item in EFFECTS.values() if item.parameters], ids=lambda e: e.id)
 @pytest.mark.parametrize("at", [1, 2, 3, None])
 def test_every_effect_is_read_and_written_back(effect: Effect, at: int | None, tmp_path: Path) -> None:
     slides = at == 2
@@ -253,7 +258,7 @@ def test_every_effect_is_read_and_written_back(effect: Effect, at: int | None, t
     assert (again.effect, again.at) == (entry.effect, entry.at)
     assert dict(again.parameters) == pytest.approx(dict(entry.parameters), rel=1e-9)
     # A mast's 1/EI is that of a beam, whatever travels along it.
-    own = any(each.across or each.kind == "flexibility" for each in effect.parameters)
+    own = any(parameter.across or parameter.kind == "flexibility" for parameter in effect.parameters)
     if slides and effect.place == "joint" and not own:
         assert not re.search(r"rad\b|deg|N\*m", arm_to_yaml(arm).partition("effects:")[2])
 
@@ -295,14 +300,14 @@ def test_an_evaluation_says_which_effects_it_cannot_count(tmp_path: Path) -> Non
         "  - {effect: creep, at: 1, compliance: 1e-6 rad/(N*m), time_constant: 1 h}\n"
         "  - {effect: gearbox_thermal, at: 1, per_kelvin: 1 urad/K}\n"
     )
-    found = evaluate(arm_of(text, tmp_path))
-    assert found.warnings == (
+    result = evaluate(arm_of(text, tmp_path))
+    assert result.warnings == (
         "latency adds nothing here: it needs what only a recording holds (velocities)",
         "creep adds nothing here: it needs what only a recording holds (time under load)",
     )
     plain = evaluate(arm_of(rod_lines([400, 300]), tmp_path))
     assert plain.warnings == ()
-    assert found.max_error == pytest.approx(plain.max_error, rel=1e-9)
+    assert result.max_error == pytest.approx(plain.max_error, rel=1e-9)
 
 
 def test_effects_of_the_library_change_a_design(tmp_path: Path) -> None:
@@ -330,7 +335,7 @@ def test_show_and_list_tell_role_bounds_and_grid(tmp_path: Path, capsys: pytest.
     assert run(["effects", "list", "--json", str(target)]) == 0
     entries = {entry["id"]: entry for entry in json.loads(target.read_text())["effects"]}
     assert set(entries) == set(EFFECTS)
-    order = next(each for each in entries["gear_transmission_error"]["parameters"] if each["name"] == "order")
+    order = next(entry for entry in entries["gear_transmission_error"]["parameters"] if entry["name"] == "order")
     assert (order["role"], order["relative_to_load"]) == ("shape", False)
     assert 100.0 in order["grid"]
     assert entries["latency"]["requires"] == ["velocities"]
@@ -348,6 +353,6 @@ def test_what_the_arm_has_data_for_may_be_named_without_a_size(tmp_path: Path) -
 
 def test_what_links_share_and_what_an_encoder_sees() -> None:
     """One material, one air and one clock for all; only a servo's droop is before the encoder."""
-    together = {"link_modulus", "link_length", "thermal_expansion", "thermal_bending", "latency"}
+    together = {"link_modulus", "link_length", "thermal_expansion", "thermal_bending", "latency", "torque_delay"}
     assert {effect.id for effect in EFFECTS.values() if effect.together} == together
     assert {effect.id for effect in EFFECTS.values() if effect.before_encoder} == {"servo_droop"}

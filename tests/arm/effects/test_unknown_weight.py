@@ -6,11 +6,12 @@ from types import MappingProxyType
 import numpy as np
 import pytest
 
+from linkwright.core.arm.bodies.beams import PropertyNeeded
 from linkwright.core.arm.chain.chain import Arm, EffectEntry, Joint, Link
 from linkwright.core.arm.chain.statics import solve
 from linkwright.core.arm.compensation import model_error
 from linkwright.core.arm.effects import EFFECTS, Settings
-from linkwright.core.arm.errors.model import PropertyNeeded, beams_of
+from linkwright.core.arm.errors.model import beams_of
 from linkwright.core.arm.errors.recorded import Asked, seen
 from linkwright.core.arm.errors.unknown_mass import payloads_left_out
 from linkwright.core.arm.evaluation import evaluate
@@ -66,9 +67,9 @@ def test_a_product_does_what_its_factors_do(effect: str, size: str, at: tuple[in
     product = compliance * UNIT * 9.80665 * lever
     asked = Asked(4)
     expected = seen(solve(known, POSES, beams_of(known)), EFFECTS[effect], Settings(at, {size: compliance}), asked).tip
-    found = seen(solve(bare, POSES, beams_of(bare)), EFFECTS[effect], Settings(at, {"unit_sag": product}), asked).tip
+    result = seen(solve(bare, POSES, beams_of(bare)), EFFECTS[effect], Settings(at, {"unit_sag": product}), asked).tip
     assert np.abs(expected).max() > 1e-5
-    assert found == pytest.approx(expected, abs=1e-15)
+    assert result == pytest.approx(expected, abs=1e-15)
 
 
 def test_a_tilted_base_acts_through_products() -> None:

@@ -33,9 +33,9 @@ def notes(path):
 
 
 def test_gravity_of_an_arm_in_space_that_names_none(tmp_path):
-    assert any("no gravity is given" in each for each in notes(arm_file(tmp_path, gravity=None)))
-    assert not any("gravity" in each for each in notes(arm_file(tmp_path)))
-    assert not any("gravity" in each for each in notes(arm_file(tmp_path, {"axis": "z"}, gravity=None)))
+    assert any("no gravity is given" in note for note in notes(arm_file(tmp_path, gravity=None)))
+    assert not any("gravity" in note for note in notes(arm_file(tmp_path)))
+    assert not any("gravity" in note for note in notes(arm_file(tmp_path, {"axis": "z"}, gravity=None)))
 
 
 @pytest.mark.parametrize(
@@ -54,26 +54,26 @@ def test_a_load_case_that_names_no_payload(tmp_path, case, said):
     problem.write_text(f"arm: arm.yaml\nload_cases: [{{payload: {{mass: 5 kg}}}}, {case}]\n", "utf-8")
     asked = read_problem(problem)
     assert [case.leaves_off for case in asked.load_cases] == [0.0, 5.0 if said else 0.0]
-    found = lw.evaluate(lw.read_arm(tmp_path / "arm.yaml"), problem=problem)
-    assert any("load case 2 names no payload and so leaves off the arm's 5 kg" in each for each in found.notes) == said
-    assert json.loads(found.to_json())["notes"] == list(found.notes)
-    told = [each.text for each in describe(found.found).items if isinstance(each, Paragraph)]
-    assert [each for each in told if each.startswith("note: ")] == [f"note: {each}" for each in found.notes]
+    result = lw.evaluate(lw.read_arm(tmp_path / "arm.yaml"), problem=problem)
+    assert any("load case 2 names no payload and so leaves off the arm's 5 kg" in note for note in result.notes) == said
+    assert json.loads(result.to_json())["notes"] == list(result.notes)
+    told = [item.text for item in describe(result.found).items if isinstance(item, Paragraph)]
+    assert [item for item in told if item.startswith("note: ")] == [f"note: {note}" for note in result.notes]
 
 
 def test_bearings_of_drives_whose_tilting_nobody_knows(tmp_path):
     """Of an arm in space whose drive gives; not of a stiff one, nor where it is said or left out."""
-    said = "the bearing of joint 1 counts as rigid against tilting: none is given"
-    assert any(said in each for each in notes(arm_file(tmp_path)))
+    text = "the bearing of joint 1 counts as rigid against tilting: none is given"
+    assert any(text in note for note in notes(arm_file(tmp_path)))
     for joint, keys in (
         ({"tilting_stiffness": "300 kN*m/rad"}, {}),
         ({"stiffness": "80 kN*m/rad"}, {"leave_out": ["lateral_compliance"]}),
         ({}, {"effects": [{"effect": "lateral_compliance", "compliance": "1e-6 rad/(N*m)"}]}),
     ):
-        assert not any("tilting" in each for each in notes(arm_file(tmp_path, joint, **keys)))
+        assert not any("tilting" in note for note in notes(arm_file(tmp_path, joint, **keys)))
     named = arm_file(tmp_path, {"actuator": "RV-20E", "stiffness": None})
     named.write_text(named.read_text("utf-8").replace("stiffness: null", "clearance: 0 mm"), "utf-8")
-    assert any("the catalogue has none for RV-20E" in each for each in notes(named))
+    assert any("the catalogue has none for RV-20E" in note for note in notes(named))
 
 
 OWN = """format_version: 1
@@ -118,16 +118,16 @@ def test_a_tilting_stiffness_that_none_has(tmp_path, joint, said):
 
 def test_a_height_that_lies_level_is_said_unless_the_file_says_so(tmp_path):
     """With an upright axis, of a section that bends otherwise on its side; not of a square, nor where it is up."""
-    said = "the height of the section points level (along y) in link 1, not up as the word suggests"
-    assert any(said in each for each in notes(arm_file(tmp_path, {"axis": "z"})))
+    text = "the height of the section points level (along y) in link 1, not up as the word suggests"
+    assert any(text in note for note in notes(arm_file(tmp_path, {"axis": "z"})))
     for link in (
         {"height_direction": "up"},
         {"height_direction": [0, 1, 0]},
         {"section": {"shape": "rectangle", "width": "40 mm", "height": "40 mm"}},
         {"section": {"shape": "circle", "diameter": "40 mm"}},
     ):
-        assert not any("height" in each for each in notes(arm_file(tmp_path, {"axis": "z"}, link)))
-    assert not any("height" in each for each in notes(arm_file(tmp_path)))
+        assert not any("height" in note for note in notes(arm_file(tmp_path, {"axis": "z"}, link)))
+    assert not any("height" in note for note in notes(arm_file(tmp_path)))
 
 
 def test_what_links_can_win_is_said_before_the_first_round(tmp_path):

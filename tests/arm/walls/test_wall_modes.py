@@ -63,7 +63,7 @@ SHAPES: list[Section] = [
 
 def stack(name: str) -> tuple[Orthotropic, Orthotropic]:
     """Stiffnesses in the plane and against bending (Pa) of plies at those angles."""
-    wall = wall_of(PLY, [math.radians(each) for each in STACKS[name]])
+    wall = wall_of(PLY, [math.radians(item) for item in STACKS[name]])
     return orthotropic(wall.along, wall.around, wall.shear, wall.poisson_ratio), wall.bending
 
 
@@ -96,12 +96,12 @@ def loads(
 def test_walls_of_plies_are_those_of_a_strip(name: str) -> None:
     """Never more than a half per cent above the strip, nor 2 % below it."""
     plane, bending = stack(name)
-    found, d = wall_compliance(plane, bending), bending_of(bending)
+    result, d = wall_compliance(plane, bending), bending_of(bending)
     pairs = {
-        "pressed": (found.pressed, critical(d, 1.0, 1.0)),
-        "bent": (found.bent, critical(d, 1.0, -1.0)),
-        "sheared": (found.sheared, critical(d, 0.0, 0.0, 1.0)),
-        "free": (found.free_pressed, critical(d, 1.0, 1.0, free=True)),
+        "pressed": (result.pressed, critical(d, 1.0, 1.0)),
+        "bent": (result.bent, critical(d, 1.0, -1.0)),
+        "sheared": (result.sheared, critical(d, 0.0, 0.0, 1.0)),
+        "free": (result.free_pressed, critical(d, 1.0, 1.0, free=True)),
     }
     for case, (compliance, exact) in pairs.items():
         assert 0.98 < 1.0 / (compliance * exact) < 1.005, case
@@ -136,9 +136,9 @@ def test_edge_stresses_give_the_standards_values(ends: tuple[float, float], free
     assert 1.0 / max(uses) / unit == pytest.approx(value, rel=0.025)
 
 
-def _one_wall(free: bool, found: WallCompliance) -> list[tuple[float, float]]:
-    held = (found.pressed, found.bent)
-    return [(found.free_pressed, found.free_bent), held] if free else [held]
+def _one_wall(free: bool, result: WallCompliance) -> list[tuple[float, float]]:
+    held = (result.pressed, result.bent)
+    return [(result.free_pressed, result.free_bent), held] if free else [held]
 
 
 def _use(pair: tuple[float, float], even: float, uneven: float) -> float:
@@ -152,8 +152,8 @@ def _use(pair: tuple[float, float], even: float, uneven: float) -> float:
 def test_walls_held_at_both_edges_are_never_better_than_the_strip(ratio: float, shear: float) -> None:
     """Edge stresses 1 and `ratio` with shear: at most 2 % above it, and safe where most of the wall is pulled."""
     exact = critical(bending_of(ISOTROPIC), 1.0, ratio, shear)
-    found = wall_compliance(ISOTROPIC)
-    mode = Mode(found.pressed, height_uneven=found.bent, shear_height=found.sheared)
+    result = wall_compliance(ISOTROPIC)
+    mode = Mode(result.pressed, height_uneven=result.bent, shear_height=result.sheared)
     use = mode.use(loads(pressing=0.5 * (1.0 + ratio), in_height=0.5 * (1.0 - ratio), along_height=shear))
     assert 1.0 / use < 1.02 * exact
     assert ratio < -1.0 or 1.0 / use > 0.9 * exact
@@ -164,12 +164,12 @@ def test_walls_held_at_both_edges_are_never_better_than_the_strip(ratio: float, 
 def test_outstands_are_never_better_than_the_strip(name: str, turned: bool) -> None:
     """At most 7 % above it, whatever the other edge bears; within 8 % where that is not pulled."""
     plane, bending = stack(name)
-    found = wall_compliance(plane, bending)
+    result = wall_compliance(plane, bending)
     for ratio in (-4.0, -3.0, -2.0, -1.0, -0.5, -0.4, -0.3, 0.0, 0.5, 1.0):
         held, other = (1.0, ratio) if turned else (ratio, 1.0)
         exact = critical(bending_of(bending), held, other, free=True)
-        turning = _use((found.free_pressed, found.free_bent), 0.25 * held + 0.75 * other, other - held)
-        use = max(turning, _use((found.pressed, found.bent), 0.5 * (held + other), 0.5 * (held - other)))
+        turning = _use((result.free_pressed, result.free_bent), 0.25 * held + 0.75 * other, other - held)
+        use = max(turning, _use((result.pressed, result.bent), 0.5 * (held + other), 0.5 * (held - other)))
         assert 1.0 / use < 1.07 * exact, ratio
         assert ratio < 0.0 or 1.0 / use > 0.92 * exact, ratio
 
@@ -185,8 +185,8 @@ def test_a_square_tube_evenly_pressed_is_four_plates() -> None:
 def test_edge_stresses_are_those_of_the_section() -> None:
     """The web of an I-section bent in its plane: k = 23.9 at the edge stress; its flanges lie at M z / I."""
     section, moment = ISection(0.06, 0.2, 0.01, 0.001), 1000.0
-    found = section.properties(0.3)
-    edge = moment * 0.09 / found.second_moment_y
+    result = section.properties(0.3)
+    edge = moment * 0.09 / result.second_moment_y
     unit = math.pi**2 * STEEL.need("elastic_modulus") / (12.0 * (1.0 - STEEL.need("poisson_ratio") ** 2))
     critical_stress = 23.9 * unit * (0.001 / 0.18) ** 2
     assert worst(section, loads(in_height=moment)) == pytest.approx(edge / critical_stress, rel=0.01)
@@ -214,12 +214,12 @@ def test_a_steel_cylinder_is_that_of_donnell_with_nasas_factors() -> None:
     """0.605 E t/R; at R/t = 500, phi = 1.3975, the factors are 0.3217 under compression and 0.4497 under bending
     (NASA SP-8007, 4.2)."""
     tube = Tube(1.001, 0.001)
-    found = tube.properties(0.3)
+    result = tube.properties(0.3)
     classical = 0.605 * STEEL.need("elastic_modulus") / 500.0
-    assert worst(tube, loads(pressing=0.3217 * classical * found.area)) == pytest.approx(1.0, rel=2e-3)
-    moment = 0.4497 * classical * found.second_moment_y / 0.5
+    assert worst(tube, loads(pressing=0.3217 * classical * result.area)) == pytest.approx(1.0, rel=2e-3)
+    moment = 0.4497 * classical * result.second_moment_y / 0.5
     assert worst(tube, loads(in_height=0.6 * moment, in_width=0.8 * moment)) == pytest.approx(1.0, rel=2e-3)
-    half = loads(pressing=0.5 * 0.3217 * classical * found.area, in_height=0.5 * moment)
+    half = loads(pressing=0.5 * 0.3217 * classical * result.area, in_height=0.5 * moment)
     assert worst(tube, half) == pytest.approx(1.0, rel=2e-3)
 
 
@@ -237,7 +237,7 @@ def test_cylinders_of_plies_take_the_least_of_all_waves(name: str) -> None:
     """Donnell's equations for m half waves along and n waves around, each m and n tried."""
     plane, bending = stack(name)
     radius, thickness, length = 0.1, 0.0005, 0.4
-    d11, d12, d22, d66 = (each * thickness**3 for each in bending_of(bending))
+    d11, d12, d22, d66 = (item * thickness**3 for item in bending_of(bending))
     stretch = np.array([[plane.along, plane.both], [plane.both, plane.around]]) * thickness
     soft, shear = np.linalg.inv(stretch), 1.0 / (plane.shear * thickness)
     least = math.inf
@@ -246,9 +246,9 @@ def test_cylinders_of_plies_take_the_least_of_all_waves(name: str) -> None:
         bends = d11 * a**4 + 2.0 * (d12 + 2.0 * d66) * a**2 * b**2 + d22 * b**4
         pulls = soft[1, 1] * a**4 + (2.0 * soft[0, 1] + shear) * a**2 * b**2 + soft[0, 0] * b**4
         least = min(least, (bends + (a**2 / radius) ** 2 / pulls) / a**2)
-    found = wall_compliance(plane, bending)
+    result = wall_compliance(plane, bending)
     # The formula takes fractions of waves too, so it is a little below.
-    assert 0.96 * least < thickness**2 / (radius * found.round_pressed) < 1.001 * least
+    assert 0.96 * least < thickness**2 / (radius * result.round_pressed) < 1.001 * least
 
 
 def test_an_elliptical_tube_that_is_round_is_a_tube() -> None:
@@ -274,10 +274,10 @@ def test_floats_arrays_and_symbols_agree(section: Section, material: Any) -> Non
     assert symbolic is not None
     assert plain is not None
     function = ca.Function("uses", [x], [ca.vertcat(*[mode.use(acting) for _, mode in symbolic])])
-    found = np.array(function(list(given_.values()))).ravel()
+    result = np.array(function(list(given_.values()))).ravel()
     floats = [float(mode.use(acting)) for _, mode in plain]
-    assert found == pytest.approx(floats, rel=1e-9)
-    many = Mode(*np.array([[getattr(mode, each.name) for each in fields(Mode)] for _, mode in plain], dtype=float).T)
+    assert result == pytest.approx(floats, rel=1e-9)
+    many = Mode(*np.array([[getattr(mode, field.name) for field in fields(Mode)] for _, mode in plain], dtype=float).T)
     assert many.use(acting) == pytest.approx(floats, rel=1e-12)
 
 
@@ -298,7 +298,7 @@ def test_more_of_the_same_load_uses_more(
     """The use is of the first degree: a factor on the load is one on the use."""
     one = loads(1e4 * pressing, 200.0 * height, 200.0 * width, 100.0, 50.0, 30.0)
     more = replace(
-        one, **{each.name: factor * getattr(one, each.name) for each in fields(WallLoads) if each.name != "length"}
+        one, **{field.name: factor * getattr(one, field.name) for field in fields(WallLoads) if field.name != "length"}
     )
     assert worst(section, more) == pytest.approx(factor * worst(section, one), rel=1e-6, abs=1e-6)
 

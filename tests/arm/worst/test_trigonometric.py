@@ -52,14 +52,14 @@ def test_many_points_at_once_give_what_each_gives_alone(kinds: tuple[bool, ...])
     """Both ways of `Terms.at`: by terms for few points, by tables for many; two functions, all orders."""
     coordinates = coordinates_of(kinds)
     functions = [as_function(*random_expression(seed, kinds)) for seed in (3, 4)]
-    terms = terms_of(fit(lambda q: np.hstack([each(q) for each in functions]), coordinates))
+    terms = terms_of(fit(lambda q: np.hstack([function(q) for function in functions]), coordinates))
     rng = np.random.default_rng(5)
     x, which = coordinates.scaled(poses(rng, coordinates, 3000)), rng.integers(0, 2, 3000).astype(np.intp)
     for order in (0, 1, 2):
         many = terms.at(x, which, order)
         few = [terms.at(x[k : k + 10], which[k : k + 10], order) for k in range(0, 3000, 10)]
         for derivative in range(order + 1):
-            alone = np.concatenate([each[derivative] for each in few])
+            alone = np.concatenate([item[derivative] for item in few])
             assert many[derivative] == pytest.approx(alone, abs=1e-12 * np.abs(alone).max())
 
 
@@ -134,12 +134,12 @@ def test_branch_and_bound_holds_the_largest_value_within_its_gap(seed: int, kind
     coordinates = coordinates_of(kinds)
     terms = terms_of(fit(as_function(q, expression), coordinates))
     limits = np.array([math.pi if turns else 1.0 for turns in kinds])
-    found = maximise(terms, -limits, limits, gap=1e-3)
+    result = maximise(terms, -limits, limits, gap=1e-3)
     x = np.random.default_rng(seed).uniform(-limits, limits, (20_000, len(kinds)))
-    assert found.complete
-    assert terms.at(x, np.zeros(len(x), dtype=np.intp))[0].max() <= found.bound
-    assert found.bound <= found.value + 1e-3 * abs(found.value) + 1e-12
-    assert terms.at(found.point[None], np.zeros(1, dtype=np.intp))[0][0] == pytest.approx(found.value, rel=1e-12)
+    assert result.complete
+    assert terms.at(x, np.zeros(len(x), dtype=np.intp))[0].max() <= result.bound
+    assert result.bound <= result.value + 1e-3 * abs(result.value) + 1e-12
+    assert terms.at(result.point[None], np.zeros(1, dtype=np.intp))[0][0] == pytest.approx(result.value, rel=1e-12)
 
 
 def test_a_search_cut_short_still_bounds() -> None:
@@ -174,9 +174,9 @@ def test_a_cubic_slide_is_refused() -> None:
 
 def test_functions_of_no_joint_at_all_are_constants() -> None:
     terms = terms_of(fit(lambda q: np.full((len(q), 1), 3.0), coordinates_of(())))
-    found = maximise(terms, np.zeros(0), np.zeros(0), gap=1e-6)
-    assert found.value == pytest.approx(3.0)
-    assert found.bound == pytest.approx(3.0)
+    result = maximise(terms, np.zeros(0), np.zeros(0), gap=1e-6)
+    assert result.value == pytest.approx(3.0)
+    assert result.bound == pytest.approx(3.0)
 
 
 def test_dropped_terms_are_bounded() -> None:

@@ -9,9 +9,9 @@ from pathlib import Path
 
 import pytest
 
+from linkwright.core.arm.figures import limit_on
 from linkwright.core.optimize.choice.picks import combinations
 from linkwright.core.optimize.exchange.exchange import Exchange
-from linkwright.core.optimize.limits import limit_on
 from linkwright.core.optimize.run import optimise
 from linkwright.core.optimize.tradeoff.point import Search
 from linkwright.core.optimize.tradeoff.question import question
@@ -42,7 +42,7 @@ def test_points_are_what_optimise_finds(seed: int, tmp_path: Path) -> None:
     compared = held(front, every=EVERY)
     # One design may be best in both figures.
     assert compared or len(front.envelope.points) < 3
-    assert all(abs(each.off) <= WITHIN for each in compared)
+    assert all(abs(item.off) <= WITHIN for item in compared)
 
 
 def test_a_mixed_combination_is_best_between_two_plain_ends(tmp_path: Path) -> None:

@@ -36,22 +36,22 @@ def spread(share, draws):
 
 def test_a_uniform_angle_on_a_lever():
     """|s| w L with s uniform: its quantile of 95 % is 0.95 w L, its root mean square w L / sqrt 3."""
-    found = lw.budget(lever(), sheet={"tolerances": [OFFSET], "draws": 4000}).found
-    assert found.worst / 0.5e-3 == pytest.approx(0.95, abs=spread(0.95, 4000))
-    assert found.median / 0.5e-3 == pytest.approx(0.5, abs=spread(0.5, 4000))
-    assert found.average == pytest.approx(0.5e-3 / math.sqrt(3.0), rel=0.02)
-    assert found.nominal == 0.0
-    assert found.worst < found.worst_upper < 0.5e-3
+    result = lw.budget(lever(), sheet={"tolerances": [OFFSET], "draws": 4000}).found
+    assert result.worst / 0.5e-3 == pytest.approx(0.95, abs=spread(0.95, 4000))
+    assert result.median / 0.5e-3 == pytest.approx(0.5, abs=spread(0.5, 4000))
+    assert result.average == pytest.approx(0.5e-3 / math.sqrt(3.0), rel=0.02)
+    assert result.nominal == 0.0
+    assert result.worst < result.worst_upper < 0.5e-3
 
 
 def test_an_angle_drawn_anew_at_every_pose_meets_its_bound_somewhere():
     """Over N poses the worst of uniform draws has the quantile 0.95^(1/N)."""
-    found = lw.budget(lever(), sheet={"tolerances": [{**OFFSET, "each_time": True}], "draws": 2000}).found
-    assert found.poses > 20
-    share = 0.95 ** (1.0 / found.poses)
-    assert share - 0.01 < found.worst / 0.5e-3 <= 1.0
-    assert found.average == pytest.approx(0.5e-3 / math.sqrt(3.0), rel=0.02)
-    assert [each.name for each in found.causes] == ["encoder_offset, each time"]
+    result = lw.budget(lever(), sheet={"tolerances": [{**OFFSET, "each_time": True}], "draws": 2000}).found
+    assert result.poses > 20
+    share = 0.95 ** (1.0 / result.poses)
+    assert share - 0.01 < result.worst / 0.5e-3 <= 1.0
+    assert result.average == pytest.approx(0.5e-3 / math.sqrt(3.0), rel=0.02)
+    assert [cause.name for cause in result.causes] == ["encoder_offset, each time"]
 
 
 def test_a_drive_of_uncertain_stiffness():
@@ -60,20 +60,20 @@ def test_a_drive_of_uncertain_stiffness():
     arm = lever(stiffness="1 kN*m/rad")
     sheet = {"uncertain": {"stiffness": "20 %"}, "draws": 1000}
     several = [lw.budget(arm, sheet={**sheet, "seed": seed}).found for seed in range(8)]
-    found = several[0]
+    result = several[0]
     droop = 20.0 * 0.5 * 0.5 / 1e3
-    assert found.nominal == pytest.approx(droop, rel=1e-9)
-    assert found.nominal == pytest.approx(lw.evaluate(arm).found.max_error, rel=1e-9)
-    worst = sum(each.worst for each in several) / 8.0
+    assert result.nominal == pytest.approx(droop, rel=1e-9)
+    assert result.nominal == pytest.approx(lw.evaluate(arm).found.max_error, rel=1e-9)
+    worst = sum(item.worst for item in several) / 8.0
     assert worst == pytest.approx(droop / (1.0 - 0.2 * 0.9), rel=0.244 * 2.0 * spread(0.95, 8000))
-    assert found.pose[0] == pytest.approx(0.0, abs=1e-6)
+    assert result.pose[0] == pytest.approx(0.0, abs=1e-6)
 
 
 def test_the_average_is_over_poses_spread_evenly():
     """A droop that goes with cos q over a quarter turn has the root mean square 1/sqrt 2 of its greatest, though the
     worst pose is looked at as well. (64 poses of a sequence of low discrepancy: some 1/64 off.)"""
-    found = lw.budget(lever(stiffness="1 kN*m/rad"), sheet={"draws": 20}).found
-    assert found.average == pytest.approx(found.nominal / math.sqrt(2.0), rel=0.02)
+    result = lw.budget(lever(stiffness="1 kN*m/rad"), sheet={"draws": 20}).found
+    assert result.average == pytest.approx(result.nominal / math.sqrt(2.0), rel=0.02)
 
 
 def test_few_poses_hold_the_worst_of_many():
@@ -86,29 +86,29 @@ def test_few_poses_hold_the_worst_of_many():
     ]
     arm = lw.Arm(chain=chain, gravity=["0 m/s^2", "0 m/s^2", "-9.81 m/s^2"])
     content = {"tolerances": [OFFSET, {"effect": "link_length", "length": "0.4 mm"}], "draws": 60}
-    found = lw.budget(arm, sheet=content).found
+    result = lw.budget(arm, sheet=content).found
     draw = np.random.default_rng(2)
     poses = np.array([draw.uniform(*joint.range, 20_000) for joint in arm.model.joints]).T
-    parts = parts_of(arm.model, found.sheet, poses, (arm.model.payload,))
+    parts = parts_of(arm.model, result.sheet, poses, (arm.model.payload,))
     worst = np.sort(errors(parts, Draws(20, 60, parts.states)).max(axis=1))
-    assert worst[56] <= 1.01 * found.worst  # the 57th of 60: 95 %
-    assert worst[56] >= 0.97 * found.worst
+    assert worst[56] <= 1.01 * result.worst  # the 57th of 60: 95 %
+    assert worst[56] >= 0.97 * result.worst
 
 
 def test_play_that_is_uncertain():
     """Half of a backlash b (1 + w s) either way."""
-    found = lw.budget(lever(backlash="4 mrad"), sheet={"uncertain": {"backlash": "50 %"}, "draws": 4000}).found
-    assert found.nominal == pytest.approx(1e-3, rel=1e-9)
-    assert found.worst == pytest.approx(1e-3 * (1.0 + 0.5 * 0.9), rel=0.5 * 2.0 * spread(0.95, 4000))
+    result = lw.budget(lever(backlash="4 mrad"), sheet={"uncertain": {"backlash": "50 %"}, "draws": 4000}).found
+    assert result.nominal == pytest.approx(1e-3, rel=1e-9)
+    assert result.worst == pytest.approx(1e-3 * (1.0 + 0.5 * 0.9), rel=0.5 * 2.0 * spread(0.95, 4000))
 
 
 def test_warmth_lengthens():
     """Aluminium's figure of the catalogue times length and 5 K, either way."""
     link = {"length": "500 mm", "section": {"shape": "circle", "diameter": "50 mm"}, "material": "aluminium-6061-t6"}
     arm = lw.Arm(chain=[{"joint": {"range": ["0 deg", "90 deg"]}, "link": link}], gravity=["0 m/s^2"] * 3)
-    found = lw.budget(arm, sheet={"temperature": "5 K", "draws": 2000}).found
+    result = lw.budget(arm, sheet={"temperature": "5 K", "draws": 2000}).found
     grown = lw.materials["aluminium-6061-t6"].at("20 degC").thermal_expansion * 5.0 * 0.5
-    assert found.worst == pytest.approx(0.95 * grown, rel=2.0 * spread(0.95, 2000))
+    assert result.worst == pytest.approx(0.95 * grown, rel=2.0 * spread(0.95, 2000))
 
 
 @pytest.mark.parametrize("planar", [True, False])
@@ -118,9 +118,9 @@ def test_repeatability_is_that_of_iso_9283(planar):
     away = np.linalg.norm(draws, axis=1)
     assert reach_of_repeatability(planar) == pytest.approx(away.mean() + 3.0 * away.std(), rel=0.005)
     arm = lever() if planar else lever(axis="y").replace("gravity", ["0 m/s^2", "0 m/s^2", "-10 m/s^2"])
-    found = lw.budget(arm, sheet={"repeatability": "0.1 mm", "draws": 500}).found
+    result = lw.budget(arm, sheet={"repeatability": "0.1 mm", "draws": 500}).found
     scatter = 0.1e-3 / reach_of_repeatability(planar)
-    assert found.average == pytest.approx(scatter * math.sqrt(2.0 if planar else 3.0), rel=0.02)
+    assert result.average == pytest.approx(scatter * math.sqrt(2.0 if planar else 3.0), rel=0.02)
 
 
 TWO = [
@@ -131,13 +131,13 @@ TWO = [
 
 def test_mean_squares_of_independent_causes_add_up():
     """Without play: all of them together are the root of the sum of squares (within what draws scatter by)."""
-    chain = [{**each, "joint": {"range": each["joint"]["range"]}} for each in TWO]
+    chain = [{**item, "joint": {"range": item["joint"]["range"]}} for item in TWO]
     sheet = {"tolerances": [OFFSET, {"effect": "link_length", "length": "0.3 mm"}], "repeatability": "0.2 mm"}
-    found = lw.budget(lw.Arm(chain=chain), sheet={**sheet, "draws": 4000}).found
-    assert sum(each.share for each in found.causes) == pytest.approx(1.0)
-    assert found.average == pytest.approx(math.sqrt(sum(each.average**2 for each in found.causes)), rel=0.02)
+    result = lw.budget(lw.Arm(chain=chain), sheet={**sheet, "draws": 4000}).found
+    assert sum(cause.share for cause in result.causes) == pytest.approx(1.0)
+    assert result.average == pytest.approx(math.sqrt(sum(cause.average**2 for cause in result.causes)), rel=0.02)
     alone = lw.budget(lw.Arm(chain=chain), sheet={"tolerances": [OFFSET], "draws": 4000}).found
-    same = next(each for each in found.causes if each.name == "encoder_offset")
+    same = next(cause for cause in result.causes if cause.name == "encoder_offset")
     assert alone.average == pytest.approx(same.average, rel=1e-12)  # the same draws, whatever else is drawn
 
 
@@ -150,16 +150,16 @@ def test_a_better_part_is_worth_what_the_budget_with_it_says():
         {"part": "homing", "at": 2, "tolerances": [{**OFFSET, "at": [2], "offset": "0.1 mrad"}]},
         {"part": "jig", "tolerances": [{**OFFSET, "offset": "0.1 mrad"}], "price": "20 EUR"},
     ]
-    found = lw.budget(arm, sheet={**sheet, "better": parts}).found
-    gains = {each.name: each for each in found.options}
-    assert [each.name for each in found.options] == ["jig", "gear", "homing"]
+    result = lw.budget(arm, sheet={**sheet, "better": parts}).found
+    gains = {option.name: option for option in result.options}
+    assert [option.name for option in result.options] == ["jig", "gear", "homing"]
     with_gear = lw.budget(arm.replace("chain[1].joint.backlash", "0.2 mrad"), sheet=sheet).found
     # The poses are those of the arm as it is, so other poses of the better arm may count a little differently.
-    assert gains["gear"].worst == pytest.approx(found.worst - with_gear.worst, rel=0.05)
+    assert gains["gear"].worst == pytest.approx(result.worst - with_gear.worst, rel=0.05)
     assert gains["gear"].per_euro == pytest.approx(gains["gear"].worst / 100.0)
     assert gains["homing"].per_euro is None
     assert gains["jig"].worst > gains["homing"].worst > 0.0
-    halved = {each.owner: each.worst for each in found.halved}
+    halved = {item.owner: item.worst for item in result.halved}
     assert halved[("joint", 0)] > halved[("joint", 1)] > 0.0
 
 
@@ -180,12 +180,12 @@ def arrays(rows, plays, discs, seed=5):
 def test_intervals_alone_reach_farthest_at_a_vertex():
     """Of all their vertices."""
     given = arrays(60, 6, 0)
-    found = played(given, np.zeros(0), "worst", planar=False)
+    result = played(given, np.zeros(0), "worst", planar=False)
     signs = np.array(list(itertools.product((-1.0, 1.0), repeat=6)))
     points = given.vector[:, None] + np.einsum("ck,nki->nci", signs, given.intervals)
-    assert found.error == pytest.approx(np.linalg.norm(points, axis=2).max(axis=1), rel=1e-12)
-    again = given.vector + np.einsum("nk,nki->ni", found.signs, given.intervals)
-    assert np.linalg.norm(again, axis=1) == pytest.approx(found.error, rel=1e-12)
+    assert result.error == pytest.approx(np.linalg.norm(points, axis=2).max(axis=1), rel=1e-12)
+    again = given.vector + np.einsum("nk,nki->ni", result.signs, given.intervals)
+    assert np.linalg.norm(again, axis=1) == pytest.approx(result.error, rel=1e-12)
 
 
 def test_one_climb_from_a_fan_reaches_as_far_as_many():

@@ -50,8 +50,8 @@ def least_sag(balance: float) -> float:
     def of_mass(mass: float) -> float:
         return sag(float(mass), balance)
 
-    found: Any = minimize_scalar(of_mass, bounds=(0.5, 6.0), method="bounded")
-    return float(found.fun)
+    result: Any = minimize_scalar(of_mass, bounds=(0.5, 6.0), method="bounded")
+    return float(result.fun)
 
 
 def test_the_torque_of_a_balancer(tmp_path: Path) -> None:
@@ -60,7 +60,7 @@ def test_the_torque_of_a_balancer(tmp_path: Path) -> None:
     assert result.after.max_error == pytest.approx(least_sag(30.0), rel=1e-5)
     assert result.balance[0].value == pytest.approx(30.0, rel=1e-6)
     assert result.balance[0].bound == "greatest"
-    (price,) = (each for each in result.binding if each.name == "balancer")
+    (price,) = (item for item in result.binding if item.name == "balancer")
     slope = (least_sag(30.1) - least_sag(29.9)) / 0.2
     assert price.unit == "N*m"
     assert price.price == pytest.approx(1e3 * slope, rel=1e-3)
@@ -95,7 +95,7 @@ def test_a_counterweight_as_heavy_as_the_total_mass_allows(tmp_path: Path) -> No
     choose = "counterweight: [{link: 1, mass: [0 kg, 40 kg], at: [-300 mm, -100 mm]}]"
     problem = lifting(tmp_path, choose, ", total_mass: '<= 15 kg'")
     result = optimise(problem)
-    mass, place = (each.value for each in result.balance)
+    mass, place = (item.value for item in result.balance)
     assert result.after.mass is not None
     assert place == pytest.approx(-0.3, rel=1e-5)
     assert result.after.mass + mass + PAYLOAD == pytest.approx(15.0, rel=1e-5)
@@ -110,7 +110,7 @@ def test_a_given_counterweight_is_the_one_that_is_chosen(tmp_path: Path) -> None
     choose = "counterweight: [{link: 1, mass: [2 kg, 9 kg], at: -200 mm}]"
     problem = lifting(tmp_path, choose, "", link=", masses: [{mass: 5 kg, at: [-200 mm, 0 mm, 0 mm]}]")
     result = optimise(problem)
-    assert [each.before for each in result.balance] == [5.0]
+    assert [item.before for item in result.balance] == [5.0]
     (hung,) = result.arm.links[0].masses
     assert result.after.mass is not None
     assert hung.mass == pytest.approx(9.0, rel=1e-5)
@@ -125,7 +125,7 @@ def test_a_heavy_counterweight_as_given_puts_no_limit_out_of_reach(limit: str, t
     problem = lifting(tmp_path, choose, f", {limit}", link=given)
     assert out_of_reach(problem) == ()
     result = optimise(problem)
-    assert {each.name for each in result.binding} >= {limit.partition(":")[0]}
+    assert {item.name for item in result.binding} >= {limit.partition(":")[0]}
     heavy = lifting(tmp_path, choose, ", total_mass: '>= 550 kg'", link=given.replace("500", "5"))
     assert out_of_reach(heavy) == ()
     beyond = lifting(tmp_path, choose, ", total_mass: '>= 2000 kg'", link=given)
@@ -173,15 +173,15 @@ def test_places_of_a_motor_are_arms_written_by_hand(tmp_path: Path) -> None:
     }
     places = "[{on: joint, mass: 4 kg}, {on: 1, mass: 5 kg}, {on: base, mass: 6 kg, stiffness: 20 kN*m/rad}]"
     result = optimise(two_joints(tmp_path, f"choose: {{motor: [{{joint: 2, places: {places}}}]}}\n", plain, plain))
-    values = {each.places[0]: each for each in result.motor_places}
+    values = {place.places[0]: place for place in result.motor_places}
     by_hand = {words: optimise(two_joints(tmp_path, "", plain, keys)).objective for words, keys in written.items()}
     best = min(by_hand, key=lambda words: by_hand[words])
     assert result.motor_places[0].places == (best,)
     assert result.motor_places[0].outcome == "best"
     assert result.objective == pytest.approx(by_hand[best], rel=1e-5)
-    for words, each in values.items():
-        if each.objective is not None:
-            assert each.objective == pytest.approx(by_hand[words], rel=1e-5)
+    for words, value in values.items():
+        if value.objective is not None:
+            assert value.objective == pytest.approx(by_hand[words], rel=1e-5)
 
 
 BAD = {

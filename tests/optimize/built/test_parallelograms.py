@@ -58,10 +58,10 @@ def test_places_with_and_without_rods_are_arms_written_by_hand(tmp_path: Path) -
             lifter(tmp_path / "b", second, "", stiffness=30, hung=hung, wrist='"-q2"')
         ),
     }
-    found = {each.places[0]: each.objective for each in result.motor_places}
-    assert result.objective == pytest.approx(min(each.objective for each in by_hand.values()), rel=1e-5)
-    assert found.keys() == by_hand.keys()
-    for words, objective in found.items():
+    results = {place.places[0]: place.objective for place in result.motor_places}
+    assert result.objective == pytest.approx(min(item.objective for item in by_hand.values()), rel=1e-5)
+    assert results.keys() == by_hand.keys()
+    for words, objective in results.items():
         assert objective is None or objective == pytest.approx(by_hand[words].objective, rel=1e-5)
     path = tmp_path / "found.yaml"
     path.write_text(arm_to_yaml(result.arm), encoding="utf-8")
@@ -72,7 +72,7 @@ def least_by_scan(*, rods: bool) -> float:
     """The least worst error (m) over the two diameters that the mass allows, by virtual work: with rods each drive
     holds its own link's turn against the base, and the forearm's moment goes by the rods, not by the first link."""
     second = np.radians(np.linspace(-100.0, 0.0, 101) if rods else np.linspace(-130.0, -20.0, 111))
-    q1, other = (each.ravel() for each in np.meshgrid(np.radians(np.linspace(30.0, 100.0, 71)), second))
+    q1, other = (item.ravel() for item in np.meshgrid(np.radians(np.linspace(30.0, 100.0, 71)), second))
     phi1, phi2 = q1, other if rods else q1 + other
     low, high, least = 0.5, MOST - 0.5, math.inf
     for _ in range(3):
@@ -105,7 +105,7 @@ def _worst(m1: float, m2: float, phi1: Array, phi2: Array, *, rods: bool) -> flo
 @pytest.mark.slow
 def test_the_best_place_is_that_of_a_scan(tmp_path: Path) -> None:
     places = (AT_JOINT, RODS)
-    scans = {each: least_by_scan(rods=each == RODS) for each in places}
+    scans = {item: least_by_scan(rods=item == RODS) for item in places}
     both = optimise(lifter(tmp_path, BEFORE, choosing(*places)))
     assert both.objective == pytest.approx(min(scans.values()), rel=2e-4)
     for place, least in scans.items():
@@ -120,7 +120,7 @@ def test_a_place_that_reaches_less_of_a_path_is_left_out(tmp_path: Path) -> None
     path = "workspace: {path: [[700 mm, 300 mm], [700 mm, 100 mm]]}\n"
     narrow = RODS.replace("[-100 deg, 0 deg]", "[-40 deg, -30 deg]")
     result = optimise(lifter(tmp_path, BEFORE, choosing(AT_JOINT, narrow, workspace=path)))
-    assert [each.outcome for each in result.motor_places] == ["best", "reaches less"]
+    assert [place.outcome for place in result.motor_places] == ["best", "reaches less"]
     with pytest.raises(InputError, match="wider range"):
         optimise(lifter(tmp_path, BEFORE, choosing(narrow, workspace=path)))
 

@@ -18,9 +18,9 @@ from linkwright.core.arm.chain.similar_taper import similar_beam
 from linkwright.core.arm.chain.taper import tapered_beam
 from linkwright.core.arm.errors.model import beam_values, beams_of, error_model
 from linkwright.core.arm.evaluation import evaluate
+from linkwright.core.arm.figures import excess
 from linkwright.core.arm.files.write import arm_to_yaml
 from linkwright.core.materials.material import MaterialValues
-from linkwright.core.optimize.limits import excess
 from linkwright.core.optimize.problem import Problem
 from linkwright.core.optimize.rounding.options import read_rounding
 from linkwright.core.optimize.rounding.rounding import optimise_rounded
@@ -51,9 +51,9 @@ def cantilever(folder: Path, load: str, limits: str, *, head: str = "", section:
 def alike(found: Any, expected: Any, skip: frozenset[str] = frozenset()) -> None:
     """Every number of the two, down to the last."""
     if is_dataclass(found):
-        for each in fields(found):
-            if each.name not in skip:
-                alike(getattr(found, each.name), getattr(expected, each.name), skip)
+        for field in fields(found):
+            if field.name not in skip:
+                alike(getattr(found, field.name), getattr(expected, field.name), skip)
     elif isinstance(found, Mapping):
         assert found.keys() == expected.keys()
         for name in found:
@@ -71,14 +71,14 @@ def alike(found: Any, expected: Any, skip: frozenset[str] = frozenset()) -> None
 def test_factors_of_the_ratio_are_those_by_quadrature(shape: str, ratio: float) -> None:
     near = SHAPES[shape].start(2e-3, (0.02, 0.2), (0.002, 0.02))
     uniform = elastic_beam(0.7, near.properties(0.33), STIFF)
-    found = similar_beam(uniform, math.log(ratio))
+    result = similar_beam(uniform, math.log(ratio))
     if ratio == 1.0:
-        assert found.taper.height == BendingFactors()
-        alike(replace(found, taper=uniform.taper), uniform)
+        assert result.taper.height == BendingFactors()
+        alike(replace(result, taper=uniform.taper), uniform)
         return
     expected = tapered_beam(0.7, Tapered(near, near.scaled(ratio)), STIFF)
-    alike(found, expected, frozenset({"parts"}))
-    for own, other in zip(found.taper.parts, expected.taper.parts, strict=True):
+    alike(result, expected, frozenset({"parts"}))
+    for own, other in zip(result.taper.parts, expected.taper.parts, strict=True):
         alike(own.rigidities, other.rigidities)
         # Of a part without weight of its own, only what a moment at its end does is ever asked.
         for name in ("moment_deflection", "moment_slope"):
@@ -125,7 +125,7 @@ def test_own_weight_against_a_grid_of_quadratures(tmp_path: Path) -> None:
         return quad(turned, 0.0, 1.0)[0]
 
     ratios = np.linspace(0.1, 1.0, 46)
-    grid = [sag(float(each)) for each in ratios]
+    grid = [sag(float(ratio)) for ratio in ratios]
     assert result.after.max_error <= min(grid) * (1.0 + 2e-4)
     assert result.after.max_error == pytest.approx(min(grid), rel=2e-3)
     section = result.arm.links[0].section
@@ -187,8 +187,8 @@ def test_limits_hold_and_uniform_links_are_never_better(tmp_path: Path, shape: s
         assert far is not None
         assert section is not None
         given = far.given()
-        outer = [given[each.name] for each in far.dimensions if each.kind == "outer"]
-        walls = [given[each.name] for each in far.dimensions if each.kind == "wall"]
+        outer = [given[dimension.name] for dimension in far.dimensions if dimension.kind == "outer"]
+        walls = [given[dimension.name] for dimension in far.dimensions if dimension.kind == "wall"]
         assert min(outer) >= 0.03 * (1.0 - 1e-6)
         assert min(walls, default=1.0) >= 0.002 * (1.0 - 1e-6)
         assert 0.5 - 1e-6 <= (size_ratio(section) or 0.0) <= 1.0 + 1e-6
@@ -208,11 +208,11 @@ def test_a_far_end_and_a_taper_at_their_bounds_have_a_price(tmp_path: Path) -> N
     load, head = "force: [0 N, -100 N, 0 N]", STILL
     problem = cantilever(tmp_path, load, "mass: '<= 5 kg', section_size: [35 mm, 300 mm], taper: [0.2, 1]", head=head)
     result = optimise(problem)
-    (limit,) = (each for each in result.binding if each.name == "section_size")
+    (limit,) = (item for item in result.binding if item.name == "section_size")
     assert "far end" in limit.text
     assert limit.price == pytest.approx(measured_price(problem, limit), rel=0.02)
     bounded = optimise(cantilever(tmp_path, load, f"mass: '<= 5 kg', {SIZES}, taper: [0.6, 1]", head=head))
-    (limit,) = (each for each in bounded.binding if each.name == "taper")
+    (limit,) = (item for item in bounded.binding if item.name == "taper")
     # The sag goes with (1 + r + r^2)^2/r.
     sums, ratio = 1.0 + 0.6 + 0.36, 0.6
     slope = 1e3 * bounded.objective * (2.0 * (1.0 + 2.0 * ratio) / sums - 1.0 / ratio)

@@ -123,20 +123,20 @@ def test_every_design_of_a_front_is_the_worse_of_both_tips(file):
     limits = {"mass": "<= 24 kg", "max_error": "<= 3 mm", "section_size": ["10 mm", "120 mm"]}
     problem = lw.Problem(lw.read_arm(file), subject_to=limits)
     front = lw.tradeoff(problem, accuracy=0.5)
-    designs = sorted(front.designs, key=lambda each: each.values["mass"])
+    designs = sorted(front.designs, key=lambda design: design.values["mass"])
     assert len(designs) >= 3
-    for each in (designs[0], designs[len(designs) // 2], designs[-1]):
-        model = each.arm.model
+    for item in (designs[0], designs[len(designs) // 2], designs[-1]):
+        model = item.arm.model
         tips = [lw.evaluate(lw.Arm.of(model.on(tip))).max_error_mm for tip in ("left", "right")]
-        assert each.values["max_error"] == pytest.approx(1e-3 * max(tips), rel=1e-4)
-        assert errors(model, model.cases) <= each.values["max_error"] * (1.0 + 1e-6)
+        assert item.values["max_error"] == pytest.approx(1e-3 * max(tips), rel=1e-4)
+        assert errors(model, model.cases) <= item.values["max_error"] * (1.0 + 1e-6)
         own = [
             density * math.pi * link.section.diameter**2 / 4.0 * link.length
             for density, link in zip(DENSITY, model.links, strict=True)
         ]
-        assert each.values["mass"] == pytest.approx(sum(own), rel=1e-6)
-    found = [(each.values["mass"], each.values["max_error"]) for each in designs]
-    assert all(one[1] > other[1] for one, other in itertools.pairwise(found))
+        assert item.values["mass"] == pytest.approx(sum(own), rel=1e-6)
+    results = [(design.values["mass"], design.values["max_error"]) for design in designs]
+    assert all(one[1] > other[1] for one, other in itertools.pairwise(results))
 
 
 @pytest.mark.parametrize(

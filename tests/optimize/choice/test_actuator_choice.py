@@ -48,11 +48,11 @@ def choosing(folder: Path, limits: str, gears: str = GEARS, more: str = "", mini
 @pytest.mark.slow
 def test_the_choice_is_the_best_of_all_solved_one_by_one(tmp_path: Path) -> None:
     problem = choosing(tmp_path, "total_mass: '<= 11 kg'")
-    found = optimise(problem)
+    result = optimise(problem)
     values: dict[tuple[str, ...], float] = {}
     for pick in assignments(problem):
         own = replace(problem, arm=with_actuators(problem.arm, pick), actuators=None)
-        names = tuple(each.name for each in pick if each is not None)
+        names = tuple(item.name for item in pick if item is not None)
         try:
             solved = optimise(own)
         except NoAnswer:
@@ -65,11 +65,11 @@ def test_the_choice_is_the_best_of_all_solved_one_by_one(tmp_path: Path) -> None
         assert judged.drives.greatest_use <= 1.0 + 1e-4
         values[names] = judged.max_error
     best = min(values, key=lambda names: values[names])
-    assert tuple(joint.actuator.name for joint in found.arm.joints if joint.actuator is not None) == best
-    assert found.after.max_error == pytest.approx(values[best], rel=2e-4)
-    assert len(found.drives) == 9
-    assert found.drives_exhaustive
-    assert found.drives[0].actuators == best
+    assert tuple(joint.actuator.name for joint in result.arm.joints if joint.actuator is not None) == best
+    assert result.after.max_error == pytest.approx(values[best], rel=2e-4)
+    assert len(result.drives) == 9
+    assert result.drives_exhaustive
+    assert result.drives[0].actuators == best
     assert len(set(values.values())) > 3
 
 
@@ -93,13 +93,13 @@ def test_a_rated_torque_binds_and_has_its_price(tmp_path: Path) -> None:
     arm = TWO.replace("range: [-120 deg, 120 deg]", f"range: [-120 deg, 120 deg], {gear}")
     problem = problem_of(tmp_path, arm, text)
     assert [limit.text for limit in problem.limits] == ["mass <= 40 kg", "torque_use <= 1"]
-    found = optimise(problem)
-    assert found.after.drives is not None
-    assert found.after.drives.greatest_use == pytest.approx(1.0, rel=1e-4)
+    result = optimise(problem)
+    assert result.after.drives is not None
+    assert result.after.drives.greatest_use == pytest.approx(1.0, rel=1e-4)
     free = optimise(replace(problem, limits=problem.limits[:1]))
-    assert free.after.mass > 1.05 * found.after.mass
-    assert free.after.max_error < found.after.max_error
-    binding = {limit.name: limit for limit in found.binding}
+    assert free.after.mass > 1.05 * result.after.mass
+    assert free.after.max_error < result.after.max_error
+    binding = {limit.name: limit for limit in result.binding}
     assert binding["torque_use"].price < 0.0
     assert binding["torque_use"].price == pytest.approx(measured_price(problem, binding["torque_use"]), rel=0.02)
 
@@ -112,7 +112,7 @@ def test_a_gear_too_weak_for_any_design_is_no_answer(tmp_path: Path) -> None:
 def test_the_drives_count_in_mass_and_cost(priced: Path) -> None:
     rich = optimise(choosing(priced, "mass: '<= 6 kg', cost: '<= 2000 EUR'", "[DEAR, CHEAP]"))
     poor = optimise(choosing(priced, "mass: '<= 6 kg', cost: '<= 1300 EUR'", "[DEAR, CHEAP]"))
-    names = [[joint.actuator.name for joint in each.arm.joints if joint.actuator] for each in (rich, poor)]
+    names = [[joint.actuator.name for joint in item.arm.joints if joint.actuator] for item in (rich, poor)]
     assert names[0] == ["DEAR", "DEAR"]
     assert sorted(names[1]) == ["CHEAP", "DEAR"]
     assert poor.after.cost is not None
@@ -181,27 +181,27 @@ def test_near_ties_are_those_of_all_drives(tmp_path: Path) -> None:
         "  actuator: [[CSG-25-100-2UH, RV-6E], [CSG-17-100-2UH]]}\n"
     )
     problem = problem_of(tmp_path, TWO, text)
-    found = optimise(problem)
+    result = optimise(problem)
     assert problem.materials is not None
     values: dict[tuple[object, ...], float] = {}
     for pick in assignments(problem):
         for material in problem.materials:
             arm = with_actuators(problem.arm, pick)
             own = replace(problem, arm=arm, actuators=None, materials=(material,))
-            names = tuple(each.name for each in pick if each is not None)
+            names = tuple(item.name for item in pick if item is not None)
             try:
                 values[names, (material.name,) * 2] = optimise(own).objective
             except NoAnswer:
                 continue
-    assert found.objective == pytest.approx(min(values.values()), rel=2e-4)
-    own = tuple(joint.actuator.name for joint in found.arm.joints if joint.actuator is not None)
-    best = own, tuple(link.material.name for link in found.arm.links if link.material is not None)
-    ties = {(each.actuators, each.materials): each for each in found.near_ties}
-    near = {key for key, value in values.items() if value <= found.objective * 1.0299} - {best}
+    assert result.objective == pytest.approx(min(values.values()), rel=2e-4)
+    own = tuple(joint.actuator.name for joint in result.arm.joints if joint.actuator is not None)
+    best = own, tuple(link.material.name for link in result.arm.links if link.material is not None)
+    ties = {(near_tie.actuators, near_tie.materials): near_tie for near_tie in result.near_ties}
+    near = {key for key, value in values.items() if value <= result.objective * 1.0299} - {best}
     assert near
     assert set(ties) >= near
     assert best not in ties
-    assert found.near_ties_left == 0
+    assert result.near_ties_left == 0
     for key, tie in ties.items():
         assert tie.objective == pytest.approx(values[key], rel=2e-4)
         assert evaluate(tie.arm, problem.workspace).max_error == pytest.approx(tie.max_error, rel=1e-4)
@@ -229,12 +229,12 @@ def test_a_heavy_drive_may_be_the_better_one(tmp_path: Path, monkeypatch: pytest
         ranged("-5 5", "-5 5", more=""),
         rest="payload: {mass: 0 kg, force: [0 N, 150 N, 0 N]}\n",
     )
-    found: dict[str, float] = {}
+    results: dict[str, float] = {}
     for names in ("LIGHT", "HEAVY"):
         text = f"subject_to: {{{SIZES}, mass: '<= 30 kg'}}\nchoose: {{actuator: [[LIGHT], [{names}]]}}\n"
-        found[names] = optimise(problem_of(tmp_path, lifted, text)).objective
-    assert found["HEAVY"] < 0.9 * found["LIGHT"]
-    limit = 1e3 * (0.6 * found["HEAVY"] + 0.4 * found["LIGHT"])
+        results[names] = optimise(problem_of(tmp_path, lifted, text)).objective
+    assert results["HEAVY"] < 0.9 * results["LIGHT"]
+    limit = 1e3 * (0.6 * results["HEAVY"] + 0.4 * results["LIGHT"])
     text = (
         f"minimize: mass\nsubject_to: {{{SIZES}, max_error: '<= {limit:.5f} mm'}}\n"
         "choose: {actuator: [[LIGHT], [LIGHT, HEAVY]]}\n"
@@ -272,13 +272,13 @@ def test_drives_are_chosen_for_what_is_uncertain(
 
     soft = f"robust: {robust}\nuncertain: {{stiffness: 40 %}}\n"
     assert optimise(asked("STIFF, SOFT")).drives[0].actuators == ("SOFT",)
-    found = optimise(asked("STIFF, SOFT", soft))
-    assert [(each.actuators, each.outcome) for each in found.drives] == [
+    result = optimise(asked("STIFF, SOFT", soft))
+    assert [(drive.actuators, drive.outcome) for drive in result.drives] == [
         (("STIFF",), "best"),
         (("SOFT",), "infeasible"),
     ]
-    assert found.objective == pytest.approx(optimise(asked("STIFF", soft)).objective, rel=1e-4)
-    assert found.robust is not None
-    assert found.robust.design.value <= 0.8e-3 * (1.0 + 1e-4)
+    assert result.objective == pytest.approx(optimise(asked("STIFF", soft)).objective, rel=1e-4)
+    assert result.robust is not None
+    assert result.robust.design.value <= 0.8e-3 * (1.0 + 1e-4)
     with pytest.raises(NoAnswer, match="max_error"):
         optimise(asked("SOFT", soft))

@@ -38,7 +38,7 @@ def test_rows_are_the_error_at_any_lengths(tmp_path: Path) -> None:
     for signs in ((1.0, 1.0, 1.0), (-1.0, 1.0, -1.0)):
         q = tuple(float(x) for x in generator.uniform(-1.5, 1.5, 3))
         cut = ErrorCut(q, 0, signs, (0.0, 0.0, 0.0))
-        rows = LengthRows(context, (0.15, 0.8)).rows_of(Pool((cut,)), problem.arm, p, 1.0)
+        rows = LengthRows(context).rows_of(Pool((cut,)), problem.arm, p, 1.0)
         assert rows is not None
         row = rows[-1]
         for _ in range(5):
@@ -84,8 +84,8 @@ def _least_sag(rows: Array, pair: tuple[int, int], mass: float, reach: float) ->
     start = grid[int(np.argmin([of_length(x) for x in grid]))]
     step = float(grid[1] - grid[0])
     bounds = (max(0.3, start - step), min(reach - 0.3, start + step))
-    found: Any = minimize_scalar(of_length, bounds=bounds, method="bounded")
-    return float(found.fun)
+    result: Any = minimize_scalar(of_length, bounds=bounds, method="bounded")
+    return float(result.fun)
 
 
 def test_bound_is_below_every_pair_and_near_the_best(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -163,7 +163,7 @@ def test_all_near_ties_among_1156_are_solved(tmp_path: Path) -> None:
     by_hand = least_sags(rows, 4.0, 20.0, (0.01, 0.09))
     assert result.objective == pytest.approx(by_hand.min(), rel=1e-3)
     near = {(f"m{one}", f"m{other}") for one, other in np.argwhere(by_hand < by_hand.min() * 1.0299).tolist()}
-    ties = {each.materials: each for each in result.near_ties}
+    ties = {near_tie.materials: near_tie for near_tie in result.near_ties}
     assert len(near) > 5
     assert result.near_ties_left == 0
     assert set(ties) >= near - {tuple(link.material.name for link in result.arm.links if link.material is not None)}
@@ -188,9 +188,9 @@ def test_what_a_limit_would_have_to_be_is_found_among_all(tmp_path: Path) -> Non
     )
     with pytest.raises(Infeasible) as caught:
         optimise(problem_of(tmp_path, arm, text))
-    found = caught.value.infeasible
-    assert found.verdict == "infeasible"
-    needed = {each.limit.name: each.needed for each in found.limits}
+    result = caught.value.infeasible
+    assert result.verdict == "infeasible"
+    needed = {limit.limit.name: limit.needed for limit in result.limits}
     assert needed["max_error"] == pytest.approx(least.min(), rel=2e-3)
 
 
@@ -211,7 +211,7 @@ def test_a_combination_that_fails_is_listed_and_the_gap_is_of_the_rest(
 
     def fails(chooser: Chooser, pick: Combination, *, explain: bool = False) -> Solved:
         found = solve(chooser, pick, explain=explain)
-        if tuple(each and each.name for each in pick.materials) != lost:
+        if tuple(material and material.name for material in pick.materials) != lost:
             return found
         chooser.note(pick, None, "unsolved")
         return replace(found, objective=None, solution=None, relaxed=None, unsolved=True)
@@ -220,7 +220,7 @@ def test_a_combination_that_fails_is_listed_and_the_gap_is_of_the_rest(
     result = optimise(problem)
     rest = np.where(least == least.min(), np.inf, least)
     assert result.objective == pytest.approx(rest.min(), rel=1e-3)
-    assert [each.materials for each in result.unsolved] == [lost]
+    assert [item.materials for item in result.unsolved] == [lost]
     assert (result.status, result.exhaustive, result.optimum) == ("searched", False, "local")
     assert result.gap is not None
     assert result.gap <= 1e-4

@@ -38,14 +38,14 @@ def test_bound_on_all_is_below_every_combination_and_near_the_best(
     assert 0.97 * every.min() <= result.lower_bound <= every.min() * (1.0 + 1e-4)
     assert result.lower_bound_gap == pytest.approx(1.0 - result.lower_bound / result.objective)
     near = np.argwhere(every < every.min() * 1.0299)
-    found = {each.materials for each in result.near_ties} | {
+    found = {tie.materials for tie in result.near_ties} | {
         tuple(link.material.name for link in result.arm.links if link.material is not None)
     }
     assert result.near_ties_left == 0
     assert found >= {(f"m{one}", f"m{other}") for one, other in near.tolist()}
-    for each in result.near_ties:
-        one, other = (int(str(name)[1:]) for name in each.materials)
-        assert each.objective == pytest.approx(every[one, other], rel=1e-3)
+    for near_tie in result.near_ties:
+        one, other = (int(str(name)[1:]) for name in near_tie.materials)
+        assert near_tie.objective == pytest.approx(every[one, other], rel=1e-3)
 
 
 def test_near_ties_that_are_given_up_are_counted(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -80,7 +80,7 @@ def test_what_one_combination_could_reach_is_told_from_what_it_could_not(tmp_pat
     branching = Branching(Chooser(context_of(problem_of(tmp_path, arm, text)), None, None), large_choice.WANTED)
     assert branching.run(20) is not None
     every = least_sags(rows, 4.0, 20.0, (0.01, 0.09))
-    names = [each.name for _, each in branching.relaxation.cells[0].options]
+    names = [item.name for _, item in branching.relaxation.cells[0].options]
     enough = 1.2 * float(every.min())
     could = np.zeros(every.shape, dtype=bool)
     for place, _ in np.ndenumerate(every):

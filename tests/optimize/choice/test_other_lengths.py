@@ -79,7 +79,7 @@ class Rods:
         """The least worst error (m) that a grid finds which closes in on the best of several, and that design."""
         low = np.array([*[self.lengths[0]] * 2, *[math.log(self.sizes[0])] * 2])
         high = np.array([*[self.lengths[1]] * 2, *[math.log(self.sizes[1])] * 2])
-        found, grids = (math.inf, low), [(low, high)]
+        result, grids = (math.inf, low), [(low, high)]
         for number in range(rounds):
             ends: list[tuple[float, Array, Array]] = []
             for a, b in grids:
@@ -97,18 +97,18 @@ class Rods:
                     values[part] = self.error(L[part], d[part])
                 step, several = (b - a) / (len(axes[0]) - 1), 400 if number == 0 else 1
                 ends += [(float(values[best]), x[best], step) for best in np.argsort(values)[:several]]
-            ends.sort(key=lambda each: each[0])
+            ends.sort(key=lambda end: end[0])
             if not ends or not math.isfinite(ends[0][0]):
-                return found
-            if ends[0][0] < found[0]:
-                found = ends[0][:2]
+                return result
+            if ends[0][0] < result[0]:
+                result = ends[0][:2]
             apart: list[tuple[float, Array, Array]] = []
-            for each in ends:
-                if len(apart) < 4 and all(np.abs(each[1][:2] - x[:2]).max() > 0.05 for _, x, _ in apart):
-                    apart.append(each)
+            for item in ends:
+                if len(apart) < 4 and all(np.abs(item[1][:2] - x[:2]).max() > 0.05 for _, x, _ in apart):
+                    apart.append(item)
             wide = 1.0 if number < 2 else 0.7
             grids = [(np.maximum(x - wide * step, low), np.minimum(x + wide * step, high)) for _, x, step in apart]
-        return found
+        return result
 
     def write(self, folder: Path, workspace: str, given: tuple[float, float]) -> Path:
         """The problem as a file; `given` are the arm's own lengths (m)."""
@@ -122,8 +122,8 @@ class Rods:
         )
         (folder / "arm.yaml").write_text(f"leave_out: [shear_deformation]\nchain:\n{links}")
         reach = "" if self.total is None else f", reach: '== {1e3 * self.total} mm'"
-        low, high = (1e3 * each for each in self.lengths)
-        small, large = (1e3 * each for each in self.sizes)
+        low, high = (1e3 * length for length in self.lengths)
+        small, large = (1e3 * size for size in self.sizes)
         (folder / "problem.yaml").write_text(
             f"arm: arm.yaml\nworkspace: {workspace}\nload_cases:\n"
             f"  - {{payload: {{mass: {self.payload} kg}}, force: [{self.force[0]} N, {self.force[1]} N, 0 N]}}\n"
@@ -171,10 +171,10 @@ def test_where_no_lengths_reach_it_is_said_what_is_short(tmp_path: Path) -> None
     places, words = path((0.55, 0.25), (0.35, 0.5))
     rods = Rods(places, 2.0, (0.0, 0.0), 1.0, (0.0, 0.0), (0.12, 0.3), (0.01, 0.1), 6.0)
     short = 1e3 * (math.hypot(0.35, 0.5) - 0.6)
-    told = rf"300 and 300 mm, keep the tip {short:.4g} mm away from \(350, 500\) mm"
-    told += r"; links of ([\d.]+) and ([\d.]+) mm would"
-    with pytest.raises(NoAnswer, match=told) as caught:
+    text = rf"300 and 300 mm, keep the tip {short:.4g} mm away from \(350, 500\) mm"
+    text += r"; links of ([\d.]+) and ([\d.]+) mm would"
+    with pytest.raises(NoAnswer, match=text) as caught:
         optimise(read_problem(rods.write(tmp_path, words, (0.2, 0.25))))
-    found = re.search(told, str(caught.value))
-    assert found is not None
-    assert sum(map(float, found.groups())) >= 1e3 * math.hypot(0.35, 0.5) - 1.0
+    result = re.search(text, str(caught.value))
+    assert result is not None
+    assert sum(map(float, result.groups())) >= 1e3 * math.hypot(0.35, 0.5) - 1.0

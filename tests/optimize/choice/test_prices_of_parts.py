@@ -8,9 +8,9 @@ import pytest
 
 from linkwright.core.arm.chain.prices import price_dates
 from linkwright.core.arm.evaluation import evaluate
+from linkwright.core.arm.figures.sums import dates_in_words
 from linkwright.core.arm.files.read import read_arm
 from linkwright.core.arm.files.write import arm_to_yaml
-from linkwright.core.optimize.limits.sums import dates_in_words
 from linkwright.core.optimize.problem import read_problem
 from linkwright.core.optimize.run import optimise
 from linkwright.core.sections import SHAPES
@@ -44,27 +44,27 @@ def folder(tmp_path: Path) -> Path:
 def by_hand(folder: Path) -> float:
     """The material by the kilogram, and what stands in the file."""
     arm = read_arm(folder / "arm.yaml")
-    found, material = evaluate(arm), arm.links[0].material
+    result, material = evaluate(arm), arm.links[0].material
     assert material is not None
-    return found.link_masses[0] * material.need("cost", arm.temperature) + 310.0 + 45.0 + 120.0
+    return result.link_masses[0] * material.need("cost", arm.temperature) + 310.0 + 45.0 + 120.0
 
 
 def test_sum_and_list_of_parts(folder: Path):
     arm = read_arm(folder / "arm.yaml")
-    found = evaluate(arm)
-    assert found.cost == pytest.approx(by_hand(folder), rel=1e-12)
-    assert parts(arm)["price_EUR"].sum() == pytest.approx(found.cost, rel=1e-8)
+    result = evaluate(arm)
+    assert result.cost == pytest.approx(by_hand(folder), rel=1e-12)
+    assert parts(arm)["price_EUR"].sum() == pytest.approx(result.cost, rel=1e-8)
     again = folder / "again.yaml"
     again.write_text(arm_to_yaml(arm), encoding="utf-8")
-    assert evaluate(read_arm(again)).cost == pytest.approx(found.cost, rel=1e-9)
+    assert evaluate(read_arm(again)).cost == pytest.approx(result.cost, rel=1e-9)
 
 
 def test_rigid_link_without_a_price_is_named(folder: Path):
     path = folder / "arm.yaml"
     path.write_text(ARM.replace(", cost: 120 EUR", ""), encoding="utf-8")
-    found = evaluate(read_arm(path))
-    assert found.cost is None
-    assert "link 2, which is rigid" in found.unknown["cost"]
+    result = evaluate(read_arm(path))
+    assert result.cost is None
+    assert "link 2, which is rigid" in result.unknown["cost"]
     (folder / "problem.yaml").write_text(PROBLEM.format(most=500), encoding="utf-8")
     with pytest.raises(InputError, match="link 2, which is rigid; `cost` in the arm file"):
         optimise(read_problem(folder / "problem.yaml"))
@@ -114,11 +114,11 @@ def worked(folder: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 def test_work_by_kilogram_metre_and_part(worked: Path):
     """A material's own price of work takes the place of the arm's by the kilogram, not of the others."""
     arm = read_arm(worked / "arm.yaml")
-    found = evaluate(arm)
-    first = found.link_masses[0] * (2.64 + 6.0) + 0.4 * 40.0 + 25.0
+    result = evaluate(arm)
+    first = result.link_masses[0] * (2.64 + 6.0) + 0.4 * 40.0 + 25.0
     steel = 8000.0 * 0.3 * 3.141592653589793 * 0.02**2
     assert parts(arm)["price_EUR"].tolist() == pytest.approx([300.0, first, steel * 13.0 + 12.0 + 25.0], rel=1e-8)
-    assert found.cost == pytest.approx(300.0 + first + steel * 13.0 + 37.0, rel=1e-12)
+    assert result.cost == pytest.approx(300.0 + first + steel * 13.0 + 37.0, rel=1e-12)
     assert price_dates(arm) == ("", "2024", "2025", "2026-02", "2026-03")
     assert dates_in_words(price_dates(arm)) == "prices of 2024 to 2026-03, some without a date"
     again = worked / "again.yaml"
@@ -166,8 +166,8 @@ def test_the_cheapest_design_counts_work(worked: Path):
         for w, h in itertools.product((20, 30), (30, 40, 50))
     ]
     cheapest = []
-    for section, stuff in itertools.product(sections, stuffs):
-        links = tuple(replace(link, section=section, material=stuff, section_name=None) for link in known.links)
+    for section, item in itertools.product(sections, stuffs):
+        links = tuple(replace(link, section=section, material=item, section_name=None) for link in known.links)
         found = evaluate(known.with_links(links))
         if found.max_error <= 0.3e-3:
             cheapest.append(found.cost)

@@ -11,9 +11,9 @@ import pytest
 
 from linkwright.core.arm.chain.chain import Arm
 from linkwright.core.arm.evaluation import evaluate
+from linkwright.core.arm.figures import broken
 from linkwright.core.optimize.exchange.design import numeric_beams
 from linkwright.core.optimize.exchange.exchange import context_of
-from linkwright.core.optimize.limits import broken
 from linkwright.core.optimize.problem import Problem
 from linkwright.core.optimize.run import optimise
 from linkwright.core.optimize.sizes.free import search
@@ -29,14 +29,16 @@ TUBES += "sizes: {diameter: [%s], thickness: 3 mm}}\n"
 
 def _arms(problem: Problem, lengths: list[tuple[float, ...]]) -> list[Arm]:
     """Every combination of listed sections at each of the lengths."""
-    found: list[Arm] = []
-    for pick, own in itertools.product(itertools.product(*[each.options for each in link_lists(problem)]), lengths):
+    arms: list[Arm] = []
+    for pick, own in itertools.product(
+        itertools.product(*[link_list.options for link_list in link_lists(problem)]), lengths
+    ):
         links = [
             replace(link, section=option.section, material=option.material, length=length)
             for link, option, length in zip(problem.arm.links, pick, own, strict=True)
         ]
-        found.append(problem.arm.with_links(tuple(links)))
-    return found
+        arms.append(problem.arm.with_links(tuple(links)))
+    return arms
 
 
 @pytest.mark.slow
@@ -102,11 +104,11 @@ def test_limits_that_are_no_sums_are_kept(tmp_path: Path) -> None:
     result = optimise(problem)
     assert not broken(problem.limits, result.after)
     every = [
-        evaluate(each, problem.workspace, problem.load_cases)
-        for each in _arms(problem, [(x, 0.8 - x) for x in (0.3, 0.4, 0.5)])
+        evaluate(item, problem.workspace, problem.load_cases)
+        for item in _arms(problem, [(x, 0.8 - x) for x in (0.3, 0.4, 0.5)])
     ]
-    assert 0 < sum(not broken(problem.limits, each) for each in every) < len(every)
-    best = min(each.mass for each in every if not broken(problem.limits, each))
+    assert 0 < sum(not broken(problem.limits, item) for item in every) < len(every)
+    best = min(item.mass for item in every if not broken(problem.limits, item))
     assert result.objective <= best * (1.0 + 1e-6)
     assert result.lower_bound <= result.objective
 
@@ -131,9 +133,9 @@ def test_places_in_space_are_looked_for_without_a_bound(tmp_path: Path) -> None:
 def test_lengths_are_fitted_to_the_reach(tmp_path: Path) -> None:
     text = "subject_to: {mass: '<= 9 kg', reach: == 1 m, link_length: [200 mm, 450 mm]}\n"
     problem = problem_of(tmp_path, jointed((400, 420, 500), ranged("-90 90", "-90 90", "-90 90")), text)
-    found = fitted(problem, problem.arm.lengths)
-    assert sum(found) == pytest.approx(1.0, abs=1e-12)
-    assert found[0] / found[1] == pytest.approx(400 / 420, rel=1e-9)
+    result = fitted(problem, problem.arm.lengths)
+    assert sum(result) == pytest.approx(1.0, abs=1e-12)
+    assert result[0] / result[1] == pytest.approx(400 / 420, rel=1e-9)
 
 
 def test_drives_and_lengths_together_are_refused_in_one_line(tmp_path: Path) -> None:

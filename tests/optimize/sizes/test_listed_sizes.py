@@ -11,9 +11,9 @@ import numpy as np
 import pytest
 
 from linkwright.core.arm.evaluation import Evaluation, evaluate
+from linkwright.core.arm.figures import broken
 from linkwright.core.arm.files.read import read_arm
 from linkwright.core.arm.files.write import arm_to_yaml
-from linkwright.core.optimize.limits import broken
 from linkwright.core.optimize.run import optimise
 from linkwright.core.optimize.sizes import search
 from linkwright.core.optimize.sizes.options import link_lists
@@ -64,7 +64,7 @@ def test_stepped_cantilever_of_thanedar_and_vanderplaats(
     assert 64_578.19 <= cubic_centimetres <= 64_578.19 * above
     assert result.lower_bound <= result.objective <= result.lower_bound * 1.0002
     sections = [link.section for link in result.arm.links[:3]]
-    assert [None if each is None else list(each.given().values()) for each in sections] == [
+    assert [None if section is None else list(section.given().values()) for section in sections] == [
         [0.03, 0.6],
         [0.031, 0.55],
         [0.026, 0.5],
@@ -88,13 +88,13 @@ def test_best_is_that_of_every_combination_evaluated(
     )
     first = problem_of(tmp_path, arm, text + "subject_to: {mass: '<= 99 kg', max_error: '<= 1 m'}\n")
     every: list[Evaluation] = []
-    for pick in itertools.product(*[each.options for each in link_lists(first)]):
+    for pick in itertools.product(*[link_list.options for link_list in link_lists(first)]):
         links = [
             replace(link, section=own.section, material=own.material)
             for link, own in zip(first.arm.links, pick, strict=True)
         ]
         every.append(evaluate(first.arm.with_links(tuple(links)), first.workspace, first.load_cases))
-    middle = every[int(np.argsort([each.max_error for each in every])[len(every) // 3])]
+    middle = every[int(np.argsort([item.max_error for item in every])[len(every) // 3])]
     assert middle.frequency is not None
     assert middle.cost is not None
     assert middle.mass is not None
@@ -112,9 +112,9 @@ def test_best_is_that_of_every_combination_evaluated(
     del limits[minimize]
     told = ", ".join(f"{name}: {limit}" for name, limit in limits.items())
     problem = problem_of(tmp_path, arm, f"{text}subject_to: {{{told}}}\n")
-    best = min(problem.objective.value(each) or math.inf for each in every if not broken(problem.limits, each))
+    best = min(problem.objective.value(item) or math.inf for item in every if not broken(problem.limits, item))
     result = optimise(problem)
-    assert 1 < sum(not broken(problem.limits, each) for each in every) < len(every)
+    assert 1 < sum(not broken(problem.limits, item) for item in every) < len(every)
     assert result.objective == pytest.approx(best, rel=2e-4)
     assert result.lower_bound <= best * (1.0 + 1e-6)
     assert result.lower_bound >= best * (1.0 - 2e-4)

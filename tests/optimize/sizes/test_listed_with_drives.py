@@ -8,8 +8,8 @@ from pathlib import Path
 import pytest
 
 from linkwright.core.arm.evaluation import evaluate
+from linkwright.core.arm.figures import broken
 from linkwright.core.optimize.choice.actuators import assignments, with_actuators
-from linkwright.core.optimize.limits import broken
 from linkwright.core.optimize.problem import Problem
 from linkwright.core.optimize.run import optimise
 from linkwright.core.units.quantities import NoAnswer
@@ -29,14 +29,14 @@ def choosing(folder: Path, minimize: str, limits: str) -> Problem:
 
 def best_of_each(problem: Problem) -> dict[tuple[str, ...], float]:
     """The least objective (SI) with each choice of drives by itself."""
-    found: dict[tuple[str, ...], float] = {}
+    results: dict[tuple[str, ...], float] = {}
     for pick in assignments(problem):
         own = replace(problem, arm=with_actuators(problem.arm, pick), actuators=None)
         try:
-            found[tuple(each.name for each in pick if each is not None)] = optimise(own).objective
+            results[tuple(item.name for item in pick if item is not None)] = optimise(own).objective
         except NoAnswer:
             continue
-    return found
+    return results
 
 
 @pytest.mark.parametrize(
@@ -53,22 +53,22 @@ def test_best_is_that_of_every_choice_of_drives(
     problem = choosing(tmp_path, minimize, limits)
     each = best_of_each(problem)
     value, drives = min((value, drives) for drives, value in each.items())
-    found = optimise(problem)
-    judged = evaluate(found.arm, problem.workspace, problem.load_cases)
-    assert problem.objective.value(judged) == pytest.approx(found.objective, rel=1e-6)
-    assert found.objective == pytest.approx(value, rel=1e-4)
-    assert not broken(problem.limits, found.after)
-    assert found.lower_bound <= found.objective
-    assert found.before.arm == problem.arm
+    result = optimise(problem)
+    judged = evaluate(result.arm, problem.workspace, problem.load_cases)
+    assert problem.objective.value(judged) == pytest.approx(result.objective, rel=1e-6)
+    assert result.objective == pytest.approx(value, rel=1e-4)
+    assert not broken(problem.limits, result.after)
+    assert result.lower_bound <= result.objective
+    assert result.before.arm == problem.arm
     assert len(each) > 2
     if most > 4:
-        assert found.exhaustive
-        assert found.drives_exhaustive
-        assert len(found.drives) == 4
-        assert found.lower_bound >= value * (1.0 - 3e-4)
+        assert result.exhaustive
+        assert result.drives_exhaustive
+        assert len(result.drives) == 4
+        assert result.lower_bound >= value * (1.0 - 3e-4)
     if minimize == "max_error":
-        assert tuple(joint.actuator.name for joint in found.arm.joints if joint.actuator is not None) == drives
-        assert found.drives[0].actuators == drives
+        assert tuple(joint.actuator.name for joint in result.arm.joints if joint.actuator is not None) == drives
+        assert result.drives[0].actuators == drives
 
 
 @pytest.mark.slow

@@ -12,10 +12,10 @@ import pytest
 from linkwright.core.arm.chain.chain import Arm, Joint, Link, LoadCase
 from linkwright.core.arm.errors.model import beam_values, beams_of
 from linkwright.core.arm.evaluation import evaluate
-from linkwright.core.arm.limits.local_buckling import Buckling, link_modes, loads_case
+from linkwright.core.arm.figures import FIGURES
+from linkwright.core.arm.figures.local_buckling import Buckling, link_modes, loads_case
 from linkwright.core.materials.catalogue import load_catalogue
 from linkwright.core.materials.material import Material
-from linkwright.core.optimize.limits import FIGURES
 from linkwright.core.optimize.rounding.options import read_rounding
 from linkwright.core.optimize.rounding.rounding import optimise_rounded
 from linkwright.core.optimize.run import optimise
@@ -57,13 +57,13 @@ def test_a_level_box_by_hand() -> None:
     """Its top at the joint: M z / I over 4 pi^2 E / (12 (1 - nu^2)) (t / c)^2."""
     box = RectangularTube(0.3, 0.3, 0.001)
     joint = replace(one_link(box).joints[0], range=(-1e-9, 1e-9))
-    found = evaluate(replace(one_link(box), joints=(joint,))).local_buckling
+    result = evaluate(replace(one_link(box), joints=(joint,))).local_buckling
     values, section = STEEL.at(), box.properties(0.3)
     weight = values.need("density") * section.area * LENGTH * GRAVITY
     moment = CARRIED * GRAVITY * LENGTH + 0.5 * weight * LENGTH
     stress = moment * 0.1495 / section.second_moment_y
     plate = math.pi**2 * values.need("elastic_modulus") / (12.0 * (1.0 - values.need("poisson_ratio") ** 2))
-    (link,) = found.links
+    (link,) = result.links
     assert link.factor is not None
     # The bottom is pressed where the link sags; the top is its mirror image.
     assert link.factor == pytest.approx(4.0 * plate * (1.0 / 298.0) ** 2 / stress, rel=1e-4)
@@ -97,35 +97,35 @@ def test_what_presses_along_a_link_counts() -> None:
     ],
 )
 def test_walls_that_nobody_knows_are_unknown_never_solid(section: Section, material: Material, word: str) -> None:
-    found = evaluate(one_link(section, material))
-    assert found.local_buckling.least is None
-    assert word in found.unknown["local_buckling"]
-    assert evaluation_json(found)["local_buckling"] is None
+    result = evaluate(one_link(section, material))
+    assert result.local_buckling.least is None
+    assert word in result.unknown["local_buckling"]
+    assert evaluation_json(result)["local_buckling"] is None
 
 
 def test_solid_links_have_nothing_that_buckles_so() -> None:
-    found = evaluate(one_link(Circle(0.05)))
-    assert found.local_buckling.least is None
-    assert "local_buckling" not in found.unknown
-    assert not FIGURES["local_buckling"].told(found)
+    result = evaluate(one_link(Circle(0.05)))
+    assert result.local_buckling.least is None
+    assert "local_buckling" not in result.unknown
+    assert not FIGURES["local_buckling"].told(result)
 
 
 def test_walls_that_buckle_are_a_warning() -> None:
-    found = evaluate(replace(one_link(ISection(0.2, 0.2, 0.0003, 0.0003)), payload=LoadCase(50.0)))
-    (warning,) = [line for line in found.warnings if "walls buckle" in line]
+    result = evaluate(replace(one_link(ISection(0.2, 0.2, 0.0003, 0.0003)), payload=LoadCase(50.0)))
+    (warning,) = [line for line in result.warnings if "walls buckle" in line]
     assert warning.startswith("link 1: walls buckle under 0.")
-    assert FIGURES["local_buckling"].value(found) == found.local_buckling.least
+    assert FIGURES["local_buckling"].value(result) == result.local_buckling.least
 
 
 def test_no_pose_is_nearer_to_buckling() -> None:
     arm = one_link(RectangularTube(0.06, 0.08, 0.0005))
     arm = Arm("two", arm.joints * 2, arm.links * 2, payload=LoadCase(5.0, force=(20.0, 30.0, 0.0)))
-    found = evaluate(arm).local_buckling
+    result = evaluate(arm).local_buckling
     poses = np.random.default_rng(3).uniform(-1.0, 1.0, (5000, 2))
     beams = beams_of(arm)
     walls = Buckling((loads_case(arm, arm.payload),), tuple(link_modes(arm, k, beams[k]) for k in range(2)))
     scanned = 1.0 / walls.greatest(0, poses, beam_values(beams)).max(axis=0)
-    for link, least in zip(found.links, scanned, strict=True):
+    for link, least in zip(result.links, scanned, strict=True):
         assert link.factor is not None
         assert link.factor <= least * (1.0 + 1e-9)
         assert link.factor == pytest.approx(least, rel=5e-3)
@@ -158,7 +158,7 @@ def test_walls_are_limited_unless_switched_off(tmp_path: Path, shape: str) -> No
     assert free.objective < 0.95 * limited.objective
     assert "local_buckling >= 2" in limited.limits
     assert not any("local_buckling" in text for text in free.limits)
-    (limit,) = [each for each in limited.binding if each.name == "local_buckling"]
+    (limit,) = [item for item in limited.binding if item.name == "local_buckling"]
     assert limit.price == pytest.approx(measured_price(problem, limit), rel=0.02)
 
 
@@ -203,7 +203,7 @@ def test_tubes_of_plies_along_them_are_lighter_than_steel(tmp_path: Path) -> Non
 def test_laminates_are_limited_by_how_their_plies_lie(tmp_path: Path) -> None:
     """A laminate has no yield strength and needs none; the wall of a box, pressed evenly, holds by sqrt(D11 D22) + D12
     + 2 D66 of its plies in their order."""
-    found: list[float] = []
+    results: list[float] = []
     for angles in ("[0 deg, 45 deg, -45 deg, 0 deg]", "[45 deg, 0 deg, 0 deg, -45 deg]"):
         material = f"{{laminate: {{ply: cfrp-unidirectional, angles: {angles}}}}}"
         problem = problem_of(tmp_path, tubes(BOX, material), LIGHT + "}\n")
@@ -215,9 +215,9 @@ def test_laminates_are_limited_by_how_their_plies_lie(tmp_path: Path) -> None:
         walls = made.at().walls
         assert walls is not None
         assert 1.0 / walls.pressed == pytest.approx(2.0 * math.pi**2 * plate, rel=1e-12)
-        found.append(evaluate(problem.arm).local_buckling.least or 0.0)
+        results.append(evaluate(problem.arm).local_buckling.least or 0.0)
     # Plies at 45 degrees, which hold most against buckling, count for more outside.
-    assert found[1] > 1.1 * found[0]
+    assert results[1] > 1.1 * results[0]
     result = optimise(problem)
     assert "local_buckling" not in result.after.unknown
     assert result.after.local_buckling.least == pytest.approx(2.0, rel=1e-4)
@@ -225,9 +225,9 @@ def test_laminates_are_limited_by_how_their_plies_lie(tmp_path: Path) -> None:
 
 def test_rounding_keeps_the_walls(tmp_path: Path) -> None:
     problem = problem_of(tmp_path, tubes(BOX, "steel-s355"), LIGHT + "}\n")
-    found = optimise_rounded(problem, read_rounding("0.1 mm")).rounded
-    assert found is not None
-    after = found.evaluation.local_buckling.least
+    result = optimise_rounded(problem, read_rounding("0.1 mm")).rounded
+    assert result is not None
+    after = result.evaluation.local_buckling.least
     assert after is not None
     assert after >= 2.0
 

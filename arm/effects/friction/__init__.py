@@ -1,0 +1,1 @@
+"""Friction of moving joints: what it takes of the drives' torque."""

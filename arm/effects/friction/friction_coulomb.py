@@ -1,0 +1,39 @@
+"""Dry friction: a torque against the motion that does not ask how fast it is."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from linkwright.core.arm.effects.effect import Effect, torque
+from linkwright.core.arm.effects.torques import OfEachDrive, direction
+from linkwright.core.arm.motion.motion import Motion
+from linkwright.core.sections.numeric import Array
+
+
+def _torque(motion: Motion, values: Mapping[str, float], joint: int) -> Array:
+    return values.get("torque", 0.0) * direction(motion.velocity[:, joint])
+
+
+FRICTION_COULOMB = Effect(
+    id="friction_coulomb",
+    title="dry (Coulomb) friction",
+    formula="f_i sign(q'_i)",
+    place="joint",
+    needs_drive=True,
+    cause="friction in motion",
+    needs="motion both ways",
+    aliases=("friction_load", "friction_asymmetry", "torque_offset"),
+    source="B. Armstrong-Helouvry, P. Dupont & C. Canudas de Wit, A survey of models, analysis tools and compensation "
+    "methods for the control of machines with friction, Automatica 30 (1994) 1083-1138, "
+    "doi:10.1016/0005-1098(94)90209-7",
+    parameters=(
+        torque("torque", "torque", 0.0, 1e4, (0.1, 20.0)).means(
+            "friction of the moving joint at any speed",
+            "gears of robots that carry 3 to 20 kg: 0.2 N*m at wrists, 20 N*m at shoulders",
+        ),
+    ),
+    torques=OfEachDrive(_torque),
+    lasts="a while",
+    rank=52,
+    linear=True,
+)

@@ -1,0 +1,274 @@
+"""The errors of the tip over the workspace and all load cases: the worst, and the average.
+
+The average is the root of the mean square, of the load case in which that is greatest. It is over the poses that a
+workspace lists, by their weights, and over poses spread evenly where it lists none. Play stands at each pose as it does
+for the worst error.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, ClassVar
+
+import casadi as ca
+import numpy as np
+
+from linkwright.core.arm.errors.lost_motion import played
+from linkwright.core.arm.errors.model import CaseModel, ErrorModel, beam_values, beams_of, error_model
+from linkwright.core.arm.worst.parts import worst_search
+from linkwright.core.arm.worst.search import WorstCase
+from linkwright.core.sections.numeric import Array
+
+from .design import DesignExpressions, Designs, DesignValues
+from .figure import Asked, Cut, Figure, Held, Limit, PoseFamily, ThroughPoses, Worst, WorstError
+
+if TYPE_CHECKING:
+    from linkwright.core.arm.chain.chain import Arm, LoadCase
+    from linkwright.core.arm.worst.search import WorstSearch
+    from linkwright.core.arm.worst.workspace import Workspace
+
+SPREAD = 192
+"""Poses that a workspace which lists none is looked at in."""
+_MOST_AT_ONCE = 4_000_000
+"""Designs times poses that are looked at together."""
+_MOST_TOLD = 3
+"""Worst poses of a load case that become rows together."""
+_FLOOR = 1e-24
+"""Keeps the logarithm of an error of zero (m^2) finite."""
+
+
+@dataclass(frozen=True)
+class AverageError:
+    """The root mean square of the error (m) of each load case, over so many `poses`."""
+
+    by_case: tuple[float, ...]
+    poses: int
+
+
+@dataclass(frozen=True)
+class PreparedAverage:
+    """The model, and the poses (N, n) with their shares (N), which add up to one."""
+
+    model: ErrorModel
+    poses: Array
+    shares: Array
+
+    @property
+    def plays(self) -> int:
+        """The most intervals of play that a load case has."""
+        return max(len(case.error.intervals) for case in self.model.cases)
+
+
+def averaged_over(search: WorstSearch, p: Array) -> tuple[Array, Array]:
+    """The poses (N, n) of a workspace that an average is over, and how much each of them counts, (N)."""
+    poses = search.poses(p, SPREAD)
+    if search.workspace.kind == "joints":
+        poses = poses[:SPREAD]  # the rest are corners
+    weights = np.array(search.workspace.weights) if search.workspace.weights else np.ones(len(poses))
+    return poses, weights / weights.sum()
+
+
+class Average(PoseFamily[AverageError]):
+    """The average over all poses at once: a cut holds where play stands at each of them."""
+
+    name: str = "average_error"
+    is_error: ClassVar[bool] = True
+    bounds_many: ClassVar[bool] = False
+
+    def prepare(self, problem: Asked) -> PreparedAverage:
+        """The poses of the workspace, which do not change with the design."""
+        search = worst_search(error_model(problem.arm, problem.load_cases), problem.workspace)
+        given = beam_values(beams_of(problem.arm, problem.load_cases))
+        return PreparedAverage(search.model, *averaged_over(search, given))
+
+    def more(self, prepared: PreparedAverage) -> int:
+        """Of each pose the side of each play and how far clearances move the tip."""
+        return len(prepared.poses) * (prepared.plays + 3)
+
+    def rows(
+        self, prepared: PreparedAverage, group: int, pose: tuple[Any, Any], design: DesignExpressions, held: Held
+    ) -> Iterator[tuple[int, Any]]:
+        """The root mean square over what is allowed, in logarithms."""
+        case, width = prepared.model.cases[group], prepared.plays + 3
+        total: Any = 0.0
+        for number, (q, share) in enumerate(zip(prepared.poses, prepared.shares.tolist(), strict=True)):
+            play = pose[1][width * number : width * (number + 1)]
+            outputs = case.function(ca.SX(q), design.beam_column)
+            vector = outputs[0] + play[prepared.plays :]
+            for k in range(len(case.error.intervals)):
+                vector = vector + play[k] * outputs[1][3 * k : 3 * k + 3]
+            total = total + share * ca.dot(vector, vector)
+        for number, value, slack in held.on(self.name):
+            yield number, 0.5 * ca.log(total + _FLOOR) - ca.log(value) - slack
+
+    def evaluate(self, design: DesignValues) -> AverageError | None:
+        """The average of each load case; None where only a part of the error counts."""
+        search = design.search
+        if search.workspace.error != "whole":
+            return None
+        poses, shares = averaged_over(search, design.p)
+        errors = [search.errors(poses, design.p, case).error for case in range(len(design.load_cases))]
+        return AverageError(tuple(_mean(error, shares) for error in errors), len(poses))
+
+    def values(self, found: AverageError) -> Mapping[str, float | None]:
+        """The greatest of any load case."""
+        return {self.name: max(found.by_case)}
+
+    def worst(self, prepared: PreparedAverage, problem: Asked, design: DesignValues) -> list[Worst]:
+        """The average of each load case, with where play stands."""
+        del problem
+        worst: list[Worst] = []
+        for group in range(len(prepared.model.cases)):
+            error = design.search.errors(prepared.poses, design.p, group)
+            plays = np.zeros((len(prepared.poses), prepared.plays))
+            plays[:, : error.signs.shape[1]] = error.signs
+            told = np.hstack([plays, error.shifts.sum(axis=1)])
+            place = (0.0,) * prepared.poses.shape[1]
+            cut = Cut(place, group, tuple(told.ravel().tolist()))
+            worst.append(Worst(self.name, _mean(error.error, prepared.shares), cut))
+        return worst
+
+    def exactly(self, prepared: PreparedAverage, limit: Limit, designs: Designs) -> Array | None:
+        """The average of each design; None where there are too many to look at."""
+        del limit
+        if len(designs.p) * len(prepared.poses) > _MOST_AT_ONCE:
+            return None
+        return np.max([self._means(prepared, case, designs.p) for case in prepared.model.cases], axis=0)
+
+    def _means(self, prepared: PreparedAverage, case: CaseModel, p: Array) -> Array:
+        total, arm = np.zeros(len(p)), prepared.model.arm
+        for q, share in zip(prepared.poses, prepared.shares.tolist(), strict=True):
+            arrays = case.arrays(np.broadcast_to(q, (len(p), len(q))), p)
+            error = played(arrays, case.radii, arm.play, planar=prepared.model.planar, statistics=arm.statistics).error
+            total += share * error**2
+        return np.sqrt(total)
+
+
+def _mean(errors: Array, shares: Array) -> float:
+    return float(np.sqrt(shares @ errors**2))
+
+
+@dataclass(frozen=True)
+class PreparedCase:
+    """The search for the worst error under one load case alone."""
+
+    search: WorstSearch
+
+
+class CaseError(PoseFamily[WorstCase]):
+    """The worst error under one load case (from 0): a cut holds where play stands beside the pose."""
+
+    is_error: ClassVar[bool] = True
+
+    def __init__(self, case: int) -> None:
+        self.case, self.name = case, f"error_of_load_case_{case + 1}"
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, CaseError) and other.case == self.case
+
+    def __hash__(self) -> int:
+        return hash((CaseError, self.case))
+
+    def prepare(self, problem: Asked) -> PreparedCase:
+        """The error under this load case."""
+        return PreparedCase(self._search(problem.arm, problem.load_cases, problem.workspace))
+
+    def _search(self, arm: Arm, cases: Sequence[LoadCase], workspace: Workspace) -> WorstSearch:
+        return worst_search(error_model(arm, (cases[self.case],)), workspace)
+
+    def more(self, prepared: PreparedCase) -> int:
+        """The side of each play, and how far clearances move the tip."""
+        return len(prepared.search.model.cases[0].error.intervals) + 3
+
+    def rows(
+        self, prepared: PreparedCase, group: int, pose: tuple[Any, Any], design: DesignExpressions, held: Held
+    ) -> Iterator[tuple[int, Any]]:
+        """The error over what is allowed, in logarithms."""
+        case = prepared.search.model.cases[0]
+        if group != self.case:
+            return
+        outputs, plays = case.function(pose[0], design.beam_column), len(case.error.intervals)
+        vector = outputs[0] + pose[1][plays:]
+        for k in range(plays):
+            vector = vector + pose[1][k] * outputs[1][3 * k : 3 * k + 3]
+        for number, limit in enumerate(held.limits):
+            if limit.figure.follows == ThroughPoses(self):
+                row = 0.5 * ca.log(ca.dot(vector, vector) + _FLOOR) - ca.log(limit.value)
+                yield number, row - held.slack[number]
+
+    def evaluate(self, design: DesignValues) -> WorstCase:
+        """The worst error under the load case, without a certificate."""
+        search = self._search(design.arm, design.load_cases, design.search.workspace)
+        return search.worst(design.p, certify=False)
+
+    def values(self, found: WorstCase) -> Mapping[str, float | None]:
+        """The worst error, by its figure's name."""
+        return {error_of_case(self.case).name: found.error}
+
+    def worst(self, prepared: PreparedCase, problem: Asked, design: DesignValues) -> list[Worst]:
+        """The worst poses, with where play stands."""
+        del problem
+        name, worst = error_of_case(self.case).name, list[Worst]()
+        for pose in prepared.search.worst(design.p, certify=False).poses[:_MOST_TOLD]:
+            shift = np.reshape(pose.shifts, (-1, 3)).sum(axis=0).tolist()
+            worst.append(Worst(name, pose.error, Cut(pose.q, self.case, (*pose.signs, *shift))))
+        return worst
+
+    def at_pose(self, prepared: PreparedCase, group: int, q: Array, designs: Designs) -> Mapping[str, Array]:
+        """The error of each design at its pose, under this load case."""
+        if group != self.case:
+            return {}
+        model = prepared.search.model
+        case, arm = model.cases[0], model.arm
+        arrays = case.arrays(q, designs.p)
+        error = played(arrays, case.radii, arm.play, planar=model.planar, statistics=arm.statistics)
+        return {error_of_case(self.case).name: error.error}
+
+
+def error_of_case(case: int) -> Figure:
+    """The worst error under one load case (from 0), which a limit of that case's own is on."""
+    number = case + 1
+    return Figure(
+        name=f"max_error of load case {number}",
+        title=f"worst error of load case {number}",
+        kind="length",
+        unit="mm",
+        factor=1e3,
+        senses=("<=",),
+        key=f"max_error_of_load_case_{number}_mm",
+        follows=ThroughPoses(CaseError(case)),
+        traded=False,
+        digits=5,
+    )
+
+
+AVERAGE = Average()
+"""The average over a workspace."""
+
+AVERAGE_ERROR = Figure(
+    name="average_error",
+    synonyms=("mean_error", "rms_error", "rms", "average", "mean"),
+    title="average error",
+    kind="length",
+    unit="mm",
+    factor=1e3,
+    senses=("<=",),
+    key="average_error_mm",
+    follows=ThroughPoses(AVERAGE),
+    note="root mean square over the workspace",
+    everywhere=False,
+)
+
+MAX_ERROR = Figure(
+    name="max_error",
+    synonyms=("deflection", "displacement", "error", "position_error", "worst_error", "accuracy", "sag", "deformation"),
+    title="worst error",
+    kind="length",
+    unit="mm",
+    factor=1e3,
+    senses=("<=",),
+    key="max_error_mm",
+    follows=WorstError(),
+    digits=5,
+)

@@ -1,0 +1,245 @@
+"""How stiff an arm is at its tip: the least force over the displacement that it brings, whatever its direction.
+
+The compliance matrix C (m/N) holds the tip's displacements under unit forces through the arm's own model; the stiffness
+at a pose is one over its largest singular value. Of a planar arm C is that of its plane; what it gives out of it, which
+a planar model does not count, is told by `arm.figures.sideways`.
+
+A limit holds through cuts, each a pose with a direction u of the force: |C u| is at most the largest singular value
+of the compliance C, whatever u, and equals it where u is its own direction. So every cut is valid for every design,
+smooth, and exact where it was made.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any
+
+import casadi as ca
+import numpy as np
+
+from linkwright.core.arm.chain.chain import Arm, LoadCase
+from linkwright.core.arm.compiled.expressions import Expressions
+from linkwright.core.arm.errors.model import beam_symbols, beam_values, beams_of, error_model
+from linkwright.core.arm.errors.structure import by_structure
+from linkwright.core.arm.limits.weakest_poses import climbed, plainest
+from linkwright.core.sections.numeric import Array
+from linkwright.core.sections.symbols import column_of_symbols
+
+from .design import DesignExpressions, Designs, DesignValues
+from .figure import Asked, Cut, Figure, Held, Limit, PoseFamily, ThroughPoses, Worst
+
+if TYPE_CHECKING:
+    from linkwright.core.arm.evaluation import Evaluation
+    from linkwright.core.arm.worst.search import WorstSearch
+
+_CLIMBS = 4
+
+
+@dataclass(frozen=True)
+class TipCompliance(Expressions):
+    """An arm's compliance at its tip as a function of poses and designs: the columns of C one below the other, for
+    symbols (q, p); `size` is 2 in the plane, 3 in space, and 1 out of the plane."""
+
+    size: int
+
+    def matrices(self, q: Array, p: Array) -> Array:
+        """C (N, d, d) in m/N at poses q (N, n) of a design p, or of N designs: rows are displacements."""
+        columns = np.reshape(self.vectorised(q, p)[0], (len(q), self.size, self.size))
+        return columns.transpose(0, 2, 1)
+
+
+@dataclass(frozen=True)
+class TipStiffness:
+    """The least stiffness (N/m), the pose that has it, and the direction of the force (unit vector)."""
+
+    value: float
+    q: tuple[float, ...]
+    direction: tuple[float, ...]
+
+
+def tip_compliance(arm: Arm, *, planar: bool, tips: Sequence[str] = ()) -> TipCompliance:
+    """An arm's compliance at its tip; with `planar` in the x-y plane alone. `tips` are as for `compliance_along`."""
+    return compliance_along(arm, (0, 1) if planar else (0, 1, 2), tuple(tips))
+
+
+def tips_of(cases: Sequence[LoadCase]) -> tuple[str, ...]:
+    """The tips that load cases name, each once."""
+    return tuple(dict.fromkeys(case.tip for case in cases))
+
+
+@by_structure
+def compliance_along(arm: Arm, axes: tuple[int, ...], tips: tuple[str, ...] = ()) -> TipCompliance:
+    """What the tip gives along some axes of the base frame (0, 1, 2) under unit forces along them.
+
+    Of several `tips` each gives for itself, one after the other along the diagonal: the largest singular value is then
+    that of the softest, and the direction of its force is zero at the others.
+    """
+    if len(tips) > 1:
+        by_tip = [compliance_along(arm.on(tip), axes) for tip in tips]
+        q, p = by_tip[0].inputs
+        blocks = [ca.reshape(one.function(q, p), one.size, one.size) for one in by_tip]
+        return TipCompliance((q, p), (ca.densify(ca.vec(ca.diagcat(*blocks))),), sum(one.size for one in by_tip))
+    arm = arm.on(tips[0]) if tips else arm
+    drives = tuple(replace(joint, zones=()) for joint in arm.joints)  # each with the stiffness of its softest zone
+    still = replace(arm, gravity=(0.0, 0.0, 0.0), joints=drives)
+    forces = [(0.0, 0.0, 0.0), *((float(k == 0), float(k == 1), float(k == 2)) for k in axes)]
+    q, p = column_of_symbols("q", arm.size), beam_symbols(arm)
+    cases = error_model(still, [LoadCase(force=force) for force in forces]).cases
+    rest, *moved = [case.function(q, p)[0] for case in cases]
+    columns = [(item - rest)[list(axes)] for item in moved]
+    return TipCompliance((q, p), (ca.vertcat(*columns),), len(axes))
+
+
+def stiffnesses(matrices: Array) -> Array:
+    """The least stiffness (N,) in N/m of compliance matrices (N, d, d); infinite where nothing gives."""
+    with np.errstate(divide="ignore"):
+        return 1.0 / np.linalg.norm(matrices, ord=2, axis=(1, 2))
+
+
+def stiffness_at(compliance: TipCompliance, poses: Array, p: Array) -> list[TipStiffness]:
+    """The stiffness at each of the poses (N, n) for a design p."""
+    matrices = compliance.matrices(poses, p)
+    _, _, forces = np.linalg.svd(matrices)
+    return [
+        TipStiffness(float(value), tuple(q), tuple(force))
+        for value, q, force in zip(stiffnesses(matrices), poses.tolist(), forces[:, 0].tolist(), strict=True)
+    ]
+
+
+def least_stiffness(
+    compliance: TipCompliance, poses: Sequence[Sequence[float]] | Array, p: Array, search: WorstSearch | None = None
+) -> TipStiffness | None:
+    """The least stiffness over poses (N, n) for a design p; with `search` over its workspace, the poses being where
+    climbs start. None where nothing gives."""
+    q = np.asarray(poses, dtype=float)
+
+    def softness(q: Array) -> Array:
+        return np.linalg.norm(compliance.matrices(q, p), ord=2, axis=(1, 2))[:, None]
+
+    if search is not None:
+        q = np.vstack([q, climbed(search, softness, q, p, _CLIMBS)])
+    softest = q[int(np.argmin(stiffnesses(compliance.matrices(q, p))))]
+    if search is not None and search.workspace.kind == "joints" and np.isfinite(softness(softest[None])[0, 0]):
+        softest = plainest(lambda q: softness(q)[:, 0], softest, (search.lower, search.upper))
+    stiffness = stiffness_at(compliance, softest[None], p)[0]
+    return stiffness if np.isfinite(stiffness.value) else None
+
+
+_LEAST = 1e-24
+"""Keeps the logarithm of a compliance of nothing finite."""
+
+
+@dataclass(frozen=True)
+class PreparedStiffness:
+    """The compliance, and the numbers of the problem's limits on it: each has a group of poses of its own."""
+
+    compliance: TipCompliance
+    limits: tuple[int, ...]
+
+
+class Stiffness(PoseFamily[TipStiffness]):
+    """The compliance under a force of some direction: a cut holds the direction beside the pose."""
+
+    name: str = "stiffness"
+    needs: frozenset[str] = frozenset({"compliances"})
+    called: str = "tip_stiffness"
+
+    def compliance(self, problem: Asked) -> TipCompliance:
+        """The compliance of the problem's arm."""
+        return _compliance(problem.arm, problem.load_cases)
+
+    def prepare(self, problem: Asked) -> PreparedStiffness:
+        """The compliance, and the numbers of the limits on it."""
+        numbers = tuple(k for k, limit in enumerate(problem.limits) if limit.name == self.called)
+        return PreparedStiffness(self.compliance(problem), numbers)
+
+    def groups(self, problem: Asked) -> int:
+        """One for each limit, as each may have poses of its own."""
+        return sum(limit.name == self.called for limit in problem.limits)
+
+    def more(self, prepared: PreparedStiffness) -> int:
+        """The direction of the force."""
+        return prepared.compliance.size
+
+    def load_case(self, cut: Cut) -> int:
+        """Any: what the arm carries does not change what gives."""
+        del cut
+        return 0
+
+    def rows(
+        self, prepared: PreparedStiffness, group: int, pose: tuple[Any, Any], design: DesignExpressions, held: Held
+    ) -> Iterator[tuple[int, Any]]:
+        """The compliance over what is allowed, in its logarithm."""
+        q, force = pose
+        size, number = prepared.compliance.size, prepared.limits[group]
+        columns = ca.reshape(prepared.compliance.function(q, design.beam_column), size, size)
+        moved = ca.mtimes(columns, force) * held.limits[number].value
+        yield number, 0.5 * ca.log(ca.dot(moved, moved) + _LEAST) - held.slack[number]
+
+    def evaluate(self, design: DesignValues) -> TipStiffness | None:
+        """The softest pose of the workspace; None where nothing gives."""
+        compliance = _compliance(design.arm, design.load_cases)
+        return least_stiffness(compliance, design.poses, design.p, design.search)
+
+    def values(self, found: TipStiffness) -> Mapping[str, float | None]:
+        """The least stiffness."""
+        return {self.called: found.value}
+
+    def worst(self, prepared: PreparedStiffness, problem: Asked, design: DesignValues) -> list[Worst]:
+        """The softest pose of the workspace, or each of the poses that a limit names."""
+        worst: list[Worst] = []
+        for group, number in enumerate(prepared.limits):
+            poses = problem.limits[number].poses
+            if poses is None:
+                softest = least_stiffness(prepared.compliance, design.poses, design.p, design.search)
+                poses_here = [] if softest is None else [softest]
+            else:
+                poses_here = stiffness_at(prepared.compliance, np.array(poses), design.p)
+            cuts = [(pose.value, Cut(pose.q, group, pose.direction)) for pose in poses_here]
+            worst += [Worst(self.called, value, cut, number) for value, cut in cuts]
+        return worst
+
+    def at_pose(self, prepared: PreparedStiffness, group: int, q: Array, designs: Designs) -> Mapping[str, Array]:
+        """The stiffness of each design at its pose."""
+        del group
+        return {self.called: stiffnesses(prepared.compliance.matrices(q, designs.p))}
+
+    def exactly(self, prepared: PreparedStiffness, limit: Limit, designs: Designs) -> Array | None:
+        """The least stiffness of each design at the poses that the limit names."""
+        if limit.poses is None:
+            return None
+        places = [np.tile(np.array(q), (len(designs.p), 1)) for q in limit.poses]
+        return np.min([stiffnesses(prepared.compliance.matrices(q, designs.p)) for q in places], axis=0)
+
+
+def _compliance(arm: Arm, cases: Sequence[LoadCase]) -> TipCompliance:
+    """The compliance at the tips that load cases name; where all is planar, in its plane."""
+    planar = all(arm.on(load.tip).planar(load) for load in cases)
+    return tip_compliance(arm, planar=planar, tips=tips_of(cases))
+
+
+def _at_poses(evaluation: Evaluation, poses: Sequence[tuple[float, ...]]) -> float | None:
+    p = beam_values(beams_of(evaluation.arm, evaluation.load_cases))
+    stiffness = least_stiffness(_compliance(evaluation.arm, evaluation.load_cases), poses, p)
+    return None if stiffness is None else stiffness.value
+
+
+STIFFNESS = Stiffness()
+"""What the tip gives in all directions that count."""
+
+TIP_STIFFNESS = Figure(
+    name="tip_stiffness",
+    synonyms=("stiffness", "compliance"),
+    title="tip stiffness",
+    kind="linear_stiffness",
+    unit="N/mm",
+    factor=1e-3,
+    senses=(">=",),
+    key="tip_stiffness_N_per_mm",
+    follows=ThroughPoses(STIFFNESS),
+    more_is_better=True,
+    note="least",
+    where=lambda found: found.q,
+    at_poses=_at_poses,
+)

@@ -1,0 +1,125 @@
+"""What a joint's drive has to hold: the greatest torque over a workspace, against the rated one of its actuator.
+
+The loads are static, as everything here: payload, process force and weights. Accelerations come on top, and a motion
+that takes long at the greatest torque is for the maker's own selection procedure.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from linkwright.core.arm.chain.chain import Arm, LoadCase
+from linkwright.core.arm.chain.statics import PoseState
+from linkwright.core.arm.chain.vectors import Scalar
+from linkwright.core.arm.compiled.expressions import Expressions
+from linkwright.core.sections.numeric import Array
+
+from .design import DesignValues
+from .figure import Asked, Figure, ThroughPoses
+from .statics import OfStatics, greatest, statics_case
+
+if TYPE_CHECKING:
+    from linkwright.core.arm.worst.search import WorstSearch
+
+
+@dataclass(frozen=True)
+class DriveLoads:
+    """The greatest load on each joint's drive (N*m; N for a slide) over a workspace and load cases, where it is, and
+    what share of its actuator's rated torque that is (None without an actuator)."""
+
+    greatest: tuple[float, ...]
+    poses: tuple[tuple[tuple[float, ...], int], ...]
+    use: tuple[float | None, ...]
+
+    @property
+    def greatest_use(self) -> float | None:
+        """The greatest share of a rated torque; None where no joint has an actuator."""
+        return max((use for use in self.use if use is not None), default=None)
+
+
+def rated_torques(arm: Arm) -> tuple[float | None, ...]:
+    """The rated torque of each joint's actuator, N*m; None without one, or where it is unknown."""
+    return tuple(None if joint.actuator is None else joint.actuator.rated_torque for joint in arm.joints)
+
+
+def drive_case(arm: Arm, load: LoadCase) -> Expressions:
+    """The loads on an arm's drives under a load case (N*m; N for a slide), one a joint, for symbols (q, p)."""
+    return statics_case(arm, load, _loads)
+
+
+def _loads(state: PoseState) -> list[Scalar]:
+    return [joint.drive_load for joint in state.joints]
+
+
+def greatest_drive_loads(
+    arm: Arm, cases: Sequence[Expressions], poses: Array, p: Array, search: WorstSearch | None = None
+) -> DriveLoads:
+    """The greatest drive loads over poses q (N, n) and load cases for a design p; with `search` over its workspace,
+    the poses being where climbs start."""
+    extremes = greatest([lambda q, case=case: np.abs(case.vectorised(q, p)[0]) for case in cases], poses, p, search)
+    return DriveLoads(
+        tuple(extreme.value for extreme in extremes),
+        tuple((extreme.q, extreme.load_case) for extreme in extremes),
+        tuple(
+            None if r is None else extreme.value / r for extreme, r in zip(extremes, rated_torques(arm), strict=True)
+        ),
+    )
+
+
+def _uses(state: PoseState) -> list[Scalar]:
+    """The share of its actuator's rated torque that each drive holds."""
+    joints = zip(state.joints, rated_torques(state.arm), strict=True)
+    return [joint.drive_load / torque for joint, torque in joints if torque is not None]
+
+
+class Torques(OfStatics[DriveLoads]):
+    """The loads on the drives, to either side, against the rated torques of their actuators."""
+
+    def evaluate(self, design: DesignValues) -> DriveLoads | None:
+        """Each drive's greatest load; None where no joint has an actuator."""
+        if all(joint.actuator is None for joint in design.arm.joints):
+            return None
+        cases = [drive_case(design.arm, load) for load in design.load_cases]
+        return greatest_drive_loads(design.arm, cases, design.poses, design.p, design.search)
+
+    def values(self, found: DriveLoads) -> Mapping[str, float | None]:
+        """The greatest use of any drive."""
+        return {TORQUE_USE.name: found.greatest_use}
+
+    def warnings(self, arm: Arm, found: DriveLoads) -> list[str]:
+        """One line for each joint whose drive has to hold more than its actuator's rated torque."""
+        return [
+            f"joint {number} holds up to {held:.4g} N*m, more than the rated {joint.actuator.rated_torque:.4g} N*m of "
+            f"{joint.actuator.name}"
+            for number, (joint, held) in enumerate(zip(arm.joints, found.greatest, strict=True), start=1)
+            if joint.actuator is not None
+            and joint.actuator.rated_torque is not None
+            and held > joint.actuator.rated_torque
+        ]
+
+
+def _assumed(problem: Asked) -> float | None:
+    """Drives are not overloaded, whether or not anybody asks for it."""
+    driven = any(joint.actuator is not None for joint in problem.arm.joints)
+    return 1.0 if driven or problem.actuators is not None else None
+
+
+TORQUES = Torques("torque_use", _uses, either_way=True, called="drive_loads")
+"""The loads on the drives."""
+
+TORQUE_USE = Figure(
+    name="torque_use",
+    synonyms=("torque", "drive_torque", "motor_torque", "joint_torque"),
+    title="use of rated torque",
+    senses=("<=",),
+    key="torque_use",
+    follows=ThroughPoses(TORQUES),
+    note="greatest, of any drive",
+    # Actuators are chosen before a trade-off, never within one.
+    traded=False,
+    assumed=_assumed,
+)

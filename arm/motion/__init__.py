@@ -1,0 +1,1 @@
+"""Moving arms: the torques that a motion takes of the drives."""

@@ -1,0 +1,60 @@
+"""Joint torques and power of a motion by the whole model of an arm: rigid dynamics and effects."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from linkwright.core.arm.chain.chain import EffectEntry
+from linkwright.core.arm.effects import EFFECTS, Settings
+from linkwright.core.arm.motion.motion import Motion
+from linkwright.core.arm.motion.rigid import inverse_dynamics
+from linkwright.core.sections.numeric import Array
+
+
+def model_torque(motion: Motion) -> Array:
+    """Torques that a motion takes of the drives: the rigid arm's, with what the arm's `effects` add.
+
+    What goes by a load (friction under it, elasticity) goes by the rigid arm's torque. What is of the instrument (a
+    torque constant, an offset, a delay) comes last, and goes by all that is before it, as what is logged does.
+
+    Args:
+        motion: The motion; its own `torque` does not count.
+
+    Returns:
+        (N, n) N*m (N for slides), positive where the drive pushes towards increasing q.
+
+    Raises:
+        PropertyNeeded: A link's mass is not known.
+        InputError: The arm has branches, or links that run out of a sleeve.
+
+    >>> from linkwright.core.arm.chain.chain import Arm, Joint, Link
+    >>> rubs = (EffectEntry("friction_viscous", (1,), {"coefficient": 3.0}),)
+    >>> arm = Arm("rod", (Joint(),), (Link(0.5, mass=2.0, center_of_mass=0.25),), effects=rubs)
+    >>> turning = Motion(arm, np.zeros(1), np.full((1, 1), np.pi / 2), np.ones((1, 1)), np.zeros((1, 1)))
+    >>> model_torque(turning).round(9).tolist()
+    [[3.0]]
+    """
+    entries = motion.arm.effects
+    rigid = inverse_dynamics(motion)
+    of_arm = [entry for entry in entries if not EFFECTS[entry.effect].of_instrument]
+    torque = rigid + torque_of(replace(motion, torque=rigid), of_arm)
+    return torque + torque_of(replace(motion, torque=torque), [entry for entry in entries if entry not in of_arm])
+
+
+def torque_of(motion: Motion, entries: Sequence[EffectEntry]) -> Array:
+    """What effects with these entries take of the drives (N, n) beyond the rigid arm, one added to the other."""
+    torque = np.zeros(motion.q.shape)
+    for entry in entries:
+        torques = EFFECTS[entry.effect].torques
+        for joint, more in ({} if torques is None else torques(motion, Settings.of(entry))).items():
+            torque[:, joint] += more
+    return torque
+
+
+def drive_power(motion: Motion, torque: Array) -> Array:
+    """The power of each drive (N, n) W under these torques (N, n): positive where it drives, negative where it
+    brakes."""
+    return torque * motion.velocity

@@ -1,0 +1,53 @@
+"""A motion of an arm, sampled in time: what an effect needs to say what it takes of the drives' torque."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from linkwright.core.arm.chain.chain import Arm
+from linkwright.core.sections.numeric import Array
+
+
+@dataclass(frozen=True)
+class Motion:
+    """A motion of an arm at N instants.
+
+    Args:
+        arm: The arm that moves; its links' masses, centres and inertias, gravity and payload count.
+        time: (N,) s, ascending; instants need not be evenly spaced.
+        q: (N, n) joint coordinates as the arm file counts them, rad (m for slides).
+        velocity: (N, n) rad/s (m/s).
+        acceleration: (N, n) rad/s^2 (m/s^2).
+        torque: (N, n) N*m (N), what the drives give by the model as it stands, positive towards increasing q: what acts
+            in proportion to a load (friction under load, a torque constant, a delay) goes by it. None: the rigid
+            model's own.
+        commanded: (N, n) commanded coordinates; None where they were not logged.
+        joint_side: (N, n) coordinates by a second encoder behind the gear; None alike.
+        payload_mass: (N,) kg in place of the arm's payload; None: as the arm has it.
+        temperature: (N,) K; None where it was not logged.
+        sampled: How much of the rates of change the samples tell: 1 of a motion sampled densely, 0 of poses of which
+            nobody knows how the arm went from one to the next.
+    """
+
+    arm: Arm
+    time: Array
+    q: Array
+    velocity: Array
+    acceleration: Array
+    torque: Array | None = None
+    commanded: Array | None = None
+    joint_side: Array | None = None
+    payload_mass: Array | None = None
+    temperature: Array | None = None
+    sampled: float = 1.0
+
+    @property
+    def size(self) -> int:
+        """The number of instants, N."""
+        return len(self.time)
+
+    def rate(self, values: Array) -> Array:
+        """The rate of change (N,) per second of values (N,) along the motion, as far as its samples tell it."""
+        return np.asarray(self.sampled * np.gradient(values, self.time))

@@ -1,0 +1,87 @@
+"""A limit as a problem file writes it: `"<= 26 kg"`, or with the poses at which it holds."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping as MappingLike
+from types import MappingProxyType
+from typing import cast
+
+from linkwright.core.arm.chain.chain import Arm
+from linkwright.core.arm.figures import Demands, Figure, Limit
+from linkwright.core.units.quantities import Bound, Relation, read_bound, shown
+from linkwright.core.units.reading import Mapping
+
+from .by_link import OTHERS, by_link, said_by_number
+
+_WORDS: MappingLike[Relation, str] = MappingProxyType({">=": "at_least", "<=": "at_most", "==": "equal_to"})
+
+
+def read_limit(body: Mapping, figure: Figure, entry: object, arm: Arm) -> Limit:
+    """The limit that stands under a figure's name in `subject_to`; raises `InputError`."""
+    name = figure.name
+    poses = None
+    if isinstance(entry, dict) and figure.by:
+        return _by_parts(body, figure, cast(dict[object, object], entry), arm)
+    if isinstance(entry, dict) and figure.at_poses is not None:
+        with Mapping(cast(object, entry), file=body.file, key=body.path_of(name)).reading() as inner:
+            given: list[tuple[Relation, str]] = [
+                (relation, word) for relation, word in _WORDS.items() if inner.has(word)
+            ]
+            if len(given) != 1:
+                would_do = " or ".join(_WORDS[relation] for relation in figure.senses)
+                raise body.error(name, f"needs {would_do}, e.g. {{{would_do}: ..., poses: [[...]]}}")
+            relation, word = given[0]
+            bound = Bound(relation, inner.quantity(word, figure.kind))
+            poses = read_coordinates(inner, arm) if inner.has("poses") else None
+    else:
+        bound = read_bound(entry, figure.kind, file=body.file, key=body.path_of(name), senses=figure.senses)
+    return Limit(figure, *_checked(body, name, figure, bound, entry), poses)
+
+
+def _checked(body: Mapping, key: str, figure: Figure, bound: Bound, entry: object) -> tuple[Relation, float]:
+    if bound.relation not in figure.senses:
+        raise body.error(key, f"can only be limited by {' or '.join(figure.senses)}, not {shown(entry)}")
+    if bound.value <= 0.0:
+        raise body.error(key, f"needs a limit above zero, not {shown(entry)}")
+    return bound.relation, bound.value
+
+
+def _by_parts(body: Mapping, figure: Figure, entry: dict[object, object], arm: Arm) -> Limit:
+    """The limit that asks different things of links, by their numbers or by what they are made of; the value that all
+    others have is its own."""
+
+    def read(mapping: Mapping, key: str) -> tuple[Relation, float]:
+        raw = mapping.raw(key)
+        bound = read_bound(raw, figure.kind, file=mapping.file, key=mapping.path_of(key), senses=figure.senses)
+        return _checked(mapping, key, figure, bound, raw)
+
+    if not said_by_number(entry):
+        if "material" not in figure.by:
+            would_do = "one limit, or one by link: {1: ..., others: ...}"
+            raise body.error(figure.name, f"takes {would_do}, not {shown(entry)}")
+        with Mapping(entry, file=body.file, key=body.path_of(figure.name)).reading() as own:
+            made = {str(name): read(own, str(name)) for name in entry}
+        relation, value = made.pop(OTHERS, next(iter(made.values())))
+        return Limit(
+            figure, relation, value, demands=Demands(materials=tuple((name, x) for name, (_, x) in made.items()))
+        )
+    values = by_link(Mapping({figure.name: entry}, file=body.file, key=body.key), figure.name, arm, read).each
+    known = [item for item in values if item is not None]
+    relation, value = known[-1]
+    return Limit(figure, relation, value, demands=Demands(links=tuple(value if x is None else x[1] for x in values)))
+
+
+def read_coordinates(body: Mapping, arm: Arm) -> tuple[tuple[float, ...], ...]:
+    """The poses under `poses`: lists of joint coordinates (rad, m), from the base out. Raises `InputError`."""
+    coordinates: list[tuple[float, ...]] = []
+    for number, raw in enumerate(body.items("poses"), start=1):
+        if not isinstance(raw, list) or len(cast(list[object], raw)) != arm.size:
+            joints = f"a coordinate for each of the {arm.size} joints"
+            raise body.error(f"poses[{number}]", f"is {joints}, e.g. [0 deg, 30 deg], not {shown(raw)}")
+        names = {f"q{k}": value for k, value in enumerate(cast(list[object], raw), start=1)}
+        one = Mapping(names, file=body.file, key=body.path_of(f"poses[{number}]"))
+        kinds = ["angle" if joint.revolute else "length" for joint in arm.joints]
+        coordinates.append(tuple(one.quantity(key, kind) for key, kind in zip(names, kinds, strict=True)))
+    if not coordinates:
+        raise body.error("poses", "is empty; leave it out for the whole workspace")
+    return tuple(coordinates)

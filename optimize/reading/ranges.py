@@ -1,0 +1,71 @@
+"""The ranges in `subject_to` of lengths, outer dimensions, walls and tapers: once for all links, or by link."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+from linkwright.core.arm.chain.chain import Arm
+from linkwright.core.arm.figures import RANGES
+from linkwright.core.optimize.ranges import Ranges, Span
+from linkwright.core.sections.taper import MOST_TAPER
+from linkwright.core.units.quantities import format_quantity, shown
+from linkwright.core.units.reading import Mapping
+
+from .by_link import by_link
+
+_SMALLEST, _LARGEST = 1e-6, 1e4
+"""What a link or a wall can measure at all, m; beyond it, the powers in a search are not finite."""
+
+
+def read_ranges(body: Mapping, arm: Arm) -> tuple[Ranges, ...]:
+    """The ranges of each link; a rigid one has neither a length nor a taper to choose. Raises `InputError`."""
+    by_name = {
+        name: by_link(body, name, arm, lambda item, key, default=default: _range(item, key, default)).each
+        for name, default in RANGES.items()
+    }
+    by_name["taper"] = by_link(body, "taper", arm, _taper).each
+    return tuple(
+        Ranges() if link.section is None else Ranges(**{name: item[number] for name, item in by_name.items()})
+        for number, link in enumerate(arm.links)
+    )
+
+
+def shared_ranges(mapping: Mapping, ranges: Sequence[Ranges]) -> tuple[Ranges, ...]:
+    """The ranges of links that all have the same dimensions, which must lie in the ranges of each of them."""
+    shared: dict[str, Span] = {}
+    for name in ("section_size", "thickness", "taper"):
+        spans: list[Span] = [span for link_ranges in ranges if (span := getattr(link_ranges, name)) is not None]
+        if not spans:
+            continue
+        low, high = max(span[0] for span in spans), min(span[1] for span in spans)
+        if low > high:
+            message = "has ranges that no size is in, and same: [size] gives all links one; loosen one of them"
+            raise mapping.error(f"subject_to.{name}", message)
+        shared[name] = low, high
+    # What is said of one link only is said of all that are like it; of a rigid one nothing is.
+    return tuple(link_ranges if link_ranges == Ranges() else replace(link_ranges, **shared) for link_ranges in ranges)
+
+
+def _range(body: Mapping, name: str, default: Span) -> Span:
+    if isinstance(body.content[name], str):
+        bound = body.bound(name, "length")
+        low = bound.value if bound.relation != "<=" else min(default[0], bound.value)
+        high = bound.value if bound.relation != ">=" else max(default[1], bound.value)
+    else:
+        low, high = body.range(name, "length")
+    if low <= 0.0:
+        raise body.error(name, f"must be above zero, not {shown(body.content[name])}")
+    if low < _SMALLEST or high > _LARGEST:
+        ends = f"{format_quantity(_SMALLEST, 'length')} and {format_quantity(_LARGEST, 'length')}"
+        raise body.error(name, f"must lie between {ends}, not {shown(body.content[name])}")
+    return low, high
+
+
+def _taper(body: Mapping, name: str) -> Span:
+    """The least and the greatest size of a far end over that at the joint."""
+    low, high = body.range(name, "dimensionless")
+    if not 1.0 / MOST_TAPER <= low <= high <= MOST_TAPER:
+        would_do = f"sizes of the far end over those at the joint between {1.0 / MOST_TAPER:g} and {MOST_TAPER:g}"
+        raise body.error(name, f"holds {would_do}, e.g. [0.4, 1], not {shown(body.content[name])}")
+    return low, high
