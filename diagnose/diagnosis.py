@@ -10,6 +10,7 @@ import numpy as np
 
 from linkwright.core.arm.chain.chain import Arm, EffectEntry
 from linkwright.core.diagnose.answer.conclusion import Conclusion
+from linkwright.core.diagnose.answer.confirmation import Confirmed
 from linkwright.core.diagnose.answer.sentences import label_of, of_branches, put_right
 from linkwright.core.diagnose.answer.torques import of_unknown_weights
 from linkwright.core.diagnose.fitting.geometry import about_geometry
@@ -29,18 +30,13 @@ from linkwright.core.diagnose.search.labels import mislabelled
 from linkwright.core.diagnose.search.large_motions import about_large, candidates_of
 from linkwright.core.diagnose.search.mass_consistency import under_one_set
 from linkwright.core.diagnose.search.naming import Named, Namer, name_missing
-from linkwright.core.diagnose.search.subsets import gains
 from linkwright.core.diagnose.several.floors import floor_of_all
 from linkwright.core.diagnose.several.other_arms import of_different_arms, of_other_arms
 from linkwright.core.diagnose.several.recordings import Several, together
 
-from .options import Options, Progress
+from .options import Options, Progress, silent
 from .recording import Recording
 from .result import Diagnosis
-
-
-def _silent(what: str, share: float) -> None:
-    del what, share
 
 
 class _SoFar:
@@ -58,7 +54,7 @@ class _SoFar:
         """What is named now, that by its name which explains most alone; nothing where it was given up again."""
         self._found = ""
         if members:
-            alone = gains(namer.pool, namer.prepared.products)
+            alone = namer.prepared.products.gains()
             (first,) = candidates_of(namer, [max(members, key=lambda member: alone[member])])
             more = f" and {len(members) - 1} more" if len(members) > 1 else ""
             self._found = f"provisional: {label_of(first, namer.prepared.observed.recording)}{more}; "
@@ -72,47 +68,47 @@ def diagnose(
 ) -> Diagnosis:
     """What an arm's model leaves out, by a recording of the real arm, or by several of them (`Several`) at once.
 
-    Raises `arm.errors.model.PropertyNeeded` and the materials' errors where the model lacks a figure that it needs.
+    Raises `arm.bodies.beams.PropertyNeeded` and the materials' errors where the model lacks a figure that it needs.
     """
-    asked, tell = options or Options(), progress or _silent
-    own = asked.rules.fitting
-    shown = weighed_by_torque(arm, recording, rules=asked.rules.residual)
+    request, tell = options or Options(), progress or silent
+    rules = request.rules.fitting
+    shown = weighed_by_torque(arm, recording, rules=request.rules.residual)
     arm = arm if shown is None else shown.arm
     if arm.unknown_origins:
         tell("finding the fixed transforms that are free", 0.0)
-    placed = located(arm, recording, rules=asked.rules)
-    found = _diagnosed(placed, recording, asked, tell)
+    placed = located(arm, recording, rules=request.rules)
+    diagnosis = _diagnosed(placed, recording, request, tell)
     for _ in range(2 if arm.unknown_origins else 0):
-        again = with_origins_of(placed, found.corrected)
-        if turned_by(placed, again) ** 2 * sum(arm.lengths) <= own.origin_beyond * found.rms_after:
+        again = with_origins_of(placed, diagnosis.corrected)
+        if turned_by(placed, again) ** 2 * sum(arm.lengths) <= rules.origin_beyond * diagnosis.rms_after:
             break
         placed = again
-        found = _diagnosed(placed, recording, asked, tell)
-    return found if shown is None else replace(found, notes=(*of_unknown_weights(shown), *found.notes))
+        diagnosis = _diagnosed(placed, recording, request, tell)
+    return diagnosis if shown is None else replace(diagnosis, notes=(*of_unknown_weights(shown), *diagnosis.notes))
 
 
-def _diagnosed(arm: Arm, recording: Recording, asked: Options, hear: Progress) -> Diagnosis:
+def _diagnosed(arm: Arm, recording: Recording, options: Options, hear: Progress) -> Diagnosis:
     """What an arm's model leaves out, its free transforms about where they stand."""
     began, tell = time.perf_counter(), _SoFar(hear)
     tell("noise floor", 0.0)
-    rules = asked.rules
+    rules = options.rules
     recording, noise, cleaned, floors = cleaned_of(arm, recording, rules)
     tell("setting the recording against the model", 0.05)
-    searched = _thinned(arm, cleaned, asked)
+    searched = _thinned(arm, cleaned, options)
     enough = noise.degrees_of_freedom >= rules.answer.enough_repeats
     known = noise.rms_m if noise.source == "repeats" and enough else None
-    prepared = prepare(about_geometry(observe(arm, searched, rules=rules), asked.without), asked, known)
+    prepared = prepare(about_geometry(observe(arm, searched, rules=rules), options.without), options, known)
     if not isinstance(searched, Several):
-        refuse_another_zero(arm, searched, prepared, asked, known)
+        refuse_another_zero(arm, searched, prepared, options, known)
     if not floors and len(prepared.rejected) > rules.fitting.most_outliers * searched.size:
         noise = _less_doubtful(noise, noise_floor(prepared.observed.recording, arm, rules=rules.residual))
     tell("searching for what is missing", 0.3)
-    namer = Namer(prepared, thorough=asked.thorough, seed=asked.seed)
+    namer = Namer(prepared, thorough=options.thorough, seed=options.seed)
 
-    def about(found: tuple[EffectEntry, ...], before: Sequence[Candidate]) -> tuple[Namer, Named]:
+    def about(entries: tuple[EffectEntry, ...], before: Sequence[Candidate]) -> tuple[Namer, Named]:
         tell("searching again about what was found", 0.6)
-        anew = prepare(observe(arm, searched, about=found, rules=rules), asked, known)
-        other = Namer(anew, thorough=asked.thorough, seed=asked.seed)
+        anew = prepare(observe(arm, searched, about=entries, rules=rules), options, known)
+        other = Namer(anew, thorough=options.thorough, seed=options.seed)
         return other, name_missing(other, lambda _: None, before)
 
     too_few = int(prepared.visits[-1]) + 1 < rules.search.least_visits
@@ -129,27 +125,27 @@ def _diagnosed(arm: Arm, recording: Recording, asked: Options, hear: Progress) -
         if min(test.p_value for test in named.gate) <= rules.search.false_alarm:
             namer, named = about_large(namer, named, about)
         if may_couple(namer, named):
-            again = coupled(namer, asked.without, lambda share: tell("loads and flexibility", 0.6 + 0.05 * share))
+            again = coupled(namer, options.without, lambda share: tell("loads and flexibility", 0.6 + 0.05 * share))
             if again is not namer:
                 before = candidates_of(namer, named.members)
                 namer = again
                 named = name_missing(namer, lambda share: tell("searching again", 0.65 + 0.05 * share), before)
-            namer, named = through_what_is_named(namer, named, asked.without, lambda _: tell("searching again", 0.69))
+            namer, named = through_what_is_named(namer, named, options.without, lambda _: tell("searching again", 0.69))
             named = under_one_set(namer, named, lambda _: tell("searching again", 0.69))
             tell.found(namer, named.members)
     tell("fitting and confirming", 0.7)
     whole = cleaned if len(searched.q) < len(cleaned.q) else None
-    conclusion = Conclusion(namer, named, noise, asked, whole=whole, progress=tell, floors=floors)
-    found = conclusion.result(arm, recording, began)
-    found = replace(found, sentence=found.sentence + of_branches(arm, found.findings))
+    names = Confirmed(namer, named, noise, options, whole=whole, progress=tell, floors=floors)
+    diagnosis = Conclusion(names).result(arm, recording, began)
+    diagnosis = replace(diagnosis, sentence=diagnosis.sentence + of_branches(arm, diagnosis.findings))
     if not isinstance(searched, Several):
-        return _with_labels(found, arm, searched, asked, known, tell)
-    if searched.units or found.unknown is None:
-        return found
-    other = of_different_arms(arm, searched, asked, known, found.rms_promised)
+        return _with_labels(diagnosis, arm, searched, options, known, tell)
+    if searched.units or diagnosis.unknown is None:
+        return diagnosis
+    other = of_different_arms(arm, searched, options, known, diagnosis.rms_promised)
     if other is None:
-        return found
-    return replace(found, sentence=f"{of_other_arms(other)} {found.sentence}", other_arms=other)
+        return diagnosis
+    return replace(diagnosis, sentence=f"{of_other_arms(other)} {diagnosis.sentence}", other_arms=other)
 
 
 def cleaned_of(
@@ -158,7 +154,7 @@ def cleaned_of(
     """The recording with sound orientations, its noise floor, and the readings that do not stand out from repeats; of
     several recordings each by itself, and each one's floor."""
     if isinstance(recording, Several):
-        found = [cleaned_of(arm, each, rules) for each in recording.each]
+        found = [cleaned_of(arm, item, rules) for item in recording.each]
         parts = [cleaned for _, _, cleaned, _ in found]
         again = together(
             parts,
@@ -177,29 +173,34 @@ def cleaned_of(
 
 
 def _with_labels(
-    found: Diagnosis, arm: Arm, recording: Recording, asked: Options, known: float | None, tell: Progress
+    diagnosis: Diagnosis, arm: Arm, recording: Recording, options: Options, known: float | None, tell: Progress
 ) -> Diagnosis:
     """The result with what labels seem to be wrong, where it has no explanation of its own."""
-    if known is None or (found.unknown is None and found.scatter is None):
-        return found
+    if known is None or (diagnosis.unknown is None and diagnosis.scatter is None):
+        return diagnosis
     wrong = mislabelled(
-        arm, recording, asked, known, found.rms_promised, lambda share: tell("labels put right", 0.96 + 0.04 * share)
+        arm,
+        recording,
+        options,
+        known,
+        diagnosis.rms_promised,
+        lambda share: tell("labels put right", 0.96 + 0.04 * share),
     )
     if wrong is None:
-        return found
-    said = f"It looks as if {wrong.said}: with that put right, {put_right(wrong)}."
-    return replace(found, labels=wrong, sentence=f"{found.sentence} {said}")
+        return diagnosis
+    sentence = f"It looks as if {wrong.said}: with that put right, {put_right(wrong)}."
+    return replace(diagnosis, labels=wrong, sentence=f"{diagnosis.sentence} {sentence}")
 
 
-def _thinned(arm: Arm, recording: Recording, asked: Options) -> Recording:
+def _thinned(arm: Arm, recording: Recording, options: Options) -> Recording:
     """Whole visits of a long recording, picked at random: what to look for is plain from a few thousand readings."""
-    longest = asked.rules.search.longest
+    longest = options.rules.search.longest
     observations = recording.tip.size
     if observations <= longest:
         return recording
-    visit = visits(recording, arm, rules=asked.rules.residual)
+    visit = visits(recording, arm, rules=options.rules.residual)
     share = longest / observations
-    taken = np.random.default_rng(asked.seed).random(int(visit[-1]) + 1) < share
+    taken = np.random.default_rng(options.seed).random(int(visit[-1]) + 1) < share
     return recording.kept(taken[visit])
 
 
@@ -219,5 +220,5 @@ def _less_doubtful(before: NoiseFloor, after: NoiseFloor) -> NoiseFloor:
 
 def _without(recording: Recording, noise: NoiseFloor) -> Recording:
     """The recording without the rows that stand out from repeats of their own pose."""
-    bad = {each.row for each in noise.outliers}
+    bad = {outlier.row for outlier in noise.outliers}
     return recording.kept(np.array([int(row) not in bad for row in recording.row]))

@@ -11,6 +11,10 @@ Progress = Callable[[str, float], None]
 """Hears what is being done, and what share of the whole is behind it (0 to 1)."""
 
 
+def silent(_text: str, _share: float) -> None:
+    """Nobody listens."""
+
+
 @dataclass(frozen=True)
 class Options:
     """`thorough` makes every test with more draws; `without` takes effects out of the candidates; `seed` fixes all

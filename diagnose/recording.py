@@ -111,7 +111,7 @@ class Recording:
     def names_of_readings(self) -> list[tuple[int, ...]]:
         """What no other reading has: the row in the file, and what the numbers are."""
         rows = self.row[:, None] if self.slots is None else np.column_stack([self.row, self.slots])
-        return [tuple(each) for each in rows.tolist()]
+        return [tuple(row) for row in rows.tolist()]
 
     @property
     def component_names(self) -> tuple[str, ...]:
@@ -137,15 +137,15 @@ class Recording:
 
     def without(self, rejected: Sequence[RejectedRow]) -> Recording:
         """The readings less some more, which join `rejected` in the order of the file; a row is rejected once."""
-        known = {each.row for each in self.rejected}
+        known = {item.row for item in self.rejected}
         more: dict[int, RejectedRow] = {}
         for each in rejected:
             if each.row not in known:
                 more.setdefault(each.row, each)
         if not more:
             return self
-        kept = self.kept(np.array([row not in more for row in self.row.tolist()], dtype=bool))
-        return replace(kept, rejected=tuple(sorted((*self.rejected, *more.values()), key=lambda each: each.row)))
+        remaining = self.kept(np.array([row not in more for row in self.row.tolist()], dtype=bool))
+        return replace(remaining, rejected=tuple(sorted((*self.rejected, *more.values()), key=lambda item: item.row)))
 
 
 def since_the_reading_before(q: Array) -> Array:

@@ -47,6 +47,19 @@ class FittedParameter:
         """The 95 % interval of the parameter alone."""
         return self.interval if self.between is None else self.between
 
+    @property
+    def largest(self) -> float:
+        """The largest of value and interval that is known."""
+        return max((abs(item) for item in (self.value, *self.interval) if math.isfinite(item)), default=0.0)
+
+    @property
+    def digits(self) -> int:
+        """As many digits as the interval's width supports."""
+        half = 0.5 * (self.interval[1] - self.interval[0])
+        if not (math.isfinite(half) and half > 0.0 and self.largest > 0.0):
+            return 3
+        return min(7, max(2, 1 + math.floor(math.log10(self.largest)) - math.floor(math.log10(half))))
+
 
 @dataclass(frozen=True)
 class FoundOrigin:
@@ -75,6 +88,17 @@ class Alternative:
     likeness: float
     worse: float
     recording: str = ""
+
+
+@dataclass(frozen=True)
+class Exchange:
+    """Causes that together could stand in the place of one or two findings, none of them alone: two zeros for a tool's
+    offset, a tilt for two couplings. Each is an effect with the joints or links (from 1) where it acts and the one of
+    several recordings (empty: all); `worse` as in an `Alternative`."""
+
+    instead_of: tuple[tuple[str, tuple[int, ...], str], ...]
+    effects: tuple[tuple[str, tuple[int, ...], str], ...]
+    worse: float
 
 
 @dataclass(frozen=True)
@@ -388,7 +412,8 @@ class Diagnosis:
     `origins` are fixed transforms that the arm file leaves free, as they were found. `other_arms` says what tells apart
     recordings that seem to be of different arms (None: they do not).
     `noise_from` says whence the noise floor is known, `wandered` (RMS length, m) is what wanders with the instrument.
-    `next_poses_enough` says whether the next poses, recorded once, tell the names that they help to tell.
+    `next_poses_enough` says whether the next poses, recorded once, tell the names that they help to tell; `exchanges`
+    are sets of causes that the recording cannot tell from a set of findings.
     `shown` (N, W, D) is what of the tip's displacements the W numbers of a reading show, None where they are its place.
     """
 
@@ -434,6 +459,7 @@ class Diagnosis:
     next_poses_enough: bool = False
     noise_from: Literal["repeats", "declared", "revisits", "none"] = "repeats"
     wandered: float = 0.0
+    exchanges: tuple[Exchange, ...] = ()
 
     def in_space(self, residual: Array) -> Array:
         """Residuals as displacements of the tip (N, D), m: along what was measured, where that is but a part."""

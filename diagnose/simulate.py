@@ -30,7 +30,6 @@ from .instruments.instrument import ALONG, CAMERA, DISTANCE, PLANE, TILT_X, TILT
 from .instruments.level import stand_of
 from .instruments.touching import touched
 from .recording import Recording, since_the_reading_before
-from .rules.rules import RULES
 
 Sides = Literal["both", "one", "random"]
 
@@ -105,7 +104,7 @@ class Plan:
             return replace(recording, sigma=self.noise)
         deep, turns = self.of_camera
         axes = (self.noise, self.noise, deep)
-        mean = math.sqrt(sum(each * each for each in axes) / 3.0)
+        mean = math.sqrt(sum(axis * axis for axis in axes) / 3.0)
         return replace(recording, sigma=mean, sigma_axes=axes, sigma_angle=turns)
 
 
@@ -142,7 +141,7 @@ def simulate(arm: Arm, plan: Plan) -> Simulation:
         # Noise of its own: the same seed gives the same tips with and without torques.
         scatter = np.array(plan.torque_noise) * np.random.default_rng([plan.seed, 1]).standard_normal(bare.q.shape)
         bare = replace(bare, torque=scatter - np.stack(loads, axis=1))
-    asked = Asked(
+    channels = Asked(
         bare.size,
         joint_side=plan.joint_side,
         base_target=_BASE_TARGET if plan.base_target else None,
@@ -150,17 +149,17 @@ def simulate(arm: Arm, plan: Plan) -> Simulation:
         turn=plan.orientation or camera,
         levels=np.full(bare.size, plan.instrument.tilt_link) if levelled else None,
     )
-    moved = seen_of_model(state, active_effects(arm), asked)
+    moved = seen_of_model(state, active_effects(arm), channels)
     width = 2 if arm.planar() else 3
     nominal = columns(state.tip(), bare.size)
     if moved.level is not None:
-        return _levelled(bare, arm, moved.level, plan, random, _idle(state, arm, asked), moved.tip)
+        return _levelled(bare, arm, moved.level, plan, random, _idle(state, arm, channels), moved.tip)
     if moved.turn is not None and camera:
         tip = nominal + moved.tip
         turned = Rotation.from_rotvec(moved.turn).as_matrix() @ matrices(state.frames.orientation, bare.size)
-        return Simulation(_by_camera(bare, tip, turned, plan, random), moved.tip, _idle(state, arm, asked))
+        return Simulation(_by_camera(bare, tip, turned, plan, random), moved.tip, _idle(state, arm, channels))
     if plan.slots:
-        return _in_part(bare, nominal + moved.tip, plan, random, _idle(state, arm, asked), moved.tip)
+        return _in_part(bare, nominal + moved.tip, plan, random, _idle(state, arm, channels), moved.tip)
     tip = (nominal + moved.tip)[:, :width] + plan.noise * random.standard_normal((bare.size, width))
     tip = tip + _outliers(plan, random, tip.shape)
     base = None
@@ -182,7 +181,7 @@ def simulate(arm: Arm, plan: Plan) -> Simulation:
         base_target=base,
         frame="free" if plan.free_frame else bare.frame,
     )
-    return Simulation(recording, moved.tip, _idle(state, arm, asked))
+    return Simulation(recording, moved.tip, _idle(state, arm, channels))
 
 
 def _levelled(
@@ -287,21 +286,21 @@ def _touching(bare: Recording, arm: Arm, plan: Plan, random: np.random.Generator
         return columns(state.tip(), bare.size) + moved.tip
 
     planes = plan.slots == (PLANE,)
-    found = touched(
+    touches = touched(
         arm, bare.q, visit, off, tips, random, planes=planes, bar=plan.bar, planned=bare.touches,
         planned_along=bare.bar_at if plan.bar else None,
     )  # fmt: skip
-    q = _written(found.q, arm)
-    named = replace(plan.instrument, labels=bare.instrument.labels or tuple(f"{k + 1}" for k in range(found.count)))
+    q = _written(touches.q, arm)
+    named = replace(plan.instrument, labels=bare.instrument.labels or tuple(f"{k + 1}" for k in range(touches.count)))
     whole = replace(
         bare,
         q=q,
         tip=np.zeros((bare.size, len(plan.slots))),
         slots=np.tile(plan.slots, (bare.size, 1)),
-        touches=found.label,
-        bar_at=found.along if plan.bar else None,
+        touches=touches.label,
+        bar_at=touches.along if plan.bar else None,
         instrument=named,
-    ).kept(found.keep & room_of(arm, None).allows(arm, q))
+    ).kept(touches.keep & room_of(arm, None).allows(arm, q))
     last = since_the_reading_before(whole.q)
     return replace(whole, row=np.arange(1, whole.size + 1), last_moves=last)
 
@@ -310,16 +309,15 @@ def _visited(arm: Arm, plan: Plan, random: np.random.Generator) -> Recording:
     """Joint coordinates and conditions of every reading, the tip still to come."""
     sobol = qmc.Sobol(arm.size, scramble=True, rng=random)
     ends, room = np.array([joint.range for joint in arm.joints]), room_of(arm, None)
-    many = 2 ** max(1, math.ceil(math.log2(plan.poses)))
+    count = 2 ** max(1, math.ceil(math.log2(plan.poses)))
 
     def allowed(q: Array) -> Array:
         whole = completed(arm, _written(q, arm))
         return whole[room.allows(arm, whole)]
 
-    draws = RULES.plan.searched
     poses = drawn(
-        room, (ends[:, 0], ends[:, 1]), lambda low, high: low + (high - low) * sobol.random(many), allowed,
-        plan.poses, draws,
+        room, (ends[:, 0], ends[:, 1]), lambda low, high: low + (high - low) * sobol.random(count), allowed,
+        plan.poses,
     )  # fmt: skip
     if len(poses) < plan.poses:
         raise NoRoom(f"what is to be avoided leaves {len(poses)} poses of the {plan.poses} asked for, of many tried")
@@ -422,4 +420,4 @@ def _idle(state: PoseState, arm: Arm, asked: Asked) -> tuple[str, ...]:
         )  # fmt: skip
         return all(part is None or not np.any(part) for part in parts)
 
-    return tuple(each.effect.id for each in added if silent(seen(state, each.effect, each.settings, asked)))
+    return tuple(item.effect.id for item in added if silent(seen(state, item.effect, item.settings, asked)))

@@ -1,4 +1,4 @@
-"""What was found, fitted to all readings and confirmed on those held out; and whether something is left beside it."""
+"""What was found, fitted to all readings and confirmed on those held out."""
 
 from __future__ import annotations
 
@@ -8,14 +8,12 @@ from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.stats import chi2
 
 from linkwright.core.diagnose.fitting.fit import Fit, beyond_nuisances, fit, remaining
 from linkwright.core.diagnose.fitting.held_out import Folds, HeldOut, hardest, parts_of_workspace, splits
 from linkwright.core.diagnose.fitting.prepare import Prepared, packed_up, set_up
 from linkwright.core.diagnose.fitting.refit import Refit, impossible_term, refit, tether
 from linkwright.core.diagnose.fitting.relinearize import relinearized
-from linkwright.core.diagnose.fitting.room.small_causes import SmallCauses, small_causes
 from linkwright.core.diagnose.fitting.room.unnamed import Unnamed, unnamed
 from linkwright.core.diagnose.options import Options, Progress
 from linkwright.core.diagnose.patterns.library import columns_of
@@ -23,19 +21,14 @@ from linkwright.core.diagnose.recording import Recording
 from linkwright.core.diagnose.residual.noise import NoiseFloor
 from linkwright.core.diagnose.residual.observe import observed_about
 from linkwright.core.diagnose.residual.observed import Observed, kept, rms_length
-from linkwright.core.diagnose.residual.visits import looks_quieter
-from linkwright.core.diagnose.result import LackOfFit, Left, SmallBeside
 from linkwright.core.diagnose.rules.rules import Rules
 from linkwright.core.diagnose.search.aliases import Rival, rivals
 from linkwright.core.diagnose.search.mass_consistency import renamed_under_one_set
 from linkwright.core.diagnose.search.naming import Named, Namer, weighed_again
 from linkwright.core.sections.numeric import Array
 
-from .guard.lack_of_fit import refuted_by, refutes
-from .guard.scatter import follows
 from .sentences import label_of
 from .together import only_with
-from .unknown import predictable
 
 Item = TypeVar("Item")
 
@@ -63,8 +56,8 @@ class Confirmed:
         self.too_little: list[str] = []
         self._take_up(whole)
         while (wrong := self._wrong()) is not None:
-            places, said, reason, unexplained = wrong
-            said += [f"{self._label(self.members[place])}{reason}" for place in places]
+            places, reasons, reason, unexplained = wrong
+            reasons += [f"{self.label(self.members[place])}{reason}" for place in places]
             for place in sorted(places, reverse=True):
                 self.found, self.members = _less(self.found, place), _less(self.members, place)
                 self.alternatives, self.alike = _less(self.alternatives, place), _less(self.alike, place)
@@ -73,32 +66,14 @@ class Confirmed:
                 self._fit()
         if self.members:
             # What is said of sizes leaves room for what is not named; what is kept was judged without it.
-            room = self._unnamed()
+            room = self.unnamed()
             self.refit = refit(self.prepared, self.members, self.outside, self.fitted, room)
             self._test_what_is_left()
         self.together = only_with(self.prepared, self.refit, rules=self.rules.answer)
-        self.scattered = self.may_scatter = False
-        self._predicted: float | None = None
-        self.lack_of_fit = self._lack_of_fit()
-        self.small = self._small_causes()
-        self.left_over = (
-            self.small is None
-            and not self.what_remains().is_noise
-            and (self.describes_nothing or self._left_over() or self._refuted_as_whole())
-        )
-
-    def _refuted_as_whole(self) -> bool:
-        """Whether what was found is not the whole answer, and no form stands beside it that is the rest."""
-        return bool(self.members) and not self.outside and self._does_not_fit()
-
-    def what_remains(self) -> Left:
-        """What is left beside the noise floor, of readings fitted and of those held out."""
-        floor = None if self.noise.rms_m is None else float(np.hypot(self.noise.rms_m, self._wandered()))
-        return Left(rms_length(self._after()), hardest(self.held_out).rms(), floor, self.rules.fitting)
 
     def _test_what_is_left(self) -> None:
         """Test anew what seems to be beyond chance in what is left, where motion beyond first order was part of it."""
-        named, left = self.named, self._with_what_is_left()
+        named, left = self.named, self.with_what_is_left()
         if named is None or named.left is None or left is self.search:
             return
         if min(test.p_value for test in named.left) <= self.rules.search.false_alarm:
@@ -117,8 +92,10 @@ class Confirmed:
         self.folds: dict[str, Folds] = splits(self.prepared.observed, self.options.seed)
         self._fit()
         self.describes_nothing = False
-        if self.outside and self._rms_held_out([*self.members, *self.outside]) > self._rms_held_out(self.members):
+        if self.outside and self.rms_held_out([*self.members, *self.outside]) > self.rms_held_out(self.members):
             # A form that readings held out are worse for describes nothing, however well it bends to those fitted.
+            # One that was tried in the place of what was refuted has never been an answer.
+            self.unconfirmed = self.unconfirmed or [self.label(member) for member in self.outside]
             self.forms, self.outside, self.describes_nothing = (), (), True
             self._fit()
 
@@ -134,32 +111,33 @@ class Confirmed:
         self.namer, self.named = namer, again
         self._take_up(whole)
         # Beside a form, what was refuted without one may be confirmed.
-        named = {self._label(member) for member in self.members}
+        named = {self.label(member) for member in self.members}
         self.unconfirmed = [label for label in self.unconfirmed if label not in named]
         return True
 
     def _fit(self) -> None:
         """Fit what was found to all readings, about the arm as it makes it, and in turn to all but some."""
-        found = relinearized(self.prepared, self.members, self.outside)
-        self.prepared, self.members, self.outside = found.prepared, found.members, found.outside
-        self.fitted: Fit = found.fitted
-        self.refit: Refit = found.refit
+        relinearized_ = relinearized(self.prepared, self.members, self.outside)
+        self.prepared, self.members, self.outside = relinearized_.prepared, relinearized_.members, relinearized_.outside
+        self.fitted: Fit = relinearized_.fitted
+        self.refit: Refit = relinearized_.refit
         self.observed: Observed = self.prepared.observed
-        self.held_out = {name: self._held_out(folds) for name, folds in self.folds.items()}
+        self.held_out = {name: self.held_out_of(folds) for name, folds in self.folds.items()}
 
-    def _unnamed(self) -> Unnamed:
+    def unnamed(self) -> Unnamed:
         """What the recording leaves room for beside what is named."""
         rivals = [rival.member for others in self.alike for rival in others]
         width = self.observed.residual.shape[1]
-        rows = (self._searched()[:, None] * width + np.arange(width)).reshape(-1)
-        room = unnamed(self._with_what_is_left(), [*self.found, *self.forms], rivals, rows)
-        if len(self.members) >= self.rules.fitting.more_findings:
+        rows = (self.searched()[:, None] * width + np.arange(width)).reshape(-1)
+        room = unnamed(self.with_what_is_left(), [*self.found, *self.forms], rivals, rows)
+        if len(self.members) > 1:
+            # One finding may be all there is; a second says that the arm has more.
             room = room.at_least(self.rules.fitting.least_unnamed)
         weak = self._weak()
         if not weak:
             return room
         moved = sum((self.refit.terms[place].moved for place in weak), self.refit.residual)
-        left = self.search.observed.whitened(moved[self._searched()])
+        left = self.search.observed.whitened(moved[self.searched()])
         among = replace(self.search, vector=self.search.pool.projected(left))
         strong = [member for place, member in enumerate(self.found) if place not in weak]
         return room.no_less_than(unnamed(among, [*strong, *self.forms], rivals, rows))
@@ -169,25 +147,22 @@ class Confirmed:
         says nothing of others. None where they are too few for a sample: one alone is a cause of its own."""
         if self.noise.rms_m is None:
             return []
-        moved = [self._moved([place]) for place in range(len(self.members))]
-        rules = self.rules.fitting
-        weak = [
-            place for place, each in enumerate(moved) if each < min(rules.weak_finding * self.noise.rms_m, max(moved))
-        ]
-        return weak if len(weak) >= rules.weak_sample else []
+        moved = [self.moved([place]) for place in range(len(self.members))]
+        weak = [place for place, item in enumerate(moved) if item < min(self.noise.rms_m, max(moved))]
+        return weak if len(weak) > 1 else []
 
-    def _searched(self) -> NDArray[np.int64]:
+    def searched(self) -> NDArray[np.int64]:
         """Where the readings that were searched stand among those that are fitted."""
         number = {name: k for k, name in enumerate(self.observed.recording.names_of_readings())}
         searched = self.search.observed.recording.names_of_readings()
         return np.array([number[name] for name in searched], dtype=np.int64)
 
-    def _with_what_is_left(self) -> Prepared:
+    def with_what_is_left(self) -> Prepared:
         """The search's patterns over what the fit leaves, where that was made about another shape than the search: what
         lay beyond first order there is no sign of anything unnamed."""
         if self.observed.about == self.search.observed.about:
             return self.search
-        left = self.search.observed.whitened(self.refit.residual[self._searched()])
+        left = self.search.observed.whitened(self.refit.residual[self.searched()])
         return replace(self.search, vector=self.search.pool.projected(left))
 
     def _wrong(self) -> tuple[list[int], list[str], str, bool] | None:
@@ -209,7 +184,7 @@ class Confirmed:
 
     def _too_little(self) -> int | None:
         """The place of the finding, if any of several, that moves the tip by next to nothing beside the noise."""
-        moved = [self._moved([place]) for place in range(len(self.members))]
+        moved = [self.moved([place]) for place in range(len(self.members))]
         if len(moved) < 2 or self.noise.rms_m is None:
             return None
         least = int(np.argmin(moved))
@@ -221,27 +196,22 @@ class Confirmed:
         nothing = self._under_weights_for_nothing()
         if nothing is not None:
             return nothing
-        whole = self._rms_held_out(self.members)
-        without = [self._rms_held_out(_less(self.members, k)) for k in range(len(self.members))]
+        whole = self.rms_held_out(self.members)
+        without = [self.rms_held_out(_less(self.members, k)) for k in range(len(self.members))]
         if not without or min(without) >= (1.0 - self.rules.answer.refuted) * whole:
             return None
         return int(np.argmin(without))
 
     def _not_carried_over(self) -> list[int]:
         """The places of the findings, of several, without which the others tell readings held out as well: one after
-        the other the least. What moves much of the mismatch is kept, as others may take its place and be wrong (unless
-        it only balances them); and all is where the workspace has too few parts to judge by."""
+        the other the least. What moves much of the mismatch is kept, as others may take its place and be wrong; and
+        all is where the workspace has too few parts to judge by."""
         rules, part = self.rules.answer, parts_of_workspace(self.observed)
         kept, held_out = list(range(len(self.members))), hardest(self.held_out)
         if len(kept) < 2 or int(part.max()) + 1 < rules.least_parts:
             return []
-        mismatch, after = self._left(()), self._left(self.members)
-
-        def much(place: int) -> bool:
-            missed = self._left(_less(self.members, place)) ** 2 - after**2
-            return self._moved([place]) > rules.kept_anyway * mismatch and missed > (rules.missed * mismatch) ** 2
-
-        judged = [place for place in kept if not much(place)]
+        most = rules.kept_anyway * self.left(())
+        judged = [place for place in kept if self.moved([place]) <= most]
 
         def gain(place: int) -> float:
             fewer = [k for k in kept if k != place]
@@ -251,13 +221,14 @@ class Confirmed:
         while judged and len(kept) > 1:
             gains = {place: gain(place) for place in judged}
             least = min(gains, key=lambda place: gains[place])
-            if gains[least] >= rules.carries:
+            # One standard error, of the difference: L. Breiman et al., Classification and Regression Trees (1984).
+            if gains[least] >= 1.0:
                 break
             kept.remove(least)
             judged.remove(least)
         return [place for place in range(len(self.members)) if place not in kept]
 
-    def _left(self, members: Sequence[int]) -> float:
+    def left(self, members: Sequence[int]) -> float:
         """The RMS length (m) of what some groups leave of the tip."""
         return rms_length(remaining(self.prepared, fit(self.prepared, members))[:, : self.observed.components])
 
@@ -277,164 +248,20 @@ class Confirmed:
         if whole is None or self.forms:
             return searched, {m: m for m in (*self.found, *self.forms)}
         near = searched.observed
-        rejected = {each.row for each in searched.rejected}
+        rejected = {item.row for item in searched.rejected}
         rows = kept(whole, np.array([int(row) not in rejected for row in whole.row]))
         observed = observed_about(near, near.about, (), rows).softened(near.softening)
         patterns = [(c, columns_of(observed, c)) for c in (searched.pool.groups[m].candidate for m in self.found)]
-        told = packed_up((c, columns) for c, columns in patterns if columns is not None)
-        prepared = set_up(observed, told, searched.rejected)
+        packed = packed_up((c, columns) for c, columns in patterns if columns is not None)
+        prepared = set_up(observed, packed, searched.rejected)
         return prepared, {m: k for k, m in enumerate(self.found)}
 
-    def _left_over(self) -> bool:
-        """Whether far more is left beside the findings than repeats of a pose differ by, though no form fits it, and
-        it is there again when a pose is visited again or predicts itself elsewhere."""
-        if self.named is None or self.outside or self.noise.source != "repeats" or self.noise.rms_m is None:
-            return False
-        rules = self.rules.answer
-        width = self.observed.components
-        remainder = self.observed.still(remaining(self.prepared, self.fitted)[:, :width])
-        left = rms_length(remainder)
-        floor = self.noise.rms_m * looks_quieter(self.observed)
-        limit = (self.rules.fitting.far_above if self.members else rules.farther) * floor
-        if self.noise.degrees_of_freedom < rules.enough_repeats or left <= limit:
-            return False
-        if self.noise.drift_m is not None and self.noise.drift_degrees_of_freedom >= rules.enough_returns:
-            # As large as scatter may be that came out so small by chance.
-            freedom = width * self.noise.drift_degrees_of_freedom
-            scatter = self.noise.drift_m**2 * freedom / float(chi2.ppf(rules.lasting_chance, freedom))
-            lasting = scatter < (1.0 - rules.lasting) * (left**2 - floor**2)
-        else:
-            # Scatter is everywhere; what sits at a few visits alone is something that happened there.
-            local = float(np.median(np.linalg.norm(remainder, axis=1))) < rules.local * left
-            # What was named and leaves most of the mismatch does not explain it, nor is the rest scatter for that.
-            unexplained = bool(self.members) and self._leaves_most(left)
-            lasting = local or unexplained or self._predictable() > rules.lasting
-            # Of a small remainder forms that are picked by what they predict tell more than that by chance.
-            lasting = lasting and not (self.members and self._only_scatter())
-            if not (lasting or self.members) and left > rules.too_far_to_scatter * floor:
-                # So much is no scatter unless it is seen to scatter, and no pose was come back to.
-                self.may_scatter = lasting = True
-        self.scattered = not lasting
-        return lasting
-
-    def _lack_of_fit(self, small: SmallCauses | None = None) -> LackOfFit | None:
-        """What readings of one pose say of the fit, perhaps with room for small causes; None where nothing was searched
-        or too few were repeated."""
-        if self.named is None:
-            return None
-        folds = hardest(self.folds)
-        held_out = hardest(self.held_out) if small is None else self._held_out(folds, small.columns)
-        shapes = sum(len(term.candidate.free_shapes) for term in self.refit.terms)
-        sizes = sum(term.columns.shape[2] for term in self.refit.terms)
-        forms = sum(self.prepared.columns[m].shape[2] for m in self.outside)
-        return refuted_by(
-            self.observed,
-            self.observed.still(self._after()),
-            held_out,
-            self.prepared.pool.nuisance.shape[1] + shapes + sizes + forms,
-            seed=self.options.seed,
-            rules=self.rules.answer,
-            small=small,
-        )
-
-    def _small_causes(self) -> SmallBeside | None:
-        """The causes too small to be named that what is left beside the findings comes from, where readings of one pose
-        refute these as the whole answer and do not with room for those; None where it is no more than noise, or more
-        than such causes make."""
-        found, observed = self.lack_of_fit, self.observed
-        alone = not self.members or self.outside or len(self._searched()) < observed.rows
-        rules = self.rules.answer
-        if found is None or alone or not refutes(found, rules) or self._leaves_most(rms_length(self._after())):
-            return None
-        # What small causes leave is as large where it was not fitted; names that make far more of it do not carry over.
-        if found.held_out_times > rules.scatter_carries * found.times:
-            return None
-        prepared = self._with_what_is_left()
-        fitted = fit(prepared, self.found)
-        rivals = [rival.member for others in self.alike for rival in others]
-        noise = fitted.rss / len(prepared.vector) / found.times**2
-        causes = small_causes(prepared, self.found, rivals, noise)
-        if causes is None:
-            return None
-        again = self._lack_of_fit(causes)
-        if again is None or refutes(again, rules):
-            return None
-        moved = rms_length(causes.likeliest[:, : observed.components])
-        return SmallBeside(moved, again)
-
-    def _leaves_most(self, left: float) -> bool:
-        """Whether findings that leave an RMS of `left` (m) leave most of the mismatch that is more than noise."""
-        if self.noise.rms_m is None:
-            return False
-        floor = self.noise.rms_m * looks_quieter(self.observed)
-        nothing = remaining(self.prepared, fit(self.prepared, ()))[:, : self.observed.components]
-        whole = rms_length(self.observed.still(nothing))
-        return left**2 - floor**2 > self.rules.answer.most_left * (whole**2 - floor**2)
-
-    def _does_not_fit(self) -> bool:
-        """Whether readings of one pose refute what was found, or readings held out do; where there are no repeats,
-        whether far more is left than the declared noise, and not by chance."""
-        rules, found = self.rules.answer, self.lack_of_fit
-        if found is not None:
-            misfit = refutes(found, rules)
-            carries = found.held_out_times <= rules.scatter_carries * found.times
-            if misfit and carries and self.members and found.against == "repeats" and self._only_scatter():
-                self.scattered = True
-                return False
-            return misfit
-        if self.named is None or self.named.left is None or self.noise.rms_m is None:
-            return False
-        by_chance = min(test.p_value for test in self.named.left) > self.rules.search.false_alarm
-        left = rms_length(self.observed.still(self._after()))
-        return not by_chance and left > rules.farther * self.noise.rms_m
-
-    def _only_scatter(self) -> bool:
-        """Whether what is left beside the findings, more than readings of a visit differ by, is what visits differ by:
-        it is everywhere, far less than what was explained, and nothing recorded predicts it from pose to pose."""
-        rules, floor = self.rules.answer, self.noise.rms_m
-        if floor is None:
-            return False
-        remainder = self._after()
-        left, quiet = rms_length(remainder), floor * looks_quieter(self.observed)
-        nothing = remaining(self.prepared, fit(self.prepared, ()))[:, : self.observed.components]
-        beyond, whole = left**2 - quiet**2, rms_length(nothing) ** 2 - quiet**2
-        local = float(np.median(np.linalg.norm(remainder, axis=1))) < rules.local * left
-        if local or beyond > rules.scatter_beside * whole or self._visits_follow() < rules.scatter_follows:
-            return False
-        if self._predictable() * left**2 > rules.scatter_predicts * beyond:
-            return False
-        # So much is not believed unseen, with names as without.
-        self.may_scatter = left > rules.too_far_to_scatter * quiet
-        return not self.may_scatter
-
-    def _predictable(self) -> float:
-        """The share of what is left beside the findings that is predicted where it was not seen; worked out once."""
-        if self._predicted is None:
-            folds = hardest(splits(self.search.observed, self.options.seed))
-            self._predicted = predictable(self.namer, self.found, folds)
-        return self._predicted
-
-    def _visits_follow(self) -> float:
-        """The p-value that what is left beside the findings is by chance as much like the visit before."""
-        forms = [self.prepared.columns[m] for m in self.outside]
-        columns = [self.prepared.beside, *(term.columns for term in self.refit.terms), *forms]
-        left, fitted = self.observed.still(self._after()), np.concatenate(columns, axis=2)
-        return follows(self.observed, left, fitted, seed=self.options.seed, rules=self.rules.answer)
-
-    def _scatter(self) -> float | None:
-        """How many times the noise floor what is left scatters by, where that is more than noise and no fault of the
-        model that could be found; else None."""
-        if self.named is None or self.noise.rms_m is None or self.outside or self.left_over:
-            return None
-        times = rms_length(self.observed.still(self._after())) / (self.noise.rms_m * looks_quieter(self.observed))
-        return times if self.scattered or (not self.members and self._does_not_fit()) else None
-
-    def _wandered(self) -> float:
+    def wandered(self) -> float:
         """The RMS length (m) of what wanders with the instrument."""
-        left = self._after()
+        left = self.after()
         return float(np.sqrt(max(rms_length(left) ** 2 - rms_length(self.observed.still(left)) ** 2, 0.0)))
 
-    def _after(self) -> Array:
+    def after(self) -> Array:
         """What is left of the tip (N, D), m."""
         width = self.observed.components
         if self.outside:
@@ -448,18 +275,20 @@ class Confirmed:
             return (), (), ()
         members = renamed_under_one_set(self.namer, self.named)
         whole = [*members, *self.named.outside]
-        alike = tuple(rivals(self.namer, whole, member) for member in members)
+        rivals_of_members = tuple(rivals(self.namer, whole, member) for member in members)
         judge = self._with_room(whole)
         if judge is self.namer:
-            return members, alike, alike
-        return members, tuple(rivals(self.namer, whole, member, (judge,)) for member in members), alike
+            return members, rivals_of_members, rivals_of_members
+        return members, tuple(rivals(self.namer, whole, member, (judge,)) for member in members), rivals_of_members
 
     def _with_room(self, members: Sequence[int]) -> Namer:
         """The namer with as much room for causes too small to be named as intervals have, where names are many."""
         rules = self.rules.fitting
-        return self.namer.with_room(members, least=rules.least_unnamed if len(members) >= rules.many_findings else 0.0)
+        return self.namer.with_room(
+            members, least=rules.least_unnamed if len(members) > self.rules.search.sparing else 0.0
+        )
 
-    def _held_out(self, folds: Folds, small: Array | None = None) -> HeldOut:
+    def held_out_of(self, folds: Folds, small: Array | None = None) -> HeldOut:
         """Nuisances, members (at the refitted shapes) and forms, to be fitted to all folds but one; small causes (N, C,
         K) too, each of a size of the noise's deviation."""
         terms = self.refit.terms
@@ -474,17 +303,23 @@ class Confirmed:
         ]
         return HeldOut(self.observed, parts, folds, tethers, nuisances=1)
 
-    def _rms_held_out(self, members: Sequence[int]) -> float:
+    def rms_held_out(self, members: Sequence[int]) -> float:
         """What some of the members and forms leave of parts of the workspace that their fit has not seen."""
         whole = [*self.members, *self.outside]
         return hardest(self.held_out).rms([0, *(1 + whole.index(m) for m in members)])
 
-    def _moved(self, places: Sequence[int]) -> float:
+    def moved(self, places: Sequence[int]) -> float:
         """The RMS length (m) of what some findings move together, beyond what the nuisances take up."""
         total = sum((self.refit.terms[place].moved for place in places), np.zeros(self.observed.residual.shape))
         return rms_length(beyond_nuisances(self.prepared, total)[:, : self.observed.components])
 
-    def _label(self, member: int) -> str:
+    def place(self, place: int) -> tuple[str, tuple[int, ...]]:
+        """A finding's effect, and the joints or links (from 1) where it acts."""
+        candidate = self.prepared.pool.groups[self.members[place]].candidate
+        return candidate.effect, candidate.numbers
+
+    def label(self, member: int) -> str:
+        """A group and where it acts, in words."""
         candidate = self.prepared.pool.groups[member].candidate
         return label_of(candidate, self.observed.recording)
 

@@ -19,6 +19,9 @@ from linkwright.core.diagnose.result import Detectable
 from linkwright.core.diagnose.search.calibrate import Calibrated, gumbel
 from linkwright.core.sections.numeric import Array
 
+POWER = 0.9
+"""With which an effect of the size shown would have been found, as is usual."""
+
 
 def detectable(
     prepared: Prepared, test: Calibrated, unit: float, level: float, *, plainest: bool = False
@@ -33,7 +36,7 @@ def detectable(
     needed = _needed(prepared, _threshold(test.drawn, level))
     best: dict[tuple[str, tuple[int, ...]], Detectable] = {}
     every = [group.candidate for group in prepared.pool.groups]
-    plain = {(each.effect, each.at) for each in every if is_plain(each)} if plainest else set()
+    plain = {(item.effect, item.at) for item in every if is_plain(item)} if plainest else set()
     for number, group in enumerate(prepared.pool.groups):
         candidate = group.candidate
         if candidate.outside or candidate.only is not None:
@@ -41,10 +44,10 @@ def detectable(
         if (candidate.effect, candidate.at) in plain and not is_plain(candidate):
             continue
         noncentrality = needed(group.rank, float(price[number]))
-        found = _of_group(prepared, number, unit * math.sqrt(noncentrality))
+        of_this_group = _of_group(prepared, number, unit * math.sqrt(noncentrality))
         key = (candidate.effect, candidate.at)
-        if found is not None and (key not in best or found.rms < best[key].rms):
-            best[key] = found
+        if of_this_group is not None and (key not in best or of_this_group.rms < best[key].rms):
+            best[key] = of_this_group
     return tuple(best.values())
 
 
@@ -68,9 +71,9 @@ def _of_group(prepared: Prepared, number: int, norm: float) -> Detectable | None
         tip = raw[:, : prepared.observed.components, place]
         rms = value * rms_length(tip)
         kind = kind_of(prepared.observed.arm, candidate, name)
-        found = Detectable(candidate.effect, candidate.numbers, rms, name, kind, value, group.visible)
-        if worst is None or found.rms > worst.rms:
-            worst = found
+        detected = Detectable(candidate.effect, candidate.numbers, rms, name, kind, value, group.visible)
+        if worst is None or detected.rms > worst.rms:
+            worst = detected
     return worst
 
 
@@ -90,7 +93,7 @@ def _threshold(drawn: Array, level: float) -> float:
 
 def _needed(prepared: Prepared, threshold: float) -> Callable[[int, float], float]:
     """The non-centrality that a group of some rank needs to pass the threshold with the power asked."""
-    count, power = prepared.criterion.count, prepared.observed.rules.answer.power
+    count = prepared.criterion.count
 
     @cache
     def needed(rank: int, price: float) -> float:
@@ -98,10 +101,10 @@ def _needed(prepared: Prepared, threshold: float) -> Callable[[int, float], floa
         limit = max(count - rank, 1) * max(ratio, 1e-12)
 
         def short(noncentrality: float) -> float:
-            found = float(stats.ncx2.sf(limit, rank, noncentrality))
-            if math.isnan(found):  # too large for the series; the root of what is so large is normal
-                found = float(stats.norm.sf(math.sqrt(limit) - math.sqrt(noncentrality)))
-            return found - power
+            missed = float(stats.ncx2.sf(limit, rank, noncentrality))
+            if math.isnan(missed):  # too large for the series; the root of what is so large is normal
+                missed = float(stats.norm.sf(math.sqrt(limit) - math.sqrt(noncentrality)))
+            return missed - POWER
 
         high = limit + 20.0
         while short(high) < 0.0:

@@ -16,11 +16,11 @@ import numpy as np
 from scipy.linalg import cho_factor, cho_solve
 from scipy.optimize import minimize
 
-from linkwright.core.diagnose.rules.answer_rules import AnswerRules
-from linkwright.core.diagnose.rules.rules import RULES
 from linkwright.core.sections.numeric import Array
 
 _STEPS = 40
+_MOST = 300
+"""Readings that make the model: its cost grows with their third power; of more as many are picked at random."""
 
 
 @dataclass(frozen=True)
@@ -47,16 +47,14 @@ def smooth_model(
     known: Sequence[Array],
     seed: int = 1,
     alike: SmoothModel | None = None,
-    *,
-    rules: AnswerRules = RULES.answer,
 ) -> SmoothModel:
     """Fit the process to residuals (N, D), m; `known` are displacements (N, D) per unit of what is known. Scales are
     those of the model `alike` where there is one."""
     center, spread = inputs.mean(axis=0), np.ptp(inputs, axis=0)
     spread = np.where(spread > 0.0, spread, 1.0)
     rows = np.arange(len(inputs))
-    if len(rows) > rules.smooth_rows:
-        rows = np.sort(np.random.default_rng(seed).choice(rows, rules.smooth_rows, replace=False))
+    if len(rows) > _MOST:
+        rows = np.sort(np.random.default_rng(seed).choice(rows, _MOST, replace=False))
     scaled, target = ((inputs - center) / spread)[rows], residual[rows]
     size = float(np.sqrt(np.mean(target**2))) or 1.0
     target = target / size
@@ -71,8 +69,8 @@ def smooth_model(
 
     if alike is None:
         bounds = [(-3.0, 4.0)] * scaled.shape[1] + [(-6.0, 3.0)] * 2
-        found = minimize(cost, start, method="L-BFGS-B", bounds=bounds, options={"maxiter": _STEPS})
-        best = np.asarray(found.x, dtype=float)
+        minimum = minimize(cost, start, method="L-BFGS-B", bounds=bounds, options={"maxiter": _STEPS})
+        best = np.asarray(minimum.x, dtype=float)
     else:
         best = alike.logarithms
     _, weights, variance = _solve(scaled, target, beside, best)

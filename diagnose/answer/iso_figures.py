@@ -21,13 +21,18 @@ from linkwright.core.arm.chain.chain import Arm
 from linkwright.core.diagnose.recording import Recording
 from linkwright.core.diagnose.residual.visits import blocks_of, same_pose
 from linkwright.core.diagnose.result import Covered
-from linkwright.core.diagnose.rules.answer_rules import AnswerRules
 from linkwright.core.diagnose.rules.rules import RULES, Rules
 from linkwright.core.diagnose.several.recordings import nominal_tips
 from linkwright.core.sections.numeric import Array
 
 Rows = NDArray[np.int64]
 
+LEAST_VISITS = 5
+"""Readings at one pose from which a standard deviation is told: ISO 230-2:2014 asks for five visits."""
+_LONGER = 3.0
+"""Usual steps: a longer pause between readings of one pose begins a new visit."""
+_LEAST = 3
+"""Readings in each of two groups (sides, loads, times) whose means are shown."""
 ISO_9283, ISO_230 = "ISO 9283:1998", "ISO 230-2:2014"
 
 
@@ -47,31 +52,31 @@ def iso_figures(recording: Recording, arm: Arm, *, rules: Rules = RULES) -> tupl
     Pose accuracy and reversal need to know where the base frame stands: they are left out where the recording leaves
     frame or tool free. Figures of several poses are the worst of them, `count` the readings that the worst rests on.
     """
-    poses, own = poses_of(recording, arm, rules=rules), rules.answer
-    found: list[Covered] = []
+    poses = poses_of(recording, arm, rules=rules)
+    results: list[Covered] = []
     known = recording.frame == "known" and recording.tool == "known"
     if known:
-        found += _worst(accuracies(recording, poses, rules=own), "AP", "pose accuracy, worst pose", ISO_9283)
-    found += _worst(repeatabilities(recording, poses, rules=own), "RP", "pose repeatability, worst pose", ISO_9283)
+        results += _worst(accuracies(recording, poses), "AP", "pose accuracy, worst pose", ISO_9283)
+    results += _worst(repeatabilities(recording, poses), "RP", "pose repeatability, worst pose", ISO_9283)
     name = "multi-directional pose accuracy variation, worst pose"
-    found += _worst(side_variations(recording, poses, rules=own), "vAP", name, ISO_9283)
+    results += _worst(side_variations(recording, poses), "vAP", name, ISO_9283)
     if known:
         name = "drift of pose accuracy, worst pose"
-        found += _worst(accuracy_drifts(recording, poses, rules=own), "dAP", name, ISO_9283)
+        results += _worst(accuracy_drifts(recording, poses), "dAP", name, ISO_9283)
     name = "static compliance, worst pose"
-    found += _worst(static_compliances(recording, arm, poses, rules=own), "C", name, ISO_9283)
+    results += _worst(static_compliances(recording, arm, poses), "C", name, ISO_9283)
     for joint in range(arm.size if known else 0):
-        reversals = joint_reversals(recording, arm, poses, joint, rules=own)
+        reversals = joint_reversals(recording, arm, poses, joint)
         if reversals:
             values = np.array([value for value, _ in reversals])
             count = min(count for _, count in reversals)
             where = f"joint {joint + 1}, at the tip"
             largest = float(np.abs(values).max())
-            found.append(Covered(f"B_{joint + 1}", f"reversal value of {where}, worst pose", ISO_230, largest, count))
+            results.append(Covered(f"B_{joint + 1}", f"reversal value of {where}, worst pose", ISO_230, largest, count))
             if len(values) > 1:
                 mean = float(values.mean())
-                found.append(Covered(f"B̄_{joint + 1}", f"mean reversal value of {where}", ISO_230, mean, count))
-    return tuple(found)
+                results.append(Covered(f"B̄_{joint + 1}", f"mean reversal value of {where}", ISO_230, mean, count))
+    return tuple(results)
 
 
 def _worst(each: Sequence[tuple[float, int]], symbol: str, name: str, standard: str) -> list[Covered]:
@@ -90,14 +95,14 @@ def poses_of(recording: Recording, arm: Arm, *, rules: Rules = RULES) -> tuple[P
     labels = clusters(asked / same_pose(arm, rules.residual))
     nominal = nominal_tips(arm, replace(recording, q=asked))[:, : recording.tip.shape[1]]
     time = np.arange(recording.size, dtype=float) if recording.time is None else recording.time
-    loads = _loads(recording, rules.answer.same_load)
-    found: list[Pose] = []
+    loads = _loads(recording, rules.residual.same_payload)
+    poses: list[Pose] = []
     for rows in blocks_of(labels):
-        if len(rows) >= rules.answer.least_each:
+        if len(rows) >= _LEAST:
             ordered = rows[np.argsort(time[rows], kind="stable")]
             alike = np.unique(loads[ordered], axis=0, return_inverse=True)[1].reshape(-1).astype(np.int64)
-            found.append(Pose(ordered, tuple(ordered[part] for part in blocks_of(alike)), nominal[rows].mean(axis=0)))
-    return tuple(found)
+            poses.append(Pose(ordered, tuple(ordered[part] for part in blocks_of(alike)), nominal[rows].mean(axis=0)))
+    return tuple(poses)
 
 
 def clusters(points: Array) -> Rows:
@@ -118,15 +123,13 @@ def _loads(recording: Recording, same: float) -> Array:
     return np.concatenate(parts, axis=1)
 
 
-def accuracies(
-    recording: Recording, poses: Sequence[Pose], *, rules: AnswerRules = RULES.answer
-) -> list[tuple[float, int]]:
+def accuracies(recording: Recording, poses: Sequence[Pose]) -> list[tuple[float, int]]:
     """AP_p of each pose and load (m): from the commanded tip to the mean of those reached (ISO 9283:1998)."""
     return [
         (float(np.linalg.norm(recording.tip[rows].mean(axis=0) - pose.nominal)), len(rows))
         for pose in poses
         for rows in pose.alike
-        if len(rows) >= rules.least_visits
+        if len(rows) >= LEAST_VISITS
     ]
 
 
@@ -136,16 +139,14 @@ def repeatability(tips: Array) -> float:
     return float(distance.mean() + 3.0 * distance.std(ddof=1))
 
 
-def repeatabilities(
-    recording: Recording, poses: Sequence[Pose], *, rules: AnswerRules = RULES.answer
-) -> list[tuple[float, int]]:
+def repeatabilities(recording: Recording, poses: Sequence[Pose]) -> list[tuple[float, int]]:
     """RP_l of each pose, load and side (m): the standard's cycle comes to a pose along one path."""
     return [
         (repeatability(recording.tip[rows]), len(rows))
         for pose in poses
         for alike in pose.alike
         for rows in _sides(recording, alike)
-        if len(rows) >= rules.least_visits
+        if len(rows) >= LEAST_VISITS
     ]
 
 
@@ -165,65 +166,59 @@ def _known_sides(recording: Recording, rows: Rows) -> dict[tuple[float, ...], Ro
     return {sides: part for sides, part in groups.items() if 0.0 not in sides}
 
 
-def side_variations(
-    recording: Recording, poses: Sequence[Pose], *, rules: AnswerRules = RULES.answer
-) -> list[tuple[float, int]]:
+def side_variations(recording: Recording, poses: Sequence[Pose]) -> list[tuple[float, int]]:
     """vAP of each pose and load (m): the largest distance between the means of different sides (ISO 9283:1998).
 
     The standard comes along the three axes of the base; here sides are those of the joints.
     """
-    found: list[tuple[float, int]] = []
+    results: list[tuple[float, int]] = []
     for pose in poses:
         for alike in pose.alike:
-            groups = [rows for rows in _known_sides(recording, alike).values() if len(rows) >= rules.least_each]
+            groups = [rows for rows in _known_sides(recording, alike).values() if len(rows) >= _LEAST]
             if len(groups) > 1:
                 means = np.stack([recording.tip[rows].mean(axis=0) for rows in groups])
                 apart = np.linalg.norm(means[:, None] - means[None], axis=2)
-                found.append((float(apart.max()), min(len(rows) for rows in groups)))
-    return found
+                results.append((float(apart.max()), min(len(rows) for rows in groups)))
+    return results
 
 
-def joint_reversals(
-    recording: Recording, arm: Arm, poses: Sequence[Pose], joint: int, *, rules: AnswerRules = RULES.answer
-) -> list[tuple[float, int]]:
+def joint_reversals(recording: Recording, arm: Arm, poses: Sequence[Pose], joint: int) -> list[tuple[float, int]]:
     """The reversal of `joint` (from 0) at each pose and load: mean position coming from below (towards increasing
     coordinates) less that coming from above, along the joint's own motion of the tip, m (ISO 230-2:2014).
 
     Only sides that differ in this joint alone are compared. A joint that lags behind in both directions, as by friction
     or backlash, gives a negative value.
     """
-    found: list[tuple[float, int]] = []
+    results: list[tuple[float, int]] = []
     if recording.sides is None:
-        return found
+        return results
     for pose in poses:
         direction = motion_directions(arm, recording.q[pose.rows[:1]])[0, joint, : recording.tip.shape[1]]
         for alike in pose.alike:
             groups = _known_sides(recording, alike)
             for sides, rows in groups.items():
                 other = groups.get((*sides[:joint], -1.0, *sides[joint + 1 :]))
-                if sides[joint] != 1.0 or other is None or min(len(rows), len(other)) < rules.least_each:
+                if sides[joint] != 1.0 or other is None or min(len(rows), len(other)) < _LEAST:
                     continue
                 gap = recording.tip[rows].mean(axis=0) - recording.tip[other].mean(axis=0)
-                found.append((float(gap @ direction), min(len(rows), len(other))))
-    return found
+                results.append((float(gap @ direction), min(len(rows), len(other))))
+    return results
 
 
-def accuracy_drifts(
-    recording: Recording, poses: Sequence[Pose], *, rules: AnswerRules = RULES.answer
-) -> list[tuple[float, int]]:
+def accuracy_drifts(recording: Recording, poses: Sequence[Pose]) -> list[tuple[float, int]]:
     """dAP of each pose and load (m): how far AP_p of any later visit is from that of the first (ISO 9283:1998).
 
     A visit is a run of readings without another pose, or a long pause, between them.
     """
-    found: list[tuple[float, int]] = []
+    results: list[tuple[float, int]] = []
     for pose in poses:
         for rows in pose.alike:
-            runs = [run for run in _runs(recording, rows, rules.longer) if len(run) >= rules.least_each]
+            runs = [run for run in _runs(recording, rows, _LONGER) if len(run) >= _LEAST]
             if len(runs) > 1:
                 accuracy = [float(np.linalg.norm(recording.tip[run].mean(axis=0) - pose.nominal)) for run in runs]
                 drift = max(abs(value - accuracy[0]) for value in accuracy[1:])
-                found.append((drift, min(len(run) for run in runs)))
-    return found
+                results.append((drift, min(len(run) for run in runs)))
+    return results
 
 
 def _runs(recording: Recording, rows: Rows, longer: float) -> list[Rows]:
@@ -238,27 +233,25 @@ def _runs(recording: Recording, rows: Rows, longer: float) -> list[Rows]:
     return np.split(rows, np.flatnonzero(apart) + 1)
 
 
-def static_compliances(
-    recording: Recording, arm: Arm, poses: Sequence[Pose], *, rules: AnswerRules = RULES.answer
-) -> list[tuple[float, int]]:
+def static_compliances(recording: Recording, arm: Arm, poses: Sequence[Pose]) -> list[tuple[float, int]]:
     """How far the tip gives at each pose, per newton of difference between two loads, m/N (ISO 9283:1998).
 
     Of all pairs of loads at a pose the one that differs most counts.
     """
-    found: list[tuple[float, int]] = []
+    results: list[tuple[float, int]] = []
     if recording.payload_mass is None and recording.force is None:
-        return found
+        return results
     pull = np.zeros((recording.size, 3))
     if recording.payload_mass is not None:
         pull += recording.payload_mass[:, None] * np.array(arm.gravity)
     if recording.force is not None:
         pull += recording.force
     for pose in poses:
-        groups = [rows for rows in pose.alike if len(rows) >= rules.least_each]
+        groups = [rows for rows in pose.alike if len(rows) >= _LEAST]
         pairs = [(one, other) for index, one in enumerate(groups) for other in groups[:index]]
         steps = [float(np.linalg.norm(pull[one].mean(axis=0) - pull[other].mean(axis=0))) for one, other in pairs]
         if steps and max(steps) > 1.0:
             one, other = pairs[int(np.argmax(steps))]
             moved = np.linalg.norm(recording.tip[one].mean(axis=0) - recording.tip[other].mean(axis=0))
-            found.append((float(moved) / max(steps), min(len(one), len(other))))
-    return found
+            results.append((float(moved) / max(steps), min(len(one), len(other))))
+    return results

@@ -16,6 +16,8 @@ from linkwright.core.diagnose.rules.rules import RULES
 from linkwright.core.diagnose.search.calibrate import p_value, shuffled
 from linkwright.core.sections.numeric import Array
 
+_DRAWS = 299
+
 
 def joint_shares(prepared: Prepared) -> tuple[float, ...]:
     """The share of the mismatch's sum of squares that motion of each joint alone could describe, its size a smooth
@@ -70,25 +72,23 @@ def dependences(prepared: Prepared, joint: int, rng: np.random.Generator) -> tup
     width = observed.residual.shape[1]
     table = vector.reshape(-1, width)
     draws: list[Array] = []
-    for _ in range(observed.rules.answer.location_draws):
+    for _ in range(_DRAWS):
         moved = beyond(shuffled(table, prepared.visits, rng).reshape(-1))
         draws.append(_shares(bases, moved[:, None])[:, 0])
     drawn = np.array(draws)
     spread = drawn.std(axis=0) + 1e-12
     largest = ((drawn - drawn.mean(axis=0)) / spread).max(axis=1)
     scores = (shares - drawn.mean(axis=0)) / spread
-    found = [
+    results = [
         Dependence(name, p_value(float(score), largest), max(0.0, float(share - middle)))
         for (name, _), score, share, middle in zip(bases, scores, shares, drawn.mean(axis=0), strict=True)
     ]
-    return tuple(sorted(found, key=lambda each: -each.share)) if total > 0.0 else ()
+    return tuple(sorted(results, key=lambda result: -result.share)) if total > 0.0 else ()
 
 
 def depends_on(found: Sequence[Dependence], *, rules: AnswerRules = RULES.answer) -> tuple[str, ...]:
-    """The covariates beyond doubt, strongest first, that describe a noticeable share."""
-    most = max((each.share for each in found), default=0.0)
-    least, level = rules.noticeable * most, rules.location_level
-    return tuple(each.on for each in found if each.p_value <= level and each.share > least)
+    """The covariates beyond doubt, strongest first."""
+    return tuple(item.on for item in found if item.p_value <= rules.level and item.share > 0.0)
 
 
 def _shares(bases: Sequence[tuple[str, Array]], vectors: Array) -> Array:
@@ -100,18 +100,18 @@ def _shares(bases: Sequence[tuple[str, Array]], vectors: Array) -> Array:
 def _covariates(observed: Observed) -> list[tuple[str, Array]]:
     recording = observed.recording
     place = tip_of(observed)[:, : observed.space]
-    found: list[tuple[str, Array]] = [("position", place)]
+    results: list[tuple[str, Array]] = [("position", place)]
     for index in range(observed.arm.size):
-        found.append((f"q{index + 1}", recording.q[:, index : index + 1]))
+        results.append((f"q{index + 1}", recording.q[:, index : index + 1]))
         if recording.sides is not None:
-            found.append((f"dir{index + 1}", recording.sides[:, index : index + 1]))
+            results.append((f"dir{index + 1}", recording.sides[:, index : index + 1]))
     plain = (
         ("payload_kg", recording.payload_mass),
         ("temperature_degC", recording.temperature),
         ("time", recording.time),
     )
-    found += [(name, values[:, None]) for name, values in plain if values is not None]
-    return [(name, values) for name, values in found if np.ptp(values, axis=0).max() > 0.0]
+    results += [(name, values[:, None]) for name, values in plain if values is not None]
+    return [(name, values) for name, values in results if np.ptp(values, axis=0).max() > 0.0]
 
 
 def _smooth(observed: Observed, values: Array, joint: int) -> Array:
@@ -125,7 +125,7 @@ def _smooth(observed: Observed, values: Array, joint: int) -> Array:
     # What is constant belongs to no covariate: not even the constant part of a square.
     functions = [f - f.mean() for f in functions]
     patterns = (tip_axes(observed), observed.drive_moved(joint)[:, :, None])
-    return np.concatenate([interactions(functions, each) for each in patterns], axis=2)
+    return np.concatenate([interactions(functions, pattern) for pattern in patterns], axis=2)
 
 
 def direction(observed: Observed, moved: Array) -> str | None:

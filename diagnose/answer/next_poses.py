@@ -33,6 +33,8 @@ from linkwright.core.sections.numeric import Array
 from .sentences import label_of
 
 _Name = tuple[int, int]
+_TRIED, _TAKEN = 150, 6
+"""Poses that are tried, and readings that are proposed."""
 _HOPELESS = "No pose tells {}: only another sensor would."
 _BEYOND = (
     "No pose where the arm was recorded tells {}; some beyond that would: say what to keep clear of (`avoid` in "
@@ -77,24 +79,24 @@ def next_poses(
             "place."
         )
     room = room_of(observed.arm_given, observed.recording.q, observed.recording.avoid)
-    found = _choice(namer, members, asked, room, seed)
-    if found is None:
+    result = _choice(namer, members, asked, room, seed)
+    if result is None:
         return NextPoses(note="What is to be avoided leaves no pose to record next.")
-    lost = [each for each in found.pairs if each not in found.helped]
+    lost = [pair for pair in result.pairs if pair not in result.helped]
     beyond = _choice(namer, members, lost, Room(), seed) if lost and room.within is not None else None
     notes = [
-        (_BEYOND if beyond is not None and each in beyond.helped else _HOPELESS).format(found.pairs[each].label)
-        for each in lost
+        (_BEYOND if beyond is not None and item in beyond.helped else _HOPELESS).format(result.pairs[item].label)
+        for item in lost
     ]
-    if not found.helped:
+    if not result.helped:
         return NextPoses(note=" ".join(notes))
-    before, after = (found.least(rows) for rows in ([], found.taken))
+    before, after = (result.least(rows) for rows in ([], result.taken))
     enough = after >= observed.rules.answer.told
     raised = (
         f"The poses listed raise the smallest non-centrality between names from {_figure(before)} to {_figure(after)}: "
         f"{'enough' if enough else 'repeat them'}."
     )
-    return NextPoses(found.poses(), enough, " ".join((raised, *notes, _where(room))))
+    return NextPoses(result.poses(), enough, " ".join((raised, *notes, _where(room))))
 
 
 @dataclass(frozen=True)
@@ -118,14 +120,14 @@ class _Choice:
         return tuple(_as_pose(self.tried.recording, row, pairs, width) for row in self.taken)
 
 
-def _choice(namer: Namer, members: Sequence[int], asked: Sequence[_Name], room: Room, seed: int) -> _Choice | None:
+def _choice(namer: Namer, members: Sequence[int], names: Sequence[_Name], room: Room, seed: int) -> _Choice | None:
     """The readings to take of those in a room; None where there is no pose."""
     tried = _tried(namer.prepared.observed, room, seed)
     if tried is None:
         return None
     width = tried.residual.shape[1]
-    made = {each: _pair(namer, tried, members, *each) for each in dict.fromkeys(asked)}
-    pairs = {each: pair for each, pair in made.items() if pair is not None}
+    made = {name: _pair(namer, tried, members, *name) for name in dict.fromkeys(names)}
+    pairs = {key: pair for key, pair in made.items() if pair is not None}
     taken, helped = _worth_taking(pairs, width, tried.rules.answer)
     return _Choice(tried, taken, pairs, helped)
 
@@ -133,11 +135,11 @@ def _choice(namer: Namer, members: Sequence[int], asked: Sequence[_Name], room: 
 def _worth_taking(pairs: Mapping[_Name, _Pair], width: int, rules: AnswerRules) -> tuple[list[int], dict[_Name, _Pair]]:
     """The readings to take, and the pairs that they help to tell. Pairs that these together hardly raise, however much
     each would by itself, are left aside one after the other, the least raised first."""
-    helped = {each: p for each, p in pairs.items() if float(_row_gains(p, width).max(initial=0.0)) >= rules.hopeless}
+    helped = {key: p for key, p in pairs.items() if float(_row_gains(p, width).max(initial=0.0)) >= rules.hopeless}
     while helped:
-        taken = _greedy(list(helped.values()), width, rules.taken)
-        gains = {each: _noncentrality(p, taken, width) - _noncentrality(p, [], width) for each, p in helped.items()}
-        least = min(gains, key=lambda each: gains[each])
+        taken = _greedy(list(helped.values()), width, _TAKEN)
+        gains = {key: _noncentrality(p, taken, width) - _noncentrality(p, [], width) for key, p in helped.items()}
+        least = min(gains, key=lambda gain: gains[gain])
         if gains[least] >= rules.hopeless * len(taken):
             return taken, helped
         del helped[least]
@@ -194,17 +196,16 @@ def _tried(observed: Observed, room: Room, seed: int) -> Observed | None:
     """Readings at random poses within the joint ranges that keep to their room, there and where they are come from,
     without payload and with the heaviest that the arm has carried, from either side; None where there is no such
     pose."""
-    rng, rules = np.random.default_rng(seed), observed.rules
+    rng = np.random.default_rng(seed)
     arm, recording = observed.arm_given, observed.recording
     ends = np.array([joint.range for joint in arm.joints])
-    run = approach(arm, rules.plan)
+    run = approach(arm)
     q = drawn(
         room,
         (ends[:, 0], ends[:, 1]),
-        lambda low, high: rng.uniform(low, high, (rules.answer.tried, arm.size)),
+        lambda low, high: rng.uniform(low, high, (_TRIED, arm.size)),
         lambda points: room.kept(arm, completed(arm, np.round(points, 4)), run),
-        rules.answer.tried,
-        rules.plan.searched,
+        _TRIED,
     )
     count = len(q)
     if not count:

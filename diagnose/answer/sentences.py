@@ -15,6 +15,7 @@ from linkwright.core.diagnose.recording import Recording
 from linkwright.core.diagnose.result import (
     Alternative,
     Difference,
+    Exchange,
     Finding,
     FittedParameter,
     FoundOrigin,
@@ -32,7 +33,7 @@ from linkwright.core.diagnose.several.recordings import Several
 from linkwright.core.units.quantities import format_quantity
 
 _MANY_PARAMETERS = 8
-_MANY_FINDINGS = 4
+MANY_FINDINGS = 4
 """Findings up to which the plain answer names each with its size; more are summed up by their cause."""
 
 
@@ -65,14 +66,14 @@ def name_of(effect: str, at: Sequence[int], recording: str = "") -> str:
 
 def of_branches(arm: Arm, findings: Sequence[Finding]) -> str:
     """Which of a branch's joints or links the numbers of findings are, as sentences; nothing for a serial arm."""
-    numbers = sorted({number for each in findings for number in each.at})
-    told = [
+    numbers = sorted({number for finding in findings for number in finding.at})
+    sentences = [
         f" Number {number} is {branch.name}'s {number - branch.first}."
         for number in numbers
         for branch in arm.branches
         if branch.first < number <= branch.end
     ]
-    return "".join(told)
+    return "".join(sentences)
 
 
 def label_of(candidate: Candidate, recording: Recording) -> str:
@@ -87,14 +88,15 @@ def recording_of(candidate: Candidate, recording: Recording) -> str:
 
 def size_of(parameter: FittedParameter) -> str:
     """A parameter with its interval, in words."""
-    value = format_quantity(parameter.value, parameter.kind, digits=3)
+    digits = max(3, parameter.digits)
+    value = format_quantity(parameter.value, parameter.kind, digits=digits)
     low, high = parameter.interval
     if parameter.value == low == high:
         return f"{parameter.parameter} {value}"
     if not (np.isfinite(low) and np.isfinite(high)):
         return f"{parameter.parameter} {value}, which the data do not bound"
     unit = value.partition(" ")[2] or None
-    ends = [format_quantity(end, parameter.kind, unit, digits=3).partition(" ")[0] for end in (low, high)]
+    ends = [format_quantity(end, parameter.kind, unit, digits=digits).partition(" ")[0] for end in (low, high)]
     also = f"; part of it may be {EFFECTS[parameter.may_hold].title}" if parameter.may_hold else ""
     return f"{parameter.parameter} {value} (95 % interval {ends[0]} to {ends[1]}{also})"
 
@@ -199,14 +201,14 @@ def verdict_sentence(
             f"No mismatch beyond {level}: what remains, {mm(rms_before)} RMS{times}, is what chance leaves "
             f"(p = {p_value:.2g} for the best of all explanations)."
         )
-    named = _summed_up(findings, causes) if len(findings) > _MANY_FINDINGS else "; ".join(_named(f) for f in findings)
+    named = _summed_up(findings, causes) if len(findings) > MANY_FINDINGS else "; ".join(_named(f) for f in findings)
     share = 100.0 * max(0.0, 1.0 - (left.rms / rms_before) ** 2) if rms_before > 0.0 else 0.0
     after = remains(left)
     if unknown is None:
         if small is not None:
             after += f": noise, and causes too small to be told one by one, {mm(small.moved)}"
         text = f"Left out: {named}. It explains {share:.0f} % of the mismatch ({mm(rms_before)} RMS); {after}."
-        doubtful = [f for f in findings if f.alternatives] if len(findings) <= _MANY_FINDINGS else []
+        doubtful = [f for f in findings if f.alternatives] if len(findings) <= MANY_FINDINGS else []
         if doubtful:
             text += " " + " ".join(_undecided(f) for f in doubtful)
         return text
@@ -222,21 +224,21 @@ def put_in_first(findings: Sequence[Finding]) -> str:
     """Zeros and lengths that are off so far that they belong into the arm file, as a sentence that goes on; nothing
     where there are none."""
     off: dict[tuple[str, str], list[tuple[int, float]]] = {}
-    for each in findings:
-        if of_one_number(EFFECTS[each.effect]) and len(each.at) == 1 and not each.recording:
-            (found,) = each.parameters[:1]
-            what = "zero of joint" if EFFECTS[each.effect].place == "joint" else "length of link"
-            off.setdefault((what, found.kind), []).append((each.at[0], found.value))
-    said: list[str] = []
+    for finding in findings:
+        if of_one_number(EFFECTS[finding.effect]) and len(finding.at) == 1 and not finding.recording:
+            (parameters,) = finding.parameters[:1]
+            what = "zero of joint" if EFFECTS[finding.effect].place == "joint" else "length of link"
+            off.setdefault((what, parameters.kind), []).append((finding.at[0], parameters.value))
+    sentences: list[str] = []
     for (what, kind), pairs in off.items():
         unit = "deg" if kind == "angle" else "mm"
         sizes = [format_quantity(value, kind, unit, digits=2).partition(" ")[0] for _, value in sorted(pairs)]
         told = f"{_and([str(at) for at, _ in sorted(pairs)])} are off by {_and(sizes)} {unit}"
         noun, _, place = what.partition(" of ")
-        said.append(f"{noun}s of {place}s {told}" if len(pairs) > 1 else f"{what} {told.replace(' are ', ' is ')}")
-    if not said:
+        sentences.append(f"{noun}s of {place}s {told}" if len(pairs) > 1 else f"{what} {told.replace(' are ', ' is ')}")
+    if not sentences:
         return ""
-    text = "; ".join(said)
+    text = "; ".join(sentences)
     them = "them" if sum(map(len, off.values())) > 1 else "it"
     return f" {text[0].upper()}{text[1:]}: put {them} into the arm file first."
 
@@ -249,40 +251,44 @@ def what_differs(
     found: Sequence[Difference], recordings: Sequence[OfRecording], *, rules: AnswerRules = RULES.answer
 ) -> str:
     """What is not the same in several recordings, as sentences that go on; nothing where all is."""
-    values = [f"{name_of(each.effect, each.at)}, {_values(each, recordings)}" for each in found]
-    told = [f" Not the same in all recordings: {'; '.join(values)}."] if values else []
-    worst = max(recordings, key=lambda each: each.rms_from_others / max(each.rms_own, 1e-12), default=None)
+    values = [f"{name_of(item.effect, item.at)}, {_values(item, recordings)}" for item in found]
+    sentences = [f" Not the same in all recordings: {'; '.join(values)}."] if values else []
+    worst = max(
+        recordings, key=lambda recording: recording.rms_from_others / max(recording.rms_own, 1e-12), default=None
+    )
     if worst is not None and worst.rms_after > rules.apart * max(worst.rms_own, worst.noise_floor or 0.0):
-        told.append(
+        sentences.append(
             f" The recordings do not agree: what is found in all of them leaves {mm(worst.rms_after)} in {worst.name}, "
             f"where sizes of its own would leave {mm(worst.rms_own)}. Either they are of different arms, or something "
             "has changed that is named nowhere here: diagnose each by itself."
         )
-    return "".join(told)
+    return "".join(sentences)
 
 
 def what_was_free(found: Sequence[FoundOrigin]) -> str:
     """Fixed transforms that the arm file leaves free, as sentences that go on; nothing where there are none."""
-    said: list[str] = []
-    for each in found:
-        sizes = [about_of(parameter) for parameter in each.parameters]
-        said.append(f" The fixed transform in front of joint {each.joint}: {'; '.join(sizes)}.")
-        if not all(np.isfinite(end) for parameter in each.parameters for end in parameter.interval):
-            said.append(
+    sentences: list[str] = []
+    for item in found:
+        sizes = [about_of(parameter) for parameter in item.parameters]
+        sentences.append(f" The fixed transform in front of joint {item.joint}: {'; '.join(sizes)}.")
+        if not all(np.isfinite(end) for parameter in item.parameters for end in parameter.interval):
+            sentences.append(
                 " What of it the data do not bound stays where it was begun from, and loads act as if it stood so: "
                 "leave less free (`frame: known`), or give one of its numbers."
             )
-        names = [name_of(effect, at) for effect, at in each.swallowed]
+        names = [name_of(effect, at) for effect, at in item.swallowed]
         if names:
-            said.append(f" It takes up and cannot be told from: {'; '.join(names)}.")
-    return "".join(said)
+            sentences.append(f" It takes up and cannot be told from: {'; '.join(names)}.")
+    return "".join(sentences)
 
 
-def _values(found: Difference, recordings: Sequence[OfRecording]) -> str:
+def _values(difference: Difference, recordings: Sequence[OfRecording]) -> str:
     """A parameter with its value in each recording, in one unit."""
-    largest = max(found.each, key=lambda fitted: abs(fitted.value))
+    largest = max(difference.each, key=lambda fitted: abs(fitted.value))
     unit = format_quantity(largest.value, largest.kind, digits=3).partition(" ")[2]
-    sizes = [format_quantity(each.value, each.kind, unit or None, digits=3).partition(" ")[0] for each in found.each]
+    sizes = [
+        format_quantity(item.value, item.kind, unit or None, digits=3).partition(" ")[0] for item in difference.each
+    ]
     sizes[-1] = f"{sizes[-1]} {unit}".strip()
     values = [f"{size} in {own.name}" for size, own in zip(sizes, recordings, strict=True)]
     return f"{largest.parameter} {', '.join(values[:-1])} and {values[-1]}"
@@ -345,6 +351,14 @@ def _undecided(finding: Finding) -> str:
     return f"It could as well be {' or '.join(names)}{more} instead of the {_own_name(finding)}."
 
 
+def of_exchange(exchange: Exchange) -> str:
+    """Causes that together could stand in the place of findings, as a sentence."""
+    instead, others = (
+        " and ".join(f"the {name_of(*item)}" for item in some) for some in (exchange.instead_of, exchange.effects)
+    )
+    return f"These readings do not tell {instead} from {others}{' together' if len(exchange.effects) > 1 else ''}."
+
+
 def remains(left: Left) -> str:
     """What is left beside the noise floor, as a clause; it is called that only where readings that were not fitted
     leave no more either."""
@@ -367,7 +381,7 @@ def mm(value: float) -> str:
 
 def null_vectors(prepared: Prepared) -> tuple[str, ...]:
     """What the nuisances cannot tell apart among themselves, and what of the library they swallow, as sentences."""
-    found: list[str] = []
+    sentences: list[str] = []
     beside = prepared.observed.whitened(prepared.beside)
     if beside.shape[1]:
         size = np.linalg.norm(beside, axis=0)
@@ -376,7 +390,7 @@ def null_vectors(prepared: Prepared) -> tuple[str, ...]:
         for value, row in zip(singular, vt, strict=True):
             if value <= 1e-8 * singular[0]:
                 parts = [name for name, weight in zip(prepared.beside_names, row, strict=True) if abs(weight) > 0.1]
-                found.append(f"These poses do not tell apart: {', '.join(parts)}.")
+                sentences.append(f"These poses do not tell apart: {', '.join(parts)}.")
     places: dict[str, set[int]] = {}
     shown = {group.candidate.family for group in prepared.pool.groups}
     for candidate in prepared.pool.invisible:
@@ -385,5 +399,5 @@ def null_vectors(prepared: Prepared) -> tuple[str, ...]:
     why = "What is left free swallows" if beside.shape[1] else "These readings cannot show"
     names = [name_of(effect, sorted(at)) for effect, at in sorted(places.items())]
     if names:
-        found.append(f"{why}: {'; '.join(names)}.")
-    return tuple(found)
+        sentences.append(f"{why}: {'; '.join(names)}.")
+    return tuple(sentences)

@@ -19,8 +19,8 @@ from linkwright.core.diagnose.rules.rules import RULES
 
 def may_be_nothing(parameters: Sequence[FittedParameter], sizes: Sequence[str]) -> bool:
     """Whether the intervals of all sizes of a finding hold nought."""
-    told = [each.interval for each in parameters if each.parameter in (*sizes, SAG, CHANGE)]
-    return bool(told) and all(low <= 0.0 <= high for low, high in told)
+    intervals = [parameter.interval for parameter in parameters if parameter.parameter in (*sizes, SAG, CHANGE)]
+    return bool(intervals) and all(low <= 0.0 <= high for low, high in intervals)
 
 
 def only_with(prepared: Prepared, found: Refit, *, rules: AnswerRules = RULES.answer) -> Mapping[int, tuple[int, ...]]:
@@ -35,7 +35,7 @@ def only_with(prepared: Prepared, found: Refit, *, rules: AnswerRules = RULES.an
     columns = np.concatenate([term.columns for term in terms], axis=2)
     beside, white = orthonormal(prepared.observed.whitened(prepared.beside)), prepared.observed.whitened(columns)
     white -= beside @ (beside.T @ white)
-    mismatch = float(prepared.vector @ prepared.vector)
+    most = prepared.observed.rules.search.balanced**2 * float(prepared.vector @ prepared.vector)
     gram, sizes = white.T @ white, np.concatenate([term.sizes for term in terms])
     together: dict[int, tuple[int, ...]] = {}
     for place, (term, parameters) in enumerate(zip(terms, found.parameters, strict=True)):
@@ -47,7 +47,7 @@ def only_with(prepared: Prepared, found: Refit, *, rules: AnswerRules = RULES.an
         instead[rest] = normal_solution(gram[np.ix_(rest, rest)], moved[rest])
         alone = whole - float(instead @ moved)
         nothing = may_be_nothing(parameters, term.candidate.sizes)
-        if alone > (rules.taken_over if nothing else rules.cancelled) ** 2 * whole:
+        if alone > (0.5 if nothing else rules.cancelled**2) * whole:
             continue
         others = [
             k
@@ -57,7 +57,7 @@ def only_with(prepared: Prepared, found: Refit, *, rules: AnswerRules = RULES.an
         both = np.zeros(edges[-1])
         for k in (place, *others):
             both[spans[k]] = sizes[spans[k]]
-        cancels = float(both @ gram @ both) < rules.cancelled**2 * whole or whole > rules.balanced**2 * mismatch
+        cancels = float(both @ gram @ both) < rules.cancelled**2 * whole or whole > most
         if others and (nothing or cancels):
             together[place] = tuple(others)
     return together

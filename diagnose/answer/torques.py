@@ -17,11 +17,11 @@ from linkwright.core.units.quantities import format_quantity
 def weights_by_torque(observed: Observed) -> tuple[str, ...]:
     """Whether links and payload weigh on the drives what the model says, by their torques; the friction found; and by
     what load compliance was judged."""
-    said: list[str] = []
-    for name, group in groupby(observed.torques, key=lambda each: each.of):
+    sentences: list[str] = []
+    for name, group in groupby(observed.torques, key=lambda torque: torque.of):
         before = f"{name}: " if name else ""
-        said += [before + text for text in _of_one(list(group), observed)]
-    return tuple(said)
+        sentences += [before + text for text in _of_one(list(group), observed)]
+    return tuple(sentences)
 
 
 def of_unknown_weights(shown: Weighed) -> tuple[str, ...]:
@@ -31,15 +31,15 @@ def of_unknown_weights(shown: Weighed) -> tuple[str, ...]:
         kind = "torque" if shown.arm.joints[joint].revolute else "force"
         most.append(f"{format_quantity(load, kind, digits=3)} on drive {joint + 1}")
     sure = ", ".join(f"{196.0 * error:.2g} % at drive {joint + 1}" for joint, _, error in shown.drives)
-    said = [
+    sentences = [
         f"What {links} of unknown mass weigh{'s' * (len(shown.links) == 1)} is fitted to the torques: up to "
         f"{', '.join(most)}. Compliance is judged by that, and is no better known than that is: within {sure}.",
         f"The written arm has masses of {links} that make these loads{', beside their lines too' * shown.beside}: "
         "torques at rest tell first moments, and no masses by themselves.",
     ]
     if shown.untold:
-        said.append(f"What {_numbered('link', shown.untold)} weighs loads no drive: that stays unknown.")
-    return tuple(said)
+        sentences.append(f"What {_numbered('link', shown.untold)} weighs loads no drive: that stays unknown.")
+    return tuple(sentences)
 
 
 def _numbered(what: str, places: Sequence[int]) -> str:
@@ -47,63 +47,63 @@ def _numbered(what: str, places: Sequence[int]) -> str:
 
 
 def _of_one(torques: Sequence[DriveTorque], observed: Observed) -> list[str]:
-    rules, said = observed.rules.residual, list[str]()
+    rules, sentences = observed.rules.residual, list[str]()
     for each in torques:
         if each.scaled and each.links is not None and each.links.differs(rules):
-            said.append(
+            sentences.append(
                 f"The torque of drive {each.joint + 1} is {_times(each.links)} what links and payload both give: one of"
                 " its own scale (a torque constant), or weights and centres that are off in this proportion. A payload"
                 " whose mass and centre are known tells which; until then compliance is judged by the weights."
             )
         elif each.links is not None and each.links.differs(rules):
-            said.append(
+            sentences.append(
                 f"By the torque of drive {each.joint + 1} the links{' and the payload' * each.together} beyond it weigh"
                 f" on it {_times(each.links)} what the arm file says: check masses and centres, or a counterbalance."
             )
-    own = [each for each in torques if not each.scaled]
-    said += _of_payload([(each.joint, each.payload) for each in own if each.payload is not None], rules)
-    instead = [str(each.joint + 1) for each in torques if each.instead]
+    unscaled = [torque for torque in torques if not torque.scaled]
+    sentences += _of_payload([(item.joint, item.payload) for item in unscaled if item.payload is not None], rules)
+    instead = [str(torque.joint + 1) for torque in torques if torque.instead]
     if instead:
-        said.append(
+        sentences.append(
             f"How drive{'s' if len(instead) > 1 else ''} {' and '.join(instead)} give{'' if len(instead) > 1 else 's'} "
             "is judged by the measured torque, not by the weights."
         )
-    if not said and (agreed := _agreed(torques, rules)):
-        said.append(agreed)
+    if not sentences and (agreed := _agreed(torques, rules)):
+        sentences.append(agreed)
     kinds = ["torque" if joint.revolute else "force" for joint in observed.arm.joints]
     rubs = [
-        f"{format_quantity(abs(each.friction), kinds[each.joint], digits=2)} at drive {each.joint + 1}"
-        for each in torques
-        if each.friction is not None and abs(each.friction) > rules.torque_seen * each.spread
+        f"{format_quantity(abs(torque.friction), kinds[torque.joint], digits=2)} at drive {torque.joint + 1}"
+        for torque in torques
+        if torque.friction is not None and abs(torque.friction) > rules.torque_seen * torque.spread
     ]
     if rubs:
-        said.append(f"Friction by the torques: {', '.join(rubs)}.")
-    return said
+        sentences.append(f"Friction by the torques: {', '.join(rubs)}.")
+    return sentences
 
 
 def _of_payload(factors: Sequence[tuple[int, Factor]], rules: ResidualRules) -> list[str]:
     """How much the payload weighs; drive by drive where they do not agree on one factor, which a mass would have."""
-    common = _common([each for _, each in factors])
+    common = _common([item for _, item in factors])
     if common is None:
         return []
-    least = (max(rules.torque_off, rules.torque_sure * each.error) for _, each in factors)
-    if any(abs(each.value - common.value) > far for (_, each), far in zip(factors, least, strict=True)):
-        by_drive = ", ".join(f"{_times(each)} at drive {joint + 1}" for joint, each in factors)
+    least = (max(rules.torque_off, rules.torque_sure * item.error) for _, item in factors)
+    if any(abs(item.value - common.value) > far for (_, item), far in zip(factors, least, strict=True)):
+        by_drive = ", ".join(f"{_times(item)} at drive {joint + 1}" for joint, item in factors)
         return [
             "By the torques the payload weighs on each drive another number of times what the recording or the arm "
             f"file says: {by_drive}. Rather its centre of mass is off than its mass."
         ]
-    told = f"By the torques the payload is {_times(common)} what the recording or the arm file says."
-    return [told] if common.differs(rules) else []
+    sentence = f"By the torques the payload is {_times(common)} what the recording or the arm file says."
+    return [sentence] if common.differs(rules) else []
 
 
 def _agreed(torques: Sequence[DriveTorque], rules: ResidualRules) -> str:
     """That the torques bear the weights out, as far as they tell."""
-    known = [each for each in torques if each.links is not None and rules.torque_sure * each.links.error <= 0.5]
+    known = [torque for torque in torques if torque.links is not None and rules.torque_sure * torque.links.error <= 0.5]
     if not known:
         return ""
-    worst = max(abs(each.links.value - 1.0) for each in known if each.links is not None)
-    drives = f"drive{'s' * (len(known) > 1)} {', '.join(str(each.joint + 1) for each in known)}"
+    worst = max(abs(item.links.value - 1.0) for item in known if item.links is not None)
+    drives = f"drive{'s' * (len(known) > 1)} {', '.join(str(item.joint + 1) for item in known)}"
     return f"Torques bear out what the links weigh: within {100.0 * worst:.2g} % at {drives}."
 
 
@@ -111,8 +111,8 @@ def _common(factors: Sequence[Factor]) -> Factor | None:
     """One factor from several, each by how well it is known."""
     if not factors:
         return None
-    weight = np.array([1.0 / max(each.error, 1e-12) ** 2 for each in factors])
-    value = float(weight @ [each.value for each in factors] / weight.sum())
+    weight = np.array([1.0 / max(factor.error, 1e-12) ** 2 for factor in factors])
+    value = float(weight @ [factor.value for factor in factors] / weight.sum())
     return Factor(value, float(1.0 / np.sqrt(weight.sum())))
 
 

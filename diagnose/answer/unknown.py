@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from types import MappingProxyType
+from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,7 +10,7 @@ from numpy.typing import NDArray
 from linkwright.core.diagnose.fitting.fit import Fit, displacement, fit, impossible, remaining
 from linkwright.core.diagnose.fitting.held_out import residual_held_out
 from linkwright.core.diagnose.fitting.prepare import Prepared
-from linkwright.core.diagnose.patterns.forms import SENTENCES
+from linkwright.core.diagnose.patterns.form import FORMS, followed_by, form_of
 from linkwright.core.diagnose.patterns.library import Candidate
 from linkwright.core.diagnose.recording import Recording
 from linkwright.core.diagnose.residual.observed import rms_length
@@ -19,7 +18,6 @@ from linkwright.core.diagnose.residual.visits import looks_quieter
 from linkwright.core.diagnose.result import Dependence, Form, RejectedForm, Unknown
 from linkwright.core.diagnose.rules.answer_rules import AnswerRules
 from linkwright.core.diagnose.search.naming import Namer
-from linkwright.core.diagnose.search.subsets import gains
 from linkwright.core.sections.numeric import Array
 
 from .gaussian_process import smooth_model
@@ -27,30 +25,8 @@ from .locate import depends_on
 
 Folds = NDArray[np.int64]
 
-_DEPENDS: Mapping[str, tuple[str, ...]] = MappingProxyType(
-    {
-        "step_in_time": ("time",),
-        "joint_step_in_time": ("time",),
-        "tool_step_in_time": ("time",),
-        "load_step_in_time": ("time", "position"),
-        "stiffness_step_in_time": ("time", "position"),
-        "periodic_in_time": ("time",),
-        "joint_periodic_in_time": ("time",),
-        "trend_in_time": ("time",),
-        "smooth_in_time": ("time",),
-        "force_in_time": ("time",),
-        "spring_to_a_point": ("position",),
-        "constant_force": ("position",),
-        "force_field": ("position",),
-        "pull_of_a_point": ("position",),
-        "field_over_position": ("position",),
-        "region": ("position",),
-        "temperature": ("temperature_degC",),
-        "payload_and_position": ("payload_kg", "position"),
-        "side_of_approach": ("side",),
-        "velocity": ("velocity",),
-    }
-)
+_FORMS, _NEAR = 5, 12
+"""So many forms describe an unknown at most, and so many of the library are told that came near."""
 
 
 def describe(
@@ -76,11 +52,14 @@ def describe(
         moved = remaining(prepared, whole)[:, : observed.components]
     ranked = _ranked_forms(namer, known, folds)
     # A form that predicts nothing describes nothing, however well it can be bent to the readings fitted.
-    telling = {form.name: form.share_held_out for form in ranked if form.share_held_out > rules.form_tells}
-    own = [namer.pool.groups[m].candidate for m in largest_first(prepared, whole, outside)]
+    telling = {form.name: form.share_held_out for form in ranked if form.share_held_out > rules.refuted}
+    candidates = [namer.pool.groups[m].candidate for m in largest_first(prepared, whole, outside)]
     # Two that balance each other are large, and one of them alone predicts little.
-    enough = rules.form_leads * max((telling.get(candidate.effect, 0.0) for candidate in own), default=0.0)
-    won = next((each for each in own if each.effect in telling and telling[each.effect] >= enough), None)
+    enough = rules.form_leads * max((telling.get(candidate.effect, 0.0) for candidate in candidates), default=0.0)
+    won = next(
+        (candidate for candidate in candidates if candidate.effect in telling and telling[candidate.effect] >= enough),
+        None,
+    )
     # Forms that tell nothing of readings they have not seen say neither what it depends on nor since when.
     leading = outside if won is not None else ()
     on = _depends(namer, leading, dependences, rules)
@@ -111,11 +90,11 @@ def _shape(
     simple" where it tells less than half of what is more than noise."""
     prepared, observed = namer.prepared, namer.prepared.observed
     rules = observed.rules.answer
-    telling = [form for form in ranked if form.share_held_out > rules.form_tells]
+    telling = [form for form in ranked if form.share_held_out > rules.refuted]
     if not telling:
         return "nothing simple"
     leading = telling[0].name if won is None else won.effect
-    words = SENTENCES.get(leading, leading.replace("_", " ")) + ("" if won is None else _place_of(won))
+    words = FORMS[leading].sentence + ("" if won is None else _place_of(won))
     beside = [prepared.beside, *(prepared.columns[m] for m in known)]
     total = float(np.sum(residual_held_out(observed, beside, folds, nuisances=1) ** 2))
     share = telling[0].share_held_out
@@ -126,7 +105,7 @@ def _shape(
     share *= total / max(total - noise, rules.form_leads * total)
     if share >= rules.form_leads:
         return words
-    if share < rules.form_tells:
+    if share < rules.refuted:
         return "nothing simple"
     return f"nothing simple (nearest comes: {words}; it tells {100.0 * share:.0f} % of it)"
 
@@ -141,18 +120,18 @@ def predictable(namer: Namer, known: Sequence[int], folds: Folds) -> float:
 def _smooth(namer: Namer, known: Sequence[int], folds: Folds, at: Recording | None = None) -> tuple[Array, float]:
     """A smooth model of what is left beside the `known` groups, at readings (N, D), m, and the share of the sum of
     squares that it, with the scales of the whole, predicts on folds that it has not seen."""
-    prepared, width, rules = namer.prepared, namer.prepared.observed.components, namer.prepared.observed.rules.answer
+    prepared, width = namer.prepared, namer.prepared.observed.components
     left = remaining(prepared, fit(prepared, list(known)))[:, :width]
     beside = [prepared.columns[m][:, :width] for m in known]
     inputs = _inputs(namer)
-    whole = smooth_model(inputs, left, beside, rules=rules)
+    whole = smooth_model(inputs, left, beside)
     missed, total = 0.0, 0.0
     for fold in np.unique(folds).tolist():
         out = folds == fold
         if out.all() or (~out).sum() < 8:
             continue
         others = [part[~out] for part in beside]
-        model = smooth_model(inputs[~out], left[~out], others, alike=whole, rules=rules)
+        model = smooth_model(inputs[~out], left[~out], others, alike=whole)
         missed += float(np.sum((left[out] - model.predict(inputs[out])) ** 2))
         total += float(np.sum(left[out] ** 2))
     return whole.predict(inputs if at is None else _inputs(namer, at)), 1.0 - missed / total if total > 0.0 else 0.0
@@ -169,7 +148,7 @@ def _place_of(candidate: Candidate) -> str:
     point = [f"{candidate.shapes[name]:.2f}" for name in ("at_x", "at_y", "at_z") if name in candidate.shapes]
     if point:
         return f"; it is near ({', '.join(point)}) m"
-    if candidate.effect == "joint_by_another":
+    if len(candidate.at) == 2:
         return f" (joint {candidate.at[0] + 1} by joint {candidate.at[1] + 1})"
     return f" (joint {candidate.at[0] + 1})" if len(candidate.at) == 1 else ""
 
@@ -188,82 +167,64 @@ def since(namer: Namer, outside: Sequence[int]) -> float | None:
 def _depends(
     namer: Namer, outside: Sequence[int], dependences: Sequence[Dependence], rules: AnswerRules
 ) -> tuple[str, ...]:
-    found: list[str] = []
-    for member in outside:
-        candidate = namer.pool.groups[member].candidate
-        if candidate.effect in ("smooth_function_of_joint", "joint_in_part_of_travel"):
-            found.append(f"q{candidate.at[0] + 1}")
-        elif candidate.effect == "joint_by_another":
-            found.append(f"q{candidate.at[1] + 1}")
-        elif candidate.effect == "other_column":
-            found += list(candidate.shapes)
-        else:
-            found += _DEPENDS.get(candidate.effect, ())
-    return tuple(dict.fromkeys([*found, *depends_on(dependences, rules=rules)]))
+    names = [name for member in outside for name in followed_by(namer.pool.groups[member].candidate)]
+    return tuple(dict.fromkeys([*names, *depends_on(dependences, rules=rules)]))
 
 
 def _ranked_forms(namer: Namer, known: Sequence[int], folds: Folds) -> list[Form]:
     """The forms that describe most of what the known physics leaves, the best variant of each, checked on held-out
     rows."""
     prepared, observed = namer.prepared, namer.prepared.observed
-    given = prepared.products
-    given = given.beside(namer.pool.columns(list(known))) if known else given
-    gained = gains(namer.pool, given)
+    known_products = prepared.products.beside(namer.pool.columns(known))
+    gained = known_products.gains()
     price = namer.criterion.price
-    worth = -namer.criterion.count * np.log1p(-np.minimum(gained / max(given.rss, 1e-300), 1.0 - 1e-12)) - price
+    worth = (
+        -namer.criterion.count * np.log1p(-np.minimum(gained / max(known_products.rss, 1e-300), 1.0 - 1e-12)) - price
+    )
     base = residual_held_out(observed, [prepared.beside, *(prepared.columns[m] for m in known)], folds, nuisances=1)
     total = float(np.sum(base**2))
-    found: list[Form] = []
+    forms: list[Form] = []
     seen: set[str] = set()
     for number in np.argsort(-worth).tolist():
         candidate = namer.pool.groups[number].candidate
-        if (
-            not candidate.outside
-            or candidate.effect in seen
-            or worth[number] <= 0.0
-            or len(found) >= observed.rules.answer.forms
-        ):
+        if not candidate.outside or candidate.effect in seen or worth[number] <= 0.0 or len(forms) == _FORMS:
             continue
         seen.add(candidate.effect)
         columns = [prepared.beside, *(prepared.columns[m] for m in known), prepared.columns[number]]
         left = residual_held_out(observed, columns, folds, nuisances=1)
         share = 1.0 - float(np.sum(left**2)) / max(total, 1e-300)
-        sentence = SENTENCES.get(candidate.effect, candidate.effect)
-        found.append(Form(candidate.effect, float(gained[number] / given.rss), share, sentence))
-    return found
+        forms.append(
+            Form(candidate.effect, float(gained[number] / known_products.rss), share, form_of(candidate).sentence)
+        )
+    return forms
 
 
 def rejected_forms(namer: Namer, known: Sequence[int], others: Sequence[int]) -> tuple[RejectedForm, ...]:
     """The entries of the library that came nearest without being taken, and why."""
     prepared = namer.prepared
-    start = prepared.products
-    given = start.beside(namer.pool.columns(list(known))) if known else start
-    gained = gains(namer.pool, given)
+    known_products = prepared.products.beside(namer.pool.columns(known))
+    gained = known_products.gains()
     whole = [*known, *others]
     best = namer.criterion_of(whole)
-    found: list[RejectedForm] = []
+    forms: list[RejectedForm] = []
     seen: set[object] = {namer.pool.groups[m].candidate.family for m in known}
     for number in np.argsort(-gained).tolist():
         group = namer.pool.groups[number]
-        if (
-            not namer.library[number]
-            or group.candidate.family in seen
-            or len(found) >= prepared.observed.rules.answer.near
-        ):
+        if not namer.library[number] or group.candidate.family in seen or len(forms) == _NEAR:
             continue
         seen.add(group.candidate.family)
         trial = [*known, number]
         fitted = fit(prepared, trial)
-        share = float(gained[number] / max(start.rss, 1e-300))
+        share = float(gained[number] / max(prepared.products.rss, 1e-300))
         reason = impossible(prepared, fitted)
         if reason is None:
             worse = namer.criterion_of(trial) - best
-            explained = 100.0 * float(gained[number]) / max(given.rss, 1e-300)
+            explained = 100.0 * float(gained[number]) / max(known_products.rss, 1e-300)
             reason = f"explains {explained:.0f} % of what is left, and its criterion is worse by {worse:.0f}"
             if worse < 0.0:
                 reason = f"explains {explained:.0f} % of what is left: its criterion is better, but not beyond chance"
-        found.append(RejectedForm(group.candidate.effect, group.candidate.numbers, share, reason))
-    return tuple(found)
+        forms.append(RejectedForm(group.candidate.effect, group.candidate.numbers, share, reason))
+    return tuple(forms)
 
 
 def _inputs(namer: Namer, at: Recording | None = None) -> Array:

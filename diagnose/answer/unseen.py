@@ -9,6 +9,7 @@ from linkwright.core.diagnose.fitting.fit import beyond_nuisances
 from linkwright.core.diagnose.fitting.prepare import Prepared
 from linkwright.core.diagnose.instruments.view import rigid_motions
 from linkwright.core.diagnose.residual.observed import rms_length
+from linkwright.core.diagnose.residual.placement import UNDETERMINED
 from linkwright.core.sections.numeric import Array
 
 
@@ -18,12 +19,12 @@ def unseen(prepared: Prepared) -> tuple[str, ...]:
     observed = prepared.observed
     if observed.view is None:
         return ()
-    said, least = list[str](), observed.rules.answer.unseen_share
+    sentences, least = list[str](), UNDETERMINED
     if observed.asked.levels is not None:
-        said.append("A tilt counts as what the level rises by in a metre: 1 mm is 1 mrad.")
+        sentences.append("A tilt counts as what the level rises by in a metre: 1 mm is 1 mrad.")
     directions = motion_directions(observed.arm, observed.recording.q)
     # A level sees turns: those of a joint are of the size of its motion.
-    size = [1.0 if observed.asked.levels is not None else rms_length(each) for each in np.moveaxis(directions, 1, 0)]
+    size = [1.0 if observed.asked.levels is not None else rms_length(item) for item in np.moveaxis(directions, 1, 0)]
     blind = [
         str(index + 1)
         for index in range(observed.arm.size)
@@ -31,7 +32,7 @@ def unseen(prepared: Prepared) -> tuple[str, ...]:
     ]
     if blind:
         joints = f"joint{'s' if len(blind) > 1 else ''} {_listed(blind, 'and')}"
-        said.append(f"The instrument does not see {joints} move: nothing that goes wrong there shows.")
+        sentences.append(f"The instrument does not see {joints} move: nothing that goes wrong there shows.")
     flat = observed.space == 2
     at = observed.view.at
     reach = max(rms_length(at), 1e-9)
@@ -49,10 +50,10 @@ def unseen(prepared: Prepared) -> tuple[str, ...]:
         parts += [f"turned about {_listed(turns, 'or')}"] if turns else []
         which = f" (whether it is {' or '.join(parts)}, for one)" if parts and lost > len(single) else ""
         which = f": whether it is {' or '.join(parts)}" if parts and lost == len(single) else which
-        said.append(
+        sentences.append(
             f"It does not show {lost} of the {len(ways)} ways in which the arm as a whole may stand otherwise{which}."
         )
-    return tuple(said)
+    return tuple(sentences)
 
 
 def _left(prepared: Prepared, moved: Array, turned: Array) -> Array:

@@ -28,6 +28,7 @@ from linkwright.core.diagnose.residual.observed import Observed, rms_length
 from linkwright.core.diagnose.residual.visits import blocks_of
 from linkwright.core.diagnose.result import Covered, Diagnosis, Finding, FittedParameter
 from linkwright.core.diagnose.rules.rules import RULES, Rules
+from linkwright.core.diagnose.search.large_motions import ROUNDS
 from linkwright.core.sections.numeric import Array
 
 from .places import Region, SharedPoses, regions, shared_poses
@@ -74,7 +75,7 @@ class Comparison:
 def compare(arm: Arm, first: Diagnosis, second: Diagnosis, *, rules: Rules = RULES) -> Comparison:
     """Compare two diagnoses of one arm by the same `rules` as they were made with."""
     terms, notes = common_model(first, second)
-    fitted = [fit_common(arm, each.recording, terms, rules=rules) for each in (first, second)]
+    fitted = [fit_common(arm, item.recording, terms, rules=rules) for item in (first, second)]
     changes = _changes(arm, terms, fitted, rules.compare.level)
     sides = _pairs(first.figures, second.figures)
     return Comparison(
@@ -83,7 +84,7 @@ def compare(arm: Arm, first: Diagnosis, second: Diagnosis, *, rules: Rules = RUL
         changes=changes,
         unexplained=(fitted[0].rms, fitted[1].rms),
         shared=shared_poses(arm, first, second, rules=rules),
-        regions=regions(arm, first, second, rules=rules.compare),
+        regions=regions(arm, first, second),
         figures=sides,
         notes=(*notes, *_unequal(first.recording, second.recording)),
     )
@@ -91,20 +92,20 @@ def compare(arm: Arm, first: Diagnosis, second: Diagnosis, *, rules: Rules = RUL
 
 def common_model(first: Diagnosis, second: Diagnosis) -> tuple[tuple[Candidate, ...], list[str]]:
     """The union of what was found, as candidates; one name for what neither recording can tell from another."""
-    found = list(first.findings)
+    findings = list(first.findings)
     notes: list[str] = []
     for finding in second.findings:
-        same = next((each for each in found if _alike(each, finding)), None)
+        same = next((item for item in findings if _alike(item, finding)), None)
         if same is None:
-            found.append(finding)
+            findings.append(finding)
         elif (same.effect, same.at) != (finding.effect, finding.at):
             notes.append(f"{_name(finding)} in the second is taken for {_name(same)}: the data do not tell them apart.")
-    return tuple(candidate_of(finding) for finding in found if finding.effect in EFFECTS), notes
+    return tuple(candidate_of(finding) for finding in findings if finding.effect in EFFECTS), notes
 
 
 def _alike(one: Finding, other: Finding) -> bool:
-    names = {(one.effect, one.at), *((each.effect, each.at) for each in one.alternatives)}
-    others = {(other.effect, other.at), *((each.effect, each.at) for each in other.alternatives)}
+    names = {(one.effect, one.at), *((alternative.effect, alternative.at) for alternative in one.alternatives)}
+    others = {(other.effect, other.at), *((alternative.effect, alternative.at) for alternative in other.alternatives)}
     return (one.effect, one.at) in others or (other.effect, other.at) in names
 
 
@@ -120,7 +121,11 @@ def candidate_of(finding: Finding) -> Candidate:
     if any(fitted.parameter == "share" and "share" not in role for fitted in finding.parameters):
         return Candidate(finding.effect, at, ("share",), MappingProxyType({}), share=True)
     # A threshold or a lag that one recording found counts in both, or sizes could not be compared.
-    shapes = {each.parameter: each.value for each in finding.parameters if role.get(each.parameter) == "shape"}
+    shapes = {
+        parameter.parameter: parameter.value
+        for parameter in finding.parameters
+        if role.get(parameter.parameter) == "shape"
+    }
     sizes = tuple(parameter.name for parameter in effect.parameters if parameter.role == "size")
     return Candidate(finding.effect, at, sizes, MappingProxyType(shapes), shared=len(at) > 1)
 
@@ -145,7 +150,7 @@ def fit_common(arm: Arm, recording: Recording, terms: Sequence[Candidate], *, ru
     Liang & S. L. Zeger, Biometrika 73 (1986) 13-22, doi:10.1093/biomet/73.1.13; visits are the clusters).
     """
     best = fitted = _fitted_about(arm, recording, terms, (), rules)
-    for _ in range(rules.search.motion_rounds):
+    for _ in range(ROUNDS):
         before = fitted
         fitted = _fitted_about(arm, recording, terms, _motions(terms, before), rules)
         if fitted.rms < best.rms:
@@ -181,9 +186,9 @@ def _stays(before: CommonFit, fitted: CommonFit, share: float) -> bool:
 def fit_columns(observed: Observed, columns: Sequence[Array], target: Array) -> CommonFit:
     """Fit the columns of each term (N, C, d) to a target (N, C), m and rad, in the tip's readings, beside nuisances;
     errors are those of `fit_common`."""
-    width, rules = observed.components, observed.rules.compare
+    width = observed.components
     beside = nuisances(observed)[0][:, :width]
-    design = np.concatenate([beside, *(each[:, :width] for each in columns)], axis=2)
+    design = np.concatenate([beside, *(column[:, :width] for column in columns)], axis=2)
     flat = target[:, :width].reshape(-1)
     full = design.reshape(len(flat), design.shape[2])
     size = np.linalg.norm(full, axis=0)
@@ -196,14 +201,17 @@ def fit_columns(observed: Observed, columns: Sequence[Array], target: Array) -> 
     left = flat - scaled @ values
     freedom = max(len(flat) - int(good.sum()), 1)
     covariance = inverse * float(left @ left) / freedom
-    told = np.diag(vt[good].T @ vt[good]) > 1.0 - 1e-6
-    plain, clustered = np.diag(covariance), _clustered(scaled, left, inverse, observed, rules.least_visits)
+    determined = np.diag(vt[good].T @ vt[good]) > 1.0 - 1e-6
+    plain, clustered = (
+        np.diag(covariance),
+        _clustered(scaled, left, inverse, observed),
+    )
     variance = np.maximum(plain, clustered)
     if np.any(clustered > plain):
         # Errors that visits share are known from as many values as there are visits.
         freedom = max(min(freedom, int(observed.block.max()) + 1 - int(good.sum())), 1)
-    errors = np.where(told & (np.linalg.norm(full, axis=0) > 0.0), np.sqrt(variance) / size, np.inf)
-    edges = np.cumsum([beside.shape[2], *(each.shape[2] for each in columns)]).tolist()
+    errors = np.where(determined & (np.linalg.norm(full, axis=0) > 0.0), np.sqrt(variance) / size, np.inf)
+    edges = np.cumsum([beside.shape[2], *(column.shape[2] for column in columns)]).tolist()
     spans = [slice(a, b) for a, b in itertools.pairwise(edges)]
     sizes = values / size
     rest = left.reshape(-1, width)
@@ -211,14 +219,14 @@ def fit_columns(observed: Observed, columns: Sequence[Array], target: Array) -> 
 
 
 def _columns(observed: Observed, term: Candidate) -> Array:
-    found = columns_of(observed, term)
-    return np.zeros((*observed.residual.shape, len(term.sizes))) if found is None else found
+    columns = columns_of(observed, term)
+    return np.zeros((*observed.residual.shape, len(term.sizes))) if columns is None else columns
 
 
-def _clustered(design: Array, left: Array, inverse: Array, observed: Observed, least: int) -> Array:
+def _clustered(design: Array, left: Array, inverse: Array, observed: Observed) -> Array:
     """Variances of the sizes where the readings of a visit share an error; zeros where visits are too few to tell."""
     visits = blocks_of(observed.block)
-    if len(visits) < least or design.shape[1] == 0:
+    if len(visits) < observed.rules.answer.least_parts or design.shape[1] == 0:
         return np.zeros(design.shape[1])
     scores = (design * left[:, None]).reshape(-1, observed.components, design.shape[1]).sum(axis=1)
     sums = np.stack([scores[rows].sum(axis=0) for rows in visits])
@@ -227,25 +235,33 @@ def _clustered(design: Array, left: Array, inverse: Array, observed: Observed, l
 
 
 def _changes(arm: Arm, terms: Sequence[Candidate], fitted: Sequence[CommonFit], level: float) -> tuple[Change, ...]:
-    found: list[Change] = []
+    sizes, errors = list[tuple[str, FittedParameter, FittedParameter]](), list[float]()
     for index, term in enumerate(terms):
         for column, name in enumerate(term.sizes):
-            values = [float(each.sizes[index][column]) for each in fitted]
-            errors = [float(each.errors[index][column]) for each in fitted]
-            kind = kind_of(arm, term, name)
-            pair = [
-                _parameter(name, term.numbers, kind, value, error, each.freedom)
-                for value, error, each in zip(values, errors, fitted, strict=True)
-            ]
-            error = float(np.hypot(errors[0], errors[1]))
-            difference = values[1] - values[0]
-            freedom = min(each.freedom for each in fitted)
-            reach = t_quantile(freedom) * error
-            p = float(2.0 * stats.t.sf(abs(difference) / error, freedom)) if 0.0 < error < np.inf else 1.0
-            span = (difference - reach, difference + reach)
-            found.append(Change(term.effect, pair[0], pair[1], difference, span, p, 1.0, level))
-    adjusted = holm([each.p_value for each in found])
-    return tuple(replace(each, adjusted=value) for each, value in zip(found, adjusted, strict=True))
+            kind, own = kind_of(arm, term, name), [float(item.errors[index][column]) for item in fitted]
+            first, second = (
+                _parameter(name, term.numbers, kind, float(item.sizes[index][column]), error, item.freedom)
+                for item, error in zip(fitted, own, strict=True)
+            )
+            sizes.append((term.effect, first, second))
+            errors.append(float(np.hypot(own[0], own[1])))
+    return changes_of(sizes, errors, min(item.freedom for item in fitted), level)
+
+
+def changes_of(
+    sizes: Sequence[tuple[str, FittedParameter, FittedParameter]], errors: Sequence[float], freedom: int, level: float
+) -> tuple[Change, ...]:
+    """Effects' sizes in two recordings set against each other by the standard errors of their differences (Student's t)
+    and adjusted for their number."""
+    changes: list[Change] = []
+    for (effect, first, second), error in zip(sizes, errors, strict=True):
+        difference, reach = second.value - first.value, t_quantile(freedom) * error
+        p = float(2.0 * stats.t.sf(abs(difference) / error, freedom)) if 0.0 < error < np.inf else 1.0
+        changes.append(
+            Change(effect, first, second, difference, (difference - reach, difference + reach), p, 1.0, level)
+        )
+    adjusted = holm([change.p_value for change in changes])
+    return tuple(replace(change, adjusted=value) for change, value in zip(changes, adjusted, strict=True))
 
 
 def _parameter(name: str, at: tuple[int, ...], kind: str, value: float, error: float, freedom: int) -> FittedParameter:
@@ -256,18 +272,15 @@ def _parameter(name: str, at: tuple[int, ...], kind: str, value: float, error: f
 
 def holm(p_values: Sequence[float]) -> list[float]:
     """P values adjusted for their number by Holm's method."""
-    order = sorted(range(len(p_values)), key=lambda index: p_values[index])
-    adjusted = [1.0] * len(p_values)
-    highest = 0.0
-    for rank, index in enumerate(order):
-        highest = max(highest, min(1.0, (len(p_values) - rank) * p_values[index]))
-        adjusted[index] = highest
-    return adjusted
+    p = np.array(p_values, dtype=float)
+    order = np.argsort(p, kind="stable")
+    p[order] = np.maximum.accumulate(np.minimum(1.0, np.arange(len(p), 0, -1) * p[order]))
+    return p.tolist()
 
 
 def _pairs(first: Sequence[Covered], second: Sequence[Covered]) -> tuple[tuple[Covered, Covered], ...]:
-    other = {each.symbol: each for each in second}
-    return tuple((each, other[each.symbol]) for each in first if each.symbol in other)
+    other = {item.symbol: item for item in second}
+    return tuple((item, other[item.symbol]) for item in first if item.symbol in other)
 
 
 def _unequal(first: Recording, second: Recording) -> list[str]:
@@ -278,12 +291,14 @@ def _unequal(first: Recording, second: Recording) -> list[str]:
         ("sides", "the side of approach"),
         ("force", "the force at the tip"),
     )
-    found: list[str] = []
+    unequal: list[str] = []
     for name, words in names:
-        there = [getattr(each, name) is not None for each in (first, second)]
+        there = [getattr(item, name) is not None for item in (first, second)]
         if there[0] != there[1]:
             which = "first" if there[0] else "second"
-            found.append(f"Only the {which} recording holds {words}.")
+            unequal.append(f"Only the {which} recording holds {words}.")
     if first.frame != second.frame or first.tool != second.tool:
-        found.append("Frame or tool are free in one recording and known in the other: what they hide is not compared.")
-    return found
+        unequal.append(
+            "Frame or tool are free in one recording and known in the other: what they hide is not compared."
+        )
+    return unequal

@@ -9,14 +9,16 @@ import numpy as np
 
 from linkwright.core.arm.chain.chain import Arm
 from linkwright.core.arm.chain.kinematics import tip_position
-from linkwright.core.diagnose.answer.iso_figures import clusters
+from linkwright.core.diagnose.answer.iso_figures import LEAST_VISITS, clusters
 from linkwright.core.diagnose.recording import Recording
 from linkwright.core.diagnose.residual.observed import rms_length
 from linkwright.core.diagnose.residual.visits import same_pose
 from linkwright.core.diagnose.result import Diagnosis
-from linkwright.core.diagnose.rules.compare_rules import CompareRules
 from linkwright.core.diagnose.rules.rules import RULES, Rules
 from linkwright.core.sections.numeric import Array
+
+_CELLS = 3
+"""Regions along an axis, into which a table cuts the workspace."""
 
 
 @dataclass(frozen=True)
@@ -46,9 +48,9 @@ def shared_poses(arm: Arm, first: Diagnosis, second: Diagnosis, *, rules: Rules 
     """How the mismatch differs at poses that both recordings hold under the same load; None where there are none."""
     recordings = (first.recording, second.recording)
     same = same_pose(arm, rules.residual)
-    points = np.concatenate([each.q / same for each in recordings])
-    loads = np.concatenate([_load(each, arm) for each in recordings])
-    labels = clusters(np.concatenate([points, loads[:, None] / rules.compare.same_load], axis=1))
+    points = np.concatenate([recording.q / same for recording in recordings])
+    loads = np.concatenate([_load(recording, arm) for recording in recordings])
+    labels = clusters(np.concatenate([points, loads[:, None] / rules.residual.same_payload], axis=1))
     count = recordings[0].size
     parts = (labels[:count], labels[count:])
     both = np.intersect1d(*parts)
@@ -73,26 +75,24 @@ def _load(recording: Recording, arm: Arm) -> Array:
     return recording.payload_mass
 
 
-def regions(
-    arm: Arm, first: Diagnosis, second: Diagnosis, *, rules: CompareRules = RULES.compare
-) -> tuple[Region, ...]:
+def regions(arm: Arm, first: Diagnosis, second: Diagnosis) -> tuple[Region, ...]:
     """The mismatch in boxes of the workspace where both recordings have readings."""
     residuals = (first.residual_before, second.residual_before)
     if residuals[0].shape[1] != residuals[1].shape[1]:
         return ()
     # Where the tip nominally is: measured positions may stand in a frame of their own.
-    tips = [tip_position(arm, each.recording.q)[:, : residuals[0].shape[1]] for each in (first, second)]
+    tips = [tip_position(arm, item.recording.q)[:, : residuals[0].shape[1]] for item in (first, second)]
     every = np.concatenate(tips)
     lower, upper = every.min(axis=0), every.max(axis=0)
     span = np.where(upper > lower, upper - lower, 1.0)
-    cells = [np.clip((rules.cells * (tip - lower) / span).astype(int), 0, rules.cells - 1) for tip in tips]
-    found: list[Region] = []
-    for cell in itertools.product(range(rules.cells), repeat=every.shape[1]):
-        inside = [(each == np.array(cell)).all(axis=1) for each in cells]
+    cells = [np.clip((_CELLS * (tip - lower) / span).astype(int), 0, _CELLS - 1) for tip in tips]
+    regions_: list[Region] = []
+    for cell in itertools.product(range(_CELLS), repeat=every.shape[1]):
+        inside = [(item == np.array(cell)).all(axis=1) for item in cells]
         counts = (int(inside[0].sum()), int(inside[1].sum()))
-        if min(counts) >= rules.least_rows:
-            corner = lower + np.array(cell) * span / rules.cells
+        if min(counts) >= LEAST_VISITS:
+            corner = lower + np.array(cell) * span / _CELLS
             sizes = [rms_length(residual[rows]) for residual, rows in zip(residuals, inside, strict=True)]
-            end = corner + span / rules.cells
-            found.append(Region(tuple(corner.tolist()), tuple(end.tolist()), sizes[0], sizes[1], counts))
-    return tuple(found)
+            end = corner + span / _CELLS
+            regions_.append(Region(tuple(corner.tolist()), tuple(end.tolist()), sizes[0], sizes[1], counts))
+    return tuple(regions_)

@@ -45,7 +45,7 @@ def fit(prepared: Prepared, members: Sequence[int]) -> Fit:
     pool, vector = prepared.pool, prepared.vector
     columns = pool.columns(members)
     against = prepared.products.against[columns]
-    inverse = np.linalg.pinv(pool.gram[np.ix_(columns, columns)], rcond=1e-9, hermitian=True)
+    inverse = np.linalg.pinv(pool.among(columns), rcond=1e-9, hermitian=True)
     coefficients = inverse @ against
     rss = max(prepared.products.rss - float(against @ coefficients), 0.0)
     freedom = len(vector) - pool.nuisance.shape[1] - len(columns)
@@ -62,8 +62,8 @@ def fit(prepared: Prepared, members: Sequence[int]) -> Fit:
             np.maximum(np.einsum("ij,jk,ik->i", group.back, inverse[part, part], group.back) * variance, 0.0)
         )
         # A size that the columns do not tell from another has no error of its own.
-        told = group.back @ np.linalg.pinv(group.back)
-        errors.append(np.where(np.diag(told) > 1.0 - 1e-6, error, np.inf))
+        projector = group.back @ np.linalg.pinv(group.back)
+        errors.append(np.where(np.diag(projector) > 1.0 - 1e-6, error, np.inf))
     return Fit(tuple(members), tuple(sizes), tuple(errors), rss, freedom)
 
 
@@ -120,8 +120,8 @@ def left_of_a_drive(candidate: Candidate, name: str) -> bool:
 
 def _of_all(common: Mapping[Family, Array], candidate: Candidate, sizes: Array) -> Array:
     """The sizes that a candidate of one recording has in all of them, nought where none was found."""
-    found = common.get(replace(candidate, only=None).family)
-    return found if found is not None and found.shape == sizes.shape else np.zeros(sizes.shape)
+    common_term = common.get(replace(candidate, only=None).family)
+    return common_term if common_term is not None and common_term.shape == sizes.shape else np.zeros(sizes.shape)
 
 
 def why_impossible(prepared: Prepared, candidate: Candidate, sizes: Array, errors: Array, moved: float) -> str | None:
@@ -145,9 +145,10 @@ def why_impossible(prepared: Prepared, candidate: Candidate, sizes: Array, error
 
 
 def unlikely(prepared: Prepared, fitted: Fit) -> float:
-    """By how much sizes far beyond the usual make a fit less likely, in units of the criterion: minus twice the log of
-    a Cauchy density of each group's sizes, of their largest usual ones, over that of none. Forms, shares and products
-    with unknown weights have no usual size; nor have zeros and lengths, which a file may have wrong by any amount."""
+    """By how much sizes beyond the usual make a fit less likely, in units of the criterion: minus twice the log of a
+    density that is even up to the largest usual sizes and has a Cauchy's tail beyond, over that of usual ones. Forms,
+    shares and products with unknown weights have no usual size; nor have zeros and lengths, which a file may have wrong
+    by any amount."""
     total = 0.0
     for member, sizes in zip(fitted.members, fitted.sizes, strict=True):
         candidate = prepared.pool.groups[member].candidate
@@ -158,7 +159,7 @@ def unlikely(prepared: Prepared, fitted: Fit) -> float:
         effect, found = EFFECTS[candidate.effect], candidate.from_slopes(sizes.tolist())
         usual = (max(map(abs, parameter_of(effect, name).typical)) for name in candidate.sizes)
         times = sum((value / most) ** 2 for value, most in zip(found, usual, strict=True))
-        total += (1.0 + len(sizes)) * math.log1p(times)
+        total += (1.0 + len(sizes)) * math.log(max(1.0, times))
     return total
 
 
@@ -190,26 +191,28 @@ def _most_expansion(candidate: Candidate, name: str, observed: Observed) -> floa
     if parameter.kind != "thermal_expansion" or effect.place != "link" or not candidate.at:
         return np.inf
     declared = [observed.state.links[index].beam.thermal_expansion for index in candidate.at]
-    most = max(np.inf if each is None else float(np.max(each)) for each in declared)
-    return max(observed.rules.fitting.expands * most, 2.0 * max(parameter.typical))
+    most = max(np.inf if item is None else float(np.max(item)) for item in declared)
+    return max(observed.rules.fitting.usual * most, 2.0 * max(parameter.typical))
 
 
 def _most_on_a_link(candidate: Candidate, name: str, prepared: Prepared) -> float:
     """The most that may hang on a link or at the tip beyond what the arm file says is there, kg: a usual extra and as
     much again, or at the tip what an arm of that weight lifts at most, and what may hang on the last link; infinite
     where the file leaves the mass open, and for sizes that are no mass."""
-    effect, rules = EFFECTS[candidate.effect], prepared.observed.rules.fitting
+    effect = EFFECTS[candidate.effect]
     if candidate.share or effect.declared is None:
         return np.inf
     parameter = parameter_of(effect, name)
     if parameter.kind != "mass":
         return np.inf
-    most = parameter.typical[1] + rules.heavier * _in_the_file(candidate, name, prepared.observed)
+    most = parameter.typical[1] + _in_the_file(candidate, name, prepared.observed)
     if effect.place == "link":
         return most
     arm, beams = prepared.observed.arm_given, [link.beam for link in prepared.observed.state.links]
-    last = LINK_MASS.sizes[0].typical[1] + rules.heavier * mass_declared(arm, beams, arm.size - 1)
-    return max(most, last, rules.lifts * _whole_mass(prepared.observed))
+    last = LINK_MASS.sizes[0].typical[1] + mass_declared(arm, beams, arm.size - 1)
+    # The lightest arms for what they carry lift their own weight (A. Albu-Schaeffer et al., Industrial Robot 34 (2007)
+    # 376: a load-to-weight ratio of 1:1).
+    return max(most, last, _whole_mass(prepared.observed))
 
 
 def _whole_mass(observed: Observed) -> float:
@@ -227,12 +230,12 @@ def _in_the_file(candidate: Candidate, name: str, observed: Observed) -> float:
     if carried is not None:
         arm = replace(arm, payload=replace(arm.payload, mass=float(np.min(carried))))
     beams = [link.beam for link in observed.state.links]
-    entries = [each for each in arm.effects if each.effect == effect.id]
+    entries = [entry for entry in arm.effects if entry.effect == effect.id]
 
     def whole(index: int) -> float:
         assert effect.declared is not None
-        own = (each for each in entries if not each.at or index + 1 in each.at)
-        return effect.declared(arm, beams, index) + sum(each.parameters.get(name, 0.0) for each in own)
+        entries_here = (entry for entry in entries if not entry.at or index + 1 in entry.at)
+        return effect.declared(arm, beams, index) + sum(entry.parameters.get(name, 0.0) for entry in entries_here)
 
     return min(whole(index) for index in candidate.at or (0,))
 

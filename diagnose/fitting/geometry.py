@@ -17,6 +17,7 @@ from linkwright.core.arm.effects import EFFECTS
 from linkwright.core.diagnose.patterns.library import Candidate, candidates, columns_of, of_one_number, parameter_of
 from linkwright.core.diagnose.residual.observe import beyond_first_order, observed_about
 from linkwright.core.diagnose.residual.observed import Observed, rms_length
+from linkwright.core.diagnose.residual.robust_scale import HUBER
 
 from .corrected_arm import as_entry
 from .prepare import nuisances
@@ -37,7 +38,7 @@ def about_geometry(observed: Observed, without: frozenset[str] = frozenset()) ->
         order about the arm file is off by no more than a small part of what zeros and lengths leave.
     """
     others = frozenset(effect.id for effect in EFFECTS.values() if not of_one_number(effect))
-    single = [each for each, _ in candidates(observed, without | others) if len(each.at) == 1 and each.only is None]
+    single = [item for item, _ in candidates(observed, without | others) if len(item.at) == 1 and item.only is None]
     now = observed
     for _ in range(_STEPS if single else 0):
         entries, left = _fitted(now, single)
@@ -51,13 +52,11 @@ def about_geometry(observed: Observed, without: frozenset[str] = frozenset()) ->
 def _fitted(observed: Observed, single: Sequence[Candidate]) -> tuple[tuple[EffectEntry, ...], float]:
     """Zeros and lengths as they fit best to first order about the state observed, and the RMS length (m) that they
     leave of the tip."""
-    width, weighed_down = observed.components, observed.rules.fitting.weighed_down
-    shown = [(each, columns) for each in single if (columns := columns_of(observed, each)) is not None]
+    width = observed.components
+    shown = [(item, columns) for item in single if (columns := columns_of(observed, item)) is not None]
     usual = np.array([max(map(abs, parameter_of(EFFECTS[c.effect], c.sizes[0]).typical)) for c, _ in shown])
     beside, _ = nuisances(observed)
     design = np.concatenate([*(columns for _, columns in shown), beside], axis=2)[:, :width]
-    scale = np.linalg.norm(design.reshape(-1, design.shape[2]), axis=0)
-    scale = np.where(scale > 0.0, scale, 1.0)
     target, sizes = observed.tip_residual(), np.zeros(len(shown))
     weight, left = np.ones(len(target)), target
     for _ in range(_REWEIGHTED):
@@ -65,12 +64,15 @@ def _fitted(observed: Observed, single: Sequence[Candidate]) -> tuple[tuple[Effe
         held = np.zeros(design.shape[2])
         held[: len(shown)] = unit / np.hypot(usual, sizes)
         root = np.sqrt(weight)[:, None]
-        rows = np.vstack([(design * root[:, :, None]).reshape(-1, design.shape[2]), np.diag(held)]) / scale
+        rows = np.vstack([(design * root[:, :, None]).reshape(-1, design.shape[2]), np.diag(held)])
+        # With its prior: what no reading shows (the last zero of a tip on its axis) has a column of rounding alone.
+        scale = np.linalg.norm(rows, axis=0)
+        scale = np.where(scale > 0.0, scale, 1.0)
         wanted = np.concatenate([(target * root).reshape(-1), np.zeros(len(held))])
-        values = np.linalg.lstsq(rows, wanted, rcond=1e-9)[0] / scale
+        values = np.linalg.lstsq(rows / scale, wanted, rcond=1e-9)[0] / scale
         sizes, left = values[: len(shown)], target - design @ values
         distance = np.linalg.norm(left, axis=1)
         middle = float(np.median(distance))
-        weight = np.minimum(1.0, weighed_down * middle / np.maximum(distance, 1e-300)) if middle > 0.0 else weight
-    entries = tuple(as_entry(each, [size]) for (each, _), size in zip(shown, sizes.tolist(), strict=True))
+        weight = np.minimum(1.0, HUBER * middle / np.maximum(distance, 1e-300)) if middle > 0.0 else weight
+    entries = tuple(as_entry(item, [size]) for (item, _), size in zip(shown, sizes.tolist(), strict=True))
     return entries, rms_length(left)

@@ -18,6 +18,7 @@ from .fit import normal_solution
 Folds = NDArray[np.int64]
 Split = TypeVar("Split")
 
+_FOLDS = 5
 _TOLD = 1e-12
 """Of the largest, what directions of normal equations below are told by nothing, as in `normal_solution`."""
 
@@ -28,20 +29,20 @@ def splits(observed: Observed, seed: int) -> dict[str, Folds]:
     `pose blocks` (all readings of a pose stay together, neighbours in the workspace too; each pose by itself where they
     are few), `random rows`, `time blocks` and `payloads` where there are any.
     """
-    count, parts = observed.rows, observed.rules.fitting.folds
-    found: dict[str, Folds] = {}
+    count, parts = observed.rows, _FOLDS
+    folds: dict[str, Folds] = {}
     if len(np.unique(poses(observed))) >= parts:
-        found["pose blocks"] = _pose_blocks(observed)
-    found["random rows"] = np.random.default_rng(seed).permutation(np.arange(count) % parts)
+        folds["pose blocks"] = _pose_blocks(observed)
+    folds["random rows"] = np.random.default_rng(seed).permutation(np.arange(count) % parts)
     if observed.recording.time is not None:
         order = np.argsort(np.argsort(observed.recording.time, kind="stable"))
-        found["time blocks"] = (order * parts) // count
+        folds["time blocks"] = (order * parts) // count
     payload = observed.recording.payload_mass
     if payload is not None:
         levels = np.unique(np.round(payload, 3))
         if 2 <= len(levels) <= 10:
-            found["payloads"] = np.searchsorted(levels, np.round(payload, 3)).astype(np.int64)
-    return found
+            folds["payloads"] = np.searchsorted(levels, np.round(payload, 3)).astype(np.int64)
+    return folds
 
 
 def hardest(made: Mapping[str, Split]) -> Split:
@@ -56,7 +57,7 @@ def parts_of_workspace(observed: Observed) -> NDArray[np.int64]:
     Where there are fewer than two poses a part, each is a part: gathered, half of them may go at once, and what is left
     tells nothing.
     """
-    pose, parts = poses(observed), observed.rules.fitting.folds
+    pose, parts = poses(observed), _FOLDS
     if _few(observed):
         return pose
     first = np.array([np.flatnonzero(pose == number)[0] for number in range(pose.max() + 1)])
@@ -79,12 +80,12 @@ def _pose_blocks(observed: Observed) -> Folds:
     """Poses gathered into folds by where the tip stands, so that a fold is made of parts of the workspace; of few
     poses a fold each."""
     part = parts_of_workspace(observed)
-    return part if _few(observed) else part % observed.rules.fitting.folds
+    return part if _few(observed) else part % _FOLDS
 
 
 def _few(observed: Observed) -> bool:
     """Whether there are fewer than two poses a part held out."""
-    return int(poses(observed).max()) + 1 < 2 * observed.rules.fitting.folds
+    return int(poses(observed).max()) + 1 < 2 * _FOLDS
 
 
 class HeldOut:
@@ -105,52 +106,53 @@ class HeldOut:
         *,
         nuisances: int = 0,
     ) -> None:
-        self._observed, self._folds = observed, folds
+        self._observed = observed
         parts = list(columns) or [np.zeros((*observed.residual.shape, 0))]
         self._edges = np.cumsum([0, *(part.shape[2] for part in parts)])
-        self._design = np.concatenate(parts, axis=2)
-        given = list(tethers) if tethers is not None else [None] * len(parts)
-        held = [np.zeros(p.shape[2]) if t is None else t for p, t in zip(parts, given, strict=True)]
+        design = np.concatenate(parts, axis=2)
+        tethers_ = list(tethers) if tethers is not None else [None] * len(parts)
+        held = [np.zeros(p.shape[2]) if t is None else t for p, t in zip(parts, tethers_, strict=True)]
         self._held = np.concatenate(held) ** 2
-        scaled, target = observed.scaled(self._design), observed.scaled(observed.residual)
+        scaled, target = observed.scaled(design), observed.scaled(observed.residual)
         size = np.sqrt(np.sum(scaled**2, axis=(0, 1)) + self._held)
         self._size = np.where(size > 0.0, size, 1.0)
-        self._scaled = scaled / self._size
-        self._products = [self._product(folds == fold, target) for fold in self._each]
+        scaled /= self._size
+        # Fold by fold: every choice of parts goes through each of them.
+        self._rows = [folds == fold for fold in np.unique(folds).tolist()]
+        self._design, self._scaled = ([whole[rows] for rows in self._rows] for whole in (design, scaled))
+        self._products = [
+            self._product(part, target[rows]) for part, rows in zip(self._scaled, self._rows, strict=True)
+        ]
         self._own = [self._told_by_none_but(gram, int(self._edges[nuisances])) for gram, _ in self._products]
 
-    def _product(self, rows: NDArray[np.bool_], target: Array) -> tuple[Array, Array]:
-        part = self._scaled[rows]
+    @staticmethod
+    def _product(part: Array, target: Array) -> tuple[Array, Array]:
         flat = part.reshape(part.shape[0] * part.shape[1], part.shape[2])
-        return flat.T @ flat, flat.T @ target[rows].reshape(-1)
+        return flat.T @ flat, flat.T @ target.reshape(-1)
 
     def _told_by_none_but(self, gram: Array, width: int) -> Array:
         """The directions (width, k) of the first columns' sizes that no fold but that of a product tells."""
-        whole = sum(each[:width, :width] for each, _ in self._products)
+        whole = sum(item[:width, :width] for item, _ in self._products)
         if width == 0 or len(self._products) == 1:
             return np.zeros((width, 0))
         values, vectors = np.linalg.eigh(whole - gram[:width, :width])
         mine = np.einsum("wk,wv,vk->k", vectors, gram[:width, :width], vectors)
         return vectors[:, (values <= _TOLD * values[-1]) & (mine > _TOLD * values[-1])]
 
-    def _of_its_own(self, left: Array, out: NDArray[np.bool_], own: Array) -> Array:
+    def _of_its_own(self, left: Array, fold: int, own: Array) -> Array:
         """What of a fold's readings left, (n, C, k), the directions that it alone tells take up of the tip, m."""
-        width = len(own)
-        seen = np.tensordot(self._scaled[out][:, :, :width], own, 1)
+        width, out = len(own), self._rows[fold]
+        seen = np.tensordot(self._scaled[fold][:, :, :width], own, 1)
         flat = seen.reshape(-1, own.shape[1])
         target = self._observed.scaled(self._whole(left, out))[out].reshape(len(flat), -1)
         values = (own @ np.linalg.lstsq(flat, target, rcond=None)[0]) / self._size[:width, None]
-        return np.tensordot(self._design[out][:, : self._observed.components, :width], values, 1)
+        return np.tensordot(self._design[fold][:, : self._observed.components, :width], values, 1)
 
     def _whole(self, left: Array, out: NDArray[np.bool_]) -> Array:
         """A fold's readings in their places among all, nought elsewhere."""
-        found = np.zeros((len(out), *left.shape[1:]))
-        found[out] = left
-        return found
-
-    @property
-    def _each(self) -> Sequence[int]:
-        return np.unique(self._folds).tolist()
+        whole = np.zeros((len(out), *left.shape[1:]))
+        whole[out] = left
+        return whole
 
     def residual(self, which: Sequence[int] | None = None) -> Array:
         """The tip's residual (N, D), m, of each reading under a fit of some parts (all by default) that has not seen
@@ -164,33 +166,34 @@ class HeldOut:
         at = np.ix_(taken, taken)
         whole = sum(gram[at] for gram, _ in self._products) + np.diag(self._held[taken] / self._size[taken] ** 2)
         against = sum(wanted[taken] for _, wanted in self._products)
-        for fold, (gram, wanted), own in zip(self._each, self._products, self._own, strict=True):
-            values = normal_solution(whole - gram[at], against - wanted[taken]) / self._size[taken]
-            out = self._folds == fold
+        for fold, ((gram, wanted), own, out) in enumerate(zip(self._products, self._own, self._rows, strict=True)):
+            values = np.zeros(len(self._size))
+            values[taken] = normal_solution(whole - gram[at], against - wanted[taken]) / self._size[taken]
+            moved = np.tensordot(self._design[fold], values, 1)
             if own.shape[1] and (taken[: len(own)] == np.arange(len(own))).all():
-                missed = self._observed.residual[out] - self._design[out][:, :, taken] @ values
-                left[out] = missed[:, :width] - self._of_its_own(missed[..., None], out, own)[..., 0]
+                missed = self._observed.residual[out] - moved
+                left[out] = missed[:, :width] - self._of_its_own(missed[..., None], fold, own)[..., 0]
             else:
-                left[out] -= self._design[out][:, :width][:, :, taken] @ values
+                left[out] -= moved[:, :width]
         return left
 
     def rms_of(self, drawn: Array) -> Array:
         """The RMS lengths (m, k) that fits of all parts leave held out of other residuals (N, C, k), m and rad."""
         width = self._observed.components
         left = drawn[:, :width].copy()
-        if self._design.shape[2] == 0 or len(self._products) == 1:
+        if len(self._size) == 0 or len(self._products) == 1:
             return np.sqrt(np.mean(np.sum(left**2, axis=1), axis=0))
         target = self._observed.scaled(drawn)
         against = [
-            np.tensordot(self._scaled[self._folds == fold], target[self._folds == fold], ((0, 1), (0, 1)))
-            for fold in self._each
+            np.tensordot(part, target[rows], ((0, 1), (0, 1)))
+            for part, rows in zip(self._scaled, self._rows, strict=True)
         ]
         whole = sum(gram for gram, _ in self._products) + np.diag(self._held / self._size**2)
-        for fold, (gram, _), wanted, own in zip(self._each, self._products, against, self._own, strict=True):
-            out = self._folds == fold
+        each = zip(self._products, against, self._own, self._rows, strict=True)
+        for fold, ((gram, _), wanted, own, out) in enumerate(each):
             values = normal_solution(whole - gram, sum(against) - wanted) / self._size[:, None]
-            missed = drawn[out] - np.tensordot(self._design[out], values, 1)
-            left[out] = missed[:, :width] - (self._of_its_own(missed, out, own) if own.shape[1] else 0.0)
+            missed = drawn[out] - np.tensordot(self._design[fold], values, 1)
+            left[out] = missed[:, :width] - (self._of_its_own(missed, fold, own) if own.shape[1] else 0.0)
         return np.sqrt(np.mean(np.sum(left**2, axis=1), axis=0))
 
     def better_by(self, which: Sequence[int], without: Sequence[int], together: NDArray[np.int64]) -> float:

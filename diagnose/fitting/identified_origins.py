@@ -12,7 +12,7 @@ from scipy.spatial.transform import Rotation
 from linkwright.core.arm.chain.chain import Arm
 from linkwright.core.arm.chain.vectors import to_roll_pitch_yaw
 from linkwright.core.diagnose.patterns.library import columns_of
-from linkwright.core.diagnose.patterns.pool import orthonormal
+from linkwright.core.diagnose.patterns.pool import VISIBLE, orthonormal
 from linkwright.core.diagnose.residual.free_origins import TURNS, Freedom, known, moved, of_observed, turned_whole
 from linkwright.core.diagnose.result import FittedParameter, FoundOrigin
 from linkwright.core.sections.numeric import Array
@@ -47,46 +47,48 @@ def identified_origins(
     parts += [prepared.columns[m] for m in outside]
     # The transforms stand last among the nuisances.
     first = prepared.beside.shape[2] - len(ways)
-    own = slice(first, prepared.beside.shape[2])
+    columns = slice(first, prepared.beside.shape[2])
     design = observed.whitened(np.concatenate(parts, axis=2))
     target = observed.residual - sum((term.moved for term in fitted.terms), np.zeros(1))
-    by = solved(design, observed.whitened(target))[own]
+    by = solved(design, observed.whitened(target))[columns]
     size = np.linalg.norm(design, axis=0)
     size = np.where(size > 0.0, size, 1.0)
     u, singular, vt = np.linalg.svd(design / size, full_matrices=False)
     good = singular > _TOLD * singular[0]
-    told = (np.diag(vt[good].T @ vt[good]) > 1.0 - _NEAR)[own]
+    determined = (np.diag(vt[good].T @ vt[good]) > 1.0 - _NEAR)[columns]
     inverse = (vt[good].T / singular[good] ** 2) @ vt[good] / size / size[:, None]
     covariance = inverse * (fitted.rss / max(fitted.freedom, 1))
     if unnamed is not None:
         operator = (vt[good].T / singular[good]) @ u[:, good].T / size[:, None]
         covariance = inverse * unnamed.variance + unnamed.beside(operator)
     placed = moved(arm, ways, by)
-    found = tuple(
-        _found(placed, index, ways, covariance[own, own], told, t_quantile(fitted.freedom))
+    origins = tuple(
+        _found(placed, index, ways, covariance[columns, columns], determined, t_quantile(fitted.freedom))
         for index in sorted({way.joint for way in ways})
     )
-    return known(placed), tuple(replace(each, swallowed=_swallowed(search, ways, each.joint - 1)) for each in found)
+    return known(placed), tuple(
+        replace(origin, swallowed=_swallowed(search, ways, origin.joint - 1)) for origin in origins
+    )
 
 
 def _found(
-    arm: Arm, index: int, ways: Sequence[Freedom], covariance: Array, told: NDArray[np.bool_], factor: float
+    arm: Arm, index: int, ways: Sequence[Freedom], covariance: Array, determined: NDArray[np.bool_], factor: float
 ) -> FoundOrigin:
     joint = arm.joints[index]
     roll, pitch, yaw = to_roll_pitch_yaw(joint.origin_rotation)
     values = dict(zip(("x", "y", "z", *TURNS), (*joint.origin_translation, roll, pitch, yaw), strict=True))
-    own = [k for k, way in enumerate(ways) if way.joint == index]
+    indices = [k for k, way in enumerate(ways) if way.joint == index]
     slopes = _angles_by_turns(pitch, yaw) if turned_whole(joint) else np.eye(3)
     parameters: list[FittedParameter] = []
-    turned = [k for k in own if ways[k].turns]
-    for k in own:
+    turned = [k for k in indices if ways[k].turns]
+    for k in indices:
         way = ways[k]
         if way.turns and turned_whole(joint):
             slope = slopes[TURNS.index(way.part), [TURNS.index(ways[other].part) for other in turned]]
-            sure = all(told[other] or abs(s) < _NEAR for other, s in zip(turned, slope.tolist(), strict=True))
+            sure = all(determined[other] or abs(s) < _NEAR for other, s in zip(turned, slope.tolist(), strict=True))
             error = float(np.sqrt(max(slope @ covariance[np.ix_(turned, turned)] @ slope, 0.0)))
         else:
-            sure, error = bool(told[k]), float(np.sqrt(max(covariance[k, k], 0.0)))
+            sure, error = bool(determined[k]), float(np.sqrt(max(covariance[k, k], 0.0)))
         reach = factor * error if sure else np.inf
         value = values[way.part]
         parameters.append(
@@ -118,13 +120,13 @@ def _swallowed(prepared: Prepared, ways: Sequence[Freedom], index: int) -> tuple
     first = prepared.beside.shape[2] - len(ways)
     others = [k for k in range(prepared.beside.shape[2]) if k < first or ways[k - first].joint != index]
     beside = orthonormal(observed.whitened(prepared.beside[:, :, others]))
-    found: dict[tuple[str, tuple[int, ...]], None] = {}
+    swallowed: dict[tuple[str, tuple[int, ...]], None] = {}
     for candidate in pool.invisible:
         columns = None if candidate.outside or candidate.family in shown else columns_of(observed, candidate)
         if columns is None:
             continue
         white = observed.whitened(columns)
         left = white - beside @ (beside.T @ white)
-        if np.linalg.norm(left) > pool.rules.patterns.visible * np.linalg.norm(white):
-            found[candidate.effect, candidate.numbers] = None
-    return tuple(found)
+        if np.linalg.norm(left) > VISIBLE * np.linalg.norm(white):
+            swallowed[candidate.effect, candidate.numbers] = None
+    return tuple(swallowed)

@@ -43,6 +43,8 @@ _TOLD = 1e-6
 """A direction that shows a smaller share beside the best is left where it stands."""
 _SETTLED = 1e-9
 """A step that moves it by so little (m) is the last."""
+_FOUND = 0.003
+"""Of the arm's length: with a middle reading no further off no other start is tried; a wrong turn is far off."""
 
 
 def located(arm: Arm, recording: Recording, *, rules: Rules = RULES) -> Arm:
@@ -63,7 +65,7 @@ def located(arm: Arm, recording: Recording, *, rules: Rules = RULES) -> Arm:
         trial = _improved(_tried(start, some, rules), some, rules)
         if best is None or trial.middle < best.middle:
             best = trial
-        if best.middle <= rules.fitting.origin_found * _reach(best.observed):
+        if best.middle <= _FOUND * _reach(best.observed):
             break
     assert best is not None
     placed = tuple(
@@ -158,9 +160,9 @@ def _starts(arm: Arm, recording: Recording) -> Iterator[Arm]:
     if len(every) > _MOST_STARTS:
         picked = np.random.default_rng(0).choice(len(every), _MOST_STARTS, replace=False)
         every = [every[k] for k in [0, *picked.tolist()]]
-    for each in every:
+    for item in every:
         joints = list(arm.joints)
-        for index, turn in zip(turned, each, strict=True):
+        for index, turn in zip(turned, item, strict=True):
             joints[index] = with_origin(joints[index], turn.as_matrix(), np.array(joints[index].origin_translation))
         yield replace(arm, joints=tuple(joints))
 
@@ -177,7 +179,7 @@ def _by_points(arm: Arm, recording: Recording) -> Arm | None:
     bare = replace(
         arm,
         joints=tuple(
-            with_origin(each, np.eye(3), np.zeros(3)) if k == index else each for k, each in enumerate(arm.joints)
+            with_origin(item, np.eye(3), np.zeros(3)) if k == index else item for k, item in enumerate(arm.joints)
         ),
     )
     rows = recording.size
@@ -192,5 +194,5 @@ def _by_points(arm: Arm, recording: Recording) -> Arm | None:
     whole, along = np.eye(3), np.zeros(3)
     whole[:width, :width], along[:width] = rotation, shift
     return replace(
-        arm, joints=tuple(with_origin(each, whole, along) if k == index else each for k, each in enumerate(arm.joints))
+        arm, joints=tuple(with_origin(item, whole, along) if k == index else item for k, item in enumerate(arm.joints))
     )

@@ -17,6 +17,7 @@ from scipy import stats
 
 from linkwright.core.arm.effects import EFFECTS, Settings
 from linkwright.core.diagnose.options import Options
+from linkwright.core.diagnose.patterns.form import FORCE_IN_TIME, SMOOTH, TREND, form_of
 from linkwright.core.diagnose.patterns.forms import forms
 from linkwright.core.diagnose.patterns.library import Candidate, candidates, parameter_of
 from linkwright.core.diagnose.patterns.packed import Columns, Packed, packed
@@ -26,35 +27,20 @@ from linkwright.core.diagnose.residual.free_origins import of_observed, origin_c
 from linkwright.core.diagnose.residual.observe import observe
 from linkwright.core.diagnose.residual.observed import Observed, rms_length
 from linkwright.core.diagnose.residual.orientation import tool_turns
+from linkwright.core.diagnose.residual.robust_scale import HUBER
 from linkwright.core.diagnose.residual.time_vs_path import Told, places, rather_with_time, time_vs_path
 from linkwright.core.diagnose.residual.visits import blocks_of, looks_quieter, poses
 from linkwright.core.diagnose.residual.wander import clock, remembered, still, wander_in, without
 from linkwright.core.diagnose.rules.fitting_rules import FittingRules
 from linkwright.core.diagnose.rules.rules import RULES
-from linkwright.core.diagnose.search.subsets import Criterion, Products, criterion_for, gains, products
+from linkwright.core.diagnose.search.subsets import Criterion, Products, criterion_for, products
 from linkwright.core.diagnose.several.nuisances import of_each
 from linkwright.core.sections.numeric import Array
 
 from .thresholds import at_best
 
-_IN_TIME = frozenset(
-    {
-        "smooth_in_time",
-        "trend_in_time",
-        "force_in_time",
-        "step_in_time",
-        "periodic_in_time",
-        "joint_step_in_time",
-        "tool_step_in_time",
-        "load_step_in_time",
-        "stiffness_step_in_time",
-        "joint_periodic_in_time",
-        "temperature",
-    }
-)
-"""Forms that go with time alone, or with the temperature alone, whose course is smooth as a walk's is."""
-_WANDERS = frozenset({"smooth_in_time", "trend_in_time"})
-"""Those of them that a random walk may look like anywhere."""
+_PASSES, _ROUGH = 3, 4
+"""How often the rough model is made anew where the noise remembers much, and how many patterns are in it at most."""
 
 
 @dataclass(frozen=True)
@@ -130,17 +116,17 @@ def nuisances(observed: Observed, *, origins: bool = True) -> tuple[Array, tuple
             parts.append(column)
             names.append(f"seat of the target about {'xyz'[k - turns.shape[2]]}")
     shape = (*observed.residual.shape, 0)
-    found = np.stack(parts, axis=2) if parts else np.zeros(shape)
-    found, own = of_each(observed, found, tuple(names), settings)
+    columns = np.stack(parts, axis=2) if parts else np.zeros(shape)
+    columns, placed_columns = of_each(observed, columns, tuple(names), settings)
     if observed.view is not None and observed.view.names:
         placed = np.zeros((*observed.residual.shape, len(observed.view.names)))
         placed[:, : observed.components] = observed.view.beside
-        found, own = np.concatenate([found, placed], axis=2), (*own, *observed.view.names)
+        columns, placed_columns = np.concatenate([columns, placed], axis=2), (*placed_columns, *observed.view.names)
     ways = of_observed(observed) if origins else ()
     if not ways:
-        return found, own
+        return columns, placed_columns
     names = [f"origin of joint {way.joint + 1}, {way.part}" for way in ways]
-    return np.concatenate([found, origin_columns(observed, ways)], axis=2), (*own, *names)
+    return np.concatenate([columns, origin_columns(observed, ways)], axis=2), (*placed_columns, *names)
 
 
 def limits(candidate: Candidate, columns: Array, *, rules: FittingRules = RULES.fitting) -> Array | None:
@@ -166,7 +152,7 @@ def held_within(candidate: Candidate, columns: Array, *, rules: FittingRules = R
     if most is None or columns.shape[2] != len(candidate.sizes):
         return most
     parameters = [parameter_of(EFFECTS[candidate.effect], name) for name in candidate.sizes]
-    usual = [max(abs(limit) for limit in each.typical) if each.across else np.inf for each in parameters]
+    usual = [max(abs(limit) for limit in parameter.typical) if parameter.across else np.inf for parameter in parameters]
     return np.minimum(most, rules.tether * np.array(usual))
 
 
@@ -226,7 +212,7 @@ def prepare(observed: Observed, options: Options, noise_floor: float | None = No
     """
     rejected: list[RejectedRow] = []
     patterns, left = patterns_of(observed, options), observed.residual
-    for _ in range(observed.rules.fitting.passes):
+    for _ in range(_PASSES):
         rough = replace(observed, scale=_first_scale(observed))
         left = _left_by_rough_model(set_up(rough, patterns), noise_floor)
         observed = replace(observed, loud=loudness(left, observed))
@@ -240,7 +226,7 @@ def prepare(observed: Observed, options: Options, noise_floor: float | None = No
             for row in np.flatnonzero(outlying).tolist()
         ]
         keep = ~outlying
-        many = len(rejected) > observed.rules.fitting.most_outliers * len(keep)
+        many_rejected = len(rejected) > observed.rules.fitting.most_outliers * len(keep)
         observed = observe(
             observed.arm_given,
             observed.recording.kept(keep),
@@ -252,7 +238,7 @@ def prepare(observed: Observed, options: Options, noise_floor: float | None = No
         # Lags and loads were worked out with all rows: a bad reading of the tip says nothing against its temperature.
         patterns = [(candidate, part.kept(keep)) for candidate, part in patterns]
         left = left[keep]
-        if not many:
+        if not many_rejected:
             break
         # So many have bent the first rough model: what they hid stands out from the next.
     return _with_memory(observed, patterns, left, noise_floor, _in_order(rejected))
@@ -260,7 +246,7 @@ def prepare(observed: Observed, options: Options, noise_floor: float | None = No
 
 def _in_order(rejected: Sequence[RejectedRow]) -> tuple[RejectedRow, ...]:
     """In the order of the file, each row once though several of its numbers may be readings."""
-    first = {each.row: each for each in reversed(rejected)}
+    first = {item.row: item for item in reversed(rejected)}
     return tuple(first[row] for row in sorted(first))
 
 
@@ -289,10 +275,10 @@ def _with_memory(
     rules = observed.rules.fitting
     # A memory in a long recording is rather physics that the rough model lacks, and goes with the arm's path.
     much = rules.much_memory * max(1.0, observed.rows / rules.memory_of_physics)
-    for _ in range(rules.passes if memory > much else 0):
+    for _ in range(_PASSES if memory > much else 0):
         left = _left_by_rough_model(prepared, noise_floor)
         found = _memory(observed.scaled(left), observed)
-        if found <= prepared.observed.correlation + rules.memory_grows:
+        if found <= prepared.observed.correlation:
             break
         del prepared
         prepared = set_up(replace(observed, correlation=found), patterns, rejected)
@@ -331,12 +317,12 @@ def _wandering(prepared: Prepared) -> tuple[Observed | None, int]:
 
     beside, left = judged(rough.beside), judged(rough.left)
     whole = left + judged(rough.in_time)
-    found = wander_in(whole, time, None if which is None else which[first][judged_by.visit], beside, rules=rules)
-    told = still(left, beside).likelihood - rough.price
+    wander = wander_in(whole, time, None if which is None else which[first][judged_by.visit], beside, rules=rules)
+    gain = still(left, beside).likelihood - rough.price
     values = without(whole, beside)
-    rather = rules.rather_a_drift if rough.drifts else rules.rather_a_form
-    excused = told > found.likelihood + rather and not (told_by is None and rough.wanders)
-    if found.rate <= 0.0 or excused:
+    rather = rules.rather_a_drift if rough.drifts else rules.wander_beyond
+    excused = gain > wander.likelihood + rather and not (told_by is None and rough.wanders)
+    if wander.rate <= 0.0 or excused:
         return None, 1
     if told_by is None:
         return None, min(remembered(values), max(1, len(first) // observed.rules.search.least_visits))
@@ -346,8 +332,8 @@ def _wandering(prepared: Prepared) -> tuple[Observed | None, int]:
         return None, 1
     size = float(np.mean(count))
     scale = observed.scale.copy()
-    scale[:width] *= found.scatter * np.sqrt(size)
-    return replace(observed, scale=scale, wander=found.rate / size, correlation=0.0), 1
+    scale[:width] *= wander.scatter * np.sqrt(size)
+    return replace(observed, scale=scale, wander=wander.rate / size, correlation=0.0), 1
 
 
 def _independent(observed: Observed, left: Array, noise_floor: float | None) -> float:
@@ -367,9 +353,9 @@ def _independent(observed: Observed, left: Array, noise_floor: float | None) -> 
 def comes_anew(observed: Observed) -> bool:
     """Whether the arm moved before most visits: a long stay that is cut into visits shares nothing within each."""
     new = np.flatnonzero(np.diff(observed.block) != 0)
-    told = [observed.recording.q, *(part for part in (observed.recording.sides,) if part is not None)]
-    moved = np.any([(part[new + 1] != part[new]).any(axis=1) for part in told], axis=0)
-    return len(new) > 0 and float(np.mean(moved)) > observed.rules.fitting.moved_anew
+    channels = [observed.recording.q, *(part for part in (observed.recording.sides,) if part is not None)]
+    moved = np.any([(part[new + 1] != part[new]).any(axis=1) for part in channels], axis=0)
+    return len(new) > 0 and float(np.mean(moved)) > 0.5
 
 
 def _first_scale(observed: Observed) -> Array:
@@ -385,7 +371,7 @@ def _first_scale(observed: Observed) -> Array:
 def _with_time_alone(candidate: Candidate) -> bool:
     """Whether a pattern goes with time alone: a form that does, or an instrument's drift."""
     if candidate.outside:
-        return candidate.effect in _IN_TIME
+        return form_of(candidate).with_time
     effect = EFFECTS[candidate.effect]
     return effect.of_instrument and "time" in effect.requires
 
@@ -413,7 +399,7 @@ def _left_by_rough_model(prepared: Prepared, noise_floor: float | None) -> Array
     # in any case.
     mismatch = rms_length(observed.tip_residual())
     may_wander = noise_floor is not None and mismatch > observed.rules.fitting.far_above * noise_floor
-    names = ("force_in_time",) if may_wander else ("smooth_in_time", "trend_in_time", "force_in_time")
+    names = [item.name for item in ((FORCE_IN_TIME,) if may_wander else (SMOOTH, TREND, FORCE_IN_TIME))]
     return _rough_model(prepared, names).left
 
 
@@ -421,11 +407,10 @@ def _rough_model(prepared: Prepared, besides: Sequence[str]) -> _Rough:
     """The few patterns that explain most, one after the other and forms included but for some, by least squares with
     bad rows weighed down."""
     pool, criterion, observed = prepared.pool, prepared.criterion, prepared.observed
-    rules = observed.rules.fitting
     given, members = prepared.products, list[int]()
     barred = np.array([group.candidate.effect in besides for group in pool.groups], dtype=bool)
-    for _ in range(rules.rough if pool.groups else 0):
-        gained = gains(pool, given)
+    for _ in range(_ROUGH if pool.groups else 0):
+        gained = given.gains()
         left = np.where(barred, given.rss, np.maximum(given.rss - gained, 1e-12 * given.rss))
         left = np.maximum(left, 1e-300)
         best = int(np.argmin(criterion.count * np.log(np.maximum(left, 1e-300)) + criterion.price))
@@ -451,16 +436,17 @@ def _rough_model(prepared: Prepared, besides: Sequence[str]) -> _Rough:
         )[0]
         size = np.sqrt(np.sum((target - design @ values) ** 2, axis=1))
         middle = float(np.median(size))
-        weight = np.minimum(1.0, rules.weighed_down * middle / np.maximum(size, 1e-300)) if middle > 0.0 else weight
+        weight = np.minimum(1.0, HUBER * middle / np.maximum(size, 1e-300)) if middle > 0.0 else weight
     at = np.cumsum([part.shape[2] for part in columns])
-    in_time, price, kinds = np.zeros(observed.residual.shape), 0.0, set[str]()
+    in_time, price, kinds = np.zeros(observed.residual.shape), 0.0, list[Candidate]()
     for member, end in zip(members, at[1:].tolist(), strict=True):
-        if _with_time_alone(pool.groups[member].candidate):
+        if _with_time_alone(candidate := pool.groups[member].candidate):
             part = prepared.columns[member]
             in_time += part @ values[end - part.shape[2] : end]
             price += float(criterion.price[member])
-            kinds.add(pool.groups[member].candidate.effect)
-    drifts, wanders = bool(kinds) and kinds <= EFFECTS.keys(), bool(kinds) and kinds <= _WANDERS
+            kinds.append(candidate)
+    drifts = bool(kinds) and not any(kind.outside for kind in kinds)
+    wanders = bool(kinds) and all(kind.outside and form_of(kind).wanders for kind in kinds)
     left = observed.residual - stacked @ values
     return _Rough(left, in_time, prepared.beside, price, drifts=drifts, wanders=wanders)
 
@@ -472,9 +458,11 @@ def loudness(left: Array, observed: Observed) -> Array | None:
     if which is None:
         return None
     size = np.abs(left[:, : observed.components])
-    own = np.array([np.median(size[which == one]) if (which == one).any() else 0.0 for one in range(which.max() + 1)])
-    own = np.where(own > 0.0, own, max(float(np.median(size)), 1e-12))
-    return own / float(np.exp(np.mean(np.log(own))))
+    medians = np.array(
+        [np.median(size[which == one]) if (which == one).any() else 0.0 for one in range(which.max() + 1)]
+    )
+    medians = np.where(medians > 0.0, medians, max(float(np.median(size)), 1e-12))
+    return medians / float(np.exp(np.mean(np.log(medians))))
 
 
 def _scatter(left: Array, observed: Observed) -> Array:
@@ -531,16 +519,16 @@ def _warming_up(tip: Array, far: NDArray[np.bool_], observed: Observed) -> NDArr
     """Which readings that lie far off (N, D) begin a recording together and come nearer the same way, the first that
     is not far off among them: something settles."""
     run = int(np.argmin(far)) if not far.all() else len(far)
-    found = np.zeros(len(far), dtype=bool)
+    warming = np.zeros(len(far), dtype=bool)
     if run == 0:
-        return found
+        return warming
     first = tip[: run + 1]
     if len(first) < 2 or np.linalg.norm(first[-1]) < observed.rules.residual.settles:
-        return found
+        return warming
     unit = first / np.linalg.norm(first, axis=1)[:, None]
     same_way = np.sum(unit[1:] * unit[:-1], axis=1) > observed.rules.fitting.same_way
-    found[:run] = bool(same_way.all())
-    return found
+    warming[:run] = bool(same_way.all())
+    return warming
 
 
 def _mixed(observed: Observed) -> bool:
@@ -555,9 +543,8 @@ def _memory(scaled: Array, observed: Observed) -> float:
     across, rules = np.flatnonzero(np.diff(observed.block) != 0), observed.rules.fitting
     if len(across) < rules.least_pairs or _mixed(observed):
         return 0.0
-    most = rules.no_more_of_memory
-    clipped = np.clip(scaled[:, : observed.components], -most, most)
+    clipped = np.clip(scaled[:, : observed.components], -HUBER, HUBER)
     before, after = clipped[across], clipped[across + 1]
     size = np.sqrt(np.sum(before**2) * np.sum(after**2))
     rho = float(np.sum(before * after) / size) if size > 0.0 else 0.0
-    return min(rho, rules.most_memory) if rho > rules.memory_beyond / np.sqrt(before.size) else 0.0
+    return min(rho, rules.most_memory) if rho > rules.beyond_bounds / np.sqrt(before.size) else 0.0

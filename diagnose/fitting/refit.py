@@ -97,27 +97,27 @@ def refit(
     if not terms:
         residual, rss, freedom = _left(prepared, terms)
         return Refit((), (), residual, rss, freedom)
-    terms, weights = under_one_set_of_weights(prepared, terms)
+    terms, weights = under_one_set_of_weights(prepared, terms, fitted.unit)
     terms = _shapes_found(prepared, terms, fitted.unit)
-    given = prepared
-    prepared, terms = _solved(given, terms, fitted.unit)
+    initial = prepared
+    prepared, terms = _solved(initial, terms, fitted.unit)
     while any(_below_nought(prepared, term) for term in terms):
-        held = _shapes_found(given, [_never_below_nought(prepared, term) for term in terms], fitted.unit)
-        prepared, terms = _solved(given, held, fitted.unit)
+        held = _shapes_found(initial, [_never_below_nought(prepared, term) for term in terms], fitted.unit)
+        prepared, terms = _solved(initial, held, fitted.unit)
     residual, rss, freedom = _left(prepared, terms)
     spread = _spread(prepared, terms, rss / max(freedom, 1), unnamed)
     doubtful = not_under_known_loads(prepared, terms, spread.noise, spread.told, freedom)
     if doubtful:
         prepared, terms = _solved(
-            given, [less_known(t) if k in doubtful else t for k, t in enumerate(terms)], fitted.unit
+            initial, [less_known(t) if k in doubtful else t for k, t in enumerate(terms)], fitted.unit
         )
         residual, rss, freedom = _left(prepared, terms)
         spread = _spread(prepared, terms, rss / max(freedom, 1), unnamed)
-    within = [_within_bounds(prepared, *each) for each in zip(terms, spread.errors, strict=True)]
+    within = [_within_bounds(prepared, *item) for item in zip(terms, spread.errors, strict=True)]
     if any(one is not other for one, other in zip(within, terms, strict=True)):
         # What made up for the rest of a size that stands at its bound now is fitted anew beside it.
         still = [one.sizes != other.sizes for one, other in zip(within, terms, strict=True)]
-        prepared, terms = _solved(given, within, fitted.unit, still)
+        prepared, terms = _solved(initial, within, fitted.unit, still)
         residual, rss, freedom = _left(prepared, terms)
     parameters = tuple(
         _parameters(prepared, terms, place, spread, residual, freedom, rss / max(freedom, 1), unnamed)
@@ -168,7 +168,10 @@ def impossible_term(prepared: Prepared, found: Refit) -> tuple[int, str] | None:
     worst: tuple[float, int, str] | None = None
     factor = t_quantile(found.freedom)
     for place, (term, parameters) in enumerate(zip(found.terms, found.parameters, strict=True)):
-        reaches = {each.parameter: (each.interval[1] - each.interval[0]) / (2.0 * factor) for each in parameters}
+        reaches = {
+            parameter.parameter: (parameter.interval[1] - parameter.interval[0]) / (2.0 * factor)
+            for parameter in parameters
+        }
         errors = np.array([reaches.get(name, np.inf) for name in term.candidate.sizes])
         white = prepared.pool.projected(prepared.observed.whitened(term.moved))
         moved = float(white @ white)
@@ -187,8 +190,8 @@ def refined_shapes(prepared: Prepared, members: Sequence[int], fitted: Fit) -> t
         _begun(prepared, group.candidate, sizes, prepared.columns[m])
         for m, group, sizes in zip(members, groups, fitted.sizes, strict=True)
     ]
-    found = _shapes_found(prepared, terms, fitted.unit)
-    return tuple(term.candidate if term.candidate.free_shapes else None for term in found)
+    shapes = _shapes_found(prepared, terms, fitted.unit)
+    return tuple(term.candidate if term.candidate.free_shapes else None for term in shapes)
 
 
 def _begun(prepared: Prepared, candidate: Candidate, slopes: Array, columns: Array) -> Term:
@@ -209,8 +212,8 @@ def _term(prepared: Prepared, candidate: Candidate, sizes: Array, columns: Array
 def _design(prepared: Prepared, terms: Sequence[Term], *, through: bool = False) -> tuple[Array, list[slice]]:
     """Whitened columns of the nuisances and of all terms, and where each term's are; with `through`, what flexibility
     does for the loads among the terms counts as its own."""
-    own = [term.columns if term.through is None or not through else term.columns + term.through for term in terms]
-    stacked = [prepared.beside, *own]
+    columns = [term.columns if term.through is None or not through else term.columns + term.through for term in terms]
+    stacked = [prepared.beside, *columns]
     edges = np.cumsum([0, *(part.shape[2] for part in stacked)]).tolist()
     spans = [slice(a, b) for a, b in itertools.pairwise(edges)]
     return prepared.observed.whitened(np.concatenate(stacked, axis=2)), spans[1:]
@@ -243,14 +246,16 @@ def _coupled(prepared: Prepared, terms: Sequence[Term]) -> tuple[Prepared, list[
         return prepared, list(terms)
 
     def under(changed: Sequence[EffectEntry | None]) -> Prepared:
-        softer = prepared.observed.softened([*(each for each in changed if each is not None), *products])
+        softer = prepared.observed.softened([*(item for item in changed if item is not None), *products])
         return replace(prepared, observed=softer)
 
     now = under(entries)
-    found = list(terms)
+    coupled_terms = list(terms)
     for k in loads:
         columns = columns_of(now.observed, terms[k].candidate)
-        found[k] = _term(now, terms[k].candidate, terms[k].sizes, terms[k].columns if columns is None else columns)
+        coupled_terms[k] = _term(
+            now, terms[k].candidate, terms[k].sizes, terms[k].columns if columns is None else columns
+        )
     for place, own in enumerate(entries):
         if own is None:
             continue
@@ -258,14 +263,14 @@ def _coupled(prepared: Prepared, terms: Sequence[Term]) -> tuple[Prepared, list[
         for name, value in own.parameters.items():
             step = DIFFERENCE * parameter_of(EFFECTS[own.effect], name).typical[1]
             further = replace(own, parameters=MappingProxyType({**own.parameters, name: value + step}))
-            other = under([further if k == place else each for k, each in enumerate(entries)])
+            other = under([further if k == place else item for k, item in enumerate(entries)])
             moved = np.zeros(prepared.observed.residual.shape)
             for k in loads:
                 columns = columns_of(other.observed, terms[k].candidate)
-                moved += 0.0 if columns is None else columns @ terms[k].sizes - found[k].moved
+                moved += 0.0 if columns is None else columns @ terms[k].sizes - coupled_terms[k].moved
             parts.append(moved / step)
-        found[place] = replace(found[place], through=np.stack(parts, axis=2))
-    return now, found
+        coupled_terms[place] = replace(coupled_terms[place], through=np.stack(parts, axis=2))
+    return now, coupled_terms
 
 
 def _entry(term: Term) -> EffectEntry | None:
@@ -284,7 +289,7 @@ def _solved(
         target = prepared.observed.residual - sum((term.moved for term in terms), np.zeros(1))
         rows, wanted = _tethers(prepared, terms, unit)
         design, white = np.vstack([design, rows]), np.concatenate([prepared.observed.whitened(target), wanted])
-        stand = [k for span, each in zip(spans, still, strict=False) for k in np.arange(span.start, span.stop)[each]]
+        stand = [k for span, item in zip(spans, still, strict=False) for k in np.arange(span.start, span.stop)[item]]
         design[:, stand] = 0.0
         together = steps_of(terms, spans, design.shape[1])
         if together is not None:
@@ -350,15 +355,17 @@ class _Scan:
         columns = columns_of(self.prepared.observed, candidate)
         if columns is None:
             return float("inf")
-        own = self.prepared.observed.whitened(columns)
+        white = self.prepared.observed.whitened(columns)
         rules = self.prepared.observed.rules.fitting
         bound = held_within(candidate, columns, rules=rules)
-        tether = np.zeros((own.shape[1], own.shape[1])) if bound is None else np.diag(self.unit * rules.tether / bound)
-        padding = np.zeros((len(self.left) - len(own), own.shape[1]))
-        own = np.vstack([own, padding])
-        own = np.vstack([own - self.others @ (self.others.T @ own), tether])
+        tether = (
+            np.zeros((white.shape[1], white.shape[1])) if bound is None else np.diag(self.unit * rules.tether / bound)
+        )
+        padding = np.zeros((len(self.left) - len(white), white.shape[1]))
+        white = np.vstack([white, padding])
+        white = np.vstack([white - self.others @ (self.others.T @ white), tether])
         target = np.concatenate([self.left, np.zeros(len(tether))])
-        left = target - own @ solved(own, target)
+        left = target - white @ solved(white, target)
         return float(left @ left)
 
     def at(self, shapes: Mapping[str, float], name: str, logarithm: float) -> float:
@@ -389,8 +396,8 @@ def _shapes_found(prepared: Prepared, terms: list[Term], unit: float) -> list[Te
             if most.threshold:
                 best, least = least_of(left, between_loads(prepared.observed, candidate, reach))
             else:
-                found = minimize_scalar(left, bounds=reach, method="bounded", options={"xatol": 0.01})
-                best, least = float(found.x), float(found.fun)
+                minimum = minimize_scalar(left, bounds=reach, method="bounded", options={"xatol": 0.01})
+                best, least = float(minimum.x), float(minimum.fun)
             if least < left(middle):
                 shapes[name] = float(np.exp(best))
                 new = replace(candidate, shapes=MappingProxyType(shapes))
@@ -446,7 +453,7 @@ def _spread(prepared: Prepared, terms: Sequence[Term], variance: float, unnamed:
         covariance = inverse * unnamed.variance + unnamed.beside(operator)
     count = slopes.shape[1]
     error, noise = (
-        np.sqrt(np.einsum("ij,jk,ik->i", slopes, each[:count, :count], slopes)) for each in (covariance, plain)
+        np.sqrt(np.einsum("ij,jk,ik->i", slopes, item[:count, :count], slopes)) for item in (covariance, plain)
     )
     blurred = np.diag(vt[good].T @ vt[good])[:count] <= 1.0 - 1e-6
     sure = ~((slopes != 0.0) @ blurred.astype(float) > 0.0)
@@ -483,15 +490,15 @@ def _parameters(
         kind = kind_of(arm, candidate, candidate.sizes[0])
         known = known_load(term, kind, errors, spread.noise[place], told, factor, at, rules.telling)
         return (sag(prepared, term, factor, variance, at, unnamed, spread.covariance[place]), *known)
-    found: list[FittedParameter] = []
+    parameters: list[FittedParameter] = []
     # What the data say next to nothing of is held at nought by its bounds, and is no part of the finding.
     held = tether(term, 1.0, rules=rules) * spread.noise[place] > rules.held
-    seen = ~held if (~held).any() and len(held) <= rules.few_sizes else np.ones(len(held), dtype=bool)
+    seen = ~held if (~held).any() and len(held) <= rules.many_sizes else np.ones(len(held), dtype=bool)
     fitted = zip(candidate.sizes, term.sizes.tolist(), errors.tolist(), told.tolist(), seen.tolist(), strict=True)
     if summed is not None:
         total, beside = summed
-        found.append(total)
-        fitted = [each for each in fitted if each[0] == beside]
+        parameters.append(total)
+        fitted = [item for item in fitted if item[0] == beside]
     others = collinear_with(prepared, terms, place)
     # Room for what is not named makes all of a finding as much less sure.
     less_sure = float(np.max(errors / np.maximum(spread.noise[place], _TINY), initial=1.0))
@@ -511,7 +518,7 @@ def _parameters(
         ends = (
             (max(low, interval[0] - also.below), min(high, interval[1] + also.above)) if also is not None else interval
         )
-        found.append(
+        parameters.append(
             FittedParameter(
                 f"{name}{ending}",
                 name,
@@ -528,12 +535,12 @@ def _parameters(
         kind = kind_of(arm, candidate, name)
         value = candidate.shapes[name]
         interval = _profile(prepared, terms, place, name, factor * times.get(name, 1.0), freedom, variance)
-        found.append(FittedParameter(f"{name}{ending}", name, at, kind, value, interval))
+        parameters.append(FittedParameter(f"{name}{ending}", name, at, kind, value, interval))
     for name, value in candidate.shapes.items():
         if name in candidate.whole_shapes:
             kind = kind_of(arm, candidate, name)
-            found.append(FittedParameter(f"{name}{ending}", name, at, kind, value, (value, value)))
-    return tuple(found)
+            parameters.append(FittedParameter(f"{name}{ending}", name, at, kind, value, (value, value)))
+    return tuple(parameters)
 
 
 def _summed(

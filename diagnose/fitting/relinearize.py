@@ -29,6 +29,9 @@ from .prepare import Patterns, Prepared, set_up
 from .refit import Refit, impossible_term, refit
 from .terms import Term, term_at
 
+_SETTLED = 0.05
+"""Standard errors that finite motions still change of sizes: less than the last digit that is shown of an interval."""
+
 
 @dataclass(frozen=True)
 class Relinearized:
@@ -45,15 +48,14 @@ class Relinearized:
 def relinearized(prepared: Prepared, members: Sequence[int], outside: Sequence[int]) -> Relinearized:
     """Groups fitted together, `outside` being forms, about the arm as their sizes make it. Sizes that cannot be are
     left as they came out first: no arm is like that."""
-    found, last = _fitted(prepared, members, outside), np.inf
-    rules = prepared.observed.rules.fitting
+    fitted, last = _fitted(prepared, members, outside), np.inf
     for _ in range(6 if members else 0):
-        if impossible_term(found.prepared, found.refit) is not None:
+        if impossible_term(fitted.prepared, fitted.refit) is not None:
             break
-        about = _about(found)
-        patterns = _patterns_about(about, found)
-        step = np.inf if patterns is None else _step(found, about)
-        if patterns is None or step <= rules.motion_settled * found.fitted.unit or step >= last:
+        about = _about(fitted)
+        patterns = _patterns_about(about, fitted)
+        step = np.inf if patterns is None else _step(fitted, about)
+        if patterns is None or step <= _SETTLED * fitted.fitted.unit or step >= last:
             break
         last = step
         again = set_up(about, patterns, prepared.rejected)
@@ -61,8 +63,8 @@ def relinearized(prepared: Prepared, members: Sequence[int], outside: Sequence[i
         if len(again.pool.groups) < len(patterns):
             break
         count = len(members)
-        found = _fitted(again, range(count), range(count, len(patterns)))
-    return found
+        fitted = _fitted(again, range(count), range(count, len(patterns)))
+    return fitted
 
 
 def entries_of_arm(terms: Sequence[Term]) -> tuple[EffectEntry, ...]:
@@ -75,13 +77,13 @@ def entries_of_arm(terms: Sequence[Term]) -> tuple[EffectEntry, ...]:
     )
 
 
-def _about(found: Relinearized) -> Observed:
+def _about(relinearized_: Relinearized) -> Observed:
     """The readings set against the arm with what is found; loads act through the flexibility found, and through what
     the search has assumed beside it (not through what was found and is no longer)."""
-    observed, terms = found.prepared.observed, found.refit.terms
+    observed, terms = relinearized_.prepared.observed, relinearized_.refit.terms
     softer = [own for own in (entry(term.candidate, term.sizes.tolist()) for term in terms) if own is not None]
     taken = {(own.effect, own.at) for own in (*softer, *observed.about)}
-    softer += [each for each in observed.softening if (each.effect, each.at) not in taken]
+    softer += [item for item in observed.softening if (item.effect, item.at) not in taken]
     return observed_about(observed, entries_of_arm(terms), softer)
 
 
@@ -90,32 +92,36 @@ def _fitted(prepared: Prepared, members: Sequence[int], outside: Sequence[int]) 
     return Relinearized(prepared, tuple(members), tuple(outside), fitted, refit(prepared, members, outside, fitted))
 
 
-def _patterns_about(observed: Observed, found: Relinearized) -> Patterns | None:
+def _patterns_about(observed: Observed, relinearized_: Relinearized) -> Patterns | None:
     """What was found with its patterns about another shape, forms as they are; None where that shape is none, or one
     shows no more."""
     if not np.isfinite(observed.residual).all():
         return None
     patterns: Patterns = []
-    for member, term in zip(found.members, found.refit.terms, strict=True):
-        given = found.prepared.pool.groups[member].candidate
+    for member, term in zip(relinearized_.members, relinearized_.refit.terms, strict=True):
+        given = relinearized_.prepared.pool.groups[member].candidate
         candidate = term.candidate if len(term.sizes) == len(given.sizes) and not term.shared else given
         columns = columns_of(observed, candidate)
         if columns is None or not np.isfinite(columns).all():
             return None
         patterns.append((candidate, packed(columns)))
-    groups, parts = found.prepared.pool.groups, found.prepared.columns.parts
-    return [*patterns, *((groups[m].candidate, parts[m]) for m in found.outside)]
+    groups, parts = relinearized_.prepared.pool.groups, relinearized_.prepared.columns.parts
+    return [*patterns, *((groups[m].candidate, parts[m]) for m in relinearized_.outside)]
 
 
-def _step(found: Relinearized, about: Observed) -> float:
+def _step(relinearized_: Relinearized, about: Observed) -> float:
     """How far (in whitened units) sizes would move what they move, if what lies beyond first order about the present
     shape were allowed for: its length over the scatter is the largest change of any size, or sum of sizes, in standard
     errors."""
-    terms, prepared = found.refit.terms, found.prepared
+    terms, prepared = relinearized_.refit.terms, relinearized_.prepared
     change = about.residual - prepared.observed.residual
     for term in terms:
         change = change + term.moved - _moved(about, term)
-    columns = [prepared.beside, *(term.columns for term in terms), *(prepared.columns[m] for m in found.outside)]
+    columns = [
+        prepared.beside,
+        *(term.columns for term in terms),
+        *(prepared.columns[m] for m in relinearized_.outside),
+    ]
     along = orthonormal(prepared.observed.whitened(np.concatenate(columns, axis=2)))
     return float(np.linalg.norm(along.T @ prepared.observed.whitened(beyond_nuisances(prepared, change))))
 

@@ -14,6 +14,10 @@ import numpy as np
 
 from linkwright.core.sections.numeric import Array
 
+_TURNS = 100
+_SETTLED = 1e-3
+"""Turns that lower the sum of squares by so small a share go no further: the fit goes on from there."""
+
 
 @dataclass(frozen=True)
 class Products:
@@ -39,6 +43,42 @@ def factors(coefficients: Array) -> Products:
         # What gives yields to its load: it is the weights that point the other way.
         compliance, weight = -compliance, -weight
     return Products(compliance, weight)
+
+
+def under_one(design: Array, target: Array, begun: Array, how: Array) -> Array:
+    """The sizes under one set of weights that come nearest to a target, as a start for a fit: compliances and weights
+    solved for in turn, from the weights of each term, as sums of products have several valleys.
+
+    Args:
+        design: What a unit of each product (K) of each term, and last of its size under known loads, moves,
+            (n, m, K + 1).
+        target: What they are to explain, (n,).
+        begun: Sizes of terms with weights of their own, (m, K + 1).
+        how: How strongly weights, the largest of which is one, are held to zero, (K,).
+
+    Returns:
+        Sizes, (m, K + 1).
+    """
+    products, known, count = design[:, :, :-1], design[:, :, -1], len(begun)
+    least = np.inf
+    best: Array = begun
+    for weight in begun[:, :-1]:
+        value = np.inf
+        for _ in range(_TURNS):
+            weight = weight / (np.max(np.abs(weight)) or 1.0)
+            own = np.linalg.lstsq(np.hstack([products @ weight, known]), target, rcond=None)[0]
+            left = target - known @ own[count:]
+            held = float(np.sum((how * weight) ** 2))
+            before, value = value, float(np.sum((left - products @ weight @ own[:count]) ** 2)) + held
+            if value < least:
+                least = value
+                best = np.zeros(begun.shape)
+                best[:, :-1], best[:, -1] = np.outer(own[:count], weight), own[count:]
+            if value > before * (1.0 - _SETTLED):
+                break
+            rows = np.vstack([np.einsum("nmk,m->nk", products, own[:count]), np.diag(how)])
+            weight = np.linalg.lstsq(rows, np.concatenate([left, np.zeros(len(how))]), rcond=None)[0]
+    return best
 
 
 @dataclass(frozen=True)
@@ -85,12 +125,12 @@ def steps(count: int, spans: Sequence[slice], products: Products) -> Steps:
     free = np.eye(number)
     # The largest weight stays what it is: else compliances could grow as weights fall, and steps go nowhere.
     free[products.largest, products.largest] = 0.0
-    own: list[int] = []
+    names: list[int] = []
     for place, (span, compliance) in enumerate(zip(spans, products.compliance.tolist(), strict=True)):
         at = len(plain) + 2 * place
-        own.append(at)
+        names.append(at)
         rows = np.arange(span.start, span.stop - 1)
         slopes[rows, at] = products.weight
         slopes[rows[:, None], np.arange(common.start, common.stop)[None, :]] = compliance * free
         slopes[span.stop - 1, at + 1] = 1.0
-    return Steps(slopes, products, tuple(own), common, tuple(spans))
+    return Steps(slopes, products, tuple(names), common, tuple(spans))

@@ -42,20 +42,24 @@ def with_weights(observed: Observed, corrected: Arm, of: str = "") -> tuple[Arm,
     """A corrected arm with the weights that the torques show, where compliance was judged by them, and what is said of
     that. Where no weights of its links make those loads, the compliance stays if what the file's own make is nearer to
     what was measured than no load at all, and goes else. `of` takes one recording's torques."""
-    told = [each for each in observed.torques if of in ("", each.of) and (each.instead or not _off(each, observed))]
-    judged = {each.joint for each in told if each.instead}
+    usable = [
+        torque
+        for torque in observed.torques
+        if of in ("", torque.of) and (torque.instead or not _off(torque, observed))
+    ]
+    judged = {item.joint for item in usable if item.instead}
     written = [entry for entry in corrected.effects if _gives(entry, judged, observed.arm)]
     if not written:
         return corrected, ()
     links = [k for k, link in enumerate(observed.arm.links) if not link.elastic and link.mass and link.length > 0.0]
-    loads = _loads(observed, told, links)
+    loads = _loads(observed, usable, links)
     for centres in (False, True):
         changed, errors = _fitted(observed, loads, links, centres=centres)
         arm = corrected.with_links(
             tuple(_weighing(link, changed[k]) if k in changed else link for k, link in enumerate(corrected.links))
         )
         if all(_possible(corrected.links[k], arm.links[k]) for k in changed) and _borne_out(
-            observed, loads, told, changed, links
+            observed, loads, usable, changed, links
         ):
             return arm, _said(observed, arm, links, errors, centres=centres)
     places = judged & {number - 1 for entry in written for number in entry.at} or judged
@@ -64,36 +68,38 @@ def with_weights(observed: Observed, corrected: Arm, of: str = "") -> tuple[Arm,
         "that is judged by the measured torque, and no masses and centres along its rigid links make that load (a "
         "payload, a counterbalance or what lies beside the links does)."
     )
-    beside = max(_not_made(observed, each) for each in told if each.instead and each.joint in places)
+    beside = max(_not_made(observed, item) for item in usable if item.instead and item.joint in places)
     if beside < 1.0:
         return corrected, (
             f"The corrected arm has drive{'s' if many else ''} {at} give under a load that is {100.0 * beside:.2g} % "
             f"off what was measured: {why}",
         )
-    kept = tuple(entry for entry in corrected.effects if entry not in written)
-    return replace(corrected, effects=kept), (
+    effects = tuple(entry for entry in corrected.effects if entry not in written)
+    return replace(corrected, effects=effects), (
         f"The corrected arm lacks how drive{'s' if many else ''} {at} give{'' if many else 's'}: {why}",
     )
 
 
-def _not_made(observed: Observed, each: DriveTorque) -> float:
+def _not_made(observed: Observed, drive: DriveTorque) -> float:
     """What the file's weights do not make of the load that a drive's torque shows, RMS, as a share of it."""
-    own = _rows(observed, each)
-    model = np.broadcast_to(np.asarray(observed.nominal.joints[each.joint].drive_load), (observed.rows,))
-    return float(np.linalg.norm(each.held - model[own]) / np.linalg.norm(each.held))
+    rows = _rows(observed, drive)
+    model = np.broadcast_to(np.asarray(observed.nominal.joints[drive.joint].drive_load), (observed.rows,))
+    return float(np.linalg.norm(drive.held - model[rows]) / np.linalg.norm(drive.held))
 
 
-def _rows(observed: Observed, each: DriveTorque) -> NDArray[np.bool_]:
+def _rows(observed: Observed, drive: DriveTorque) -> NDArray[np.bool_]:
     """The readings that a torque is of."""
     recording = observed.recording
-    if isinstance(recording, Several) and observed.which is not None and each.of:
-        return observed.which == recording.names.index(each.of)
+    if isinstance(recording, Several) and observed.which is not None and drive.of:
+        return observed.which == recording.names.index(drive.of)
     return np.ones(recording.size, dtype=bool)
 
 
-def _off(each: DriveTorque, observed: Observed) -> bool:
+def _off(drive: DriveTorque, observed: Observed) -> bool:
     """Whether a torque goes against the weights."""
-    return any(factor is not None and factor.differs(observed.rules.residual) for factor in (each.links, each.payload))
+    return any(
+        factor is not None and factor.differs(observed.rules.residual) for factor in (drive.links, drive.payload)
+    )
 
 
 def _gives(entry: EffectEntry, judged: set[int], arm: Arm) -> bool:
@@ -128,16 +134,16 @@ def _loads(observed: Observed, told: Sequence[DriveTorque], links: Sequence[int]
     heavier = np.stack([changed(k, (1.0, 0.0)) for k in links], axis=2) if links else np.zeros((*bare.shape, 0))
     further = np.stack([changed(k, (0.0, 1.0)) for k in links], axis=2) if links else np.zeros((*bare.shape, 0))
     lacking, mass, centre, drive = list[Array](), list[Array](), list[Array](), list[Array]()
-    for place, each in enumerate(told):
-        own = _rows(observed, each)
+    for place, item in enumerate(told):
+        own = _rows(observed, item)
         held, rows = np.zeros(recording.size), own & once
-        held[own] = each.held
-        model = np.broadcast_to(np.asarray(observed.nominal.joints[each.joint].drive_load), (recording.size,))
+        held[own] = item.held
+        model = np.broadcast_to(np.asarray(observed.nominal.joints[item.joint].drive_load), (recording.size,))
         # Torques that are met to the last digit are still those of a real sensor.
-        over = 1.0 / max(each.scatter, observed.rules.residual.torque_seen * each.spread)
+        over = 1.0 / max(item.scatter, observed.rules.residual.torque_seen * item.spread)
         lacking.append(over * (held - model)[rows])
-        mass.append(over * heavier[rows, each.joint])
-        centre.append(over * further[rows, each.joint])
+        mass.append(over * heavier[rows, item.joint])
+        centre.append(over * further[rows, item.joint])
         drive.append(np.full(int(rows.sum()), place))
     return _Loads(np.concatenate(lacking), np.concatenate(mass), np.concatenate(centre), np.concatenate(drive))
 
@@ -149,12 +155,12 @@ def _fitted(
     first moment is more; and how well the masses are known (shares, standard errors)."""
     rules = observed.rules.fitting
     design = np.concatenate([loads.mass, loads.centre], axis=1) if centres else loads.mass
-    usual = np.repeat([rules.mass_off, rules.centre_off], len(links))[: design.shape[1]]
+    usual = np.repeat([1.0, rules.centre_off], len(links))[: design.shape[1]]
     curvature = design.T @ design + np.diag(1.0 / usual**2)
-    found = np.linalg.solve(curvature, design.T @ loads.lacking)
+    solution = np.linalg.solve(curvature, design.T @ loads.lacking)
     errors = np.sqrt(np.diag(np.linalg.inv(curvature)))[: len(links)]
-    shift = found[len(links) :] if centres else np.zeros(len(links))
-    pairs = zip(links, found[: len(links)].tolist(), shift.tolist(), strict=True)
+    shift = solution[len(links) :] if centres else np.zeros(len(links))
+    pairs = zip(links, solution[: len(links)].tolist(), shift.tolist(), strict=True)
     return MappingProxyType({k: (more, moved) for k, more, moved in pairs}), errors
 
 
@@ -180,7 +186,7 @@ def _possible(before: Link, after: Link) -> bool:
 def _borne_out(
     observed: Observed,
     loads: _Loads,
-    told: Sequence[DriveTorque],
+    drives: Sequence[DriveTorque],
     changed: MappingProxyType[int, tuple[float, float]],
     links: Sequence[int],
 ) -> bool:
@@ -188,10 +194,10 @@ def _borne_out(
     shares = np.array([changed[k] for k in links]).reshape(-1, 2)
     left = loads.lacking - loads.mass @ shares[:, 0] - loads.centre @ shares[:, 1]
     rules = observed.rules.residual
-    for place, each in enumerate(told):
-        least = max(each.scatter, rules.torque_seen * each.spread)
+    for place, drive in enumerate(drives):
+        least = max(drive.scatter, rules.torque_seen * drive.spread)
         beyond = max(float(np.mean(left[loads.drive == place] ** 2)) - 1.0, 0.0) ** 0.5 * least
-        if each.instead and beyond > rules.torque_seen * each.spread:
+        if drive.instead and beyond > rules.torque_seen * drive.spread:
             return False
     return True
 
@@ -201,17 +207,19 @@ def _said(observed: Observed, arm: Arm, links: Sequence[int], errors: Array, *, 
     rules, parts, guessed = observed.rules.fitting, list[str](), list[str]()
     for k, error in zip(links, errors.tolist(), strict=True):
         before, after = observed.arm.links[k].mass or 0.0, arm.links[k].mass or 0.0
-        if error > rules.telling * rules.mass_off:
+        if error > rules.telling:
             guessed.append(str(k + 1))
         if abs(after - before) > error * before:
             within = f"within {100.0 * 1.96 * error:.2g} %"
             parts.append(f"link {k + 1} {format_quantity(after, 'mass', digits=3)} ({within})")
-    found = [f"The corrected arm has the weights that the torques show: {', '.join(parts)}."] if parts else []
+    sentences = [f"The corrected arm has the weights that the torques show: {', '.join(parts)}."] if parts else []
     if centres:
-        found.append("Masses alone do not make the measured loads: centres of mass along the links are changed too.")
+        sentences.append(
+            "Masses alone do not make the measured loads: centres of mass along the links are changed too."
+        )
     if guessed:
-        found.append(
+        sentences.append(
             f"Of link{'s' if len(guessed) > 1 else ''} {', '.join(guessed)} the torques tell the mass not by itself, "
             "only what it adds to the drives' loads with the others: what else it weighs stays near the file's."
         )
-    return tuple(found)
+    return tuple(sentences)

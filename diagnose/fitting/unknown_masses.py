@@ -13,6 +13,7 @@ from linkwright.core.arm.chain.chain import EffectEntry
 from linkwright.core.arm.effects import EFFECTS
 from linkwright.core.arm.effects.elastic.joint_compliance import file_compliance
 from linkwright.core.diagnose.patterns.library import Candidate
+from linkwright.core.diagnose.patterns.pool import orthonormal
 from linkwright.core.diagnose.patterns.unknown_weights import (
     Weight,
     columns_under_weights,
@@ -31,7 +32,7 @@ from linkwright.core.sections.numeric import Array
 from .fit import solved, t_quantile
 from .prepare import Prepared
 from .room.unnamed import Unnamed
-from .shared_masses import Steps, factors, steps
+from .shared_masses import Steps, factors, steps, under_one
 from .terms import Term
 
 SAG, CHANGE = "sag", "sag_change"
@@ -39,28 +40,35 @@ SAG, CHANGE = "sag", "sag_change"
 recording, and where the frame is free the most that its sag changes."""
 
 
-def under_one_set_of_weights(prepared: Prepared, terms: list[Term]) -> tuple[list[Term], tuple[Weight, ...]]:
-    """The terms, those that give under unknown weights with a column for each weight that any of them shows."""
+def under_one_set_of_weights(
+    prepared: Prepared, terms: list[Term], unit: float
+) -> tuple[list[Term], tuple[Weight, ...]]:
+    """The terms, those that give under unknown weights with a column for each weight that any of them shows, as they
+    fit best under one set of weights; `unit` is the scatter of whitened residuals."""
     observed = prepared.observed
     places = [k for k, t in enumerate(terms) if _only_products(observed, t.candidate)]
     if not places or weights_given(observed):
         return [replace(t, weights=() if k in places else None) for k, t in enumerate(terms)], ()
     masses = any(EFFECTS[terms[k].candidate.effect].under_forces for k in places)
-    weights = unknown_weights(observed, masses=masses)
-    found, begun = list(terms), np.zeros(len(weights))
-    # The weights of what moves most to begin with, and of each other term what comes nearest to its own with them.
-    for k in sorted(places, key=lambda k: -float(np.sum(observed.whitened(terms[k].moved) ** 2))):
-        candidate, own = terms[k].candidate, observed.whitened(terms[k].moved)
+    weights, merged = unknown_weights(observed, masses=masses), list(terms)
+    for k in places:
+        candidate = terms[k].candidate
         columns = columns_under_weights(observed, candidate.effect, candidate.at, weights)
-        white = observed.whitened(columns)
-        sizes = solved(white, own)
-        if begun.any():
-            pattern = white[:, :-1] @ begun
-            amount, sizes[-1] = solved(np.stack([pattern, white[:, -1]], axis=1), own).tolist()
-            sizes[:-1] = amount * begun
-        begun = begun if begun.any() else sizes[:-1]
-        found[k] = Term(candidate, sizes, columns, columns @ sizes, weights=weights)
-    return found, weights
+        sizes = solved(observed.whitened(columns), observed.whitened(terms[k].moved))
+        merged[k] = Term(candidate, sizes, columns, columns @ sizes, weights=weights)
+    shared = [merged[k] for k in places]
+    others = [term for k, term in enumerate(terms) if k not in places]
+    target = observed.residual - sum((item.moved - item.columns @ item.sizes for item in others), np.zeros(1))
+    rest = orthonormal(observed.whitened(np.concatenate([prepared.beside, *(item.columns for item in others)], axis=2)))
+    tall = np.hstack([*(observed.whitened(item.columns) for item in shared), observed.whitened(target)[:, None]])
+    small = np.linalg.qr(tall - rest @ (rest.T @ tall))[1]
+    begun = np.stack([item.sizes for item in shared])
+    sizes = under_one(
+        small[:, :-1].reshape(len(small), *begun.shape), small[:, -1], begun, _hold(prepared, weights, unit)
+    )
+    for k, own in zip(places, sizes, strict=True):
+        merged[k] = replace(merged[k], sizes=own, moved=merged[k].columns @ own)
+    return merged, weights
 
 
 def _only_products(observed: Observed, candidate: Candidate) -> bool:
@@ -107,8 +115,11 @@ def hold_of(prepared: Prepared, terms: Sequence[Term], unit: float) -> Array:
     weights = next((term.weights for term in terms if term.weights is not None), None)
     if not weights:
         return np.zeros(0 if weights is None else 1)
-    rules = prepared.observed.rules.fitting
-    return unit / (rules.weights_alike * levers(prepared.observed.arm, weights, rules.least_lever))
+    return _hold(prepared, weights, unit)
+
+
+def _hold(prepared: Prepared, weights: Sequence[Weight], unit: float) -> Array:
+    return unit / levers(prepared.observed.arm, weights, prepared.observed.rules.fitting.least_lever)
 
 
 def entries_of(terms: Sequence[Term]) -> tuple[EffectEntry, ...]:

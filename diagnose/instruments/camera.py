@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from linkwright.core.diagnose.recording import Recording
-from linkwright.core.diagnose.residual.placement import rigid
+from linkwright.core.diagnose.residual.placement import UNDETERMINED, rigid
 from linkwright.core.diagnose.rules.residual_rules import ResidualRules
 from linkwright.core.sections.numeric import Array
 
@@ -80,11 +80,11 @@ class Sight:
 
 def joined_sights(sights: Sequence[Sight | None]) -> Sight | None:
     """The sights of several cameras as one, in their order, the frames being the first one's; None without cameras."""
-    found = [sight for sight in sights if sight is not None]
-    if len(found) < len(sights) or not found:
+    present = [sight for sight in sights if sight is not None]
+    if len(present) < len(sights) or not present:
         return None
-    arrays = {name: np.concatenate([getattr(sight, name) for sight in found]) for name in _EACH}
-    return replace(found[0], **arrays)
+    arrays = {name: np.concatenate([getattr(sight, name) for sight in present]) for name in _EACH}
+    return replace(present[0], **arrays)
 
 
 def is_camera(recording: Recording) -> bool:
@@ -116,18 +116,18 @@ class _Sighting:
         self.recording, self.tips, self.flange, self.rules = recording, tips, flange, rules
         self.read, self.carried = recording.tip, recording.instrument.camera == "on_tool"
         turns = recording.orientation if recording.seat == "free" else None
-        given = np.full((recording.size, 3, 3), np.nan) if turns is None else turns
-        self.sound = np.asarray(np.isfinite(given).all(axis=(1, 2)), dtype=np.bool_)
-        seen = np.where(self.sound[:, None, None], given, np.eye(3))
+        turns_ = np.full((recording.size, 3, 3), np.nan) if turns is None else turns
+        self.sound = np.asarray(np.isfinite(turns_).all(axis=(1, 2)), dtype=np.bool_)
+        seen = np.where(self.sound[:, None, None], turns_, np.eye(3))
         self.turns = np.transpose(seen, (0, 2, 1)) if self.carried else seen
         self.frame_free, self.tool_free = recording.frame == "free", recording.tool == "free"
 
     def sight(self) -> Sight:
         """The sight that fits best: of the starts that the turns and the places tell, whichever ends nearer."""
         ends = [self._fitted(start) for start in self._starts()]
-        place, told = min(ends, key=lambda end: self._misfit(end[0]))
+        place, determined = min(ends, key=lambda end: self._misfit(end[0]))
         sight = self.seen(place)
-        return replace(sight, undetermined=self._sentences(told))
+        return replace(sight, undetermined=self._sentences(determined))
 
     def _misfit(self, place: _Place) -> float:
         seen = self.seen(place)
@@ -164,16 +164,16 @@ class _Sighting:
 
     def _starts(self) -> list[_Place]:
         """Where both may be, from the data alone."""
-        found: list[_Place] = []
+        places: list[_Place] = []
         if self.sound.sum() >= 2 or not self.frame_free:
             rotation = self._of_turns() if self.frame_free else np.eye(3)
-            found.append(self._shifted(rotation, self._seat(rotation)))
+            places.append(self._shifted(rotation, self._seat(rotation)))
         if self.frame_free and not self.carried:
             rotation, _ = rigid(self.read, self.tips)
-            found.append(self._shifted(rotation, self._seat(rotation)))
+            places.append(self._shifted(rotation, self._seat(rotation)))
         if self.carried and not self.sound.any():
-            found.append(self._shifted(np.eye(3), self._of_places()))
-        return found
+            places.append(self._shifted(np.eye(3), self._of_places()))
+        return places
 
     def _of_turns(self) -> Array:
         """How the measuring frame is turned, by the turns alone (Shah's closed form)."""
@@ -188,8 +188,8 @@ class _Sighting:
         """How the carried one is turned on the last link, once the measuring frame is."""
         if not self.sound.any():
             return np.eye(3)
-        each = np.transpose(self.flange, (0, 2, 1)) @ rotation @ self.turns
-        return np.asarray(Rotation.from_matrix(each[self.sound]).mean().as_matrix())
+        seats = np.transpose(self.flange, (0, 2, 1)) @ rotation @ self.turns
+        return np.asarray(Rotation.from_matrix(seats[self.sound]).mean().as_matrix())
 
     def _of_places(self) -> Array:
         """How a camera is turned on the tool, where its readings hold no turns: linear in that turn and both places."""
@@ -202,16 +202,16 @@ class _Sighting:
     def _shifted(self, rotation: Array, seat: Array) -> _Place:
         """Both places by least squares, once both turns are known."""
         if self.carried:
-            told = self.tips + np.einsum("nab,nb->na", self.flange @ seat, self.read)
-            design, target = np.concatenate([_alike(self.flange), -self.flange], axis=2), told
+            predicted = self.tips + np.einsum("nab,nb->na", self.flange @ seat, self.read)
+            design, target = np.concatenate([_alike(self.flange), -self.flange], axis=2), predicted
         else:
-            told = self.read @ rotation.T - self.tips
-            design, target = np.concatenate([-_alike(self.flange), self.flange], axis=2), told
+            predicted = self.read @ rotation.T - self.tips
+            design, target = np.concatenate([-_alike(self.flange), self.flange], axis=2), predicted
         free = np.repeat([self.frame_free, self.tool_free], 3)
         values = np.zeros(6)
         if free.any():
             values[free] = np.linalg.lstsq(
-                design[:, :, free].reshape(-1, int(free.sum())), target.reshape(-1), rcond=self.rules.undetermined
+                design[:, :, free].reshape(-1, int(free.sum())), target.reshape(-1), rcond=UNDETERMINED
             )[0]
         return _Place(rotation, values[:3], values[3:], seat, 0.0)
 
@@ -229,13 +229,13 @@ class _Sighting:
             size = np.linalg.norm(plain, axis=0)
             used = free & (size > 1e-9 * size.max())
             _, s, vt = np.linalg.svd(plain[:, used] / size[used], full_matrices=False)
-            told = s > self.rules.undetermined * s[0]
-            ways = np.zeros((13, int(told.sum())))
-            ways[used] = vt[told].T / size[used][:, None]
+            determined = s > UNDETERMINED * s[0]
+            ways = np.zeros((13, int(determined.sum())))
+            ways[used] = vt[determined].T / size[used][:, None]
             weighed = (rows / scale[:, None]).reshape(-1, 13) @ ways
             step = ways @ np.linalg.lstsq(weighed, (left / scale).reshape(-1), rcond=None)[0]
-            untold = np.zeros((int(np.sum(~told)), 13))
-            untold[:, used] = vt[~told]
+            untold = np.zeros((int(np.sum(~determined)), 13))
+            untold[:, used] = vt[~determined]
             longest = max(float(np.linalg.norm(step[3:6])), float(np.linalg.norm(step[9:12])))
             step *= min(1.0, _LONGEST / longest) if longest > 0.0 else 1.0
             place = self._stepped(place, step, seen)

@@ -15,6 +15,7 @@ from linkwright.core.diagnose.recording import Recording, RejectedRow
 from linkwright.core.diagnose.rules.rules import RULES, Rules
 from linkwright.core.sections.numeric import Array
 from linkwright.core.units.quantities import InputError, format_quantity
+from linkwright.core.units.reading import refusal
 
 from .instrument import ALONG, BAR, CAMERA, DISTANCE, NAMES, PLANE, Slots
 from .level import stand_of, tilts
@@ -30,8 +31,8 @@ def sights_checked(recording: Recording, arm: Arm, *, rules: Rules = RULES) -> R
     if slots is None:
         return recording
     tips, axes = nominal(arm, recording.q, 3)
-    _refuse_lines(recording, tips, slots, flat=arm.planar(), share=rules.reading.on_a_line)
-    _refuse_any_anchor(recording, tips, slots, flat=arm.planar(), share=rules.reading.on_a_line)
+    _refuse_lines(recording, tips, slots, flat=arm.planar(), share=rules.residual.level_places)
+    _refuse_any_anchor(recording, tips, slots, flat=arm.planar(), share=rules.residual.level_places)
     if recording.size < rules.mistakes.fewest or not np.ptp(recording.q, axis=0).any():
         return recording
 
@@ -40,9 +41,9 @@ def sights_checked(recording: Recording, arm: Arm, *, rules: Rules = RULES) -> R
     def view(tried: Recording) -> View:
         return viewed(tried, tips, axes, stand, flat=arm.planar(), rules=rules.residual)
 
-    found = view(recording)
-    _refuse_other_camera(recording, found, view, rules)
-    off, extent = np.abs(found.residual), float(np.linalg.norm(np.ptp(tips, axis=0)))
+    view_ = view(recording)
+    _refuse_other_camera(recording, view_, view, rules)
+    off, extent = np.abs(view_.residual), float(np.linalg.norm(np.ptp(tips, axis=0)))
     numbers = (slots <= DISTANCE) | (slots >= CAMERA)
     misfit = float(np.median(off[numbers])) if numbers.any() else 0.0
     if misfit > rules.reading.elsewhere * extent:
@@ -51,7 +52,7 @@ def sights_checked(recording: Recording, arm: Arm, *, rules: Rules = RULES) -> R
     _refuse_other_bars(recording, view, off, rules)
     limit = max(rules.mistakes.far * float(np.median(off)), rules.mistakes.gross * extent)
     far = (off > limit).any(axis=1)
-    if not far.any() or far.mean() > rules.mistakes.most_jumps:
+    if not far.any() or far.mean() > rules.mistakes.few_rows:
         return recording
     bad: list[RejectedRow] = []
     for index in np.flatnonzero(far).tolist():
@@ -62,51 +63,52 @@ def sights_checked(recording: Recording, arm: Arm, *, rules: Rules = RULES) -> R
     return recording.without(bad)
 
 
-def _refuse_other_camera(recording: Recording, found: View, view: Callable[[Recording], View], rules: Rules) -> None:
+def _refuse_other_camera(recording: Recording, view_: View, view: Callable[[Recording], View], rules: Rules) -> None:
     """A camera that is where its target is said to be."""
-    if found.sight is None:
+    if view_.sight is None:
         return
-    said = recording.instrument.camera
-    other = "fixed" if said == "on_tool" else "on_tool"
+    camera = recording.instrument.camera
+    other = "fixed" if camera == "on_tool" else "on_tool"
     tried = view(replace(recording, instrument=replace(recording.instrument, camera=other)))
-    off, instead = (float(np.median(np.linalg.norm(each.residual, axis=1))) for each in (found, tried))
+    off, instead = (float(np.median(np.linalg.norm(item.residual, axis=1))) for item in (view_, tried))
     if instead < rules.mistakes.better * off:
-        far, near = (format_quantity(each, "length", digits=2) for each in (off, instead))
-        raise InputError(
-            recording.file,
-            "camera",
-            f"is {said}, which leaves {far} in the middle reading; {other} leaves {near}: write `camera: {other}`",
-        )
+        far, near = (format_quantity(item, "length", digits=2) for item in (off, instead))
+        message = f"is {camera}, which leaves {far} in the middle reading; {other} leaves {near}"
+        raise refusal(recording.file, "camera", message, {"camera": other})
 
 
 def _refuse_other_tilts(recording: Recording, off: Array, rules: Rules) -> None:
     """Tilts that are not what the joints say, wherever the level sits."""
-    own = tilts(recording)
-    if not own.any() or float(np.median(off[own])) <= rules.reading.elsewhere:
+    read_tilts = tilts(recording)
+    if not read_tilts.any() or float(np.median(off[read_tilts])) <= rules.reading.elsewhere:
         return
     link = recording.instrument.tilt_link or "base"
-    by = format_quantity(float(np.arcsin(min(1.0, float(np.median(off[own]))))), "angle", digits=2)
-    said = f"the middle tilt is {by} from what a level would read there, however it sits"
-    raise InputError(recording.file, "tilt_x", f"{said}: check `tilt_link: {link}`, the unit in the header and signs")
+    by = format_quantity(float(np.arcsin(min(1.0, float(np.median(off[read_tilts]))))), "angle", digits=2)
+    message = f"the middle tilt is {by} from what a level would read there, however it sits"
+    raise InputError(
+        recording.file, "tilt_x", f"{message}: check `tilt_link: {link}`, the unit in the header and signs"
+    )
 
 
 def _refuse_other_bars(recording: Recording, view: Callable[[Recording], View], off: Array, rules: Rules) -> None:
     """Bars of another length than the tips' places have."""
     assert recording.slots is not None
-    own = (recording.slots >= BAR) & (recording.slots < CAMERA)
-    if recording.bar_at is None or not own.any():
+    bars = (recording.slots >= BAR) & (recording.slots < CAMERA)
+    if recording.bar_at is None or not bars.any():
         return
-    there = own.any(axis=1)
+    there = bars.any(axis=1)
     length = float(np.sqrt(np.mean((recording.bar_at[there] - recording.bar_at[there].mean()) ** 2)))
-    misfit = float(np.sqrt(np.mean(off[own] ** 2)))
+    misfit = float(np.sqrt(np.mean(off[bars] ** 2)))
     apart = max(length, float(np.sqrt(np.mean((view(recording).at[there] - view(recording).at[there].mean()) ** 2))))
     if misfit <= rules.reading.elsewhere * apart:
         return
     for scale, words in _SCALES:
-        other = np.abs(view(replace(recording, bar_at=recording.bar_at * scale)).residual)[own]
+        other = np.abs(view(replace(recording, bar_at=recording.bar_at * scale)).residual)[bars]
         if float(np.sqrt(np.mean(other**2))) < rules.mistakes.better * misfit:
-            said = f"looks as if its numbers were {words} than the header's unit says; correct the unit in the header"
-            raise InputError(recording.file, "bar_mm", said)
+            message = (
+                f"looks as if its numbers were {words} than the header's unit says; correct the unit in the header"
+            )
+            raise InputError(recording.file, "bar_mm", message)
 
 
 def _say_why(
@@ -123,8 +125,10 @@ def _say_why(
     for scale, words in _SCALES:
         other = float(np.median(np.abs(view(replace(recording, tip=recording.tip * scale)).residual[numbers])))
         if other < rules.mistakes.better * misfit and other < rules.reading.elsewhere * extent:
-            said = f"looks as if its numbers were {words} than the header's unit says; correct the unit in the header"
-            raise InputError(recording.file, read, said)
+            message = (
+                f"looks as if its numbers were {words} than the header's unit says; correct the unit in the header"
+            )
+            raise InputError(recording.file, read, message)
     off = format_quantity(misfit, "length", digits=3)
     free = "" if recording.frame == "free" else "; `frame: free` fits where it was measured from"
     along = ", `direction`" if ALONG in slots else ""

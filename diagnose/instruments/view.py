@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from linkwright.core.diagnose.recording import Recording
+from linkwright.core.diagnose.residual.placement import UNDETERMINED
 from linkwright.core.diagnose.rules.residual_rules import ResidualRules
 from linkwright.core.diagnose.rules.rules import RULES
 from linkwright.core.sections.numeric import Array
@@ -27,6 +28,8 @@ from .level import Stand, tilts
 
 _STEPS, _START_STEPS, _START_ROWS = 40, 6, 150
 _FOUND = 1e-12
+_BETTER = 0.9
+"""Of an earlier start's RMS, which turns less: another start must fit so much better."""
 _LONGEST = 0.5
 """rad; how far one step turns a level at most."""
 
@@ -72,23 +75,23 @@ class View:
     def of_tip(self, moved: Array, turned: Array | None = None) -> Array:
         """What displacements of the tip (N, 3), m, and turns of what a level stands on or a camera is on (N, 3), rad,
         show to first order, (N, W)."""
-        found = np.einsum("nwa,na->nw", self.shown, moved[:, : self.shown.shape[2]])
-        return found if turned is None else found + np.einsum("nwa,na->nw", self.turned, turned)
+        seen = np.einsum("nwa,na->nw", self.shown, moved[:, : self.shown.shape[2]])
+        return seen if turned is None else seen + np.einsum("nwa,na->nw", self.turned, turned)
 
     def change(self, moved: Array, turned: Array | None = None) -> Array:
         """What displacements of the tip (N, 3), m, and turns of what a level stands on (N, 3), rad, show, (N, W): of
         distances and tilts exactly."""
         if self.sight is not None:
             return self.sight.change(moved, np.zeros(moved.shape) if turned is None else turned)
-        found = self.of_tip(moved)
+        seen = self.of_tip(moved)
         if turned is not None:
             now = np.einsum("nab,nwb->nwa", Rotation.from_rotvec(turned).as_matrix(), self.rises)
-            found = found + (now - self.rises) @ self.up
+            seen = seen + (now - self.rises) @ self.up
         if self.anchor is None:
-            return found
+            return seen
         away = self.at - self.anchor
         exact = np.linalg.norm(away + moved, axis=1) - np.linalg.norm(away, axis=1)
-        return np.where(self.distances, exact[:, None], found)
+        return np.where(self.distances, exact[:, None], seen)
 
 
 @dataclass(frozen=True)
@@ -170,14 +173,14 @@ def touched_planes(at: Array, touches: NDArray[np.int64], count: int, *, flat: b
     normals, offsets, reach = np.zeros((count, 3)), np.zeros(count), np.zeros((count, 2))
     width = 2 if flat else 3
     for label in range(count):
-        own = at[touches == label][:, :width]
-        if len(own) == 0:
+        points = at[touches == label][:, :width]
+        if len(points) == 0:
             continue
-        middle = own.mean(axis=0)
-        _, size, axes = np.linalg.svd(own - middle, full_matrices=True)
+        middle = points.mean(axis=0)
+        _, size, axes = np.linalg.svd(points - middle, full_matrices=True)
         normals[label, :width] = axes[-1]
         offsets[label] = float(axes[-1] @ middle)
-        sizes = np.concatenate([size, np.zeros(3)])[: width - 1] / np.sqrt(len(own))
+        sizes = np.concatenate([size, np.zeros(3)])[: width - 1] / np.sqrt(len(points))
         reach[label] = [*sizes, *([sizes[0]] if flat else [])]
     return normals, offsets, reach
 
@@ -188,11 +191,11 @@ def touched_bars(at: Array, touches: NDArray[np.int64], along: Array, count: int
     that is touched at one place points nowhere."""
     middles, ways, away = np.zeros((count, 3)), np.zeros((count, 3)), np.zeros(len(at))
     for label in range(count):
-        own = touches == label
-        if not own.any():
+        rows = touches == label
+        if not rows.any():
             continue
-        middles[label], away[own] = at[own].mean(axis=0), along[own] - along[own].mean()
-        way = away[own] @ (at[own] - middles[label])
+        middles[label], away[rows] = at[rows].mean(axis=0), along[rows] - along[rows].mean()
+        way = away[rows] @ (at[rows] - middles[label])
         ways[label] = way / max(float(np.linalg.norm(way)), 1e-300)
     return middles, ways, away
 
@@ -261,25 +264,25 @@ class _Viewing:
 
     def _settled(self, place: _Place, at: Array) -> Array:
         """Where the tips (N, 3) are, those that touch something just there."""
-        found = at.copy()
+        settled = at.copy()
         points, planes = self.points.any(axis=1), (self.slots == PLANE).any(axis=1)
-        found[points] = place.points[self.touches[points]]
+        settled[points] = place.points[self.touches[points]]
         normals, label = place.normals[self.touches[planes]], self.touches[planes]
         off = np.sum(at[planes] * normals, axis=1) - place.offsets[label]
-        found[planes] = at[planes] - off[:, None] * normals
+        settled[planes] = at[planes] - off[:, None] * normals
         bars = self.bars.any(axis=1)
         label = self.touches[bars]
-        found[bars] = place.points[label] + self.along[bars, None] * place.bars[label]
-        return found
+        settled[bars] = place.points[label] + self.along[bars, None] * place.bars[label]
+        return settled
 
     def _anchor(self, place: _Place) -> Array | None:
         if not self.distances.any():
             return None
         if place.anchor is not None:
             return place.anchor
-        given = self.recording.instrument.anchor
-        assert given is not None
-        return place.rotation @ np.array(given) + place.translation
+        anchor = self.recording.instrument.anchor
+        assert anchor is not None
+        return place.rotation @ np.array(anchor) + place.translation
 
     def seen(self, place: _Place) -> _Seen:
         """The readings against what they should be."""
@@ -312,7 +315,7 @@ class _Viewing:
             rises[:, TILT_X], rises[:, TILT_Y] = axes[:, :, 1], -axes[:, :, 0]
             modelled[:, [TILT_X, TILT_Y]] = rises[:, [TILT_X, TILT_Y]] @ self.stand.up
         residual = self.recording.tip - np.take_along_axis(modelled, self.slots, axis=1)
-        shown, rises = (np.take_along_axis(each, self.slots[:, :, None], axis=1) for each in (slope, rises))
+        shown, rises = (np.take_along_axis(item, self.slots[:, :, None], axis=1) for item in (slope, rises))
         return _Seen(residual, shown, at, rises)
 
     def _sits(self, seen: _Seen, place: _Place) -> Array:
@@ -321,7 +324,7 @@ class _Viewing:
         turned = np.einsum("nwa,nab->nwb", np.cross(seen.rises, self.stand.up), self.stand.axes @ place.seat)
         # About what stays upright, a turn shows nothing but rounding.
         size = np.linalg.norm(turned.reshape(-1, 3), axis=0)
-        return np.where(size > self.rules.undetermined * size.max(), turned, 0.0)
+        return np.where(size > UNDETERMINED * size.max(), turned, 0.0)
 
     def _seated(self, place: _Place) -> _Place:
         """The place with a level as it sits on what it stands on: on a link turned anyhow, on the base but a little."""
@@ -336,7 +339,7 @@ class _Viewing:
                 tried = self._levelled(tried)
             off = float(np.sqrt(np.mean(self.seen(tried).residual[self.tilts] ** 2)))
             # An earlier one is turned less from level at zero angles: what fits as well is rather that.
-            if off < self.rules.better_start * least:
+            if off < _BETTER * least:
                 best, least = tried, off
         for _ in range(_START_STEPS):
             best = self._levelled(best)
@@ -346,7 +349,7 @@ class _Viewing:
         """One of Gauss and Newton's steps for how a level sits."""
         seen = self.seen(place)
         design, left = self._sits(seen, place)[self.tilts], seen.residual[self.tilts]
-        step = np.linalg.lstsq(design, left, rcond=self.rules.undetermined)[0]
+        step = np.linalg.lstsq(design, left, rcond=UNDETERMINED)[0]
         size = float(np.linalg.norm(step))
         step = step * min(1.0, _LONGEST / size) if size > 0.0 else step
         return replace(place, seat=place.seat @ Rotation.from_rotvec(step).as_matrix())
@@ -387,7 +390,7 @@ class _Viewing:
             found, _ = few._fitted(tried, _START_STEPS)  # its own kind
             rms = few.seen(found).rms()
             # An earlier start turns less: it stays unless another fits clearly better.
-            if rms < self.rules.better_start * least:
+            if rms < _BETTER * least:
                 best, least = replace(place, rotation=found.rotation, translation=found.translation), rms
         return best
 
@@ -412,8 +415,8 @@ class _Viewing:
         nowhere, each = np.zeros(3), np.zeros((count, 3))
         place = _Place(rotation, nowhere, nowhere, nowhere, each, each, np.zeros(count), each, np.eye(3))
         seen = self.seen(place)
-        found = np.linalg.lstsq(-seen.shown[self.framed], seen.residual[self.framed], rcond=1e-9)[0]
-        return np.asarray(found, dtype=np.float64)
+        shift = np.linalg.lstsq(-seen.shown[self.framed], seen.residual[self.framed], rcond=1e-9)[0]
+        return np.asarray(shift, dtype=np.float64)
 
     def _trilaterated(self) -> Array:
         """The anchor that distances tell by their squares (3,), m: linear in its place and one number more."""
@@ -453,7 +456,7 @@ class _Viewing:
             own = sum(part.shape[2] for part in columns)
             labelled, _ = self._labelled(seen, place)
             design = np.concatenate([*columns, *labelled], axis=2).reshape(-1, own + sum(p.shape[2] for p in labelled))
-            step, undetermined = _determined(design, seen.residual.reshape(-1), own, self.rules.undetermined)
+            step, undetermined = _determined(design, seen.residual.reshape(-1), own, UNDETERMINED)
             at = 0
             if self.frame_free:
                 shift, turn = np.zeros(3), np.zeros(3)
@@ -474,21 +477,21 @@ class _Viewing:
 
     def _labelled(self, seen: _Seen, place: _Place) -> tuple[list[Array], list[str]]:
         """How readings move with the points and planes touched, (N, W, 2 or 3) each."""
-        found: list[Array] = []
+        columns: list[Array] = []
         names: list[str] = []
         for label, name in enumerate(self.labels):
             rows = self.touches == label
             point = self.points & rows[:, None]
             if point.any():
-                found.append(-np.where(point[:, :, None], seen.shown[:, :, : self.width], 0.0))
+                columns.append(-np.where(point[:, :, None], seen.shown[:, :, : self.width], 0.0))
                 names += [f"point {name} {axis}" for axis in "xyz"[: self.width]]
                 continue
             bar = self.bars & rows[:, None]
             if bar.any():
-                own = np.where(bar[:, :, None], seen.shown[:, :, : self.width], 0.0)
+                directions = np.where(bar[:, :, None], seen.shown[:, :, : self.width], 0.0)
                 across = self._across(place.bars[label])[:, : self.width]
-                turned = np.einsum("nwa,ka->nwk", own, across) * self.along[:, None, None]
-                found.append(np.concatenate([own, turned], axis=2))
+                turned = np.einsum("nwa,ka->nwk", directions, across) * self.along[:, None, None]
+                columns.append(np.concatenate([directions, turned], axis=2))
                 names += [f"bar {name} {axis}" for axis in "xyz"[: self.width]]
                 names += [f"bar {name} {what}" for what in ("turn", "other turn")[: len(across)]]
                 continue
@@ -499,9 +502,9 @@ class _Viewing:
             normal = place.normals[label]
             tangents = self._across(normal)
             tilts = np.stack([np.ones(len(away)), *(away @ tangent for tangent in tangents)], axis=1)
-            found.append(np.where(plane[:, :, None], tilts[:, None, :], 0.0))
+            columns.append(np.where(plane[:, :, None], tilts[:, None, :], 0.0))
             names += [f"plane {name} {what}" for what in ("offset", "tilt", "other tilt")[: tilts.shape[1]]]
-        return found, names
+        return columns, names
 
     def _across(self, direction: Array) -> Array:
         """Directions across one (3,), (2, 3); in the plane the one, (1, 3)."""
@@ -511,23 +514,25 @@ class _Viewing:
         """What the readings do not tell of tool and anchor, in words."""
         if not undetermined.size:
             return ()
-        said: list[str] = []
+        sentences: list[str] = []
         shares = np.sum(undetermined**2, axis=0)
         if self.tool_free:
-            own = shares[len(shares) - self.width :]
-            axes = [axis for axis, part in zip("xyz", own.tolist(), strict=False) if part > self.rules.named_part]
+            shares_of_tool = shares[len(shares) - self.width :]
+            axes = [
+                axis for axis, part in zip("xyz", shares_of_tool.tolist(), strict=False) if part > self.rules.named_part
+            ]
             if axes:
-                said.append(
+                sentences.append(
                     f"The target's place on the tool along {' and '.join(axes)} cannot be told from what was measured, "
                     "and is left as the arm file has it."
                 )
         if self.anchor_free:
             first = (self.width + (1 if self.flat else 3)) if self.frame_free else 0
             if shares[first : first + self.width].sum() > self.rules.named_part:
-                said.append(
+                sentences.append(
                     "The places reached lie on a line or closer: where the anchor stands about it cannot be told."
                 )
-        return tuple(said)
+        return tuple(sentences)
 
 
 def _determined(design: Array, target: Array, own: int, share: float) -> tuple[Array, Array]:
@@ -539,24 +544,24 @@ def _determined(design: Array, target: Array, own: int, share: float) -> tuple[A
         basis = basis[:, size > 1e-9 * size[0]]
         design, target = design[:, :own] - basis @ (basis.T @ design[:, :own]), target - basis @ (basis.T @ target)
     u, s, vt = np.linalg.svd(design[:, :own], full_matrices=False)
-    told = s > share * s[0]
-    return vt[told].T @ ((u[:, told].T @ target) / s[told]), vt[~told]
+    determined = s > share * s[0]
+    return vt[determined].T @ ((u[:, determined].T @ target) / s[determined]), vt[~determined]
 
 
 def _from_middle(along: Array, viewing: _Viewing) -> Array:
     """How far along its bar each reading touches (N,), m, from the middle of that bar's touches."""
-    found = np.zeros(len(along))
+    distances = np.zeros(len(along))
     for label in range(len(viewing.labels)):
         rows = (viewing.touches == label) & viewing.bars.any(axis=1)
         if rows.any():
-            found[rows] = along[rows] - along[rows].mean()
-    return found
+            distances[rows] = along[rows] - along[rows].mean()
+    return distances
 
 
 def _marked(rows: NDArray[np.int64], count: int) -> NDArray[np.bool_]:
-    found = np.zeros(count, dtype=bool)
-    found[rows] = True
-    return found
+    marked = np.zeros(count, dtype=bool)
+    marked[rows] = True
+    return marked
 
 
 def rigid_motions(at: Array) -> Array:

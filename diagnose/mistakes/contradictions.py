@@ -18,6 +18,7 @@ from linkwright.core.diagnose.residual.placement import Placement, placed, turn_
 from linkwright.core.diagnose.rules.mistake_rules import MistakeRules
 from linkwright.core.sections.numeric import Array
 from linkwright.core.units.quantities import InputError, format_quantity
+from linkwright.core.units.reading import refusal, written
 
 from .convention_search import Explained, explained_by_convention
 from .units import UnitChange, unit_changes
@@ -60,7 +61,6 @@ def _refuse_units(
             recording.tip * change.tip,
             frame=recording.frame == "free",
             tool=recording.tool == "free",
-            undetermined=rules.undetermined,
         )
         # Relative to the motion: in units that are small enough, everything is close to everything.
         share = tried.misfit / max(_spread(tried.modelled), 1e-3 * reach)
@@ -75,9 +75,9 @@ def _refuse_units(
     _, misfit, change = best
     message = (
         f"{change.said()}: then the middle reading is {shown_length(misfit)} from the nominal tip, and not "
-        f"{shown_length(place.misfit)}; write {change.remedy()}"
+        f"{shown_length(place.misfit)}"
     )
-    raise InputError(recording.file, "", message)
+    raise refusal(recording.file, "", message, {"columns": change.formulas()})
 
 
 def _refuse_still_joint(
@@ -109,20 +109,31 @@ def _refuse_conventions(
             arm, q, tip, headers, place.misfit, frame=frame, tool=tool, gross=gross, rules=rules
         )
 
-    found, further = explained(frame=frame, tool=tool), ""
+    cause, further = explained(frame=frame, tool=tool), dict[str, str]()
     if not (frame and tool):
-        both = placed(arm, recording.q, recording.tip, frame=True, tool=True, undetermined=rules.undetermined)
+        both = placed(arm, recording.q, recording.tip, frame=True, tool=True)
         free = both.misfit
-        if found is None and gross and free >= rules.better * place.misfit:
-            found, further = explained(frame=True, tool=True), " and `frame: free` and `tool: free`"
-        elif found is not None and free <= 2.0 * found.misfit:
+        turned = placed(arm, recording.q, recording.tip, frame=True, tool=tool).misfit
+        if cause is None and gross and free >= rules.better * place.misfit:
+            cause, further = explained(frame=True, tool=True), {"frame": "free", "tool": "free"}
+        elif cause is not None and turned <= rules.simpler * cause.misfit:
             return  # a frame that was turned says as much, and is commoner
-    if found is not None:
+        elif cause is not None and free <= rules.simpler * cause.misfit:
+            # A tool says as much: what is commoner with both free beside the convention too, the smaller tool says.
+            beside = placed(
+                cause.slip.read(arm), *cause.slip.applied(recording.q, recording.tip), frame=True, tool=True
+            )
+            smaller = np.linalg.norm(beside.tool) < rules.better * np.linalg.norm(both.tool)
+            if beside.misfit > rules.simpler * free or not smaller:
+                return
+    if cause is not None:
         message = (
-            f"{found.sentence()}, it seems: then the middle reading is {shown_length(found.misfit)} from the nominal "
-            f"tip, and not {shown_length(place.misfit)}; write {found.remedy()}{further}"
+            f"{cause.sentence()}, it seems: then the middle reading is {shown_length(cause.misfit)} from the nominal "
+            f"tip, and not {shown_length(place.misfit)}"
         )
-        raise InputError(recording.file, "", message)
+        columns = cause.slip.columns(arm, headers)
+        remedy = {**({"columns": columns} if columns else {}), **further}
+        raise refusal(recording.file, "", message, *([remedy] if remedy else []))
 
 
 def _frame_sentences(
@@ -132,7 +143,7 @@ def _frame_sentences(
     if place.misfit < rules.least_whole * reach or recording.size < 2 * rules.fewest:
         return []
     known_frame, known_tool = recording.frame == "known", recording.tool == "known"
-    tries: list[tuple[str, Placement]] = []
+    tries: list[tuple[dict[str, str], Placement]] = []
     for frame, tool in ((True, False), (False, True), (True, True)):
         if (frame and not known_frame) or (tool and not known_tool):
             continue
@@ -142,11 +153,9 @@ def _frame_sentences(
             recording.tip,
             frame=frame or not known_frame,
             tool=tool or not known_tool,
-            undetermined=rules.undetermined,
         )
-        words = [word for word, is_free in (("frame: free", frame), ("tool: free", tool)) if is_free]
-        tries.append((" and ".join(words), free))
-    good = [(words, free) for words, free in tries if free.misfit < rules.better * place.misfit]
+        tries.append(({name: "free" for name, is_free in (("frame", frame), ("tool", tool)) if is_free}, free))
+    good = [(remedy, free) for remedy, free in tries if free.misfit < rules.better * place.misfit]
     if not good:
         if place.misfit > _much(place, reach, rules):
             text = f"the middle reading is {shown_length(place.misfit)} away from the nominal tip"
@@ -155,29 +164,29 @@ def _frame_sentences(
             if still:
                 ask += f" {', '.join(still)} never changes: was it logged?"
             text += f", and no other unit, frame, tool, zero, sign or order that was tried explains it: {ask}"
-            far = place.misfit > max(rules.hopeless * _spread(place.modelled), rules.hopeless_whole * reach)
-            if far or still:
+            # No small displacements explain what is twice as far off.
+            if place.misfit > 2.0 * _much(place, reach, rules) or still:
                 raise InputError(recording.file, "", text)
             return [f"{text[0].upper()}{text[1:]}"]
         return []
     least = min(free.misfit for _, free in good)
-    words, free = next((words, free) for words, free in good if free.misfit <= rules.simpler * least + 1e-6)
+    remedy, free = next((remedy, free) for remedy, free in good if free.misfit <= rules.simpler * least + 1e-6)
     shift, turn = float(np.linalg.norm(free.translation)), turn_of(free.rotation)
     parts: list[str] = []
-    if "frame" in words:
+    if "frame" in remedy:
         # The shift of the origin alone means little where the frame is turned: what the tips move by is what counts.
         parts.append(f"a frame turned by {math.degrees(turn):.3g} deg and shifted by {shown_length(shift)}")
-    if "tool" in words:
+    if "tool" in remedy:
         parts.append(f"a tool that reaches {shown_length(float(np.linalg.norm(free.tool)))} further")
     falls = f"from {shown_length(place.misfit)} to {shown_length(free.misfit)}"
     change = f"{' and '.join(parts)} would bring the middle reading {falls}"
     large = turn > rules.another_frame or place.misfit > rules.whole * reach
     if large:
-        message = f"is measured in another frame than the arm's: {change}; write `{words}` in recording.yaml"
-        if "frame" not in words:
-            message = f"does not hold the arm file's tip: {change}; write `{words}` in recording.yaml"
-        raise InputError(recording.file, "", message)
-    return [f"{change[0].upper()}{change[1:]}: where nobody knows better, write `{words}` in recording.yaml."]
+        message = (
+            "is measured in another frame than the arm's" if "frame" in remedy else "does not hold the arm file's tip"
+        )
+        raise refusal(recording.file, "", f"{message}: {change}", remedy)
+    return [f"{change[0].upper()}{change[1:]}: where nobody knows better, write {written(remedy)} in recording.yaml."]
 
 
 def distance_with_joint_free(recording: Recording, arm: Arm, place: Placement, rows: Mask, index: int) -> Array:

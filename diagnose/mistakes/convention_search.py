@@ -1,5 +1,5 @@
 """Mistakes of convention: joints that count the other way, from another zero or together with a neighbour, columns that
-changed places, a mirrored frame, tips that stand beside other rows' joints.
+changed places, a mirrored frame, rows of dh in the other convention, tips that stand beside other rows' joints.
 
 They throw the tip by much more than any physics of an arm, and each is exact: with the right convention the middle
 reading comes back to where small errors leave it. One to three of them are sought together.
@@ -22,6 +22,12 @@ from linkwright.core.sections.numeric import Array
 
 from .conventions import Slip, no_slip, single_slips, zero_slip
 
+_POSES = 40
+"""At which a search looks, spread evenly over all; all readings confirm what it finds."""
+_LATE = 5
+"""Rows by which tips may stand beside their joints, at most."""
+_DEEP = 3
+"""Mistakes that are sought together, at most."""
 _LIKELY = 10
 """The most promising mistakes, which all readings confirm or refuse."""
 _BEAM = 60
@@ -43,10 +49,6 @@ class Explained:
         """What seems to be wrong: `q3_deg counts the other way`."""
         return " and ".join(self.slip.said)
 
-    def remedy(self) -> str:
-        """What to write."""
-        return " and ".join(dict.fromkeys(self.slip.remedy))
-
 
 @dataclass(frozen=True)
 class _Search:
@@ -60,21 +62,25 @@ class _Search:
     def misfit(self, slip: Slip) -> float:
         """The middle distance (m) with a mistake mended; where frame or tool is free, about what they leave at best."""
         q, tip = slip.applied(self.q, self.tip)
-        return float(self._misfits(q[None], tip[None])[0])
+        return float(self._misfits(slip.read(self.arm), q[None], tip[None])[0])
 
     def misfits(self, slips: Sequence[Slip]) -> Array:
         """The same of many mistakes in which no row is late, (H,), m."""
-        found: list[Array] = []
-        for first in range(0, len(slips), _TOGETHER):
-            some = slips[first : first + _TOGETHER]
-            q = np.stack([self.q @ slip.matrix.T + slip.offset for slip in some])
-            found.append(self._misfits(q, np.stack([self.tip @ slip.axes.T for slip in some])))
-        return np.concatenate(found) if found else np.zeros(0)
+        misfits_ = np.zeros(len(slips))
+        for other_dh in (False, True):
+            which = [number for number, slip in enumerate(slips) if slip.other_dh == other_dh]
+            for first in range(0, len(which), _TOGETHER):
+                numbers = which[first : first + _TOGETHER]
+                some = [slips[number] for number in numbers]
+                q = np.stack([self.q @ slip.matrix.T + slip.offset for slip in some])
+                tip = np.stack([self.tip @ slip.axes.T for slip in some])
+                misfits_[numbers] = self._misfits(some[0].read(self.arm), q, tip)
+        return misfits_
 
-    def _misfits(self, q: Array, tip: Array) -> Array:
+    def _misfits(self, arm: Arm, q: Array, tip: Array) -> Array:
         """For joints (H, R, n) and tips (H, R, D)."""
         many, rows, width = tip.shape
-        tips, axes = nominal(self.arm, q.reshape(many * rows, -1), width)
+        tips, axes = nominal(arm, q.reshape(many * rows, -1), width)
         tips, axes = tips.reshape(many, rows, width), axes.reshape(many, rows, width, width)
         if not (self.frame or self.tool):
             return np.median(np.linalg.norm(tip - tips, axis=2), axis=1)
@@ -83,8 +89,7 @@ class _Search:
     def confirmed(self, slip: Slip) -> float:
         """The middle distance with a mistake mended, m."""
         q, tip = slip.applied(self.q, self.tip)
-        told = self.rules.undetermined
-        return placed(self.arm, q, tip, frame=self.frame, tool=self.tool, undetermined=told).misfit
+        return placed(slip.read(self.arm), q, tip, frame=self.frame, tool=self.tool).misfit
 
 
 def explained_by_convention(
@@ -106,20 +111,20 @@ def explained_by_convention(
     """
     whole = _Search(arm, q, tip, frame, tool, rules)
     spread = float(np.median(np.linalg.norm(tip - np.median(tip, axis=0), axis=1)))
-    limit = min(rules.convention_leaves * misfit, rules.convention_enough * spread)
+    limit = min(rules.better * misfit, rules.whole * spread)
     # Readings taken on the move lag by a row or two as well; what they are off by is small beside the motion.
     if gross and (late := _late_rows(whole, limit)) is not None:
         return late
     poses = np.sort(np.unique(np.round(q, 3), axis=0, return_index=True)[1])
-    if len(poses) < rules.fewest_poses:
+    if len(poses) < rules.fewest_for_conventions:
         return None  # frame, tool and a wrong convention together fit a few points by chance
-    picked = poses[np.unique(np.linspace(0, len(poses) - 1, rules.looked_at).astype(int))]
+    picked = poses[np.unique(np.linspace(0, len(poses) - 1, _POSES).astype(int))]
     search = replace(whole, q=q[picked], tip=tip[picked])
-    singles = list(single_slips(arm, tip.shape[1], headers, frame=frame, rules=rules))
-    found = _deepening(search, whole, singles, limit, rules.deep if gross else 1)
-    if found is None and gross:
-        found = _any_zero(search, whole, headers, limit)
-    return found
+    singles = list(single_slips(arm, tip.shape[1], headers, frame=frame))
+    explanation = _deepening(search, whole, singles, limit, _DEEP if gross else 1)
+    if explanation is None and gross:
+        explanation = _any_zero(search, whole, headers, limit)
+    return explanation
 
 
 def _deepening(search: _Search, whole: _Search, singles: list[Slip], limit: float, deep: int) -> Explained | None:
@@ -150,17 +155,16 @@ def _deepening(search: _Search, whole: _Search, singles: list[Slip], limit: floa
 def _late_rows(search: _Search, limit: float) -> Explained | None:
     """Tips that stand some rows beside their joints, or in the opposite or any other order."""
     none = no_slip(search.arm.size, search.tip.shape[1])
-    for rows in range(1, min(search.rules.late, len(search.q) // 4) + 1):
+    for rows in range(1, min(_LATE, len(search.q) // 4) + 1):
         for late in (rows, -rows):
             which = "later" if late > 0 else "earlier"
-            many = f"{rows} row{'s' if rows > 1 else ''}"
-            said = f"the tips stand {many} {which} than the joints that they belong to"
-            slip = replace(none, late=late, said=(said,), remedy=("each tip beside its own joints",))
+            count_text = f"{rows} row{'s' if rows > 1 else ''}"
+            sentence = f"the tips stand {count_text} {which} than the joints that they belong to"
+            slip = replace(none, late=late, said=(sentence,))
             if search.misfit(slip) < limit and (left := search.confirmed(slip)) < limit:
                 return Explained(slip, left)
     turned = replace(search, tip=search.tip[::-1])
-    remedy = ("each tip beside its own joints",)
-    backwards = replace(none, said=("the tips stand in the opposite order",), remedy=remedy)
+    backwards = replace(none, said=("the tips stand in the opposite order",))
     if turned.misfit(backwards) < limit and (left := turned.confirmed(backwards)) < limit:
         return Explained(backwards, left)
     if search.frame or search.tool:
@@ -171,8 +175,8 @@ def _late_rows(search: _Search, limit: float) -> Explained | None:
     nearest = KDTree(tips).query(search.tip)[0]
     left = float(np.median(nearest))
     # By chance the nearest of N tips is about N^(-1/D) of their spread away.
-    if left < min(limit, search.rules.in_another_order * _by_chance(tips)):
-        return Explained(replace(none, said=("the tips stand in another order than the joints",), remedy=remedy), left)
+    if left < min(limit, search.rules.better * _by_chance(tips)):
+        return Explained(replace(none, said=("the tips stand in another order than the joints",)), left)
     return None
 
 
@@ -191,7 +195,7 @@ def _any_zero(search: _Search, whole: _Search, headers: Mapping[str, str], limit
         name = headers.get(f"q{k + 1}", f"q{k + 1}")
 
         def left(angle: float, k: int = k, name: str = name) -> float:
-            return search.misfit(zero_slip(none, search.arm, k, float(angle), name))
+            return search.misfit(zero_slip(none, k, float(angle), name))
 
         step = 2.0 * math.pi / _ZERO_STEPS
         start = min((number * step for number in range(_ZERO_STEPS)), key=left)
@@ -202,7 +206,7 @@ def _any_zero(search: _Search, whole: _Search, headers: Mapping[str, str], limit
             best = (left(start), k, math.remainder(start, 2.0 * math.pi))
     if best is None or best[0] >= limit:
         return None
-    slip = zero_slip(none, search.arm, best[1], best[2], headers.get(f"q{best[1] + 1}", f"q{best[1] + 1}"))
+    slip = zero_slip(none, best[1], best[2], headers.get(f"q{best[1] + 1}", f"q{best[1] + 1}"))
     misfit = whole.confirmed(slip)
     return Explained(slip, misfit) if misfit < limit else None
 

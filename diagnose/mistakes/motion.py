@@ -40,7 +40,7 @@ def motion_checked(
     reach += sum(joint.range[1] - joint.range[0] for joint in arm.joints if not joint.revolute)
     if reach <= 0.0:
         return recording
-    place = _placed(recording, arm, rules)
+    place = _placed(recording, arm)
     warnings = contradictions(recording, arm, place, reach, headers, rules)
     limit = max(rules.far * place.misfit, rules.gross * reach)
     gross = place.distance > limit
@@ -60,25 +60,27 @@ def motion_checked(
     return recording.without([RejectedRow(int(recording.row[k]), reason) for k, reason in sorted(rejected.items())])
 
 
-def _placed(recording: Recording, arm: Arm, rules: MistakeRules) -> Placement:
+def _placed(recording: Recording, arm: Arm) -> Placement:
     free, tool = recording.frame == "free", recording.tool == "free"
-    return placed(arm, recording.q, recording.tip, frame=free, tool=tool, undetermined=rules.undetermined)
+    return placed(arm, recording.q, recording.tip, frame=free, tool=tool)
 
 
 def _frozen_tip(recording: Recording, arm: Arm, reach: float, rules: MistakeRules) -> dict[int, str]:
     """Rows that hold the same tip as the row before, to the last digit, although the joints moved."""
     tips, _ = nominal(arm, recording.q, recording.tip.shape[1])
     still = (np.diff(recording.tip, axis=0) == 0.0).all(axis=1)
-    found: dict[int, str] = {}
-    if still.mean() > rules.many_still:
-        return found  # an instrument that is this coarse repeats itself anyway
+    reasons: dict[int, str] = {}
+    if still.mean() > rules.few_rows:
+        return reasons  # an instrument that is this coarse repeats itself anyway
     source = 0
     for index in range(1, recording.size):
         if not still[index - 1]:
             source = index
         elif float(np.linalg.norm(tips[index] - tips[source])) > rules.still * reach:
-            found[index] = f"the tip is that of row {recording.row[source]} to the last digit although the joints moved"
-    return found
+            reasons[index] = (
+                f"the tip is that of row {recording.row[source]} to the last digit although the joints moved"
+            )
+    return reasons
 
 
 def _stuck(
@@ -91,7 +93,7 @@ def _stuck(
     rules: MistakeRules,
 ) -> dict[int, str]:
     """Rows in which a joint's reading stands still while the tip moves as if the joint did."""
-    found: dict[int, str] = {}
+    reasons: dict[int, str] = {}
     for index in range(arm.size if gross.any() else 0):
         name = headers.get(f"q{index + 1}", f"q{index + 1}")
         for rows in _runs_of_one_value(recording.q[:, index]):
@@ -107,8 +109,8 @@ def _stuck(
             reason = f"{name} stands still while the tip moves (rows {first} to {last})"
             # Between them, poses happen to lie near where it stuck.
             for row in rows[(rows >= bad[0]) & (rows <= bad[-1])].tolist():
-                found.setdefault(row, reason)
-    return found
+                reasons.setdefault(row, reason)
+    return reasons
 
 
 def _runs_of_one_value(values: Array) -> list[NDArray[np.int64]]:
@@ -134,12 +136,12 @@ def _slipped(
     rules: MistakeRules,
 ) -> dict[int, str]:
     """Rows that fit as soon as a column is read in another unit."""
-    found: dict[int, str] = {}
+    reasons: dict[int, str] = {}
     bad = np.flatnonzero(gross)
     if not len(bad):
-        return found
+        return reasons
     near = max(0.5 * limit, 3.0 * place.misfit)
-    closest = np.minimum(near, rules.near_another_unit * place.distance[bad])
+    closest = np.minimum(near, rules.agree * place.distance[bad])
     for change in unit_changes(arm, recording.tip.shape[1], headers):
         if not all(factor in IN_A_ROW for factor in change.factors):
             continue
@@ -153,18 +155,18 @@ def _slipped(
         fits = beyond & (apart < closest)
         closest = np.where(fits, apart, closest)
         for index in bad[fits].tolist():
-            found[index] = change.said()
-    return found
+            reasons[index] = change.said()
+    return reasons
 
 
 def _jumps(
     recording: Recording, place: Placement, gross: Mask, rules: MistakeRules
 ) -> tuple[dict[int, str], list[str]]:
     """Short, solitary contradictions are jumps and set aside; what lasts or comes back in repeats is only said."""
-    found: dict[int, str] = {}
+    reasons: dict[int, str] = {}
     bad = np.flatnonzero(gross)
     if not len(bad):
-        return found, []
+        return reasons, []
     lasting: list[int] = []
     for run in np.split(bad, np.flatnonzero(np.diff(bad) > 1) + 1):
         agree = len(run) > 1 and bool(
@@ -175,11 +177,11 @@ def _jumps(
             continue
         for index in run.tolist():
             far, middle = shown_length(float(place.distance[index])), shown_length(place.misfit)
-            found[index] = f"jumps: the tip is {far} from the nominal one, the middle reading {middle}"
-    if len(found) > rules.most_jumps * recording.size:
-        lasting, found = sorted([*lasting, *found]), {}
+            reasons[index] = f"jumps: the tip is {far} from the nominal one, the middle reading {middle}"
+    if len(reasons) > rules.few_rows * recording.size:
+        lasting, reasons = sorted([*lasting, *reasons]), {}
     if not lasting:
-        return found, []
+        return reasons, []
     rows = rows_text(recording.row[lasting])
     farthest = shown_length(float(place.distance[lasting].max()))
-    return found, [f"In {rows} the tip is up to {farthest} away from the nominal one; these rows are kept."]
+    return reasons, [f"In {rows} the tip is up to {farthest} away from the nominal one; these rows are kept."]

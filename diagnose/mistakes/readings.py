@@ -91,7 +91,8 @@ def _covariates(recording: Recording, headers: Mapping[str, str], rules: Mistake
 
 
 def _temperature(recording: Recording, kelvin: Array, name: str, rules: MistakeRules) -> Recording:
-    wrong = (kelvin < rules.coldest) | (kelvin > rules.hottest)
+    coldest, hottest = rules.surroundings
+    wrong = (kelvin < coldest) | (kelvin > hottest)
     if not wrong.any():
         return recording
     first = format_quantity(max(float(kelvin[wrong][0]), 0.0), "temperature", digits=4)
@@ -111,7 +112,7 @@ def _time(recording: Recording, headers: Mapping[str, str], rules: MistakeRules)
     time = recording.time
     back = np.flatnonzero(np.diff(time) < 0.0) + 1
     if len(back):
-        stray = ~_longest_run(time)
+        stray = ~longest_run(time)
         if stray.sum() <= max(1.0, rules.few_stray * len(time)):
             recording = _rejecting(recording, stray, f"{name} runs backwards against the rows around it")
         elif len(back) <= max(1.0, 0.5 * rules.few_stray * len(time)):
@@ -127,7 +128,7 @@ def _time(recording: Recording, headers: Mapping[str, str], rules: MistakeRules)
     return replace(recording, time=recording.time - started, started=started)
 
 
-def _longest_run(time: Array) -> NDArray[np.bool_]:
+def longest_run(time: Array) -> NDArray[np.bool_]:
     """The rows of a longest subsequence in which time does not decrease (patience sorting)."""
     tails: list[float] = []
     ends: list[int] = []
@@ -194,27 +195,27 @@ def _duplicates(recording: Recording, headers: Mapping[str, str], rules: Mistake
     if recording.size < 2:
         return recording
     same_q = (np.diff(recording.q, axis=0) == 0.0).all(axis=1)
-    alike = same_q & (np.diff(recording.tip, axis=0) == 0.0).all(axis=1)
+    same = same_q & (np.diff(recording.tip, axis=0) == 0.0).all(axis=1)
     held = (recording.payload_mass, recording.sides, recording.force, recording.commanded, recording.joint_side)
     seen = (recording.temperature, recording.link_temperature, recording.torque, recording.orientation)
-    for each in (*held, *seen, recording.velocity, recording.base_target):
-        if each is not None:
-            alike &= (np.diff(each.reshape(recording.size, -1), axis=0) == 0.0).all(axis=1)
-    if not alike.any():
+    for item in (*held, *seen, recording.velocity, recording.base_target):
+        if item is not None:
+            same &= (np.diff(item.reshape(recording.size, -1), axis=0) == 0.0).all(axis=1)
+    if not same.any():
         return recording
-    copied = alike.copy()
+    copied = same.copy()
     if recording.time is not None and (np.diff(recording.time) > 0.0).mean() > 0.5:
         copied &= np.diff(recording.time) == 0.0
-        alike &= ~copied
+        same &= ~copied
     else:
-        alike[:] = copied
+        same[:] = copied
         copied[:] = False
-    if alike.any():
-        few = alike.mean() <= rules.many_alike or alike.sum() <= 0.5 * same_q.sum()
+    if same.any():
+        few = same.mean() <= rules.few_rows or same.sum() <= 0.5 * same_q.sum()
         if few and not _coarse(recording, same_q, rules):
-            copied |= alike
+            copied |= same
         else:
-            rows = rows_text(recording.row[1:][alike])
+            rows = rows_text(recording.row[1:][same])
             recording = _saying(recording, f"Repeats are alike to the last digit in {rows}: they show no noise.")
     rejected = [
         RejectedRow(int(recording.row[index + 1]), f"repeats row {recording.row[index]} to the last digit")
@@ -239,7 +240,7 @@ def _coarse(recording: Recording, same_q: NDArray[np.bool_], rules: MistakeRules
 def _whole_turns(recording: Recording, arm: Arm, headers: Mapping[str, str]) -> Recording:
     """Angles that count from 0 to 360 deg brought into the declared range, and what was read beside them to them:
     what grows with an angle (the scale of an encoder) must not jump by a turn."""
-    q, turn, said = recording.q.copy(), 2.0 * math.pi, list[str]()
+    q, turn, sentences = recording.q.copy(), 2.0 * math.pi, list[str]()
     taken = np.zeros_like(q)
     for index, joint in enumerate(arm.joints):
         low, high = joint.range
@@ -253,7 +254,7 @@ def _whole_turns(recording: Recording, arm: Arm, headers: Mapping[str, str]) -> 
             q[:, index], taken[:, index] = moved, turns
             name = headers.get(f"q{index + 1}", f"q{index + 1}")
             rows = rows_text(recording.row[turns != 0.0])
-            said.append(f"{name} is taken a whole turn back into the declared range in {rows}.")
+            sentences.append(f"{name} is taken a whole turn back into the declared range in {rows}.")
     changed: dict[str, Array] = {"q": q}
     if recording.last_moves is not None:
         changed["last_moves"] = recording.last_moves - turn * np.diff(taken, axis=0, prepend=taken[:1])
@@ -265,14 +266,14 @@ def _whole_turns(recording: Recording, arm: Arm, headers: Mapping[str, str]) -> 
                 changed[name] = values - turn * turns
                 bases = [f"{name[0]}{k + 1}" for k in np.flatnonzero(turns.any(axis=0))]
                 columns = ", ".join(headers.get(base, base) for base in bases)
-                said.append(f"{columns}: whole turns beside the encoder are taken off.")
-    if not said:
+                sentences.append(f"{columns}: whole turns beside the encoder are taken off.")
+    if not sentences:
         return recording
-    return replace(recording, **changed, warnings=(*recording.warnings, *said))  # pyright: ignore[reportArgumentType]
+    return replace(recording, **changed, warnings=(*recording.warnings, *sentences))  # pyright: ignore[reportArgumentType]
 
 
 def _beyond_range(recording: Recording, arm: Arm, headers: Mapping[str, str]) -> list[str]:
-    found: list[str] = []
+    sentences: list[str] = []
     for index, joint in enumerate(arm.joints):
         low, high = joint.range
         slack = 1e-6 * max(abs(low), abs(high), 1.0)
@@ -283,8 +284,8 @@ def _beyond_range(recording: Recording, arm: Arm, headers: Mapping[str, str]) ->
             limits = f"{format_quantity(low, kind, digits=4)} to {format_quantity(high, kind, digits=4)}"
             name = headers.get(f"q{index + 1}", f"q{index + 1}")
             rows = rows_text(recording.row[beyond])
-            found.append(f"{name} is beyond the range that the arm file declares ({limits}) in {rows}.")
-    return found
+            sentences.append(f"{name} is beyond the range that the arm file declares ({limits}) in {rows}.")
+    return sentences
 
 
 def _constant(recording: Recording, arm: Arm, headers: Mapping[str, str]) -> list[str]:

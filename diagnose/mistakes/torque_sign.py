@@ -11,7 +11,7 @@ from linkwright.core.diagnose.residual.observe import undeformed
 from linkwright.core.diagnose.residual.torque import DriveTorque, Factor, drive_torques
 from linkwright.core.diagnose.residual.visits import visits
 from linkwright.core.diagnose.rules.residual_rules import ResidualRules
-from linkwright.core.units.quantities import InputError
+from linkwright.core.units.reading import refusal
 
 
 def refuse_torques_of_another_sign(
@@ -22,28 +22,25 @@ def refuse_torques_of_another_sign(
     if recording.torque is None:
         return
     if unweighed(arm):
-        _refuse(recording, [each.joint for each in against_any_masses(arm, recording, rules=rules)], headers)
+        _refuse(recording, [mass.joint for mass in against_any_masses(arm, recording, rules=rules)], headers)
         return
     state = undeformed(arm, recording, rules)
-    told = drive_torques(arm, recording, state, visits(recording, arm, rules=rules), rules)
-    _refuse(recording, [each.joint for each in told if _is_against(each, rules)], headers)
+    drives = drive_torques(arm, recording, state, visits(recording, arm, rules=rules), rules)
+    _refuse(recording, [drive.joint for drive in drives if _is_against(drive, rules)], headers)
 
 
 def _refuse(recording: Recording, joints: Sequence[int], headers: Mapping[str, str]) -> None:
     if not joints:
         return
     names = [headers.get(f"tau{joint + 1}", f"tau{joint + 1}") for joint in joints]
-    pairs = ", ".join(f"{name}: -1*{name}" for name in names)
-    raise InputError(
-        recording.file,
-        ", ".join(names),
-        "goes against what links and payload weigh: torque counts positive where the drive pushes towards increasing "
-        f"q; write `columns: {{{pairs}}}` in recording.yaml if it counts the other way",
+    message = (
+        "goes against what links and payload weigh: torque counts positive where the drive pushes towards increasing q"
     )
+    raise refusal(recording.file, ", ".join(names), message, {"columns": {name: f"-{name}" for name in names}})
 
 
-def _is_against(told: DriveTorque, rules: ResidualRules) -> bool:
+def _is_against(drive: DriveTorque, rules: ResidualRules) -> bool:
     def sure(factor: Factor | None) -> bool:
         return factor is not None and factor.value < -rules.torque_sure * factor.error
 
-    return told.along <= rules.torque_against and (sure(told.links) or sure(told.payload))
+    return drive.along <= rules.torque_against and (sure(drive.links) or sure(drive.payload))

@@ -45,18 +45,10 @@ class UnitChange:
         ]
         return " and ".join(parts)
 
-    def remedy(self) -> str:
-        """What to write: the headers that would be right, or formulas where no unit has that size."""
-        pairs = list(zip(self.columns, self.factors, strict=True))
-        units = [_unit_named(name, factor) for name, factor in pairs]
-        if None not in units:
-            headers = [f"{name.rpartition('_')[0]}_{unit}" for name, unit in zip(self.columns, units, strict=True)]
-            return f"{', '.join(headers)} in the header"
-        formulas = ", ".join(
-            f"{name}: {name}*{factor:.6g}" if factor > 1.0 else f"{name}: {name}/{1.0 / factor:.6g}"
-            for name, factor in pairs
-        )
-        return f"`columns: {{{formulas}}}` in recording.yaml"
+    def formulas(self) -> dict[str, str]:
+        """The formulas that mend it, by header."""
+        pairs = zip(self.columns, self.factors, strict=True)
+        return {name: f"{name}*{by:.9g}" if by > 1.0 else f"{name}/{1.0 / by:.9g}" for name, by in pairs}
 
 
 def _unit_named(header: str, factor: float) -> str | None:

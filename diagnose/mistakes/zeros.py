@@ -35,7 +35,7 @@ def refuse_another_zero(
         low, high = joint.range
         values, slack = recording.q[:, index], 1e-6
         beyond = int(np.sum((values < low - slack) | (values > high + slack)))
-        if not joint.revolute or high - low >= 2.0 * math.pi or beyond < rules.rows_beyond * recording.size:
+        if not joint.revolute or high - low >= 2.0 * math.pi or beyond < rules.few_rows * recording.size:
             continue
         for angle in (math.pi / 2.0, -math.pi / 2.0, math.pi, -math.pi):
             if (values + angle).min() < low - slack or (values + angle).max() > high + slack:
@@ -44,11 +44,13 @@ def refuse_another_zero(
             before, after = _left(prepared), _left(other)
             numbers = min(prepared.observed.rows, other.observed.rows) * prepared.observed.components
             if 2.0 * numbers * math.log(before / max(after, 1e-300)) > rules.zero_fits:
-                slip = zero_slip(no_slip(arm.size, recording.tip.shape[1]), arm, index, angle, f"q{index + 1}")
+                slip = zero_slip(no_slip(arm.size, recording.tip.shape[1]), index, angle, f"q{index + 1}")
+                whole = math.degrees(math.remainder(joint.zero + angle, 2.0 * math.pi))
                 message = (
                     f"{slip.said[0]}, it seems: {beyond} of its readings are beyond the range that the arm file "
                     f"declares, and none is then; what frame and tool leave falls from {shown_length(before)} to "
-                    f"{shown_length(after)}; write {slip.remedy[0]}"
+                    f"{shown_length(after)}; write `zero: {whole:.4g} deg` (with dh: theta) at joint {index + 1} in "
+                    "the arm file"
                 )
                 raise InputError(recording.file, "", message)
 

@@ -1,9 +1,8 @@
-"""What a form outside the library is made of: readings' clock, their place, and the candidate that carries a form."""
+"""What a form outside the library is made of: readings' clock, their place, and how the tip may be off there."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from types import MappingProxyType
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -11,13 +10,6 @@ from linkwright.core.arm.chain.arrays import columns
 from linkwright.core.diagnose.instruments.instrument import TILT_X, TILT_Y
 from linkwright.core.diagnose.residual.observed import Observed
 from linkwright.core.sections.numeric import Array
-
-from .library import Candidate
-
-
-def form(name: str, at: tuple[int, ...] = (), shapes: Mapping[str, float] = MappingProxyType({})) -> Candidate:
-    """The candidate of a form."""
-    return Candidate(name, at, (), shapes, outside=True)
 
 
 def run_of(clock: Array) -> Array:

@@ -8,7 +8,7 @@ from types import MappingProxyType
 from linkwright.core.arm.chain.chain import EffectEntry
 from linkwright.core.arm.effects import EFFECTS
 
-from .forces import FORCES
+from .form import form_of
 from .library import Candidate, parameter_of
 
 
@@ -20,7 +20,7 @@ def flexible(candidate: Candidate) -> bool:
 
 def through_flexibility(candidate: Candidate) -> bool:
     """Whether a candidate is a load that acts through the arm's flexibility."""
-    return candidate.effect in FORCES if candidate.outside else EFFECTS[candidate.effect].through_flexibility
+    return form_of(candidate).force if candidate.outside else EFFECTS[candidate.effect].through_flexibility
 
 
 def entry(candidate: Candidate, sizes: Sequence[float]) -> EffectEntry | None:

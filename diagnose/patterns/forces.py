@@ -16,18 +16,20 @@ from linkwright.core.arm.errors.recorded import turned_levels
 from linkwright.core.arm.errors.tip import carried_to_tip, rotation_at_tip
 from linkwright.core.diagnose.residual.observed import Observed
 from linkwright.core.diagnose.residual.visits import blocks_of
-from linkwright.core.diagnose.rules.pattern_rules import PatternRules
-from linkwright.core.diagnose.search.subsets import gains, products
+from linkwright.core.diagnose.search.subsets import products
 from linkwright.core.sections.numeric import Array
 
-from .basis import form, interactions, run_of, scaled_position, tip_of
+from .basis import interactions, run_of, scaled_position, tip_of
+from .form import CONSTANT_FORCE, FORCE_FIELD, FORCE_IN_TIME, PULL, SPRING
 from .library import Candidate
 from .pool import Pool
 
-FORCES = frozenset({"constant_force", "force_in_time", "spring_to_a_point", "pull_of_a_point", "force_field"})
-"""Forms that act through what bends."""
-
-_STEPS = 150
+_GRID: Mapping[int, int] = MappingProxyType({2: 6, 3: 4})
+"""Points along an axis from which pulls begin, by the number of axes."""
+_CORES = (0.02, 3.0)
+"""The narrowest and the widest core (m) of a pull that is moved off that grid."""
+_STARTS, _STEPS = 2, 150
+"""Points of the grid from which a pull is moved to where it fits best, and steps of that."""
 
 
 def _give(observed: Observed) -> Array:
@@ -60,20 +62,20 @@ def forces(observed: Observed) -> Iterator[tuple[Candidate, Array]]:
     steady = _give(observed)
     if not steady.any():
         return
-    yield form("constant_force"), steady
+    yield CONSTANT_FORCE.of(), steady
     for waves in _wanderings(observed):
-        yield form("force_in_time", shapes={"half_waves": len(waves) - 1.0}), interactions(waves, steady)
-    yield form("spring_to_a_point"), np.concatenate([steady, -_moved_by(steady, tip)], axis=2)
-    for point, power in itertools.product(_points_around(tip, rules), (1.0, rules.magnet)):
-        shapes = {**_named(point), "core": rules.core, "power": power}
-        yield form("pull_of_a_point", shapes=shapes), _moved_by(steady, pull(tip, shapes))
+        yield FORCE_IN_TIME.of(shapes={"half_waves": len(waves) - 1.0}), interactions(waves, steady)
+    yield SPRING.of(), np.concatenate([steady, -_moved_by(steady, tip)], axis=2)
+    for point, power in itertools.product(_points_around(tip), PULL.shapes["power"]):
+        shapes = {**_named(point), "core": PULL.shapes["core"][0], "power": power}
+        yield PULL.of(shapes=shapes), _moved_by(steady, pull(tip, shapes))
     place = scaled_position(observed)
     field = interactions(place.T, steady)
-    yield form("force_field", shapes={"order": 1.0}), np.concatenate([steady, field], axis=2)
+    yield FORCE_FIELD.of(shapes={"order": 1.0}), np.concatenate([steady, field], axis=2)
     if width == 2 and observed.rows > rules.rows_for_curves:
         squares = np.stack([place[:, i] * place[:, j] for i in range(2) for j in range(i, 2)])
         curved = np.concatenate([steady, field, interactions(squares, steady)], axis=2)
-        yield form("force_field", shapes={"order": 2.0}), curved
+        yield FORCE_FIELD.of(shapes={"order": 2.0}), curved
 
 
 def weight_at_tip(observed: Observed) -> Array:
@@ -90,11 +92,11 @@ def _moved_by(give: Array, force: Array) -> Array:
 def _wanderings(observed: Observed) -> Iterator[Array]:
     """Half waves over the recording, from none (a constant) up to as many as its visits can tell, (1 + K, N); none
     where no time was recorded."""
-    clock, rules = observed.recording.time, observed.rules.patterns
+    clock = observed.recording.time
     if clock is None or np.ptp(clock) <= 0.0:
         return
-    for count in rules.wanders:
-        if count * rules.visits_for_each <= len(blocks_of(observed.block)):
+    for count in map(int, FORCE_IN_TIME.shapes["half_waves"]):
+        if count * observed.rules.patterns.visits_for_each <= len(blocks_of(observed.block)):
             yield np.cos(np.pi * np.arange(count + 1)[:, None] * run_of(clock))
 
 
@@ -108,26 +110,20 @@ def pull(tip: Array, shapes: Mapping[str, float]) -> Array:
     return -away * ((np.sum(away**2, axis=1) + shapes["core"] ** 2) ** (-0.5 * shapes["power"]))[:, None]
 
 
-def _grid(components: int, rules: PatternRules) -> int:
-    """Points along an axis of the grid that pulls begin from."""
-    return rules.grid_in_plane if components == 2 else rules.grid_in_space
-
-
-def _points_around(tip: Array, rules: PatternRules) -> list[tuple[float, ...]]:
+def _points_around(tip: Array) -> list[tuple[float, ...]]:
     """A coarse grid of points in and around the recorded part of the workspace (tips (N, D)), m."""
     spans: list[list[float]] = []
     for low, high in zip(tip.min(axis=0).tolist(), tip.max(axis=0).tolist(), strict=True):
         margin = 0.15 * (high - low)
-        spans.append(np.linspace(low - margin, high + margin, _grid(tip.shape[1], rules)).tolist())
+        spans.append(np.linspace(low - margin, high + margin, _GRID[tip.shape[1]]).tolist())
     return list(itertools.product(*spans))
 
 
 def pull_found(observed: Observed, pool: Pool, vector: Array, known: Sequence[int]) -> tuple[Candidate, Array] | None:
     """The pull that explains most of what the `known` groups leave of the whitened residual (n,), moved off the grid to
     where it does; with its columns (N, C, 1), None where the arm does not bend."""
-    given = products(pool, vector).beside(pool.columns(list(known))) if known else products(pool, vector)
-    gained, rules = gains(pool, given), observed.rules.patterns
-    pulls = [k for k, group in enumerate(pool.groups) if group.candidate.effect == "pull_of_a_point"]
+    gained = products(pool, vector).beside(pool.columns(known)).gains()
+    pulls = [k for k, group in enumerate(pool.groups) if group.candidate.effect == PULL.name]
     if not pulls:
         return None
     taken = np.concatenate([pool.nuisance, np.linalg.qr(pool.basis[:, pool.columns(list(known))])[0]], axis=1)
@@ -136,32 +132,36 @@ def pull_found(observed: Observed, pool: Pool, vector: Array, known: Sequence[in
     give, tip = _give(observed), tip_of(observed)[:, : observed.space]
 
     def shapes(at: Array) -> dict[str, float]:
-        return {**dict(zip(names, at.tolist(), strict=False)), "core": math.exp(at[-1]), "power": rules.magnet}
+        return {
+            **dict(zip(names, at.tolist(), strict=False)),
+            "core": math.exp(at[-1]),
+            "power": PULL.shapes["power"][-1],
+        }
 
     def missed(at: Array) -> float:
-        own = observed.whitened(_moved_by(give, pull(tip, shapes(at)))[:, :, 0])
-        own = own - taken @ (taken.T @ own)
-        size = float(own @ own)
-        return -(float(own @ left) ** 2) / size if size > 0.0 else 0.0
+        white = observed.whitened(_moved_by(give, pull(tip, shapes(at)))[:, :, 0])
+        white = white - taken @ (taken.T @ white)
+        size = float(white @ white)
+        return -(float(white @ left) ** 2) / size if size > 0.0 else 0.0
 
     span = np.ptp(tip, axis=0)
-    cores = (math.log(rules.least_core), math.log(rules.widest_core))
+    cores = (math.log(_CORES[0]), math.log(_CORES[1]))
     bounds = [*zip(tip.min(axis=0) - span, tip.max(axis=0) + span, strict=True), cores]
     best: tuple[float, dict[str, float]] | None = None
-    for number in sorted(pulls, key=lambda k: -float(gained[k]))[: rules.starts]:
+    for number in sorted(pulls, key=lambda k: -float(gained[k]))[:_STARTS]:
         start = pool.groups[number].candidate.shapes
         at = np.array([*(start[name] for name in names), math.log(start["core"])])
         # Half a step of the grid to begin with, whatever the coordinates are.
-        simplex = at + np.vstack([np.zeros(len(at)), np.diag([*(0.5 * span / _grid(observed.space, rules)), 0.7])])
+        simplex = at + np.vstack([np.zeros(len(at)), np.diag([*(0.5 * span / _GRID[observed.space]), 0.7])])
         options = {
             "maxiter": _STEPS,
             "xatol": 1e-3,
             "fatol": 1e-3 * float(left @ left),
             "initial_simplex": simplex,
         }
-        found = minimize(missed, at, method="Nelder-Mead", bounds=bounds, options=options)
-        if best is None or float(found.fun) < best[0]:
-            best = float(found.fun), shapes(found.x)
+        minimum = minimize(missed, at, method="Nelder-Mead", bounds=bounds, options=options)
+        if best is None or float(minimum.fun) < best[0]:
+            best = float(minimum.fun), shapes(minimum.x)
     if best is None:
         return None
-    return form("pull_of_a_point", shapes=MappingProxyType(best[1])), _moved_by(give, pull(tip, best[1]))
+    return PULL.of(shapes=MappingProxyType(best[1])), _moved_by(give, pull(tip, best[1]))

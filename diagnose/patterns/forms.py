@@ -15,41 +15,42 @@ import numpy as np
 from linkwright.core.arm.effects.geometry.tool_offset import TOOL_OFFSET
 from linkwright.core.diagnose.residual.observed import Observed
 from linkwright.core.diagnose.residual.visits import blocks_of
-from linkwright.core.diagnose.rules.pattern_rules import PatternRules
 from linkwright.core.sections.numeric import Array
 
-from .basis import form, interactions, run_of, scaled_position, tip_axes
+from .basis import interactions, run_of, scaled_position, tip_axes
 from .forces import forces, weight_at_tip
+from .form import (
+    BY_ANOTHER,
+    COLUMN,
+    FIELD,
+    IN_PART,
+    JOINT_PERIODIC,
+    JOINT_STEP,
+    LOAD_STEP,
+    LOADED,
+    OF_JOINT,
+    PERIODIC,
+    REGION,
+    SIDES,
+    SMOOTH,
+    STEP,
+    STIFFNESS_STEP,
+    TOOL_STEP,
+    TREND,
+    VELOCITY,
+    WARMTH,
+    Form,
+)
 from .library import Candidate, columns_of
 
-SENTENCES = MappingProxyType(
-    {
-        "step_in_time": "a step in time: something slipped or was moved",
-        "joint_step_in_time": "a step in time of one joint: its zero has moved",
-        "tool_step_in_time": "a step in time of the tool: it has moved on the hand",
-        "load_step_in_time": "a step in time of the load at the tip: it has become heavier or lighter",
-        "stiffness_step_in_time": "a step in time of one joint's stiffness: it gives more or less from then on",
-        "periodic_in_time": "a term that is periodic in time",
-        "joint_periodic_in_time": "a motion of one joint that is periodic in time",
-        "trend_in_time": "a slow curved trend in time",
-        "smooth_in_time": "something that wanders with time",
-        "spring_to_a_point": "a spring to a fixed point (a cable or hose that pulls), acting through what bends",
-        "constant_force": "a constant force at the tip, acting through what bends",
-        "force_in_time": "a force at the tip that wanders with time (a cable or hose), acting through what bends",
-        "pull_of_a_point": "a pull towards a point (a magnet) that weakens with distance, acting through what bends",
-        "force_field": "a force at the tip that varies over the workspace, acting through what bends",
-        "field_over_position": "a smooth field over the tip's position",
-        "smooth_function_of_joint": "a smooth function of one joint's coordinate",
-        "joint_by_another": "one joint that is off by where another stands",
-        "joint_in_part_of_travel": "one joint that is off within a part of its travel",
-        "temperature": "something that follows the temperature",
-        "payload_and_position": "something that grows with the payload and varies over the workspace",
-        "side_of_approach": "something that depends on the side of approach",
-        "region": "a displacement within one region of the workspace only",
-        "other_column": "something that follows a further column of the recording",
-        "velocity": "something that follows a joint's velocity",
-    }
-)
+_ENDS = 0.05
+"""The share of the recording at its beginning and end in which no step is looked for."""
+_MANY_VISITS = 200
+"""Beyond these no change is sought for each joint by itself: patterns of as many readings take most of the memory."""
+_MOMENTS, _PERIODS, _REGIONS = 40, 130, 12
+"""Moments at which a step is tried, spread evenly over the visits; periods, 0.4 cycles apart; centres of regions."""
+_STRETCHES, _WIDEST = 10, 4
+"""Into which a joint's travel is cut, and how many neighbours are one part of it at most."""
 
 
 def forms(observed: Observed) -> Iterator[tuple[Candidate, Array]]:
@@ -65,21 +66,21 @@ def forms(observed: Observed) -> Iterator[tuple[Candidate, Array]]:
         if np.ptp(q) > 0.0:
             span = 1.0 if observed.arm.joints[number].revolute else 2.0 * np.pi / np.ptp(q)
             waves = [wave(order * span * q) for order in (1, 2, 3) for wave in (np.sin, np.cos)]
-            yield form("smooth_function_of_joint", (number,)), interactions(waves, motion)
-            yield from _in_part_of_travel(number, q, motion, observed.rules.patterns)
+            yield OF_JOINT.of((number,)), interactions(waves, motion)
+            yield from _in_part_of_travel(number, q, motion)
             yield from _by_another(observed, number, motion)
     yield from _with_covariates(observed, axes)
 
 
-def _in_part_of_travel(number: int, q: Array, motion: Array, rules: PatternRules) -> Iterator[tuple[Candidate, Array]]:
+def _in_part_of_travel(number: int, q: Array, motion: Array) -> Iterator[tuple[Candidate, Array]]:
     """Stretches of one joint's travel of up to four tenths of it, each with readings inside and out."""
-    edges = np.linspace(q.min(), q.max(), rules.edges + 1)
+    edges = np.linspace(q.min(), q.max(), _STRETCHES + 1)
     edges[-1] = np.inf
-    for first, last in itertools.combinations(range(rules.edges + 1), 2):
+    for first, last in itertools.combinations(range(_STRETCHES + 1), 2):
         inside = (q >= edges[first]) & (q < edges[last])
-        if last - first <= rules.widest and inside.any():
+        if last - first <= _WIDEST and inside.any():
             shapes = {"from": float(edges[first]), "to": float(min(edges[last], q.max()))}
-            yield form("joint_in_part_of_travel", (number,), shapes), interactions([inside.astype(float)], motion)
+            yield IN_PART.of((number,), shapes), interactions([inside.astype(float)], motion)
 
 
 def _by_another(observed: Observed, number: int, motion: Array) -> Iterator[tuple[Candidate, Array]]:
@@ -90,7 +91,7 @@ def _by_another(observed: Observed, number: int, motion: Array) -> Iterator[tupl
         if other != number and scaled[:, other].any() and motion.any():
             there = scaled[:, other]
             yield (
-                form("joint_by_another", (number, other)),
+                BY_ANOTHER.of((number, other)),
                 interactions([there, there * there, there * scaled[:, number]], motion),
             )
 
@@ -108,52 +109,52 @@ def _joint_motions(observed: Observed) -> list[Array]:
 
 
 def _in_time(observed: Observed, axes: Array, joints: list[Array], clock: Array) -> Iterator[tuple[Candidate, Array]]:
-    span, rules = float(np.ptp(clock)), observed.rules.patterns
+    span = float(np.ptp(clock))
     if span <= 0.0:
         return
     starts = np.sort(np.unique([clock[rows].min() for rows in blocks_of(observed.block)]))
-    ends = rules.ends * span
+    ends = _ENDS * span
     inner = starts[(starts > clock.min() + ends) & (starts < clock.max() - ends)]
-    if len(inner) > rules.steps_in_time:
-        inner = inner[np.linspace(0, len(inner) - 1, rules.steps_in_time).astype(int)]
-    changes = list(_changes(observed, joints)) if len(starts) <= rules.many_visits else []
+    if len(inner) > _MOMENTS:
+        inner = inner[np.linspace(0, len(inner) - 1, _MOMENTS).astype(int)]
+    changes = list(_changes(observed, joints)) if len(starts) <= _MANY_VISITS else []
     for since in inner.tolist():
         after = (clock >= since).astype(float)
-        yield form("step_in_time", shapes={"since": since}), interactions([after], axes)
+        yield STEP.of(shapes={"since": since}), interactions([after], axes)
         for number, motion in enumerate(joints):
-            yield form("joint_step_in_time", (number,), {"since": since}), interactions([after], motion)
-        for name, at, moved in changes:
-            yield form(name, at, {"since": since}), interactions([after], moved)
+            yield JOINT_STEP.of((number,), {"since": since}), interactions([after], motion)
+        for changed, at, moved in changes:
+            yield changed.of(at, {"since": since}), interactions([after], moved)
     run = run_of(clock)
-    yield form("trend_in_time"), interactions([run, run * run], axes)
+    yield TREND.of(), interactions([run, run * run], axes)
     smooth = [np.cos(np.pi * order * run) for order in range(1, 7)]
     if observed.rows > 4 * len(smooth):
-        yield form("smooth_in_time"), interactions(smooth, axes)
-    if len(starts) >= rules.visits_for_periods:
-        fastest = min(0.5 * len(starts), 0.4 * rules.periods)
+        yield SMOOTH.of(), interactions(smooth, axes)
+    if len(starts) >= observed.rules.search.enough_visits:
+        fastest = min(0.5 * len(starts), 0.4 * _PERIODS)
         for cycles in np.arange(1.4, fastest, 0.4).tolist():
             angle = 2.0 * np.pi * cycles * run
             waves = [np.sin(angle), np.cos(angle)]
-            yield form("periodic_in_time", shapes={"period": span / cycles}), interactions(waves, axes)
-            for number, motion in enumerate(joints if len(starts) <= rules.many_visits else ()):
-                yield form("joint_periodic_in_time", (number,), {"period": span / cycles}), interactions(waves, motion)
+            yield PERIODIC.of(shapes={"period": span / cycles}), interactions(waves, axes)
+            for number, motion in enumerate(joints if len(starts) <= _MANY_VISITS else ()):
+                yield JOINT_PERIODIC.of((number,), {"period": span / cycles}), interactions(waves, motion)
 
 
-def _changes(observed: Observed, joints: list[Array]) -> Iterator[tuple[str, tuple[int, ...], Array]]:
+def _changes(observed: Observed, joints: list[Array]) -> Iterator[tuple[Form, tuple[int, ...], Array]]:
     """What may change from one reading to the next beside a place or a zero, with what it moves (N, C, d): where the
-    tool sits on the hand, what hangs there, how much a joint gives. The name, the joint (none of its own) and the
+    tool sits on the hand, what hangs there, how much a joint gives. The form, the joint (none of its own) and the
     columns of each."""
-    sizes = tuple(each.name for each in TOOL_OFFSET.sizes)
+    sizes = tuple(size.name for size in TOOL_OFFSET.sizes)
     moved = columns_of(observed, Candidate(TOOL_OFFSET.id, (), sizes, MappingProxyType({})))
     if moved is not None:
-        yield "tool_step_in_time", (), moved[:, :, moved.any(axis=(0, 1))]
+        yield TOOL_STEP, (), moved[:, :, moved.any(axis=(0, 1))]
     weight = weight_at_tip(observed)
     if weight.any():
-        yield "load_step_in_time", (), weight
+        yield LOAD_STEP, (), weight
     for number, motion in enumerate(joints):
         load = np.broadcast_to(np.asarray(observed.state.joints[number].drive_load, float), (observed.rows,))
         if np.ptp(load) > 0.0 and motion.any():
-            yield "stiffness_step_in_time", (number,), load[:, None, None] * motion
+            yield STIFFNESS_STEP, (number,), load[:, None, None] * motion
 
 
 def _over_position(observed: Observed, axes: Array) -> Iterator[tuple[Candidate, Array]]:
@@ -161,15 +162,15 @@ def _over_position(observed: Observed, axes: Array) -> Iterator[tuple[Candidate,
     width = place.shape[1]
     linear = [place[:, i] for i in range(width)]
     squares = [place[:, i] * place[:, j] for i in range(width) for j in range(i, width)]
-    yield form("field_over_position", shapes={"order": 2.0}), interactions([*linear, *squares], axes)
+    yield FIELD.of(shapes={"order": 2.0}), interactions([*linear, *squares], axes)
     if width == 2 and observed.rows > rules.rows_for_curves:
         cubes = [place[:, 0] ** a * place[:, 1] ** (3 - a) for a in range(4)]
-        yield form("field_over_position", shapes={"order": 3.0}), interactions([*linear, *squares, *cubes], axes)
-    for center in _spread_out(place, rules.regions):
-        for size in (0.35, 0.7):
+        yield FIELD.of(shapes={"order": 3.0}), interactions([*linear, *squares, *cubes], axes)
+    for center in _spread_out(place, _REGIONS):
+        for size in REGION.shapes["size"]:
             bump = np.exp(-0.5 * np.sum((place - place[center]) ** 2, axis=1) / size**2)
             shape = {f"center_{axis}": float(value) for axis, value in zip("xyz", place[center], strict=False)}
-            yield form("region", shapes={"size": size, **shape}), interactions([bump], axes)
+            yield REGION.of(shapes={"size": size, **shape}), interactions([bump], axes)
 
 
 def _spread_out(points: Array, count: int) -> list[int]:
@@ -187,17 +188,17 @@ def _with_covariates(observed: Observed, axes: Array) -> Iterator[tuple[Candidat
     place = list(scaled_position(observed).T)
     if recording.temperature is not None and np.ptp(recording.temperature) > 0.0:
         warm = (recording.temperature - recording.temperature.mean()) / np.ptp(recording.temperature)
-        yield form("temperature"), interactions([warm, warm * warm], axes)
+        yield WARMTH.of(), interactions([warm, warm * warm], axes)
     if recording.payload_mass is not None and np.ptp(recording.payload_mass) > 0.0:
         load = (recording.payload_mass - recording.payload_mass.mean()) / np.ptp(recording.payload_mass)
-        yield form("payload_and_position"), interactions([load, *(load * p for p in place)], axes)
-    for name, columns in (("side_of_approach", recording.sides), ("velocity", recording.velocity)):
+        yield LOADED.of(), interactions([load, *(load * p for p in place)], axes)
+    for own, columns in ((SIDES, recording.sides), (VELOCITY, recording.velocity)):
         for number in range(observed.arm.size if columns is not None else 0):
             values = columns[:, number] if columns is not None else np.zeros(observed.rows)
             if np.ptp(values) > 0.0:
                 scaled = values / np.abs(values).max()
-                yield form(name, (number,)), interactions([scaled, *(scaled * p for p in place)], axes)
+                yield own.of((number,)), interactions([scaled, *(scaled * p for p in place)], axes)
     for name, values in recording.other.items():
         if np.isfinite(values).all() and np.ptp(values) > 0.0:
             scaled = (values - values.mean()) / np.ptp(values)
-            yield form("other_column", shapes={name: 0.0}), interactions([scaled], axes)
+            yield COLUMN.of(shapes={name: 0.0}), interactions([scaled], axes)

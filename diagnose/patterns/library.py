@@ -94,9 +94,9 @@ class Candidate:
 
 def of_one_number(effect: Effect) -> bool:
     """Whether an effect is geometry that one number at a joint or link says: a zero, a length."""
-    own = [parameter for parameter in effect.sizes if not parameter.of_all]
+    sizes = [parameter for parameter in effect.sizes if not parameter.of_all]
     at_one = effect.place in ("joint", "link") and effect.cause == "geometry" and effect.linear
-    return at_one and len(own) == 1 and not effect.shapes
+    return at_one and len(sizes) == 1 and not effect.shapes
 
 
 def candidates(observed: Observed, without: frozenset[str] = frozenset()) -> Iterator[tuple[Candidate, Array]]:
@@ -141,25 +141,25 @@ def _in_one(observed: Observed, candidate: Candidate, columns: Array) -> Iterato
     if not isinstance(recording, Several) or not plain or (effect.lasts == "the arm" and not recording.units):
         return
     for index in range(1, len(recording.each)):
-        own = of_one(observed, columns, index)
+        columns_here = of_one(observed, columns, index)
         # What a branch has may show in one recording alone, which is no difference between them.
-        if own.any() and not (observed.arm.branches and np.array_equal(own, columns)):
-            yield replace(candidate, only=index), own
+        if columns_here.any() and not (observed.arm.branches and np.array_equal(columns_here, columns)):
+            yield replace(candidate, only=index), columns_here
 
 
 def _of_several_tips(observed: Observed) -> bool:
     """Whether the recordings are of several arms on one torso."""
     recording = observed.recording
-    return isinstance(recording, Several) and len({each.branch for each in recording.each}) > 1
+    return isinstance(recording, Several) and len({item.branch for item in recording.each}) > 1
 
 
 def _in_each(observed: Observed, candidate: Candidate, columns: Array) -> Iterator[tuple[Candidate, Array]]:
     """What a tip has of its own, in each of several recordings alone."""
     recording = observed.recording
     for index in range(len(recording.each) if isinstance(recording, Several) else 0):
-        own = of_one(observed, columns, index)
-        if own.any():
-            yield replace(candidate, only=index), own
+        columns_here = of_one(observed, columns, index)
+        if columns_here.any():
+            yield replace(candidate, only=index), columns_here
 
 
 def of_one(observed: Observed, columns: Array, only: int | None) -> Array:
@@ -169,9 +169,9 @@ def of_one(observed: Observed, columns: Array, only: int | None) -> Array:
     if which is None or only is None:
         return columns
     rows = which == only
-    own = np.zeros(columns.shape)  # the rows of the others are never touched, so that they take no memory
-    own[rows] = columns[rows]
-    return own
+    columns_here = np.zeros(columns.shape)  # the rows of the others are never touched, so that they take no memory
+    columns_here[rows] = columns[rows]
+    return columns_here
 
 
 def columns_of(observed: Observed, candidate: Candidate) -> Array | None:
@@ -242,24 +242,27 @@ def _of_effect(observed: Observed, effect: Effect) -> Iterator[Candidate]:
         yield Candidate(effect.id, at, own, MappingProxyType(shapes), shared=shared)
         needed = tuple(name for name in own if not parameter_of(effect, name).optional)
         less = [needed] if needed else [(name,) for name in own]
-        for fewer in (each for each in less if each != own):
+        for fewer in (item for item in less if item != own):
             yield Candidate(effect.id, at, fewer, MappingProxyType(shapes), shared=shared)
 
 
 def _needs_met(observed: Observed, effect: Effect, at: tuple[int, ...], shapes: Mapping[str, float]) -> bool:
     """Whether the recording holds what a variant asks for; else it would move nothing, or repeat another variant."""
     above = [parameter for parameter in effect.shapes if shapes.get(parameter.name, 0.0) > 0.0]
-    asked: list[Condition] = [*effect.requires, *(each for parameter in above for each in parameter.requires)]
-    if not _held(observed, asked):
+    conditions: list[Condition] = [
+        *effect.requires,
+        *(condition for parameter in above for condition in parameter.requires),
+    ]
+    if not _held(observed, conditions):
         return False
     if effect.least_travel > 0.0 and float(np.ptp(observed.recording.q[:, at[0]])) < effect.least_travel:
         return False
     return effect.shown_by(Readings(observed.state, observed.recording.q, observed.recording.time), at, shapes)
 
 
-def _held(observed: Observed, asked: Sequence[Condition]) -> bool:
+def _held(observed: Observed, conditions: Sequence[Condition]) -> bool:
     """Whether the recording holds all these conditions."""
-    return all(getattr(observed.state.conditions, condition) is not None for condition in asked)
+    return all(getattr(observed.state.conditions, condition) is not None for condition in conditions)
 
 
 def _places(observed: Observed, effect: Effect) -> tuple[int, ...]:

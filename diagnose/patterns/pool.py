@@ -1,6 +1,7 @@
 """Candidates as subspaces: nuisances projected out, each an orthonormal basis, all their products in one Gram matrix.
 
-With the Gram matrix in hand, what any subset of candidates explains is small linear algebra, however many readings.
+With the Gram matrix in hand, what any subset of candidates explains is small linear algebra, however many readings. It
+is worked out when it is first asked for: a few of its rows are all that a rough model needs.
 """
 
 from __future__ import annotations
@@ -18,6 +19,8 @@ from linkwright.core.sections.numeric import Array
 
 from .library import Candidate
 
+VISIBLE = 1e-5
+"""Of a pattern: where the nuisances leave less, it cannot be seen at all."""
 _RANK = 1e-7
 """Directions of a candidate below this share of its largest are rounding."""
 
@@ -76,13 +79,12 @@ class Room:
 @dataclass(frozen=True)
 class Pool:
     """All candidates that can be seen. `basis` (n, M) is orthogonal to `nuisance` (n, b, orthonormal), orthonormal
-    within each group; `gram` (M, M) its products; columns that no group has count nothing. `invisible` are those that
-    the nuisances swallow, `rules` those of the whole diagnosis, `room` is where the basis stands."""
+    within each group; columns that no group has count nothing. `invisible` are those that the nuisances swallow,
+    `rules` those of the whole diagnosis, `room` is where the basis stands."""
 
     nuisance: Array
     groups: tuple[Group, ...]
     basis: Array
-    gram: Array
     invisible: tuple[Candidate, ...]
     rules: Rules = RULES
     room: Room | None = None
@@ -97,6 +99,38 @@ class Pool:
             which = np.flatnonzero(ranks == rank)
             wide.append((which, starts[which][:, None] + np.arange(rank)))
         return Layout(len(self.groups), single, starts[single], tuple(wide))
+
+    @cached_property
+    def gram(self) -> Array:
+        """The products (M, M) of all columns of the basis."""
+        return self.basis.T @ self.basis
+
+    @cached_property
+    def own(self) -> tuple[Array, tuple[Array, ...]]:
+        """What the Gram matrix holds of each group alone: its diagonal (M,), and blocks (g, r, r) as `layout.wide`."""
+        blocks: list[Array] = []
+        for _, at in self.layout.wide:
+            part = self.basis.T[at]
+            blocks.append(part @ part.transpose(0, 2, 1))
+        return np.einsum("ij,ij->j", self.basis, self.basis), tuple(blocks)
+
+    def rows(self, columns: NDArray[np.int64]) -> Array:
+        """The products (k, M) of some columns with all."""
+        return self.gram[columns] if "gram" in vars(self) else self.basis[:, columns].T @ self.basis
+
+    def among(self, columns: NDArray[np.int64]) -> Array:
+        """The products (k, k) of some columns with each other."""
+        if "gram" in vars(self):
+            return self.gram[np.ix_(columns, columns)]
+        part = self.basis[:, columns]
+        return part.T @ part
+
+    def on_this_basis(self, groups: tuple[Group, ...], invisible: tuple[Candidate, ...]) -> Pool:
+        """A pool of other groups of the same columns, whose products are not worked out again."""
+        pool = replace(self, groups=groups, invisible=invisible)
+        if "gram" in vars(self):
+            vars(pool)["gram"] = self.gram
+        return pool
 
     @property
     def starts(self) -> NDArray[np.int64]:
@@ -143,15 +177,15 @@ def _group(
     left = scaled - beside @ (beside.T @ scaled)
     left -= beside @ (beside.T @ left)  # once more: rounding of a pattern that nearly vanishes
     u, s, vt = _singular(left)
-    full = _singular(scaled)[1]
+    whole = float(np.sqrt(np.linalg.eigvalsh(scaled.T @ scaled)[-1]))
     tolerance = rules.weight if len(candidate.sizes) < columns.shape[1] else _RANK
-    keep = (s > tolerance * s[0]) & (s > rules.visible * full[0])
+    keep = (s > tolerance * s[0]) & (s > VISIBLE * whole)
     if limits is not None:
         keep &= s > rules.seen
     if not keep.any():
         return None
     back = (vt[keep].T / s[keep]) / unit[:, None]
-    return Group(candidate, at, at + int(keep.sum()), back, length, float(s[0] / full[0])), u[:, keep]
+    return Group(candidate, at, at + int(keep.sum()), back, length, float(s[0] / whole)), u[:, keep]
 
 
 def _singular(columns: Array) -> tuple[Array, Array, Array]:
@@ -190,20 +224,22 @@ def exchanged(pool: Pool, kept: Sequence[int], patterns: Iterable[tuple[Candidat
         groups.append(made[0])
         bases.append(made[1])
         at = made[0].stop
-    few = replace(pool, groups=tuple(pool.groups[k] for k in kept), invisible=tuple(unseen))
+    few = pool.on_this_basis(tuple(pool.groups[k] for k in kept), tuple(unseen))
     return _wider(few, groups, np.concatenate(bases, axis=1)) if bases else few
 
 
 def _wider(pool: Pool, groups: Sequence[Group], basis: Array) -> Pool:
     """The pool with more groups, and their columns (n, r) behind its own."""
-    mixed = pool.basis.T @ basis
-    gram = np.block([[pool.gram, mixed], [mixed.T, basis.T @ basis]])
     at = pool.basis.shape[1]
     wider = None if pool.room is None else pool.room.behind(at, basis)
     room = pool.room
     if wider is None:
         room, wider = _room_for(pool.basis, basis)
-    return replace(pool, groups=(*pool.groups, *groups), basis=wider, gram=gram, room=room)
+    wider_pool = replace(pool, groups=(*pool.groups, *groups), basis=wider, room=room)
+    if "gram" in vars(pool):
+        mixed = pool.basis.T @ basis
+        vars(wider_pool)["gram"] = np.block([[pool.gram, mixed], [mixed.T, basis.T @ basis]])
+    return wider_pool
 
 
 def _room_for(basis: Array, more: Array) -> tuple[Room, Array]:
@@ -244,4 +280,4 @@ def make_pool(
         basis[:, at : made[0].stop] = made[1]
         at = made[0].stop
     used = basis[:, :at]
-    return Pool(beside, tuple(groups), used, used.T @ used, tuple(invisible), rules, Room(basis, at))
+    return Pool(beside, tuple(groups), used, tuple(invisible), rules, Room(basis, at))

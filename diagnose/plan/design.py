@@ -159,19 +159,16 @@ class _Score:
         weight[asked, asked] = 0.5 / (alone * len(asked))
         share = self.rules.pairs / max(int(patterns.against.sum()), 1)
         for number, (rival, by) in enumerate(zip(patterns.rivals, coefficients, strict=True)):
-            own = np.where(patterns.against[:, number], share * _steepness(told[:, number], patterns.told), 0.0)
-            if not own.any():
+            shown = told[:, number]
+            steep = patterns.told / (shown * (shown + patterns.told))
+            slopes = np.where(patterns.against[:, number], share * steep, 0.0)
+            if not slopes.any():
                 continue
             # The rows of (1, -coefficients), weighed: what is left of an asked column beside the rival.
-            weight[asked, asked] += own
-            weight[asked, rival] -= own[:, None] * by
-            weight[rival, asked] -= (own[:, None] * by).T
-            weight[rival, rival] += by.T @ (own[:, None] * by)
+            weight[asked, asked] += slopes
+            weight[asked, rival] -= slopes[:, None] * by
+            weight[rival, asked] -= (slopes[:, None] * by).T
+            weight[rival, rival] += by.T @ (slopes[:, None] * by)
         rows = patterns.rows[:, :, b:] - patterns.rows[:, :, :b] @ off
         flat = rows.reshape(-1, size)
         return np.einsum("ij,ij->i", flat @ weight, flat).reshape(rows.shape[:2]).sum(axis=1)
-
-
-def _steepness(shown: Array, told: float) -> Array:
-    """By how much log(1 + told / shown) falls as what shows grows."""
-    return told / (shown * (shown + told))

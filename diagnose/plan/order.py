@@ -12,12 +12,14 @@ from linkwright.core.sections.numeric import Array
 from .plan_request import Asked
 
 Rows = NDArray[np.int64]
+_RETURNS, _BESIDE = 3, 4
+"""Visits to one pose (at the beginning, in the middle, at the end), and how many times as many are planned at least."""
 
 
 def returns_of(asked: Asked) -> int:
     """How many of the visits asked for go to the one pose that is returned to; none where there are few."""
-    many = 2 * len(asked.payloads) if len(asked.payloads) > 1 else asked.rules.plan.returns
-    return many if asked.poses >= asked.rules.plan.least_beside * many else 0
+    count = 2 * len(asked.payloads) if len(asked.payloads) > 1 else _RETURNS
+    return count if asked.poses >= _BESIDE * count else 0
 
 
 def in_order(chosen: Sequence[int], back: Sequence[int], payload: Array, q: Array, sides: Array, asked: Asked) -> Rows:
@@ -29,16 +31,16 @@ def in_order(chosen: Sequence[int], back: Sequence[int], payload: Array, q: Arra
     """
     rng = np.random.default_rng(asked.seed)
     several = len(asked.payloads) > 1
-    own = [np.array([v for v in chosen if payload[v] == mass], dtype=np.int64) for mass in asked.payloads]
+    by_payload = [np.array([v for v in chosen if payload[v] == mass], dtype=np.int64) for mass in asked.payloads]
     best, least = np.array(chosen, dtype=np.int64), np.inf
     for _ in range(400):
-        parts: list[list[int]] = [[] for _ in range(2 * len(own))]
-        for k, visits in enumerate(own):
+        parts: list[list[int]] = [[] for _ in range(2 * len(by_payload))]
+        for k, visits in enumerate(by_payload):
             mixed = rng.permutation(visits).tolist()
-            parts[k], parts[k + len(own)] = mixed[: len(mixed) // 2], mixed[len(mixed) // 2 :]
+            parts[k], parts[k + len(by_payload)] = mixed[: len(mixed) // 2], mixed[len(mixed) // 2 :]
         rows: list[int] = []
         for k, part in enumerate(parts):
-            rows += [back[k % len(own)], *part] if back else part
+            rows += [back[k % len(by_payload)], *part] if back else part
         if back and not several:
             rows.append(back[0])
         made = np.array(rows, dtype=np.int64)

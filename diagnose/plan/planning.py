@@ -20,7 +20,7 @@ from linkwright.core.diagnose.instruments.touching import least_touches
 from linkwright.core.diagnose.instruments.view import touched_planes
 from linkwright.core.diagnose.options import Progress
 from linkwright.core.diagnose.patterns.library import Candidate, candidates, columns_of
-from linkwright.core.diagnose.patterns.pool import orthonormal
+from linkwright.core.diagnose.patterns.pool import VISIBLE, orthonormal
 from linkwright.core.diagnose.recording import Recording
 from linkwright.core.diagnose.residual.observe import observe
 from linkwright.core.diagnose.residual.observed import Observed
@@ -32,7 +32,7 @@ from .design import Patterns, chosen_visits
 from .order import in_order, returns_of, with_time
 from .plan_request import Asked, seen_axes
 from .planned import Planned
-from .promise import Promise, another_cause, is_asked, promised, seen_columns, usual_size
+from .promise import NEVER, Promise, another_cause, is_asked, promised, seen_columns, usual_size
 from .torques import told_by_torques, torque_rows
 from .tried import Tried, tried_visits
 from .written import as_read, plan_text, read_plan, to_record
@@ -56,18 +56,18 @@ def plan(arm: Arm, asked: Asked, tell: Progress, after: Recording | None = None)
     tried = tried_visits(arm, asked)
     patterns = _patterns(arm, asked, tried, axes, after)
     rng = np.random.default_rng(asked.seed)
-    many = returns_of(asked)
+    returns = returns_of(asked)
     barred: tuple[int, ...] = ()
     while True:
         chosen, back, interrupted = chosen_visits(
             patterns,
-            asked.poses - many,
-            (lambda visit: _returned(tried, visit, asked)) if many else lambda _: (),
+            asked.poses - returns,
+            (lambda visit: _returned(tried, visit, asked)) if returns else lambda _: (),
             asked.rules.plan,
             rng,
             lambda share: tell("choosing visits", 0.05 + 0.6 * share),
             barred,
-            lambda taken, back: _unbalanced(tried, [*taken, *(list(back) * (many // max(len(back), 1)))]),
+            lambda taken, back: _unbalanced(tried, [*taken, *(list(back) * (returns // max(len(back), 1)))]),
         )
         more = _touched_too_seldom(arm, tried, [*chosen, *back], asked)
         if interrupted or set(more) <= set(barred):
@@ -79,7 +79,7 @@ def plan(arm: Arm, asked: Asked, tell: Progress, after: Recording | None = None)
     try:
         for k in range(0 if interrupted else asked.rules.plan.rivals):
             tell("poses at random, to compare", 0.7 + 0.3 * k / asked.rules.plan.rivals)
-            random.append(_checked(arm, asked, tried, _at_random(tried, asked, many, rng), axes, after)[1])
+            random.append(_checked(arm, asked, tried, _at_random(tried, asked, returns, rng), axes, after)[1])
     except KeyboardInterrupt:
         interrupted = True
     if not interrupted:
@@ -108,55 +108,55 @@ def _unbalanced(tried: Tried, taken: Sequence[int]) -> Sequence[int]:
     return np.flatnonzero(unwanted.reshape(-1)[at]).tolist()
 
 
-def _touched_too_seldom(arm: Arm, tried: Tried, visits: Sequence[int], asked: Asked) -> tuple[int, ...]:
+def _touched_too_seldom(arm: Arm, tried: Tried, visits: Sequence[int], request: Asked) -> tuple[int, ...]:
     """All visits tried to points, planes or bars that those chosen touch, but so seldom that nothing would come of it,
     on a line, or at one place of the bar."""
     if tried.label is None:
         return ()
-    planes, flat, chosen = asked.instrument == "plane", arm.planar(), np.array(visits, dtype=np.int64)
+    planes, flat, chosen = request.instrument == "plane", arm.planar(), np.array(visits, dtype=np.int64)
     least, count = least_touches(planes=planes, flat=flat), int(tried.label.max()) + 1
     label = tried.label[chosen]
-    few = [each for each in range(count) if 0 < len(np.unique(tried.q[chosen[label == each]], axis=0)) < least]
+    few = [index for index in range(count) if 0 < len(np.unique(tried.q[chosen[label == index]], axis=0)) < least]
     if tried.along is not None:
         along = tried.along[chosen]
-        few += [each for each in range(count) if len(np.unique(along[label == each])) == 1]
+        few += [index for index in range(count) if len(np.unique(along[label == index])) == 1]
     if planes:
         reach = touched_planes(tip_position(arm, tried.q[chosen]), label, count, flat=flat)[2]
         size = float(np.linalg.norm(np.ptp(tip_position(arm, tried.q), axis=0)))
-        narrow = reach[:, 1] <= asked.rules.plan.across_plane * size
-        few += [each for each in range(count) if narrow[each] and (label == each).any()]
+        narrow = reach[:, 1] <= request.rules.plan.across_plane * size
+        few += [index for index in range(count) if narrow[index] and (label == index).any()]
     return tuple(np.flatnonzero(np.isin(tried.label, few)).tolist())
 
 
-def _returned(tried: Tried, visit: int, asked: Asked) -> Sequence[int]:
+def _returned(tried: Tried, visit: int, request: Asked) -> Sequence[int]:
     """The pose and sides of a visit under each payload, as numbers of what was tried."""
     same = (tried.q == tried.q[visit]).all(axis=1) & (tried.sides == tried.sides[visit]).all(axis=1)
-    return [int(np.flatnonzero(same & (tried.payload == mass))[0]) for mass in asked.payloads]
+    return [int(np.flatnonzero(same & (tried.payload == mass))[0]) for mass in request.payloads]
 
 
-def _at_random(tried: Tried, asked: Asked, many: int, rng: np.random.Generator) -> NDArray[np.int64]:
+def _at_random(tried: Tried, request: Asked, count: int, rng: np.random.Generator) -> NDArray[np.int64]:
     """As many visits at poses spread over the ranges, under any payload and from any side, in an order of the same
     kind."""
-    usable = np.flatnonzero(tried.random) if tried.random.sum() >= asked.poses else np.arange(tried.size)
-    drawn = rng.permutation(usable)[: asked.poses - many + 1].tolist()
-    back = list(_returned(tried, drawn[-1], asked)) if many else []
-    chosen = drawn[: asked.poses - many]
-    return in_order(chosen, back, tried.payload, tried.q, tried.sides, asked)
+    usable = np.flatnonzero(tried.random) if tried.random.sum() >= request.poses else np.arange(tried.size)
+    drawn = rng.permutation(usable)[: request.poses - count + 1].tolist()
+    back = list(_returned(tried, drawn[-1], request)) if count else []
+    chosen = drawn[: request.poses - count]
+    return in_order(chosen, back, tried.payload, tried.q, tried.sides, request)
 
 
 def _checked(
-    arm: Arm, asked: Asked, tried: Tried, order: NDArray[np.int64], axes: Sequence[str], after: Recording | None
+    arm: Arm, request: Asked, tried: Tried, order: NDArray[np.int64], axes: Sequence[str], after: Recording | None
 ) -> tuple[Recording, Promise]:
     """The visits as a recording, and what it will show by the file that holds it."""
-    made = to_record(arm, tried, order, asked)
+    made = to_record(arm, tried, order, request)
     with TemporaryDirectory() as folder:
         path = Path(folder) / "plan.csv"
-        path.write_text(plan_text(made, arm, axes, torques=bool(asked.torque_noise)), encoding="utf-8")
-        read = as_read(read_plan(path, arm, rules=asked.rules), arm, asked)
-        read = replace(read, file="", frame=asked.frame, tool=asked.tool)
-    promise = promised(arm, read if after is None else going_on(after, read, arm, asked.rules), axes, asked)
+        path.write_text(plan_text(made, arm, axes, torques=bool(request.torque_noise)), encoding="utf-8")
+        read = as_read(read_plan(path, arm, rules=request.rules), arm, request)
+        read = replace(read, file="", frame=request.frame, tool=request.tool)
+    promise = promised(arm, read if after is None else going_on(after, read, arm, request.rules), axes, request)
     # Each recording's torques are looked at by themselves.
-    return read, replace(promise, torques=told_by_torques(arm, read, asked))
+    return read, replace(promise, torques=told_by_torques(arm, read, request))
 
 
 def going_on(before: Recording, then: Recording, arm: Arm, rules: Rules) -> Recording:
@@ -166,7 +166,7 @@ def going_on(before: Recording, then: Recording, arm: Arm, rules: Rules) -> Reco
 
 def _as_plans(before: Recording) -> list[Recording]:
     """The readings of each recording with no more than what a plan holds."""
-    return [_as_plan(each) for each in (before.each if isinstance(before, Several) else (before,))]
+    return [_as_plan(item) for item in (before.each if isinstance(before, Several) else (before,))]
 
 
 def _as_plan(before: Recording) -> Recording:
@@ -191,41 +191,43 @@ def _as_plan(before: Recording) -> Recording:
     )
 
 
-def _patterns(arm: Arm, asked: Asked, tried: Tried, axes: Sequence[str], after: Recording | None) -> Patterns:
+def _patterns(arm: Arm, request: Asked, tried: Tried, axes: Sequence[str], after: Recording | None) -> Patterns:
     """What the causes look like at every visit tried. Raises `NothingToSee`."""
-    made = to_record(arm, tried, np.arange(tried.size), replace(asked, repeats=1))
-    there = as_read(made, arm, asked)
-    observed = _in_any_order(arm, replace(there, frame=asked.frame, tool=asked.tool), asked)
-    chosen = _one_of_each(observed, asked)
-    scale = [_usual(candidate, columns, observed, axes, asked) for candidate, columns in chosen]
+    made = to_record(arm, tried, np.arange(tried.size), replace(request, repeats=1))
+    there = as_read(made, arm, request)
+    observed = _in_any_order(arm, replace(there, frame=request.frame, tool=request.tool), request)
+    chosen = _one_of_each(observed, request)
+    scale = [_usual(candidate, columns, observed, axes, request) for candidate, columns in chosen]
     beside = nuisances(observed)[0]
-    rows = _rows(observed, [beside, *(c * s for (_, c), s in zip(chosen, scale, strict=True))], axes, asked)
+    rows = _rows(observed, [beside, *(c * s for (_, c), s in zip(chosen, scale, strict=True))], axes, request)
     known = np.zeros((rows.shape[2],) * 2)
     if after is not None:
         plans = _as_plans(after)
         recorded = _in_any_order(
-            arm, plans[0] if len(plans) == 1 else together(plans, arm, rules=asked.rules.residual), asked
+            arm, plans[0] if len(plans) == 1 else together(plans, arm, rules=request.rules.residual), request
         )
-        own = nuisances(recorded)[0]
+        nuisance_columns = nuisances(recorded)[0]
         found = [columns_of(recorded, candidate) for candidate, _ in chosen]
         nothing = np.zeros((recorded.rows, recorded.residual.shape[1], 1))
         parts = [
             nothing * s if columns is None or columns.shape[2] != len(s) else columns * s
             for columns, s in zip(found, scale, strict=True)
         ]
-        taken = _rows(recorded, [own], axes, asked).reshape(len(axes) * recorded.rows, own.shape[2])
-        left = _rows(recorded, parts, axes, asked).reshape(len(taken), -1)
+        taken = _rows(recorded, [nuisance_columns], axes, request).reshape(
+            len(axes) * recorded.rows, nuisance_columns.shape[2]
+        )
+        left = _rows(recorded, parts, axes, request).reshape(len(taken), -1)
         base = orthonormal(taken)
         left = left - base @ (base.T @ left)
         known[beside.shape[2] :, beside.shape[2] :] = left.T @ left
-    patterns = _to_choose(chosen, rows * np.sqrt(asked.repeats), beside.shape[2], known, asked)
-    return _with_torques(patterns, arm, there, asked) if asked.torque_noise else patterns
+    patterns = _to_choose(chosen, rows * np.sqrt(request.repeats), beside.shape[2], known, request)
+    return _with_torques(patterns, arm, there, request) if request.torque_noise else patterns
 
 
-def _with_torques(patterns: Patterns, arm: Arm, tried: Recording, asked: Asked) -> Patterns:
+def _with_torques(patterns: Patterns, arm: Arm, tried: Recording, request: Asked) -> Patterns:
     """The same with what the drives' torques show of weights and friction, each asked for beside the causes; no cause
     is mistaken for those."""
-    unasked, wanted = (np.sqrt(asked.repeats) * each for each in torque_rows(arm, tried, asked))
+    unasked, wanted = (np.sqrt(request.repeats) * row for row in torque_rows(arm, tried, request))
     before, own = unasked.shape[2], wanted.shape[2]
     first, size = patterns.nuisances, patterns.rows.shape[2]
 
@@ -234,9 +236,9 @@ def _with_torques(patterns: Patterns, arm: Arm, tried: Recording, asked: Asked) 
     seen = [tip[:, :, :first], np.zeros((*of_tip, before)), tip[:, :, first:], np.zeros((*of_tip, own))]
     held = [np.zeros((*of_drives, first)), unasked, np.zeros((*of_drives, size - first)), wanted]
     rows = np.concatenate([np.concatenate(seen, axis=2), np.concatenate(held, axis=2)], axis=1)
-    kept = np.concatenate([np.arange(first), np.arange(first, size) + before])
+    columns = np.concatenate([np.arange(first), np.arange(first, size) + before])
     known = np.zeros((rows.shape[2],) * 2)
-    known[np.ix_(kept, kept)] = patterns.known
+    known[np.ix_(columns, columns)] = patterns.known
     added = np.arange(own) + size - first
     return replace(
         patterns,
@@ -248,12 +250,12 @@ def _with_torques(patterns: Patterns, arm: Arm, tried: Recording, asked: Asked) 
     )
 
 
-def _in_any_order(arm: Arm, recording: Recording, asked: Asked) -> Observed:
+def _in_any_order(arm: Arm, recording: Recording, request: Asked) -> Observed:
     """Readings without what their order tells, which comes later."""
-    return observe(arm, replace(recording, time=None, last_moves=None), rules=asked.rules)
+    return observe(arm, replace(recording, time=None, last_moves=None), rules=request.rules)
 
 
-def _one_of_each(observed: Observed, asked: Asked) -> list[tuple[Candidate, Array]]:
+def _one_of_each(observed: Observed, request: Asked) -> list[tuple[Candidate, Array]]:
     """Each cause with its columns (V, C, d): of its variants with most sizes the one in the middle, and of those asked
     for the first and the last as well."""
     families: dict[object, list[tuple[Candidate, Array]]] = {}
@@ -262,29 +264,29 @@ def _one_of_each(observed: Observed, asked: Asked) -> list[tuple[Candidate, Arra
     chosen: list[tuple[Candidate, Array]] = []
     for variants in families.values():
         most = max(columns.shape[2] for _, columns in variants)
-        full = [each for each in variants if each[1].shape[2] == most]
-        if is_asked(full[0][0].effect, full[0][0].at, asked.effects):
+        full = [variant for variant in variants if variant[1].shape[2] == most]
+        if is_asked(full[0][0].effect, full[0][0].at, request.effects):
             chosen += [full[k] for k in sorted({0, len(full) // 2, len(full) - 1})]
-        elif not asked.pairs_only and most <= asked.rules.plan.widest_rival:
+        elif not request.pairs_only and most <= request.rules.plan.widest_rival:
             chosen.append(full[len(full) // 2])
     return chosen
 
 
-def _usual(candidate: Candidate, columns: Array, observed: Observed, axes: Sequence[str], asked: Asked) -> Array:
+def _usual(candidate: Candidate, columns: Array, observed: Observed, axes: Sequence[str], request: Asked) -> Array:
     """The usual size of each column (d,); of products with unknown weights what is as large as the scatter."""
     if len(candidate.sizes) == columns.shape[2]:
         return np.array([usual_size(candidate, name) for name in candidate.sizes])
-    rms = np.sqrt(np.mean(np.sum(seen_columns(observed, columns, axes, asked.scatter(axes)) ** 2, axis=1), axis=0))
+    rms = np.sqrt(np.mean(np.sum(seen_columns(observed, columns, axes, request.scatter(axes)) ** 2, axis=1), axis=0))
     return 1.0 / np.where(rms > 0.0, rms, 1.0)
 
 
-def _rows(observed: Observed, parts: Sequence[Array], axes: Sequence[str], asked: Asked) -> Array:
+def _rows(observed: Observed, parts: Sequence[Array], axes: Sequence[str], request: Asked) -> Array:
     """Columns (V, C, d) one beside another, as the instrument's readings have them, over their scatter."""
-    return seen_columns(observed, np.concatenate(parts, axis=2), axes, asked.scatter(axes))
+    return seen_columns(observed, np.concatenate(parts, axis=2), axes, request.scatter(axes))
 
 
 def _to_choose(
-    chosen: Sequence[tuple[Candidate, Array]], rows: Array, beside: int, known: Array, asked: Asked
+    chosen: Sequence[tuple[Candidate, Array]], rows: Array, beside: int, known: Array, request: Asked
 ) -> Patterns:
     """What the choice goes by: causes that the nuisances swallow wherever the arm stands, and pairs that no pose tells,
     are left out. Raises `NothingToSee`."""
@@ -292,19 +294,19 @@ def _to_choose(
     base = orthonormal(flat[:, :beside])
     left = flat[:, beside:] - base @ (base.T @ flat[:, beside:])
     total, whole = left.T @ left + known[beside:, beside:], np.sum(flat[:, beside:] ** 2, axis=0)
-    rules = asked.rules
-    seen = total.diagonal() > rules.patterns.visible**2 * (whole + known.diagonal()[beside:])
+    rules = request.rules
+    seen = total.diagonal() > VISIBLE**2 * (whole + known.diagonal()[beside:])
     starts = np.cumsum([0, *(columns.shape[2] for _, columns in chosen)])
     spans = [np.arange(a, b)[seen[a:b]] for a, b in pairwise(starts.tolist())]
     own = [
-        span[span < start + len(each.sizes)] if is_asked(each.effect, each.at, asked.effects) else span[:0]
-        for span, start, (each, _) in zip(spans, starts[:-1].tolist(), chosen, strict=True)
+        span[span < start + len(item.sizes)] if is_asked(item.effect, item.at, request.effects) else span[:0]
+        for span, start, (item, _) in zip(spans, starts[:-1].tolist(), chosen, strict=True)
     ]
     columns = np.concatenate(own or [np.zeros(0)])
     if not len(columns):
         raise NothingToSee
     owner = np.repeat(np.arange(len(chosen)), np.diff(starts)).tolist()
-    kept = np.flatnonzero(seen)
+    visible = np.flatnonzero(seen)
     asks = columns.astype(np.int64)
     rivals = [k for k, span in enumerate(spans) if 0 < len(span) <= rules.plan.widest_rival]
     against = np.zeros((len(asks), len(rivals)), dtype=bool)
@@ -313,10 +315,10 @@ def _to_choose(
         mixed = total[np.ix_(asks, spans[rival])]
         likeness = np.einsum("ad,de,ae->a", mixed, block, mixed) / total[asks, asks]
         other = np.array([another_cause(chosen[owner[column]][0], chosen[rival][0]) for column in asks.tolist()])
-        against[:, number] = other & (likeness < rules.plan.never**2)
+        against[:, number] = other & (likeness < NEVER**2)
     place = np.cumsum(seen) - 1
-    whole_rows = np.concatenate([rows[:, :, :beside], rows[:, :, beside + kept]], axis=2)
-    inside = np.concatenate([np.arange(beside), beside + kept])
+    whole_rows = np.concatenate([rows[:, :, :beside], rows[:, :, beside + visible]], axis=2)
+    inside = np.concatenate([np.arange(beside), beside + visible])
     return Patterns(
         whole_rows,
         beside,

@@ -33,6 +33,9 @@ from .plan_request import Asked, Place, view
 from .torques import TorqueTold
 from .written import weightless
 
+NEVER = 0.9999
+"""Correlation: patterns as alike over all poses tried are told apart by no pose."""
+
 
 @dataclass(frozen=True)
 class Rival:
@@ -84,12 +87,12 @@ class Promise:
     @property
     def pairs(self) -> int:
         """How many pairs there are of a cause asked for, as far as it is seen, and another."""
-        return sum(each.others for each in self.shown)
+        return sum(item.others for item in self.shown)
 
     @property
     def told(self) -> int:
         """How many of those are told apart at usual sizes."""
-        return sum(each.others - len(each.not_told) for each in self.shown if each.smallest <= each.usual)
+        return sum(item.others - len(item.not_told) for item in self.shown if item.smallest <= item.usual)
 
 
 def promised(arm: Arm, recording: Recording, axes: Sequence[str], asked: Asked) -> Promise:
@@ -108,15 +111,15 @@ def promised(arm: Arm, recording: Recording, axes: Sequence[str], asked: Asked) 
         among=(everything,),
     )[0]
     # What an effect does of itself is what is promised, not the variant that would show best.
-    found = detectable(prepared, test, 1.0, rules.search.false_alarm, plainest=True)
-    wanted = [each for each in found if is_asked(each.effect, tuple(n - 1 for n in each.at), asked.effects)]
-    shown = tuple(_shown(prepared, each, asked) for each in wanted)
-    there = {(each.effect, each.at) for each in wanted}
+    detectables = detectable(prepared, test, 1.0, rules.search.false_alarm, plainest=True)
+    wanted = [item for item in detectables if is_asked(item.effect, tuple(n - 1 for n in item.at), asked.effects)]
+    shown = tuple(_shown(prepared, item, asked) for item in wanted)
+    there = {(item.effect, item.at) for item in wanted}
     known = [group.candidate for group in pool.groups] + list(pool.invisible)
     absent = dict.fromkeys(
-        (each.effect, each.numbers) for each in known if is_asked(each.effect, each.at, asked.effects)
+        (item.effect, item.numbers) for item in known if is_asked(item.effect, item.at, asked.effects)
     )
-    return Promise(shown, tuple(each for each in absent if each not in there))
+    return Promise(shown, tuple(item for item in absent if item not in there))
 
 
 def is_asked(effect: str, at: tuple[int, ...], asked: Sequence[Place]) -> bool:
@@ -132,12 +135,12 @@ def seen_columns(observed: Observed, columns: Array, axes: Sequence[str], scatte
     return np.einsum("kc,ncd->nkd", view(axes, width), columns[:, :width]) / scatter[:, None]
 
 
-def _sound(arm: Arm, recording: Recording, axes: Sequence[str], asked: Asked) -> Prepared:
+def _sound(arm: Arm, recording: Recording, axes: Sequence[str], request: Asked) -> Prepared:
     """The recording that a sound arm would give, ready to be searched."""
-    made = _simulated(weightless(arm), recording, asked)
-    observed = observe(arm, made, rules=asked.rules)
-    scatter = asked.scatter(axes)
-    observed = replace(observed, scale=np.full(observed.residual.shape[1], asked.sigma))
+    made = _simulated(weightless(arm), recording, request)
+    observed = observe(arm, made, rules=request.rules)
+    scatter = request.scatter(axes)
+    observed = replace(observed, scale=np.full(observed.residual.shape[1], request.sigma))
 
     def white(columns: Array) -> Array:
         rows = seen_columns(observed, columns, axes, scatter)
@@ -145,10 +148,10 @@ def _sound(arm: Arm, recording: Recording, axes: Sequence[str], asked: Asked) ->
 
     beside, names = nuisances(observed)
     patterns = list(candidates(observed))
-    own = asked.rules.fitting
+    rules = request.rules.fitting
     pool = make_pool(
-        white(beside), [(each, white(columns), limits(each, columns, rules=own)) for each, columns in patterns],
-        rules=asked.rules,
+        white(beside), [(item, white(columns), limits(item, columns, rules=rules)) for item, columns in patterns],
+        rules=request.rules,
     )  # fmt: skip
     seen = {id(group.candidate) for group in pool.groups}
     columns = Columns(packed(array) for candidate, array in patterns if id(candidate) in seen)
@@ -156,58 +159,68 @@ def _sound(arm: Arm, recording: Recording, axes: Sequence[str], asked: Asked) ->
     return Prepared(observed, vector, pool, columns, beside, names, ())
 
 
-def _simulated(arm: Arm, recording: Recording, asked: Asked) -> Recording:
+def _simulated(arm: Arm, recording: Recording, request: Asked) -> Recording:
     """The readings of an arm as its model says, by the instrument that was asked for: what each of several recordings
     reads by itself."""
     plan = Plan(
         1,
-        noise=asked.sigma,
+        noise=request.sigma,
         at=recording,
-        seed=asked.seed,
-        slots=asked.slots,
-        instrument=asked.reads,
-        camera_noise=asked.camera_noise,
-        bar=asked.bar,
+        seed=request.seed,
+        slots=request.slots,
+        instrument=request.reads,
+        camera_noise=request.camera_noise,
+        bar=request.bar,
     )
     parts = recording.parts() if isinstance(recording, Several) else (recording,)
-    if asked.touches:
+    if request.touches:
         # What touches stands elsewhere then: where the arm as it is meets what it touches.
-        own = [replace(plan, at=part, seed=asked.seed + number) for number, part in enumerate(parts)]
-        made = [simulate(arm.on(each.branch), how).recording for each, how in zip(parts, own, strict=True)]
-        return together(made, arm, rules=asked.rules.residual) if isinstance(recording, Several) else made[0]
-    if not asked.slots and len({part.branch for part in parts}) == 1:
+        plans = [replace(plan, at=part, seed=request.seed + number) for number, part in enumerate(parts)]
+        made = [simulate(arm.on(item.branch), how).recording for item, how in zip(parts, plans, strict=True)]
+        return together(made, arm, rules=request.rules.residual) if isinstance(recording, Several) else made[0]
+    if not request.slots and len({part.branch for part in parts}) == 1:
         return simulate(arm.on(parts[0].branch), plan).recording
     read: list[Recording] = []
     for number, part in enumerate(parts):
-        own = replace(plan, at=part, seed=asked.seed + number)
-        if asked.slots:
+        plans = replace(plan, at=part, seed=request.seed + number)
+        if request.slots:
             there = part.instrument
-            own = replace(own, instrument=replace(there, anchor=there.anchor or asked.reads.anchor))
-        read.append(simulate(arm.on(part.branch), own).recording)
-    turns = [each.orientation for each in read if each.orientation is not None]
+            plans = replace(plans, instrument=replace(there, anchor=there.anchor or request.reads.anchor))
+        read.append(simulate(arm.on(part.branch), plans).recording)
+    turns = [item.orientation for item in read if item.orientation is not None]
     return replace(
         recording,
-        tip=np.concatenate([each.tip for each in read]),
+        tip=np.concatenate([item.tip for item in read]),
         orientation=np.concatenate(turns) if turns else recording.orientation,
     )
 
 
-def _shown(prepared: Prepared, found: Detectable, asked: Asked) -> Shown:
+def _shown(prepared: Prepared, detected: Detectable, request: Asked) -> Shown:
     """What was found detectable, with its rivals."""
-    pool, at = prepared.pool, tuple(number - 1 for number in found.at)
-    alike = [
+    pool, at = prepared.pool, tuple(number - 1 for number in detected.at)
+    variants = [
         k
         for k, group in enumerate(pool.groups)
-        if (group.candidate.effect, group.candidate.at) == (found.effect, at)
-        and group.visible == found.visible
-        and found.parameter in group.candidate.sizes
+        if (group.candidate.effect, group.candidate.at) == (detected.effect, at)
+        and group.visible == detected.visible
+        and detected.parameter in group.candidate.sizes
     ]
-    number = min(alike, key=lambda k: not is_plain(pool.groups[k].candidate))
+    number = min(variants, key=lambda k: not is_plain(pool.groups[k].candidate))
     candidate = pool.groups[number].candidate
-    usual = usual_size(candidate, found.parameter)
-    rivals = rivals_of(prepared, number, found.parameter, asked)
-    others = len({group.candidate.family for group in pool.groups if _may_be(candidate, group.candidate, asked)})
-    return Shown(found.effect, found.at, found.parameter, found.kind, found.value, found.rms, usual, rivals, others)
+    usual = usual_size(candidate, detected.parameter)
+    rivals = rivals_of(prepared, number, detected.parameter, request)
+    others = len({group.candidate.family for group in pool.groups if _may_be(candidate, group.candidate, request)})
+    return Shown(
+        detected.effect,
+        detected.at,
+        detected.parameter,
+        detected.kind,
+        detected.value,
+        detected.rms,
+        usual,
+        rivals,
+        others,
+    )
 
 
 def usual_size(candidate: Candidate, name: str) -> float:
@@ -239,14 +252,14 @@ def rivals_of(prepared: Prepared, number: int, parameter: str, asked: Asked) -> 
         known = hardest.get(candidate.family)
         if known is None or (known.told, known.likeness) < (rival.told, rival.likeness):
             hardest[candidate.family] = rival
-    return tuple(sorted(hardest.values(), key=lambda each: (-each.told, -each.likeness)))
+    return tuple(sorted(hardest.values(), key=lambda item: (-item.told, -item.likeness)))
 
 
-def _may_be(one: Candidate, other: Candidate, asked: Asked) -> bool:
+def _may_be(one: Candidate, other: Candidate, request: Asked) -> bool:
     """Whether one might be taken for the other, and that is asked."""
     if not another_cause(one, other) or other.only is not None:
         return False
-    return not asked.pairs_only or is_asked(other.effect, other.at, asked.effects)
+    return not request.pairs_only or is_asked(other.effect, other.at, request.effects)
 
 
 def another_cause(one: Candidate, other: Candidate) -> bool:
@@ -257,7 +270,7 @@ def another_cause(one: Candidate, other: Candidate) -> bool:
 def _told_from(likeness: float, length: float, dearer: float, rules: Rules) -> float:
     """The size, of a pattern of this `length` for size one, from which on a rival is refused with high power: its
     criterion is worse by the non-centrality that it leaves and by what it costs more."""
-    if likeness >= rules.plan.never and dearer <= 0.0:
+    if likeness >= NEVER and dearer <= 0.0:
         return math.inf
     search = rules.search
     margin = max((search.refuted if likeness >= search.alike else search.confident) - dearer, 0.0)

@@ -39,15 +39,15 @@ def told_by_torques(arm: Arm, recording: Recording, asked: Asked) -> tuple[Torqu
     if not asked.torque_noise:
         return ()
     visit = (recording.row - 1) // asked.repeats
-    found: list[TorqueTold] = []
+    torques: list[TorqueTold] = []
     for joint, design in enumerate(_designs(arm, recording, visit, asked)):
         scatter = asked.torque_noise[joint] / math.sqrt(asked.repeats)
         if not _tells(design, scatter, asked):
             continue
         errors = design.errors(scatter, asked.rules.residual)
         links, payload, friction = (errors.get(name) for name in ("links", "payload", "side"))
-        found.append(TorqueTold(joint + 1, links, payload, friction, design.together))
-    return tuple(found)
+        torques.append(TorqueTold(joint + 1, links, payload, friction, design.together))
+    return tuple(torques)
 
 
 def torque_rows(arm: Arm, tried: Recording, asked: Asked) -> tuple[Array, Array]:
@@ -77,31 +77,31 @@ def torque_rows(arm: Arm, tried: Recording, asked: Asked) -> tuple[Array, Array]
     return np.concatenate([empty, *beside], axis=2), np.concatenate([empty, *wanted], axis=2)
 
 
-def _without_repetition(design: DriveDesign, asked: Asked) -> tuple[Array, Array | None]:
+def _without_repetition(design: DriveDesign, request: Asked) -> tuple[Array, Array | None]:
     """The first moments as columns (V, r) of which none says what others do, and by what of their coefficients (r,) one
     has how many times as much as in the model the links weigh."""
     moved = design.each - design.each.mean(axis=0)
     left, size, axes = np.linalg.svd(moved, full_matrices=False)
-    kept = size > 1e-6 * max(float(size.max(initial=0.0)), 1e-300)
-    share = design.share(asked.rules.residual)
-    return left[:, kept] * size[kept], None if share is None else axes[kept] @ share
+    independent = size > 1e-6 * max(float(size.max(initial=0.0)), 1e-300)
+    share = design.share(request.rules.residual)
+    return left[:, independent] * size[independent], None if share is None else axes[independent] @ share
 
 
-def _designs(arm: Arm, recording: Recording, visit: NDArray[np.int64], asked: Asked) -> Sequence[DriveDesign]:
+def _designs(arm: Arm, recording: Recording, visit: NDArray[np.int64], request: Asked) -> Sequence[DriveDesign]:
     """What each drive's torque is fitted by at visits (N,)."""
     state = solve(
         arm,
         [recording.q[:, index] for index in range(arm.size)],
         beams_of(arm),
-        conditions=conditions_of(recording, arm, rules=asked.rules.residual),
+        conditions=conditions_of(recording, arm, rules=request.rules.residual),
         payload_mass=recording.payload_mass,
     )
-    return drive_designs(arm, recording, state, visit, asked.rules.residual)
+    return drive_designs(arm, recording, state, visit, request.rules.residual)
 
 
-def _tells(design: DriveDesign, scatter: float, asked: Asked) -> bool:
+def _tells(design: DriveDesign, scatter: float, request: Asked) -> bool:
     """Whether a diagnosis makes anything of a drive's torque: the load spreads beside what it scatters by, and there
     are more visits than what is fitted."""
-    rules, columns = asked.rules.residual, design.columns
+    rules, columns = request.rules.residual, design.columns
     freedom = len(columns) - int(np.linalg.matrix_rank(columns, rtol=1e-6))
     return design.spread > rules.torque_least * math.hypot(design.spread, scatter) and freedom >= rules.enough_freedom

@@ -15,7 +15,6 @@ from linkwright.core.arm.chain.arrays import nominal
 from linkwright.core.arm.chain.chain import Arm
 from linkwright.core.arm.chain.following import completed
 from linkwright.core.diagnose.instruments.touching import touched
-from linkwright.core.diagnose.rules.plan_rules import PlanRules
 from linkwright.core.sections.numeric import Array
 from linkwright.core.units.quantities import InputError
 
@@ -26,6 +25,10 @@ _CORNERS = 64
 
 
 _WRITTEN_ANGLE, _WRITTEN_LENGTH = math.radians(1e-3), 1e-6
+_RUN, _MOST_RUN = (0.0873, 0.01), 0.05
+"""From how far a joint comes (5 deg, a slide 10 mm), beyond any play, and at most of its range."""
+_TOUCHES = 6
+"""Visits for each point or place of a bar that is touched again, and half as many as for each plane."""
 
 
 class TooFewPostures(Exception):
@@ -60,17 +63,16 @@ def tried_visits(arm: Arm, asked: Asked) -> Tried:
     rules, rng = asked.rules.plan, np.random.default_rng(asked.seed)
     low = np.array([joint.range[0] for joint in arm.joints])
     high = np.array([joint.range[1] for joint in arm.joints])
-    run = approach(arm, rules)
+    run = approach(arm)
     low, high = low + run, high - run
     sobol = qmc.Sobol(arm.size, scramble=True, rng=rng)
-    many = 2 ** math.ceil(math.log2(rules.tried))
+    count = 2 ** math.ceil(math.log2(rules.tried))
     poses = drawn(
         asked.room,
         (low, high),
-        lambda least, most: least + (most - least) * sobol.random(many),
+        lambda least, most: least + (most - least) * sobol.random(count),
         lambda q: _clear(arm, q, run, asked.room),
         rules.tried,
-        rules.searched,
     )
     spread = len(poses)
     moving = np.flatnonzero(high > low)
@@ -87,55 +89,55 @@ def tried_visits(arm: Arm, asked: Asked) -> Tried:
         if len(q) < asked.poses:
             raise TooFewPostures(f"touches something again in {len(q)} postures only of {asked.poses} asked for")
     if len(q) < asked.poses:
-        kept = "what is to be avoided leaves" if asked.room.within is None else "where the arm was recorded there are"
-        raise NoRoom(f"{kept} {len(q)} poses of the {asked.poses} asked for, of many tried")
+        reason = "what is to be avoided leaves" if asked.room.within is None else "where the arm was recorded there are"
+        raise NoRoom(f"{reason} {len(q)} poses of the {asked.poses} asked for, of many tried")
     sides = rng.choice([-1.0, 1.0], (len(q), arm.size))
-    each = [
+    by_payload = [
         (q, sign * sides, np.full(len(q), payload), random, label, along)
         for payload in asked.payloads
         for sign in (1.0, -1.0)
     ]
-    parts = [np.concatenate(part) for part in zip(*each, strict=True)]
+    parts = [np.concatenate(part) for part in zip(*by_payload, strict=True)]
     touched_there = parts[4].astype(np.int64) if asked.touches else None
     return Tried(parts[0], parts[1], parts[2], parts[3].astype(bool), touched_there, parts[5] if asked.bar else None)
 
 
 def _touching(
-    arm: Arm, q: Array, random: NDArray[np.bool_], run: Array, asked: Asked
+    arm: Arm, q: Array, random: NDArray[np.bool_], run: Array, request: Asked
 ) -> tuple[Array, NDArray[np.bool_], NDArray[np.int64], Array]:
     """Postures near some poses (P, n) in which the arm touches one of some points, planes or bars again, which of them
     are near poses spread over the ranges, what each touches (from 0) and how far along its bar, m."""
-    rules, planes = asked.rules.plan, asked.instrument == "plane"
-    least = rules.touches_of_plane if planes else rules.touches_of_bar if asked.bar else rules.touches_of_point
-    count = asked.bars or max(1, asked.poses // least)
+    planes = request.instrument == "plane"
+    least = (2 if planes else 1) * _TOUCHES
+    count = request.bars or max(1, request.poses // least)
     try:
-        found = touched(
+        touches = touched(
         arm, q, np.arange(len(q)), np.zeros((len(q), 3)), lambda at: nominal(arm, at, 3)[0],
-        np.random.default_rng(asked.seed), planes=planes, bar=asked.bar, count=count, reached=True,
+        np.random.default_rng(request.seed), planes=planes, bar=request.bar, count=count, reached=True,
     )  # fmt: skip
     except InputError:
         raise TooFewPostures(
-            f"touches nothing again within the joint ranges{'; a shorter one may do' if asked.bar else ''}"
+            f"touches nothing again within the joint ranges{'; a shorter one may do' if request.bar else ''}"
         ) from None
-    clear = found.keep & _may_be_come_to(found.q, run, arm, asked)
-    whole = _clear(arm, found.q[clear], run, Room())
-    return whole, random[clear], found.label[clear], found.along[clear]
+    clear = touches.keep & _may_be_come_to(touches.q, run, arm, request)
+    whole = _clear(arm, touches.q[clear], run, Room())
+    return whole, random[clear], touches.label[clear], touches.along[clear]
 
 
-def _may_be_come_to(q: Array, run: Array, arm: Arm, asked: Asked) -> NDArray[np.bool_]:
+def _may_be_come_to(q: Array, run: Array, arm: Arm, request: Asked) -> NDArray[np.bool_]:
     """Which poses keep to their room and can be come to from both sides."""
     low, high = (np.array([joint.range[end] for joint in arm.joints]) for end in (0, 1))
     inside = np.asarray(((q >= low + run - 1e-9) & (q <= high - run + 1e-9)).all(axis=1), dtype=np.bool_)
-    for sign in () if asked.room.everywhere else (0.0, 1.0, -1.0):
-        inside &= asked.room.allows(arm, completed(arm, q + sign * run))
+    for sign in () if request.room.everywhere else (0.0, 1.0, -1.0):
+        inside &= request.room.allows(arm, completed(arm, q + sign * run))
     return inside
 
 
-def approach(arm: Arm, rules: PlanRules) -> Array:
+def approach(arm: Arm) -> Array:
     """From how far before a pose each joint comes (n,), rad and m."""
-    far = np.array([rules.run if joint.revolute else rules.slide_run for joint in arm.joints])
+    far = np.array([_RUN[0 if joint.revolute else 1] for joint in arm.joints])
     span = np.array([joint.range[1] - joint.range[0] for joint in arm.joints])
-    return np.minimum(far, rules.most_run * span)
+    return np.minimum(far, _MOST_RUN * span)
 
 
 def _clear(arm: Arm, q: Array, run: Array, room: Room) -> Array:

@@ -15,9 +15,11 @@ from linkwright.core.arm.chain.following import completed
 from linkwright.core.arm.chain.kinematics import tip_position
 from linkwright.core.diagnose.instruments.instrument import ALONG, DISTANCE, LABELS, Instrument
 from linkwright.core.diagnose.reading.columns import UnitMissing, meaning_of
-from linkwright.core.diagnose.reading.read import measurable, recording_from
+from linkwright.core.diagnose.reading.files import read_table
+from linkwright.core.diagnose.reading.named_columns import measurable
+from linkwright.core.diagnose.reading.read import recording_from
 from linkwright.core.diagnose.reading.settings import ReadingSettings
-from linkwright.core.diagnose.reading.table import Layout, Table, read_table
+from linkwright.core.diagnose.reading.table import Layout, Table
 from linkwright.core.diagnose.reading.write import cell, recording_columns
 from linkwright.core.diagnose.recording import Recording, since_the_reading_before
 from linkwright.core.diagnose.rules.rules import RULES, Rules
@@ -41,18 +43,20 @@ _HEADERS = MappingProxyType(
     }
 )  # fmt: skip
 """The columns of what is read, where they are not its name in mm: three turns are four numbers of a quaternion."""
+_CLOCK = (2.0, 20.0, 300.0)
+"""Seconds from reading to reading, for a move, and to change the payload."""
 
 
 def to_record(arm: Arm, tried: Tried, order: NDArray[np.int64], asked: Asked) -> Recording:
     """Some of the visits tried, in their `order` (N,), as a recording whose tip is where the arm stands undeformed, at
     what it touches; each visit read `repeats` times, by a clock of usual paces."""
-    rules, each = asked.rules.plan, asked.repeats
+    (reading, move, exchange), each = _CLOCK, asked.repeats
     q, sides, payload = tried.q[order], tried.sides[order], tried.payload[order]
     label = None if tried.label is None else tried.label[order]
     visits = len(q)
     change = np.concatenate([[0.0], np.cumsum(np.diff(payload) != 0.0)])
-    start = np.arange(visits) * (rules.between_visits + each * rules.between_readings) + change * rules.between_payloads
-    time = np.repeat(start, each) + np.tile(np.arange(each) * rules.between_readings, visits)
+    start = np.arange(visits) * (move + each * reading) + change * exchange
+    time = np.repeat(start, each) + np.tile(np.arange(each) * reading, visits)
     read = np.repeat(q, each, axis=0)
     return Recording(
         file="",
@@ -79,8 +83,8 @@ def as_read(recording: Recording, arm: Arm, asked: Asked) -> Recording:
     if not asked.slots:
         return recording
     if asked.touches:
-        nought = np.zeros((recording.size, len(asked.slots)))
-        return replace(recording, tip=nought, slots=np.tile(asked.slots, (recording.size, 1)))
+        zeros = np.zeros((recording.size, len(asked.slots)))
+        return replace(recording, tip=zeros, slots=np.tile(asked.slots, (recording.size, 1)))
     if not set(asked.slots) <= {ALONG, DISTANCE}:
         made = Plan(1, noise=0.0, at=recording, seed=asked.seed, slots=asked.slots, instrument=asked.reads)
         return simulate(weightless(arm), made).recording
@@ -89,27 +93,27 @@ def as_read(recording: Recording, arm: Arm, asked: Asked) -> Recording:
     read = tip @ np.array(asked.reads.direction or (0.0, 0.0, 0.0))
     if asked.reads.anchor is not None:
         read = np.linalg.norm(tip - np.array(asked.reads.anchor), axis=1)
-    own = replace(asked.reads, anchor=None) if asked.anchor_free else asked.reads
-    return replace(recording, tip=read[:, None], slots=np.tile(asked.slots, (recording.size, 1)), instrument=own)
+    instrument = replace(asked.reads, anchor=None) if asked.anchor_free else asked.reads
+    return replace(recording, tip=read[:, None], slots=np.tile(asked.slots, (recording.size, 1)), instrument=instrument)
 
 
 def plan_text(recording: Recording, arm: Arm, axes: Sequence[str], *, torques: bool = False) -> str:
     """The plan as CSV: what a recording has, with blank columns for what the instrument sees of the tip, and for the
     drives' `torques`."""
-    kept = [each for each in recording_columns(recording, arm) if each[0] not in (*READ, ALONG_BAR)]
+    columns = [column for column in recording_columns(recording, arm) if column[0] not in (*READ, ALONG_BAR)]
     if recording.bar_at is not None:
-        kept.append((ALONG_BAR, 1e3 * recording.bar_at, 5))
+        columns.append((ALONG_BAR, 1e3 * recording.bar_at, 5))
     units = ["Nm" if joint.revolute else "N" for joint in arm.joints]
     held = [f"{arm.column('tau', index)}_{unit}" for index, unit in enumerate(units)] if torques else []
     left = [name for axis in axes for name in _HEADERS.get(axis, (f"{axis}_mm",))]
     touched = {} if recording.touches is None else {LABELS[recording.instrument.kinds[0]]: recording.touches}
     labels = recording.instrument.labels
-    lines = [",".join([*(name for name, _, _ in kept), *held, *left, *touched])]
+    lines = [",".join([*(name for name, _, _ in columns), *held, *left, *touched])]
     blank = "," * len([*held, *left])
     lines += [
         ",".join(
             [
-                ",".join(cell(values[row], digits) for _, values, digits in kept) + blank,
+                ",".join(cell(values[row], digits) for _, values, digits in columns) + blank,
                 *(labels[int(which[row])] for which in touched.values()),
             ]
         )

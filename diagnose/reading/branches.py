@@ -9,6 +9,7 @@ import numpy as np
 from linkwright.core.arm.chain.chain import Arm, Branch
 from linkwright.core.units.names import nearest
 from linkwright.core.units.quantities import InputError, format_quantity
+from linkwright.core.units.reading import refusal
 
 from .columns import meaning_of
 from .read_column import ReadColumn
@@ -18,12 +19,11 @@ from .table import Table
 
 def to_its_tip(arm: Arm, held: ReadingSettings, file: object) -> Arm:
     """The arm to the tip that the settings name. Raises `InputError` where they name none of its, or none at all."""
-    names = [each.name for each in arm.branches]
+    names = [branch.name for branch in arm.branches]
     if not names and held.tip:
         raise InputError(held.file, "tip", f"is {held.tip}, but {arm.name!r} has no branches; leave it out")
     if names and not held.tip:
-        would_do = " or ".join(f"`tip: {name}`" for name in names)
-        raise InputError(file, "tip", f"is not said, and {arm.name!r} has several; write {would_do} in recording.yaml")
+        raise refusal(file, "tip", f"is not said, and {arm.name!r} has several", *({"tip": name} for name in names))
     if names and held.tip not in names:
         hint = nearest(held.tip, names)
         raise InputError(held.file, "tip", f"is {held.tip}, but {arm.name!r} has {' and '.join(names)}{hint}")
@@ -46,7 +46,7 @@ def with_others_at_rest(
 ) -> tuple[dict[str, ReadColumn], list[str]]:
     """The columns with those of other branches that the recording does not hold, as if they had stood still at zero, or
     as near to it as they come; and sentences that say so."""
-    found, said = dict(columns), list[str]()
+    columns_of_all, sentences = dict(columns), list[str]()
     for branch in arm.branches:
         indices = range(branch.first, branch.end)
         if branch.name == arm.tip or all(f"q{index + 1}" in columns for index in indices):
@@ -55,11 +55,11 @@ def with_others_at_rest(
         lacking = [arm.column("q", index) for index in indices if f"q{index + 1}" not in columns]
         if held:
             raise InputError(table.file, lacking[0], f"is missing beside {held[0]}; give all of {branch.name} or none")
-        said.append(_at_rest(found, table, arm, branch))
-    return found, said
+        sentences.append(_at_rest(columns_of_all, table, arm, branch))
+    return columns_of_all, sentences
 
 
-def _at_rest(found: dict[str, ReadColumn], table: Table, arm: Arm, branch: Branch) -> str:
+def _at_rest(columns: dict[str, ReadColumn], table: Table, arm: Arm, branch: Branch) -> str:
     places: list[str] = []
     for index in range(branch.first, branch.end):
         joint = arm.joints[index]
@@ -70,7 +70,7 @@ def _at_rest(found: dict[str, ReadColumn], table: Table, arm: Arm, branch: Branc
         meaning = meaning_of(header, arm, file=table.file)
         if meaning is not None:
             values = np.full(len(table.row), rest)
-            found[meaning.name] = ReadColumn(meaning, header, values, lambda _: "where the branch was is not known")
+            columns[meaning.name] = ReadColumn(meaning, header, values, lambda _: "where the branch was is not known")
     name = arm.column("q", branch.first)
     where = f"it is taken to have stood still at {', '.join(places)}, and its weight loads the torso so"
     return f"Where {branch.name} was meanwhile is not said ({name} and on): {where}."

@@ -2,22 +2,44 @@
 
 from __future__ import annotations
 
+import math
 import re
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from types import MappingProxyType
+from typing import Any
+
+import numpy as np
 
 from linkwright.core.arm.chain.chain import Arm
+from linkwright.core.sections.numeric import Array
 from linkwright.core.units.quantities import InputError, kind_of, read_quantity
 
-_JOINT = re.compile(r"(dir|tau|temperature_link|[qcjva])([0-9]{1,3})(?:_(.+))?")
+_JOINT = re.compile(r"(dir|tau|temperature_link|current|dq|[qcjva])([0-9]{1,3})(?:_(.+))?")
 _WHOLE = re.compile(
-    r"(time|payload|temperature|x|y|z|along|distance|bar|tilt_x|tilt_y|basex|basey|basez|fx|fy|fz|rx|ry|rz|qw|qx|qy|qz)(?:_(.+))?"
+    r"(time|t(?=_(?:s|ms|us|ns)$)|payload|temperature|x|y|z|along|distance|bar|tilt_x|tilt_y|basex|basey|basez|fx|fy|fz|rx|ry|rz|qw|qx|qy|qz)(?:_(.+))?"
 )
 _TURNS = MappingProxyType(
-    {"q": "angle", "c": "angle", "j": "angle", "v": "angular_speed", "a": "angular_acceleration", "tau": "torque"}
+    {
+        "q": "angle",
+        "c": "angle",
+        "j": "angle",
+        "v": "angular_speed",
+        "a": "angular_acceleration",
+        "tau": "torque",
+        "current": "current",
+    }
 )
 _SLIDES = MappingProxyType(
-    {"q": "length", "c": "length", "j": "length", "v": "speed", "a": "acceleration", "tau": "force"}
+    {
+        "q": "length",
+        "c": "length",
+        "j": "length",
+        "v": "speed",
+        "a": "acceleration",
+        "tau": "force",
+        "current": "current",
+    }
 )
 _KINDS = MappingProxyType(
     {
@@ -31,7 +53,7 @@ _KINDS = MappingProxyType(
 )
 _SUFFIXES = MappingProxyType(
     {
-        "time": ("s", "min", "h"),
+        "time": ("s", "min", "h", "ms", "us", "ns"),
         "mass": ("kg", "g"),
         "temperature": ("degC", "K"),
         "length": ("mm", "m", "um"),
@@ -42,8 +64,13 @@ _SUFFIXES = MappingProxyType(
         "angular_acceleration": ("deg_s2", "rad_s2"),
         "acceleration": ("mm_s2", "m_s2"),
         "torque": ("Nm",),
+        "current": ("A",),
     }
 )
+_ALSO = MappingProxyType({"dq": "v", "t": "time"})
+"""Other names of columns."""
+_PER_SECOND = MappingProxyType({"radps": "rad_s", "degps": "deg_s", "mps": "m_s", "mmps": "mm_s"})
+"""Other spellings of suffixes."""
 _OBSERVED = MappingProxyType(
     {"along": "along", "distance": "distance", "bar": "bar", "tilt_x": "tilt", "tilt_y": "tilt"}
 )
@@ -84,8 +111,10 @@ class UnitMissing(InputError):
     """A known name without a unit that would do. In a foreign file it may be somebody's own column; anywhere, where
     words follow it and not just a unit (`stranger`: x_mean_of_ten)."""
 
-    def __init__(self, file: object, key: str, message: str, *, stranger: bool = False) -> None:
-        super().__init__(file, key, message)
+    def __init__(
+        self, file: object, key: str, message: str, *remedies: Mapping[str, Any], stranger: bool = False
+    ) -> None:
+        super().__init__(file, key, message, *remedies)
         self.stranger = stranger
 
 
@@ -94,24 +123,25 @@ def meaning_of(header: str, arm: Arm, *, file: object) -> ColumnMeaning | None:
 
     Raises `InputError` for a joint that the arm does not have, `UnitMissing` for a known name with no or a wrong unit.
     """
-    found = _JOINT.fullmatch(numbered_through(header, arm))
-    if found is not None:
-        base, number, suffix = found[1], int(found[2]), found[3]
+    parsed = _JOINT.fullmatch(numbered_through(header, arm))
+    if parsed is not None:
+        base, number, suffix = _ALSO.get(parsed[1], parsed[1]), int(parsed[2]), parsed[3]
         if not 1 <= number <= arm.size:
             of = "link" if base == "temperature_link" else "joint"
-            many = f"{arm.size} {of}{'s' if arm.size > 1 else ''}"
+            count_text = f"{arm.size} {of}{'s' if arm.size > 1 else ''}"
             hint = f"write `ignore: [{header}]` in recording.yaml if it is none of the arm's"
-            raise UnitMissing(file, header, f"is of {of} {number}, but {arm.name!r} has {many}; {hint}")
+            message = f"is of {of} {number}, but {arm.name!r} has {count_text}; {hint}"
+            raise UnitMissing(file, header, message, {"ignore": [header]})
         if base == "temperature_link":
             return _with_unit(header, base, number - 1, "temperature", suffix, file)
         if base == "dir":
             return _bare(header, base, number - 1, suffix, file)
         kinds = _TURNS if arm.joints[number - 1].revolute else _SLIDES
         return _with_unit(header, base, number - 1, kinds[base], suffix, file)
-    found = _WHOLE.fullmatch(header)
-    if found is None:
+    parsed = _WHOLE.fullmatch(header)
+    if parsed is None:
         return None
-    base, suffix = found[1], found[2]
+    base, suffix = _ALSO.get(parsed[1], parsed[1]), parsed[2]
     if base in ("qw", "qx", "qy", "qz"):
         return _bare(header, base, None, suffix, file)
     return _with_unit(header, base, None, _KINDS[base], suffix, file)
@@ -120,26 +150,43 @@ def meaning_of(header: str, arm: Arm, *, file: object) -> ColumnMeaning | None:
 def numbered_through(header: str, arm: Arm) -> str:
     """A header of a branch's joint (`left_q1_deg`) with its number in the whole arm (`q3_deg`); others as they are."""
     for branch in arm.branches:
-        found = _JOINT.fullmatch(header.removeprefix(f"{branch.name}_"))
-        if found is not None and header.startswith(f"{branch.name}_"):
-            number = int(found[2])
+        parsed = _JOINT.fullmatch(header.removeprefix(f"{branch.name}_"))
+        if parsed is not None and header.startswith(f"{branch.name}_"):
+            number = int(parsed[2])
             whole = branch.first + number if 1 <= number <= branch.end - branch.first else 1000 + number
-            return f"{found[1]}{whole}" + ("" if found[3] is None else f"_{found[3]}")
+            return f"{parsed[1]}{whole}" + ("" if parsed[3] is None else f"_{parsed[3]}")
     return header
 
 
 def of_kind(header: str) -> str | None:
     """The kind of observation that a header is of, where only some recordings observe that (`along`, `distance`,
-    `tilt`, `bar`); else None."""
-    found = _WHOLE.fullmatch(header)
-    return None if found is None else _OBSERVED.get(found[1])
+    `tilt`, `bar`, of currents `motion`); else None."""
+    parsed = _JOINT.fullmatch(header)
+    if parsed is not None and parsed[1] == "current":
+        return "motion"
+    parsed = _WHOLE.fullmatch(header)
+    return None if parsed is None else _OBSERVED.get(parsed[1])
+
+
+def canonical(header: str) -> str:
+    """The name that a column of ours goes by, of one that has several: `time_s` for `t_s`, `v1_rad_s` for
+    `dq1_radps`."""
+    parsed = _JOINT.fullmatch(header)
+    if parsed is not None:
+        name, suffix = f"{_ALSO.get(parsed[1], parsed[1])}{parsed[2]}", parsed[3]
+    else:
+        parsed = _WHOLE.fullmatch(header)
+        if parsed is None:
+            return header
+        name, suffix = _ALSO.get(parsed[1], parsed[1]), parsed[2]
+    return name if suffix is None else f"{name}_{_PER_SECOND.get(suffix, suffix)}"
 
 
 def otherwise_spelled(header: str) -> str | None:
     """Our header for one that differs from it in nothing but how it is written (`Q1_DEG`, `q1 (deg)`, `x [mm]`, `Time
     (s)`); None for any other, and for one of ours as it stands."""
-    found = _IN_BRACKETS.fullmatch(header) or _APART.fullmatch(header)
-    name, unit = (header, None) if found is None else (found[1], found[2].strip())
+    parsed = _IN_BRACKETS.fullmatch(header) or _APART.fullmatch(header)
+    name, unit = (header, None) if parsed is None else (parsed[1], parsed[2].strip())
     name = _NUMBERED.sub(r"\1\2", name.strip().lower().replace("temperature link", "temperature_link"))
     if unit is not None:
         parts = re.sub(r"[\^²]2?$", "2", unit.lower()).split("/")
@@ -151,10 +198,10 @@ def otherwise_spelled(header: str) -> str | None:
 
 def looks_like_ours(header: str) -> bool:
     """Whether a header is one of ours, unit and all (of whatever arm)."""
-    found = _JOINT.fullmatch(header) or _WHOLE.fullmatch(header)
-    if found is None:
+    parsed = _JOINT.fullmatch(header) or _WHOLE.fullmatch(header)
+    if parsed is None:
         return False
-    return found[found.re.groups] is not None or found[1] in ("dir", "qw", "qx", "qy", "qz")
+    return parsed[parsed.re.groups] is not None or parsed[1] in ("dir", "qw", "qx", "qy", "qz")
 
 
 def units_for(base: str, arm: Arm, index: int | None = None) -> tuple[str, ...]:
@@ -172,21 +219,59 @@ def example_headers(base: str, arm: Arm, index: int | None = None) -> str:
 
 def unit_in_header(suffix: str) -> str:
     """A header's suffix as a unit: deg_s is deg/s, deg_s2 deg/s^2."""
-    parts = suffix.split("_")
+    parts = _PER_SECOND.get(suffix, suffix).split("_")
     return parts[0] + "".join("/" + re.sub(r"([A-Za-z])([2-9])$", r"\1^\2", part) for part in parts[1:])
+
+
+def formulas(headers: Sequence[str], arm: Arm, matrix: Array, offset: Array | None = None) -> dict[str, str]:
+    """Formulas that make of columns what they were meant to be, those that stay as they are left out.
+
+    Args:
+        headers: The headers (n) of joints, torques or the tip's coordinates; no formula holds one that has no unit.
+        arm: The arm.
+        matrix: What is meant is `matrix` (n, n) @ what stands there, SI,
+        offset: and this (n) added.
+    """
+    sizes = np.array([_size(header, arm) for header in headers])
+    results: dict[str, str] = {}
+    for k, own in enumerate(headers):
+        order = sorted(np.flatnonzero(matrix[k]).tolist(), key=lambda index: index != k)
+        terms = [(float(matrix[k, n] * sizes[n] / sizes[k]), headers[n]) for n in order]
+        if offset is not None and offset[k]:
+            terms.append((float(offset[k] / sizes[k]), ""))
+        parts = [
+            ("- " if factor < 0.0 else "+ ")
+            + "*".join([*([f"{abs(factor):.9g}"] if abs(factor) != 1.0 or not of else []), *([of] if of else [])])
+            for factor, of in terms
+        ]
+        formula = " ".join(parts).removeprefix("+ ")
+        if formula != own and np.isfinite([factor for factor, _ in terms]).all():
+            results[own] = f"-{formula[2:]}" if formula.startswith("- ") else formula
+    return results
+
+
+def _size(header: str, arm: Arm) -> float:
+    """One of a column's unit, SI; nan where the header names none."""
+    try:
+        meaning = meaning_of(header, arm, file="")
+    except UnitMissing:
+        return math.nan
+    return math.nan if meaning is None else meaning.factor
 
 
 def _bare(header: str, base: str, index: int | None, suffix: str | None, file: object) -> ColumnMeaning:
     if suffix is not None:
-        raise UnitMissing(file, header, f"takes no unit; write {header[: -len(suffix) - 1]}")
+        bare = header[: -len(suffix) - 1]
+        raise UnitMissing(file, header, f"takes no unit; write {bare}", {"columns": {bare: header}})
     return ColumnMeaning(base, index, 1.0)
 
 
 def _with_unit(header: str, base: str, index: int | None, kind: str, suffix: str | None, file: object) -> ColumnMeaning:
     name = header if suffix is None else header[: -len(suffix) - 1]
-    would_do = " or ".join(f"{name}_{each}" for each in _SUFFIXES[kind])
+    due = [f"{name}_{item}" for item in _SUFFIXES[kind]]
+    would_do, remedies = " or ".join(due), [{"columns": {item: header}} for item in due]
     if suffix is None:
-        raise UnitMissing(file, header, f"has no unit; write {would_do} in the header")
+        raise UnitMissing(file, header, f"has no unit; write {would_do} in the header", *remedies)
     try:
         one = read_quantity(f"1 {unit_in_header(suffix)}", kind, file=file, key=header)
         nothing = 0.0
@@ -196,5 +281,5 @@ def _with_unit(header: str, base: str, index: int | None, kind: str, suffix: str
         article = "an" if kind_of(kind).name[0] in "aeiou" else "a"
         message = f"'{suffix}' is no unit of {article} {kind.replace('_', ' ')}; write {would_do} in the header"
         words = 3 if kind in ("angular_speed", "speed", "angular_acceleration", "acceleration") else 2
-        raise UnitMissing(file, header, message, stranger=len(suffix.split("_")) >= words) from None
+        raise UnitMissing(file, header, message, *remedies, stranger=len(suffix.split("_")) >= words) from None
     return ColumnMeaning(base, index, one - nothing, nothing)

@@ -16,6 +16,7 @@ from linkwright.core.arm.avoid.regions import Region
 from linkwright.core.arm.files.avoid import read_avoid
 from linkwright.core.diagnose.instruments.instrument import Instrument
 from linkwright.core.diagnose.instruments.settings import read_instrument
+from linkwright.core.diagnose.motion.reading.settings import MotionSettings, read_motion_settings
 from linkwright.core.units.quantities import InputError, shown
 from linkwright.core.units.reading import Mapping, load_yaml, read_text
 
@@ -40,7 +41,8 @@ class ReadingSettings:
     the rows where each joint went straight from row to row. `seat` is the key `orientation`: free uses orientations,
     how the target is turned on the tool being free. `unit` says which arm of a type was recorded, `date` when (ISO
     8601: `2026-05-16`). `instrument` is what is observed, None where nobody said: the tip's place. `tip` is
-    which of several arms on one torso it is of. `avoid` are regions out of which proposed poses keep the arm.
+    which of several arms on one torso it is of. `avoid` are regions out of which proposed poses keep the arm. `motion`
+    is what they say of a motion log, None where they are of no such.
     """
 
     file: str = ""
@@ -61,15 +63,22 @@ class ReadingSettings:
     instrument: Instrument | None = None
     tip: str = ""
     avoid: tuple[Region, ...] = ()
+    motion: MotionSettings | None = None
+
+    @property
+    def kinds(self) -> tuple[str, ...]:
+        """What is observed, beside or in place of the tip's whole place: `along`, `tilt`, .., `motion`."""
+        observed = () if self.instrument is None else self.instrument.kinds
+        return observed if self.motion is None else (*observed, "motion")
 
 
 def find_settings(recording: Path) -> Path | None:
     """The settings beside a recording: a file of its own name, or recording.yaml in its folder."""
     if not recording.name:
         return None  # a folder, which is said where it is read
-    own = recording.with_suffix(".yaml")
-    if own != recording and os.path.isfile(own) and not _of_another(own):
-        return own
+    beside = recording.with_suffix(".yaml")
+    if beside != recording and os.path.isfile(beside) and not _of_another(beside):
+        return beside
     common = recording.parent / "recording.yaml"
     return common if os.path.isfile(common) else None
 
@@ -87,19 +96,24 @@ def read_settings(path: Path | None) -> ReadingSettings:
             body = mapping.mapping("columns")
             for name in body.content:
                 columns[name] = _formula(body, name)
-        instrument = read_instrument(mapping)
+        motion = read_motion_settings(mapping)
+        instrument = read_instrument(mapping) if motion is None else None
         camera = instrument is not None and "camera" in instrument.kinds
-        axes = _sigma_axes(mapping)
+        axes = None if motion is not None else _sigma_axes(mapping)
         if axes is not None and not camera:
             raise mapping.error("sigma", "of each axis goes with `observes: camera`; write one length, or that as well")
-        sigma = None if axes else mapping.optional_quantity("sigma", _kind_of_sigma(mapping, instrument))
+        sigma = (
+            None
+            if axes or motion is not None
+            else mapping.optional_quantity("sigma", _kind_of_sigma(mapping, instrument))
+        )
         if axes is not None:
-            sigma = math.sqrt(sum(each * each for each in axes) / len(axes))
+            sigma = math.sqrt(sum(axis * axis for axis in axes) / len(axes))
         if mapping.has("sigma_angle") and not camera:
             raise mapping.error("sigma_angle", "goes with `observes: camera`; write that as well")
         angle = mapping.optional_quantity("sigma_angle", "angle")
-        for name, each in (("sigma", sigma), ("sigma_angle", angle)):
-            if each is not None and (each <= 0.0 or (axes is not None and name == "sigma" and min(axes) <= 0.0)):
+        for name, item in (("sigma", sigma), ("sigma_angle", angle)):
+            if item is not None and (item <= 0.0 or (axes is not None and name == "sigma" and min(axes) <= 0.0)):
                 raise mapping.error(name, "must be positive; leave it out where nobody knows it")
         free = ("known", "free")
         # Where a camera and its target are nobody knows as a rule: that is what the arm tells.
@@ -126,6 +140,7 @@ def read_settings(path: Path | None) -> ReadingSettings:
             instrument=instrument,
             tip=_name(mapping, "tip"),
             avoid=read_avoid(mapping),
+            motion=motion,
         )
 
 
@@ -213,20 +228,21 @@ def _layout(mapping: Mapping) -> Layout:
         separator = {"tab": "\t", "comma": ",", "semicolon": ";", "blank": " "}.get(str(raw), str(raw))
         if len(separator) != 1 or separator in '"\r\n':
             raise mapping.error("separator", f"is one character, or tab, comma, semicolon, blank; not {shown(raw)}")
-    decimal = mapping.choice("decimal", (".", ","), ".")
+    decimal = mapping.choice("decimal", (".", ",")) if mapping.has("decimal") else ""
     if separator == decimal:
         raise mapping.error("decimal", "cannot be the separator as well")
     skip = mapping.integer("skip_rows", 0)
     if skip < 0:
         raise mapping.error("skip_rows", "counts the lines before the header; it cannot be negative")
     comment = mapping.text("comment") if mapping.has("comment") else None
-    encoding = mapping.text("encoding", "utf-8")
+    encoding = mapping.text("encoding", "utf-8") if mapping.has("encoding") else ""
     try:
-        "x".encode(encoding)  # codecs that are none of text (hex, zlib) are unknown here
+        "x".encode(encoding or "utf-8")  # codecs that are none of text (hex, zlib) are unknown here
     except (LookupError, ValueError):
         raise InputError(mapping.file, "encoding", f"there is no encoding {shown(encoding)}; e.g. latin-1") from None
     names = _texts(mapping, "names")
     for name in names:
         if names.count(name) > 1:
             raise mapping.error("names", f"holds {shown(name)} twice")
-    return Layout(separator, decimal, comment, skip, encoding, names, mapping.text("sheet", ""))
+    sheet, topics = mapping.text("sheet", ""), _texts(mapping, "topics")
+    return Layout(separator, decimal, comment, skip, encoding, names, sheet, topics)

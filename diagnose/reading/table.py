@@ -23,12 +23,12 @@ from linkwright.core.diagnose.recording import RejectedRow
 from linkwright.core.sections.numeric import Array
 from linkwright.core.units.files import read_bytes
 from linkwright.core.units.quantities import InputError, shown
-from linkwright.core.units.workbook import is_workbook, workbook_text
+from linkwright.core.units.reading import refusal
 
 from .columns import looks_like_ours, otherwise_spelled
 
 if TYPE_CHECKING:
-    from pandas import DataFrame
+    pass
 
 
 _SEPARATORS = (",", ";", "\t", "|")
@@ -36,6 +36,8 @@ _MARKS = ("#", "%")
 _FEWEST_COLUMNS = 3
 """An arm with one joint has as many: q1, x and y."""
 _MOST_TITLES = 30
+_LOOKED_AT = 50
+"""Rows that show how numbers are written."""
 _LINE = re.compile(r"[^\r\n]*(?:\r\n|\r|\n)|[^\r\n]+\Z")
 """A line with its end, whichever that is."""
 _THOUSANDS = MappingProxyType(
@@ -64,22 +66,23 @@ _SIDES = MappingProxyType(
     }
 )
 _USUAL = ("utf-8", "utf8")
-_LARGEST_PARQUET = 512 * 1024 * 1024
 
 
 @dataclass(frozen=True)
 class Layout:
     """How a text file is laid out. `skip_rows` lines stand before the header, lines that begin with `comment` count
-    for nothing; without a `separator` the header tells it. `names` are the columns' where the file has no header;
-    `sheet` is the one of a workbook."""
+    for nothing; without a `separator` the header tells it. An empty `decimal` or `encoding` is told by the file itself,
+    and so are titles above the header. `names` are the columns' where the file has no header;
+    `sheet` is the one of a workbook, `topics` those of a bag that count."""
 
     separator: str | None = None
-    decimal: str = "."
+    decimal: str = ""
     comment: str | None = None
     skip_rows: int = 0
-    encoding: str = "utf-8"
+    encoding: str = ""
     names: tuple[str, ...] = ()
     sheet: str = ""
+    topics: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -101,6 +104,15 @@ class Table:
         """The names of the columns in the order of the file."""
         return tuple(self.columns)
 
+    def kept(self, keep: NDArray[np.bool_]) -> Table:
+        """The rows that `keep` (N) marks."""
+        chosen = np.flatnonzero(keep)
+        columns = {
+            name: cells[keep] if isinstance(cells, np.ndarray) else tuple(cells[k] for k in chosen)
+            for name, cells in self.columns.items()
+        }
+        return replace(self, columns=MappingProxyType(columns), row=self.row[keep])
+
     def numbers(self, name: str) -> Array:
         """A column as numbers; nan where a cell holds none."""
         cells = self.columns[name]
@@ -110,12 +122,12 @@ class Table:
 
     def sides(self, name: str) -> Array:
         """A column as numbers, with signs and words for the two ways that a joint can come (`+`, `neg`) as 1 and -1."""
-        found = self.numbers(name)
+        sides = self.numbers(name)
         cells = self.columns[name]
         if isinstance(cells, np.ndarray):
-            return found
+            return sides
         words = (_SIDES.get(cell.strip().lower(), math.nan) for cell in cells)
-        return np.where(np.isnan(found), np.fromiter(words, dtype=float, count=len(cells)), found)
+        return np.where(np.isnan(sides), np.fromiter(words, dtype=float, count=len(cells)), sides)
 
     def text(self, name: str, index: int) -> str:
         """A cell as it stands in the file."""
@@ -160,26 +172,28 @@ def as_numbers(cells: Sequence[str], decimal: str = ".") -> Array:
     return np.array([as_number(cell, decimal) for cell in cells], dtype=float)
 
 
-def read_table(path: Path, layout: Layout) -> Table:
-    """The table that a CSV, .xlsx or parquet file holds. Raises `InputError`, one line, for anything else."""
-    if path.suffix.lower() in (".parquet", ".pq"):
-        return _parquet(path)
-    if is_workbook(path):
-        return _csv(path, replace(layout, separator=","), workbook_text(path, layout.sheet, layout.decimal))
-    return _csv(path, layout, _text(path, layout.encoding))
-
-
-def _text(path: Path, encoding: str) -> str:
+def file_text(path: Path, encoding: str) -> tuple[str, list[str]]:
+    """The text of a file in an encoding, by default UTF-8 or what its bytes are; sentences where that is another.
+    Raises `InputError`."""
     content = read_bytes(path)
-    if encoding.lower().replace("_", "-") in _USUAL:
+    if not encoding:
+        mark = next((item for item in (b"\xff\xfe", b"\xfe\xff") if content.startswith(item)), None)
+        with suppress(UnicodeDecodeError):
+            if mark is not None:
+                return content.decode("utf-16"), [f"{path.name} is UTF-16 text."]
         _refuse_binary(path, content)
         try:
-            return content.decode("utf-8-sig")
+            return content.decode("utf-8-sig"), []
         except UnicodeDecodeError as error:
-            would_do = "write `encoding: latin-1`, say, in recording.yaml"
-            raise InputError(path, "", f"is not UTF-8 text (byte {error.start}); {would_do}") from None
+            warning = (
+                f"{path.name} is not UTF-8 text (byte {error.start}) and was read as latin-1; `encoding:` says another."
+            )
+            return content.decode("latin-1"), [warning]
+    if encoding.lower().replace("_", "-") in _USUAL:
+        _refuse_binary(path, content)
+        encoding = "utf-8-sig"
     try:
-        return content.decode(encoding)
+        return content.decode(encoding), []
     except LookupError:
         raise InputError(path, "encoding", f"there is no encoding {shown(encoding)}") from None
     except UnicodeDecodeError as error:
@@ -188,14 +202,17 @@ def _text(path: Path, encoding: str) -> str:
         raise InputError(path, "encoding", f"is not {encoding} text") from None
 
 
-def _csv(path: Path, layout: Layout, text: str) -> Table:
+def text_table(path: Path, layout: Layout, text: str) -> Table:
+    """The table that a text holds, laid out so. Raises `InputError`, one line, for anything else."""
     if "\0" in text:
-        raise InputError(path, "", "is no plain text: it holds NUL bytes; is it UTF-16 (`encoding: utf-16`)?")
+        raise refusal(path, "", "is no plain text: it holds NUL bytes; is it UTF-16?", {"encoding": "utf-16"})
+    notes: list[str] = []
+    if not layout.names and (titles := _titles(text, layout)):
+        notes.append(f"The header stands in line {layout.skip_rows + titles + 1}; what is above it is passed over.")
+        layout = replace(layout, skip_rows=layout.skip_rows + titles)
     kept, first, named = _lines(path, text, layout)
     if not first:
         raise InputError(path, "", "is empty; it needs a header (time_s, q1_deg, .., x_mm, y_mm) and a row a reading")
-    if not layout.names:
-        _refuse_title(path, text, layout)
     separator = layout.separator or named or _separator(first)
     try:
         rows = [
@@ -204,10 +221,13 @@ def _csv(path: Path, layout: Layout, text: str) -> Table:
         ]
     except csv.Error as error:
         raise InputError(path, "", f"is no table: {error}") from None
-    if layout.names:
-        header, notes, body = list(layout.names), [], rows
-    else:
-        header, notes = _header(path, rows[0], layout.decimal)
+    decimal = layout.decimal or ("," if _decimal_commas(rows[1:]) else ".")
+    if decimal == "," and not layout.decimal:
+        notes.append("Numbers have decimal commas.")
+    header, body = list(layout.names), rows
+    if not layout.names:
+        header, more = _header(path, rows[0], decimal)
+        notes += more
         body = rows[1:]
     if not body:
         raise InputError(path, "", "has a header but no rows")
@@ -226,14 +246,14 @@ def _csv(path: Path, layout: Layout, text: str) -> Table:
         if separator == "," and len(body[0]) >= 2 * len(header) - 1 > 1:
             message += "; decimal commas cannot stand in a table parted by commas: part it by semicolons"
         elif len(body[0]) > len(header) and not layout.names:
-            message += "; where a title stands above the header, write `skip_rows: 1`, say, in recording.yaml"
+            message += "; where titles stand above the header, write `skip_rows: 1`, say, in recording.yaml"
         raise InputError(path, "", message)
     columns = {name: tuple(body[index][k] for index in good) for k, name in enumerate(header) if name}
     return Table(
         str(path),
         MappingProxyType(columns),
         np.array(good, dtype=np.int64) + 1,
-        layout.decimal,
+        decimal,
         ragged,
         (
             *notes,
@@ -248,19 +268,45 @@ def _refuse_binary(path: Path, content: bytes) -> None:
             raise InputError(path, "", f"is {kind}; a recording is a table of text (save a sheet as CSV) or parquet")
 
 
-def _refuse_title(path: Path, text: str, layout: Layout) -> None:
-    """Refuse a file whose header stands below its first lines, with how many to skip."""
-    above: list[str] = []
-    for number, line in zip(range(layout.skip_rows + _MOST_TITLES), io.StringIO(text), strict=False):
-        cells = max((line.split(each) for each in ([layout.separator] if layout.separator else _SEPARATORS)), key=len)
-        names = [" ".join(cell.strip().strip('"').split()) for cell in cells]
-        if sum(looks_like_ours(name) or otherwise_spelled(name) is not None for name in names) < _FEWEST_COLUMNS:
-            above.append(line)
-            continue
-        if any(each.strip() and not _passed_over(each, layout) for each in above[layout.skip_rows :]):
-            message = f"the header stands in line {number + 1}; write `skip_rows: {number}` in recording.yaml"
-            raise InputError(path, "", message)
-        return
+def _titles(text: str, layout: Layout) -> int:
+    """How many lines stand between those that are skipped and the header: that of our names, or the first line with as
+    many cells as those below it, which hold numbers."""
+    lines = [line for line, _ in zip(io.StringIO(text), range(layout.skip_rows + _MOST_TITLES), strict=False)]
+    lines = lines[layout.skip_rows :]
+    above = [number for number, line in enumerate(lines) if line.strip() and not _passed_over(line, layout)]
+    named = next((number for number in above if _names_columns(lines[number], layout)), None)
+    if named is not None or len(above) < _FEWEST_COLUMNS:
+        return 0 if named is None or named == above[0] else named
+    rows = [_cells(lines[number], layout) for number in above]
+    for place in range(1, len(rows) - 1):
+        same_length = len(rows[0]) != len(rows[place]) == len(rows[place + 1]) >= _FEWEST_COLUMNS
+        if same_length and _numeric(rows[place + 1]) > 0.5 > _numeric(rows[place]):
+            return above[place]
+    return 0
+
+
+def _names_columns(line: str, layout: Layout) -> bool:
+    names = _cells(line, layout)
+    return sum(looks_like_ours(name) or otherwise_spelled(name) is not None for name in names) >= _FEWEST_COLUMNS
+
+
+def _cells(line: str, layout: Layout) -> list[str]:
+    """The cells of a line, parted by what parts it most."""
+    parted = [line.split(item) for item in ([layout.separator] if layout.separator else _SEPARATORS)]
+    return [" ".join(cell.strip().strip('"').split()) for cell in max(parted, key=len)]
+
+
+def _numeric(cells: Sequence[str]) -> float:
+    """The share of cells that hold a number, however it is written."""
+    numbers = (any(math.isfinite(as_number(cell, sign)) for sign in ".,") for cell in cells)
+    return sum(numbers) / max(len(cells), 1)
+
+
+def _decimal_commas(rows: Sequence[Sequence[str]]) -> bool:
+    """Whether more cells are numbers with a comma for a decimal point than with a point, or without either."""
+    cells = [cell for row in rows[:_LOOKED_AT] for cell in row]
+    by_point, by_comma = (sum(math.isfinite(as_number(cell, sign)) for cell in cells) for sign in ".,")
+    return by_comma > by_point
 
 
 def _passed_over(line: str, layout: Layout) -> bool:
@@ -271,7 +317,7 @@ def _passed_over(line: str, layout: Layout) -> bool:
 
 def _lines(path: Path, text: str, layout: Layout) -> tuple[Iterator[str], str, str | None]:
     """The lines that count, the first of them, and the separator where Excel names it (`sep=;`)."""
-    lines = (each[0] for each in _LINE.finditer(text))
+    lines = (item[0] for item in _LINE.finditer(text))
     for done in range(layout.skip_rows):
         if next(lines, None) is None:
             raise InputError(path, "skip_rows", f"is {shown(layout.skip_rows)}, but the file has {done} lines")
@@ -291,8 +337,8 @@ def _lines(path: Path, text: str, layout: Layout) -> tuple[Iterator[str], str, s
 
 def _separator(header: str) -> str:
     """What parts the columns of a header; blanks only where nothing else is there."""
-    count = {each: len(next(csv.reader([header], delimiter=each))) for each in _SEPARATORS}
-    best = max(count, key=lambda each: count[each])
+    count = {item: len(next(csv.reader([header], delimiter=item))) for item in _SEPARATORS}
+    best = max(count, key=lambda item: count[item])
     return best if count[best] > 1 or len(header.split()) < _FEWEST_COLUMNS else " "
 
 
@@ -315,35 +361,3 @@ def _header(path: Path, cells: Sequence[str], decimal: str) -> tuple[list[str], 
             header[place] = f"{name}.{number}"
             notes.append(f"The column {shown(name)} occurs more than once; here the further one is {header[place]}.")
     return header, notes
-
-
-def _parquet(path: Path) -> Table:
-    content = read_bytes(path, _LARGEST_PARQUET)
-    import pandas as pd
-
-    try:
-        frame = pd.read_parquet(io.BytesIO(content))
-    except ImportError:
-        message = "parquet needs pyarrow, which is not installed: pip install 'linkwright[parquet]', or give a CSV file"
-        raise InputError(path, "", message) from None
-    except (OSError, ValueError, KeyError) as error:  # pyarrow's own errors are heirs of ValueError or OSError
-        raise InputError(path, "", f"is not a parquet file: {shown(str(error))}") from None
-    return table_of(frame, str(path))
-
-
-def table_of(frame: DataFrame, path: str) -> Table:
-    """The table that a data frame holds; `path` names it in messages. Raises `InputError`."""
-    import pandas as pd
-
-    columns: dict[str, tuple[str, ...] | Array] = {}
-    for position, name in enumerate(" ".join(str(each).split()) for each in frame.columns):
-        if name in columns:
-            raise InputError(path, "", f"the column {shown(name)} occurs twice")
-        series = frame.iloc[:, position]
-        if pd.api.types.is_numeric_dtype(series) or pd.api.types.is_bool_dtype(series):
-            columns[name] = series.to_numpy(dtype=float, na_value=np.nan)
-        else:
-            columns[name] = tuple("" if pd.isna(value) else str(value) for value in series.tolist())
-    if not len(frame) or not columns:
-        raise InputError(path, "", "has no rows")
-    return Table(path, MappingProxyType(columns), np.arange(1, len(frame) + 1))

@@ -19,7 +19,7 @@ from linkwright.core.diagnose.rules.residual_rules import ResidualRules
 from linkwright.core.diagnose.rules.rules import RULES
 from linkwright.core.sections.numeric import Array
 
-from .placement import rigid
+from .placement import UNDETERMINED, rigid
 
 _STEPS = 30
 
@@ -69,7 +69,7 @@ def aligned(
         if free_tool:
             columns += [-directions]
         design = (np.concatenate(columns, axis=2) / size).reshape(-1, len(size))
-        step, undetermined = _determined(design, -residual.reshape(-1), rules.undetermined)
+        step, undetermined = _determined(design, -residual.reshape(-1), UNDETERMINED)
         step /= size
         if free_frame:
             turn = _rotation(step[width : width + turns])
@@ -79,16 +79,16 @@ def aligned(
         if np.abs(step).max() < 1e-12:
             break
     residual = measured @ rotation.T + translation - modelled - directions @ tool
-    said = _sentences(undetermined, width if free_tool else 0, rules.named_part)
-    return Alignment(rotation, translation, tool, residual, said)
+    sentences = _sentences(undetermined, width if free_tool else 0, rules.named_part)
+    return Alignment(rotation, translation, tool, residual, sentences)
 
 
 def _determined(design: Array, target: Array, share: float) -> tuple[Array, Array]:
     """Least squares of a target (n,) by columns (n, k) in the directions alone that the readings tell, and the other
     directions (m, k): those that move less than a share of the best."""
     u, s, vt = np.linalg.svd(design, full_matrices=False)
-    told = s > share * s[0]
-    return vt[told].T @ ((u[:, told].T @ target) / s[told]), vt[~told]
+    determined = s > share * s[0]
+    return vt[determined].T @ ((u[:, determined].T @ target) / s[determined]), vt[~determined]
 
 
 def _sentences(undetermined: Array, of_tool: int, named: float) -> tuple[str, ...]:

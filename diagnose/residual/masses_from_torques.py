@@ -79,29 +79,29 @@ def weighed_by_torque(arm: Arm, recording: Recording, *, rules: ResidualRules = 
     if not lacking or arm.branches:
         return None
     places = _places(arm, lacking, rules)
-    held = [each for one in parts for each in held_by_drives(arm, one, places, rules=rules)]
+    held = [item for one in parts for item in held_by_drives(arm, one, places, rules=rules)]
     if not held:
         return None
     along = np.array([not any(place[1:]) for _, place in places])
-    found = {beside: masses(held, along | beside) for beside in (False, True)}
-    rows = sum(len(each.lacking) for each in held)
-    count = {beside: int(np.sum(found[beside] > 0.0)) for beside in found}
+    fits = {beside: masses(held, along | beside) for beside in (False, True)}
+    rows = sum(len(item.lacking) for item in held)
+    count = {beside: int(np.sum(fits[beside] > 0.0)) for beside in fits}
     # Schwarz's criterion, which more masses must better beyond doubt.
-    worth = {beside: rows * np.log(misfit(held, found[beside])) + count[beside] * np.log(rows) for beside in found}
+    worth = {beside: rows * np.log(misfit(held, fits[beside])) + count[beside] * np.log(rows) for beside in fits}
     beside = bool(worth[True] < worth[False] - rules.torque_sure**2)
-    return _of_masses(arm, places, held, found[beside], rules)
+    return _of_masses(arm, places, held, fits[beside], rules)
 
 
 def _places(arm: Arm, lacking: Sequence[int], rules: ResidualRules) -> list[Place]:
     """Where the masses of these links may lie: at their joints, in their middles and at their ends, and beside them."""
     reach = sum(arm.lengths)
-    found: list[Place] = []
+    places: list[Place] = []
     for k in lacking:
         length = arm.links[k].length
         off = max(length / 2.0, rules.mass_beside * reach)
-        found += [(k, (share * length, 0.0, 0.0)) for share in (0.0, 0.5, 1.0)]
-        found += [(k, (length / 2.0, *way)) for way in ((off, 0.0), (-off, 0.0), (0.0, off), (0.0, -off))]
-    return found
+        places += [(k, (share * length, 0.0, 0.0)) for share in (0.0, 0.5, 1.0)]
+        places += [(k, (length / 2.0, *way)) for way in ((off, 0.0), (-off, 0.0), (0.0, off), (0.0, -off))]
+    return places
 
 
 def held_by_drives(
@@ -127,12 +127,12 @@ def held_by_drives(
             conditions=conditions_of(one, of, rules=rules),
             **payload,  # pyright: ignore[reportArgumentType]
         )
-        each = [np.broadcast_to(np.asarray(joint.drive_load, dtype=float), (one.size,)) for joint in state.joints]
-        return np.stack(each, axis=1)
+        by_joint = [np.broadcast_to(np.asarray(joint.drive_load, dtype=float), (one.size,)) for joint in state.joints]
+        return np.stack(by_joint, axis=1)
 
     whole, bare = loads(known, bare=False), loads(known, bare=True)
     of_one = np.stack([loads(_carrying(known, ((place, 1.0),)), bare=True) - bare for place in places], axis=2)
-    found: list[Held] = []
+    held: list[Held] = []
     for joint in range(arm.size):
         torque = np.bincount(number, weights=recording.torque[:, joint]) / count
         beside = [np.ones(one.size)]
@@ -155,19 +155,19 @@ def held_by_drives(
         if freedom < rules.enough_freedom:
             continue
         scatter = max(float(np.sqrt(np.sum(free**2) / freedom)), _NOTHING + 1e-6 * float(np.std(lacking)))
-        found.append(Held(joint, lacking / scatter, columns / scatter, scatter, of_one[:, joint, :], -torque))
-    return found
+        held.append(Held(joint, lacking / scatter, columns / scatter, scatter, of_one[:, joint, :], -torque))
+    return held
 
 
 def masses(held: Sequence[Held], usable: NDArray[np.bool_]) -> Array:
     """The masses (P,), kg, at usable places that make best what drives hold, none below nought."""
-    design = np.concatenate([each.of_one for each in held])[:, usable]
+    design = np.concatenate([item.of_one for item in held])[:, usable]
     size = float(np.linalg.norm(design, axis=0).max())
     design = np.concatenate([design, _ALIKE * size * np.eye(design.shape[1])])
-    target = np.concatenate([*(each.lacking for each in held), np.zeros(design.shape[1])])
-    found = np.zeros(len(usable))
-    found[usable] = nnls(design, target, maxiter=50 * len(usable))[0]
-    return found
+    target = np.concatenate([*(item.lacking for item in held), np.zeros(design.shape[1])])
+    solution = np.zeros(len(usable))
+    solution[usable] = nnls(design, target, maxiter=50 * len(usable))[0]
+    return solution
 
 
 def against_any_masses(arm: Arm, recording: Recording, *, rules: ResidualRules = RULES.residual) -> tuple[Held, ...]:
@@ -180,10 +180,12 @@ def against_any_masses(arm: Arm, recording: Recording, *, rules: ResidualRules =
     turned, places = replace(recording, torque=-recording.torque), _places(arm, unweighed(arm), rules)
     as_is, other = (held_by_drives(arm, one, places, rules=rules) for one in (recording, turned))
 
-    def told(each: Held) -> float:
+    def told(held_load: Held) -> float:
         """The share that masses make of what a drive holds."""
-        left = each.lacking - each.of_one @ masses([each], np.ones(each.of_one.shape[1], dtype=bool))
-        return 1.0 - float(left @ left) / max(float(each.lacking @ each.lacking), _NOTHING)
+        left = held_load.lacking - held_load.of_one @ masses(
+            [held_load], np.ones(held_load.of_one.shape[1], dtype=bool)
+        )
+        return 1.0 - float(left @ left) / max(float(held_load.lacking @ held_load.lacking), _NOTHING)
 
     least = -rules.torque_against
     return tuple(one for one, way in zip(as_is, other, strict=True) if told(one) < 1.0 - least and told(way) > least)
@@ -191,7 +193,7 @@ def against_any_masses(arm: Arm, recording: Recording, *, rules: ResidualRules =
 
 def misfit(held: Sequence[Held], found: Array) -> float:
     """The mean square of what masses leave of what drives hold, over its scatter."""
-    return float(np.mean(np.concatenate([each.lacking - each.of_one @ found for each in held]) ** 2))
+    return float(np.mean(np.concatenate([item.lacking - item.of_one @ found for item in held]) ** 2))
 
 
 def _weightless(arm: Arm) -> Arm:
@@ -202,17 +204,17 @@ def _weightless(arm: Arm) -> Arm:
     )
 
 
-def _carrying(arm: Arm, found: Sequence[tuple[Place, float]]) -> Arm:
+def _carrying(arm: Arm, solution: Sequence[tuple[Place, float]]) -> Arm:
     """The arm with masses (kg) at places: along a link as its mass and centre, those beside it as one."""
     links = list(arm.links)
     for index, link in enumerate(links):
-        own = [(place, mass) for (of, place), mass in found if of == index and mass > 0.0]
-        along = [(place, mass) for place, mass in own if not any(place[1:])]
+        carried = [(place, mass) for (of, place), mass in solution if of == index and mass > 0.0]
+        along = [(place, mass) for place, mass in carried if not any(place[1:])]
         whole = sum(mass for _, mass in along)
-        if not own:
+        if not carried:
             continue
         first = sum(place[0] * mass for place, mass in along)
-        off = [(place, mass) for place, mass in own if any(place[1:])]
+        off = [(place, mass) for place, mass in carried if any(place[1:])]
         hung = sum(mass for _, mass in off)
         x, y, z = (sum(place[axis] * mass for place, mass in off) / (hung or 1.0) for axis in range(3))
         further = (PointMass(hung, (x, y, z)),) if hung else ()
@@ -222,27 +224,27 @@ def _carrying(arm: Arm, found: Sequence[tuple[Place, float]]) -> Arm:
 
 
 def _of_masses(
-    arm: Arm, places: Sequence[Place], held: Sequence[Held], found: Array, rules: ResidualRules
+    arm: Arm, places: Sequence[Place], held: Sequence[Held], solution: Array, rules: ResidualRules
 ) -> Weighed | None:
-    told = [k for k in unweighed(arm) if any(_seen(each, places, k, rules) for each in held)]
-    if not told:
+    links = [k for k in unweighed(arm) if any(_seen(item, places, k, rules) for item in held)]
+    if not links:
         return None
-    put = [(place, mass) for place, mass in zip(places, found.tolist(), strict=True) if place[0] in told]
-    known = arm.with_links(tuple(replace(link, mass=0.0) if k in told else link for k, link in enumerate(arm.links)))
-    spread = np.linalg.pinv(sum(each.of_one.T @ each.of_one for each in held), rcond=_NOTHING, hermitian=True)
-    spread = spread * max(misfit(held, found), 1.0)
+    put = [(place, mass) for place, mass in zip(places, solution.tolist(), strict=True) if place[0] in links]
+    known = arm.with_links(tuple(replace(link, mass=0.0) if k in links else link for k, link in enumerate(arm.links)))
+    spread = np.linalg.pinv(sum(item.of_one.T @ item.of_one for item in held), rcond=_NOTHING, hermitian=True)
+    spread = spread * max(misfit(held, solution), 1.0)
     drives: list[tuple[int, float, float]] = []
     for each in held:
-        load = each.unscaled @ found
+        load = each.unscaled @ solution
         share = each.unscaled.T @ each.load / float(each.load @ each.load)
         drives.append((each.joint, float(np.abs(load).max()), float(np.sqrt(max(share @ spread @ share, 0.0)))))
     beside = any(any(place[1:]) and mass > 0.0 for (_, place), mass in put)
-    untold = tuple(k for k in unweighed(arm) if k not in told)
-    return Weighed(_carrying(known, put), tuple(told), untold, tuple(drives), beside)
+    untold = tuple(k for k in unweighed(arm) if k not in links)
+    return Weighed(_carrying(known, put), tuple(links), untold, tuple(drives), beside)
 
 
 def _seen(held: Held, places: Sequence[Place], link: int, rules: ResidualRules) -> bool:
     """Whether a drive's torque shows what a link weighs."""
-    own = [k for k, (of, _) in enumerate(places) if of == link]
+    indices = [k for k, (of, _) in enumerate(places) if of == link]
     whole = float(np.linalg.norm(held.of_one, axis=0).max())
-    return float(np.linalg.norm(held.of_one[:, own], axis=0).max()) > rules.torque_seen * whole
+    return float(np.linalg.norm(held.of_one[:, indices], axis=0).max()) > rules.torque_seen * whole

@@ -34,6 +34,12 @@ from .visits import differences_of_revisits, without_drift
 Rows = NDArray[np.int64]
 Source = Literal["repeats", "declared", "revisits", "none"]
 
+_STEPS, _EVEN = 1.5, 0.02
+"""Coordinates closer than so many steps of an encoder differ by one at most; steps that are whole numbers of the least
+to within this share are an encoder's counts."""
+_FINEST = 1e-9
+"""Metres: no instrument of an arm's size resolves less."""
+
 
 @dataclass(frozen=True)
 class NoiseFloor:
@@ -93,14 +99,14 @@ def noise_floor(recording: Recording, arm: Arm, *, rules: ResidualRules = RULES.
     measured = np.sqrt(cleaned.squares / dof) if dof else None
     coarse = measured is not None and bool((measured <= least).all()) and bool(least.any())
     if measured is not None:
-        measured = np.maximum(np.maximum(measured, least), rules.finest)
+        measured = np.maximum(np.maximum(measured, least), _FINEST)
     declared = recording.sigma
     warnings: list[str] = []
     disagree = (
         measured is not None
         and declared is not None
         and not coarse
-        and _differ(cleaned, own_of(recording, declared, width), width, rules.disagree)
+        and _differ(cleaned, own_of(recording, declared, width), width, rules.false_outlier)
     )
     if disagree and measured is not None and declared is not None:
         warnings.append(
@@ -108,7 +114,7 @@ def noise_floor(recording: Recording, arm: Arm, *, rules: ResidualRules = RULES.
             f"{_length(declared)}: chance does not explain the difference ({dof} degrees of freedom)."
         )
     if measured is not None and (declared is None or disagree or (dof >= rules.enough_freedom and not coarse)):
-        sigma, source, rested = tuple(float(each) for each in measured), "repeats", dof
+        sigma, source, rested = tuple(float(item) for item in measured), "repeats", dof
     elif declared is not None:
         sigma = tuple(np.maximum(own_of(recording, declared, width), least).tolist())
         source, rested = "declared", 0
@@ -117,10 +123,10 @@ def noise_floor(recording: Recording, arm: Arm, *, rules: ResidualRules = RULES.
         again = differences_of_revisits(residual, _revisits(groups, recording, arm, rules))
         # Neighbouring differences share a reading: two thirds of them are worth one each.
         if (rested := 2 * len(again) // 3) >= rules.enough_freedom:
-            spread = (qn(np.concatenate([again[:, k], -again[:, k]]), rules=rules) for k in range(width))
-            sigma, source = tuple(max(each, rules.finest, float(least[k])) for k, each in enumerate(spread)), "revisits"
+            spread = (qn(np.concatenate([again[:, k], -again[:, k]])) for k in range(width))
+            sigma, source = tuple(max(item, _FINEST, float(least[k])) for k, item in enumerate(spread)), "revisits"
     drift, drift_dof = _drift(residual, groups, cleaned, sigma, recording, arm, rules)
-    floor = None if sigma is None else float(np.sqrt(sum(each * each for each in sigma)))
+    floor = None if sigma is None else float(np.sqrt(sum(item * item for item in sigma)))
     if declared is not None and declared < least.max():
         warnings.append(
             f"The declared sigma of {_length(declared)} is less than readings in steps of {_length(max(step))} can "
@@ -163,7 +169,7 @@ def _against_nominal(recording: Recording, arm: Arm, rules: ResidualRules) -> Ar
         stand = stand_of(recording, arm)
         return viewed(recording, tips, axes, stand, flat=arm.planar(), rules=rules).residual
     free, tool = recording.frame == "free", recording.tool == "free"
-    place = placed(arm, recording.q, recording.tip, frame=free, tool=tool, undetermined=rules.undetermined)
+    place = placed(arm, recording.q, recording.tip, frame=free, tool=tool)
     # Components are those of the measuring instrument: the residual is turned back into its frame.
     return place.residual @ place.rotation
 
@@ -176,25 +182,25 @@ def _of_each_kind(recording: Recording, arm: Arm, rules: ResidualRules) -> Noise
     parts = [recording.kept(slots == kind) for kind in kinds]
     floors = [noise_floor(part, arm, rules=rules) for part in parts]
     share = np.array([part.size for part in parts]) / recording.size
-    known = [each.rms_m for each in floors if each.rms_m is not None]
+    known = [floor.rms_m for floor in floors if floor.rms_m is not None]
     rms = float(np.sqrt(share @ np.square(known))) if len(known) == len(floors) else None
-    sources = {each.source for each in floors}
+    sources = {floor.source for floor in floors}
     source = floors[0].source if len(sources) == 1 else "none" if "none" in sources else "declared"
-    again = [each for each in floors if each.drift_m is not None]
-    freedom = sum(each.drift_degrees_of_freedom for each in again)
-    moved = sum((each.drift_m or 0.0) ** 2 * each.drift_degrees_of_freedom for each in again)
+    again = [floor for floor in floors if floor.drift_m is not None]
+    freedom = sum(item.drift_degrees_of_freedom for item in again)
+    moved = sum((item.drift_m or 0.0) ** 2 * item.drift_degrees_of_freedom for item in again)
     return NoiseFloor(
         None if rms is None else (rms,),
         source,
-        sum(each.degrees_of_freedom for each in floors) if source == "repeats" else 0,
+        sum(floor.degrees_of_freedom for floor in floors) if source == "repeats" else 0,
         rms,
-        " ".join(f"{NAMES[kind]}: {each.sentence}" for kind, each in zip(kinds, floors, strict=True)),
+        " ".join(f"{NAMES[kind]}: {floor.sentence}" for kind, floor in zip(kinds, floors, strict=True)),
         float(np.sqrt(moved / freedom)) if freedom else None,
         freedom,
-        tuple(aside for each in floors for aside in each.outliers),
-        tuple(sorted({row for each in floors for row in each.doubtful})),
+        tuple(aside for floor in floors for aside in floor.outliers),
+        tuple(sorted({row for floor in floors for row in floor.doubtful})),
         None,
-        tuple(f"{NAMES[kind]}: {text}" for kind, each in zip(kinds, floors, strict=True) for text in each.warnings),
+        tuple(f"{NAMES[kind]}: {text}" for kind, floor in zip(kinds, floors, strict=True) for text in floor.warnings),
     )
 
 
@@ -208,11 +214,11 @@ def repeat_groups(recording: Recording, arm: Arm, *, rules: ResidualRules = RULE
     if recording.time is not None and recording.size > 1:
         steps = np.diff(recording.time)
         usual = rules.long_pause * float(np.median(steps[steps > 0.0])) if (steps > 0.0).any() else np.inf
-    held = [each for each in (recording.payload_mass, recording.sides, recording.force) if each is not None]
+    held = [item for item in (recording.payload_mass, recording.sides, recording.force) if item is not None]
     changed = np.zeros(recording.size, dtype=bool)
     for each in held:
         columns = each.reshape(recording.size, -1)
-        changed[1:] |= (np.abs(np.diff(columns, axis=0)) > 1e-6 + rules.other_load * np.abs(columns[1:])).any(axis=1)
+        changed[1:] |= (np.abs(np.diff(columns, axis=0)) > 1e-6 + rules.same_payload * np.abs(columns[1:])).any(axis=1)
     if recording.observed_as is not None:
         changed[1:] |= (np.diff(recording.observed_as, axis=0) != 0).any(axis=1)
     if recording.velocity is not None:
@@ -233,22 +239,22 @@ def repeat_groups(recording: Recording, arm: Arm, *, rules: ResidualRules = RULE
 
 def pose_tolerance(recording: Recording, arm: Arm, *, rules: ResidualRules = RULES.residual) -> Array:
     """How far coordinates (n,) may differ at one pose: rad, m."""
-    found: list[float] = []
+    tolerances: list[float] = []
     for index, joint in enumerate(arm.joints):
         least = rules.same_coordinate(joint.revolute)
         most = rules.coarsest * least
-        found.append(min(max(rules.steps * _count(recording.q[:, index], most, rules), least), most))
-    return np.array(found)
+        tolerances.append(min(max(_STEPS * _count(recording.q[:, index], most), least), most))
+    return np.array(tolerances)
 
 
-def _count(values: Array, largest: float, rules: ResidualRules) -> float:
+def _count(values: Array, largest: float) -> float:
     """The step of an encoder that counts coarsely, 0 where there is none below `largest`."""
     steps = np.diff(np.unique(values))
     steps = steps[steps > 1e-9]
     if len(steps) < 2 or (least := float(steps.min())) > largest:
         return 0.0
     counts = steps / least
-    return least if np.all(np.abs(counts - np.round(counts)) < rules.even_steps * np.maximum(counts, 1.0)) else 0.0
+    return least if np.all(np.abs(counts - np.round(counts)) < _EVEN * np.maximum(counts, 1.0)) else 0.0
 
 
 def _clean(
@@ -259,24 +265,22 @@ def _clean(
     width = residual.shape[1]
     outliers: tuple[RejectedRow, ...] = ()
     doubtful: tuple[int, ...] = ()
-    kept = tuple(groups)
-    squares, dof = _pooled(residual, kept)
+    groups_kept = tuple(groups)
+    squares, dof = _pooled(residual, groups_kept)
     for step in range(3):
         if dof < rules.enough_freedom:
             break
         if step == 0:
             contrasts = np.concatenate([_contrasts(residual[group]) for group in groups])
-            scale = np.array(
-                [qn(np.concatenate([contrasts[:, k], -contrasts[:, k]]), rules=rules) for k in range(width)]
-            )
+            scale = np.array([qn(np.concatenate([contrasts[:, k], -contrasts[:, k]])) for k in range(width)])
         else:
             scale = np.sqrt(squares / dof)
-        scale = np.maximum(np.maximum(scale, least), rules.finest)
-        if not (scale > rules.finest).any():
+        scale = np.maximum(np.maximum(scale, least), _FINEST)
+        if not (scale > _FINEST).any():
             break  # repeats alike to the last digit in all components, in steps of no decimal: they tell no scale
-        kept, outliers, doubtful = _without_outliers(residual / scale, groups, recording, rules)
-        squares, dof = _pooled(residual, kept)
-    return _Cleaned(kept, squares, dof, outliers, doubtful)
+        groups_kept, outliers, doubtful = _without_outliers(residual / scale, groups, recording, rules)
+        squares, dof = _pooled(residual, groups_kept)
+    return _Cleaned(groups_kept, squares, dof, outliers, doubtful)
 
 
 def _without_outliers(
@@ -286,7 +290,7 @@ def _without_outliers(
     # The scale is an estimate itself, Qn's worth 0.8 of its degrees of freedom: hence F, not chi-square.
     width = scaled.shape[1]
     limit = width * float(f_distribution.isf(rules.false_outlier / count, width, 0.8 * (count - len(groups))))
-    kept: list[Rows] = []
+    groups_kept: list[Rows] = []
     outliers: list[RejectedRow] = []
     doubtful: list[int] = []
     for group in groups:
@@ -314,8 +318,8 @@ def _without_outliers(
             others = rows_text(recording.row[rows])
             reason = f"stands {far:.0f} standard deviations away from the repeats of its pose ({others})"
             outliers.append(RejectedRow(int(recording.row[index]), reason))
-        kept.append(rows)
-    return tuple(kept), tuple(sorted(outliers, key=lambda each: each.row)), tuple(sorted(doubtful))
+        groups_kept.append(rows)
+    return tuple(groups_kept), tuple(sorted(outliers, key=lambda outlier: outlier.row)), tuple(sorted(doubtful))
 
 
 def _settles(scaled: Array, rules: ResidualRules) -> bool:
@@ -336,8 +340,8 @@ def _pooled(residual: Array, groups: Sequence[Rows]) -> tuple[Array, int]:
 def _contrasts(values: Array) -> Array:
     """m readings (m, D) as m - 1 independent differences (Helmert's), each with the variance of one reading."""
     count = len(values)
-    found = [(values[:k].sum(axis=0) - k * values[k]) / np.sqrt(k * (k + 1.0)) for k in range(1, count)]
-    return np.array(found)
+    contrasts = [(values[:k].sum(axis=0) - k * values[k]) / np.sqrt(k * (k + 1.0)) for k in range(1, count)]
+    return np.array(contrasts)
 
 
 def own_of(recording: Recording, declared: float, width: int) -> Array:
@@ -363,10 +367,10 @@ def _drift(
     rules: ResidualRules,
 ) -> tuple[float | None, int]:
     """By how much (RMS length, m) visits of the same pose and condition differ beyond what noise explains."""
-    bad = {each.row for each in cleaned.outliers} | set(cleaned.doubtful)
+    bad = {outlier.row for outlier in cleaned.outliers} | set(cleaned.doubtful)
     good = [np.array([k for k in group if recording.row[k] not in bad], dtype=np.int64) for group in groups]
     squares, expected, dof = 0.0, 0.0, 0
-    noise = 0.0 if sigma is None else sum(each * each for each in sigma)
+    noise = 0.0 if sigma is None else sum(item * item for item in sigma)
     for again in _of_one_pose([group for group in good if len(group)], recording, arm, rules):
         if len(again) < 2:
             continue
@@ -378,7 +382,7 @@ def _drift(
         return None, 0
     over = squares - expected
     # Noise alone exceeds its expectation by about this much, which is then no drift.
-    chance = rules.drift_beyond * expected * np.sqrt(2.0 / (dof * residual.shape[1]))
+    chance = rules.settles * expected * np.sqrt(2.0 / (dof * residual.shape[1]))
     return (float(np.sqrt(over / dof)) if over > chance else 0.0), dof
 
 
@@ -397,11 +401,11 @@ def _of_one_pose(visits: Sequence[Rows], recording: Recording, arm: Arm, rules: 
 
 def _revisits(groups: Sequence[Rows], recording: Recording, arm: Arm, rules: ResidualRules) -> list[Rows]:
     """The readings of each pose and condition in the order of time."""
-    found: list[Rows] = []
+    visits: list[Rows] = []
     for again in _of_one_pose(groups, recording, arm, rules):
         rows = np.concatenate(again)
-        found.append(rows if recording.time is None else rows[np.argsort(recording.time[rows], kind="stable")])
-    return found
+        visits.append(rows if recording.time is None else rows[np.argsort(recording.time[rows], kind="stable")])
+    return visits
 
 
 def _sentence(floor: float | None, source: Source, dof: int, groups: int, declared: float | None) -> str:
@@ -418,8 +422,8 @@ def _sentence(floor: float | None, source: Source, dof: int, groups: int, declar
             f"to ({dof} degrees of freedom a component), and holds what changed between two visits."
         )
     few = "too few repeats" if dof or groups else "no repeats"
-    given = "" if declared is None else f" of {_length(declared)} a component"
-    return f"There are {few}, so the declared sigma{given} counts: a noise floor of {_length(floor)} RMS."
+    declared_text = "" if declared is None else f" of {_length(declared)} a component"
+    return f"There are {few}, so the declared sigma{declared_text} counts: a noise floor of {_length(floor)} RMS."
 
 
 def _length(value: float) -> str:

@@ -69,20 +69,20 @@ def observe(
     `candidates`). `scale` is by default one for the tip's components, and estimated for the other channels; `loud` is
     how loud each of several recordings is. `about` what else is known to be at work, still to be fitted: see
     `Observed`. `softening` is flexibility beyond the arm file's through which loads act, in what `about` moves too.
-    Raises `arm.errors.model.PropertyNeeded` and the materials' errors where the model lacks a figure.
+    Raises `arm.bodies.beams.PropertyNeeded` and the materials' errors where the model lacks a figure.
     """
     if isinstance(recording, Several):
-        parts = [observe(arm, each, about=about, rules=rules, softening=softening) for each in recording.parts()]
+        parts = [observe(arm, part, about=about, rules=rules, softening=softening) for part in recording.parts()]
         return replace(_of_several(parts, recording, scale, correlation), loud=loud)
     arm = arm.on(recording.branch)
     unknown = of_unknown_mass(arm)
-    target, asked = recording.base_target, _asked(recording)
+    target, channels = recording.base_target, _asked(recording)
 
     def placed(known: Arm) -> tuple[_Placed, Alignment]:
-        return _placed(known, recording, asked, about, rules.residual, softening)
+        return _placed(known, recording, channels, about, rules.residual, softening)
 
-    known, found, alignment = _with_free_tool(without_unknown(arm, unknown), recording, placed)
-    nominal, state, modelled, first, view = found
+    known, observed, alignment = _with_free_tool(without_unknown(arm, unknown), recording, placed)
+    nominal, state, modelled, first, view = observed
     parts = [alignment.residual]
     if recording.joint_side is not None and modelled.joint_side is not None:
         parts.append(recording.joint_side - recording.q - modelled.joint_side)
@@ -100,14 +100,14 @@ def observe(
     block = visits(recording, arm, rules=rules.residual)
     told = all(index == 0 and _upright(nominal) for index in unknown)
     torques = drive_torques(known, recording, nominal, block, rules.residual) if told else ()
-    measured = any(each.instead for each in torques)
+    measured = any(torque.instead for torque in torques)
     return Observed(
         known,
         unknown,
         recording,
         nominal,
         under_measured(state, torques) if measured else state,
-        asked,
+        channels,
         alignment,
         residual,
         np.ones(residual.shape[1]) if scale is None else scale,
@@ -134,22 +134,22 @@ def residual_in_pieces(
     for `at_once` readings after another, so that long recordings need little memory. `heard` hears how many are done,
     and of how many."""
     if isinstance(recording, Several):
-        parts = [residual_in_pieces(arm, each, rules=rules, heard=heard, at_once=at_once) for each in recording.parts()]
+        parts = [residual_in_pieces(arm, part, rules=rules, heard=heard, at_once=at_once) for part in recording.parts()]
         return np.concatenate(parts)
     arm = arm.on(recording.branch)
     pieces = [slice(start, min(start + at_once, recording.size)) for start in range(0, recording.size, at_once)]
 
     def placed(known: Arm) -> tuple[None, Alignment]:
-        own, found = active_effects(known), list[_Stood]()
+        own, effects = active_effects(known), list[_Stood]()
         held = in_pieces(conditions_of(recording, known, rules=rules.residual), pieces)
         for rows, conditions in zip(pieces, held, strict=True):
             some = kept(recording, np.arange(rows.start, rows.stop))
-            asked = _asked(some)
+            channels = _asked(some)
             nominal = undeformed(known, some, rules.residual, conditions)
-            found.append(_stood(some, nominal, shape_of(nominal, own, asked), own, asked))
+            effects.append(_stood(some, nominal, shape_of(nominal, own, channels), own, channels))
             if heard is not None:
                 heard(rows.stop, recording.size)
-        return None, _set_against(recording, known, _Stood.joined(found), rules.residual)[0]
+        return None, _set_against(recording, known, _Stood.joined(effects), rules.residual)[0]
 
     return _with_free_tool(without_unknown(arm, of_unknown_mass(arm)), recording, placed)[2].residual
 
@@ -212,51 +212,53 @@ def observed_about(
 
 def _of_several(parts: Sequence[Observed], recording: Several, scale: Array | None, correlation: float) -> Observed:
     """Several recordings that were set against one model, each in its own frame and with its own tool, as one."""
-    counts = [each.rows for each in parts]
+    counts = [part.rows for part in parts]
     first = parts[0]
-    blocks = np.cumsum([0, *(int(each.block[-1]) + 1 for each in parts)])
-    said = tuple(
+    blocks = np.cumsum([0, *(int(part.block[-1]) + 1 for part in parts)])
+    sentences = tuple(
         f"{name}: {text}"
-        for name, each in zip(recording.names, parts, strict=True)
-        for text in each.alignment.undetermined
+        for name, part in zip(recording.names, parts, strict=True)
+        for text in part.alignment.undetermined
     )
     width = first.space
     # The arm has the file's tool: what was found of each recording's is in its own state.
-    nowhere = Alignment(np.eye(width), np.zeros(width), np.zeros(width), first.alignment.residual, said)
-    residual = np.concatenate([each.residual for each in parts])
+    nowhere = Alignment(np.eye(width), np.zeros(width), np.zeros(width), first.alignment.residual, sentences)
+    residual = np.concatenate([part.residual for part in parts])
     return Observed(
         replace(first.arm, tool=first.arm_given.tool),
         first.unknown_masses,
         recording,
-        joined([each.nominal for each in parts], counts),
-        joined([each.state for each in parts], counts),
+        joined([part.nominal for part in parts], counts),
+        joined([part.state for part in parts], counts),
         replace(
-            joined([replace(each.asked, rows=0, levels=None) for each in parts], counts),
+            joined([replace(part.asked, rows=0, levels=None) for part in parts], counts),
             rows=sum(counts),
             levels=_levels_of_several(parts),
         ),
         nowhere,
         residual,
         np.ones(residual.shape[1]) if scale is None else scale,
-        np.concatenate([each.block + start for each, start in zip(parts, blocks[:-1], strict=True)]),
+        np.concatenate([part.block + start for part, start in zip(parts, blocks[:-1], strict=True)]),
         correlation,
         first.about,
         first.rules,
-        view=view_of_several([each.view for each in parts], recording.names),
+        view=view_of_several([part.view for part in parts], recording.names),
         torques=tuple(
-            replace(told, of=name) for name, each in zip(recording.names, parts, strict=True) for told in each.torques
+            replace(torque, of=name)
+            for name, part in zip(recording.names, parts, strict=True)
+            for torque in part.torques
         ),
         by_weights=None
-        if all(each.by_weights is None for each in parts)
-        else joined([each.by_weights or each.state for each in parts], counts),
+        if all(part.by_weights is None for part in parts)
+        else joined([part.by_weights or part.state for part in parts], counts),
     )
 
 
 def _levels_of_several(parts: Sequence[Observed]) -> NDArray[np.int64] | None:
     """On which link a level stands at each reading of several recordings (N,), -1 where there is none."""
-    if all(each.asked.levels is None for each in parts):
+    if all(part.asked.levels is None for part in parts):
         return None
-    none = [np.full(each.rows, -1) if each.asked.levels is None else each.asked.levels for each in parts]
+    none = [np.full(part.rows, -1) if part.asked.levels is None else part.asked.levels for part in parts]
     return np.concatenate(none).astype(np.int64)
 
 
@@ -276,7 +278,7 @@ def undeformed(arm: Arm, recording: Recording, rules: ResidualRules, conditions:
 def _placed(
     arm: Arm,
     recording: Recording,
-    asked: Asked,
+    channels: Asked,
     about: Sequence[EffectEntry],
     rules: ResidualRules,
     softening: Sequence[EffectEntry],
@@ -285,20 +287,20 @@ def _placed(
     turn (N, 3) to first order of what else is known to be at work, and what the instrument sees, where that is not the
     tip's place; and measured set against modelled tips."""
     nominal = with_effects(undeformed(arm, recording, rules), arm, softening, about)
-    own = active_effects(arm)
-    whole = (*own, *_entries(arm, about))
-    shape = shape_of(nominal, whole, asked)
-    modelled = replace(on_shape(shape, own, asked), tip=shape.tip, turn=shape.turn if asked.turn else None)
-    first, turn, level = _to_first_order(shape.state, arm, about, asked)
+    effects = active_effects(arm)
+    whole = (*effects, *_entries(arm, about))
+    shape = shape_of(nominal, whole, channels)
+    modelled = replace(on_shape(shape, effects, channels), tip=shape.tip, turn=shape.turn if channels.turn else None)
+    first, turn, level = _to_first_order(shape.state, arm, about, channels)
     # Frame and tool are set against the arm as it is; what first order then fits is all of what was found.
-    alignment, view = _set_against(recording, arm, _stood(recording, nominal, shape, whole, asked), rules)
+    alignment, view = _set_against(recording, arm, _stood(recording, nominal, shape, whole, channels), rules)
     seen_first = (
         first[:, : recording.tip.shape[1]]
         if view is None
         else view.of_tip(first, turn if is_camera(recording) else level)
     )
-    found = (nominal, shape.state, modelled, turn, view)
-    return found, replace(alignment, residual=alignment.residual + seen_first)
+    result = (nominal, shape.state, modelled, turn, view)
+    return result, replace(alignment, residual=alignment.residual + seen_first)
 
 
 @dataclass(frozen=True)
@@ -313,21 +315,21 @@ class _Stood:
     @classmethod
     def joined(cls, parts: Sequence[_Stood]) -> _Stood:
         """Those of one reading after another."""
-        levels = [each.levels for each in parts if each.levels is not None]
-        tips, directions = (np.concatenate([getattr(each, name) for each in parts]) for name in ("tips", "directions"))
+        levels = [part.levels for part in parts if part.levels is not None]
+        tips, directions = (np.concatenate([getattr(part, name) for part in parts]) for name in ("tips", "directions"))
         return cls(tips, directions, np.concatenate(levels) if levels else None)
 
 
 def _stood(
-    recording: Recording, nominal: PoseState, shape: Deformed, effects: Sequence[ActiveEffect], asked: Asked
+    recording: Recording, nominal: PoseState, shape: Deformed, effects: Sequence[ActiveEffect], channels: Asked
 ) -> _Stood:
-    rows, width = asked.rows, recording.tip.shape[1] if recording.slots is None else 3
+    rows, width = channels.rows, recording.tip.shape[1] if recording.slots is None else 3
     if is_camera(recording):
         straight = matrices(nominal.frames.orientation, rows)
         directions = Rotation.from_rotvec(shape.turn).as_matrix() @ straight
     else:
         directions = matrices(shape.state.frames.orientation, rows, width)
-    levels = None if asked.levels is None else levels_of(shape, effects, asked)
+    levels = None if channels.levels is None else levels_of(shape, effects, channels)
     return _Stood(columns(nominal.tip(), rows) + shape.tip, directions, levels)
 
 
@@ -343,16 +345,16 @@ def _set_against(recording: Recording, arm: Arm, stood: _Stood, rules: ResidualR
 
 
 def _to_first_order(
-    state: PoseState, arm: Arm, about: Sequence[EffectEntry], asked: Asked
+    state: PoseState, arm: Arm, about: Sequence[EffectEntry], channels: Asked
 ) -> tuple[Array, Array, Array]:
     """What entries beside the arm's own move and turn the tip by to first order about `state`, and turn what levels
     stand on; (N, 3) m and rad."""
-    found = [seen(state, each.effect, each.settings, asked) for each in _entries(arm, about)]
-    nothing = np.zeros((asked.rows, 3))
+    displacements = [seen(state, entry.effect, entry.settings, channels) for entry in _entries(arm, about)]
+    nothing = np.zeros((channels.rows, 3))
     return (
-        sum((each.tip for each in found), nothing),
-        sum((each.turn for each in found if each.turn is not None), nothing),
-        sum((each.level for each in found if each.level is not None), nothing),
+        sum((displacement.tip for displacement in displacements), nothing),
+        sum((displacement.turn for displacement in displacements if displacement.turn is not None), nothing),
+        sum((displacement.level for displacement in displacements if displacement.level is not None), nothing),
     )
 
 

@@ -84,8 +84,8 @@ class Observed:
         slots = self.recording.slots
         if slots is None or slots.shape[1] > 1 or (slots == slots[0]).all():
             return self.which
-        told = slots if self.which is None else np.column_stack([self.which, slots])
-        return np.unique(told, axis=0, return_inverse=True)[1].reshape(-1).astype(np.int64)
+        keys = slots if self.which is None else np.column_stack([self.which, slots])
+        return np.unique(keys, axis=0, return_inverse=True)[1].reshape(-1).astype(np.int64)
 
     @property
     def space(self) -> int:
@@ -150,20 +150,20 @@ class Observed:
 
     def signature(self, effect: str, settings: Settings) -> Array:
         """What an effect moves in every column (N, C), m and rad."""
-        found = self.stacked(seen(self.state, EFFECTS[effect], settings, self.asked))
+        pattern = self.stacked(seen(self.state, EFFECTS[effect], settings, self.asked))
         if self.sight is not None and effect == INSTRUMENT_SCALE.id:
             # A target that is not printed to scale: all that is read is too large in proportion.
-            found[:] = 0.0
+            pattern[:] = 0.0
             read = self.recording.tip - self.sight.residual
-            found[:, : self.components] = settings.values.get("scale", 0.0) * read
+            pattern[:, : self.components] = settings.values.get("scale", 0.0) * read
         elif self.view is not None and effect == INSTRUMENT_SCALE.id:
             # Positions are too far out in proportion; a distance has no origin, and a touch no number.
-            found[:, : self.components][~self.view.framed] = 0.0
+            pattern[:, : self.components][~self.view.framed] = 0.0
         stretch = settings.values.get("stretch", 0.0) if effect == LINK_LENGTH.id else 0.0
         if self.view is not None and stretch != 0.0:
             # In proportion, touches are what they are told by: an arm of no length would touch anything.
-            found[:, : self.components] -= stretch * self.view.of_tip(self.view.at - self.view.settled)
-        return found
+            pattern[:, : self.components] -= stretch * self.view.of_tip(self.view.at - self.view.settled)
+        return pattern
 
     def drive_moved(self, joint: int) -> Array:
         """What one unit of motion (rad, m) of a joint (from 0) moves in every column (N, C), m and rad."""
@@ -238,8 +238,12 @@ def without_memory(columns: Array, correlation: float) -> Array:
     """Columns (N, ...) less what each reading shares with the one before (Prais & Winsten, see `Observed.whitened`)."""
     if correlation == 0.0:
         return columns
-    left = (columns[1:] - correlation * columns[:-1]) / np.sqrt(1.0 - correlation * correlation)
-    return np.concatenate([columns[:1], left])
+    left = np.empty_like(columns)  # in place: columns of a long recording are megabytes each
+    left[0] = columns[0]
+    np.multiply(columns[:-1], -correlation, out=left[1:])
+    left[1:] += columns[1:]
+    left[1:] /= np.sqrt(1.0 - correlation * correlation)
+    return left
 
 
 def kept(recording: Recording, keep: NDArray[np.bool_] | NDArray[np.int64]) -> Recording:

@@ -22,6 +22,9 @@ from linkwright.core.diagnose.rules.residual_rules import ResidualRules
 from linkwright.core.diagnose.rules.rules import RULES
 from linkwright.core.sections.numeric import Array
 
+_HALF_TURN = 2.5
+"""rad; near half a turn its sign is chance."""
+
 
 def turn_left(recording: Recording, state: PoseState, modelled: Array, rotation: Array) -> Array:
     """How the tool is turned beyond the model, (N, 3), rad, about the base's axes; nought where a row has none.
@@ -68,16 +71,15 @@ def with_sound_orientation(arm: Arm, recording: Recording, *, rules: ResidualRul
     state = solve(weightless, [q[:, index] for index in range(arm.size)], beams_of(weightless))
     model = Rotation.from_matrix(matrices(state.frames.orientation, len(q)))
     measured = Rotation.from_matrix(_measured(recording).as_matrix()[sound])
-    turns, seen = ((each[:-1].inv() * each[1:]).as_rotvec() for each in (model, measured))
+    turns, seen = ((item[:-1].inv() * item[1:]).as_rotvec() for item in (model, measured))
     size = np.linalg.norm(turns, axis=1)
-    # Half a turn has no sign.
-    telling = (size > rules.turned) & (size < rules.half_turn)
+    telling = (size > rules.turned) & (size < _HALF_TURN)
     if not telling.any():
         return recording
     if recording.tip.shape[1] == 3:
         turns = Rotation.align_vectors(seen[telling], turns[telling])[0].apply(turns)
     off = float(np.median(np.linalg.norm(seen - turns, axis=1)[telling]))
-    if off <= rules.turns_disagree:
+    if off <= rules.turned:
         return recording
     warning = (
         f"How the tool is turned from reading to reading differs from the model by {np.degrees(off):.0f} deg (median): "
@@ -92,6 +94,6 @@ def _measured(recording: Recording) -> Rotation:
     matrices = np.broadcast_to(np.eye(3), (recording.size, 3, 3)).copy()
     if recording.orientation is not None:
         matrices[sound] = recording.orientation[sound]
-    found = Rotation.from_matrix(matrices)
+    rotations = Rotation.from_matrix(matrices)
     # A camera on the tool reads how a fixed target is turned before it, which is how it is turned the other way round.
-    return found.inv() if recording.instrument.camera == "on_tool" else found
+    return rotations.inv() if recording.instrument.camera == "on_tool" else rotations

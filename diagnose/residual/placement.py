@@ -14,6 +14,9 @@ from linkwright.core.arm.chain.arrays import nominal
 from linkwright.core.arm.chain.chain import Arm
 from linkwright.core.sections.numeric import Array
 
+UNDETERMINED = 1e-3
+"""Of the best told direction: less of frame and tool than this is not told by the readings and is left at nought. A
+target that turns by a milliradian puts a tool a metre off for a millimetre of anything."""
 _STEPS = 40
 _TUKEY = 4.685
 """Tukey's biweight: 95 % efficient for Gaussian noise (P. J. Huber, Robust Statistics, Wiley 1981, ch. 7)."""
@@ -44,9 +47,9 @@ class Placement:
         return float(np.median(self.distance))
 
 
-def placed(arm: Arm, q: Array, measured: Array, *, frame: bool, tool: bool, undetermined: float) -> Placement:
+def placed(arm: Arm, q: Array, measured: Array, *, frame: bool, tool: bool) -> Placement:
     """Nominal and measured tips with frame and tool free where asked, by iteratively reweighted least squares. What of
-    the tool shows less than a share `undetermined` of itself beside the frame is left at nought."""
+    the tool hardly shows beside the frame is left at nought."""
     width = measured.shape[1]
     tips, axes = nominal(arm, q, width)
     rotation, translation, offset = np.eye(width), np.zeros(width), np.zeros(width)
@@ -68,7 +71,7 @@ def placed(arm: Arm, q: Array, measured: Array, *, frame: bool, tool: bool, unde
                 step = np.linalg.lstsq(
                     matrix.reshape(-1, matrix.shape[2]),
                     -(residual * weight[:, None]).reshape(-1),
-                    rcond=undetermined,
+                    rcond=UNDETERMINED,
                 )[0]
                 offset = offset + step[:width]
             if frame:

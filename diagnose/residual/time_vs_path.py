@@ -54,13 +54,13 @@ def come_back_to(
     recording: Recording, pose: NDArray[np.int64], first: NDArray[np.int64], *, rules: FittingRules
 ) -> Told | None:
     """The visits of poses that are come back to under one condition, None where they are too few to tell."""
-    conditions = [each for each in (pose, recording.payload_mass, recording.sides) if each is not None]
-    held = [each[first].reshape(len(first), -1).astype(np.float64) for each in conditions]
+    conditions = [item for item in (pose, recording.payload_mass, recording.sides) if item is not None]
+    held = [condition[first].reshape(len(first), -1).astype(np.float64) for condition in conditions]
     back = np.unique(np.concatenate(held, axis=1), axis=0, return_inverse=True)[1].reshape(-1)
     again = np.flatnonzero(np.bincount(back)[back] > 1)
     number = np.unique(back[again], return_inverse=True)[1].reshape(-1) if len(again) else again
-    many = int(number.max()) + 1 if len(again) else 0
-    if many < rules.poses_come_back_to or len(again) - many < rules.least_pairs:
+    count = int(number.max()) + 1 if len(again) else 0
+    if count < rules.poses_come_back_to or len(again) - count < rules.least_pairs:
         return None
     return Told(again, number.astype(np.int64))
 
@@ -85,9 +85,9 @@ def rather_with_time(values: Array, at: Array, *, rules: FittingRules) -> bool:
     distance, near = map(np.asarray, KDTree(at).query(at, k=min(len(at), 2 * later + 2)))
     number = np.arange(len(at))
     allowed = np.abs(near - number[:, None]) > later
-    found = allowed.any(axis=1)
+    mask = allowed.any(axis=1)
     partner = near[number, np.argmax(allowed, axis=1)]
-    close = found & (distance[number, np.argmax(allowed, axis=1)] < rules.shuffled * usual)
+    close = mask & (distance[number, np.argmax(allowed, axis=1)] < rules.shuffled * usual)
     in_pose = float(np.mean(np.sum(values[close] * values[partner[close]], axis=1))) if close.any() else 0.0
     return in_time > max(in_pose, 0.0)
 

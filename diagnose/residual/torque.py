@@ -107,11 +107,11 @@ class DriveDesign:
         friction (side, N*m or N) and of what goes with velocity."""
         columns = self.columns
         covariance = scatter**2 * np.linalg.pinv(columns.T @ columns, rcond=_TOLD**2, hermitian=True)
-        found = {name: float(np.sqrt(covariance[k, k])) for k, name in enumerate(self.own, start=1)}
+        errors = {name: float(np.sqrt(covariance[k, k])) for k, name in enumerate(self.own, start=1)}
         share, first = self.share(rules), 1 + len(self.own)
         if share is not None:
-            found["links"] = float(np.sqrt(max(share @ covariance[first:, first:] @ share, 0.0)))
-        return found
+            errors["links"] = float(np.sqrt(max(share @ covariance[first:, first:] @ share, 0.0)))
+        return errors
 
 
 def drive_designs(
@@ -127,14 +127,14 @@ def drive_designs(
         tip_force=(0.0, 0.0, 0.0),
     )
     number = np.unique(visit, return_inverse=True)[1].reshape(-1)
-    found: list[DriveDesign] = []
+    designs: list[DriveDesign] = []
     for joint in range(arm.size):
         whole, links = (
-            np.broadcast_to(np.asarray(each.joints[joint].drive_load, dtype=float), (recording.size,))
-            for each in (state, bare)
+            np.broadcast_to(np.asarray(item.joints[joint].drive_load, dtype=float), (recording.size,))
+            for item in (state, bare)
         )
-        found.append(_design(joint, recording, number, -links, links - whole, _moments(arm, state, joint), rules))
-    return tuple(found)
+        designs.append(_design(joint, recording, number, -links, links - whole, _moments(arm, state, joint), rules))
+    return tuple(designs)
 
 
 def drive_torques(
@@ -148,8 +148,8 @@ def drive_torques(
         return ()
     number = np.unique(visit, return_inverse=True)[1].reshape(-1)
     designs = drive_designs(arm, recording, state, visit, rules)
-    told = (_of_drive(joint, recording, number, design, rules) for joint, design in enumerate(designs))
-    return tuple(each for each in told if each is not None)
+    torques = (_of_drive(joint, recording, number, design, rules) for joint, design in enumerate(designs))
+    return tuple(torque for torque in torques if torque is not None)
 
 
 def _moments(arm: Arm, state: PoseState, joint: int) -> Array:
@@ -159,11 +159,11 @@ def _moments(arm: Arm, state: PoseState, joint: int) -> Array:
     axis, pull = columns(state.joints[joint].axis, rows), np.array(arm.gravity, dtype=float)
     if not state.joints[joint].revolute:
         return -(axis @ pull)[:, None]
-    found: list[Array] = []
+    moments: list[Array] = []
     for link in state.frames.links[joint:]:
-        found += [-np.sum(axis * np.cross(columns(part, rows), pull), axis=1) for part in
+        moments += [-np.sum(axis * np.cross(columns(part, rows), pull), axis=1) for part in
                   (link.along, link.height, link.width)]  # fmt: skip
-    return np.stack(found, axis=1)
+    return np.stack(moments, axis=1)
 
 
 def _design(
@@ -182,25 +182,25 @@ def _design(
         return np.bincount(visit, weights=values) / count
 
     load = mean(links + payload)
-    further = [None if each is None else mean(each[:, joint]) for each in (recording.sides, recording.velocity)]
+    further = [None if item is None else mean(item[:, joint]) for item in (recording.sides, recording.velocity)]
     wanted = {"payload": mean(payload), "side": further[0], "velocity": further[1]}
     spread = float(np.std(load))
     least = {"payload": spread, "side": 1.0, "velocity": 0.0}
-    own = {
+    variables = {
         name: values
         for name, values in wanted.items()
         if values is not None and float(np.ptp(values)) > rules.torque_seen * least[name]
     }
-    each = np.stack([mean(column) for column in moments.T], axis=1)
-    each = each[:, np.ptp(each, axis=0) > 0.0]
-    if "payload" in own:
+    means = np.stack([mean(column) for column in moments.T], axis=1)
+    means = means[:, np.ptp(means, axis=0) > 0.0]
+    if "payload" in variables:
         # One payload throughout is a part of what the links weigh.
-        beside = np.column_stack([np.ones(len(load)), each])
-        told = own["payload"] - beside @ np.linalg.lstsq(beside, own["payload"], rcond=_TOLD)[0]
-        if float(np.std(told)) <= rules.torque_seen * spread:
-            del own["payload"]
-    together = "payload" not in own and bool(payload.any())
-    return DriveDesign(load, load if together else mean(links), MappingProxyType(own), each, together)
+        beside = np.column_stack([np.ones(len(load)), means])
+        payload_rest = variables["payload"] - beside @ np.linalg.lstsq(beside, variables["payload"], rcond=_TOLD)[0]
+        if float(np.std(payload_rest)) <= rules.torque_seen * spread:
+            del variables["payload"]
+    together = "payload" not in variables and bool(payload.any())
+    return DriveDesign(load, load if together else mean(links), MappingProxyType(variables), means, together)
 
 
 def _of_drive(
@@ -240,13 +240,13 @@ def _of_drive(
         instead=False,
         together=fitted.together,
     )
-    differs = any(each is not None and each.differs(rules) for each in (made.links, made.payload))
+    differs = any(item is not None and item.differs(rules) for item in (made.links, made.payload))
     return replace(made, instead=differs and not made.scaled and noise <= rules.torque_noise * spread)
 
 
 def under_measured(state: PoseState, torques: Sequence[DriveTorque]) -> PoseState:
     """The state with the loads that were measured on the drives whose compliance is judged by them."""
-    held = {each.joint: each.held for each in torques if each.instead}
+    held = {torque.joint: torque.held for torque in torques if torque.instead}
     joints = tuple(
         replace(joint, drive_load=held[index], whole_load=1.0) if index in held else joint
         for index, joint in enumerate(state.joints)

@@ -60,8 +60,8 @@ def looks_quieter(observed: Observed) -> float:
     for rows in blocks_of(observed.block):
         lags = np.arange(1, len(rows))
         # Each visit counts by its degrees of freedom; its readings differ by what they do not share on average.
-        each = 2.0 * float(np.sum((len(rows) - lags) * rho**lags)) / max(len(rows) * (len(rows) - 1), 1)
-        shared += (len(rows) - 1) * each
+        variance_share = 2.0 * float(np.sum((len(rows) - lags) * rho**lags)) / max(len(rows) * (len(rows) - 1), 1)
+        shared += (len(rows) - 1) * variance_share
         pairs += len(rows) - 1
     return 1.0 / np.sqrt(1.0 - shared / pairs) if pairs > 0.0 else 1.0
 
@@ -81,11 +81,11 @@ def one_condition(observed: Observed) -> bool:
     """Whether all readings are of one pose, payload, side, force and temperature, however often it was read."""
     recording = observed.recording
     near = observed.rules.residual.one_pose * same_pose(observed.arm, observed.rules.residual)
-    held = [each for each in (recording.payload_mass, recording.sides, recording.force) if each is not None]
+    held = [item for item in (recording.payload_mass, recording.sides, recording.force) if item is not None]
     still = bool((np.ptp(recording.q, axis=0) <= near).all())
-    warmed = [each for each in (recording.temperature, recording.link_temperature) if each is not None]
-    still &= all(float(np.ptp(each, axis=0).max()) <= observed.rules.residual.other_temperature for each in warmed)
-    return still and all(float(np.ptp(each, axis=0).max()) <= observed.rules.residual.other_load for each in held)
+    warmed = [item for item in (recording.temperature, recording.link_temperature) if item is not None]
+    still &= all(float(np.ptp(item, axis=0).max()) <= observed.rules.residual.other_temperature for item in warmed)
+    return still and all(float(np.ptp(item, axis=0).max()) <= observed.rules.residual.same_payload for item in held)
 
 
 def blocks_of(block: NDArray[np.int64]) -> Sequence[NDArray[np.int64]]:
@@ -101,11 +101,11 @@ def without_drift(
 
     Whether they drift tells the scatter of the runs' means against that within runs (F test over all components).
     """
-    found: list[Rows] = []
+    rows_kept: list[Rows] = []
     for group in groups:
-        drifts = len(group) >= rules.long_stay and _drifts(residual[group], rules)
-        found += _runs(group, rules.neighbours) if drifts else [group]
-    return tuple(found)
+        drifts = len(group) >= 3 * rules.neighbours and _drifts(residual[group], rules)
+        rows_kept += _runs(group, rules.neighbours) if drifts else [group]
+    return tuple(rows_kept)
 
 
 def _runs(group: Rows, together: int) -> list[Rows]:
@@ -131,5 +131,5 @@ def differences_of_revisits(residual: Array, visits: Sequence[Rows]) -> Array:
 
     Slow drift is nearly out of them (J. von Neumann, Ann. Math. Statist. 12 (1941) 367, doi:10.1214/aoms/1177731677).
     """
-    found = [np.diff(residual[rows], axis=0) / np.sqrt(2.0) for rows in visits if len(rows) > 1]
-    return np.concatenate(found) if found else np.zeros((0, residual.shape[1]))
+    differences = [np.diff(residual[rows], axis=0) / np.sqrt(2.0) for rows in visits if len(rows) > 1]
+    return np.concatenate(differences) if differences else np.zeros((0, residual.shape[1]))

@@ -42,8 +42,8 @@ def without_wander(values: Array, grows: Array) -> Array:
     factor = cholesky_banded(_band(grows), lower=True)
     flat = values.reshape(len(values), -1)
     # The factor is lower bidiagonal; `solve_banded` wants the diagonal first.
-    found = solve_banded((1, 0), factor, _differences(flat, np.isinf(grows)))
-    return found.reshape(values.shape)
+    solution = solve_banded((1, 0), factor, _differences(flat, np.isinf(grows)))
+    return solution.reshape(values.shape)
 
 
 def walks(grows: Array, drawn: Array) -> Array:
@@ -83,9 +83,9 @@ def wander_in(
     none = still(values, beside)
     if usual <= 0.0 or len(values) < rules.least_pairs:
         return none
-    tried = np.geomspace(rules.least_wander, rules.most_wander, 15) ** 2 / usual
+    tried = np.geomspace(*rules.wander, 15) ** 2 / usual
     walks_tried = (_walk(values, growth(time, rate, which), rate, beside) for rate in tried.tolist())
-    best = max(walks_tried, key=lambda each: each.likelihood)
+    best = max(walks_tried, key=lambda item: item.likelihood)
     return best if best.likelihood > none.likelihood + rules.wander_beyond else none
 
 
@@ -130,6 +130,6 @@ def _band(grows: Array) -> Array:
 
 def _differences(flat: Array, begins: NDArray[np.bool_]) -> Array:
     """What values (N, D) differ by from those before; the first, and what begins anew (N - 1,), as it is."""
-    found = flat.copy()
-    found[1:][~begins] -= flat[:-1][~begins]
-    return found
+    differences = flat.copy()
+    differences[1:][~begins] -= flat[:-1][~begins]
+    return differences

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from .rule import JUDGED, rule
+from .rule import rule
 
 
 @dataclass(frozen=True)
@@ -17,19 +17,3 @@ class CompareRules:
         "Over all parameters together, of calling anything changed that did not.",
         "the usual level; S. Holm, Scand. J. Statist. 6 (1979) 65",
     )
-    least_visits: int = rule(
-        10,
-        "visits",
-        "From so many on each visit may have an error of its own.",
-        JUDGED,
-        rows="The spread of fewer visits' errors is itself unknown.",
-    )
-    least_rows: int = rule(
-        5,
-        "readings",
-        "A region is shown where each recording has so many there.",
-        JUDGED,
-        rows="It only decides what a table shows.",
-    )
-    cells: int = rule(3, "regions along an axis", "Into which the workspace is cut.", JUDGED)
-    same_load: float = rule(0.01, "kg", "Poses under loads that differ by more are not set against each other.", JUDGED)

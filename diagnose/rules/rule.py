@@ -7,7 +7,7 @@ from dataclasses import Field, dataclass, field, fields, is_dataclass
 from types import MappingProxyType
 from typing import Any, TypeVar
 
-Value = TypeVar("Value", int, float, tuple[int, ...])
+Value = TypeVar("Value", int, float, tuple[int, ...], tuple[float, float], tuple[float, float, float])
 
 PROOF = "chosen on the proof's disclosed half"
 JUDGED = "judged; no figure is published"
@@ -21,7 +21,7 @@ class Rule:
 
     stage: str
     name: str
-    value: int | float | tuple[int, ...]
+    value: int | float | tuple[float, ...]
     unit: str
     reason: str
     source: str
@@ -33,7 +33,7 @@ class Rule:
         return f"{self.stage}.{self.name}"
 
 
-def rule(value: Value, unit: str, reason: str, source: str = PROOF, *, rows: str = "") -> Value:
+def rule(value: Value, unit: str, reason: str, source: str = JUDGED, *, rows: str = "") -> Value:
     """The default of a dataclass field that is a rule. `rows` says why it takes effect at some number of readings,
     visits or poses, where it does; what counts those must say so.
 
@@ -47,9 +47,9 @@ def rule(value: Value, unit: str, reason: str, source: str = PROOF, *, rows: str
 def rules_in(rules: object) -> Iterator[Rule]:
     """Every rule of a `Rules`, stage by stage, in the order in which they are written."""
     for stage in _fields(rules):
-        own = getattr(rules, stage.name)
-        for each in _fields(own):
-            yield Rule(stage.name, each.name, getattr(own, each.name), **each.metadata)
+        stage_rules = getattr(rules, stage.name)
+        for item in _fields(stage_rules):
+            yield Rule(stage.name, item.name, getattr(stage_rules, item.name), **item.metadata)
 
 
 def _fields(instance: object) -> tuple[Field[Any], ...]:

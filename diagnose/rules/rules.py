@@ -7,7 +7,9 @@ from dataclasses import dataclass, field
 from .answer_rules import AnswerRules
 from .compare_rules import CompareRules
 from .fitting_rules import FittingRules
+from .log_rules import LogRules
 from .mistake_rules import MistakeRules
+from .motion_rules import MotionRules
 from .pattern_rules import PatternRules
 from .plan_rules import PlanRules
 from .reading_rules import ReadingRules
@@ -22,6 +24,8 @@ class Rules:
     `replace(RULES, search=replace(RULES.search, false_alarm=0.001))`."""
 
     reading: ReadingRules = field(default_factory=ReadingRules)
+    log: LogRules = field(default_factory=LogRules)
+    motion: MotionRules = field(default_factory=MotionRules)
     mistakes: MistakeRules = field(default_factory=MistakeRules)
     residual: ResidualRules = field(default_factory=ResidualRules)
     patterns: PatternRules = field(default_factory=PatternRules)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from .rule import JUDGED, PROOF, TIME, rule
+from .rule import PROOF, TIME, rule
 
 
 @dataclass(frozen=True)
@@ -48,12 +48,11 @@ class SearchRules:
         "each fit a part are what a form outside the library looks like.",
         PROOF,
     )
-    beside: float = rule(6.0, "criterion", "So much a form must better it beside something that was named.", PROOF)
     material: float = rule(
         0.15,
         "share of the mismatch (RMS)",
         "A smaller remainder is a blemish of the model found, not another cause; names that miss no more of what a "
-        "form explains are not given up for it.",
+        "form explains are not given up for it; nor is a joint named that describes no more than the next by as much.",
         PROOF,
     )
     many: int = rule(
@@ -67,17 +66,7 @@ class SearchRules:
     worth: float = rule(
         0.01, "share of what is left", "One more finding beyond three must take off as much (sum of squares).", PROOF
     )
-    worth_of_many: float = rule(
-        0.004, "share of what is left", "However many the observations, it must take off as much.", PROOF
-    )
-    worth_keeping: float = rule(
-        0.5,
-        "times `worth_of_many`",
-        "A finding without which no more is left is superfluous once later ones are beside it.",
-        JUDGED,
-    )
     draws: int = rule(499, "draws", "Of each test; the tail beyond is read off a Gumbel distribution.", TIME)
-    few_draws: int = rule(99, "draws", "For each finding beyond three, and whatever the size of a test.", TIME)
     enough_visits: int = rule(
         12,
         "visits",
@@ -85,15 +74,13 @@ class SearchRules:
         PROOF,
         rows="With fewer there are not draws enough to reach the level; visits are then exchanged as well.",
     )
-    most_findings: int = rule(30, "findings", "A search ends there.", TIME)
-    kept: int = rule(60, "subsets", "The best of each size that are looked at closely.", TIME)
-    most_fitted: float = rule(0.5, "coefficients an observation", "A model of more explains nothing.", JUDGED)
-    most_in_triples: int = rule(
-        160, "families", "Of which triples are made; of more, those that explain least alone are left.", TIME
-    )
+    most_fitted: float = rule(0.5, "coefficients an observation", "A model of more explains nothing.")
     alike: float = rule(0.98, "correlation", "Patterns beyond this are one class.", PROOF)
     confident: float = rule(
-        6.0, "criterion", "A name no worse than this (odds of 20 to 1) could as well be it.", "odds"
+        6.0,
+        "criterion",
+        "A name no worse than this (odds of 20 to 1) could be it too; a form beside names must better them by more.",
+        "odds",
     )
     refuted: float = rule(
         20.0, "criterion", "Even of one class, a name worse than this (20,000 to 1) is refuted.", "odds"
@@ -101,21 +88,21 @@ class SearchRules:
     tied: float = rule(
         2.0, "criterion", "Names no worse than this fit equally well: the simpler and commoner goes first.", PROOF
     )
-    rivalling: float = rule(
-        0.5, "share of what the member explains", "What explains less can be no other name for it.", JUDGED
-    )
-    same_flexibility: float = rule(0.01, "share", "Flexibility that changed by no more is what was assumed.", JUDGED)
+    rivalling: float = rule(0.5, "share of what the member explains", "What explains less can be no other name for it.")
     coupling_matters: float = rule(
-        0.02, "share of the pattern", "Loads whose patterns a flexibility changes by less need no second look.", JUDGED
+        0.02,
+        "share",
+        "Loads whose patterns a flexibility changes by less, and flexibility that does, need no second look.",
     )
-    several_beginnings: int = rule(
+    long: int = rule(
         2000,
         "readings",
-        "Up to so many, loads and flexibility are sought from several beginnings.",
+        "Up to so many, loads and flexibility are sought from several beginnings, and names are judged with room for "
+        "causes too small to be named.",
         TIME,
-        rows="Each beginning is a search of its own, which takes minutes in longer recordings.",
+        rows="Each beginning is a search of its own, which takes minutes in longer recordings; and more readings tell "
+        "small causes one by one, so that there is less and less to make room for.",
     )
-    motion_rounds: int = rule(4, "rounds", "Of search about large findings, until they no longer change.", TIME)
     motion_matters: float = rule(
         0.1, "share of the scatter", "What lies beyond first order is looked at again where it changes by more.", PROOF
     )
@@ -124,5 +111,4 @@ class SearchRules:
         "times the mismatch",
         "What gives under unknown weights and moves the tip by more (RMS) can only balance others: the search is made "
         "again without it.",
-        JUDGED,
     )

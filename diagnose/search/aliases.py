@@ -13,7 +13,6 @@ from linkwright.core.diagnose.fitting.fit import Fit, fit, typical
 from linkwright.core.sections.numeric import Array
 
 from .naming import Named, Namer
-from .subsets import taken_off
 
 
 @dataclass(frozen=True)
@@ -29,19 +28,18 @@ def likenesses(namer: Namer, members: Sequence[int], member: int) -> tuple[Array
     """How alike each group's pattern is to a member's, as fitted beside the other members (0 to 1), and what each
     explains beside them, in sum of squares; both (G,)."""
     pool = namer.pool
-    start = namer.prepared.products
-    taken, explained = taken_off(start, pool.columns([m for m in members if m != member]))
-    left = start.against - taken @ explained
-    own = pool.columns([member])
-    gram = start.gram[:, own] - taken @ taken[own].T
+    products = namer.prepared.products.beside(pool.columns([m for m in members if m != member]))
+    left, own = products.against, pool.columns([member])
+    gram = pool.rows(own).T - products.taken @ products.taken[own].T
     pattern = np.linalg.pinv(gram[own], rcond=1e-9, hermitian=True) @ left[own]
     mixed = gram @ pattern
     signal = max(float(pattern @ mixed[own]), 1e-300)
     shared, gained = np.zeros(len(pool.groups)), np.zeros(len(pool.groups))
-    layout = pool.layout
-    spans = [(layout.single_groups, layout.single_columns[:, None]), *((at_of, at) for at_of, at in layout.wide)]
-    for groups, at in spans:
-        block = start.gram[at[:, :, None], at[:, None, :]] - taken[at] @ taken[at].transpose(0, 2, 1)
+    layout, (diagonal, blocks) = pool.layout, products.own
+    singles = (layout.single_groups, layout.single_columns[:, None])
+    for (groups, at), block in zip(
+        (singles, *layout.wide), (diagonal[layout.single_columns, None, None], *blocks), strict=True
+    ):
         inverse = np.linalg.pinv(block, rcond=1e-9, hermitian=True)
         shared[groups] = np.sqrt(np.maximum(np.einsum("gi,gij,gj->g", mixed[at], inverse, mixed[at]), 0.0) / signal)
         gained[groups] = np.einsum("gi,gij,gj->g", left[at], inverse, left[at])
@@ -57,7 +55,7 @@ def rivals(namer: Namer, members: Sequence[int], member: int, judges: Sequence[N
     shared, gained = likenesses(namer, members, member)
     judged = [(judge, judge.criterion_of(members)) for judge in (namer, *judges)]
     taken = {namer.pool.groups[m].candidate.family for m in members}
-    found: dict[object, Rival] = {}
+    rivals_: dict[object, Rival] = {}
     near = (shared >= rules.alike) | (gained >= rules.rivalling * gained[member])
     for number in np.flatnonzero(namer.library & near).tolist():
         family = namer.pool.groups[number].candidate.family
@@ -67,9 +65,9 @@ def rivals(namer: Namer, members: Sequence[int], member: int, judges: Sequence[N
         worse = min(judge.criterion_of(trial) - own for judge, own in judged)
         if worse <= (rules.refuted if shared[number] >= rules.alike else rules.confident) and namer.possible(trial):
             rival = Rival(number, float(shared[number]), worse)
-            if family not in found or found[family].worse > worse:
-                found[family] = rival
-    return sorted(found.values(), key=lambda rival: (-round(rival.likeness, 6), rival.worse))
+            if family not in rivals_ or rivals_[family].worse > worse:
+                rivals_[family] = rival
+    return sorted(rivals_.values(), key=lambda rival: (-round(rival.likeness, 6), rival.worse))
 
 
 def stands(namer: Namer, number: int) -> bool:

@@ -19,17 +19,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from linkwright.core.diagnose.patterns.pool import Pool, orthonormal
-from linkwright.core.diagnose.rules.rules import RULES
-from linkwright.core.diagnose.rules.search_rules import SearchRules
 from linkwright.core.sections.numeric import Array
 
-from .subsets import Criterion
+from .subsets import Criterion, products
 
+FEW_DRAWS = 99
+"""For each finding beyond three, and whatever the size of a test."""
 _CHUNK = 32
 _GONE = 1e-8
 """Directions of which the smaller model leaves less than this share (squared) are gone."""
 _WORK = 4e9
-"""Multiplications that the draws of one test may cost."""
+"""Numbers of a basis that the draws of one test may go through."""
+_AT_ONCE = 1_000_000
+"""Numbers that are held at once."""
 
 
 @dataclass(frozen=True)
@@ -78,19 +80,18 @@ def one_more(
     `width` is the number of columns of a reading. The same draws serve all sets.
     """
     beside = _beside(pool, given.columns)
-    statistic = _statistic(beside, given.residual[:, None], criterion)[:, 0]
+    rss = given.residual @ given.residual
+    statistic = _statistic(beside, (pool.basis.T @ given.residual)[:, None], rss, criterion)[:, 0]
     among = [usable & criterion.fits for usable in among]
     rules = pool.rules.search
-    draws = max(rules.few_draws, min(draws, int(_WORK / max(pool.basis.size, 1))))
-    table = given.residual.reshape(-1, width)
+    draws = max(FEW_DRAWS, min(draws, int(_WORK / max(pool.basis.size, 1))))
+    few = int(visits[-1]) + 1 < rules.enough_visits
+    anew = _Shuffled(pool, given, visits, width) if few else _Flipped(pool, given, visits, width)
     drawn: list[list[Array]] = [[] for _ in among]
     for start in range(0, draws, _CHUNK):
-        count = min(_CHUNK, draws - start)
-        permuted = np.stack([drawn_anew(table, visits, rng, rules=rules).reshape(-1) for _ in range(count)], axis=1)
-        permuted -= given.basis @ (given.basis.T @ permuted)
-        found = _statistic(beside, permuted, criterion)
+        statistics = _statistic(beside, *anew.drawn(rng, min(_CHUNK, draws - start)), criterion)
         for values, usable in zip(drawn, among, strict=True):
-            values.append(found[usable].max(axis=0, initial=-np.inf))
+            values.append(statistics[usable].max(axis=0, initial=-np.inf))
     return [_tested(statistic, np.concatenate(values), usable) for values, usable in zip(drawn, among, strict=True)]
 
 
@@ -109,21 +110,45 @@ def permutation(visits: NDArray[np.int64], rng: np.random.Generator) -> NDArray[
     return np.roll(rows, int(rng.integers(len(rows)))) if count < len(rows) else rows
 
 
-def drawn_anew(
-    table: Array, visits: NDArray[np.int64], rng: np.random.Generator, *, rules: SearchRules = RULES.search
-) -> Array:
-    """Readings (N, C) with a random sign for each visit (N, numbered from 0, ascending); few visits in random order."""
-    count = int(visits[-1]) + 1
-    if count < rules.enough_visits:
-        return shuffled(table, visits, rng)
-    return table * rng.choice((-1.0, 1.0), count)[visits][:, None]
-
-
 def shuffled(table: Array, visits: NDArray[np.int64], rng: np.random.Generator) -> Array:
     """Readings (N, C) with whole visits (N, numbered from 0, ascending) in random order, each with a random sign."""
     flips = rng.choice((-1.0, 1.0), int(visits[-1]) + 1)
     rows = permutation(visits, rng)
     return table[rows] * flips[visits[rows], None]
+
+
+class _Shuffled:
+    """Residuals with few visits in random order, each under a random sign, beside the smaller model."""
+
+    def __init__(self, pool: Pool, given: Given, visits: NDArray[np.int64], width: int) -> None:
+        self._pool, self._given, self._visits = pool, given, visits
+        self._table = given.residual.reshape(-1, width)
+
+    def drawn(self, rng: np.random.Generator, count: int) -> tuple[Array, Array]:
+        """Products of so many draws with the basis (M, count), and their sums of squares (count,)."""
+        drawn = np.stack([shuffled(self._table, self._visits, rng).reshape(-1) for _ in range(count)], axis=1)
+        drawn -= self._given.basis @ (self._given.basis.T @ drawn)
+        return self._pool.basis.T @ drawn, np.sum(drawn * drawn, axis=0)
+
+
+class _Flipped:
+    """Residuals with each visit under a random sign, beside the smaller model. A draw's products are sums of those of
+    the visits, which are worked out but once."""
+
+    def __init__(self, pool: Pool, given: Given, visits: NDArray[np.int64], width: int) -> None:
+        starts = width * np.flatnonzero(np.diff(visits, prepend=-1))
+        self._taken = np.add.reduceat(given.basis.T * given.residual, starts, axis=1)
+        self._along = np.empty((pool.basis.shape[1], len(starts)))
+        step = max(1, _AT_ONCE // len(pool.basis))
+        for some in (slice(k, k + step) for k in range(0, len(self._along), step)):
+            self._along[some] = np.add.reduceat(pool.basis.T[some] * given.residual, starts, axis=1)
+        self._along -= (pool.basis.T @ given.basis) @ self._taken
+        self._rss = float(given.residual @ given.residual)
+
+    def drawn(self, rng: np.random.Generator, count: int) -> tuple[Array, Array]:
+        """Products of so many draws with the basis (M, count), and their sums of squares (count,)."""
+        signs = np.stack([rng.choice((-1.0, 1.0), self._along.shape[1]) for _ in range(count)], axis=1)
+        return self._along @ signs, self._rss - np.sum((self._taken @ signs) ** 2, axis=0)
 
 
 def gumbel(drawn: Array) -> tuple[float, float]:
@@ -158,31 +183,24 @@ class _Beside:
 
 def _beside(pool: Pool, columns: NDArray[np.int64]) -> _Beside:
     """From the Gram matrix alone: vectors come in orthogonal to the smaller model, so only lengths matter."""
-    values, vectors = np.linalg.eigh(pool.gram[np.ix_(columns, columns)])
-    good = values > 1e-10 * values.max(initial=0.0)
-    mixed = pool.gram[:, columns] @ (vectors[:, good] / np.sqrt(values[good]))
-    size = pool.gram.diagonal() - np.einsum("ij,ij->i", mixed, mixed)
+    size, blocks = products(pool, np.zeros(len(pool.basis))).beside(columns).own
     scale = np.where(size > _GONE, 1.0 / np.sqrt(np.where(size > _GONE, size, 1.0)), 0.0)
     wide: list[tuple[NDArray[np.int64], Array]] = []
-    for _, at in pool.layout.wide:
-        part = mixed[at]
-        block = pool.gram[at[:, :, None], at[:, None, :]] - part @ part.transpose(0, 2, 1)
+    for (_, at), block in zip(pool.layout.wide, blocks, strict=True):
         values, vectors = np.linalg.eigh(block)
         root = np.where(values > _GONE, 1.0 / np.sqrt(np.where(values > _GONE, values, 1.0)), 0.0)
         wide.append((at, (vectors * root[:, None, :]).transpose(0, 2, 1)))
     return _Beside(pool, scale, tuple(wide))
 
 
-def _statistic(beside: _Beside, vectors: Array, criterion: Criterion) -> Array:
-    """The drop of the criterion that each group brings to each vector (n, V) orthogonal to the smaller model, (G, V),
-    but for the prior that all share."""
+def _statistic(beside: _Beside, along: Array, rss: Array, criterion: Criterion) -> Array:
+    """The drop of the criterion that each group brings to vectors orthogonal to the smaller model, (G, V), but for the
+    prior that all share, from their products with the basis (M, V) and their sums of squares (V,)."""
     pool = beside.pool
-    along = pool.basis.T @ vectors
-    explained = np.zeros((len(pool.groups), vectors.shape[1]))
+    explained = np.zeros((len(pool.groups), along.shape[1]))
     single = pool.layout.single_columns
     explained[pool.layout.single_groups] = (beside.scale[single, None] * along[single]) ** 2
     for (which, at), (_, turned) in zip(pool.layout.wide, beside.wide, strict=True):
         explained[which] = np.sum((turned @ along[at]) ** 2, axis=1)
-    rss = np.sum(vectors * vectors, axis=0)
     share = np.minimum(explained / np.where(rss > 0.0, rss, 1.0), 1.0 - 1e-12)
     return -criterion.count * np.log1p(-share) - criterion.price[:, None]

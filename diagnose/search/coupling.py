@@ -47,17 +47,18 @@ def softened(prepared: Prepared, entries: Sequence[EffectEntry], without: frozen
     before = [(group.candidate, columns) for group, columns in held if through_flexibility(group.candidate)]
     if not _differ(before, loads, observed.rules.search.coupling_matters):
         return prepared
-    kept = [number for number, (group, _) in enumerate(held) if not through_flexibility(group.candidate)]
-    again = exchange(prepared, observed, kept, loads)
+    numbers = [number for number, (group, _) in enumerate(held) if not through_flexibility(group.candidate)]
+    again = exchange(prepared, observed, numbers, loads)
     invisible = [candidate for candidate in prepared.pool.invisible if not through_flexibility(candidate)]
-    pool = replace(again.pool, invisible=(*invisible, *again.pool.invisible))
+    pool = again.pool.on_this_basis(again.pool.groups, (*invisible, *again.pool.invisible))
     return replace(again, pool=pool)
 
 
 def may_couple(namer: Namer, named: Named) -> bool:
-    """Whether loads may act through flexibility that nobody knows of: one of both is named, or something is left."""
-    candidates_named = (namer.pool.groups[member].candidate for member in named.members)
-    acts = any(flexible(each) or through_flexibility(each) for each in candidates_named)
+    """Whether loads may act through flexibility that nobody knows of: one of both is named, by the names that go first
+    in their class, or something is left."""
+    candidates_named = (namer.pool.groups[member].candidate for member in renamed(namer, named))
+    acts = any(flexible(item) or through_flexibility(item) for item in candidates_named)
     left = named.left is None or min(test.p_value for test in named.left) <= namer.rules.false_alarm
     return bool(named.members) and (acts or left or bool(named.outside))
 
@@ -71,15 +72,15 @@ def coupled(namer: Namer, without: frozenset[str], tell: Callable[[float], None]
     chosen = min(best.values(), key=lambda subset: subset.criterion)
     if len(chosen.members) < 2:
         return namer
-    found, value = namer, chosen.criterion
-    long = namer.prepared.observed.rows > namer.rules.several_beginnings
+    namer_, value = namer, chosen.criterion
+    long = namer.prepared.observed.rows > namer.rules.long
     starts = list(itertools.islice(_starts(namer, best), 1 if long else None))
     for number, start in enumerate(starts):
         trial, criterion = _consistent(namer, start, without, 1 if long else _ROUNDS)
         if criterion < value:
-            found, value = trial, criterion
+            namer_, value = trial, criterion
         tell((number + 1.0) / len(starts))
-    return found
+    return namer_
 
 
 def through_what_is_named(
@@ -114,7 +115,7 @@ def _loads(namer: Namer, members: Sequence[int]) -> bool:
 
 
 def _places(entries: Sequence[EffectEntry]) -> set[tuple[str, tuple[int, ...]]]:
-    return {(each.effect, each.at) for each in entries}
+    return {(item.effect, item.at) for item in entries}
 
 
 def _starts(namer: Namer, best: dict[int, Subset]) -> Iterator[tuple[EffectEntry, ...]]:
@@ -123,7 +124,7 @@ def _starts(namer: Namer, best: dict[int, Subset]) -> Iterator[tuple[EffectEntry
     order = sorted(best.values(), key=lambda subset: subset.criterion)
     for subset in itertools.chain(order, _best_among(namer)):
         entries = _entries(namer, subset.members)
-        key = tuple(sorted((each.effect, each.at) for each in entries))
+        key = tuple(sorted((item.effect, item.at) for item in entries))
         if entries and key not in seen:
             seen.add(key)
             yield entries
@@ -138,7 +139,7 @@ def _best_among(namer: Namer) -> Iterator[Subset]:
 def _entries(namer: Namer, members: Sequence[int]) -> tuple[EffectEntry, ...]:
     """The flexibility among some groups, as fitted."""
     fitted = fit(namer.prepared, members)
-    found: list[EffectEntry] = []
+    entries: list[EffectEntry] = []
     products: list[tuple[Candidate, Array]] = []
     for member, sizes in zip(members, fitted.sizes, strict=True):
         candidate, values = namer.pool.groups[member].candidate, sizes.tolist()
@@ -147,23 +148,23 @@ def _entries(namer: Namer, members: Sequence[int]) -> tuple[EffectEntry, ...]:
             continue
         one = entry(candidate, candidate.from_slopes(values))
         if one is not None:
-            found.append(one)
-    return (*found, *_under_weights(namer.prepared.observed, products))
+            entries.append(one)
+    return (*entries, *_under_weights(namer.prepared.observed, products))
 
 
 def _under_weights(observed: Observed, products: Sequence[tuple[Candidate, Array]]) -> tuple[EffectEntry, ...]:
     """What gives under unknown weights, as fitted one by one, with the one set of weights that comes nearest to all."""
     own = [weights_of(observed, candidate.effect, candidate.at) for candidate, _ in products]
-    weights = sorted({weight for each in own for weight in each})
+    weights = sorted({weight for item in own for weight in item})
     if not products or not weights:
-        return tuple(product_entry(each.effect, each.numbers, float(sizes[0])) for each, sizes in products)
+        return tuple(product_entry(item.effect, item.numbers, float(sizes[0])) for item, sizes in products)
     stacked = np.zeros((len(products), len(weights)))
     for row, of, (_, sizes) in zip(stacked, own, products, strict=True):
         row[[weights.index(weight) for weight in of]] = sizes
     shared = factors(stacked)
     giving = [
-        product_entry(each.effect, each.numbers, product)
-        for (each, _), product in zip(products, shared.compliance.tolist(), strict=True)
+        product_entry(item.effect, item.numbers, product)
+        for (item, _), product in zip(products, shared.compliance.tolist(), strict=True)
         if product > 0.0
     ]
     return (*weight_entries(weights, shared.weight.tolist()), *giving)
@@ -182,7 +183,7 @@ def _consistent(
         best = min(trial.best_of_library().values(), key=lambda subset: subset.criterion)
         value = best.criterion
         again = _entries(trial, best.members)
-        if not again or _close(entries, again, namer.rules.same_flexibility):
+        if not again or _close(entries, again, namer.rules.coupling_matters):
             break
         entries = again
     return trial, value
@@ -192,9 +193,9 @@ def _differ(before: Patterns, after: Patterns, matters: float) -> bool:
     """Whether patterns are others than before, by more than matters, or some are gone: nothing gives under them."""
     if {candidate.family for candidate, _ in before} - {candidate.family for candidate, _ in after}:
         return True
-    own = {(candidate.family, tuple(candidate.shapes.items())): columns for candidate, columns in before}
+    by_family = {(candidate.family, tuple(candidate.shapes.items())): columns for candidate, columns in before}
     for candidate, columns in after:
-        was = own.get((candidate.family, tuple(candidate.shapes.items())))
+        was = by_family.get((candidate.family, tuple(candidate.shapes.items())))
         if was is None or was.shape != columns.shape:
             return True
         if np.linalg.norm(columns.whole() - was.whole()) > matters * np.linalg.norm(was.values):
@@ -203,10 +204,10 @@ def _differ(before: Patterns, after: Patterns, matters: float) -> bool:
 
 
 def _close(entries: Sequence[EffectEntry], others: Sequence[EffectEntry], same: float) -> bool:
-    have = {(each.effect, each.at): each.parameters for each in entries}
+    have = {(item.effect, item.at): item.parameters for item in entries}
     if set(have) != _places(others):
         return False
     pairs = [
-        (have[each.effect, each.at].get(name, 0.0), value) for each in others for name, value in each.parameters.items()
+        (have[item.effect, item.at].get(name, 0.0), value) for item in others for name, value in item.parameters.items()
     ]
     return all(abs(a - b) <= same * max(abs(a), abs(b)) for a, b in pairs)

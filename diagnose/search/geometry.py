@@ -12,20 +12,23 @@ from linkwright.core.diagnose.patterns.library import Candidate, of_one_number
 if TYPE_CHECKING:
     from .naming import Namer
 
+_ROUNDING = 1e-9
+"""Of an RMS, what rounding makes of two that are the same: a tool's offset and the length and zero that do as much."""
+
 
 def geometry_alone(namer: Namer) -> tuple[int, ...]:
     """The zeros and lengths that explain a recording best by the criterion: all of them, less one after the other
     whatever is not worth its number."""
-    found = [number for number, group in enumerate(namer.pool.groups) if _single(group.candidate)]
-    value = namer.criterion_of(found)
-    while found:
-        fewer = [[m for m in found if m != member] for member in found]
-        values = [namer.criterion_of(each) for each in fewer]
+    members_ = [number for number, group in enumerate(namer.pool.groups) if _single(group.candidate)]
+    value = namer.criterion_of(members_)
+    while members_:
+        fewer = [[m for m in members_ if m != member] for member in members_]
+        values = [namer.criterion_of(item) for item in fewer]
         least = min(range(len(fewer)), key=values.__getitem__)
         if values[least] > value:
             break
-        found, value = fewer[least], values[least]
-    return tuple(found) if namer.possible(found) else ()
+        members_, value = fewer[least], values[least]
+    return tuple(members_) if namer.possible(members_) else ()
 
 
 def _single(candidate: Candidate) -> bool:
@@ -38,7 +41,7 @@ def beats(namer: Namer, members: Sequence[int], geometry: Sequence[int]) -> bool
     """Whether groups are a better answer than others of fewer numbers: by the criterion, and on readings held out."""
     if namer.criterion_of(members) >= namer.criterion_of(geometry):
         return False
-    return _held_out(namer, members) < _held_out(namer, geometry)
+    return _held_out(namer, members) < (1.0 - _ROUNDING) * _held_out(namer, geometry)
 
 
 def _held_out(namer: Namer, members: Sequence[int]) -> float:

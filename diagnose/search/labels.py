@@ -32,7 +32,10 @@ from linkwright.core.diagnose.rules.rules import Rules
 from linkwright.core.sections.numeric import Array
 
 from .naming import Namer, name_missing
-from .subsets import gains
+
+_LEVELS, _SIDES, _TAKEN, _SEARCHED = 4, 3, 4, 3
+"""Levels of payload of which every two are exchanged; pairs of joints whose sides are; causes of the library that are
+taken to see how promising labels put right are; and how many of these are searched as a whole."""
 
 
 @dataclass(frozen=True)
@@ -55,11 +58,11 @@ def mislabelled(
         return None
     logged = prepare(observe(arm, recording, rules=rules), asked, floor)
     promises: list[float] = []
-    for number, each in enumerate(tried):
+    for number, item in enumerate(tried):
         tell(0.6 * number / len(tried))
-        promises.append(_promise(observe(arm, each.recording, scale=logged.observed.scale, rules=rules), asked))
+        promises.append(_promise(observe(arm, item.recording, scale=logged.observed.scale, rules=rules), asked))
     namers: list[tuple[float, Namer, _Tried]] = []
-    for number in heapq.nsmallest(rules.mistakes.searched_again, range(len(tried)), key=promises.__getitem__):
+    for number in heapq.nsmallest(_SEARCHED, range(len(tried)), key=promises.__getitem__):
         tell(0.6 + 0.1 * len(namers))
         prepared = prepare(observe(arm, tried[number].recording, rules=rules), asked, floor)
         namer = Namer(prepared, thorough=False, seed=asked.seed)
@@ -76,24 +79,24 @@ def mislabelled(
     groups = [namer.pool.groups[member].candidate for member in named.members]
     if _left_as_logged(logged, groups) <= enough:
         return None
-    found = tuple((candidate.effect, candidate.numbers) for candidate in groups)
-    return Mislabelled(each.said, found, rms) if rms <= enough else None
+    findings = tuple((candidate.effect, candidate.numbers) for candidate in groups)
+    return Mislabelled(each.said, findings, rms) if rms <= enough else None
 
 
-def _promise(observed: Observed, asked: Options) -> float:
+def _promise(observed: Observed, options: Options) -> float:
     """What a few of the library, taken one after the other, leave of a mismatch: mean square, weighed."""
-    alone = set_up(observed, packed_up(candidates(observed, asked.without)))
-    given, members, criterion = alone.products, list[int](), alone.criterion
+    alone = set_up(observed, packed_up(candidates(observed, options.without)))
+    products, members, criterion = alone.products, list[int](), alone.criterion
     barred = np.zeros(len(alone.pool.groups), dtype=bool)
-    while len(members) < observed.rules.mistakes.taken_at_once and not barred.all():
-        value = criterion.of_many(given.rss, gains(alone.pool, given), criterion.price, criterion.ranks)
+    while len(members) < _TAKEN and not barred.all():
+        value = criterion.of_many(products.rss, products.gains(), criterion.price, criterion.ranks)
         best = int(np.argmin(np.where(barred, np.inf, value)))
         if not np.isfinite(value[best]):
             break
         members.append(best)
         barred[best] = True
-        given = given.beside(alone.pool.columns([best]))
-    return given.rss / max(len(alone.vector), 1)
+        products = products.beside(alone.pool.columns([best]))
+    return products.rss / max(len(alone.vector), 1)
 
 
 def _left(namer: Namer, members: tuple[int, ...]) -> float:
@@ -103,9 +106,9 @@ def _left(namer: Namer, members: tuple[int, ...]) -> float:
 
 def _left_as_logged(logged: Prepared, named: Sequence[Candidate]) -> float:
     """The RMS length (m) of what some candidates leave of the tip with the labels as they stand, at possible sizes."""
-    patterns = ((each, columns_of(logged.observed, each)) for each in named)
-    told = packed_up((each, columns) for each, columns in patterns if columns is not None)
-    alone = set_up(logged.observed, told, logged.rejected)
+    patterns = ((item, columns_of(logged.observed, item)) for item in named)
+    packed = packed_up((item, columns) for item, columns in patterns if columns is not None)
+    alone = set_up(logged.observed, packed, logged.rejected)
     fitted = fit(alone, range(len(alone.pool.groups)))
     if impossible(alone, fitted) is not None:
         return np.inf
@@ -119,31 +122,31 @@ def _relabelled(arm: Arm, recording: Recording, rules: Rules) -> Iterator[_Tried
     if sides is not None and len(np.unique(sides, axis=0)) > 1:
         for which, late in (("late", 1), ("early", -1)):
             for unit, source, keep in _sources(visit, late):
-                told = f"the sides (dirN) were logged one {unit} {which}"
-                yield _Tried(told, replace(recording, sides=sides[source]).kept(keep))
+                sentence = f"the sides (dirN) were logged one {unit} {which}"
+                yield _Tried(sentence, replace(recording, sides=sides[source]).kept(keep))
         yield _Tried("the sides (dirN) were logged with the opposite sign", replace(recording, sides=-sides))
     if payload is not None and len(levels := np.unique(payload)) > 1:
         for which, late in (("late", 1), ("early", -1)):
             for unit, source, keep in _sources(visit, late):
-                told = f"payload_kg was logged one {unit} {which}"
-                yield _Tried(told, replace(recording, payload_mass=payload[source]).kept(keep))
-        if len(levels) <= rules.mistakes.swapped_levels:
+                sentence = f"payload_kg was logged one {unit} {which}"
+                yield _Tried(sentence, replace(recording, payload_mass=payload[source]).kept(keep))
+        if len(levels) <= _LEVELS:  # of more nobody confuses just two
             for one, other in itertools.combinations(levels.tolist(), 2):
-                told = f"payloads of {one:g} kg and {other:g} kg have changed places in payload_kg"
-                yield _Tried(told, replace(recording, payload_mass=_swapped(payload, one, other)))
+                sentence = f"payloads of {one:g} kg and {other:g} kg have changed places in payload_kg"
+                yield _Tried(sentence, replace(recording, payload_mass=_swapped(payload, one, other)))
 
 
 def _crossed(observed: Observed) -> Iterator[_Tried]:
     """The recording with the sides of two joints exchanged: those pairs where each one's sides tell most of how the
     other is off, beside what every joint's own sides tell."""
-    recording, most = observed.recording, observed.rules.mistakes.swapped_sides
+    recording = observed.recording
     if recording.sides is None:
         return
     joints = range(recording.sides.shape[1])
     # How far a joint's motion to and fro moves the tip, by the sides of each joint.
     moved = [observed.drive_moved(joint)[:, :, None] * np.nan_to_num(recording.sides)[:, None, :] for joint in joints]
-    own = np.stack([moved[joint][:, :, joint] for joint in joints], axis=2)
-    beside = orthonormal(observed.whitened(np.concatenate([nuisances(observed)[0], own], axis=2)))
+    columns = np.stack([moved[joint][:, :, joint] for joint in joints], axis=2)
+    beside = orthonormal(observed.whitened(np.concatenate([nuisances(observed)[0], columns], axis=2)))
     left = observed.whitened(observed.residual)
     left -= beside @ (beside.T @ left)
     told: list[tuple[float, int, int]] = []
@@ -153,11 +156,11 @@ def _crossed(observed: Observed) -> Iterator[_Tried]:
         crossed = observed.whitened(np.stack([moved[one][:, :, other], moved[other][:, :, one]], axis=2))
         crossed -= beside @ (beside.T @ crossed)
         told.append((float(np.sum((orthonormal(crossed).T @ left) ** 2)), one, other))
-    for _, one, other in sorted(told, reverse=True)[:most]:
+    for _, one, other in sorted(told, reverse=True)[:_SIDES]:
         sides = recording.sides.copy()
         sides[:, [one, other]] = sides[:, [other, one]]
-        said = f"the sides of joints {one + 1} and {other + 1} stand in each other's columns (dirN)"
-        yield _Tried(said, replace(recording, sides=sides))
+        sentence = f"the sides of joints {one + 1} and {other + 1} stand in each other's columns (dirN)"
+        yield _Tried(sentence, replace(recording, sides=sides))
 
 
 def _sources(visit: NDArray[np.int64], late: int) -> Iterator[tuple[str, NDArray[np.int64], NDArray[np.bool_]]]:

@@ -23,17 +23,19 @@ from .naming import Named, Namer
 
 Array = NDArray[np.float64]
 Entries = tuple[EffectEntry, ...]
+ROUNDS = 4
+"""Of search, or of a fit, about large findings, until they no longer change."""
 Search = Callable[[Entries, Sequence[Candidate]], tuple[Namer, Named]]
 """A search about some motions, on from what was named before."""
 
 
 def about_large(namer: Namer, named: Named, search: Search) -> tuple[Namer, Named]:
     """The search made again about what it found, by `search`, as long as that is so large that it matters."""
-    for _ in range(namer.rules.motion_rounds):
-        found = _motions(namer, _members(namer, named))
-        if not _matters(namer, found):
+    for _ in range(ROUNDS):
+        motions = _motions(namer, _members(namer, named))
+        if not _matters(namer, motions):
             break
-        namer, named = search(found, candidates_of(namer, named.members))
+        namer, named = search(motions, candidates_of(namer, named.members))
     return namer, named
 
 
@@ -51,12 +53,12 @@ def _scatter(observed: Observed) -> float:
     return float(np.sqrt(np.sum(observed.scale[: observed.components] ** 2)))
 
 
-def _matters(namer: Namer, found: Entries) -> bool:
+def _matters(namer: Namer, entries: Entries) -> bool:
     """Whether what lies beyond first order is another than that allowed for, by more than the nuisances take up."""
     observed = namer.prepared.observed
     width = observed.components
     change = np.zeros(observed.residual.shape)
-    change[:, :width] = beyond_first_order(observed, found) - beyond_first_order(observed, observed.about)
+    change[:, :width] = beyond_first_order(observed, entries) - beyond_first_order(observed, observed.about)
     return rms_length(beyond_nuisances(namer.prepared, change)[:, :width]) > namer.rules.motion_matters * _scatter(
         observed
     )

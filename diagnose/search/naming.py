@@ -19,9 +19,9 @@ from linkwright.core.diagnose.patterns.pool import Pool, with_group
 from linkwright.core.diagnose.rules.search_rules import SearchRules
 from linkwright.core.sections.numeric import Array
 
-from .calibrate import Calibrated, Given, given_model, one_more, p_value
+from .calibrate import FEW_DRAWS, Calibrated, Given, given_model, one_more, p_value
 from .geometry import beats, geometry_alone
-from .subsets import Subset, best_subsets, gains_beside, own_blocks
+from .subsets import Subset, best_subsets
 
 _THOROUGH_DRAWS = 2999
 """Of each test where a thorough search was asked for."""
@@ -80,13 +80,13 @@ class Namer:
         A lag or a knee between two points of the grid leaves a remainder that something else would be named for.
         """
         fitted = fit(self.prepared, members)
-        found: list[int] = []
+        numbers: list[int] = []
         for member, candidate in zip(members, refined_shapes(self.prepared, members, fitted), strict=True):
             columns = None if candidate is None else columns_of(self.prepared.observed, candidate)
             taken = None if candidate is None or columns is None else self._take_in(candidate, columns)
-            found.append(member if taken is None else taken)
-        better = self.criterion_of(found) < self.criterion_of(members) and self.possible(found)
-        return tuple(found) if better else tuple(members)
+            numbers.append(member if taken is None else taken)
+        better = self.criterion_of(numbers) < self.criterion_of(members) and self.possible(numbers)
+        return tuple(numbers) if better else tuple(members)
 
     def numbers_of(self, candidates: Sequence[Candidate]) -> tuple[int, ...]:
         """The groups of the library that are these candidates, in their order; new ones where a shape was moved off
@@ -97,22 +97,22 @@ class Namer:
             if self.library[number]
         }
         families = {family for family, _ in known}
-        found: dict[object, int] = {}
+        numbers: dict[object, int] = {}
         for candidate in candidates:
             number = known.get((candidate.family, tuple(candidate.shapes.items())))
             if number is None and candidate.family in families:
                 columns = columns_of(self.prepared.observed, candidate)
                 number = None if columns is None else self._take_in(candidate, columns)
             if number is not None:
-                found.setdefault(candidate.family, number)
-        return tuple(found.values())
+                numbers.setdefault(candidate.family, number)
+        return tuple(numbers.values())
 
     def seek_pull(self, members: Sequence[int]) -> None:
         """Take in the pull towards a point that explains most beside some groups, wherever that is: on a coarse grid a
         magnet between two points is several small errors of the joints."""
-        found = pull_found(self.prepared.observed, self.pool, self.prepared.vector, members)
-        if found is not None:
-            self._take_in(*found)
+        pull = pull_found(self.prepared.observed, self.pool, self.prepared.vector, members)
+        if pull is not None:
+            self._take_in(*pull)
 
     def _take_in(self, candidate: Candidate, columns: Array) -> int | None:
         """The number of a new group of these columns (N, C, d); None where nothing is seen of it."""
@@ -132,11 +132,11 @@ class Namer:
 
     def test(self, members: Sequence[int], draws: int | None = None) -> tuple[Calibrated, Calibrated]:
         """Whether the library, and whether a form, explains more of what some groups leave than chance would."""
-        given: Given = given_model(self.pool, self.prepared.vector, members)
+        initial: Given = given_model(self.pool, self.prepared.vector, members)
         width = self.prepared.observed.residual.shape[1]
         among = (self.library, ~self.library)
         tested = one_more(
-            self.pool, given, self.criterion, self.visits, width, draws=draws or self.draws, rng=self.rng, among=among
+            self.pool, initial, self.criterion, self.visits, width, draws=draws or self.draws, rng=self.rng, among=among
         )
         return tested[0], tested[1]
 
@@ -254,44 +254,47 @@ def _of_library(namer: Namer) -> tuple[tuple[int, ...], tuple[float, ...]]:
 def own_tests(namer: Namer, members: Sequence[int], others: Sequence[int] = ()) -> tuple[float, ...]:
     """The p-value of each group given all the others (and `others`): how often chance lets the best of the library
     explain as much as it does."""
-    found: list[float] = []
+    p_values: list[float] = []
     for member in members:
         rest = [m for m in (*members, *others) if m != member]
         tested = namer.test(rest)[0]
-        found.append(p_value(float(tested.each[member]), tested.drawn))
-    return tuple(found)
+        p_values.append(p_value(float(tested.each[member]), tested.drawn))
+    return tuple(p_values)
 
 
 def _carried_on(
     namer: Namer, members: tuple[int, ...], p_values: tuple[float, ...]
 ) -> tuple[tuple[int, ...], tuple[float, ...]]:
     """More findings one by one, each chosen anew among all, as long as each passes its test and is worth it."""
-    while len(members) < namer.rules.most_findings:
-        tested = namer.test(members, namer.rules.few_draws)[0]
+    while True:
+        tested = namer.test(members, FEW_DRAWS)[0]
         if tested.p_value > namer.rules.false_alarm:
             break
-        before = fit(namer.prepared, members)
         added = _swapped(namer, _best_addition(namer, members, tested))
-        after = fit(namer.prepared, added)
-        worse = namer.criterion_of(added) >= namer.criterion_of(members)
-        worth = worth_of_one_more(namer.rules, namer.criterion.count)
-        if len(added) <= len(members) or worse or after.rss > (1.0 - worth) * before.rss:
+        if len(added) <= len(members) or not _worth_it(namer, members, added):
             break
         members, p_values = added, (*p_values, tested.p_value)
     return _pruned(namer, members, p_values) if len(members) > 3 else (members, p_values)
 
 
+def _worth_it(namer: Namer, fewer: Sequence[int], more: Sequence[int]) -> bool:
+    """Whether one more finding is worth it: by the criterion, and by the share of what is left that it takes off."""
+    if namer.criterion_of(more) >= namer.criterion_of(fewer):
+        return False
+    worth = worth_of_one_more(namer.rules, namer.criterion.count)
+    return namer.fitted(more).rss <= (1.0 - worth) * namer.fitted(fewer).rss
+
+
 def _pruned(
     namer: Namer, members: tuple[int, ...], p_values: tuple[float, ...]
 ) -> tuple[tuple[int, ...], tuple[float, ...]]:
-    """The members without those that later ones have made superfluous."""
+    """The members without those that later ones have made superfluous: what stays is held to what was added."""
     while len(members) > 1:
-        whole = fit(namer.prepared, members).rss
-        without = [fit(namer.prepared, [m for m in members if m != member]).rss for member in members]
-        least = int(np.argmin(without))
-        if without[least] > (1.0 + namer.rules.worth_keeping * namer.rules.worth_of_many) * whole:
+        without = [[m for m in members if m != member] for member in members]
+        least = min(range(len(members)), key=lambda place: namer.criterion_of(without[place]))
+        if _worth_it(namer, without[least], members):
             break
-        members = tuple(m for k, m in enumerate(members) if k != least)
+        members = tuple(without[least])
         p_values = tuple(p for k, p in enumerate(p_values) if k != least)
     return members, p_values
 
@@ -310,18 +313,16 @@ def _best_addition(namer: Namer, members: tuple[int, ...], tested: Calibrated) -
 
 def _swapped(namer: Namer, members: tuple[int, ...]) -> tuple[int, ...]:
     """The members after exchanging one at a time for whatever explains more, as long as that helps."""
-    start = namer.prepared.products
-    blocks = own_blocks(namer.pool, start)
     for _ in range(3):
         changed = False
         for place, member in enumerate(members):
             rest = [m for k, m in enumerate(members) if k != place]
             families = {namer.pool.groups[m].candidate.family for m in rest}
-            gained, _ = gains_beside(namer.pool, start, namer.pool.columns(rest), blocks)
-            own = gained[member]
+            gained = namer.prepared.products.beside(namer.pool.columns(rest)).gains()
+            gains = gained[member]
             for other in np.argsort(-gained)[:10].tolist():
                 allowed = namer.library[other] and namer.pool.groups[other].candidate.family not in families
-                if other == member or not allowed or gained[other] <= own * (1.0 + 1e-6):
+                if other == member or not allowed or gained[other] <= gains * (1.0 + 1e-6):
                     continue
                 trial = tuple(m if k != place else int(other) for k, m in enumerate(members))
                 if namer.criterion_of(trial) < namer.criterion_of(members) - 1e-6 and namer.possible(trial):
@@ -351,10 +352,10 @@ def _against_forms(
     best = min(rivals, key=lambda subset: subset.criterion, default=None)
     # What small causes of the library do beside one or two names, forms describe as well, and are no better for it.
     judged = namer.with_room(members) if 0 < len(members) <= namer.rules.sparing else namer
-    own = judged.criterion_of(members)
+    criterion = judged.criterion_of(members)
     if (
         best is not None
-        and judged.criterion_of(best.members) < own - margin_of_forms(namer.rules, len(members))
+        and judged.criterion_of(best.members) < criterion - margin_of_forms(namer.rules, len(members))
         and not _near_enough(namer, members, best)
     ):
         outside = tuple(m for m in best.members if not namer.library[m])
@@ -365,7 +366,7 @@ def _against_forms(
     if tested.p_value <= namer.rules.false_alarm and tested.best >= 0:
         without, beside = fit(namer.prepared, members).rss, fit(namer.prepared, (*members, tested.best)).rss
         whole = float(namer.prepared.vector @ namer.prepared.vector)
-        needed = own - (namer.rules.beside if members else 0.0)
+        needed = criterion - (namer.rules.confident if members else 0.0)
         material = without - beside > namer.rules.material**2 * (whole - beside)
         wider = [*members, tested.best]
         if material and judged.criterion_of(wider) < needed and namer.possible(wider):
@@ -383,7 +384,7 @@ def margin_of_forms(rules: SearchRules, findings: int) -> float:
 
 def worth_of_one_more(rules: SearchRules, count: int) -> float:
     """The share of what is left that one more finding beyond three must take off, by so many observations."""
-    return max(rules.worth_of_many, rules.worth * min(1.0, rules.many / max(count, 1)))
+    return rules.worth * min(1.0, rules.many / max(count, 1))
 
 
 def _near_enough(namer: Namer, members: Sequence[int], best: Subset) -> bool:

@@ -17,12 +17,14 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from linkwright.core.diagnose.patterns.pool import Layout, Pool
+from linkwright.core.diagnose.patterns.pool import Pool
 from linkwright.core.diagnose.rules.rules import RULES
 from linkwright.core.sections.numeric import Array
 
 from .pairs import Blocks, blocks_of
 
+_KEPT, _IN_TRIPLES = 60, 160
+"""Subsets of each size that are looked at closely; groups of which triples are made, those that explain most alone."""
 _GONE = 1e-9
 """A direction whose squared norm falls below this share beside the others adds nothing that rounding does not."""
 _RIDGE = 1e-8
@@ -40,77 +42,59 @@ class Subset:
 
 @dataclass(frozen=True)
 class Products:
-    """A pool's products with one vector: its Gram matrix and projections, perhaps beside some groups already taken."""
+    """A pool's products with one vector, perhaps beside columns that are taken as given: with each column of the basis
+    (M,), what is left of the vector in sum of squares, and the products (M, k) of all columns with an orthonormal basis
+    of those taken. Beside them the pool's Gram matrix is less by the last times itself, which is worked out for no more
+    of it than is asked for."""
 
-    gram: Array
+    pool: Pool
     against: Array
     rss: float
+    taken: Array
 
     def beside(self, columns: NDArray[np.int64]) -> Products:
         """The same beside further columns that are taken as given."""
-        mixed, explained = taken_off(self, columns)
+        if not len(columns):
+            return self
+        gram, rows = self.pool.rows(columns), self.taken[columns]
+        values, vectors = np.linalg.eigh(gram[:, columns] - rows @ rows.T)
+        good = values > _GONE
+        root = vectors[:, good] / np.sqrt(values[good])
+        mixed, explained = gram.T @ root - self.taken @ (rows.T @ root), root.T @ self.against[columns]
         return Products(
-            self.gram - mixed @ mixed.T,
+            self.pool,
             self.against - mixed @ explained,
             max(self.rss - float(explained @ explained), 0.0),
+            np.concatenate([self.taken, mixed], axis=1),
         )
+
+    @property
+    def own(self) -> tuple[Array, list[Array]]:
+        """What is left of each group's own part of the Gram matrix: its diagonal (M,), and blocks as `Pool.own`."""
+        diagonal, blocks = self.pool.own
+        parts = [self.taken[at] for _, at in self.pool.layout.wide]
+        less = [block - part @ part.transpose(0, 2, 1) for block, part in zip(blocks, parts, strict=True)]
+        return diagonal - np.einsum("ij,ij->i", self.taken, self.taken), less
+
+    def gains(self) -> Array:
+        """What each group explains (G,), in sum of squares, beside what is taken as given."""
+        layout, (diagonal, blocks) = self.pool.layout, self.own
+        gained, at = np.zeros(layout.groups), layout.single_columns
+        diagonal_here = diagonal[at]
+        gained[layout.single_groups] = np.where(
+            diagonal_here > _GONE, self.against[at] ** 2 / np.where(diagonal_here > _GONE, diagonal_here, 1.0), 0.0
+        )
+        for (which, columns), block in zip(layout.wide, blocks, strict=True):
+            along = self.against[columns]
+            ridged = block + _RIDGE * np.eye(columns.shape[1])
+            gained[which] = np.einsum("gi,gi->g", along, np.linalg.solve(ridged, along[:, :, None])[:, :, 0])
+        return gained
 
 
 def products(pool: Pool, vector: Array) -> Products:
     """The products of a pool with a vector (n,) from which nuisances are projected out."""
-    return Products(pool.gram, pool.basis.T @ vector, float(vector @ vector))
-
-
-def gains(pool: Pool, given: Products) -> Array:
-    """What each group explains (G,), in sum of squares, beside what `given` takes as given."""
-    return _gains(pool.layout, given.gram.diagonal(), _blocks(pool, given.gram), given.against)
-
-
-def gains_beside(
-    pool: Pool, given: Products, columns: NDArray[np.int64], blocks: Sequence[Array]
-) -> tuple[Array, float]:
-    """The same beside further columns, and what those explain, without working out the whole Gram matrix.
-
-    `blocks` are the groups' own blocks of `given.gram` (see `own_blocks`).
-    """
-    mixed, explained = taken_off(given, columns)
-    diagonal = given.gram.diagonal() - np.einsum("ij,ij->i", mixed, mixed)
-    less: list[Array] = []
-    for (_, at), block in zip(pool.layout.wide, blocks, strict=True):
-        part = mixed[at]
-        less.append(block - part @ part.transpose(0, 2, 1))
-    return _gains(pool.layout, diagonal, less, given.against - mixed @ explained), float(explained @ explained)
-
-
-def own_blocks(pool: Pool, given: Products) -> list[Array]:
-    """The groups' own blocks of a Gram matrix, for groups of rank 2 and more, gathered by rank."""
-    return _blocks(pool, given.gram)
-
-
-def _blocks(pool: Pool, gram: Array) -> list[Array]:
-    return [gram[at[:, :, None], at[:, None, :]] for _, at in pool.layout.wide]
-
-
-def taken_off(given: Products, columns: NDArray[np.int64]) -> tuple[Array, Array]:
-    """The products with an orthonormal basis of some columns: (M, k) of all columns, (k,) of the vector. Beside those
-    columns the Gram matrix is less by the first times itself, and products with the vector by the first times the
-    second."""
-    values, vectors = np.linalg.eigh(given.gram[np.ix_(columns, columns)])
-    good = values > _GONE
-    root = vectors[:, good] / np.sqrt(values[good])
-    return given.gram[:, columns] @ root, root.T @ given.against[columns]
-
-
-def _gains(layout: Layout, diagonal: Array, blocks: Sequence[Array], against: Array) -> Array:
-    gained = np.zeros(layout.groups)
-    at = layout.single_columns
-    own = diagonal[at]
-    gained[layout.single_groups] = np.where(own > _GONE, against[at] ** 2 / np.where(own > _GONE, own, 1.0), 0.0)
-    for (which, columns), block in zip(layout.wide, blocks, strict=True):
-        along = against[columns]
-        ridged = block + _RIDGE * np.eye(columns.shape[1])
-        gained[which] = np.einsum("gi,gi->g", along, np.linalg.solve(ridged, along[:, :, None])[:, :, 0])
-    return gained
+    against = pool.basis.T @ vector
+    return Products(pool, against, float(vector @ vector), np.zeros((len(against), 0)))
 
 
 @dataclass(frozen=True)
@@ -148,7 +132,7 @@ class Criterion:
 
 def criterion_for(pool: Pool, count: int) -> Criterion:
     """The criterion for a pool's candidates and `count` observations."""
-    alike = families(pool)
+    families_ = families(pool)
     price: Array = pool.ranks.astype(float) * math.log(count)
     weighed = [g for g in pool.groups if not g.candidate.outside and len(g.candidate.sizes) < len(g.length)]
     widest = max((group.rank for group in weighed if group.candidate.of_drives), default=0)
@@ -158,12 +142,12 @@ def criterion_for(pool: Pool, count: int) -> Criterion:
             # What can do more with them than any drive pays for that.
             further = 0 if group.candidate.of_drives else max(group.rank - widest, 0)
             price[number] = (min(group.rank, 2) + further) * math.log(count)
-    for members in alike:
+    for members in families_:
         # A shape found anywhere on a line is a coefficient like any other; one of a few is a choice among so many.
         choice = 2.0 * math.log(len(members))
         free = np.array([len(pool.groups[member].candidate.free_shapes) for member in members])
         price[members] = price[members] + np.maximum(choice, free * math.log(count))
-    return Criterion(count, max(len(alike), 1), price, pool.ranks, pool.rules.search.most_fitted)
+    return Criterion(count, max(len(families_), 1), price, pool.ranks, pool.rules.search.most_fitted)
 
 
 def _log_choose(total: int, taken: int) -> float:
@@ -172,10 +156,10 @@ def _log_choose(total: int, taken: int) -> float:
 
 def families(pool: Pool) -> list[list[int]]:
     """The groups of each family: variants of one candidate, of which a model takes one."""
-    found: dict[object, list[int]] = {}
+    members: dict[object, list[int]] = {}
     for number, group in enumerate(pool.groups):
-        found.setdefault(group.candidate.family, []).append(number)
-    return list(found.values())
+        members.setdefault(group.candidate.family, []).append(number)
+    return list(members.values())
 
 
 def best_subsets(
@@ -196,33 +180,30 @@ def best_subsets(
     found = {0: [Subset((), start.rss, criterion(start.rss, ()))]}
     if not usable.any():
         return found
-    alone = np.where(usable, gains(pool, start), -1.0)
+    alone = np.where(usable, start.gains(), -1.0)
     singles = [(float(gain), (number,)) for number, gain in enumerate(alone.tolist()) if gain >= 0.0]
-    kept = pool.rules.search.kept
-    found[1] = _ranked(start.rss, singles, criterion, kept)
+    found[1] = _ranked(start.rss, singles, criterion)
     if largest >= 2:
-        found[2] = _ranked(start.rss, _pairs(pool, start, usable, criterion), criterion, kept)
+        found[2] = _ranked(start.rss, _pairs(pool, start, usable, criterion), criterion)
     if largest >= 3 and found.get(2):
         reduced = _worth_a_triple(pool, start, found, usable)
-        found[3] = _ranked(start.rss, _triples(pool, start, reduced, criterion), criterion, kept)
+        found[3] = _ranked(start.rss, _triples(pool, start, reduced, criterion), criterion)
     return {size: subsets for size, subsets in found.items() if subsets}
 
 
-def _ranked(
-    rss: float, gained: Sequence[tuple[float, tuple[int, ...]]], criterion: Criterion, kept: int
-) -> list[Subset]:
+def _ranked(rss: float, gained: Sequence[tuple[float, tuple[int, ...]]], criterion: Criterion) -> list[Subset]:
     subsets = [
         Subset(tuple(sorted(members)), rss - float(gain), criterion(rss - float(gain), members))
         for gain, members in gained
     ]
-    return sorted(subsets, key=lambda subset: subset.criterion)[:kept]
+    return sorted(subsets, key=lambda subset: subset.criterion)[:_KEPT]
 
 
 def _ordered(pool: Pool, start: Products, members: Sequence[int]) -> tuple[NDArray[np.int64], Blocks]:
     """Some groups by their rank, and their products."""
     among = np.array(members, dtype=np.int64)
     order = among[np.argsort(pool.ranks[among], kind="stable")]
-    return order, blocks_of(start.gram, start.against, [pool.columns([number]) for number in order.tolist()])
+    return order, blocks_of(pool.gram, start.against, [pool.columns([number]) for number in order.tolist()])
 
 
 def _pairs(
@@ -234,7 +215,7 @@ def _pairs(
     gained = blocks.of_two()
     value = criterion.of_many(start.rss, gained, price[:, None] + price, ranks[:, None] + ranks)
     value[(family[:, None] == family) | ~np.triu(np.ones(value.shape, dtype=bool), 1) | (gained <= 0.0)] = np.inf
-    return [(gained[at], tuple(order[list(at)].tolist())) for at in _smallest(value, pool.rules.search.kept)]
+    return [(gained[at], tuple(order[list(at)].tolist())) for at in _smallest(value, _KEPT)]
 
 
 def _triples(
@@ -244,7 +225,7 @@ def _triples(
     order, blocks = _ordered(pool, start, reduced)
     family, price, ranks = _family_of(pool)[order], criterion.price[order], pool.ranks[order]
     alone = blocks.alone()
-    found: list[tuple[float, float, tuple[int, ...]]] = []
+    triples: list[tuple[float, float, tuple[int, ...]]] = []
     for first in range(len(order) - 2):
         rest = slice(first + 1, None)
         own = family[rest]
@@ -256,10 +237,10 @@ def _triples(
         value = criterion.of_many(start.rss, gained, whole, rank)
         apart = (own[:, None] != own) & (own != family[first]) & (own[:, None] != family[first])
         value[~np.triu(apart, 1) | (gained <= 0.0)] = np.inf
-        for at in _smallest(value, pool.rules.search.kept):
+        for at in _smallest(value, _KEPT):
             members = order[[first, first + 1 + at[0], first + 1 + at[1]]]
-            found.append((float(value[at]), float(gained[at]), tuple(members.tolist())))
-    return [(gain, members) for _, gain, members in heapq.nsmallest(pool.rules.search.kept, found)]
+            triples.append((float(value[at]), float(gained[at]), tuple(members.tolist())))
+    return [(gain, members) for _, gain, members in heapq.nsmallest(_KEPT, triples)]
 
 
 def _smallest(value: Array, count: int) -> list[tuple[int, int]]:
@@ -270,22 +251,20 @@ def _smallest(value: Array, count: int) -> list[tuple[int, int]]:
 
 
 def _worth_a_triple(
-    pool: Pool, start: Products, found: dict[int, list[Subset]], usable: NDArray[np.bool_]
+    pool: Pool, start: Products, subsets: dict[int, list[Subset]], usable: NDArray[np.bool_]
 ) -> list[int]:
     """Of each family the variants that explain most alone, beside the best single, and beside the best pair."""
-    beside = [(), found[1][0].members, found[2][0].members]
-    blocks = own_blocks(pool, start)
-    gained = [gains_beside(pool, start, pool.columns(members), blocks)[0] for members in beside]
+    beside = [(), subsets[1][0].members, subsets[2][0].members]
+    gained = [start.beside(pool.columns(members)).gains() for members in beside]
     taken: set[int] = set()
     for members in families(pool):
         able = [m for m in members if usable[m]]
         if able:
             taken |= {max(able, key=lambda m, g=gain: g[m]) for gain in gained}
-    taken |= set(found[2][0].members)
-    most = pool.rules.search.most_in_triples
-    if len(taken) > most:
+    taken |= set(subsets[2][0].members)
+    if len(taken) > _IN_TRIPLES:
         strength = np.max(np.stack(gained), axis=0)
-        taken = set(sorted(taken, key=lambda m: -strength[m])[:most]) | set(found[2][0].members)
+        taken = set(sorted(taken, key=lambda m: -strength[m])[:_IN_TRIPLES]) | set(subsets[2][0].members)
     return sorted(taken)
 
 

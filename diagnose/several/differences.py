@@ -26,7 +26,7 @@ def differences(
     for place, term in enumerate(found.terms):
         if term.candidate.only is not None:
             places.setdefault((term.candidate.effect, term.candidate.at), []).append(place)
-    told: list[Difference] = []
+    differing: list[Difference] = []
     for (effect, at), own in places.items():
         candidate = replace(found.terms[own[0]].candidate, only=None)
         rest = [t for t in found.terms if (t.candidate.effect, t.candidate.at) != (effect, at)]
@@ -34,19 +34,19 @@ def differences(
         beside = np.concatenate([prepared.beside, *(t.columns for t in rest), *forms], axis=2)
         target = prepared.observed.residual - sum((t.moved - t.columns @ t.sizes for t in rest), np.zeros(1))
         p = max((p_values[place] for place in own if place < len(p_values)), default=float("nan"))
-        told += _of_one(prepared, candidate, beside, target, found, p)
-    return tuple(told)
+        differing += _of_one(prepared, candidate, beside, target, found, p)
+    return tuple(differing)
 
 
 def _of_one(
-    prepared: Prepared, candidate: Candidate, beside: Array, target: Array, found: Refit, p_value: float
+    prepared: Prepared, candidate: Candidate, beside: Array, target: Array, refit: Refit, p_value: float
 ) -> list[Difference]:
     observed = prepared.observed
     columns, which = columns_of(observed, candidate), observed.which
     if columns is None or which is None:
         return []
-    each = range(int(which.max()) + 1)
-    design = np.concatenate([*(of_one(observed, columns, one) for one in each), beside], axis=2)
+    recordings = range(int(which.max()) + 1)
+    design = np.concatenate([*(of_one(observed, columns, one) for one in recordings), beside], axis=2)
     white = observed.whitened(design)
     size = np.linalg.norm(white, axis=0)
     size = np.where(size > 0.0, size, 1.0)
@@ -54,17 +54,17 @@ def _of_one(
     good = singular > 1e-9 * singular[0]
     inverse = (vt[good].T / singular[good] ** 2) @ vt[good]
     values = inverse @ ((white / size).T @ observed.whitened(target)) / size
-    told = np.diag(vt[good].T @ vt[good]) > 1.0 - 1e-6
-    errors = np.sqrt(np.diag(inverse) * found.rss / max(found.freedom, 1)) / size
-    errors = np.where(told & (np.linalg.norm(white, axis=0) > 0.0), errors, np.inf)
-    reach = t_quantile(found.freedom) * errors
+    determined = np.diag(vt[good].T @ vt[good]) > 1.0 - 1e-6
+    errors = np.sqrt(np.diag(inverse) * refit.rss / max(refit.freedom, 1)) / size
+    errors = np.where(determined & (np.linalg.norm(white, axis=0) > 0.0), errors, np.inf)
+    reach = t_quantile(refit.freedom) * errors
     count, at = columns.shape[2], candidate.numbers
     ending = f"_{at[0]}" if len(at) == 1 else ""
     made: list[Difference] = []
     for place, name in enumerate(candidate.sizes):
         kind = kind_of(observed.arm, candidate, name)
         fitted: list[FittedParameter] = []
-        for one in each:
+        for one in recordings:
             value, half = float(values[one * count + place]), float(reach[one * count + place])
             fitted.append(FittedParameter(f"{name}{ending}", name, at, kind, value, (value - half, value + half)))
         made.append(Difference(candidate.effect, at, tuple(fitted), p_value))

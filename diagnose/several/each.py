@@ -32,11 +32,11 @@ def of_recordings(
         return ()
     beside, found = model
     before, after, held_out, apart = residuals
-    places = [several.place_of(each.row) for each in rejected]
-    told: list[OfRecording] = []
+    places = [several.place_of(item.row) for item in rejected]
+    results: list[OfRecording] = []
     for index, (name, each) in enumerate(zip(several.names, several.each, strict=True)):
         rows = several.which == index
-        told.append(
+        results.append(
             OfRecording(
                 name=name,
                 file=PurePath(each.file).name,
@@ -54,7 +54,7 @@ def of_recordings(
                 rejected=tuple(sorted(row for where, row in places if where == index)),
             )
         )
-    return tuple(told)
+    return tuple(results)
 
 
 def _less_own(observed: Observed, residual: Array, columns: Array, index: int) -> Array:
@@ -78,11 +78,11 @@ def from_others(each: Sequence[OfRecording]) -> float:
 def told_without(index: int, candidates: Sequence[Candidate], count: int) -> list[int]:
     """Which candidates the recordings (`count` of them) but one (from 0) tell: where all that are left have a size of
     their own beside the common one, that common one alone."""
-    kept: list[int] = []
+    numbers: list[int] = []
     for place, candidate in enumerate(candidates):
-        alike = [each for each in candidates if (each.effect, each.at) == (candidate.effect, candidate.at)]
-        own = {each.only for each in alike}
-        common = None in own and {k for k in range(count) if k != index} <= own
+        same_place = [item for item in candidates if (item.effect, item.at) == (candidate.effect, candidate.at)]
+        recordings = {item.only for item in same_place}
+        common = None in recordings and {k for k in range(count) if k != index} <= recordings
         if candidate.only is None or not common:
-            kept.append(place)
-    return kept
+            numbers.append(place)
+    return numbers

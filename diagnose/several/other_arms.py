@@ -29,11 +29,15 @@ def of_different_arms(
         return None
     best = min(subsets.values(), key=lambda subset: subset.criterion).members
     remains = remaining(prepared, fit(prepared, best))[:, : prepared.observed.components]
-    own = [namer.pool.groups[member].candidate for member in best]
-    lasting = [each for each in own if each.only is not None and EFFECTS[each.effect].lasts == "the arm"]
+    candidates = [namer.pool.groups[member].candidate for member in best]
+    lasting = [
+        candidate
+        for candidate in candidates
+        if candidate.only is not None and EFFECTS[candidate.effect].lasts == "the arm"
+    ]
     if not lasting or rms_length(remains) > asked.rules.mistakes.label_leaves * left:
         return None
-    names = " and ".join(label_of(each, recordings) for each in lasting)
+    names = " and ".join(label_of(item, recordings) for item in lasting)
     return OtherArms(names, rms_length(remains))
 
 

@@ -16,6 +16,7 @@ from linkwright.core.arm.chain.kinematics import tip_position
 from linkwright.core.diagnose.instruments.camera import is_camera
 from linkwright.core.diagnose.instruments.split import as_scalars
 from linkwright.core.diagnose.mistakes.row_lists import rows_text
+from linkwright.core.diagnose.motion.log import MotionLog
 from linkwright.core.diagnose.recording import Earlier, Recording, RejectedRow
 from linkwright.core.diagnose.rules.residual_rules import ResidualRules
 from linkwright.core.diagnose.rules.rules import RULES
@@ -51,7 +52,7 @@ class Several(Recording):
         """The recordings with the readings that are left of each, on clocks of their own, and what they know of those
         that they go on from."""
         parts = [self._part(index) for index in range(len(self.each))]
-        return tuple(replace(each, earlier=self._earlier(parts, index)) for index, each in enumerate(parts))
+        return tuple(replace(part, earlier=self._earlier(parts, index)) for index, part in enumerate(parts))
 
     def _earlier(self, parts: Sequence[Recording], index: int) -> Earlier | None:
         chain: list[int] = []
@@ -78,8 +79,8 @@ class Several(Recording):
     @property
     def tips(self) -> NDArray[np.int64]:
         """A number (N,) for the tip that each reading is of, of several arms on one torso."""
-        own = np.unique([each.branch for each in self.each], return_inverse=True)[1].reshape(-1)
-        return own[self.which].astype(np.int64)
+        numbers = np.unique([item.branch for item in self.each], return_inverse=True)[1].reshape(-1)
+        return numbers[self.which].astype(np.int64)
 
     def place_of(self, row: int) -> tuple[int, int]:
         """The recording (from 0) and the row in its file of a reading by its number in `row`."""
@@ -88,11 +89,11 @@ class Several(Recording):
 
     def rows_of(self, rows: Sequence[int]) -> str:
         """Readings by their numbers in `row`, as words."""
-        told: list[str] = []
+        texts: list[str] = []
         for index, name in enumerate(self.names):
-            own = [at for where, at in map(self.place_of, rows) if where == index]
-            told += [f"{rows_text(own)} of {name}"] if own else []
-        return ", ".join(told)
+            rows_here = [at for where, at in map(self.place_of, rows) if where == index]
+            texts += [f"{rows_text(rows_here)} of {name}"] if rows_here else []
+        return ", ".join(texts)
 
 
 _COLUMNS = (
@@ -102,15 +103,18 @@ _COLUMNS = (
 )  # fmt: skip
 
 
-def names_of(recordings: Sequence[Recording]) -> tuple[str, ...]:
+def names_of(recordings: Sequence[Recording | MotionLog]) -> tuple[str, ...]:
     """What to call each recording: its unit, date or both where these tell them apart, else its file's name."""
     count = len(recordings)
     for said in (
-        [each.unit for each in recordings],
-        [each.date for each in recordings],
-        [f"{each.unit} of {each.date}" if each.unit and each.date else "" for each in recordings],
-        [PurePath(each.file).name for each in recordings],
-        [each.file for each in recordings],
+        [recording.unit for recording in recordings],
+        [recording.date for recording in recordings],
+        [
+            f"{recording.unit} of {recording.date}" if recording.unit and recording.date else ""
+            for recording in recordings
+        ],
+        [PurePath(recording.file).name for recording in recordings],
+        [recording.file for recording in recordings],
     ):
         if all(said) and len(set(said)) == count:
             return tuple(said)
@@ -133,13 +137,13 @@ def together(
     are called.
     """
     names = tuple(names) if names is not None else names_of(recordings)
-    recordings = _alike([_with_own_payload(each, arm, recordings) for each in recordings])
-    width = min(each.tip.shape[1] for each in recordings)
+    recordings = _alike([_with_own_payload(recording, arm, recordings) for recording in recordings])
+    width = min(recording.tip.shape[1] for recording in recordings)
     notes: list[str] = []
-    counts = [each.size for each in recordings]
+    counts = [recording.size for recording in recordings]
 
     def column(name: str, instead: Callable[[int], Array] | None, words: str, said: str = "") -> Array | None:
-        given = [getattr(each, name) for each in recordings]
+        given = [getattr(recording, name) for recording in recordings]
         have = [label for label, values in zip(names, given, strict=True) if values is not None]
         if not have:
             return None
@@ -157,11 +161,11 @@ def together(
 
     size = arm.size
     still: Callable[[int], Array] = lambda count: np.zeros((count, size))  # noqa: E731
-    seats = {each.seat for each in recordings}
+    seats = {recording.seat for recording in recordings}
     seat: Literal["unused", "free"] = "free" if seats == {"free"} else "unused"
     orientation = column("orientation", None, "orientations") if seat == "free" else None
     starts = _through(recordings) if first_row is None else tuple(first_row)
-    rows = [each.row + start - 1 for each, start in zip(recordings, starts, strict=True)]
+    rows = [recording.row + start - 1 for recording, start in zip(recordings, starts, strict=True)]
     time, began = _clocks(recordings)
     before = gone_on_from(recordings, rules=rules)
     notes += [
@@ -169,19 +173,23 @@ def together(
         for own, other in enumerate(before)
         if other is not None
     ]
-    if time is None and any(each.time is not None for each in recordings):
+    if time is None and any(recording.time is not None for recording in recordings):
         notes.append("Not all recordings hold times: they are not used.")
     rejected = [
         RejectedRow(aside.row + start - 1, aside.reason)
-        for each, start in zip(recordings, starts, strict=True)
-        for aside in each.rejected
+        for recording, start in zip(recordings, starts, strict=True)
+        for aside in recording.rejected
     ]
-    said = [f"{label}: {text}" for label, each in zip(names, recordings, strict=True) for text in each.warnings]
-    common = set.intersection(*(set(each.other) for each in recordings))
+    warnings = [
+        f"{label}: {text}" for label, recording in zip(names, recordings, strict=True) for text in recording.warnings
+    ]
+    common = set.intersection(*(set(recording.other) for recording in recordings))
     return Several(
-        file=" + ".join(PurePath(each.file).name or label for label, each in zip(names, recordings, strict=True)),
-        q=np.concatenate([each.q for each in recordings]),
-        tip=np.concatenate([each.tip[:, :width] for each in recordings]),
+        file=" + ".join(
+            PurePath(recording.file).name or label for label, recording in zip(names, recordings, strict=True)
+        ),
+        q=np.concatenate([recording.q for recording in recordings]),
+        tip=np.concatenate([recording.tip[:, :width] for recording in recordings]),
         row=np.concatenate(rows),
         orientation=orientation,
         time=time,
@@ -201,18 +209,31 @@ def together(
         torque=column("torque", None, "torques"),
         force=column("force", lambda count: np.zeros((count, 3)), "a force at the tip", "none is taken to act"),
         base_target=column("base_target", None, "a target on the base"),
-        slots=None if recordings[0].slots is None else _joined_slots(recordings),
-        touches=None if all(each.touches is None for each in recordings) else _joined_touches(recordings),
+        slots=None
+        if recordings[0].slots is None
+        else np.concatenate([recording.slots for recording in recordings if recording.slots is not None]),
+        touches=None
+        if all(recording.touches is None for recording in recordings)
+        else np.concatenate(
+            [
+                np.full(recording.size, -1) if recording.touches is None else recording.touches
+                for recording in recordings
+            ]
+        ),
         bar_at=None
-        if all(each.bar_at is None for each in recordings)
-        else np.concatenate([np.zeros(each.size) if each.bar_at is None else each.bar_at for each in recordings]),
-        frame="free" if any(each.frame == "free" for each in recordings) else "known",
-        tool="free" if any(each.tool == "free" for each in recordings) else "known",
+        if all(recording.bar_at is None for recording in recordings)
+        else np.concatenate(
+            [np.zeros(recording.size) if recording.bar_at is None else recording.bar_at for recording in recordings]
+        ),
+        frame="free" if any(recording.frame == "free" for recording in recordings) else "known",
+        tool="free" if any(recording.tool == "free" for recording in recordings) else "known",
         seat=seat,
         rejected=tuple(rejected),
-        warnings=(*said, *notes),
-        other=MappingProxyType({n: np.concatenate([each.other[n] for each in recordings]) for n in sorted(common)}),
-        avoid=tuple(dict.fromkeys(region for each in recordings for region in each.avoid)),
+        warnings=(*warnings, *notes),
+        other=MappingProxyType(
+            {n: np.concatenate([recording.other[n] for recording in recordings]) for n in sorted(common)}
+        ),
+        avoid=tuple(dict.fromkeys(region for recording in recordings for region in recording.avoid)),
         which=np.repeat(np.arange(len(recordings)), counts).astype(np.int64),
         each=tuple(recordings),
         names=names,
@@ -227,46 +248,41 @@ def nominal_tips(arm: Arm, recording: Recording) -> Array:
     """Where the tip that each reading is of nominally is (N, 3), m."""
     if not isinstance(recording, Several) or not arm.branches:
         return tip_position(arm.on(recording.branch), recording.q)
-    tips = [tip_position(arm.on(each.branch), recording.q) for each in recording.each]
+    tips = [tip_position(arm.on(item.branch), recording.q) for item in recording.each]
     return np.stack(tips)[recording.which, np.arange(recording.size)]
 
 
 def _with_own_payload(recording: Recording, arm: Arm, all_of_them: Sequence[Recording]) -> Recording:
     """A recording of one of several arms on a torso with that arm's payload in a column, where others have one."""
-    if not arm.branches or recording.payload_mass is not None or all(each.payload_mass is None for each in all_of_them):
+    if not arm.branches or recording.payload_mass is not None or all(item.payload_mass is None for item in all_of_them):
         return recording
     return replace(recording, payload_mass=np.full(recording.size, arm.on(recording.branch).payload.mass))
 
 
 def _alike(recordings: Sequence[Recording]) -> Sequence[Recording]:
     """The recordings as they are where all hold the same; else each number of theirs is a reading of its own."""
-    cameras = [is_camera(each) for each in recordings]
+    cameras = [is_camera(recording) for recording in recordings]
     if any(cameras) and not all(cameras):
         file = recordings[cameras.index(True)].file
         raise InputError(file, "observes", "is of a camera, and other recordings are not; diagnose them apart")
-    kinds = {None if each.slots is None else tuple(map(tuple, np.unique(each.slots, axis=0))) for each in recordings}
-    if len(kinds) == 1 or all(each.slots is None for each in recordings):
+    kinds = {
+        None if recording.slots is None else tuple(map(tuple, np.unique(recording.slots, axis=0)))
+        for recording in recordings
+    }
+    if len(kinds) == 1 or all(recording.slots is None for recording in recordings):
         return recordings
-    return [as_scalars(each) for each in recordings]
-
-
-def _joined_slots(recordings: Sequence[Recording]) -> NDArray[np.int64]:
-    return np.concatenate([each.slots for each in recordings if each.slots is not None])
-
-
-def _joined_touches(recordings: Sequence[Recording]) -> NDArray[np.int64]:
-    return np.concatenate([np.full(each.size, -1) if each.touches is None else each.touches for each in recordings])
+    return [as_scalars(recording) for recording in recordings]
 
 
 def _through(recordings: Sequence[Recording]) -> tuple[int, ...]:
     """The number with which the rows of each file begin, so that no two have the same."""
-    last = [max([int(each.row.max()), *(aside.row for aside in each.rejected)]) for each in recordings]
+    last = [max([int(recording.row.max()), *(aside.row for aside in recording.rejected)]) for recording in recordings]
     return (1, *(1 + np.cumsum(last)[:-1]).tolist())
 
 
 def _clocks(recordings: Sequence[Recording]) -> tuple[Array | None, tuple[float, ...]]:
     """One clock that runs through all recordings, and where on it the clock of each starts."""
-    times = [each.time for each in recordings if each.time is not None]
+    times = [recording.time for recording in recordings if recording.time is not None]
     if len(times) < len(recordings):
         return None, ()
     pause = _PAUSE * sum(float(np.ptp(time)) for time in times)

@@ -28,7 +28,7 @@ class ConditionsOfSeveral(Conditions):
 
     def lagged_warming(self, link: int, lag: float) -> Scalar:
         """The warming of `link` (from 0) behind a lag of `lag` s, by recording."""
-        return _column([each.lagged_warming(link, lag) for each in self.parts], self.counts)
+        return _column([part.lagged_warming(link, lag) for part in self.parts], self.counts)
 
 
 def joined(held: Sequence[Held], counts: Sequence[int]) -> Held:
@@ -41,14 +41,14 @@ def joined(held: Sequence[Held], counts: Sequence[int]) -> Held:
 def _joined(held: list[Any], counts: tuple[int, ...]) -> Any:
     first = held[0]
     if isinstance(first, Arm):
-        return replace(first, branches=_joined([each.branches for each in held], counts)) if first.branches else first
+        return replace(first, branches=_joined([item.branches for item in held], counts)) if first.branches else first
     if isinstance(first, Conditions):
         return _conditions(held, counts)
-    if isinstance(first, Orientation) and any(each.axis != first.axis for each in held):
+    if isinstance(first, Orientation) and any(item.axis != first.axis for item in held):
         # A joint of a branch is at rest where the tip is another's: the last turn is no common one.
-        return Orientation(_joined([each.matrix() for each in held], counts), (0.0, 0.0, 1.0), 0.0)
+        return Orientation(_joined([item.matrix() for item in held], counts), (0.0, 0.0, 1.0), 0.0)
     if is_dataclass(first) and not isinstance(first, type):
-        changed = {each.name: _joined([getattr(h, each.name) for h in held], counts) for each in fields(first)}
+        changed = {field.name: _joined([getattr(h, field.name) for h in held], counts) for field in fields(first)}
         return replace(first, **changed)
     if isinstance(first, tuple):
         parts = [_joined(list(of), counts) for of in zip(*held, strict=True)]
@@ -59,15 +59,15 @@ def _joined(held: list[Any], counts: tuple[int, ...]) -> Any:
 
 
 def _conditions(held: list[Conditions], counts: tuple[int, ...]) -> Conditions:
-    names = [each.name for each in fields(Conditions) if each.name != "past"]
-    plain = {name: [getattr(each, name) for each in held] for name in names}
-    found = {name: None if any(p is None for p in of) else _joined(of, counts) for name, of in plain.items()}
-    return ConditionsOfSeveral(**found, parts=tuple(held), counts=counts)
+    names = [field.name for field in fields(Conditions) if field.name != "past"]
+    plain = {name: [getattr(item, name) for item in held] for name in names}
+    conditions = {name: None if any(p is None for p in of) else _joined(of, counts) for name, of in plain.items()}
+    return ConditionsOfSeveral(**conditions, parts=tuple(held), counts=counts)
 
 
 def _column(held: Sequence[Any], counts: Sequence[int]) -> Any:
-    if all(isinstance(each, int | float) and each == held[0] for each in held):
+    if all(isinstance(item, int | float) and item == held[0] for item in held):
         return held[0]
     return np.concatenate(
-        [np.broadcast_to(np.asarray(each, float), (count,)) for each, count in zip(held, counts, strict=True)]
+        [np.broadcast_to(np.asarray(item, float), (count,)) for item, count in zip(held, counts, strict=True)]
     )

@@ -26,6 +26,8 @@ Kind = Literal["step", "once", "drift"]
 FEWEST = 3
 """A level, a change and something to measure its error by."""
 _SWEEPS = 4
+_LOCATED = 3.84
+"""Chi-square, the 95 % point of one degree of freedom: dates that fit worse by no more belong to a date's interval."""
 
 
 @dataclass(frozen=True)
@@ -73,7 +75,7 @@ def column(kind: Kind, at: int, when: Array) -> Array:
 
 
 def _model(turns: Sequence[Turn], when: Array) -> Array:
-    return np.column_stack([np.ones(len(when)), *(column(each.kind, each.at, when) for each in turns)])
+    return np.column_stack([np.ones(len(when)), *(column(turn.kind, turn.at, when) for turn in turns)])
 
 
 @dataclass(frozen=True)
@@ -106,17 +108,17 @@ def turns_of(series: Series, level: float) -> list[Turn]:
     turns: list[Turn] = []
     for count in range(FEWEST, len(series.values) + 1):
         so_far = series.first(count)
-        found = _one_more(so_far, turns, level)
-        if found is None:
+        turn = _one_more(so_far, turns, level)
+        if turn is None:
             continue
         if turns:
             # What came since may have been an earlier change told wrongly: a drift told as a step, say.
             settled = _settled(so_far, turns)
-            found = _one_more(so_far, settled, level)
-            if found is None:
+            turn = _one_more(so_far, settled, level)
+            if turn is None:
                 turns = settled
                 continue
-        turns = _settled(so_far, [*turns, found])
+        turns = _settled(so_far, [*turns, turn])
     return _settled(series, turns)
 
 
@@ -125,7 +127,7 @@ def _one_more(series: Series, turns: Sequence[Turn], level: float) -> Turn | Non
     count = len(series.values)
     if count - len(turns) - 2 < 1:
         return None
-    since = max((each.at for each in turns), default=0)
+    since = max((turn.at for turn in turns), default=0)
     open_for = np.arange(since + 1, count)
     if not len(open_for):
         return None
@@ -157,12 +159,12 @@ def _settled(series: Series, turns: list[Turn]) -> list[Turn]:
     """The changes told as the series fits them best, one after the other until nothing changes."""
     count = len(series.values)
     for _ in range(_SWEEPS):
-        before = [(each.kind, each.at) for each in turns]
+        before = [(item.kind, item.at) for item in turns]
         for place, turn in enumerate(turns):
             ways = _open(turns, place, count)
             if not ways:
                 continue
-            others = [each for k, each in enumerate(turns) if k != place]
+            others = [item for k, item in enumerate(turns) if k != place]
             beside = series.beside(others, np.column_stack([column(*way, series.when) for way in ways]))
             # What the others tell already (the first alone, beside a step after it) is no way of its own.
             left = np.where(beside.information[0] > 0.0, beside.left[0], np.inf)
@@ -170,7 +172,7 @@ def _settled(series: Series, turns: list[Turn]) -> list[Turn]:
                 continue
             kind, at = ways[int(np.argmin(left))]
             turns = [*turns[:place], Turn(kind, at, turn.told, turn.p), *turns[place + 1 :]]
-        if [(each.kind, each.at) for each in turns] == before:
+        if [(item.kind, item.at) for item in turns] == before:
             break
     return turns
 
@@ -195,13 +197,13 @@ def course_of(series: Series, level: float) -> Course:
 
 
 def _measured(series: Series, turns: Sequence[Turn], place: int) -> Measured:
-    turn, others = turns[place], [each for k, each in enumerate(turns) if k != place]
-    found = series.beside(others, column(turn.kind, turn.at, series.when)[:, None])
+    turn, others = turns[place], [item for k, item in enumerate(turns) if k != place]
+    result = series.beside(others, column(turn.kind, turn.at, series.when)[:, None])
     ways = [way for way in _open(turns, place, len(series.values)) if way[0] == turn.kind]
-    told = series.beside(others, np.column_stack([column(*way, series.when) for way in ways]))
-    near = told.left[0] <= found.left[0, 0] + series.rules.located * found.scale[0, 0]
+    result_of_all = series.beside(others, np.column_stack([column(*way, series.when) for way in ways]))
+    near = result_of_all.left[0] <= result.left[0, 0] + _LOCATED * result.scale[0, 0]
     places: NDArray[np.int64] = np.array([at for _, at in ways], dtype=np.int64)[near]
-    size, error = float(found.sizes[0, 0]), float(found.errors[0, 0])
+    size, error = float(result.sizes[0, 0]), float(result.errors[0, 0])
     if turn.kind == "once":
         return Measured(turn, size, error, turn.at, turn.at)
     return Measured(turn, size, error, int(places.min(initial=turn.at)), int(places.max(initial=turn.at)))

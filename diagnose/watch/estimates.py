@@ -21,7 +21,6 @@ from linkwright.core.diagnose.residual.observe import observe
 from linkwright.core.diagnose.residual.observed import Observed, kept
 from linkwright.core.diagnose.result import Finding
 from linkwright.core.diagnose.rules.rules import RULES, Rules
-from linkwright.core.diagnose.rules.watch_rules import WatchRules
 from linkwright.core.sections.numeric import Array
 
 _RIDGE = 1e-12
@@ -88,14 +87,15 @@ class Estimates:
     left_out: tuple[int, ...]
 
 
-def begun(findings: Sequence[Finding], rules: WatchRules) -> tuple[list[Begun], list[Begun]]:
-    """What a diagnosis of the recordings together found, as it is to be fitted in each; and what of it is held."""
+def begun(findings: Sequence[Finding], most: int) -> tuple[list[Begun], list[Begun]]:
+    """What a diagnosis of the recordings together found, as it is to be fitted in each; and what of it is held:
+    curves of more coefficients than `most`."""
     made: dict[tuple[str, tuple[int, ...]], Begun] = {}
     for finding in findings:
         if finding.effect not in EFFECTS:
             continue
         candidate = candidate_of(finding)
-        values = {each.parameter: each.value for each in finding.parameters}
+        values = {parameter.parameter: parameter.value for parameter in finding.parameters}
         place = (candidate.effect, candidate.at)
         if finding.recording:
             # What one recording has more than the others: all have the same pattern, most of them none of it.
@@ -106,8 +106,8 @@ def begun(findings: Sequence[Finding], rules: WatchRules) -> tuple[list[Begun], 
             candidate = replace(candidate, sizes=known)
             made[place] = Begun(candidate, np.array([values[name] for name in known]), found=True)
     every = list(made.values())
-    few = [each for each in every if len(each.sizes) <= rules.many_sizes]
-    return few, [each for each in every if len(each.sizes) > rules.many_sizes]
+    few = [item for item in every if len(item.sizes) <= most]
+    return few, [item for item in every if len(item.sizes) > most]
 
 
 def choose(
@@ -119,17 +119,17 @@ def choose(
     rules: Rules = RULES,
 ) -> Chosen:
     """What is watched: what was found, and of the effects `asked` for those that each recording shows beside it."""
-    few, held = begun(findings, rules.watch)
+    few, held = begun(findings, rules.plan.widest_rival)
     about = tuple(
-        as_entry(each.candidate, each.sizes.tolist())
-        for each in (*few, *held)
-        if not each.candidate.share and each.sizes.any()
+        as_entry(item.candidate, item.sizes.tolist())
+        for item in (*few, *held)
+        if not item.candidate.share and item.sizes.any()
     )
-    seen = [observe(arm, each, about=about, rules=rules) for each in recordings]
+    seen = [observe(arm, recording, about=about, rules=rules) for recording in recordings]
     left_out = [
-        Unwatched(each.candidate.effect, each.candidate.numbers, "its curve is held as it was found") for each in held
+        Unwatched(item.candidate.effect, item.candidate.numbers, "its curve is held as it was found") for item in held
     ]
-    basics = [each for each in _basics(seen, asked) if not any(_same(each, other) for other in (*few, *held))]
+    basics = [basic for basic in _basics(seen, asked) if not any(_same(basic, other) for other in (*few, *held))]
     watched: list[Begun] = []
     shares = np.zeros(0)
     for each in (*few, *basics):
@@ -155,17 +155,17 @@ def _same(one: Begun, other: Begun) -> bool:
     return (one.candidate.effect, one.candidate.at) == (other.candidate.effect, other.candidate.at)
 
 
-def _basics(seen: Sequence[Observed], asked: Collection[str]) -> list[Begun]:
+def _basics(seen: Sequence[Observed], wanted_names: Collection[str]) -> list[Begun]:
     """The candidates of the effects asked for, each at one joint or link, that every recording could show."""
-    without = frozenset(EFFECTS) - frozenset(asked)
+    without = frozenset(EFFECTS) - frozenset(wanted_names)
     found: dict[tuple[str, tuple[int, ...]], Candidate] = {}
     for candidate, columns in candidates(seen[0], without):
         plain = not (candidate.share or candidate.shared) and columns.shape[2] == len(candidate.sizes)
-        if plain and all(columns_of(each, candidate) is not None for each in seen[1:]):
+        if plain and all(columns_of(item, candidate) is not None for item in seen[1:]):
             found.setdefault((candidate.effect, candidate.at), candidate)
-    order = {name: place for place, name in enumerate(asked)}
-    chosen = sorted(found.values(), key=lambda each: (order[each.effect], each.at))
-    return [Begun(each, np.zeros(len(each.sizes)), found=False) for each in chosen]
+    order = {name: place for place, name in enumerate(wanted_names)}
+    chosen = sorted(found.values(), key=lambda item: (order[item.effect], item.at))
+    return [Begun(item, np.zeros(len(item.sizes)), found=False) for item in chosen]
 
 
 def _shown(seen: Sequence[Observed], terms: Sequence[Begun]) -> Array:
@@ -180,8 +180,8 @@ def _shown(seen: Sequence[Observed], terms: Sequence[Begun]) -> Array:
         whole = np.concatenate([beside, *parts], axis=2).reshape(observed.rows * width, -1)
         size = np.linalg.norm(whole, axis=0)
         scaled = whole / np.where(size > 0.0, size, 1.0)
-        told = np.diag(np.linalg.inv(scaled.T @ scaled + _RIDGE * np.eye(scaled.shape[1])))
-        apart = np.where(size > 0.0, 1.0 / np.sqrt(told), 0.0)
+        variances = np.diag(np.linalg.inv(scaled.T @ scaled + _RIDGE * np.eye(scaled.shape[1])))
+        apart = np.where(size > 0.0, 1.0 / np.sqrt(variances), 0.0)
         shares.append([float(apart[a:b].min()) for a, b in itertools.pairwise(edges)])
     return np.median(np.array(shares), axis=0)
 
@@ -189,22 +189,22 @@ def _shown(seen: Sequence[Observed], terms: Sequence[Begun]) -> Array:
 def terms_of(observed: Observed, terms: Sequence[Begun]) -> list[Term]:
     """Terms with their columns in a recording; what it does not show at all has columns of noughts."""
     made: list[Term] = []
-    for each in terms:
-        columns = columns_of(observed, each.candidate)
-        if columns is None or columns.shape[2] != len(each.sizes):
-            columns = np.zeros((*observed.residual.shape, len(each.sizes)))
-            made.append(Term(each.candidate, each.sizes, columns, np.zeros(observed.residual.shape)))
+    for term in terms:
+        columns = columns_of(observed, term.candidate)
+        if columns is None or columns.shape[2] != len(term.sizes):
+            columns = np.zeros((*observed.residual.shape, len(term.sizes)))
+            made.append(Term(term.candidate, term.sizes, columns, np.zeros(observed.residual.shape)))
         else:
-            made.append(term_at(observed, each.candidate, each.sizes, columns))
+            made.append(term_at(observed, term.candidate, term.sizes, columns))
     return made
 
 
 def parameters_of(arm: Arm, chosen: Chosen) -> tuple[Parameter, ...]:
     """The sizes that are watched, in the order of the estimates' columns."""
     return tuple(
-        Parameter(each.candidate.effect, each.candidate.numbers, name, kind_of(arm, each.candidate, name), each.found)
-        for each in chosen.watched
-        for name in each.candidate.sizes
+        Parameter(item.candidate.effect, item.candidate.numbers, name, kind_of(arm, item.candidate, name), item.found)
+        for item in chosen.watched
+        for name in item.candidate.sizes
     )
 
 
@@ -225,28 +225,28 @@ def estimate(arm: Arm, recordings: Sequence[Recording], chosen: Chosen, *, rules
     return Estimates(
         np.array(values),
         np.array(errors),
-        np.array([each.freedom for each in fits]),
-        np.array([each.rms for each in fits]),
+        np.array([item.freedom for item in fits]),
+        np.array([item.rms for item in fits]),
         tuple(rows),
         tuple(left_out),
     )
 
 
 def _fitted(arm: Arm, recording: Recording, chosen: Chosen, rules: Rules) -> tuple[int, CommonFit]:
-    _, _, own, _ = cleaned_of(arm, recording, rules)
-    observed = observe(arm, own, about=chosen.about, rules=rules)
+    _, _, recording_clean, _ = cleaned_of(arm, recording, rules)
+    observed = observe(arm, recording_clean, about=chosen.about, rules=rules)
     fitted = _least_squares(observed, chosen)
     length = np.linalg.norm(fitted.left, axis=1)
     middle = float(np.median(length))
     far = length > rules.watch.far_off * middle
     if middle > 0.0 and far.any() and not far.all():
-        own = kept(own, ~far)
-        fitted = _least_squares(observe(arm, own, about=chosen.about, rules=rules), chosen)
-    return own.size, fitted
+        recording_clean = kept(recording_clean, ~far)
+        fitted = _least_squares(observe(arm, recording_clean, about=chosen.about, rules=rules), chosen)
+    return recording_clean.size, fitted
 
 
 def _least_squares(observed: Observed, chosen: Chosen) -> CommonFit:
     held, watched = terms_of(observed, chosen.held), terms_of(observed, chosen.watched)
-    gone = sum((each.moved for each in held), np.zeros(1))
-    bent = sum((each.moved - each.columns @ each.sizes for each in watched), np.zeros(1))
-    return fit_columns(observed, [each.columns for each in watched], observed.residual - gone - bent)
+    gone = sum((item.moved for item in held), np.zeros(1))
+    bent = sum((item.moved - item.columns @ item.sizes for item in watched), np.zeros(1))
+    return fit_columns(observed, [item.columns for item in watched], observed.residual - gone - bent)

@@ -21,6 +21,9 @@ from scipy import stats
 
 from linkwright.core.sections.numeric import Array
 
+TESTS = 7.0
+"""As many independent tests as all dates of a step and one steady drift come to, each time they are looked at: by
+simulation of quiet series, frames mounted anew."""
 _MEDIAN = float(stats.chi2.median(1))
 """The median of a squared standard normal."""
 _LEAST_SCALE = 1e-200
@@ -40,11 +43,11 @@ class Scatter:
 
 def scatter(values: Array, errors: Array) -> Scatter:
     """How estimates (S, n) with standard errors (S, n) scatter from recording to recording."""
-    own = errors**2
+    variances = errors**2
     apart = np.diff(values, axis=1) ** 2
-    mean = own.mean(axis=1, keepdims=True)
+    mean = variances.mean(axis=1, keepdims=True)
     between = 0.5 * np.median(apart, axis=1, keepdims=True) / _MEDIAN - mean
-    whole = own + np.maximum(between, 0.0)
+    whole = variances + np.maximum(between, 0.0)
     whole = whole * (mean / whole.mean(axis=1, keepdims=True))
     factor = np.median(apart / (whole[:, 1:] + whole[:, :-1]), axis=1) / _MEDIAN
     return Scatter(whole, factor)
@@ -94,10 +97,10 @@ def tried(values: Array, variances: Array, model: Array, columns: Array, common:
     information = np.where(real, information, 0.0)
     sizes = np.where(real, score, 0.0) / np.where(real, information, 1.0)
     left = np.maximum(whole - sizes * score, 0.0)
-    own = size - model.shape[1] - 1
-    scale = np.maximum((prior * common[:, None] + left) / (prior + own), _LEAST_SCALE)
+    freedom = size - model.shape[1] - 1
+    scale = np.maximum((prior * common[:, None] + left) / (prior + freedom), _LEAST_SCALE)
     t = sizes * np.sqrt(information / scale)
-    return Tried(sizes, t, left, scale, information, prior + own)
+    return Tried(sizes, t, left, scale, information, prior + freedom)
 
 
 def doubted(
@@ -106,9 +109,9 @@ def doubted(
     """The size of the t (S, K) of further columns as far as it is beyond doubt, and its degrees of freedom: scatter
     goes with the standard errors (S, n), or has nothing to do with them, whichever says less. Where errors are alike
     that is the same; where they are not, neither a precise recording nor a poor one counts for more than it can."""
-    own = errors**2
-    alike = np.broadcast_to(own.mean(axis=1, keepdims=True), own.shape)
-    two = [tried(values, each, model, columns, common, prior) for each in (own, alike)]
+    variances = errors**2
+    same_variances = np.broadcast_to(variances.mean(axis=1, keepdims=True), variances.shape)
+    two = [tried(values, item, model, columns, common, prior) for item in (variances, same_variances)]
     return np.minimum(np.abs(two[0].t), np.abs(two[1].t)), two[0].freedom
 
 
@@ -128,6 +131,6 @@ def looked_for(when: Array) -> Array:
     return np.column_stack([steps(len(when)), kink(when, 0)])
 
 
-def level(false_alarm: float, over: int, tests: float, series: int) -> float:
+def level(false_alarm: float, over: int, series: int) -> float:
     """The p-value below which one test of one series is an alarm."""
-    return (1.0 - (1.0 - false_alarm) ** (1.0 / over)) / (tests * series)
+    return (1.0 - (1.0 - false_alarm) ** (1.0 / over)) / (TESTS * series)

@@ -17,9 +17,12 @@ from scipy import stats
 
 from linkwright.core.arm.chain.chain import Arm
 from linkwright.core.arm.effects import EFFECTS
+from linkwright.core.diagnose.answer.detectable import POWER
 from linkwright.core.diagnose.diagnosis import diagnose
 from linkwright.core.diagnose.fitting.fit import t_quantile
-from linkwright.core.diagnose.options import Options
+from linkwright.core.diagnose.motion.log import MotionLog
+from linkwright.core.diagnose.motion.result import MotionDiagnosis
+from linkwright.core.diagnose.options import Options, silent
 from linkwright.core.diagnose.recording import Recording
 from linkwright.core.diagnose.result import Diagnosis
 from linkwright.core.diagnose.rules.watch_rules import WatchRules
@@ -28,8 +31,12 @@ from linkwright.core.sections.numeric import Array
 
 from .course import FEWEST, Course, Kind, Measured, Series, course_of
 from .estimates import Chosen, Estimates, Parameter, Unwatched, choose, estimate, parameters_of
-from .evidence import in_common, level, scatter
+from .evidence import TESTS, in_common, level, scatter
 
+SOON = 3
+"""Recordings after which the smallest step told would be found."""
+_POOLED = 5
+"""Recordings that are diagnosed together, of more, to see which parameters there are to watch."""
 LEFT = "left"
 """The name of what is left in each recording, as a parameter."""
 
@@ -90,7 +97,7 @@ class Watched:
 
 @dataclass(frozen=True)
 class Dated:
-    """One recording of a watch: date, name, file, readings used and left out, RMS length (m) of what is left."""
+    """One recording of a watch: date, name, file, readings used and left out, RMS of what is left (m; N*m)."""
 
     date: datetime.date
     name: str
@@ -104,7 +111,8 @@ class Dated:
 class Watch:
     """An arm over dated recordings, in the order of time.
 
-    `parameters` hold each one's course, `left` that of what is left in the recordings (its values are lengths, m).
+    `parameters` hold each one's course, `left` that of what is left in the recordings: lengths, m, or of motion logs
+    torques, N*m.
     `together` is the diagnosis that said what there is (None: none was made), of the recordings `searched` (from 0).
     """
 
@@ -113,14 +121,19 @@ class Watch:
     parameters: tuple[Watched, ...]
     left: Watched
     unwatched: tuple[Unwatched, ...]
-    together: Diagnosis | None
+    together: Diagnosis | MotionDiagnosis | None
     searched: tuple[int, ...]
     rules: WatchRules
 
     @property
+    def of_motion(self) -> bool:
+        """Whether the recordings are motion logs."""
+        return isinstance(self.together, MotionDiagnosis)
+
+    @property
     def moved(self) -> tuple[Watched, ...]:
         """What changed, what is left in the recordings last."""
-        return tuple(each for each in (*self.parameters, self.left) if each.moved)
+        return tuple(parameter for parameter in (*self.parameters, self.left) if parameter.moved)
 
 
 def basics() -> tuple[str, ...]:
@@ -128,13 +141,9 @@ def basics() -> tuple[str, ...]:
     return tuple(effect.id for effect in EFFECTS.values() if effect.watched)
 
 
-def dates_of(recordings: Sequence[Recording]) -> list[datetime.date]:
+def dates_of(recordings: Sequence[Recording | MotionLog]) -> list[datetime.date]:
     """The dates of recordings that each have one."""
-    return [datetime.date.fromisoformat(each.date) for each in recordings]
-
-
-def _silent(what: str, share: float) -> None:
-    del what, share
+    return [datetime.date.fromisoformat(recording.date) for recording in recordings]
 
 
 def watch(
@@ -149,26 +158,26 @@ def watch(
     """Watch an arm over at least three recordings, each with a date of its own; `asked` names effects to watch beside
     what a diagnosis finds (`search`), by default `basics()`.
 
-    Raises `arm.errors.model.PropertyNeeded` and the materials' errors where the model lacks a figure.
+    Raises `arm.bodies.beams.PropertyNeeded` and the materials' errors where the model lacks a figure.
     """
     options = options or Options()
-    tell = progress or _silent
+    tell = progress or silent
     rules = options.rules
-    recordings = sorted(recordings, key=lambda each: each.date)
+    recordings = sorted(recordings, key=lambda recording: recording.date)
     count = len(recordings)
-    searched = tuple(np.unique(np.linspace(0, count - 1, min(count, rules.watch.pooled)).round().astype(int)).tolist())
-    found: Diagnosis | None = None
+    searched = tuple(np.unique(np.linspace(0, count - 1, min(count, _POOLED)).round().astype(int)).tolist())
+    diagnosis: Diagnosis | None = None
     if search:
         held = together([recordings[k] for k in searched], arm, rules=rules.residual)
-        found = diagnose(arm, held, options, lambda text, share: tell(text, 0.7 * share))
+        diagnosis = diagnose(arm, held, options, lambda text, share: tell(text, 0.7 * share))
     tell("choosing what to watch", 0.7)
     wanted = basics() if asked is None else asked
     asked = [name for name in wanted if name not in options.without]
-    chosen = choose(arm, recordings, () if found is None else found.findings, asked, rules=rules)
+    chosen = choose(arm, recordings, () if diagnosis is None else diagnosis.findings, asked, rules=rules)
     tell("fitting each recording", 0.8)
     estimates = estimate(arm, recordings, chosen, rules=rules)
     tell("searching for changes", 0.95)
-    return watched(arm, recordings, chosen, estimates, found, searched if search else (), rules=rules.watch)
+    return watched(arm, recordings, chosen, estimates, diagnosis, searched if search else (), rules=rules.watch)
 
 
 def watched(
@@ -183,27 +192,52 @@ def watched(
 ) -> Watch:
     """The watch of recordings in the order of time whose parameters are estimated."""
     days = dates_of(recordings)
-    when = np.array([float((each - days[0]).days) for each in days])
-    known = parameters_of(arm, chosen)
-    remains = Parameter(LEFT, (), LEFT, "length", found=True)
-    values = np.column_stack([estimates.values, np.log(np.maximum(estimates.rms, 1e-12))])
-    # The standard deviation of the logarithm of a root mean square.
-    errors = np.column_stack([estimates.errors, np.sqrt(0.5 / estimates.freedom)])
-    parameters = (*known, remains)
-    courses = courses_of(values, errors, when, rules)
-    made = [
-        _watched(each, values[:, k], errors[:, k], estimates.freedom, when, courses[k], len(parameters), rules)
-        for k, each in enumerate(parameters)
-    ]
+    when = np.array([float((day - days[0]).days) for day in days])
+    values_all = (estimates.values, estimates.errors, estimates.freedom, estimates.rms)
+    known, left = courses(parameters_of(arm, chosen), "length", *values_all, when, rules)
     names = names_of(recordings)
     dated = tuple(
-        Dated(day, name, each.file, rows, aside, float(rms))
-        for day, name, each, rows, aside, rms in zip(
+        Dated(day, name, recording.file, rows, aside, float(rms))
+        for day, name, recording, rows, aside, rms in zip(
             days, names, recordings, estimates.rows, estimates.left_out, estimates.rms, strict=True
         )
     )
-    left = _as_lengths(made[-1])
-    return Watch(arm, dated, tuple(made[:-1]), left, chosen.left_out, found, searched, rules)
+    return Watch(arm, dated, known, left, chosen.left_out, found, searched, rules)
+
+
+def courses(
+    known: Sequence[Parameter],
+    kind: str,
+    values: Array,
+    errors: Array,
+    freedom: Array,
+    rms: Array,
+    when: Array,
+    rules: WatchRules,
+) -> tuple[tuple[Watched, ...], Watched]:
+    """The course of each of P parameters over N recordings, and of what is left in them.
+
+    Args:
+        known: The parameters.
+        kind: The quantity that what is left is.
+        values: (N, P) sizes with their standard `errors` (infinite where a recording does not show one).
+        errors: (N, P).
+        freedom: (N,) degrees of freedom.
+        rms: (N,) of what is left.
+        when: (N,) days since the first.
+        rules: When something moved.
+    """
+    remains = Parameter(LEFT, (), LEFT, kind, found=True)
+    values = np.column_stack([values, np.log(np.maximum(rms, 1e-12))])
+    # The standard deviation of the logarithm of a root mean square.
+    errors = np.column_stack([errors, np.sqrt(0.5 / freedom)])
+    parameters = (*known, remains)
+    courses_ = courses_of(values, errors, when, rules)
+    made = [
+        _watched(parameter, values[:, k], errors[:, k], freedom, when, courses_[k], len(parameters), rules)
+        for k, parameter in enumerate(parameters)
+    ]
+    return tuple(made[:-1]), _as_sizes(made[-1])
 
 
 def courses_of(values: Array, errors: Array, when: Array, rules: WatchRules) -> list[Course | None]:
@@ -217,13 +251,13 @@ def courses_of(values: Array, errors: Array, when: Array, rules: WatchRules) -> 
         if whole:
             factor = scatter(values[:so_far, whole].T, errors[:so_far, whole].T).factor
             common[so_far - 1] = in_common(factor[None])[0]
-    asked = level(rules.false_alarm, rules.over, rules.tests, width)
-    found: list[Course | None] = []
+    threshold = level(rules.false_alarm, rules.over, width)
+    courses_: list[Course | None] = []
     for k in range(width):
-        own = shown[:, k]
-        series = Series(values[own, k], errors[own, k], when[own], common[own], rules)
-        found.append(course_of(series, asked) if own.sum() >= FEWEST else None)
-    return found
+        visible = shown[:, k]
+        series = Series(values[visible, k], errors[visible, k], when[visible], common[visible], rules)
+        courses_.append(course_of(series, threshold) if visible.sum() >= FEWEST else None)
+    return courses_
 
 
 def _watched(
@@ -238,15 +272,15 @@ def _watched(
 ) -> Watched:
     count = len(values)
     shown = np.isfinite(errors) & (errors > 0.0)
-    reach = np.array([t_quantile(int(each)) for each in freedom]) * np.where(shown, errors, np.nan)
+    reach = np.array([t_quantile(int(item)) for item in freedom]) * np.where(shown, errors, np.nan)
     values = np.where(shown, values, np.nan)
     intervals = np.column_stack([values - reach, values + reach])
     nothing = np.full(count, np.nan)
     if course is None:
         empty = np.full((count, 2), np.nan)
         return Watched(parameter, values, errors, intervals, nothing, empty, np.nan, np.nan, np.nan, ())
-    asked = level(rules.false_alarm, rules.over, rules.tests, series)
-    quantile = float(stats.t.isf(0.5 * asked, course.freedom))
+    threshold = level(rules.false_alarm, rules.over, series)
+    quantile = float(stats.t.isf(0.5 * threshold, course.freedom))
 
     def spread(of: Array) -> Array:
         placed = nothing.copy()
@@ -257,55 +291,57 @@ def _watched(
     limits = np.column_stack([spread(course.began - half), spread(course.began + half)])
     mean = float(np.sqrt(np.mean(course.deviations**2)))
     between = float(np.sqrt(max(0.0, mean**2 - float(np.mean(errors[shown] ** 2)))))
-    several = np.sqrt(1.0 / shown.sum() + 1.0 / rules.soon)
-    step = (quantile + float(stats.norm.ppf(rules.power))) * mean * several
+    several = np.sqrt(1.0 / shown.sum() + 1.0 / SOON)
+    step = (quantile + float(stats.norm.ppf(POWER))) * mean * several
     places, days = np.flatnonzero(shown).tolist(), when[shown]
-    changes = tuple(_moved(each, course, places, days, series, rules) for each in course.changes)
+    changes = tuple(_moved(change, course, places, days, series, rules) for change in course.changes)
     return Watched(parameter, values, errors, intervals, spread(course.level), limits, mean, between, step, changes)
 
 
-def _moved(each: Measured, course: Course, places: Sequence[int], days: Array, series: int, rules: WatchRules) -> Moved:
-    turn = each.turn
-    reach = t_quantile(max(int(course.freedom), 1)) * each.error
+def _moved(
+    measured: Measured, course: Course, places: Sequence[int], days: Array, series: int, rules: WatchRules
+) -> Moved:
+    turn = measured.turn
+    reach = t_quantile(max(int(course.freedom), 1)) * measured.error
     whole = float(days[-1] - days[0])
     share = float(days[-1] - days[turn.at]) / whole if turn.kind == "drift" else 1.0
-    ends = (each.size - reach, each.size + reach)
-    p = 1.0 - (1.0 - min(1.0, turn.p * rules.tests * series)) ** rules.over
+    ends = (measured.size - reach, measured.size + reach)
+    p = 1.0 - (1.0 - min(1.0, turn.p * TESTS * series)) ** rules.over
     drift = turn.kind == "drift"
     return Moved(
         kind=turn.kind,
         first=places[turn.at],
-        earliest=places[each.earliest],
-        latest=places[each.latest],
-        size=share * each.size,
+        earliest=places[measured.earliest],
+        latest=places[measured.latest],
+        size=share * measured.size,
         interval=(share * ends[0], share * ends[1]),
-        rate=each.size / whole if drift else None,
+        rate=measured.size / whole if drift else None,
         rate_interval=(ends[0] / whole, ends[1] / whole) if drift else None,
         told=places[turn.told],
         p_value=p,
     )
 
 
-def _as_lengths(found: Watched) -> Watched:
-    """What is left as lengths: its series is that of their logarithms, in which a change is a ratio."""
-    changes = tuple(_as_length(each, found) for each in found.changes)
-    middle = float(np.exp(np.nanmean(found.level)))
+def _as_sizes(watched_: Watched) -> Watched:
+    """What is left in its unit: its series is that of their logarithms, in which a change is a ratio."""
+    changes = tuple(_as_size(change, watched_) for change in watched_.changes)
+    middle = float(np.exp(np.nanmean(watched_.level)))
     return replace(
-        found,
-        values=np.exp(found.values),
-        errors=found.errors * np.exp(found.values),
-        intervals=np.exp(found.intervals),
-        level=np.exp(found.level),
-        limits=np.exp(found.limits),
-        deviation=middle * found.deviation,
-        between=middle * found.between,
-        smallest_step=middle * float(np.expm1(found.smallest_step)),
+        watched_,
+        values=np.exp(watched_.values),
+        errors=watched_.errors * np.exp(watched_.values),
+        intervals=np.exp(watched_.intervals),
+        level=np.exp(watched_.level),
+        limits=np.exp(watched_.limits),
+        deviation=middle * watched_.deviation,
+        between=middle * watched_.between,
+        smallest_step=middle * float(np.expm1(watched_.smallest_step)),
         changes=changes,
     )
 
 
-def _as_length(change: Moved, found: Watched) -> Moved:
-    before = float(np.exp(found.level[change.first] - (0.0 if change.kind == "drift" else change.size)))
+def _as_size(change: Moved, watched_: Watched) -> Moved:
+    before = float(np.exp(watched_.level[change.first] - (0.0 if change.kind == "drift" else change.size)))
     low, high = change.interval
     size, ends = before * float(np.expm1(change.size)), (before * float(np.expm1(low)), before * float(np.expm1(high)))
     rate, rates = change.rate, change.rate_interval

@@ -26,8 +26,11 @@ from linkwright.core.diagnose.residual.visits import poses
 from linkwright.core.diagnose.residual.wander import walks
 from linkwright.core.diagnose.result import LackOfFit
 from linkwright.core.diagnose.rules.answer_rules import AnswerRules
+from linkwright.core.diagnose.rules.rules import Rules
 from linkwright.core.sections.numeric import Array
 
+_ONE_SIDED = 1.64
+"""Standard errors, one-sided 95 %: so much more than was found noise may remember, by either of two signs."""
 _DRAWS = 99
 """Of noise, for what the fit would leave of it on parts of the workspace held out."""
 
@@ -67,10 +70,10 @@ def _of_memory(count: Groups, memory: float) -> tuple[tuple[float, float], tuple
     for size, times in zip(*np.unique(count, return_counts=True), strict=True):
         lag = np.abs(np.subtract.outer(np.arange(size), np.arange(size)))
         shared = memory**lag
-        own = shared - shared.mean(axis=0)
+        centred = shared - shared.mean(axis=0)
         mean = float(shared.sum()) / size
         within += times * (size - mean)
-        squared += times * float(np.sum(own * own.T))
+        squared += times * float(np.sum(centred * centred.T))
         between += times * mean
         beside = float(np.sum(memory ** (1.0 + np.add.outer(np.arange(size), np.arange(size))))) / size / mean
         kept += times * (1.0 - beside**2) / (1.0 + beside**2)
@@ -128,7 +131,7 @@ def refuted_by(
     means = np.stack([np.bincount(visit, weights=column) / np.bincount(visit) for column in left.T], axis=1)
     conditions = np.unique(_conditions(observed)[_first(visit)], return_inverse=True)[1].reshape(-1).astype(np.int64)
     returns = split(means, conditions)
-    come_back = returns.freedom[0] >= rules.enough_returns
+    come_back = returns.freedom[0] >= rules.least_parts
     least = _rounding(observed, left.shape[1])
     # Readings of a visit are rounded alike: of all of them together no less is off than of one.
     repeats = _no_finer(repeats, least**2 * observed.rows / (visit[-1] + 1))
@@ -163,10 +166,11 @@ def refuted_by(
     )
 
 
-def refutes(found: LackOfFit, rules: AnswerRules) -> bool:
+def refutes(found: LackOfFit, rules: Rules) -> bool:
     """Whether readings of one pose refute a fit, or those held out do."""
-    misfit = found.p_value < rules.lack_of_fit and found.times > rules.beyond_floor
-    return misfit or (found.held_out_p <= 0.0 and found.held_out_times > rules.held_out_beyond)
+    # Of thousands of readings the least blemish is beyond chance: it must be above the floor besides.
+    misfit = found.p_value < rules.answer.lack_of_fit and found.times > rules.fitting.at_the_floor
+    return misfit or (found.held_out_p <= 0.0 and found.held_out_times > rules.answer.held_out_beyond)
 
 
 def _rounding(observed: Observed, width: int) -> Array:
@@ -184,30 +188,53 @@ def _no_finer(parts: Split, variance: Array) -> Split:
 def memory_at_most(left: Array, visit: Groups, *, rules: AnswerRules) -> float:
     """The greatest correlation of each reading's noise with the one before that what is left (N, D) allows.
 
-    Two signs must agree: readings next to each other of different visits, and, where visits are of three readings or
-    more, by how much more readings two apart differ than neighbours. What is left by wrong physics is alike at
+    Two signs must agree: readings next to each other of different visits, less what those of the visits after share as
+    well (memory fades, physics that a block of visits has in common does not), and, where visits are of three readings
+    or more, by how much more readings two apart differ than neighbours. What is left by wrong physics is alike at
     neighbouring poses, yet readings of one visit do not know of it.
     """
     scaled = left / np.maximum(np.sqrt(np.mean(left**2, axis=0)), 1e-300)
-    across = np.flatnonzero(np.diff(visit) != 0)
-    before, after = scaled[across], scaled[across + 1]
-    size = float(np.sqrt(np.sum(before**2) * np.sum(after**2)))
-    found = float(np.sum(before * after)) / size + rules.memory_beyond / np.sqrt(before.size) if size > 0.0 else 0.0
+    next_to, lasting = _alike(scaled, visit)
+    pairs = left.shape[1] * int(visit[-1])
+    found = (next_to - lasting + _ONE_SIDED / np.sqrt(max(pairs, 1))) / (1.0 - lasting) if pairs else 0.0
     near, far = (np.flatnonzero(visit[lag:] == visit[:-lag]) for lag in (1, 2))
     if left.shape[1] * len(far) >= rules.enough_repeats:
         one, two = (float(np.mean((scaled[at + lag] - scaled[at]) ** 2)) for lag, at in ((1, near), (2, far)))
         error = np.sqrt(2.0 / (left.shape[1] * len(far)))
-        found = min(found, two / max(one, 1e-300) * (1.0 + rules.memory_beyond * error) - 1.0)
+        found = min(found, two / max(one, 1e-300) * (1.0 + _ONE_SIDED * error) - 1.0)
     return min(max(found, 0.0), rules.most_memory)
+
+
+def _alike(scaled: Array, visit: Groups) -> tuple[float, float]:
+    """The correlation of readings (N, D) with those just before of another visit, and the share of it that does not
+    fade: w of w + (1 - w) rho^lag, which fits the correlations over three visits best, as few as tell w from rho."""
+    reach = 3 * max(1, round(len(visit) / (int(visit[-1]) + 1)))
+    lags, alike, pairs = list[int](), list[float](), list[int]()
+    for lag in range(1, min(reach, len(visit) - 1) + 1):
+        at = np.flatnonzero(visit[lag:] != visit[:-lag])
+        before, after = scaled[at], scaled[at + lag]
+        size = float(np.sqrt(np.sum(before**2) * np.sum(after**2)))
+        if size > 0.0:
+            lags.append(lag)
+            alike.append(float(np.sum(before * after)) / size)
+            pairs.append(before.size)
+    if not lags:
+        return 0.0, 0.0
+    found, weight = np.array(alike), np.array(pairs, dtype=float)
+    faded = np.linspace(0.0, 0.95, 96)[:, None] ** np.array(lags)
+    lasting = np.sum(weight * (found - faded) * (1.0 - faded), axis=1) / np.sum(weight * (1.0 - faded) ** 2, axis=1)
+    lasting = np.clip(lasting, 0.0, 0.95)
+    missed = np.sum(weight * (found - faded - lasting[:, None] * (1.0 - faded)) ** 2, axis=1)
+    return float(found[0]), float(lasting[np.argmin(missed)])
 
 
 def _conditions(observed: Observed) -> Groups:
     """Which pose, payload, side and force (from 0) each reading is of."""
     recording = observed.recording
-    held = [each for each in (recording.payload_mass, recording.sides, recording.force) if each is not None]
-    told = [np.round(each.reshape(recording.size, -1) / 1e-3) for each in held]
+    held = [item for item in (recording.payload_mass, recording.sides, recording.force) if item is not None]
+    rounded = [np.round(item.reshape(recording.size, -1) / 1e-3) for item in held]
     return (
-        np.unique(np.column_stack([poses(observed), *told]), axis=0, return_inverse=True)[1]
+        np.unique(np.column_stack([poses(observed), *rounded]), axis=0, return_inverse=True)[1]
         .reshape(-1)
         .astype(np.int64)
     )
@@ -223,7 +250,7 @@ def _returns_worse(returns: Split, repeats: Split, visit: Groups, rules: AnswerR
     noise = float(np.sum(repeats.within)) / repeats.expected[0] * means
     width = len(repeats.within)
     ratio = float(np.sum(returns.within)) / returns.expected[0] / max(noise, 1e-300)
-    return float(f_distribution.sf(ratio, width * returns.freedom[0], width * repeats.freedom[0])) < rules.return_worse
+    return float(f_distribution.sf(ratio, width * returns.freedom[0], width * repeats.freedom[0])) < rules.level
 
 
 def remembering(rng: np.random.Generator, shape: tuple[int, ...], memory: float) -> Array:

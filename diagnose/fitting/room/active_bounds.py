@@ -35,34 +35,34 @@ def at_active_bounds(
         return {}
     effect, held = EFFECTS[candidate.effect], prepared.observed.state.conditions
     further = [
-        each
-        for each in (effect.sizes if effect.told_as is None else ())
-        if each.name not in candidate.sizes
-        and not each.of_all
-        and (each.optional or all(own.optional for own in effect.sizes if own.name in candidate.sizes))
-        and all(getattr(held, condition) is not None for condition in each.requires)
+        size
+        for size in (effect.sizes if effect.told_as is None else ())
+        if size.name not in candidate.sizes
+        and not size.of_all
+        and (size.optional or all(own.optional for own in effect.sizes if own.name in candidate.sizes))
+        and all(getattr(held, condition) is not None for condition in size.requires)
     ]
-    found = dict.fromkeys(candidate.sizes, (0.0, 0.0))
+    active = dict.fromkeys(candidate.sizes, (0.0, 0.0))
     if not further:
         return {}
     white = prepared.observed.whitened
-    others = [each.columns for k, each in enumerate(terms) if k != place]
+    others = [item.columns for k, item in enumerate(terms) if k != place]
     beside = orthonormal(white(np.concatenate([prepared.beside, *others], axis=2)))
-    own = white(term.columns)
-    own = own - beside @ (beside.T @ own)
+    white_columns = white(term.columns)
+    white_columns = white_columns - beside @ (beside.T @ white_columns)
     for parameter in further:
         columns = columns_of(prepared.observed, replace(candidate, sizes=(parameter.name,)))
         if columns is None:
             continue
         pattern = white(columns)[:, 0]
         seen = pattern - beside @ (beside.T @ pattern)
-        taken = np.linalg.lstsq(own, seen, rcond=None)[0]
-        low, high = _between(parameter, seen - own @ taken, pattern, left, reach)
+        taken = np.linalg.lstsq(white_columns, seen, rcond=None)[0]
+        low, high = _between(parameter, seen - white_columns @ taken, pattern, left, reach)
         for name, slope in zip(candidate.sizes, (-taken).tolist(), strict=True):
             ends = (slope * low, slope * high)
-            below, above = found[name]
-            found[name] = (below + max(0.0, -min(ends)), above + max(0.0, *ends))
-    return found
+            below, above = active[name]
+            active[name] = (below + max(0.0, -min(ends)), above + max(0.0, *ends))
+    return active
 
 
 def _between(parameter: Parameter, alone: Array, whole: Array, left: Array, reach: float) -> tuple[float, float]:
@@ -70,8 +70,8 @@ def _between(parameter: Parameter, alone: Array, whole: Array, left: Array, reac
     what is usual and what is possible."""
     usual = max(abs(end) for end in parameter.typical)
     low, high = max(parameter.lower, -usual), min(parameter.upper, usual)
-    told = float(np.linalg.norm(alone))
-    if told > _ALIKE * float(np.linalg.norm(whole)):
-        best = float(alone @ left) / told**2
-        low, high = max(low, best - reach / told), min(high, best + reach / told)
+    norm = float(np.linalg.norm(alone))
+    if norm > _ALIKE * float(np.linalg.norm(whole)):
+        best = float(alone @ left) / norm**2
+        low, high = max(low, best - reach / norm), min(high, best + reach / norm)
     return min(low, 0.0), max(high, 0.0)

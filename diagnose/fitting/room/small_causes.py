@@ -18,6 +18,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.linalg import svd
 
 from linkwright.core.diagnose.fitting.fit import fit, solved
 from linkwright.core.diagnose.fitting.prepare import Prepared
@@ -81,7 +82,7 @@ def small_causes(
     the noise that its cause is not small; a long recording tells small causes one by one."""
     at, weight, groups = others_of(prepared, members, rivals)
     most = prepared.observed.rules.fitting.far_above**2 * noise * len(prepared.vector)
-    long = prepared.observed.rows > prepared.observed.rules.fitting.room_for_small
+    long = prepared.observed.rows > prepared.observed.rules.search.long
     if long or not len(at) or noise <= 0.0 or fit(prepared, members).rss > most:
         return None
     u, s, vt, told = _beside(prepared, members, at, weight)
@@ -100,7 +101,7 @@ def with_room(prepared: Prepared, members: Sequence[int], *, least: float = 0.0)
     much less."""
     at, weight, _ = others_of(prepared, members, ())
     noise = noise_of_visits(prepared)
-    long = prepared.observed.rows > prepared.observed.rules.fitting.room_for_small
+    long = prepared.observed.rows > prepared.observed.rules.search.long
     if noise is None or noise <= 0.0 or long:
         return prepared
     size = least
@@ -117,7 +118,7 @@ def with_room(prepared: Prepared, members: Sequence[int], *, least: float = 0.0)
     off = 1.0 - 1.0 / np.sqrt(1.0 + len(prepared.vector) * (size * s) ** 2)
     basis = pool.basis - u @ (off[:, None] * (u.T @ pool.basis))
     vector = prepared.vector - u @ (off * (u.T @ prepared.vector))
-    return replace(prepared, vector=vector, pool=replace(pool, basis=basis, gram=basis.T @ basis, room=None))
+    return replace(prepared, vector=vector, pool=replace(pool, basis=basis, room=None))
 
 
 def _beside(
@@ -136,7 +137,8 @@ def _directions(patterns: Array) -> tuple[Array, Array, Array]:
     """The singular value decomposition of patterns (n, M). Of a long recording by way of their products, which is many
     times faster and good to 1e-8 of the largest: directions of less tell nothing."""
     if len(patterns) <= patterns.shape[1]:
-        return np.linalg.svd(patterns, full_matrices=False)
+        # Not numpy's: divide and conquer does not always converge where many singular values are nearly alike.
+        return svd(patterns, full_matrices=False, lapack_driver="gesvd")
     values, vectors = np.linalg.eigh(patterns.T @ patterns)
     seen = values > _PRODUCTS * values[-1]
     s = np.sqrt(values[seen])

@@ -66,18 +66,20 @@ def unnamed(prepared: Prepared, members: Sequence[int], rivals: Collection[int],
     are no causes beside them. `rows` says where the observations stand among those that are fitted."""
     pool, rules = prepared.pool, prepared.observed.rules.fitting
     at, weight, _ = others_of(prepared, members, rivals)
-    own = pool.columns(members)
-    mixed = pool.gram[np.ix_(at, own)] * weight[:, None]
-    inverse = np.linalg.pinv(pool.gram[np.ix_(own, own)], rcond=_TINY, hermitian=True)
-    told = pool.basis.T @ prepared.vector
-    named = told[own]
+    columns = pool.columns(members)
+    mixed = pool.gram[np.ix_(at, columns)] * weight[:, None]
+    inverse = np.linalg.pinv(pool.gram[np.ix_(columns, columns)], rcond=_TINY, hermitian=True)
+    projection = pool.basis.T @ prepared.vector
+    named = projection[columns]
     gram = pool.gram[np.ix_(at, at)] * np.outer(weight, weight) - mixed @ inverse @ mixed.T
-    along = told[at] * weight - mixed @ inverse @ named
+    along = projection[at] * weight - mixed @ inverse @ named
     left = float(prepared.vector @ prepared.vector - named @ inverse @ named)
-    freedom = len(prepared.vector) - pool.nuisance.shape[1] - len(own)
-    within, repeated = _within_visits(prepared, prepared.vector - pool.basis[:, own] @ (inverse @ named), left, freedom)
+    freedom = len(prepared.vector) - pool.nuisance.shape[1] - len(columns)
+    within, repeated = _within_visits(
+        prepared, prepared.vector - pool.basis[:, columns] @ (inverse @ named), left, freedom
+    )
     left, freedom, count = left - within, freedom - repeated, len(prepared.vector)
-    ratio, variance = variances(gram, along, left, freedom, count, rules.largest_unnamed, rules.nothing_unnamed)
+    ratio, variance = variances(gram, along, left, freedom, count, rules.largest_unnamed)
     return Unnamed(pool.basis, at, weight, float(np.sqrt(ratio * variance)), variance, rows)
 
 
@@ -91,8 +93,8 @@ def others_of(
     others = [k for k, g in enumerate(pool.groups) if not g.candidate.outside and g.candidate.family not in taken]
     variants = Counter(pool.groups[k].candidate.family for k in others)
     ranks = [pool.groups[k].rank for k in others]
-    each = [1.0 / np.sqrt(r * variants[pool.groups[k].candidate.family]) for k, r in zip(others, ranks, strict=True)]
-    return pool.columns(others), np.repeat(each, ranks), tuple(others)
+    scales = [1.0 / np.sqrt(r * variants[pool.groups[k].candidate.family]) for k, r in zip(others, ranks, strict=True)]
+    return pool.columns(others), np.repeat(scales, ranks), tuple(others)
 
 
 def _within_visits(prepared: Prepared, remainder: Array, left: float, freedom: int) -> tuple[float, int]:
@@ -110,19 +112,17 @@ def _within_visits(prepared: Prepared, remainder: Array, left: float, freedom: i
     if within <= 0.0 or apart <= 0:
         return 0.0, 0
     ratio = between / apart / (within / repeated)
-    beyond = float(f_distribution.sf(ratio, apart, repeated)) < observed.rules.fitting.visits_apart
+    beyond = float(f_distribution.sf(ratio, apart, repeated)) < observed.rules.answer.level
     return (within, repeated) if beyond else (0.0, 0)
 
 
-def variances(
-    gram: Array, along: Array, left: float, freedom: int, count: int, largest: float, nothing: float
-) -> tuple[float, float]:
+def variances(gram: Array, along: Array, left: float, freedom: int, count: int, largest: float) -> tuple[float, float]:
     """The variance of each family's sum of squares over the noise's, and the noise's own, which the remainder tells.
 
     `gram` (M, M) are the families' patterns beside what is named, `along` (M,) their products with what is left, whose
-    sum of squares is `left`, of so many degrees of freedom. The ratio is its mean given the recording; beforehand there
-    is a chance `nothing` that nothing else is there, and else every standard deviation up to `largest` times the
-    noise's RMS over `count` observations is as likely as another.
+    sum of squares is `left`, of so many degrees of freedom. The ratio is its mean given the recording; beforehand
+    nothing else is there with even odds, and else every standard deviation up to `largest` times the noise's RMS over
+    `count` observations is as likely as another.
     """
     if not len(along) or freedom <= 0 or left <= 0.0:
         return 0.0, max(left, 0.0) / max(freedom, 1)
@@ -140,6 +140,6 @@ def variances(
     steps = np.linspace(0.0, largest, _STEPS)
     fit = np.array([unlikely(count * step**2) for step in steps])
     weight = np.exp(-0.5 * (fit - fit.min()))
-    weight /= weight.sum() + weight[0] * len(steps) * nothing / (1.0 - nothing)
+    weight /= weight.sum() + weight[0] * len(steps)
     mean = count * float(weight @ steps**2)
     return mean, noise(mean)

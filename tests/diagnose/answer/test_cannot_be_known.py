@@ -24,9 +24,9 @@ def test_a_target_that_hardly_turns_leaves_the_tool_alone(turns):
     turned = tip @ np.array([[0.8, 0.6], [-0.6, 0.8]]) + [2.0, -1.0]
     read = recording(q, turned, frame="free", tool="free")
     assert np.abs(observe(file(), read).alignment.tool).max() < 1e-5
-    found = diagnose(file(), read, Options(without=frozenset(EFFECTS) - NAMES))
-    assert "along x and y cannot be told" in found.notes[0]
-    offset = next(each for each in found.findings if each.effect == "encoder_offset").parameters[0]
+    result = diagnose(file(), read, Options(without=frozenset(EFFECTS) - NAMES))
+    assert "along x and y cannot be told" in result.notes[0]
+    offset = next(finding for finding in result.findings if finding.effect == "encoder_offset").parameters[0]
     assert offset.interval[0] < 3e-4 < offset.interval[1]
     assert offset.interval[1] - offset.interval[0] < 5e-5
 
@@ -36,9 +36,9 @@ def test_a_target_that_turns_is_found_on_the_tool():
     q = np.repeat(poses(1), 2, axis=0)
     angle = q.sum(axis=1)
     at = tips(q) + 5e-3 * np.stack([np.cos(angle), np.sin(angle)], axis=1) + noise(1, len(q))
-    found = observe(file(), recording(q, at, frame="free", tool="free")).alignment
-    assert found.tool == pytest.approx([5e-3, 0.0], abs=3e-5)
-    assert found.undetermined == ()
+    result = observe(file(), recording(q, at, frame="free", tool="free")).alignment
+    assert result.tool == pytest.approx([5e-3, 0.0], abs=3e-5)
+    assert result.undetermined == ()
 
 
 @pytest.mark.parametrize("jitter", [0.0, 1e-5])
@@ -48,10 +48,10 @@ def test_one_pose_read_fifty_times_is_insufficient(off, jitter):
     rng = np.random.default_rng(3)
     q = np.tile([0.5, 0.7, -0.4], (50, 1))
     tip = tips(q, errors=np.array([0.0, off, 0.0])) + noise(2, 50)
-    found = diagnose(file(), recording(q + jitter * rng.standard_normal(q.shape), tip))
-    assert found.verdict == "insufficient_data"
-    assert found.sentence.startswith("One pose, read 50 times")
-    assert found.unknown is None
+    result = diagnose(file(), recording(q + jitter * rng.standard_normal(q.shape), tip))
+    assert result.verdict == "insufficient_data"
+    assert result.sentence.startswith("One pose, read 50 times")
+    assert result.unknown is None
 
 
 def rounded(gives, **settings):
@@ -62,22 +62,22 @@ def rounded(gives, **settings):
 @pytest.mark.parametrize("sigma", [None, SIGMA])
 def test_readings_rounded_to_a_millimetre_are_no_mismatch(sigma):
     """Each visit's repeats are rounded alike: what they are off by together is rounding, whatever sigma is declared."""
-    found = rounded(GIVES, sigma=sigma)
-    assert found.verdict == "none"
-    assert found.sentence.startswith("No mismatch beyond the noise floor")
-    assert found.noise_floor == pytest.approx(1e-3 / np.sqrt(6.0))
-    assert any("less than readings in steps of 1 mm" in note for note in found.notes) is (sigma is not None)
+    result = rounded(GIVES, sigma=sigma)
+    assert result.verdict == "none"
+    assert result.sentence.startswith("No mismatch beyond the noise floor")
+    assert result.noise_floor == pytest.approx(1e-3 / np.sqrt(6.0))
+    assert any("less than readings in steps of 1 mm" in note for note in result.notes) is (sigma is not None)
 
 
 def test_rounded_readings_still_show_what_is_large():
     """A drive that gives 30 urad/(N*m) more: named, and its interval counts each visit once."""
-    found = rounded(GIVES + np.array([0.0, 3e-5, 0.0]))
-    assert found.findings[0].effect == "joint_compliance"
-    assert found.findings[0].at == (2,)
-    size = found.findings[0].parameters[0]
+    result = rounded(GIVES + np.array([0.0, 3e-5, 0.0]))
+    assert result.findings[0].effect == "joint_compliance"
+    assert result.findings[0].at == (2,)
+    size = result.findings[0].parameters[0]
     assert size.interval[0] < 3e-5 < size.interval[1]
     assert size.interval[1] - size.interval[0] > 8e-6
-    assert found.unknown is None
+    assert result.unknown is None
 
 
 @pytest.mark.parametrize("gives", slow_but([0.0, 3e-5], 0.0))
@@ -89,13 +89,15 @@ def test_a_fifth_of_bad_readings_is_set_aside_not_explained(gives):
     tip = tips(q, gives=GIVES + np.array([0.0, gives, 0.0])) + noise(5, len(q))
     bad = rng.random(len(q)) < 0.2
     tip[bad] += 1e-3 * rng.standard_normal((bad.sum(), 2))
-    found = diagnose(file(), recording(q, tip))
-    assert {each.row for each in found.rejected_rows} <= set((np.flatnonzero(bad) + 1).tolist())
-    assert len(found.rejected_rows) > 0.9 * bad.sum()
-    assert found.rms_after < 1.1 * found.noise_floor
-    assert found.noise_floor == pytest.approx(SIGMA * np.sqrt(2.0), rel=0.3)
-    assert found.unknown is None
-    assert {(each.effect, each.at) for each in found.findings} == ({("joint_compliance", (2,))} if gives else set())
+    result = diagnose(file(), recording(q, tip))
+    assert {row.row for row in result.rejected_rows} <= set((np.flatnonzero(bad) + 1).tolist())
+    assert len(result.rejected_rows) > 0.9 * bad.sum()
+    assert result.rms_after < 1.1 * result.noise_floor
+    assert result.noise_floor == pytest.approx(SIGMA * np.sqrt(2.0), rel=0.3)
+    assert result.unknown is None
+    assert {(finding.effect, finding.at) for finding in result.findings} == (
+        {("joint_compliance", (2,))} if gives else set()
+    )
 
 
 def test_bad_readings_that_nothing_checks_are_said():
@@ -104,6 +106,6 @@ def test_bad_readings_that_nothing_checks_are_said():
     bad = rng.choice(80, 15, replace=False)
     tip = tips(q) + noise(6, 80)
     tip[bad] += 1e-3 * rng.standard_normal((15, 2))
-    found = diagnose(file(), recording(q, tip))
-    assert found.findings == ()
-    assert any("readings lie further off than scatter goes" in note for note in found.notes)
+    result = diagnose(file(), recording(q, tip))
+    assert result.findings == ()
+    assert any("readings lie further off than scatter goes" in note for note in result.notes)

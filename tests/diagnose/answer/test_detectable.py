@@ -8,7 +8,7 @@ import pytest
 from scipy import stats
 
 from linkwright.core.arm.effects import EFFECTS
-from linkwright.core.diagnose.answer.detectable import _needed, detectable
+from linkwright.core.diagnose.answer.detectable import POWER, _needed, detectable
 from linkwright.core.diagnose.patterns.library import parameter_of
 from linkwright.core.diagnose.rules.rules import RULES
 from linkwright.core.diagnose.search.calibrate import given_model, p_value
@@ -43,14 +43,14 @@ def test_power_at_the_stated_size(gate, effect):
     """Monte Carlo: noise and the effect at that size, how often its own statistic passes the gate."""
     null, tested = gate
     at = () if effect == "payload" else (1,)
-    found = next(
+    result = next(
         d
         for d in detectable(null, tested, 1.0, LEVEL)
         if (d.effect, d.at) == (effect, tuple(index + 1 for index in at))
     )
     number = group_of(null, effect, at)
     names = null.pool.groups[number].candidate.sizes
-    signal = found.value * null.columns[number][:, :, names.index(found.parameter)]
+    signal = result.value * null.columns[number][:, :, names.index(result.parameter)]
     rng = np.random.default_rng(7)
     passed = 0
     for _ in range(TRIALS):
@@ -59,8 +59,8 @@ def test_power_at_the_stated_size(gate, effect):
     # Binomial scatter of 240 trials is 0.019; three of them, and 0.02 for the level's own (2999 draws).
     assert passed / TRIALS == pytest.approx(0.9, abs=0.08)
     tip = signal[:, : null.observed.components]
-    assert found.rms == pytest.approx(np.sqrt(np.mean(np.sum(tip**2, axis=1))))
-    assert found.kind == parameter_of(EFFECTS[effect], found.parameter).kind
+    assert result.rms == pytest.approx(np.sqrt(np.mean(np.sum(tip**2, axis=1))))
+    assert result.kind == parameter_of(EFFECTS[effect], result.parameter).kind
 
 
 def test_twice_the_noise_hides_twice_as_much(gate):
@@ -69,8 +69,8 @@ def test_twice_the_noise_hides_twice_as_much(gate):
         detectable(null, tested, 1.0, LEVEL),
         detectable(null, tested, 2.0, LEVEL),
     )
-    size = {(each.effect, each.at): each.value for each in once}
-    ratio = [each.value / size[each.effect, each.at] for each in twice]
+    size = {(item.effect, item.at): item.value for item in once}
+    ratio = [item.value / size[item.effect, item.at] for item in twice]
     assert ratio == pytest.approx([2.0] * len(twice))
     assert len(once) >= len(twice) > 0.8 * len(once)  # what could only be shown beyond its bounds is not listed
 
@@ -81,8 +81,8 @@ def test_a_pattern_within_the_nuisances_shows_only_what_is_left():
     sizes = []
     for prepared in (known, free):
         tested = Namer(prepared, thorough=False, seed=1).test(())[0]
-        found = {(d.effect, d.at): d for d in detectable(prepared, tested, 1.0, LEVEL)}
-        sizes.append(found)
+        results = {(d.effect, d.at): d for d in detectable(prepared, tested, 1.0, LEVEL)}
+        sizes.append(results)
     assert ("encoder_offset", (1,)) in sizes[0]
     assert ("encoder_offset", (1,)) not in sizes[1]
     assert ("instrument_scale", ()) in sizes[1]
@@ -98,29 +98,29 @@ def test_gate_gives_each_group_its_own_statistic(gate):
     rng = np.random.default_rng(9)
     trial = with_residual(null, noise_of(null, rng))
     namer = Namer(trial, thorough=False, seed=1)
-    found = namer.test(())[0]
+    result = namer.test(())[0]
     assert given_model(trial.pool, trial.vector, ()).residual == pytest.approx(trial.vector, abs=1e-9)
     for effect in ("encoder_offset", "joint_compliance"):
         number = group_of(trial, effect, (1,))
-        assert found.each[number] == pytest.approx(statistic(trial, number), rel=1e-6, abs=1e-6)
+        assert result.each[number] == pytest.approx(statistic(trial, number), rel=1e-6, abs=1e-6)
     assert tested.p_value > LEVEL
 
 
 def needed(count, threshold, rank=2, price=5.0):
     criterion = SimpleNamespace(count=count)
-    return _needed(SimpleNamespace(criterion=criterion, observed=SimpleNamespace(rules=RULES)), threshold)(rank, price)
+    return _needed(SimpleNamespace(criterion=criterion), threshold)(rank, price)
 
 
 def test_the_power_asked_is_had():
     """By the definition: a non-central chi-square passes the limit as often as asked."""
-    found = needed(200, 20.0)
+    result = needed(200, 20.0)
     limit = 198 * math.expm1(25.0 / 200)
-    assert stats.ncx2.sf(limit, 2, found) == pytest.approx(RULES.answer.power, rel=1e-6)
+    assert stats.ncx2.sf(limit, 2, result) == pytest.approx(POWER, rel=1e-6)
 
 
 @pytest.mark.parametrize("threshold", [100.0, 300.0, 600.0])
 def test_few_readings_under_a_high_threshold_need_the_more(threshold):
     """Where squares of normal numbers are huge their root is normal: sqrt(limit) and the quantile of the power."""
     limit = 10.0 * math.expm1((threshold + 5.0) / 12)
-    normal = (limit**0.5 + stats.norm.ppf(RULES.answer.power)) ** 2
+    normal = (limit**0.5 + stats.norm.ppf(POWER)) ** 2
     assert needed(12, threshold) == pytest.approx(normal, rel=1e-2)

@@ -32,9 +32,9 @@ def scattered(seed: int) -> Array:
 
 def test_scatter_knows_nothing_of_the_visit_before() -> None:
     """P-values of chance are even: of 60 some 12 lie in each fifth, and few below 0.02."""
-    found = np.array([p_value(seed, scattered(seed), straight=True) for seed in range(60)])
-    assert np.sum(found < RULES.answer.scatter_follows) <= 4
-    assert np.all(np.histogram(found, np.linspace(0.0, 1.0, 6))[0] >= 4)
+    result = np.array([p_value(seed, scattered(seed), straight=True) for seed in range(60)])
+    assert np.sum(result < RULES.answer.scatter_follows) <= 4
+    assert np.all(np.histogram(result, np.linspace(0.0, 1.0, 6))[0] >= 4)
 
 
 @pytest.mark.parametrize("seed", range(4))
@@ -43,3 +43,10 @@ def test_what_settles_is_like_the_visit_before(seed: int) -> None:
     course = 6.0 * SIGMA * np.exp(-np.arange(VISITS) / 6.0)
     settling = np.outer(course, [1.0, -1.0]) * 3.0 + 0.3 * scattered(seed)
     assert p_value(seed, settling, straight=True) < RULES.answer.scatter_follows
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_what_a_block_of_visits_has_in_common_is_like_the_visits_before(seed: int) -> None:
+    """Half of what is left is alike for fifteen visits, half is scatter: each visit says little of the next alone."""
+    blocks = 1.5 * SIGMA * np.where(np.arange(VISITS) // 15 % 2, 1.0, -1.0)
+    assert p_value(seed, np.outer(blocks, [1.0, -1.0]) + 0.7 * scattered(seed)) < RULES.answer.scatter_follows

@@ -47,36 +47,36 @@ def test_a_large_cause_beside_eight_small_ones_is_named(tmp_path):
     """1.74 kg more at the tip; beside it a hardening drive, a base that gives, a tool, a drift, a modulus, a heavier
     link, a scale and a coupling, 0.2 to 0.44 times the noise each: none can be told, and all together refute the name
     as the whole answer."""
-    found = played(tmp_path, 44)
-    assert found.verdict in ("named", "alias_class")
-    (load,) = found.findings
+    result = played(tmp_path, 44)
+    assert result.verdict in ("named", "alias_class")
+    (load,) = result.findings
     assert load.effect == "payload"
     assert load.parameters[0].interval[0] < 1.74 < load.parameters[0].interval[1]
-    told = diagnosis_json(found)
+    told = diagnosis_json(result)
     assert told["lack_of_fit"]["p_value"] < 1e-6
     assert told["lack_of_fit_p"] == told["small_causes"]["lack_of_fit"]["p_value"] >= 0.001
     assert told["small_causes"]["lack_of_fit"]["held_out_times"] < 1.2
     assert 0.5 * told["noise_floor_mm"] < told["small_causes"]["moved_mm"] < 1.3 * told["noise_floor_mm"]
-    assert "too small to be told one by one" in found.sentence
-    assert any(note.startswith("What is left, ") for note in found.notes)
+    assert "too small to be told one by one" in result.sentence
+    assert any(note.startswith("What is left, ") for note in result.notes)
 
 
 @pytest.mark.slow
 def test_names_that_foretell_nothing_are_not_excused_by_small_causes(tmp_path):
     """A coupling of far joints that was told by nine names, small causes beside them: three times the noise held out,
     twice what noise leaves there."""
-    found = played(tmp_path, 183, seed=2026112801)
-    assert found.verdict == "unknown"
-    assert found.small is None
-    assert found.lack_of_fit.held_out_times > 1.35 * found.lack_of_fit.times
+    result = played(tmp_path, 183, seed=2026112801)
+    assert result.verdict == "unknown"
+    assert result.small is None
+    assert result.lack_of_fit.held_out_times > 1.35 * result.lack_of_fit.times
 
 
 @pytest.mark.slow
 def test_what_the_library_lacks_beside_a_right_name_stays_unknown(tmp_path):
     """A ripple that grows with the load: no small causes."""
-    found = played(tmp_path, 50)
-    assert found.verdict == "unknown"
-    assert found.small is None
+    result = played(tmp_path, 50)
+    assert result.verdict == "unknown"
+    assert result.small is None
 
 
 def test_what_cannot_be_told_with_room_for_small_causes_is_declared_too():
@@ -85,10 +85,10 @@ def test_what_cannot_be_told_with_room_for_small_causes_is_declared_too():
     prepared = prepare(observe(file(), read), Options())
     namer = Namer(prepared, thorough=False, seed=0)
     best = namer.best_of_library()[2].members
-    plain = [{each.member for each in rivals(namer, best, member)} for member in best]
+    plain = [{rival.member for rival in rivals(namer, best, member)} for member in best]
     judge = namer.with_room(best, least=0.15)
     assert judge is not namer
-    roomy = [{each.member for each in rivals(namer, best, member, (judge,))} for member in best]
+    roomy = [{rival.member for rival in rivals(namer, best, member, (judge,))} for member in best]
     families = [
         tuple({namer.pool.groups[m].candidate.family for m in found} for found in pair)
         for pair in zip(plain, roomy, strict=True)
@@ -109,17 +109,17 @@ def by_side(seed, size, wave):
 def test_far_above_the_noise_where_no_pose_was_come_back_to_nothing_is_not_the_answer():
     """A fast ripple that nothing foretells, four times the noise: scatter of the arm, it may be, or not."""
     read = by_side(1, 0.25e-3, 41.0)
-    found = diagnose(file(), read)
-    assert found.rms_before > 3.0 * found.noise_floor
-    assert found.verdict == "unknown"
+    result = diagnose(file(), read)
+    assert result.rms_before > 3.0 * result.noise_floor
+    assert result.verdict == "unknown"
 
 
 @pytest.mark.slow
 def test_an_arm_that_scatters_by_twice_the_noise_lacks_nothing():
-    found = diagnose(file(), by_side(2, 0.05e-3, 41.0))
-    assert 1.5 * found.noise_floor < found.rms_before < 2.2 * found.noise_floor
-    assert found.verdict == "none"
-    assert found.scatter is not None
+    result = diagnose(file(), by_side(2, 0.05e-3, 41.0))
+    assert 1.5 * result.noise_floor < result.rms_before < 2.2 * result.noise_floor
+    assert result.verdict == "none"
+    assert result.scatter is not None
 
 
 OF_JOINTS = {"gear_transmission_error", "encoder_eccentricity", "encoder_offset", "encoder_scale", "joint_coupling"}
@@ -133,6 +133,6 @@ def test_a_gear_errs_twice_a_turn_though_its_joint_turns_by_less_than_half(seed)
     q[:, 1] *= 1.3 / 2.3
     errors = 0.5e-3 * np.outer(np.sin(2.0 * q[:, 1] + 0.8), [0.0, 1.0, 0.0])
     read = recording(q, tips(q, errors=errors) + noise(seed, len(q)))
-    found = diagnose(file(), read, Options(without=frozenset(EFFECTS) - OF_JOINTS))
-    assert [(each.effect, each.at) for each in found.findings] == [("gear_transmission_error", (2,))]
-    assert {each.parameter: each.value for each in found.findings[0].parameters}["order"] == 2.0
+    result = diagnose(file(), read, Options(without=frozenset(EFFECTS) - OF_JOINTS))
+    assert [(finding.effect, finding.at) for finding in result.findings] == [("gear_transmission_error", (2,))]
+    assert {parameter.parameter: parameter.value for parameter in result.findings[0].parameters}["order"] == 2.0

@@ -91,29 +91,29 @@ def planar_recording(folder: Path, poses: int = 40, seed: int = 3) -> Path:
     rng = np.random.default_rng(seed)
     q = np.repeat(rng.uniform(-1.8, 1.8, (poses, 3)), 2, axis=0)
     mass = np.repeat(np.where(np.arange(poses) % 2, 5.0, 0.0), 2)
-    tip = np.array([planar_tip(*each) for each in zip(q, mass.tolist(), strict=True)])
+    tip = np.array([planar_tip(*item) for item in zip(q, mass.tolist(), strict=True)])
     return recorded(folder / f"r{seed}.csv", q, mass, tip + rng.normal(0.0, NOISE, tip.shape))
 
 
 def test_a_planar_arms_unknown_transform_is_found_with_what_is_left_out(tmp_path: Path) -> None:
     arm = tmp_path / "arm.yaml"
     arm.write_text(planar_file())
-    found = lw.diagnose(arm, planar_recording(tmp_path)).found
-    (origin,) = found.origins
+    result = lw.diagnose(arm, planar_recording(tmp_path)).found
+    (origin,) = result.origins
     truth = {"x": FLAT[0], "y": FLAT[1], "yaw": math.radians(70.0)}
-    assert {each.parameter for each in origin.parameters} == set(truth)
-    for each in origin.parameters:
-        low, high = each.interval
-        assert abs(each.value - truth[each.parameter]) <= high - low, "twice the 95 % interval"
+    assert {parameter.parameter for parameter in origin.parameters} == set(truth)
+    for item in origin.parameters:
+        low, high = item.interval
+        assert abs(item.value - truth[item.parameter]) <= high - low, "twice the 95 % interval"
         assert 0.0 < high - low < 100e-6
-    (soft,) = found.findings
+    (soft,) = result.findings
     assert (soft.effect, soft.at) == ("joint_compliance", (2,))
     assert soft.parameters[0].value == pytest.approx(SOFT, rel=0.02)
     # The transform's own shift and turn: a zero of either encoder, and the length of the link before it.
     assert set(origin.swallowed) == {("encoder_offset", (1,)), ("encoder_offset", (2,)), ("link_length", (1,))}
-    assert not found.corrected.unknown_origins
-    assert found.written is not None
-    assert found.written.rms == pytest.approx(found.rms_promised, rel=1e-3)
+    assert not result.corrected.unknown_origins
+    assert result.written is not None
+    assert result.written.rms == pytest.approx(result.rms_promised, rel=1e-3)
 
 
 @pytest.mark.slow
@@ -122,16 +122,16 @@ def test_a_transform_in_space_is_found(tmp_path: Path) -> None:
     arm.write_text(spatial_file())
     q = np.repeat(rng.uniform(-2.0, 2.0, (poses, 6)), 2, axis=0)
     mass = np.repeat(np.where(np.arange(poses) % 2, 6.0, 0.0), 2)
-    tip = np.array([spatial_tip(*each) for each in zip(q, mass.tolist(), strict=True)])
+    tip = np.array([spatial_tip(*item) for item in zip(q, mass.tolist(), strict=True)])
     file = recorded(tmp_path / "r.csv", q, mass, tip + rng.normal(0.0, NOISE, tip.shape))
     dia = lw.diagnose(arm, file)
     (origin,) = dia.found.origins
     truth = dict(zip(("x", "y", "z", "roll", "pitch", "yaw"), (*SPACE, *TURN.as_euler("xyz")), strict=True))
-    for each in origin.parameters:
-        low, high = each.interval
-        assert abs(each.value - truth[each.parameter]) <= high - low
+    for parameter in origin.parameters:
+        low, high = parameter.interval
+        assert abs(parameter.value - truth[parameter.parameter]) <= high - low
         assert 0.0 < high - low < 100e-6
-    assert [(each.effect, each.at) for each in dia.found.findings] == [("joint_compliance", (2,))]
+    assert [(finding.effect, finding.at) for finding in dia.found.findings] == [("joint_compliance", (2,))]
     assert {("encoder_offset", (4,)), ("link_length", (3,))} <= set(origin.swallowed)
     held = json.loads(dia.to_json())["origins"][0]
     assert held["joint"] == 4
@@ -144,7 +144,7 @@ def test_beside_a_free_frame_it_is_sought_from_many_turns(tmp_path: Path) -> Non
     arm.write_text(planar_file())
     rng = np.random.default_rng(5)
     q = rng.uniform(-1.8, 1.8, (40, 3))
-    tip = np.array([planar_tip(each, 0.0) for each in q]) @ _turned(1.5).T + np.array([2.0, -1.0])
+    tip = np.array([planar_tip(item, 0.0) for item in q]) @ _turned(1.5).T + np.array([2.0, -1.0])
     file = recorded(tmp_path / "r.csv", q, np.zeros(40), tip)
     (tmp_path / "r.yaml").write_text("frame: free\n")
     model = read_arm(arm)
@@ -161,14 +161,14 @@ def test_what_cannot_be_told_of_it_is_not_bounded(tmp_path: Path) -> None:
     arm.write_text(planar_file())
     rng = np.random.default_rng(5)
     q = np.repeat(rng.uniform(-1.8, 1.8, (16, 3)), 2, axis=0)
-    tip = np.array([planar_tip(each, 0.0) for each in q]) + rng.normal(0.0, NOISE, (32, 2))
+    tip = np.array([planar_tip(item, 0.0) for item in q]) + rng.normal(0.0, NOISE, (32, 2))
     file = recorded(tmp_path / "r.csv", q, np.zeros(32), tip)
     (tmp_path / "r.yaml").write_text("frame: free\n")
-    found = lw.diagnose(arm, file).found
-    assert found.verdict == "none"
-    assert all(math.isinf(end) for each in found.origins[0].parameters for end in each.interval)
-    assert "which the data do not bound" in found.sentence
-    assert "`frame: known`" in found.sentence
+    result = lw.diagnose(arm, file).found
+    assert result.verdict == "none"
+    assert all(math.isinf(end) for parameter in result.origins[0].parameters for end in parameter.interval)
+    assert "which the data do not bound" in result.sentence
+    assert "`frame: known`" in result.sentence
 
 
 def test_several_recordings_share_it(tmp_path: Path) -> None:

@@ -53,8 +53,8 @@ def test_with_room_sums_of_squares_are_those_of_generalised_least_squares(null):
     inverse = np.linalg.inv(covariance(prepared, (), 0.1, beside=False))
     trial = [member, group_of(null, "payload")]
     columns, vector = prepared.pool.basis[:, prepared.pool.columns(trial)], prepared.vector
-    found = np.linalg.solve(columns.T @ inverse @ columns, columns.T @ inverse @ vector)
-    left = vector - columns @ found
+    result = np.linalg.solve(columns.T @ inverse @ columns, columns.T @ inverse @ vector)
+    left = vector - columns @ result
     assert fit(roomy, trial).rss == pytest.approx(float(left @ inverse @ left), rel=1e-9)
     assert fit(roomy, trial).rss < fit(prepared, trial).rss
 
@@ -92,7 +92,7 @@ def refuted(prepared, members, small=None):
     held_out = HeldOut(observed, parts, hardest(splits(observed, 0)), tethers, nuisances=1)
     width = observed.components
     parameters = prepared.pool.nuisance.shape[1] + sum(prepared.pool.groups[m].rank for m in members)
-    found = refuted_by(
+    result = refuted_by(
         observed,
         remaining(prepared, fitted)[:, :width],
         held_out,
@@ -101,7 +101,7 @@ def refuted(prepared, members, small=None):
         rules=RULES.answer,
         small=small,
     )
-    return refutes(found, RULES.answer)
+    return refutes(result, RULES)
 
 
 @pytest.mark.slow

@@ -55,9 +55,9 @@ def test_each_reading_stands_on_the_side_of_the_threshold_that_it_stood_on(
     (tmp_path / "recording.yaml").write_text(f"sigma: {1e6 * SIGMA:g} um\n", encoding="utf-8")
     arm = replace(arm_of_drives(), gravity=(0.0, -9.81, 0.0))
     recording = read_recording(written(tmp_path / "recording.csv", columns), arm, tmp_path / "recording.yaml")
-    found = diagnose(arm, recording)
-    assert [(each.effect, each.at) for each in found.findings] == [("backlash", (3,))]
-    fitted = {each.parameter: each for each in found.findings[0].parameters}
+    result = diagnose(arm, recording)
+    assert [(finding.effect, finding.at) for finding in result.findings] == [("backlash", (3,))]
+    fitted = {parameter.parameter: parameter for parameter in result.findings[0].parameters}
     assert fitted["total"].value == pytest.approx(TOTAL, rel=0.05)
     threshold = fitted["held_below"].value
     np.testing.assert_array_equal(np.abs(load) < threshold, np.abs(load) < held_below)

@@ -12,7 +12,7 @@ from linkwright.core.diagnose.fitting.refit import refit
 from linkwright.core.diagnose.fitting.room.unnamed import unnamed, variances
 from linkwright.core.diagnose.options import Options
 from linkwright.core.diagnose.rules.rules import RULES
-from linkwright.core.diagnose.search.subsets import gains, products
+from linkwright.core.diagnose.search.subsets import products
 from tests.diagnose.by_cosines import file, noise, poses, recording, tips
 from tests.diagnose.core_cases import group_of, noise_of, prepared_null, with_residual
 from tests.diagnose.fitting.test_fit import within
@@ -46,7 +46,7 @@ def test_the_variances_are_those_of_the_dense_likelihood():
     rng = np.random.default_rng(3)
     patterns = rng.normal(size=(30, 12)) / np.sqrt(30.0)
     left = patterns @ rng.normal(scale=3.0, size=12) + rng.normal(size=30)
-    found, noise = variances(patterns.T @ patterns, patterns.T @ left, float(left @ left), 30, 30, 4.0, 0.25)
+    result, noise = variances(patterns.T @ patterns, patterns.T @ left, float(left @ left), 30, 30, 4.0)
 
     def likelihood(deviation):
         whole = np.eye(30) + 30.0 * deviation**2 * patterns @ patterns.T
@@ -54,10 +54,10 @@ def test_the_variances_are_those_of_the_dense_likelihood():
         return multivariate_normal(np.zeros(30), scale * whole).logpdf(left)
 
     deviations = np.linspace(0.0, 4.0, 400)
-    weight = np.exp([likelihood(each) for each in deviations])
-    everything = 0.25 * weight[0] + 0.75 * weight.mean()
-    assert found == pytest.approx(30.0 * 0.75 * float(np.mean(weight * deviations**2)) / everything, rel=0.02)
-    whole = np.eye(30) + found * patterns @ patterns.T
+    weight = np.exp([likelihood(deviation) for deviation in deviations])
+    everything = weight[0] + weight.mean()
+    assert result == pytest.approx(30.0 * float(np.mean(weight * deviations**2)) / everything, rel=0.02)
+    whole = np.eye(30) + result * patterns @ patterns.T
     assert noise == pytest.approx(float(left @ np.linalg.solve(whole, left)) / 30.0)
 
 
@@ -80,13 +80,13 @@ def test_intervals_cover_beside_small_causes_that_nobody_names():
 
 def chosen(prepared, member, count, taken):
     """A member with so many others, each the one that explains most beside those before."""
-    found, pool = [member], prepared.pool
+    result, pool = [member], prepared.pool
     for _ in range(count):
-        gained = gains(pool, products(pool, prepared.vector).beside(pool.columns(found)))
-        families = {pool.groups[m].candidate.family for m in found}
+        gained = products(pool, prepared.vector).beside(pool.columns(result)).gains()
+        families = {pool.groups[m].candidate.family for m in result}
         free = [k for k in taken if pool.groups[k].candidate.family not in families]
-        found.append(max(free, key=lambda k: gained[k]))
-    return found
+        result.append(max(free, key=lambda k: gained[k]))
+    return result
 
 
 @pytest.mark.slow
@@ -168,18 +168,18 @@ def test_declared_rivals_are_no_causes_beside_the_name():
     assert without < with_it
 
 
-def widths_of(offsets, more_findings):
-    """How wide the intervals of encoders' zeros are that are off by so much, by a rule of what findings make room."""
+def widths_of(offsets, least):
+    """How wide the intervals of encoders' zeros are that are off by so much, by a rule of how much room there is."""
     q = np.repeat(poses(5, 40), 3, axis=0)
-    rules = replace(RULES, fitting=replace(RULES.fitting, more_findings=more_findings))
-    found = diagnose(file(), recording(q, tips(q + np.array(offsets)) + noise(5, len(q))), Options(rules=rules))
-    assert [each.effect for each in found.findings] == ["encoder_offset"] * np.count_nonzero(offsets)
-    return [each.parameters[0].interval[1] - each.parameters[0].interval[0] for each in found.findings]
+    rules = replace(RULES, fitting=replace(RULES.fitting, least_unnamed=least))
+    result = diagnose(file(), recording(q, tips(q + np.array(offsets)) + noise(5, len(q))), Options(rules=rules))
+    assert [finding.effect for finding in result.findings] == ["encoder_offset"] * np.count_nonzero(offsets)
+    return [finding.parameters[0].interval[1] - finding.parameters[0].interval[0] for finding in result.findings]
 
 
 @pytest.mark.slow
 def test_a_second_finding_makes_room_and_one_alone_does_not():
     two = (0.0, 2e-3, 1e-3)
-    assert all(wide > 1.1 * narrow for wide, narrow in zip(widths_of(two, 2), widths_of(two, 3), strict=True))
-    assert widths_of(two, RULES.fitting.more_findings) == widths_of(two, 2)
-    assert widths_of((0.0, 2e-3, 0.0), 2) == pytest.approx(widths_of((0.0, 2e-3, 0.0), 3), rel=1e-9)
+    room = RULES.fitting.least_unnamed
+    assert all(wide > 1.1 * narrow for wide, narrow in zip(widths_of(two, room), widths_of(two, 0.0), strict=True))
+    assert widths_of((0.0, 2e-3, 0.0), room) == pytest.approx(widths_of((0.0, 2e-3, 0.0), 0.0), rel=1e-9)

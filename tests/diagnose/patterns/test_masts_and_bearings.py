@@ -20,9 +20,9 @@ UPRIGHT, LEVEL = (0.0, 0.0, 1.0), (1.0, 0.0, 0.0)
 def recorded(folder: Path, arm: Arm, names: list[str], columns: list[Array], tip: Array):
     """A recording read back, with the noise of a tracker."""
     rng = np.random.default_rng(11)
-    table = {name: [f"{each:.7f}" for each in column] for name, column in zip(names, columns, strict=True)}
+    table = {name: [f"{item:.7f}" for item in column] for name, column in zip(names, columns, strict=True)}
     measured = 1e3 * (tip + SIGMA * rng.standard_normal(tip.shape))
-    table |= {f"{axis}_mm": [f"{each:.6f}" for each in measured[:, k]] for k, axis in enumerate("xyz")}
+    table |= {f"{axis}_mm": [f"{item:.6f}" for item in measured[:, k]] for k, axis in enumerate("xyz")}
     (folder / "recording.yaml").write_text(f"sigma: {1e6 * SIGMA:g} um\n", encoding="utf-8")
     return read_recording(written(folder / "recording.csv", table), arm, folder / "recording.yaml")
 
@@ -45,15 +45,15 @@ def test_a_mast_is_told_from_the_base_by_its_height(tmp_path: Path, bends: bool)
     across, slope = (moment * h**2 / (2.0 * ei), moment * h / ei) if bends else (soft * moment * h, soft * moment)
     tip = (r + across)[:, None] * out + (h - slope * r)[:, None] * up
     names = ["q1_mm", "q2_deg", "q3_mm", "payload_kg"]
-    found = diagnose(arm, recorded(tmp_path, arm, names, [1e3 * h, np.degrees(psi), 1e3 * r, payload], tip))
-    (finding,) = found.findings
-    assert found.unknown is None
+    result = diagnose(arm, recorded(tmp_path, arm, names, [1e3 * h, np.degrees(psi), 1e3 * r, payload], tip))
+    (finding,) = result.findings
+    assert result.unknown is None
     if bends:
-        assert (found.verdict, finding.effect, finding.at) == ("named", "column_bending", (1,))
+        assert (result.verdict, finding.effect, finding.at) == ("named", "column_bending", (1,))
         (size,) = finding.parameters
         assert size.interval[0] <= 1.0 / ei <= size.interval[1]
     else:
-        named = {finding.effect, *(each.effect for each in finding.alternatives)}
+        named = {finding.effect, *(alternative.effect for alternative in finding.alternatives)}
         assert "base_compliance" in named
         assert "column_bending" not in named
 
@@ -77,9 +77,25 @@ def test_a_bearing_is_told_by_loads_across_its_axis(tmp_path: Path) -> None:
     names = ["q1_deg", "q2_deg", "q3_deg", "fx_N", "fy_N", "fz_N"]
     columns = [*np.degrees(q).T, *force.T]
     moved = tip + compliance * np.cross(across, tip)
-    found = diagnose(arm, recorded(tmp_path, arm, names, columns, moved))
-    (finding,) = found.findings
-    assert (found.verdict, finding.effect, finding.at) == ("named", "lateral_compliance", (2,))
+    result = diagnose(arm, recorded(tmp_path, arm, names, columns, moved))
+    (finding,) = result.findings
+    assert (result.verdict, finding.effect, finding.at) == ("named", "lateral_compliance", (2,))
     (size,) = finding.parameters
     # Three standard errors, by the interval's width.
     assert abs(size.value - compliance) <= 0.75 * (size.interval[1] - size.interval[0]) < 0.03 * compliance
+
+
+@pytest.mark.parametrize("tilt", [9.5e-3, 0.0])
+def test_a_boom_that_is_askew_at_its_root_is_told_by_one_number(tmp_path: Path, tilt: float) -> None:
+    """A first slide that points down by `tilt` (rad): all that it carries goes down by tilt times its travel."""
+    slide = Joint("prismatic", axis=LEVEL, range=(0.3, 1.5))
+    boom = Arm("boom", (slide,), (Link(0.0, mass=0.0),), gravity=(0.0, 0.0, -G))
+    h = np.random.default_rng(1).uniform(0.3, 1.5, 30)
+    tip = np.stack([h * np.cos(tilt), 0.0 * h, -h * np.sin(tilt)], axis=1)
+    result = diagnose(boom, recorded(tmp_path, boom, ["q1_mm"], [1e3 * h], tip))
+    assert [(item.effect, item.at) for item in result.findings] == ([("frame_misalignment", ())] if tilt else [])
+    assert result.unknown is None
+    for finding in result.findings:
+        (size,) = finding.parameters
+        assert size.parameter == "about_y"
+        assert size.interval[0] <= tilt <= size.interval[1]

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from linkwright.core.diagnose.patterns.pool import exchanged, make_pool, orthonormal, with_group
-from linkwright.core.diagnose.search.subsets import gains, products
+from linkwright.core.diagnose.search.subsets import products
 from linkwright.core.executors.packing import packed, unpacked
 from tests.diagnose.core_cases import pattern, random_pool
 
@@ -89,7 +89,7 @@ def test_pools_that_grow_from_one_do_not_disturb_each_other():
     rng = np.random.default_rng(9)
     pool, _, _ = random_pool(rng, (1, 2, 3))
     more = [rng.standard_normal((60, 2)) for _ in range(2)]
-    one, other = (with_group(pool, pattern(name, 2), each, None) for name, each in zip("ab", more, strict=True))
+    one, other = (with_group(pool, pattern(name, 2), item, None) for name, item in zip("ab", more, strict=True))
     further = with_group(one, pattern("c", 2), more[1], None)
     for wider, each in ((one, more[0]), (other, more[1]), (further, more[1])):
         assert wider.gram == pytest.approx(wider.basis.T @ wider.basis, abs=1e-12)
@@ -106,10 +106,10 @@ def test_groups_exchanged_are_as_if_the_pool_were_new():
     rng = np.random.default_rng(10)
     pool, columns, beside = random_pool(rng, (1, 2, 3))
     fresh = [(pattern("new", 2), rng.standard_normal((60, 2)), None), (pattern("in", 1), beside[:, :1], None)]
-    found = exchanged(pool, (0, 2), fresh)
+    result = exchanged(pool, (0, 2), fresh)
     kept = [(pool.groups[k].candidate, columns[k], None) for k in (0, 2)]
     anew = make_pool(beside, [*kept, *fresh])
-    assert [group.candidate for group in found.groups] == [group.candidate for group in anew.groups]
-    assert [candidate.effect for candidate in found.invisible] == ["in"]
+    assert [group.candidate for group in result.groups] == [group.candidate for group in anew.groups]
+    assert [candidate.effect for candidate in result.invisible] == ["in"]
     vector = pool.projected(rng.standard_normal(60))
-    assert gains(found, products(found, vector)) == pytest.approx(gains(anew, products(anew, vector)), rel=1e-9)
+    assert products(result, vector).gains() == pytest.approx(products(anew, vector).gains(), rel=1e-9)

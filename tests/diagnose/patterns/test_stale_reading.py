@@ -21,7 +21,7 @@ def logged(folder, seed, share, commands=False):
     tip = planar_tip(stood) + SIGMA * rng.standard_normal((160, 2))
     columns = table(logged_angles, tip)
     if commands:
-        columns |= {f"c{k + 1}_deg": [f"{each:.7f}" for each in np.degrees(stood[:, k])] for k in range(3)}
+        columns |= {f"c{k + 1}_deg": [f"{degree:.7f}" for degree in np.degrees(stood[:, k])] for k in range(3)}
     (folder / "recording.yaml").write_text(SETTINGS, encoding="utf-8")
     return read_recording(written(folder / "recording.csv", columns), ARM, folder / "recording.yaml")
 
@@ -29,23 +29,22 @@ def logged(folder, seed, share, commands=False):
 @pytest.mark.parametrize("seed", slow_but(range(3), 1))
 def test_the_share_of_the_move_still_to_come_is_found(tmp_path, seed):
     """The move is told by the logged angles, whose differences lack a share of a share: 3e-4 of it."""
-    found = diagnose(ARM, logged(tmp_path, seed, np.array([0.0, 3e-4, 0.0])))
-    assert [(each.effect, each.at) for each in found.findings] == [("stale_reading", (2,))]
-    assert found.unknown is None
-    size = found.findings[0].parameters[0]
+    result = diagnose(ARM, logged(tmp_path, seed, np.array([0.0, 3e-4, 0.0])))
+    assert [(finding.effect, finding.at) for finding in result.findings] == [("stale_reading", (2,))]
+    assert result.unknown is None
+    size = result.findings[0].parameters[0]
     assert size.parameter == "share_of_move"
     assert size.value == pytest.approx(3e-4, rel=0.05)
 
 
-@pytest.mark.xfail(strict=True, reason="share_of_move is named, by the usual sizes in the criterion")
 @pytest.mark.slow
 def test_where_commands_are_logged_the_joint_stood_at_them(tmp_path):
-    found = diagnose(ARM, logged(tmp_path, 1, np.array([4e-4, 0.0, 0.0]), commands=True))
-    assert [(each.effect, each.at) for each in found.findings] == [("stale_reading", (1,))]
-    size = found.findings[0].parameters[0]
+    result = diagnose(ARM, logged(tmp_path, 1, np.array([4e-4, 0.0, 0.0]), commands=True))
+    assert [(finding.effect, finding.at) for finding in result.findings] == [("stale_reading", (1,))]
+    size = result.findings[0].parameters[0]
     assert size.parameter == "share_of_command"
     assert size.value == pytest.approx(1.0, rel=0.05)
-    assert len(found.findings[0].parameters) == 1
+    assert len(result.findings[0].parameters) == 1
 
 
 @pytest.mark.slow

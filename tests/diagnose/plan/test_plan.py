@@ -42,8 +42,8 @@ def found():
 
 def test_sizes_are_smaller_than_at_random(found):
     """On average clearly, and no cause's by much larger; no fewer pairs are told apart, but for one in a hundred."""
-    ratio = np.array([found.at_random(each) / each.smallest for each in found.promise.shown])
-    assert {each.effect for each in found.promise.shown} == {"backlash", "joint_compliance"}
+    ratio = np.array([found.at_random(item) / item.smallest for item in found.promise.shown])
+    assert {item.effect for item in found.promise.shown} == {"backlash", "joint_compliance"}
     assert np.exp(np.mean(np.log(ratio))) > 1.25
     assert ratio.min() > 0.75
     told, pairs = found.told_at_random
@@ -55,9 +55,9 @@ def test_the_promise_is_of_the_readings_alone(found):
     again = promised(found.arm, found.recording, found.axes, ASKED)
     assert again == found.promise
     louder = promised(found.arm, found.recording, found.axes, replace(ASKED, sigma=2 * ASKED.sigma))
-    sizes = {(each.effect, each.at): each.smallest for each in louder.shown}
-    assert [sizes[each.effect, each.at] for each in again.shown] == pytest.approx(
-        [2.0 * each.smallest for each in again.shown], rel=1e-3
+    sizes = {(item.effect, item.at): item.smallest for item in louder.shown}
+    assert [sizes[item.effect, item.at] for item in again.shown] == pytest.approx(
+        [2.0 * item.smallest for item in again.shown], rel=1e-3
     )
 
 
@@ -201,13 +201,13 @@ def test_a_plan_after_a_recording_stays_where_that_was():
     recorded = np.random.default_rng(4).uniform(0.2, 0.6, (12, arm.size))
     room = room_of(arm, recorded)
     held = np.concatenate([frames_and_tips(arm, recorded), np.zeros((12, 1, 3))], axis=1).reshape(-1, 3)
-    found = tried_visits(arm, replace(ASKED, room=room))
-    run = approach(arm, FAST.plan)
-    for q in (found.q, found.q + run, found.q - run):
+    result = tried_visits(arm, replace(ASKED, room=room))
+    run = approach(arm)
+    for q in (result.q, result.q + run, result.q - run):
         points = frames_and_tips(arm, q)
         assert (points >= held.min(axis=0) - 1e-8).all()
         assert (points <= held.max(axis=0) + 1e-8).all()
-    assert found.size >= 4 * FAST.plan.tried
+    assert result.size >= 4 * FAST.plan.tried
 
 
 def random_patterns(rng, visits=40, columns=7, nuisances=2):
@@ -234,12 +234,12 @@ def test_the_score_is_of_least_squares():
     total = score.beforehand + score.of(range(20))
     flat = patterns.rows[:20].reshape(-1, 7)
     _, told, _, _ = score._shown(total)
-    for asked in range(5):
+    for index in range(5):
         for rival in range(5):
-            if asked != rival:
+            if index != rival:
                 beside = flat[:, [0, 1, 2 + rival]]
-                left = flat[:, 2 + asked] - beside @ np.linalg.lstsq(beside, flat[:, 2 + asked])[0]
-                assert told[asked, rival] == pytest.approx(float(left @ left), rel=1e-6)
+                left = flat[:, 2 + index] - beside @ np.linalg.lstsq(beside, flat[:, 2 + index])[0]
+                assert told[index, rival] == pytest.approx(float(left @ left), rel=1e-6)
 
 
 def test_exchange_betters_any_choice_at_random():

@@ -39,33 +39,33 @@ def read(tmp_path: Path, q: Array, tip: Array, settings: str | None = None, **fu
 
 
 def rejected(recording: Recording, word: str) -> list[int]:
-    return [each.row for each in recording.rejected if word in each.reason]
+    return [item.row for item in recording.rejected if word in item.reason]
 
 
 @pytest.mark.parametrize("seed", range(8))
 def test_a_clean_recording_keeps_every_row(tmp_path: Path, seed: int) -> None:
     q, tip = clean(seed)
-    found = read(tmp_path, q, tip, time_s=np.arange(float(COUNT)), payload_kg=np.tile([0.0, 5.0], COUNT // 2))
-    assert (found.rejected, found.warnings) == ((), ())
+    result = read(tmp_path, q, tip, time_s=np.arange(float(COUNT)), payload_kg=np.tile([0.0, 5.0], COUNT // 2))
+    assert (result.rejected, result.warnings) == ((), ())
 
 
 def test_a_stuck_joint(tmp_path: Path) -> None:
     q, tip = clean()
     q[40:60, 1] = q[39, 1]
-    found = read(tmp_path, q, tip)
-    rows = rejected(found, "q2_deg stands still")
+    result = read(tmp_path, q, tip)
+    rows = rejected(result, "q2_deg stands still")
     # In a few of the 20 poses the joint was near where it stuck; no row outside may be named.
     assert set(rows) <= set(range(41, 61))
     assert len(rows) >= 17
-    assert len(found.rejected) == len(rows)
-    assert found.size == COUNT - len(rows)
+    assert len(result.rejected) == len(rows)
+    assert result.size == COUNT - len(rows)
 
 
 def test_a_joint_that_rests_while_the_others_move_is_not_stuck(tmp_path: Path) -> None:
     q, _ = clean()
     q[30:90, 0] = 0.5
-    found = read(tmp_path, q, planar_tip(q))
-    assert found.rejected == ()
+    result = read(tmp_path, q, planar_tip(q))
+    assert result.rejected == ()
 
 
 def test_a_joint_whose_encoder_jitters_by_a_count(tmp_path: Path) -> None:
@@ -78,16 +78,16 @@ def test_a_joint_whose_encoder_jitters_by_a_count(tmp_path: Path) -> None:
 def test_a_millionth_of_a_millimetre_is_no_unit() -> None:
     names = {f"q{k + 1}": f"q{k + 1}_deg" for k in range(3)} | {"x": "x_mm", "y": "y_mm"}
     lengths = [change for change in unit_changes(ARM, 2, names) if np.all(change.q == 1.0)]
-    assert all(1e-4 < max(each.factors) < 1e4 for each in lengths)
+    assert all(1e-4 < max(length.factors) < 1e4 for length in lengths)
     micrometres = list(unit_changes(ARM, 2, names | {"x": "x_um", "y": "y_um"}))
-    assert any(each.said() == "x_um, y_um seem to be in m" for each in micrometres)
+    assert any(micrometre.said() == "x_um, y_um seem to be in m" for micrometre in micrometres)
 
 
 def test_a_constant_height_of_an_arm_in_the_plane_is_said(tmp_path: Path) -> None:
     q, tip = clean()
-    found = read(tmp_path, q, np.column_stack([tip, np.full(len(q), 0.12)]))
-    assert found.tip.shape[1] == 2
-    assert any("z_mm is 120 mm throughout" in sentence for sentence in found.warnings)
+    result = read(tmp_path, q, np.column_stack([tip, np.full(len(q), 0.12)]))
+    assert result.tip.shape[1] == 2
+    assert any("z_mm is 120 mm throughout" in sentence for sentence in result.warnings)
 
 
 def test_a_joint_that_was_never_logged(tmp_path: Path) -> None:
@@ -124,11 +124,11 @@ def test_rows_in_another_unit(tmp_path: Path) -> None:
     tip[10:13] *= 1e-3
     tip[50] *= 1e3
     q[80:82] = np.radians(q[80:82])
-    found = read(tmp_path, q, tip)
-    assert rejected(found, "x_mm, y_mm seem to be in m") == [11, 12, 13]
-    assert rejected(found, "x_mm, y_mm seem to be in um") == [51]
-    assert rejected(found, "seem to be in rad") == [81, 82]
-    assert len(found.rejected) == 6
+    result = read(tmp_path, q, tip)
+    assert rejected(result, "x_mm, y_mm seem to be in m") == [11, 12, 13]
+    assert rejected(result, "x_mm, y_mm seem to be in um") == [51]
+    assert rejected(result, "seem to be in rad") == [81, 82]
+    assert len(result.rejected) == 6
 
 
 @settings(max_examples=25)
@@ -139,9 +139,9 @@ def test_jumps(tmp_path_factory: pytest.TempPathFactory, rows: set[int], seed: i
     for row in rows:
         angle = random.uniform(0.0, 2.0 * math.pi)
         tip[row] += random.uniform(0.02, 0.5) * np.array([math.cos(angle), math.sin(angle)])
-    found = read(tmp_path_factory.mktemp("jumps"), q, tip)
-    lasting = {int(row) for row in found.row} & {row + 1 for row in rows}
-    assert {each.row for each in found.rejected} | lasting == {row + 1 for row in rows}
+    result = read(tmp_path_factory.mktemp("jumps"), q, tip)
+    lasting = {int(row) for row in result.row} & {row + 1 for row in rows}
+    assert {item.row for item in result.rejected} | lasting == {row + 1 for row in rows}
     # Only four or more in a row are something else than jumps.
     longest = max(len(run) for run in np.split(sorted(rows), np.flatnonzero(np.diff(sorted(rows)) > 1) + 1))
     assert not lasting or longest > 3
@@ -150,9 +150,9 @@ def test_jumps(tmp_path_factory: pytest.TempPathFactory, rows: set[int], seed: i
 def test_what_slipped_and_stays_is_no_jump(tmp_path: Path) -> None:
     q, tip = clean()
     tip[90:] = planar_tip(q[90:] + np.array([0.02, 0.0, 0.0]))
-    found = read(tmp_path, q, tip)
-    assert found.rejected == ()
-    assert any("these rows are kept" in sentence for sentence in found.warnings)
+    result = read(tmp_path, q, tip)
+    assert result.rejected == ()
+    assert any("these rows are kept" in sentence for sentence in result.warnings)
 
 
 @pytest.mark.parametrize("timed", [True, False], ids=["timed", "no time"])
@@ -161,12 +161,12 @@ def test_rows_pasted_in_again_count_once(tmp_path: Path, timed: bool) -> None:
     q, tip = clean()
     order = np.concatenate([np.arange(20), np.arange(60, 63), np.arange(20, COUNT), np.arange(50, 60)])
     time = {"time_s": 20.0 * order} if timed else {}
-    found = read(tmp_path, q[order], tip[order], **time)
+    result = read(tmp_path, q[order], tip[order], **time)
     # Rows 21 to 23 come first in the file; what stands where it was measured is then their copy.
     expected = [*range(64, 67), *range(124, 134)]
-    assert [each.row for each in found.rejected if "stands in the file already" in each.reason] == expected
-    assert rejected(found, "stands in the file already, as row 21") == [64]
-    assert found.size == COUNT
+    assert [item.row for item in result.rejected if "stands in the file already" in item.reason] == expected
+    assert rejected(result, "stands in the file already, as row 21") == [64]
+    assert result.size == COUNT
 
 
 def test_poses_read_again_are_no_copies(tmp_path: Path) -> None:
@@ -174,18 +174,18 @@ def test_poses_read_again_are_no_copies(tmp_path: Path) -> None:
     q, tip = clean()
     again = np.concatenate([q, q[:40]])
     noisy = np.concatenate([tip, tip[:40] + np.random.default_rng(5).normal(0.0, 20e-6, (40, 2))])
-    assert not any("already" in each.reason for each in read(tmp_path, again, noisy).rejected)
+    assert not any("already" in item.reason for item in read(tmp_path, again, noisy).rejected)
     coarse = np.round(np.concatenate([tip, tip[:40]]), 3)
-    assert not any("already" in each.reason for each in read(tmp_path, again, coarse).rejected)
+    assert not any("already" in item.reason for item in read(tmp_path, again, coarse).rejected)
 
 
 def test_copies_of_a_row(tmp_path: Path) -> None:
     q, tip = clean()
     q, tip = np.insert(q, [20, 70], q[[19, 69]], axis=0), np.insert(tip, [20, 70], tip[[19, 69]], axis=0)
-    found = read(tmp_path, q, tip)
-    assert rejected(found, "repeats row 20 to the last digit") == [21]
-    assert rejected(found, "repeats row 71 to the last digit") == [72]
-    assert len(found.rejected) == 2
+    result = read(tmp_path, q, tip)
+    assert rejected(result, "repeats row 20 to the last digit") == [21]
+    assert rejected(result, "repeats row 71 to the last digit") == [72]
+    assert len(result.rejected) == 2
 
 
 def test_repeats_with_noise_are_no_copies(tmp_path: Path) -> None:
@@ -197,42 +197,42 @@ def test_repeats_with_noise_are_no_copies(tmp_path: Path) -> None:
 def test_repeats_through_a_coarse_instrument_are_no_copies(tmp_path: Path) -> None:
     q = np.repeat(poses(40), 3, axis=0)
     tip = np.round(planar_tip(q) + np.random.default_rng(5).normal(0.0, 40e-6, (120, 2)), 4)
-    found = read(tmp_path, q, tip)
-    assert found.rejected == ()
+    result = read(tmp_path, q, tip)
+    assert result.rejected == ()
 
 
 def test_a_tracker_that_froze(tmp_path: Path) -> None:
     q, tip = clean()
     tip[60:64] = tip[59]
-    found = read(tmp_path, q, tip)
-    assert rejected(found, "the tip is that of row 60") == [61, 62, 63, 64]
-    assert len(found.rejected) == 4
+    result = read(tmp_path, q, tip)
+    assert rejected(result, "the tip is that of row 60") == [61, 62, 63, 64]
+    assert len(result.rejected) == 4
 
 
 def test_time_that_goes_back_in_a_row(tmp_path: Path) -> None:
     q, tip = clean()
     time = 5.0 * np.arange(COUNT)
     time[33] = 2.0
-    found = read(tmp_path, q, tip, time_s=time)
-    assert rejected(found, "time_s runs backwards") == [34]
-    assert found.time is not None
-    assert (np.diff(found.time) > 0.0).all()
+    result = read(tmp_path, q, tip, time_s=time)
+    assert rejected(result, "time_s runs backwards") == [34]
+    assert result.time is not None
+    assert (np.diff(result.time) > 0.0).all()
 
 
 def test_a_clock_that_was_set_back(tmp_path: Path) -> None:
     q, tip = clean()
-    found = read(tmp_path, q, tip, time_s=np.r_[np.arange(70.0), np.arange(50.0)])
-    assert (found.rejected, found.time) == ((), None)
-    assert any("time_s starts again in row 71" in sentence for sentence in found.warnings)
+    result = read(tmp_path, q, tip, time_s=np.r_[np.arange(70.0), np.arange(50.0)])
+    assert (result.rejected, result.time) == ((), None)
+    assert any("time_s starts again in row 71" in sentence for sentence in result.warnings)
 
 
 def test_rows_in_another_order_than_time(tmp_path: Path) -> None:
     q, tip = clean()
     time = np.random.default_rng(2).permutation(COUNT).astype(float)
-    found = read(tmp_path, q, tip, time_s=time)
-    assert found.time is not None
-    assert np.diff(found.time) == pytest.approx(np.diff(time))
-    assert any("order of their visits" in sentence for sentence in found.warnings)
+    result = read(tmp_path, q, tip, time_s=time)
+    assert result.time is not None
+    assert np.diff(result.time) == pytest.approx(np.diff(time))
+    assert any("order of their visits" in sentence for sentence in result.warnings)
 
 
 def test_sides_that_are_none(tmp_path: Path) -> None:
@@ -265,12 +265,12 @@ def test_constant_columns_and_angles_beyond_their_range_are_said_and_kept(tmp_pa
     q, _ = clean()
     q[:, 2] = 0.3
     q[7, 0] = 2.1
-    found = read(tmp_path, q, planar_tip(q), payload_kg=np.full(COUNT, 3.0))
-    assert found.rejected == ()
-    said = " ".join(found.warnings)
-    assert "q3_deg, payload_kg never change" in said
-    assert "q1_deg is beyond the range" in said
-    assert "in row 8." in said
+    result = read(tmp_path, q, planar_tip(q), payload_kg=np.full(COUNT, 3.0))
+    assert result.rejected == ()
+    text = " ".join(result.warnings)
+    assert "q3_deg, payload_kg never change" in text
+    assert "q1_deg is beyond the range" in text
+    assert "in row 8." in text
 
 
 def test_another_frame_is_refused_and_a_free_one_read(tmp_path: Path) -> None:
@@ -279,23 +279,23 @@ def test_another_frame_is_refused_and_a_free_one_read(tmp_path: Path) -> None:
     elsewhere = tip @ np.array([[c, s], [-s, c]]) + [1.5, -0.7]
     with pytest.raises(InputError, match="frame: free"):
         read(tmp_path, q, elsewhere)
-    found = read(tmp_path, q, elsewhere, "frame: free")
-    assert (found.rejected, found.size) == ((), COUNT)
-    assert found.tip == pytest.approx(elsewhere, abs=1e-8)
+    result = read(tmp_path, q, elsewhere, "frame: free")
+    assert (result.rejected, result.size) == ((), COUNT)
+    assert result.tip == pytest.approx(elsewhere, abs=1e-8)
 
 
 def test_a_slightly_shifted_frame_is_said(tmp_path: Path) -> None:
     q, tip = clean()
-    found = read(tmp_path, q, tip + np.array([0.03, 0.01]))
-    assert found.size == COUNT
-    assert any("`frame: free`" in sentence for sentence in found.warnings)
+    result = read(tmp_path, q, tip + np.array([0.03, 0.01]))
+    assert result.size == COUNT
+    assert any("`frame: free`" in sentence for sentence in result.warnings)
 
 
 def test_a_longer_tool_is_said(tmp_path: Path) -> None:
     q, _ = clean()
     tip = planar_tip(q, (0.4, 0.42, 0.35))
-    found = read(tmp_path, q, tip)
-    assert any("`tool: free`" in sentence for sentence in found.warnings)
+    result = read(tmp_path, q, tip)
+    assert any("`tool: free`" in sentence for sentence in result.warnings)
     assert not read(tmp_path, q, tip, "tool: free").warnings
 
 
@@ -313,9 +313,9 @@ def test_jumps_are_found_in_a_free_frame_in_space(tmp_path: Path) -> None:
     measured = turn.apply(tip) + np.array([3.0, 1.0, -0.5])
     measured[[12, 77]] += 0.2
     (tmp_path / "recording.yaml").write_text("frame: free")
-    found = read_recording(written(tmp_path / "r.csv", table(q, measured)), arm)
-    assert rejected(found, "jumps") == [13, 78]
-    assert len(found.rejected) == 2
+    result = read_recording(written(tmp_path / "r.csv", table(q, measured)), arm)
+    assert rejected(result, "jumps") == [13, 78]
+    assert len(result.rejected) == 2
 
 
 def test_quaternions_have_length_one(tmp_path: Path) -> None:
@@ -323,8 +323,8 @@ def test_quaternions_have_length_one(tmp_path: Path) -> None:
     w = np.ones(COUNT)
     w[4] = 0.5
     zero = np.zeros(COUNT)
-    found = read(tmp_path, q, tip, qw=w, qx=zero, qy=zero, qz=zero)
-    assert rejected(found, "length 0.5") == [5]
+    result = read(tmp_path, q, tip, qw=w, qx=zero, qy=zero, qz=zero)
+    assert rejected(result, "length 0.5") == [5]
     with pytest.raises(InputError, match="no quaternions"):
         read(tmp_path, q, tip, qw=0.5 * np.ones(COUNT), qx=zero, qy=zero, qz=zero)
     with pytest.raises(InputError, match="rest of its quaternion"):
@@ -340,7 +340,7 @@ def test_lists_of_rows_lose_none(rows: set[int]) -> None:
         if part.endswith(" more"):
             more = int(part.split()[0])
         else:
-            ends = [int(each) for each in part.split(" to ")]
+            ends = [int(item) for item in part.split(" to ")]
             named |= set(range(ends[0], ends[-1] + 1))
     assert named <= rows
     assert len(named) + more == len(rows)

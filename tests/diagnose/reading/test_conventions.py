@@ -81,8 +81,8 @@ def on_joints(change: Callable[[Array], Array]) -> Spoil:
 SPOILT: list[tuple[Spoil, str, str]] = [
     (times(1, 1, -1, 1, 1), "q3_deg counts the other way", "columns: {q3_deg: -q3_deg}"),
     (times(1, -1, -1, 1, 1), "q2_deg, q3_deg count the other way", "columns: {q2_deg: -q2_deg, q3_deg: -q3_deg}"),
-    (plus(0, 0, 90, 0, 0), "q3_deg counts from another zero, -90 deg away", "`zero: -90 deg` (with dh: theta) at"),
-    (plus(0, 90, -90, 0, 0), "q2_deg counts from another zero, -90 deg away and q3_deg", "joint 3"),
+    (plus(0, 0, 90, 0, 0), "q3_deg counts from another zero, -90 deg away", "columns: {q3_deg: q3_deg - 90}"),
+    (plus(0, 90, -90, 0, 0), "q2_deg counts from another zero, -90 deg away and q3_deg", "q3_deg: q3_deg + 90}"),
     (
         on_joints(lambda q: np.stack([q[:, 0], q[:, 1], q[:, 1] + q[:, 2], q[:, 3], q[:, 4]], axis=1)),
         "q3_deg holds q2_deg as well",
@@ -93,9 +93,13 @@ SPOILT: list[tuple[Spoil, str, str]] = [
         "q2_deg and q3_deg have changed places",
         "columns: {q2_deg: q3_deg, q3_deg: q2_deg}",
     ),
-    (on_tip(lambda tip: np.roll(tip, 2, axis=0)), "the tips stand 2 rows later", "each tip beside its own joints"),
-    (on_tip(lambda tip: np.roll(tip, -1, axis=0)), "the tips stand 1 row earlier", "each tip beside its own joints"),
-    (on_tip(lambda tip: tip[::-1]), "the tips stand in the opposite order", "each tip beside its own joints"),
+    (on_tip(lambda tip: np.roll(tip, 2, axis=0)), "the tips stand 2 rows later", "than the joints that they belong to"),
+    (
+        on_tip(lambda tip: np.roll(tip, -1, axis=0)),
+        "the tips stand 1 row earlier",
+        "than the joints that they belong to",
+    ),
+    (on_tip(lambda tip: tip[::-1]), "the tips stand in the opposite order", ""),
 ]
 
 
@@ -119,9 +123,9 @@ def test_the_remedy_mends_it(tmp_path: Path, spoil: Spoil, said: str, remedy: st
     true, tip = clean()
     q, _ = spoil(true, tip)
     if "columns" in remedy:
-        found = read(tmp_path, q, tip, remedy)
-        assert found.q == pytest.approx(true, abs=1e-6)
-        assert found.rejected == ()
+        result = read(tmp_path, q, tip, remedy)
+        assert result.q == pytest.approx(true, abs=1e-6)
+        assert result.rejected == ()
 
 
 def test_axes_that_changed_places(tmp_path: Path) -> None:
@@ -132,6 +136,40 @@ def test_axes_that_changed_places(tmp_path: Path) -> None:
         read(tmp_path, q, tip * [1.0, -1.0, 1.0])
     with pytest.raises(InputError, match="left-handed"):
         read(tmp_path, q, free(tip * [1.0, -1.0, 1.0]), "frame: free\ntool: free\n")
+
+
+ROWS = ((0, 160, 90, 0), (-425, 0, 0, 30), (-392, 0, 0, 0), (0, 109, 90, 0), (0, 95, -90, -90), (0, 82, 0, 0))
+"""a and d (mm), alpha and theta (deg)."""
+
+
+@pytest.mark.parametrize("meant", ["standard", "modified"])
+@pytest.mark.parametrize("frame", ["known", "free"])
+def test_rows_of_dh_in_the_other_convention(tmp_path: Path, meant: str, frame: str) -> None:
+    """Tips by the four motions of each row, about and along z and x, in the order of the convention that is meant."""
+    q = poses(60, 3, joints=6)
+    turn, tip = Rotation.identity(len(q)), np.zeros((len(q), 3))
+    for k, (a, d, alpha, theta) in enumerate(ROWS):
+        about_x, along_x = Rotation.from_euler("x", alpha, degrees=True), np.array([1e-3 * a, 0.0, 0.0])
+        about_z, along_z = (
+            Rotation.from_euler("z", q[:, k : k + 1] + math.radians(theta)),
+            np.array([0.0, 0.0, 1e-3 * d]),
+        )
+        steps = [(about_z, along_z), (about_x, along_x)]
+        for about, along in steps if meant == "standard" else reversed(steps):
+            turn, tip = turn * about, tip + turn.apply(along)
+    said = {"standard": "modified", "modified": "standard"}[meant]
+    rows = [
+        f"  - {{joint: {{}}, dh: {{a: {a} mm, d: {d} mm, alpha: {alpha} deg, theta: {theta} deg, convention: {{}}}}}}\n"
+        for a, d, alpha, theta in ROWS
+    ]
+    (tmp_path / "recording.yaml").write_text(f"frame: {frame}\ntool: {frame}\n")
+    path = written(tmp_path / "r.csv", table(q, free(tip) if frame == "free" else tip))
+    for convention in (said, meant):
+        arm = tmp_path / f"{convention}.yaml"
+        arm.write_text("chain:\n" + "".join(row.replace("convention: {}", f"convention: {convention}") for row in rows))
+    with pytest.raises(InputError, match=f"the arm file's dh are meant with `convention: {meant}` in each"):
+        read_recording(path, read_arm(tmp_path / f"{said}.yaml"))
+    assert read_recording(path, read_arm(tmp_path / f"{meant}.yaml")).rejected == ()
 
 
 def test_tips_in_any_other_order(tmp_path: Path) -> None:
@@ -148,6 +186,21 @@ def test_a_zero_at_an_odd_angle(tmp_path: Path) -> None:
         read(tmp_path, q, tip)
 
 
+@pytest.mark.parametrize("degree", [0.0, 1.0])
+def test_another_zero_of_the_last_joint_is_no_longer_tool(tmp_path: Path, degree: float) -> None:
+    """In the plane a tool of 424 mm would do as well as a quarter turn of the last link; one that was forgotten is told
+    as a tool, be it a little longer than the link or shorter."""
+    q = poses(60)
+    (tmp_path / "recording.yaml").write_text("frame: known\n")
+    path = written(tmp_path / "r.csv", table(q + np.radians([0.0, 0.0, 90.0 + degree]), planar_tip(q)))
+    with pytest.raises(InputError, match=r"q3_deg counts from another zero, -90 deg away.*q3_deg: q3_deg - 90"):
+        read_recording(path, planar_arm())
+    for further in (0.2, 0.35):
+        path = written(tmp_path / "r.csv", table(q, planar_tip(q, (0.4, 0.42, 0.3 + further))))
+        with pytest.raises(InputError, match="does not hold the arm file's tip"):
+            read_recording(path, planar_arm())
+
+
 def test_what_belongs_to_another_arm_is_refused(tmp_path: Path) -> None:
     q, _ = clean()
     anywhere = np.random.default_rng(2).uniform(-1.0, 1.0, (len(q), 3))
@@ -162,8 +215,8 @@ def test_physics_is_no_mistake_of_convention(tmp_path: Path, seed: int, frame: s
     q, _ = clean(seed)
     error = np.random.default_rng(seed).normal(0.0, 0.01, 5) * np.array([np.cos(q[:, k]) for k in range(5)]).T
     tip = space_tip(q + error)
-    found = read(tmp_path, q, free(tip) if frame == "free" else tip, f"frame: {frame}\ntool: {frame}\n")
-    assert found.size == len(q)
+    result = read(tmp_path, q, free(tip) if frame == "free" else tip, f"frame: {frame}\ntool: {frame}\n")
+    assert result.size == len(q)
     slow = np.linspace(0.0, 1.0, len(q) + 1)[:, None] * np.array([0.5, 0.3, -0.4, 0.2, 0.6])
     assert read(tmp_path, slow[1:], space_tip(slow[:-1])).size == len(q)
 
@@ -201,9 +254,9 @@ def test_no_row_of_a_stuck_encoder_is_kept(tmp_path: Path) -> None:
     q, tip = clean(count=80)
     stuck = q.copy()
     stuck[40:, 4] = stuck[39, 4]
-    found = read(tmp_path, stuck, tip)
-    assert {each.row for each in found.rejected} >= set(range(42, 80))
-    assert {each.row for each in found.rejected} <= set(range(41, 81))
+    result = read(tmp_path, stuck, tip)
+    assert {item.row for item in result.rejected} >= set(range(42, 80))
+    assert {item.row for item in result.rejected} <= set(range(41, 81))
 
 
 @pytest.mark.parametrize("settings", ["frame: free\n", "frame: free\ntool: free\n", "tool: free\n"])

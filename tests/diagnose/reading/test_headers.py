@@ -3,8 +3,9 @@
 import pytest
 
 from linkwright.core.diagnose.reading.columns import otherwise_spelled
+from linkwright.core.diagnose.reading.foreign.proposed_file import propose
 from linkwright.core.units.quantities import InputError
-from tests.diagnose.reading.test_foreign_files import ANGLES, TIPS, read, text
+from tests.diagnose.reading.test_foreign_files import ANGLES, ARM, TIPS, read, text
 
 
 @pytest.mark.parametrize(
@@ -46,10 +47,10 @@ def test_spelling(written, ours):
     "header", ["Q1_DEG,Q2_DEG,X_MM,Y_MM", "q1 (deg),q2 (deg),x (mm),y (mm)", 'Q1 [°],q2_deg,"X [mm]",y [mm]']
 )
 def test_headers_as_people_write_them_are_read_and_said(tmp_path, header):
-    found = read(tmp_path, text(",", header))
-    assert found.q == pytest.approx(ANGLES, abs=1e-6)
-    assert found.tip == pytest.approx(TIPS, abs=1e-7)
-    said = [line for line in found.warnings if "written otherwise" in line]
+    result = read(tmp_path, text(",", header))
+    assert result.q == pytest.approx(ANGLES, abs=1e-6)
+    assert result.tip == pytest.approx(TIPS, abs=1e-7)
+    said = [line for line in result.warnings if "written otherwise" in line]
     assert len(said) == 1
     assert " as x_mm" in said[0]
 
@@ -58,40 +59,81 @@ def test_a_header_as_it_should_be_goes_before_one_like_it(tmp_path):
     """`X_MM` beside `x_mm` is somebody's own column."""
     rows = text(",").splitlines()
     content = "\n".join(["X_MM," + rows[0], *("7," + row for row in rows[1:])]) + "\n"
-    found = read(tmp_path, content)
-    assert found.tip == pytest.approx(TIPS, abs=1e-7)
-    assert "X_MM" in found.other
+    result = read(tmp_path, content)
+    assert result.tip == pytest.approx(TIPS, abs=1e-7)
+    assert "X_MM" in result.other
 
 
 @pytest.mark.parametrize("separator", [",", ";", "\t"])
 @pytest.mark.parametrize(("titles", "skipped"), [(["Cell 7, hall 2"], 1), (["Tracker", "", "serial;12;x"], 3)])
-def test_a_title_above_the_header_says_what_to_skip(tmp_path, separator, titles, skipped):
+def test_titles_above_the_header_are_passed_over_and_said(tmp_path, separator, titles, skipped):
     content = "\n".join([*titles, text(separator, decimal="," if separator == ";" else ".")])
     settings = 'decimal: ","\n' if separator == ";" else ""
-    with pytest.raises(InputError, match=rf"line {skipped + 1}; write `skip_rows: {skipped}` in recording.yaml"):
-        read(tmp_path, content, settings)
-    found = read(tmp_path, content, f"{settings}skip_rows: {skipped}\n")
-    assert found.tip == pytest.approx(TIPS, abs=1e-7)
+    for told in (settings, f"{settings}skip_rows: {skipped}\n"):
+        result = read(tmp_path, content, told)
+        assert result.tip == pytest.approx(TIPS, abs=1e-7)
+        said = any(f"The header stands in line {skipped + 1}" in warning for warning in result.warnings)
+        assert said == ("skip_rows" not in told)
 
 
-def test_a_title_above_a_foreign_header_is_guessed(tmp_path):
-    content = "Cell 7\n" + text(",", "A1,A2,X,Y")
-    with pytest.raises(InputError, match="skip_rows: 1"):
-        read(tmp_path, content)
+def test_titles_above_a_foreign_header_are_passed_over(tmp_path):
+    """It is the first line with as many cells as those of numbers below it."""
+    columns = "columns: {q1_deg: A1, q2_deg: A2, x_mm: X, y_mm: Y}"
+    for titles in ("Cell 7\n", "Cell 7; hall 2\n\nserial,12,made,here,2024,x\n"):
+        result = read(tmp_path, titles + text(",", "A1,A2,X,Y"), columns)
+        assert result.tip == pytest.approx(TIPS, abs=1e-7)
+        assert result.row.tolist() == list(range(1, 31))
+
+
+def test_a_row_that_lacks_cells_makes_no_titles(tmp_path):
+    """A first reading that breaks off is one row set aside, with the header in its place."""
+    lines = text(",").splitlines()
+    result = read(tmp_path, "\n".join([lines[0], "1,2", *lines[1:]]))
+    assert [item.row for item in result.rejected] == [1]
+    assert result.tip == pytest.approx(TIPS, abs=1e-7)
 
 
 def test_comments_are_no_titles(tmp_path):
-    found = read(tmp_path, "# Cell 7\n\n" + text(","), 'comment: "#"\n')
-    assert found.tip == pytest.approx(TIPS, abs=1e-7)
+    result = read(tmp_path, "# Cell 7\n\n" + text(","), 'comment: "#"\n')
+    assert result.tip == pytest.approx(TIPS, abs=1e-7)
+
+
+def test_decimal_commas_are_read_and_said(tmp_path):
+    result = read(tmp_path, text(";", decimal=","))
+    assert result.tip == pytest.approx(TIPS, abs=1e-7)
+    assert "Numbers have decimal commas." in result.warnings
+    proposal = propose(tmp_path / "r.csv", ARM)
+    assert [*proposal.notes, *proposal.warnings].count("Numbers have decimal commas.") == 1
+
+
+def test_joints_that_are_called_j_are_the_coordinates_where_a_file_has_no_others(tmp_path):
+    """Beside others they are encoders on the joints themselves."""
+    (tmp_path / "r.csv").write_text("J1 [deg],J2 [deg],X [mm],Y [mm]\n" + "10,20,1,2\n" * 3)
+    assert [meaning.ours for meaning in propose(tmp_path / "r.csv", ARM).meanings] == [
+        "q1_deg",
+        "q2_deg",
+        "x_mm",
+        "y_mm",
+    ]
+    (tmp_path / "r.csv").write_text("q1_deg,q2_deg,J1 [deg],x_mm,y_mm\n" + "10,20,10,1,2\n" * 3)
+    assert propose(tmp_path / "r.csv", ARM).meanings[2].ours == "j1_deg"
+
+
+def test_a_clock_of_another_language_is_proposed(tmp_path):
+    lines = text(",").splitlines()
+    stamped = [f"{number},{line}" for number, line in enumerate(lines[1:])]
+    (tmp_path / "r.csv").write_text("\n".join([f"Zeitstempel,{lines[0]}", *stamped]))
+    clock = propose(tmp_path / "r.csv", ARM).meanings[0]
+    assert (clock.header, clock.ours, clock.guessed) == ("Zeitstempel", "time_s", True)
 
 
 @pytest.mark.parametrize(
-    ("content", "said"),
+    ("content", "settings", "said"),
     [
-        (text(";", decimal=","), 'decimal commas need `decimal: ","`'),
-        (text(",", decimal=","), "decimal commas cannot stand in a table parted by commas"),
+        (text(";", decimal=","), 'decimal: "."\n', "write `decimal: ','` in recording.yaml"),
+        (text(",", decimal=","), "", "decimal commas cannot stand in a table parted by commas"),
     ],
 )
-def test_decimal_commas_are_named(tmp_path, content, said):
+def test_decimal_commas_are_named(tmp_path, content, settings, said):
     with pytest.raises(InputError, match=said):
-        read(tmp_path, content)
+        read(tmp_path, content, settings)

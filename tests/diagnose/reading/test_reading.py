@@ -129,8 +129,8 @@ def test_cells_without_a_number_cost_their_row(tmp_path: Path, cell: str, said: 
     columns = table(Q, TIP, payload_kg=np.full(30, 2.0))
     columns["q2_deg"][4] = columns["x_mm"][9] = columns["payload_kg"][29] = cell
     read = read_recording(written(tmp_path / "r.csv", columns), ARM)
-    assert [each.row for each in read.rejected] == [5, 10, 30]
-    assert all(said in each.reason for each in read.rejected)
+    assert [item.row for item in read.rejected] == [5, 10, 30]
+    assert all(said in item.reason for item in read.rejected)
     for name, each in zip(("q2_deg", "x_mm", "payload_kg"), read.rejected, strict=True):
         assert name in each.reason
     assert read.size == 27
@@ -145,7 +145,7 @@ def test_short_and_long_rows_are_named(tmp_path: Path) -> None:
     lines[7] += ",1,2"
     path.write_text("\n".join(lines))
     read = read_recording(path, ARM)
-    assert [each.row for each in read.rejected] == [3, 7]
+    assert [item.row for item in read.rejected] == [3, 7]
     assert "3 cells" in read.rejected[0].reason
     assert read.q[2] == pytest.approx(Q[3], abs=1e-8)
 
@@ -281,7 +281,7 @@ def test_a_formula_that_cannot_be_computed_costs_its_row(tmp_path: Path) -> None
     columns = table(Q, TIP) | {"u": ["1"] * 12 + ["0"] + ["1"] * 17}
     (tmp_path / "recording.yaml").write_text("columns: {payload_kg: 1/u}")
     read = read_recording(written(tmp_path / "r.csv", columns), ARM)
-    assert [each.row for each in read.rejected] == [13]
+    assert [item.row for item in read.rejected] == [13]
     assert "1/u" in read.rejected[0].reason
 
 
@@ -294,7 +294,7 @@ def test_parquet_is_read_like_csv(tmp_path: Path) -> None:
     pd.DataFrame(columns).to_parquet(tmp_path / "r.parquet")
     read = read_recording(tmp_path / "r.parquet", ARM)
     assert read.q == pytest.approx(np.delete(Q, 3, axis=0), abs=1e-8)
-    assert [each.row for each in read.rejected] == [4]
+    assert [item.row for item in read.rejected] == [4]
 
 
 def test_euler_angles_turn_about_fixed_axes(tmp_path: Path) -> None:

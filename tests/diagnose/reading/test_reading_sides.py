@@ -27,10 +27,11 @@ def test_a_joint_keeps_the_side_of_its_last_move() -> None:
 
 
 def test_what_a_servo_comes_back_to_within_is_no_move() -> None:
-    # As an angle same_length is nothing; as a length same_angle is ten times what a slide comes back to within.
-    assert RULES.residual.same_length < RULES.residual.same_angle
-    between = (RULES.residual.same_angle + RULES.residual.same_length) / 2
-    q = np.array([[0.0, 0.5], [0.2, 0.4], [0.2 - between, 0.4 + between], [0.2 - 3 * RULES.residual.same_angle, 0.4]])
+    # As an angle a slide's is nothing; as a length an angle's is ten times what a slide comes back to within.
+    angle, length = RULES.residual.same_pose
+    assert length < angle
+    between = (angle + length) / 2
+    q = np.array([[0.0, 0.5], [0.2, 0.4], [0.2 - between, 0.4 + between], [0.2 - 3 * angle, 0.4]])
     assert sides_from_order(q, TURN_AND_SLIDE).tolist() == [[0, 0], [1, -1], [1, 1], [-1, -1]]
 
 

@@ -33,13 +33,13 @@ def changed(recording: Recording, **fields: object) -> Recording:
 @pytest.mark.parametrize("repeats", [2, 3, 5])
 def test_sigma_is_within_its_sampling_error(repeats: int) -> None:
     """Over many recordings the ratio to the truth is 1 within four standard errors of its mean."""
-    found = [noise_floor(repeated(30, repeats, seed), ARM) for seed in range(40)]
+    results = [noise_floor(repeated(30, repeats, seed), ARM) for seed in range(40)]
     dof = 30 * (repeats - 1)
-    assert all(each.source == "repeats" for each in found)
-    assert np.mean([each.degrees_of_freedom for each in found]) > dof - 0.5
-    squares = np.array([[*each.sigma] for each in found if each.sigma is not None]) ** 2 / SIGMA**2
+    assert all(result.source == "repeats" for result in results)
+    assert np.mean([result.degrees_of_freedom for result in results]) > dof - 0.5
+    squares = np.array([[*result.sigma] for result in results if result.sigma is not None]) ** 2 / SIGMA**2
     assert squares.mean(axis=0) == pytest.approx([1.0, 1.0], abs=4.0 * math.sqrt(2.0 / dof / 40))
-    assert all(each.rms_m == pytest.approx(math.hypot(*(each.sigma or ()))) for each in found)
+    assert all(result.rms_m == pytest.approx(math.hypot(*(result.sigma or ()))) for result in results)
 
 
 def test_clean_repeats_have_hardly_ever_an_outlier() -> None:
@@ -57,10 +57,10 @@ def test_outliers_are_named_and_do_not_count() -> None:
         tip = recording.tip.copy()
         angle = random.uniform(0.0, 2.0 * math.pi, 6)
         tip[wrong] += 20.0 * SIGMA.max() * np.stack([np.cos(angle), np.sin(angle)], axis=1)
-        found = noise_floor(changed(recording, tip=tip), ARM)
-        assert {each.row for each in found.outliers} == {int(k) + 1 for k in wrong}
-        assert found.degrees_of_freedom == 80 - 6
-        ratios.append(float(np.mean(np.square(found.sigma or ()) / SIGMA**2)))
+        result = noise_floor(changed(recording, tip=tip), ARM)
+        assert {outlier.row for outlier in result.outliers} == {int(k) + 1 for k in wrong}
+        assert result.degrees_of_freedom == 80 - 6
+        ratios.append(float(np.mean(np.square(result.sigma or ()) / SIGMA**2)))
     assert np.mean(ratios) == pytest.approx(1.0, abs=4.0 * math.sqrt(1.0 / 74 / 20))
 
 
@@ -68,19 +68,19 @@ def test_of_a_pair_nobody_can_say_which_is_wrong() -> None:
     recording = repeated(40, 2, 3)
     tip = recording.tip.copy()
     tip[21] += 1e-3
-    found = noise_floor(changed(recording, tip=tip), ARM)
-    assert found.outliers == ()
-    assert found.doubtful == (21, 22)
-    assert any("rows 21 to 22" in sentence for sentence in found.warnings)
-    assert found.sigma is not None
-    assert max(found.sigma) < 2.0 * SIGMA.max()
+    result = noise_floor(changed(recording, tip=tip), ARM)
+    assert result.outliers == ()
+    assert result.doubtful == (21, 22)
+    assert any("rows 21 to 22" in sentence for sentence in result.warnings)
+    assert result.sigma is not None
+    assert max(result.sigma) < 2.0 * SIGMA.max()
 
 
 def test_the_last_digits_of_encoders_do_not_count_as_noise() -> None:
     recording = repeated(40, 3, 3)
     q = recording.q + 1e-4 * np.random.default_rng(2).uniform(-0.5, 0.5, recording.q.shape)
-    found = noise_floor(changed(recording, q=q, tip=recording.tip + planar_tip(q) - planar_tip(recording.q)), ARM)
-    assert np.array(found.sigma) == pytest.approx(SIGMA, rel=0.25)
+    result = noise_floor(changed(recording, q=q, tip=recording.tip + planar_tip(q) - planar_tip(recording.q)), ARM)
+    assert np.array(result.sigma) == pytest.approx(SIGMA, rel=0.25)
 
 
 def test_a_free_frame_gives_the_same_floor() -> None:
@@ -93,9 +93,9 @@ def test_a_free_frame_gives_the_same_floor() -> None:
 
 def test_without_repeats_the_declared_sigma_counts_and_is_said() -> None:
     recording = repeated(40, 1, 3)
-    found = noise_floor(changed(recording, sigma=15e-6), ARM)
-    assert (found.source, found.degrees_of_freedom, found.sigma) == ("declared", 0, (15e-6, 15e-6))
-    assert "declared sigma of 0.015 mm" in found.sentence
+    result = noise_floor(changed(recording, sigma=15e-6), ARM)
+    assert (result.source, result.degrees_of_freedom, result.sigma) == ("declared", 0, (15e-6, 15e-6))
+    assert "declared sigma of 0.015 mm" in result.sentence
     nothing = noise_floor(recording, ARM)
     assert (nothing.source, nothing.sigma, nothing.rms_m) == ("none", None, None)
 
@@ -107,25 +107,25 @@ def test_a_declared_sigma_that_repeats_contradict() -> None:
     ]
     assert sum(warned) <= 6  # one in a hundred is meant; seven of a hundred come by chance once in 10^4
     for declared in (12e-6, 32e-6):
-        found = noise_floor(changed(repeated(30, 3, 1, sigma=even), sigma=declared), ARM)
-        assert found.source == "repeats"
-        assert any("declared sigma" in sentence for sentence in found.warnings)
+        result = noise_floor(changed(repeated(30, 3, 1, sigma=even), sigma=declared), ARM)
+        assert result.source == "repeats"
+        assert any("declared sigma" in sentence for sentence in result.warnings)
 
 
 def test_a_few_repeats_do_not_overrule_a_declared_sigma() -> None:
     recording = repeated(20, 1, 3)
     q, tip = np.vstack([recording.q, recording.q[-1:]]), np.vstack([recording.tip, recording.tip[-1:] + 1e-5])
-    found = noise_floor(Recording("r.csv", q, tip, np.arange(1, 22), sigma=15e-6), ARM)
-    assert (found.source, found.sigma) == ("declared", (15e-6, 15e-6))
+    result = noise_floor(Recording("r.csv", q, tip, np.arange(1, 22), sigma=15e-6), ARM)
+    assert (result.source, result.sigma) == ("declared", (15e-6, 15e-6))
 
 
 def test_repeats_that_are_alike_show_the_resolution() -> None:
     recording = repeated(30, 3, 3)
     tips = np.round(planar_tip(recording.q), 4)
-    found = noise_floor(changed(recording, tip=tips), ARM)
-    assert found.resolution == pytest.approx(1e-4)
-    assert found.sigma == pytest.approx((1e-4 / math.sqrt(12.0),) * 2)
-    assert "resolution" in found.sentence
+    result = noise_floor(changed(recording, tip=tips), ARM)
+    assert result.resolution == pytest.approx(1e-4)
+    assert result.sigma == pytest.approx((1e-4 / math.sqrt(12.0),) * 2)
+    assert "resolution" in result.sentence
 
 
 def test_poses_visited_again_show_drift() -> None:
@@ -136,9 +136,9 @@ def test_poses_visited_again_show_drift() -> None:
         shift = np.repeat(random.normal(0.0, 1e-4, (30, 2)), 3, axis=0)
         tip = recording.tip + shift + SIGMA * random.standard_normal((90, 2))
         both = Recording("r.csv", np.vstack([recording.q] * 2), np.vstack([recording.tip, tip]), np.arange(1, 181))
-        found = noise_floor(both, ARM)
-        assert found.drift_degrees_of_freedom == 30
-        drifts.append(found.drift_m or 0.0)
+        result = noise_floor(both, ARM)
+        assert result.drift_degrees_of_freedom == 30
+        drifts.append(result.drift_m or 0.0)
     # Two visits that differ by d have the variance d^2/2 about their mean, for each of two components.
     assert np.mean(np.square(drifts)) == pytest.approx(1e-8, rel=0.3)
     still = repeated(30, 3, 1)
@@ -187,9 +187,11 @@ def test_resolution(step: float) -> None:
     assert resolution(counts * step) == pytest.approx(step)
     assert resolution(np.random.default_rng(1).uniform(size=50)) is None
     assert resolution(np.full(5, 0.25)) is None
+    # Of a coordinate that stays near nought, as across the plane in which an arm moves, a half metre is no step.
+    assert resolution(np.array([13597e-9, -2980e-9, -561e-9, 15665e-9])) == pytest.approx(1e-9)
 
 
 def test_floor_is_a_plain_result() -> None:
-    found = noise_floor(repeated(10, 3, 1), ARM)
-    assert isinstance(found, NoiseFloor)
-    assert "20 degrees of freedom" in found.sentence
+    result = noise_floor(repeated(10, 3, 1), ARM)
+    assert isinstance(result, NoiseFloor)
+    assert "20 degrees of freedom" in result.sentence

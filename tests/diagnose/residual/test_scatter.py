@@ -34,22 +34,22 @@ def test_an_arm_that_does_not_return_lacks_no_physics(visits, scatter):
     plan = {"poses": 60 // visits, "repeats": 3, "payloads": (), "sides": "one", "temperature": None}
     once = [recorded(arm, **{**plan, "seed": 5}) for _ in range(visits)]
     rng = np.random.default_rng(7)
-    parts = [replace(each, tip=each.tip + SIGMA * rng.standard_normal(each.tip.shape)) for each in once]
-    q = np.concatenate([each.q for each in parts])
+    parts = [replace(item, tip=item.tip + SIGMA * rng.standard_normal(item.tip.shape)) for item in once]
+    q = np.concatenate([part.q for part in parts])
     whole = replace(
         parts[0],
         q=q,
         last_moves=since_the_reading_before(q),
-        tip=np.concatenate([each.tip for each in parts]),
-        sides=np.concatenate([each.sides for each in parts]),
-        row=np.arange(1, 1 + sum(each.size for each in parts)),
-        time=20.0 * np.arange(sum(each.size for each in parts)),
+        tip=np.concatenate([part.tip for part in parts]),
+        sides=np.concatenate([part.sides for part in parts]),
+        row=np.arange(1, 1 + sum(part.size for part in parts)),
+        time=20.0 * np.arange(sum(part.size for part in parts)),
         sigma=None,
     )
-    found = diagnose(arm, returning(whole, arm, rng, scatter))
-    assert found.rms_before > (2.0 if visits > 1 else 1.5) * found.noise_floor
-    assert found.verdict == "none"
-    assert any("does not return" in note for note in found.notes)
+    result = diagnose(arm, returning(whole, arm, rng, scatter))
+    assert result.rms_before > (2.0 if visits > 1 else 1.5) * result.noise_floor
+    assert result.verdict == "none"
+    assert any("does not return" in note for note in result.notes)
 
 
 def remembering(rng, shape, share):

@@ -4,22 +4,22 @@ import numpy as np
 import pytest
 from scipy.stats import binom, kstest
 
-from linkwright.core.diagnose.search.calibrate import drawn_anew, given_model, one_more, p_value, shuffled
+from linkwright.core.diagnose.search.calibrate import given_model, one_more, p_value, shuffled
 from linkwright.core.diagnose.search.subsets import criterion_for
 from tests.diagnose.core_cases import random_pool
 
 VISITS = np.repeat(np.arange(24), 3)
 
 
-@pytest.mark.parametrize(("draw", "count"), [(drawn_anew, 4), (drawn_anew, 30), (shuffled, 4), (shuffled, 30)])
-def test_visits_stay_whole(draw, count):
+@pytest.mark.parametrize("count", [4, 30])
+def test_visits_stay_whole(count):
     """Every visit's readings come out in their order, next to each other in the cycle, under one sign."""
     visits = np.repeat(np.arange(count), np.arange(count) % 3 + 1)
     table = np.column_stack([visits + 1.0, np.arange(len(visits)) + 1.0])
     rng = np.random.default_rng(1)
     signs = set()
     for _ in range(20):
-        drawn = draw(table, visits, rng)
+        drawn = shuffled(table, visits, rng)
         assert sorted(np.abs(drawn[:, 1])) == sorted(table[:, 1])
         for visit in range(count):
             places = np.flatnonzero(np.abs(drawn[:, 0]) == visit + 1.0)
@@ -32,17 +32,46 @@ def test_visits_stay_whole(draw, count):
     assert len(signs) == 2 * count
 
 
+@pytest.mark.parametrize("count", [5, 40])
+def test_a_draw_is_least_squares_of_readings_turned_about_by_visit(count):
+    """Of many visits the signs alone; each group is fitted beside the smaller model to every draw by itself."""
+    rng = np.random.default_rng(11)
+    visits = np.repeat(np.arange(count), np.arange(count) % 4 + 3)
+    rows = 2 * len(visits)
+    pool, _, _ = random_pool(rng, (1, 1, 2, 3, 1), rows=rows, nuisances=2)
+    given = given_model(pool, pool.projected(rng.standard_normal(rows)), (3,))
+    criterion, everything = criterion_for(pool, rows), np.array([True, True, True, False, True])
+    among = [everything]
+    result = one_more(pool, given, criterion, visits, 2, draws=40, rng=np.random.default_rng(2), among=among)[0]
+    table, again, expected = given.residual.reshape(-1, 2), np.random.default_rng(2), []
+    smaller = np.hstack([pool.nuisance, pool.basis[:, pool.columns([3])]])
+
+    def left(columns, vector):
+        return float(np.sum((vector - columns @ np.linalg.lstsq(columns, vector, rcond=None)[0]) ** 2))
+
+    for _ in result.drawn:
+        signs = again.choice((-1.0, 1.0), count)[visits][:, None] if count > 20 else None
+        drawn = (shuffled(table, visits, again) if signs is None else signs * table).reshape(-1)
+        best = [
+            criterion.count * np.log(left(smaller, drawn) / left(np.hstack([smaller, pool.basis[:, at]]), drawn))
+            - criterion.price[number]
+            for number, at in ((k, pool.columns([k])) for k in (0, 1, 2, 4))
+        ]
+        expected.append(max(best))
+    assert result.drawn == pytest.approx(expected, rel=1e-9)
+
+
 def p_values(pool, make, draws=99, trials=150, seed=1):
     rng = np.random.default_rng(seed)
     criterion = criterion_for(pool, len(pool.nuisance) - pool.nuisance.shape[1])
     everything = np.ones(len(pool.groups), dtype=bool)
-    found = []
+    results = []
     for _ in range(trials):
         vector = pool.projected(make(rng))
         given = given_model(pool, vector, ())
         tested = one_more(pool, given, criterion, VISITS, 2, draws=draws, rng=rng, among=[everything])
-        found.append(tested[0].p_value)
-    return np.array(found)
+        results.append(tested[0].p_value)
+    return np.array(results)
 
 
 def reach(rng):
@@ -63,9 +92,9 @@ def test_under_a_null_p_is_uniform(kind):
         shared = 0.0 if kind == "plain" else rng.standard_normal((24, 2))[VISITS]
         return (size[:, None] * (shared + 0.5 * rng.standard_normal((72, 2)))).reshape(-1)
 
-    found = p_values(pool, null)
-    assert kstest(found, "uniform").pvalue > 1e-3
-    assert np.sum(found <= 0.05) <= binom.ppf(0.999, len(found), 0.05)
+    result = p_values(pool, null)
+    assert kstest(result, "uniform").pvalue > 1e-3
+    assert np.sum(result <= 0.05) <= binom.ppf(0.999, len(result), 0.05)
 
 
 def test_a_constant_offset_is_seen():

@@ -28,17 +28,17 @@ def test_a_softened_recording_is_that_of_the_softer_arm():
     """
     arm, recording = made_arm(), made_recording()
     plain, softer = observe(arm, recording), observe(with_effects(arm, SOFT), recording)
-    found = plain.softened(softer.arm.effects)
+    result = plain.softened(softer.arm.effects)
     kilogram = Settings((), {"mass": 1.0})
     torque = max(np.abs(joint.drive_load).max() for joint in plain.state.joints)
     expected = softer.signature("payload", kilogram)
-    off = np.linalg.norm(found.signature("payload", kilogram) - expected)
+    off = np.linalg.norm(result.signature("payload", kilogram) - expected)
     assert off < 2.0 * SOFT[2]["compliance"] * torque * np.linalg.norm(expected)
     stiff = plain.signature("payload", kilogram)
-    assert np.linalg.norm(found.signature("payload", kilogram)) > 1.3 * np.linalg.norm(stiff)
-    assert (found.residual == plain.residual).all()
+    assert np.linalg.norm(result.signature("payload", kilogram)) > 1.3 * np.linalg.norm(stiff)
+    assert (result.residual == plain.residual).all()
     offset = Settings((1,), {"offset": 1e-3})
-    assert (found.signature("encoder_offset", offset) == plain.signature("encoder_offset", offset)).all()
+    assert (result.signature("encoder_offset", offset) == plain.signature("encoder_offset", offset)).all()
 
 
 FEW = {"joint_compliance", "joint_hardening", "link_bending", "base_compliance", "payload", "link_mass", "backlash"}
@@ -49,15 +49,18 @@ def test_a_heavier_payload_on_a_softer_drive(names):
     """They multiply: without going back, the payload comes out 1.43 kg (1.40 to 1.47) and the drive as hardening."""
     arm, asked = made_arm(), Options(without=frozenset(EFFECTS) - names)
     recording = recorded(with_effects(arm, SOFT, HEAVY), poses=24, repeats=3, payloads=(0.0, 5.0))
-    found = diagnose(arm, recording, asked)
-    assert {(each.effect, each.at) for each in found.findings} == {("joint_compliance", (2,)), ("payload", ())}
-    sizes = {p.parameter: p for each in found.findings for p in each.parameters}
+    result = diagnose(arm, recording, asked)
+    assert {(finding.effect, finding.at) for finding in result.findings} == {
+        ("joint_compliance", (2,)),
+        ("payload", ()),
+    }
+    sizes = {p.parameter: p for finding in result.findings for p in finding.parameters}
     for name, truth in (("compliance", 3e-5), ("mass", 1.0)):
         low, high = sizes[name].interval
         # Three standard errors: 95 % intervals are two to either side.
         assert abs(sizes[name].value - truth) < 0.75 * (high - low)
         assert high - low < 0.3 * truth
-    assert diagnose(found.corrected, recording, asked).verdict == "none"
+    assert diagnose(result.corrected, recording, asked).verdict == "none"
 
 
 @pytest.mark.parametrize("space", [False, True], ids=["plane", "space"])
@@ -70,14 +73,14 @@ def test_a_free_tool_is_put_where_it_was_found(space):
     recording = made_recording(true)
     exact = observe(true, recording)
     measured = replace(recording, tip=recording.tip - exact.residual[:, :width])
-    found = observe(arm, replace(measured, tool="free"))
+    result = observe(arm, replace(measured, tool="free"))
     # One pass sees the tool through the error that it makes itself, first order in its size.
-    assert found.arm.tool == pytest.approx(tool, abs=2e-6)
-    assert found.arm_given.tool == pytest.approx(arm.tool, abs=1e-12)
+    assert result.arm.tool == pytest.approx(tool, abs=2e-6)
+    assert result.arm_given.tool == pytest.approx(arm.tool, abs=1e-12)
     turning = Settings((0,), {"offset": 1.0})
     expected = exact.signature("encoder_offset", turning)
-    assert found.signature("encoder_offset", turning) == pytest.approx(expected, abs=1e-5)
-    assert np.abs(found.tip_residual()).max() < 0.1 * SIGMA
+    assert result.signature("encoder_offset", turning) == pytest.approx(expected, abs=1e-5)
+    assert np.abs(result.tip_residual()).max() < 0.1 * SIGMA
 
 
 def test_a_known_load_tells_compliance_where_links_weigh_nobody_knows_what():
@@ -91,12 +94,12 @@ def test_a_known_load_tells_compliance_where_links_weigh_nobody_knows_what():
         with_effects(arm, ("joint_compliance", (2,), {"compliance": truth})), poses=30, repeats=2, payloads=(0.0, 5.0)
     )
     unknown = replace(arm, links=(links[0], *(replace(link, mass=None) for link in links[1:])))
-    found = diagnose(unknown, recording)
-    told = {(each.at, p.parameter): p for each in found.findings for p in each.parameters}
+    result = diagnose(unknown, recording)
+    told = {(finding.at, p.parameter): p for finding in result.findings for p in finding.parameters}
     compliance = told[(2,), "compliance"]
     low, high = compliance.interval
     assert abs(compliance.value - truth) < 0.75 * (high - low) < 0.1 * truth
-    entries = {(each.effect, each.at): each.parameters for each in found.corrected.effects}
+    entries = {(effect.effect, effect.at): effect.parameters for effect in result.corrected.effects}
     assert entries["joint_compliance", (2,)]["compliance"] == compliance.value
 
 

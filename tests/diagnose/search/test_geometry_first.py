@@ -19,6 +19,8 @@ from tests.diagnose.off_by_degrees import (
 SURE = 8.0
 """Standard errors from which on what is off must be named: p = 0.003 over all candidates asks for some five."""
 QUICK = (1, 4, 10)
+ONCE_STOPPED = 119
+"""Whose small causes a singular value decomposition by divide and conquer did not converge for."""
 
 
 def recording(case, q, tip):
@@ -33,16 +35,16 @@ def judged(case, seed, tmp_path):
     path.write_text(arm_file(case), encoding="utf-8")
     fitted, further = sessions(case, seed)
     best, sure = least_squares_with_the_true_set(case, fitted, further)
-    found = diagnose(read_arm(path), recording(case, *fitted))
-    left = rms_length(observe(found.corrected, recording(case, *further)).tip_residual())
-    return found, left / best, {name for name, errors in sure.items() if errors > SURE}
+    result = diagnose(read_arm(path), recording(case, *fitted))
+    left = rms_length(observe(result.corrected, recording(case, *further)).tip_residual())
+    return result, left / best, {name for name, errors in sure.items() if errors > SURE}
 
 
-@pytest.mark.parametrize("seed", slow_but(range(40), *QUICK))
+@pytest.mark.parametrize("seed", slow_but((*range(40), ONCE_STOPPED), *QUICK))
 def test_zeros_and_lengths_are_named_and_nothing_beside(seed, tmp_path):
-    found, times, sure = judged(drawn(seed), seed, tmp_path)
-    names = {(each.effect, *each.at) for each in found.findings}
+    result, times, sure = judged(drawn(seed), seed, tmp_path)
+    names = {(finding.effect, *finding.at) for finding in result.findings}
     assert {effect for effect, *_ in names} <= {"encoder_offset", "link_length"}
-    assert found.unknown is None
+    assert result.unknown is None
     assert times < 1.1
     assert len(names & sure) == len(sure)

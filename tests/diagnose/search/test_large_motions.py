@@ -35,30 +35,35 @@ def measured(tmp_path, off, longer=(0.0, 0.0, 0.0), frame="known"):
 def test_a_zero_off_by_two_degrees_is_named_alone(tmp_path, frame):
     off = math.radians(2.0)
     arm, recording = measured(tmp_path, (0.0, off, 0.0), frame=frame)
-    found = diagnose(arm, recording)
-    assert [(each.effect, each.at) for each in found.findings] == [("encoder_offset", (2,))]
-    low, high = found.findings[0].parameters[0].interval
+    result = diagnose(arm, recording)
+    assert [(finding.effect, finding.at) for finding in result.findings] == [("encoder_offset", (2,))]
+    low, high = result.findings[0].parameters[0].interval
     assert low < off < high
-    assert found.rms_after < 1.1 * found.noise_floor
-    assert any("beyond first order" in note for note in found.notes)
-    assert diagnose(found.corrected, recording).verdict == "none"
+    assert result.rms_after < 1.1 * result.noise_floor
+    assert any("beyond first order" in note for note in result.notes)
+    assert diagnose(result.corrected, recording).verdict == "none"
 
 
 @pytest.mark.slow
 def test_the_last_joints_zero_is_not_taken_for_the_tool(tmp_path):
     """To first order they are one; a degree of the zero is one number where a tool's offset is two."""
     arm, recording = measured(tmp_path, (0.0, 0.0, math.radians(-1.0)))
-    found = diagnose(arm, recording)
-    assert [(each.effect, each.at) for each in found.findings] == [("encoder_offset", (3,))]
-    assert ("tool_offset", ()) in [(each.effect, each.at) for each in found.findings[0].alternatives]
+    result = diagnose(arm, recording)
+    assert [(finding.effect, finding.at) for finding in result.findings] == [("encoder_offset", (3,))]
+    assert ("tool_offset", ()) in [
+        (alternative.effect, alternative.at) for alternative in result.findings[0].alternatives
+    ]
 
 
 @pytest.mark.slow
 def test_a_zero_and_a_length_together(tmp_path):
     arm, recording = measured(tmp_path, (0.0, math.radians(1.5), 0.0), (0.006, 0.0, 0.0))
-    found = diagnose(arm, recording)
-    assert {(each.effect, each.at) for each in found.findings} == {("encoder_offset", (2,)), ("link_length", (1,))}
-    assert found.rms_after < 1.1 * found.noise_floor
+    result = diagnose(arm, recording)
+    assert {(finding.effect, finding.at) for finding in result.findings} == {
+        ("encoder_offset", (2,)),
+        ("link_length", (1,)),
+    }
+    assert result.rms_after < 1.1 * result.noise_floor
 
 
 @pytest.mark.slow
@@ -74,11 +79,11 @@ def test_a_small_zero_on_an_arm_that_sags_far_is_named_alone(tmp_path):
     joints = tuple(replace(joint, stiffness=stiffness) for joint in arm.joints)
     arm = replace(arm, joints=joints, gravity=(0.0, -9.81, 0.0))
     columns = table(q, tip + SIGMA / 2 * rng.standard_normal(tip.shape), payload_kg=payload)
-    found = diagnose(arm, read_recording(written(tmp_path / "recording.csv", columns), arm))
-    assert [(each.effect, each.at) for each in found.findings] == [("encoder_offset", (2,))]
-    low, high = found.findings[0].parameters[0].interval
+    result = diagnose(arm, read_recording(written(tmp_path / "recording.csv", columns), arm))
+    assert [(finding.effect, finding.at) for finding in result.findings] == [("encoder_offset", (2,))]
+    low, high = result.findings[0].parameters[0].interval
     assert low < off < high
-    assert found.rms_after < 1.1 * found.noise_floor
+    assert result.rms_after < 1.1 * result.noise_floor
 
 
 @pytest.mark.slow
@@ -95,7 +100,7 @@ def test_a_link_of_half_its_modulus_is_named_alone():
     rng = np.random.default_rng(3)
     q, payloads = rng.uniform(-1.4, 1.4, (24, 2)), np.tile([0.0, 25.0], 12)
     gravity, nothing = np.array(arm.gravity), np.zeros(3)
-    tip = [rod_tip(true, each, gravity, mass, nothing)[0][:2] for each, mass in zip(q, payloads, strict=True)]
+    tip = [rod_tip(true, item, gravity, mass, nothing)[0][:2] for item, mass in zip(q, payloads, strict=True)]
     seen = np.repeat(tip, 3, axis=0) + SIGMA / 2 * rng.standard_normal((72, 2))
     recording = Recording(
         "soft",
@@ -105,8 +110,8 @@ def test_a_link_of_half_its_modulus_is_named_alone():
         payload_mass=np.repeat(payloads, 3),
         time=1.0 * np.arange(72),
     )
-    found = diagnose(arm, recording)
-    assert [(each.effect, each.at) for each in found.findings] == [("link_modulus", (1,))]
-    low, high = found.findings[0].parameters[0].interval
+    result = diagnose(arm, recording)
+    assert [(finding.effect, finding.at) for finding in result.findings] == [("link_modulus", (1,))]
+    low, high = result.findings[0].parameters[0].interval
     assert low < -0.5 < high
-    assert found.rms_after < 1.1 * found.noise_floor
+    assert result.rms_after < 1.1 * result.noise_floor

@@ -11,9 +11,6 @@ from linkwright.core.diagnose.search.subsets import (
     best_subsets,
     criterion_for,
     families,
-    gains,
-    gains_beside,
-    own_blocks,
     products,
 )
 from tests.diagnose.core_cases import random_pool
@@ -47,22 +44,23 @@ def test_gains_are_those_of_least_squares(seed, collinear):
     pool, columns, beside, white, vector = case(seed, collinear)
     start = products(pool, white)
     assert start.rss == pytest.approx(left_by([], beside, vector))
-    blocks = own_blocks(pool, start)
     for size in (0, 1, 2):
         for taken in itertools.combinations(range(len(RANKS)), size):
             parts = [columns[m] for m in taken]
-            given = start.beside(pool.columns(taken)) if taken else start
+            given = start.beside(pool.columns(taken))
             before = left_by(parts, beside, vector)
             assert given.rss == pytest.approx(before, rel=1e-6)
             direct = [before - left_by([*parts, columns[m]], beside, vector) for m in range(len(RANKS))]
-            found = gains(pool, given)
+            result = given.gains()
             # The ridge of 1e-8 and directions below 1e-9 cost a pattern that differs by 1e-3 a few per cent of its own.
             tolerance = 2e-2 if collinear else 1e-6
-            assert found == pytest.approx(direct, rel=tolerance, abs=tolerance * start.rss)
-            if taken:
-                fast, explained = gains_beside(pool, start, pool.columns(taken), blocks)
-                assert explained == pytest.approx(start.rss - before, rel=1e-6)
-                assert fast == pytest.approx(found, abs=1e-6 * start.rss)
+            assert result == pytest.approx(direct, rel=tolerance, abs=tolerance * start.rss)
+            # One after the other is as good as at once.
+            in_turn = start
+            for member in taken:
+                in_turn = in_turn.beside(pool.columns([member]))
+            assert in_turn.rss == pytest.approx(before, rel=1e-6)
+            assert in_turn.gains() == pytest.approx(result, abs=1e-6 * start.rss)
 
 
 @pytest.mark.parametrize("collinear", [False, True])
@@ -71,22 +69,22 @@ def test_best_subsets_are_the_best_of_all(seed, collinear):
     """Every size up to three: the winner is the one that trying all of them finds."""
     pool, columns, beside, white, vector = case(seed, collinear)
     criterion = criterion_for(pool, 57)
-    found = best_subsets(pool, white, criterion)
+    result = best_subsets(pool, white, criterion)
     for size in (0, 1, 2, 3):
         every = {
             taken: criterion(left_by([columns[m] for m in taken], beside, vector), taken)
             for taken in itertools.combinations(range(len(RANKS)), size)
         }
-        best = found[size][0]
+        best = result[size][0]
         assert best.criterion == pytest.approx(min(every.values()), abs=0.1 if collinear else 1e-5)
         assert best.criterion == pytest.approx(every[best.members], abs=0.1 if collinear else 1e-5)
-        assert [s.criterion for s in found[size]] == sorted(s.criterion for s in found[size])
+        assert [s.criterion for s in result[size]] == sorted(s.criterion for s in result[size])
 
 
 def test_what_is_not_allowed_stays_out():
     pool, _, _, white, _ = case(1)
-    found = best_subsets(pool, white, criterion_for(pool, 57), allowed=lambda number: number not in (0, 4))
-    assert all({0, 4}.isdisjoint(s.members) for subsets in found.values() for s in subsets)
+    result = best_subsets(pool, white, criterion_for(pool, 57), allowed=lambda number: number not in (0, 4))
+    assert all({0, 4}.isdisjoint(s.members) for subsets in result.values() for s in subsets)
     assert set(best_subsets(pool, white, criterion_for(pool, 57), allowed=lambda _: False)) == {0}
 
 
@@ -117,8 +115,8 @@ def test_noise_that_saturates_is_no_answer():
     rng = np.random.default_rng(7)
     pool, _, _ = random_pool(rng, (6, 6, 1), rows=12, nuisances=0)
     white = rng.standard_normal(12)
-    found = best_subsets(pool, white, criterion_for(pool, 12), largest=2)
-    best = min((subsets[0] for subsets in found.values()), key=lambda subset: subset.criterion)
+    result = best_subsets(pool, white, criterion_for(pool, 12), largest=2)
+    best = min((subsets[0] for subsets in result.values()), key=lambda subset: subset.criterion)
     assert best.members in ((), (2,))
 
 
@@ -127,5 +125,6 @@ def test_products_beside_everything_leave_nothing():
     all_columns = pool.columns(range(len(RANKS)))
     rest = products(pool, white).beside(all_columns)
     assert isinstance(rest, Products)
-    assert np.abs(rest.gram).max() < 1e-8
+    diagonal, blocks = rest.own
+    assert max(np.abs(block).max() for block in (diagonal, *blocks)) < 1e-8
     assert np.abs(rest.against).max() < 1e-7

@@ -115,14 +115,14 @@ def test_creep_goes_on_where_the_tracker_is_set_up_anew(tmp_path):
         files.append(written(tmp_path / f"{name}.csv", columns))
         (tmp_path / f"{name}.yaml").write_text("frame: free\n")
     two = together([read_recording(file, arm(), file.with_suffix(".yaml")) for file in files], arm())
-    found = diagnose(arm(), two)
-    assert [(each.effect, each.at) for each in found.findings] == [("creep", (2,))]
-    told = {each.parameter: each for each in found.findings[0].parameters}
+    result = diagnose(arm(), two)
+    assert [(finding.effect, finding.at) for finding in result.findings] == [("creep", (2,))]
+    told = {parameter.parameter: parameter for parameter in result.findings[0].parameters}
     for name, true in (("compliance", CREEP), ("time_constant", CONSTANT)):
         low, high = told[name].interval
         assert low < true < high
         assert told[name].value == pytest.approx(true, rel=0.1)
-    assert any("two.csv goes on from one.csv" in each for each in two.warnings)
+    assert any("two.csv goes on from one.csv" in warning for warning in two.warnings)
     # The same rows on clocks of their own are another story, which creep begun anew does not tell.
-    anew = diagnose(arm(), together([replace(each, started=None) for each in two.each], arm()))
-    assert anew.rms_after > 1.2 * found.rms_after
+    anew = diagnose(arm(), together([replace(item, started=None) for item in two.each], arm()))
+    assert anew.rms_after > 1.2 * result.rms_after

@@ -20,27 +20,27 @@ SOFT = {2: 40e-6}
 def test_an_arm_mounted_anew_is_one_arm():
     """A drive that gives by 40 urad/(N*m) on both days, the instrument three times louder on the second."""
     two = together([day(1, compliance=SOFT), day(2, compliance=SOFT, sigma=45e-6)], arm())
-    found = diagnose(arm(), two)
-    assert [(each.effect, each.at) for each in found.findings] == [("joint_compliance", (2,))]
-    low, high = found.findings[0].parameters[0].interval
+    result = diagnose(arm(), two)
+    assert [(finding.effect, finding.at) for finding in result.findings] == [("joint_compliance", (2,))]
+    low, high = result.findings[0].parameters[0].interval
     assert low < SOFT[2] < high
-    quiet, loud = found.recordings
+    quiet, loud = result.recordings
     assert loud.noise_floor == pytest.approx(3.0 * quiet.noise_floor, rel=0.25)
-    for each, noise in zip(found.recordings, np.sqrt(2.0) * np.array([15e-6, 45e-6]), strict=True):
-        assert each.rms_after < 1.1 * noise < 0.2 * each.rms_before
+    for recording, noise in zip(result.recordings, np.sqrt(2.0) * np.array([15e-6, 45e-6]), strict=True):
+        assert recording.rms_after < 1.1 * noise < 0.2 * recording.rms_before
         # What one day has learned is as good on the other, frame its own.
-        assert each.rms_from_others < 1.1 * noise
-        assert each.rms_own <= each.rms_after * (1.0 + 1e-6)
+        assert recording.rms_from_others < 1.1 * noise
+        assert recording.rms_own <= recording.rms_after * (1.0 + 1e-6)
 
 
 def test_days_too_poor_alone_name_it_together():
     """Each day held one payload only: the weight that bends it cannot be told from a zero and the frame."""
     days = [day(3, poses=5, payloads=(0.0,), compliance=SOFT), day(4, poses=5, payloads=(8.0,), compliance=SOFT)]
     days += [day(5, poses=5, payloads=(4.0,), compliance=SOFT)]
-    for each in days:
-        assert diagnose(arm(), each).verdict != "named"
-    found = diagnose(arm(), together(days, arm()))
-    assert [(each.effect, each.at) for each in found.findings] == [("joint_compliance", (2,))]
+    for item in days:
+        assert diagnose(arm(), item).verdict != "named"
+    result = diagnose(arm(), together(days, arm()))
+    assert [(finding.effect, finding.at) for finding in result.findings] == [("joint_compliance", (2,))]
 
 
 @pytest.mark.slow
@@ -53,14 +53,14 @@ def test_a_zero_is_named_before_a_tool_that_explains_as_much(tmp_path):
         made = lw.simulate(file, poses=10, repeats=2, with_=[off], sides="one", seed=number).table
         made.to_csv(tmp_path / f"{number}.csv", index=False)
     known = lw.read_arm(file)
-    found = lw.diagnose(known, lw.read_recordings([tmp_path / "1.csv", tmp_path / "2.csv"], known))
-    assert found.findings[["effect", "at"]].to_numpy().tolist() == [["encoder_offset", (2,)]]
+    result = lw.diagnose(known, lw.read_recordings([tmp_path / "1.csv", tmp_path / "2.csv"], known))
+    assert result.findings[["effect", "at"]].to_numpy().tolist() == [["encoder_offset", (2,)]]
 
 
 def test_one_recording_in_a_list_is_that_recording():
     made = day(6, compliance=SOFT)
     alone, listed = lw.diagnose(_face(), _read(made)), lw.diagnose(_face(), [_read(made)])
-    timeless = [re.sub(r'"seconds": .*', "", each.to_json()) for each in (alone, listed)]
+    timeless = [re.sub(r'"seconds": .*', "", item.to_json()) for item in (alone, listed)]
     assert timeless[0] == timeless[1]
 
 
@@ -72,12 +72,12 @@ def test_rows_are_numbered_by_file(tmp_path):
     for file, made in zip(files, (first, second), strict=True):
         file.write_text(recording_text(made, arm()))
         file.with_suffix(".yaml").write_text(settings_text(made))
-    found = lw.diagnose(_face(), files)
-    data = found._content()
+    result = lw.diagnose(_face(), files)
+    data = result._content()
     assert data["rejected_rows_detail"][0]["recording"] == "august.csv"
     assert data["rejected_rows_detail"][0]["row"] == 11
-    assert [each["rejected_rows"] for each in data["recordings"]] == [[], [11]]
-    rows = found.residuals.groupby("recording")["row"].agg(["min", "max"])
+    assert [item["rejected_rows"] for item in data["recordings"]] == [[], [11]]
+    rows = result.residuals.groupby("recording")["row"].agg(["min", "max"])
     assert rows.loc["august.csv"].tolist() == [1, second.size]
 
 
@@ -110,9 +110,9 @@ def test_readings_come_back_apart():
     assert both.time is None
     assert second.payload_mass is not None
     assert not second.payload_mass.any()
-    assert any("the payload" in each for each in both.warnings)
+    assert any("the payload" in warning for warning in both.warnings)
     again = both.kept(np.arange(both.size) % 2 == 0)
-    assert sum(each.size for each in again.parts()) == again.size
+    assert sum(part.size for part in again.parts()) == again.size
     assert both.place_of(int(both.row[days[0].size])) == (1, 1)
 
 

@@ -13,10 +13,10 @@ def told_at(values, errors, *, chance=RULE.false_alarm):
     """The number of recordings (G, P) after which each parameter of G watches (G, P, N) is first told to have moved,
     nought where it never is."""
     watches, series, count = values.shape
-    asked = level(chance, RULE.over, RULE.tests, series)
+    asked = level(chance, RULE.over, series)
     told = np.zeros((watches, series), dtype=int)
     for so_far in range(3, count + 1):
-        held, own = (each[:, :, :so_far].reshape(-1, so_far) for each in (values, errors))
+        held, own = (item[:, :, :so_far].reshape(-1, so_far) for item in (values, errors))
         common = np.repeat(in_common(scatter(held, own).factor.reshape(watches, series)), series)
         columns = looked_for(np.arange(float(so_far)))
         t, freedom = doubted(held, own, np.ones((so_far, 1)), columns, common, RULE.prior)

@@ -12,7 +12,7 @@ from linkwright.core.diagnose.watch.evidence import kink, level, steps, tried
 from tests.diagnose.watch.quiet import told_at
 
 WHEN = 7.0 * np.arange(30)
-LEVEL = level(0.01, 50, RULES.watch.tests, 1)
+LEVEL = level(0.01, 50, 1)
 
 
 def _course(values, errors=None):
@@ -23,10 +23,10 @@ def _course(values, errors=None):
 def test_without_a_prior_it_is_the_textbook_t_test():
     rng = np.random.default_rng(4)
     values = rng.standard_normal(12)
-    found = tried(values[None], np.ones((1, 12)), np.ones((12, 1)), steps(12), np.ones(1), 0.0)
+    result = tried(values[None], np.ones((1, 12)), np.ones((12, 1)), steps(12), np.ones(1), 0.0)
     for after in range(1, 12):
-        t = stats.ttest_ind(values[after:], values[:after]).statistic if 1 < after < 11 else found.t[0, after - 1]
-        assert found.t[0, after - 1] == pytest.approx(t, rel=1e-9)
+        t = stats.ttest_ind(values[after:], values[:after]).statistic if 1 < after < 11 else result.t[0, after - 1]
+        assert result.t[0, after - 1] == pytest.approx(t, rel=1e-9)
     slope = tried(values[None], np.ones((1, 12)), np.ones((12, 1)), kink(WHEN[:12], 0)[:, None], np.ones(1), 0.0)
     line = stats.linregress(WHEN[:12], values)
     assert slope.sizes[0, 0] / WHEN[11] == pytest.approx(line.slope, rel=1e-9)
@@ -36,11 +36,11 @@ def test_without_a_prior_it_is_the_textbook_t_test():
 def test_weights_are_those_of_weighted_least_squares():
     rng = np.random.default_rng(5)
     values, errors = rng.standard_normal(10), rng.uniform(0.5, 3.0, 10)
-    found = tried(values[None], errors[None] ** 2, np.ones((10, 1)), steps(10)[:, 4:5], np.ones(1), 0.0)
+    result = tried(values[None], errors[None] ** 2, np.ones((10, 1)), steps(10)[:, 4:5], np.ones(1), 0.0)
     design = np.column_stack([np.ones(10), steps(10)[:, 4]]) / errors[:, None]
     sizes, left, *_ = np.linalg.lstsq(design, values / errors, rcond=None)
     error = np.sqrt(np.linalg.inv(design.T @ design)[1, 1] * left[0] / 8)
-    assert (found.sizes[0, 0], found.errors[0, 0]) == pytest.approx((sizes[1], error), rel=1e-9)
+    assert (result.sizes[0, 0], result.errors[0, 0]) == pytest.approx((sizes[1], error), rel=1e-9)
 
 
 @pytest.mark.parametrize(
@@ -85,10 +85,10 @@ def test_a_recording_off_alone_and_a_steady_drift():
     values = rng.standard_normal(30)
     values[10] += 15.0
     off = _course(values)
-    assert [(each.turn.kind, each.turn.at) for each in off.changes] == [("once", 10)]
+    assert [(change.turn.kind, change.turn.at) for change in off.changes] == [("once", 10)]
     assert off.deviations.mean() == pytest.approx(1.0, abs=0.35)
     drift = _course(rng.standard_normal(30) + 0.4 * np.arange(30))
-    assert [each.turn.kind for each in drift.changes] == ["drift"]
+    assert [change.turn.kind for change in drift.changes] == ["drift"]
     assert drift.changes[0].size == pytest.approx(0.4 * 29, abs=3.0)
 
 
@@ -96,9 +96,9 @@ def test_two_steps_are_two():
     rng = np.random.default_rng(9)
     place = np.arange(30)
     values = rng.standard_normal(30) + 7.0 * (place >= 10) - 12.0 * (place >= 21)
-    found = _course(values).changes
-    assert [(each.turn.kind, each.turn.at) for each in found] == [("step", 10), ("step", 21)]
-    assert [each.size for each in found] == pytest.approx([7.0, -12.0], abs=1.5)
+    result = _course(values).changes
+    assert [(item.turn.kind, item.turn.at) for item in result] == [("step", 10), ("step", 21)]
+    assert [item.size for item in result] == pytest.approx([7.0, -12.0], abs=1.5)
 
 
 @pytest.mark.parametrize("later", [0.0, 1e-13, 5.0])
@@ -109,6 +109,6 @@ def test_a_series_that_does_not_scatter_has_a_course(later):
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         for values in (place >= 1, place >= 17, (place >= 1) * 1.0 + (place >= 2), (place >= 9) * 1.0 - (place >= 10)):
-            found = course_of(Series(1.0 + later * values, 1e-6 + quiet, WHEN[:30], quiet, RULES.watch), LEVEL)
-            assert np.isfinite(found.deviations).all()
-            assert (later < 1.0) or found.changes
+            result = course_of(Series(1.0 + later * values, 1e-6 + quiet, WHEN[:30], quiet, RULES.watch), LEVEL)
+            assert np.isfinite(result.deviations).all()
+            assert (later < 1.0) or result.changes

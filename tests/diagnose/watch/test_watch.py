@@ -33,8 +33,12 @@ def moved():
     return watch(arm(), [*weeks[8:], *weeks[:8]])
 
 
-def _of(found, effect, at):
-    return next(each for each in found.parameters if (each.parameter.effect, each.parameter.at) == (effect, at))
+def _of(result, effect, at):
+    return next(
+        parameter
+        for parameter in result.parameters
+        if (parameter.parameter.effect, parameter.parameter.at) == (effect, at)
+    )
 
 
 def test_what_moved_and_when(moved):
@@ -46,7 +50,7 @@ def test_what_moved_and_when(moved):
     (once,) = zero.changes
     assert (once.kind, once.first) == ("once", 3)
     assert once.interval[0] < 3e-3 < once.interval[1]
-    assert {each.parameter.effect for each in moved.moved} == {"joint_compliance", "encoder_offset"}
+    assert {item.parameter.effect for item in moved.moved} == {"joint_compliance", "encoder_offset"}
     assert drive.level[[0, -1]] == pytest.approx([SOFT, 1.25 * SOFT], rel=0.02)
     # What was found is the file's to say how well: the errors are honest, frames mounted anew and all.
     known = np.abs(drive.values - SOFT * np.where(np.arange(16) >= 9, 1.25, 1.0)) / drive.errors
@@ -55,8 +59,10 @@ def test_what_moved_and_when(moved):
 
 def test_what_frame_and_weights_hide_is_not_watched(moved):
     """A frame that stands anywhere swallows the first zero."""
-    assert {(each.effect, each.at) for each in moved.unwatched} >= {("encoder_offset", (1,))}
-    assert [each.date for each in moved.recordings] == sorted(each.date for each in moved.recordings)
+    assert {(item.effect, item.at) for item in moved.unwatched} >= {("encoder_offset", (1,))}
+    assert [recording.date for recording in moved.recordings] == sorted(
+        recording.date for recording in moved.recordings
+    )
 
 
 def test_quiet_weeks_and_what_nothing_holds():
@@ -65,7 +71,7 @@ def test_quiet_weeks_and_what_nothing_holds():
     quiet = _weeks(12)
     assert not watch(arm(), quiet, basics, search=False).moved
     loud = _weeks(14, sigma=lambda week: 15e-6 * (4.0 if week >= 8 else 1.0))
-    found = watch(arm(), loud, basics, search=False)
-    assert found.left.moved
-    assert found.left.changes[0].first == 8
-    assert not any(each.moved for each in found.parameters)
+    result = watch(arm(), loud, basics, search=False)
+    assert result.left.moved
+    assert result.left.changes[0].first == 8
+    assert not any(parameter.moved for parameter in result.parameters)

@@ -1,0 +1,119 @@
+"""What is said beside the plain answer: of the noise, of what was left out again, of what remains."""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.stats import chi2
+
+from linkwright.core.diagnose.mistakes.row_lists import rows_text
+from linkwright.core.diagnose.residual.observe import beyond_first_order
+from linkwright.core.diagnose.residual.observed import rms_length
+from linkwright.core.diagnose.residual.wander_seen import seen_to_wander
+from linkwright.core.diagnose.several.recordings import Several
+
+from .confirmation import Confirmed
+from .remainder import Remainder
+from .sentences import mm, nothing_singly, of_small_causes, refutation
+
+
+def notes(names: Confirmed, rest: Remainder) -> tuple[str, ...]:
+    """The sentences."""
+    results: list[str] = []
+    if names.observed.recording.orientation is not None and names.observed.recording.seat == "unused":
+        results.append("Orientations are left alone; `orientation: free` in recording.yaml has them fitted too.")
+    if names.observed.wander > 0.0:
+        timed = names.observed.recording.time is not None
+        scale = rms_length(names.observed.scale[None, : names.observed.components])
+        speed = mm(scale * float(np.sqrt(names.observed.wander * (60.0 if timed else 1.0))))
+        walk = (
+            f"a random walk of {speed} {'a minute' if timed else 'a reading'}, {mm(names.wandered())} RMS over the "
+            "recording"
+        )
+        shown = seen_to_wander(names.observed, names.after())
+        results.append(
+            f"The instrument wanders, as {shown} shows: {walk}, which is no physics of the arm and was allowed for."
+            if shown
+            else f"The instrument may wander: {walk}, was allowed for, as what is left goes with time rather than "
+            "with the pose. What changes with time in the arm looks like that too: come back to some poses during "
+            "the recording, or read a fixed target as well, and it is seen which."
+        )
+    if names.prepared.together > 1:
+        results.append(
+            f"What is left goes with time as well as with the arm's path, {names.prepared.together} visits at a "
+            "time: no pose far from the one before, and too few come back to, tell a wandering instrument from the "
+            "arm. No p-value of a finding holds then, and none is given; come back to some poses during the "
+            "recording."
+        )
+    if names.observed.correlation > 0.0:
+        shared = f"correlation {names.observed.correlation:.2f}"
+        by = "are off alike, by noise or by what is not explained" if rest.unexplained else "share noise"
+        results.append(f"Neighbouring readings {by} ({shared}), which was allowed for.")
+    if rest.left_over and names.members and rest.lack_of_fit is not None and rest.does_not_fit():
+        results.append(refutation(rest.lack_of_fit))
+    if rest.small is not None and rest.lack_of_fit is not None:
+        results.append(of_small_causes(rest.small, rest.lack_of_fit))
+    results += [
+        f"The {item} was beyond chance among the readings fitted, but those held out are told as well without it: "
+        "left out again."
+        for item in names.unconfirmed
+    ]
+    results += [f"Left out again, as it cannot be what it was named: {item}." for item in names.impossible]
+    results += [f"Left out again, as it moves the tip by next to nothing: {item}." for item in names.too_little]
+    if names.together:
+        results.append(nothing_singly([names.place(k) for k in names.together], names.moved(list(names.together))))
+    further = beyond_first_order_of(names)
+    if further:
+        results.append(
+            f"What was found is so large that {1e3 * further:.2g} mm RMS of it lie beyond first order: that was "
+            "allowed for here. Designs and worst cases (optimize, evaluate) are to first order, and evaluate says "
+            "by how much that is off; put such a zero, length or tool into the arm file itself."
+        )
+    if rest.may_scatter:
+        results.append(
+            f"{'No pose was' if names.noise.drift_m is None else 'Too few poses were'} come back to: what is left "
+            "may also be that the arm does not return more exactly."
+        )
+    if rest.scatter() is not None:
+        results.append(
+            "What is left is more than readings of one visit differ by, but it is not there again when a pose is "
+            "visited again, or nothing recorded predicts it from pose to pose: the arm does not return more "
+            "exactly than that, or the cause changes faster than these readings can follow. Visit some poses "
+            "three times or more, with others between."
+        )
+    results += _stray(names)
+    if names.named is not None and names.named.left is not None and not names.outside:
+        p = min(test.p_value for test in names.named.left)
+        if p <= names.rules.search.false_alarm:
+            results.append(f"What remains, {mm(rms_length(names.after()))} RMS, is more than chance (p = {p:.2g}).")
+    return tuple(results)
+
+
+def beyond_first_order_of(names: Confirmed) -> float:
+    """The RMS length (m) of what was found moves the tip by beyond first order; nought where it does not matter."""
+    further = rms_length(beyond_first_order(names.observed, names.observed.about)) if names.observed.about else 0.0
+    scatter = rms_length(names.observed.scale[None, : names.observed.components])
+    return further if further > names.rules.search.motion_matters * scatter else 0.0
+
+
+def _stray(names: Confirmed) -> list[str]:
+    """What is said of readings that lie far off what is left by the middle ones, where they are too many to be set
+    aside and no repeats bear the others out."""
+    rules, width = names.rules.fitting, names.observed.components
+    far_off = np.linalg.norm(names.after(), axis=1)
+    scatter = float(np.median(far_off)) / np.sqrt(chi2.ppf(0.5, width))
+    limit = rules.outlier_margin * np.sqrt(chi2.isf(rules.far_tail / len(far_off), width)) * scatter
+    far = far_off > limit
+    if names.named is None or scatter <= 0.0 or not rules.most_outliers < far.mean() < rules.most_alone:
+        return []
+    further, middle = mm(rms_length(names.after()[far])), mm(float(np.median(far_off)))
+    recording = names.observed.recording
+    rows = (
+        recording.rows_of(recording.row[far].tolist())
+        if isinstance(recording, Several)
+        else rows_text(recording.row[far])
+    )
+    return [
+        f"{int(far.sum())} of {len(far)} readings lie further off than scatter goes, {further} RMS, where the "
+        f"middle one is {middle} off ({rows}): too many to be set aside with nothing to check them by. Read every "
+        "pose three times, and bad readings show."
+    ]

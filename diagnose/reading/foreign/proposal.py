@@ -1,0 +1,365 @@
+"""What the columns of a foreign file may mean for an arm, and the recording.yaml that says so."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections import defaultdict
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from types import MappingProxyType
+
+import numpy as np
+
+from linkwright.core.arm.chain.chain import Arm
+from linkwright.core.diagnose.reading.columns import canonical, looks_like_ours, otherwise_spelled, units_for
+from linkwright.core.diagnose.reading.table import Table
+from linkwright.core.sections.numeric import Array
+from linkwright.core.units.reading import yaml_line
+
+from .clock import clock_of, counted_in
+from .words import Said, computed, message_name, said_by
+
+OTHER = "other"
+"""A column of somebody's own: kept, as something that the error may depend on."""
+IGNORED = "ignored"
+_WHOLE = ("x", "y", "z", "payload", "temperature", "time", "fx", "fy", "fz", "qw", "qx", "qy", "qz")
+_PLACES = ("x", "y", "z")
+_BARE = ("dir", "qw", "qx", "qy", "qz")
+_OF_JOINTS = ("q", "dir", "tau", "current", "v", "c", "j")
+_IN_BRACKETS = re.compile(r"^(.*?)[\s_]*[\[(]\s*([^\])]*?)\s*[\])]\s*$")
+_AT_END = re.compile(
+    r"^(.*?)[\s_]+(deg|degrees?|rad|radians?|mm|m|um|kg|g|s|sec|min|h|ms|degc|k|n|nm|a|rad/s|deg/s|°|°c)$",
+    re.IGNORECASE,
+)
+_PLACE = re.compile(
+    r"^(?:tcp|tip|tool|ee|end[\s_-]?effector|pos(?:ition)?|meas(?:ured)?|tracker|laser|point|p)?[\s_.-]*([xyz])$"
+)
+_OF_A_POSE = re.compile(r".*(?:pose|point|transform|target)[./](?:position|translation)?[./]?([xyz])$", re.IGNORECASE)
+_WORDS = MappingProxyType(
+    {
+        "payload": re.compile(r"^(payload|load|mass|weight|last)([/.]data)?$"),
+        "temperature": re.compile(r"^(temp|temperature|t[\s_-]?amb|ambient)([\s_/.].*)?$"),
+        "time": re.compile(r"^(t|time|timestamp|elapsed|zeit|clock)$"),
+    }
+)
+_SIDE = re.compile(r"^(?:dir|direction|side|approach)[\s_.-]*(?:joint|axis|j|q)?[\s_.-]*([0-9]{1,2})$")
+_TURN = 2.0 * math.pi * 1.05
+"""No joint in radians is read beyond."""
+_METRES = 20.0
+"""No arm in metres reaches farther."""
+_KNOWN_UNITS = MappingProxyType({"KUKA's RSI": "deg"})
+"""Units of angles of programs that do not write radians."""
+
+
+@dataclass(frozen=True)
+class Meaning:
+    """What a column is taken for: one of ours (`q1`, `x`), OTHER or IGNORED; in a unit, `guessed` where its header has
+    none. It is `formula` of the file's columns (the header alone where empty) times `factor`, and `zero` added, in its
+    unit; `said` is what people should know of it. `rival` is another column that tells of the same joint as plainly."""
+
+    header: str
+    what: str
+    unit: str = ""
+    guessed: bool = False
+    formula: str = ""
+    said: str = ""
+    rival: str = ""
+    factor: float = 1.0
+    zero: float = 0.0
+
+    @property
+    def made_of(self) -> str:
+        """The formula that makes it of the file's columns."""
+        made = self.formula or _quoted(self.header)
+        if self.factor != 1.0:
+            made = f"{self.factor:.12g}*{f'({made})' if self.formula else made}"
+        return f"{made} {'+' if self.zero > 0.0 else '-'} {abs(self.zero):.12g}" if self.zero else made
+
+    @property
+    def as_it_is(self) -> bool:
+        """Whether it is the file's column, under our header, unchanged."""
+        return self.ours == self.header and not self.formula and self.factor == 1.0 and not self.zero
+
+    @property
+    def ours(self) -> str:
+        """Our header for it: `q1_rad`."""
+        return f"{self.what}_{self.unit}" if self.unit else self.what
+
+    @property
+    def named(self) -> bool:
+        """Whether it is one of ours."""
+        return self.what not in (OTHER, IGNORED)
+
+
+def known_names(arm: Arm) -> tuple[str, ...]:
+    """What a column of a recording of this arm can be."""
+    first, *others = ([f"{base}{n}" for n in range(1, arm.size + 1)] for base in _OF_JOINTS)
+    return (*first, *_WHOLE, *(name for names in others for name in names))
+
+
+def units_of(what: str, arm: Arm) -> tuple[str, ...]:
+    """The units that a column can be in; none for a side or a part of a quaternion."""
+    parsed = re.fullmatch(r"([a-z]+)([0-9]+)?", what)
+    if parsed is None or what in (OTHER, IGNORED) or parsed[1] in _BARE:
+        return ()
+    return units_for(parsed[1], arm, None if parsed[2] is None else int(parsed[2]) - 1)
+
+
+def proposed(table: Table, arm: Arm) -> tuple[Meaning, ...]:
+    """A meaning for each column, none twice."""
+    by_header = {header: _of(header, table, arm) for header in table.names}
+    left = [header for header in table.names if not by_header[header].named]
+    by_header |= _of_joints(left, table, arm, {item.what for item in by_header.values()})
+    if not any(item.what == "time" for item in by_header.values()):
+        by_header |= {item.header: item for item in _clock(table, by_header)}
+    taken: set[str] = set()
+    meanings: list[Meaning] = []
+    for header in table.names:
+        meaning = by_header[header]
+        if meaning.what in taken:
+            meaning = Meaning(header, OTHER)
+        if meaning.named:
+            taken.add(meaning.what)
+        meanings.append(meaning)
+    if any(item.what in _PLACES for item in meanings):
+        # Currents are of motion logs alone.
+        meanings = [
+            replace(item, what=OTHER, unit="") if item.what.startswith("current") else item for item in meanings
+        ]
+    if not any(re.fullmatch(r"q[0-9]+", item.what) for item in meanings):
+        # Encoders on the joints themselves (J1) are what a file without others tells the coordinates by.
+        meanings = [replace(item, what=re.sub(r"^j(?=[0-9])", "q", item.what)) for item in meanings]
+    return tuple(meanings)
+
+
+def is_motion(meanings: Sequence[Meaning]) -> bool:
+    """Whether columns are those of a motion log: a clock, torques or currents, and nothing of the tip."""
+    named = {meaning.what for meaning in meanings}
+    drives = any(re.fullmatch(r"(?:tau|current)[0-9]+", item) for item in named)
+    return drives and "time" in named and not named & set(_PLACES)
+
+
+def _of(header: str, table: Table, arm: Arm) -> Meaning:
+    """What a header says by itself: one of ours however it is spelled, a place, a side, a payload."""
+    ours = header if looks_like_ours(header) else otherwise_spelled(header)
+    if ours is not None and looks_like_ours(ours):
+        what, _, unit = canonical(ours).partition("_")
+        if what in known_names(arm) and (not units_of(what, arm) or unit in units_of(what, arm)):
+            return Meaning(header, what, unit)
+    if computed(header):
+        return Meaning(header, OTHER, said="is computed by the controller of its joint angles, not measured")
+    name, unit = _name_and_unit(header)
+    what = _named(name.strip().lower(), arm)
+    units = units_of(what, arm)
+    if what == OTHER or not units:
+        return Meaning(header, what)
+    if _OF_A_POSE.fullmatch(name):
+        return Meaning(header, what, "m", said="m, as ROS has it")
+    unit_known = _unit_of(what, unit)
+    if unit_known in units:
+        return Meaning(header, what, unit_known)
+    guess = (counted_in(table.numbers(header)) or units[0]) if what == "time" else _guessed(table, header, units)
+    return Meaning(header, what, guess, guessed=True, said="by the size of its numbers")
+
+
+def _name_and_unit(header: str) -> tuple[str, str]:
+    """A header without its unit, and the unit, empty where there is none; a number in brackets counts something."""
+    parsed = _IN_BRACKETS.match(header) or _AT_END.match(header)
+    return (header, "") if parsed is None or parsed[2].isdecimal() else (parsed[1], parsed[2])
+
+
+def _unit_of(what: str, unit: str) -> str:
+    """Our suffix for a unit as people write it."""
+    spelled = otherwise_spelled(f"{what} [{unit}]") if unit else None
+    return canonical(spelled or f"{what}_{unit}").partition("_")[2]
+
+
+def _named(name: str, arm: Arm) -> str:
+    side = _SIDE.match(name)
+    if side is not None and 1 <= int(side[1]) <= arm.size:
+        return f"dir{int(side[1])}"
+    place = _PLACE.match(name) or _OF_A_POSE.fullmatch(name)
+    if place is not None:
+        return place[1].lower()
+    bare = name.rpartition("/")[2] if name.endswith(("/payload", "/temperature")) else name.strip("/")
+    return next((word for word, pattern in _WORDS.items() if pattern.match(bare)), OTHER)
+
+
+def _of_joints(headers: Sequence[str], table: Table, arm: Arm, taken: set[str]) -> dict[str, Meaning]:
+    """What headers say of joints, by header: of all that tell of the same, those that tell of most joints, plainest."""
+    names = [joint.name for joint in arm.joints]
+    groups: dict[tuple[str, str, int], dict[str, Said]] = defaultdict(dict)
+    units: dict[str, str] = {}
+    labels = {key: table.text(item, 0) for item in table.names if (key := message_name(item)) is not None}
+    for header in headers:
+        name, unit = _name_and_unit(header)
+        meaning = said_by(name, names) if not computed(header) else None
+        if meaning is not None:
+            if meaning.number is not None and (meaning.of, meaning.number) in labels:
+                meaning = replace(meaning, label=labels[meaning.of, meaning.number], number=None)
+            groups[meaning.base, meaning.of, meaning.rank][header] = meaning
+            units[header] = unit
+    zero_based = {of for (_, of, _), group in groups.items() if any(item.number == 0 for item in group.values())}
+    ranked: list[tuple[tuple[int, int, int], str, str, dict[int, str], dict[str, Said]]] = []
+    for (base, of, rank), group in groups.items():
+        at = _numbered(group, arm, zero=of in zero_based)
+        ranked.append(((len(at), rank, -len(ranked)), base, of, at, group))
+    ranked.sort(key=lambda item: item[0], reverse=True)
+    meanings: dict[str, Meaning] = {}
+    home = next((of for _, base, of, _, _ in ranked if base == "q"), "")
+    for base in _OF_JOINTS:
+        same_base = [item for item in ranked if item[1] == base]
+        same_base.sort(key=lambda item: (item[2] == home, item[0]), reverse=True)
+        for _, _, of, at, group in same_base[:1]:
+            if of and of != home and "/" not in of:
+                continue  # somebody's own words before it, and no joint's
+            free = {joint: header for joint, header in at.items() if f"{base}{joint + 1}" not in taken}
+            meanings |= _in_units(base, free, group, units, table, arm)
+        if base == "q" and len(same_base) > 1 and same_base[1][0][:2] == same_base[0][0][:2]:
+            for joint, header in same_base[1][3].items():
+                rival = same_base[0][3].get(joint, next(iter(same_base[0][3].values())))
+                meaning = f"tells of the same joint as {rival}: two robots in one file?"
+                meanings[header] = Meaning(header, OTHER, said=meaning, rival=rival)
+    return meanings
+
+
+def _numbered(group: Mapping[str, Said], arm: Arm, *, zero: bool) -> dict[int, str]:
+    """The headers of a group by joint (from 0): by the joints' names, by number, or in order where names are others."""
+    by_name = {joint.name.casefold(): k for k, joint in enumerate(arm.joints) if joint.name}
+    headers: dict[int, str] = {}
+    strange: list[str] = []
+    for header, said in group.items():
+        if said.number is not None:
+            joint = said.number - (0 if zero else 1)
+            if 0 <= joint < arm.size:
+                headers.setdefault(joint, header)
+            continue
+        label = said.label.casefold()
+        ends = [k for name, k in by_name.items() if label.endswith(f"_{name}") or name.endswith(f"_{label}")]
+        if label in by_name:
+            headers[by_name[label]] = header
+        elif len(ends) == 1:
+            headers.setdefault(ends[0], header)
+        else:
+            strange.append(header)
+    if not headers and len(strange) == arm.size:
+        return dict(enumerate(strange))
+    return headers
+
+
+def _in_units(
+    base: str, at: Mapping[int, str], group: Mapping[str, Said], units: Mapping[str, str], table: Table, arm: Arm
+) -> dict[str, Meaning]:
+    """The columns of one kind with their units: as the header has it, as its program writes it, or by the numbers."""
+    meanings: dict[str, Meaning] = {}
+    guess = _by_ranges(base, at, table, arm)
+    unnamed = [joint.name for joint in arm.joints if joint.name]
+    for joint, header in at.items():
+        what = f"{base}{joint + 1}"
+        can_be = units_for(base, arm, joint)
+        unit_known = _unit_of(what, units[header])
+        meaning = group[header]
+        strange = bool(meaning.label) and not any(
+            item.casefold() in meaning.label.casefold() or meaning.label.casefold() in item.casefold()
+            for item in unnamed
+        )
+        order = f"joint {joint + 1} by its place: the arm has no joint {meaning.label}" if strange else ""
+        if unit_known in can_be:
+            meanings[header] = Meaning(header, what, unit_known, said=order)
+        elif meaning.by:
+            unit = _usual(can_be, _KNOWN_UNITS.get(meaning.by, "rad"))
+            meanings[header] = Meaning(header, what, unit, said=order or f"{unit}, as {meaning.by} has it")
+        elif guess is not None and arm.joints[joint].revolute and len(can_be) > 1:
+            unit = _usual(can_be, guess[0])
+            meanings[header] = Meaning(header, what, unit, guessed=True, said=order or guess[1])
+        else:
+            unit = _guessed(table, header, can_be) if base in ("q", "c", "j") else _usual(can_be, "m")
+            guessed = len(can_be) > 1
+            meanings[header] = Meaning(
+                header, what, unit, guessed, said=order or ("by the size of its numbers" if guessed else "")
+            )
+    return meanings
+
+
+def _usual(units: Sequence[str], of_angles: str) -> str:
+    """The unit of those that a program with radians (or degrees) and metres writes."""
+    return next((unit for unit in units if unit.split("_")[0] in (of_angles, "m")), units[0])
+
+
+def _by_ranges(base: str, at: Mapping[int, str], table: Table, arm: Arm) -> tuple[str, str] | None:
+    """Radians or degrees, for all columns of a kind alike, and why: beyond a turn, or beyond the joints' ranges."""
+    turning = [(joint, header) for joint, header in at.items() if arm.joints[joint].revolute]
+    if base not in ("q", "c", "j", "v") or not turning:
+        return None
+    if max(_largest(table, header) for _, header in turning) > _TURN:
+        return "deg", "by the size of its numbers"
+    if base == "v":
+        return "rad", "by the size of its numbers"
+    beyond = [
+        joint for joint, header in turning if _share_beyond(table.numbers(header), *arm.joints[joint].range) > 0.5
+    ]
+    if beyond:
+        return "deg", f"as radians joint {beyond[0] + 1} would be beyond its range"
+    return "rad", "by the size of its numbers, which are within the joints' ranges"
+
+
+def _largest(table: Table, header: str) -> float:
+    numbers = table.numbers(header)
+    return float(np.max(np.abs(numbers[np.isfinite(numbers)]), initial=0.0))
+
+
+def _share_beyond(numbers: Array, low: float, high: float) -> float:
+    there = numbers[np.isfinite(numbers)]
+    slack = 0.1 * (high - low)
+    return float(np.mean((there < low - slack) | (there > high + slack))) if len(there) else 0.0
+
+
+def _guessed(table: Table, header: str, units: Sequence[str]) -> str:
+    """The unit that the numbers can be in, where the header has none: by their size."""
+    largest = _largest(table, header)
+    if "rad" in units and largest <= _TURN:
+        return "rad"
+    if "m" in units and "mm" in units:
+        return "m" if largest <= _METRES else "mm"
+    return units[0]
+
+
+def _clock(table: Table, meanings: Mapping[str, Meaning]) -> list[Meaning]:
+    """The clock of a file that has none by our names."""
+    of = next((meaning.header for meaning in meanings.values() if re.fullmatch(r"q[0-9]+", meaning.what)), "")
+    clock = clock_of(table, of)
+    if clock is None:
+        return []
+    return [Meaning(clock.header, "time", clock.unit, clock.guessed, clock.formula, clock.said)]
+
+
+def settings_text(meanings: Sequence[Meaning], extra: Mapping[str, str], *, comments: bool = False) -> str:
+    """The recording.yaml that says so; `extra` are further keys, empty ones left out. `comments`: what is a guess is
+    said beside it."""
+    lines = [f"{name}: {yaml_line(_number(name, value))}" for name, value in extra.items() if value]
+    if any(meaning.named and not meaning.as_it_is for meaning in meanings):
+        lines.append("columns:")
+        lines += [
+            f"  {meaning.ours}: {yaml_line(meaning.made_of, quoted=True)}" + (_comment(meaning) if comments else "")
+            for meaning in meanings
+            if meaning.named
+        ]
+    ignored = [meaning.header for meaning in meanings if meaning.what == IGNORED]
+    if ignored:
+        lines.append("ignore: [" + ", ".join(yaml_line(header, quoted=True) for header in ignored) + "]")
+    return "\n".join(lines) + "\n"
+
+
+def _comment(meaning: Meaning) -> str:
+    comment = f"a guess {meaning.said}".strip() if meaning.guessed else meaning.said
+    return f"  # {' '.join(comment.split())}" if comment.isprintable() and comment else ""
+
+
+def _number(name: str, value: str) -> str | int:
+    """A setting that is a number as one; what is none is left for the reader to refuse."""
+    return int(value) if name == "skip_rows" and value.isascii() and value.isdecimal() and len(value) < 10 else value
+
+
+def _quoted(header: str) -> str:
+    return header if "`" in header else f"`{header}`"

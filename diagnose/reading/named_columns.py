@@ -1,0 +1,196 @@
+"""The columns of a file as ours: by the settings' formulas, by headers that are ours, by headers spelled otherwise."""
+
+from __future__ import annotations
+
+import datetime
+from pathlib import Path
+
+import numpy as np
+
+from linkwright.core.arm.chain.chain import Arm
+from linkwright.core.diagnose.instruments.instrument import LABELS
+from linkwright.core.sections.numeric import Array
+from linkwright.core.units.names import nearest
+from linkwright.core.units.quantities import InputError, shown
+
+from .columns import ColumnMeaning, UnitMissing, meaning_of, of_kind, otherwise_spelled
+from .formula import Formula, read_condition, read_formula
+from .read_column import ReadColumn
+from .settings import ReadingSettings
+from .table import Table
+
+_KNOWN = ("time_s", "payload_kg", "temperature_degC", "x_mm", "y_mm", "z_mm", "basex_mm", "fx_N", "qw", "rx_deg")
+_KNOWN_JOINT = ("q{}_deg", "q{}_mm", "dir{}", "c{}_deg", "j{}_deg", "v{}_deg_s", "a{}_deg_s2", "tau{}_Nm")
+_LARGEST = 1e12
+"""In SI; seconds since 1970 count to 2e9."""
+
+
+def chosen_rows(table: Table, held: ReadingSettings) -> tuple[Table, list[str]]:
+    """The rows that the settings ask for; the others are not readings of this recording."""
+    keep = np.ones(len(table.row), dtype=bool)
+    for text in held.rows:
+        condition = read_condition(text, table.names, file=held.file, key="rows")
+        keep &= condition.holds(table.numbers, len(keep))
+    if keep.all():
+        return table, []
+    if not keep.any():
+        raise InputError(held.file, "rows", f"no row of {table.file} meets {' and '.join(held.rows)}")
+    sentence = f"{' and '.join(held.rows)} ({held.file}) chooses {int(keep.sum())} of {len(keep)} rows."
+    return table.kept(keep), [sentence]
+
+
+def named_columns(
+    table: Table, held: ReadingSettings, arm: Arm
+) -> tuple[dict[str, ReadColumn], dict[str, Array], list[str]]:
+    """Our columns by name (`q1`, `x`), the numbers of strangers, and sentences about what is not used."""
+    warnings: list[str] = []
+    columns: dict[str, ReadColumn] = {}
+    used: set[str] = set(held.ignore)
+    for name in held.ignore:
+        if name not in table.columns:
+            raise InputError(held.file, "ignore", f"there is no column {shown(name)}{nearest(name, table.names)}")
+    for header, text in held.columns.items():
+        if header in _labels_of(held):
+            used.add(text)
+            continue
+        meaning = _meaning(header, arm, held, held.file)
+        if meaning is None:
+            hint = nearest(header, _known_headers(arm))
+            raise InputError(held.file, f"columns.{header}", f"is no column of a recording{hint}")
+        formula = read_formula(text, table.names, file=held.file, key=f"columns.{header}")
+        if meaning.name in columns:
+            raise InputError(held.file, f"columns.{header}", f"is given twice; {columns[meaning.name].header} gives it")
+        used.update(formula.columns)
+        columns[meaning.name] = _by_formula(table, header, meaning, formula, held)
+    strangers: dict[str, Array] = {}
+    spelled = {header: ours for header, ours in _spelled(table, held, arm).items() if header not in used}
+    if spelled:
+        pairs = ", ".join(f"{shown(header)} as {ours}" for header, ours in spelled.items())
+        warnings.append(f"Headers that are written otherwise are read as ours: {pairs}.")
+    for header in table.names:
+        if header in held.ignore or header in _labels_of(held):
+            continue
+        try:
+            meaning = _meaning(spelled.get(header, header), arm, held, table.file)
+        except UnitMissing as error:
+            if not held.columns and not error.stranger:
+                raise
+            meaning = None
+            if header not in used:
+                warnings.append(f"{header} is not used: {error.message}.")
+        if meaning is None:
+            if header in used:
+                continue  # what a column of ours is made of tells nothing further
+            strangers[header] = measurable(table.numbers(header))
+            if not held.columns:
+                hint = nearest(header, _known_headers(arm))
+                meant = hint if hint.startswith("; did") else ""
+                warnings.append(f"{header} is no column that is known here{meant or '; it is kept as it is.'}")
+            continue
+        if meaning.name in columns:
+            if not held.columns or columns[meaning.name].header not in held.columns:
+                raise InputError(table.file, header, f"says the same as {columns[meaning.name].header}; drop one")
+            if header not in used:
+                warnings.append(f"{header} gives way to {meaning.name} of {Path(held.file).name}.")
+            continue
+        if meaning.base == "time" and held.time_format is not None:
+            columns[meaning.name] = _stamps(table, header, header, meaning, held)
+        else:
+            columns[meaning.name] = _plain(table, header, meaning)
+    return columns, {name: values for name, values in strangers.items() if np.isfinite(values).any()}, warnings
+
+
+def _meaning(header: str, arm: Arm, held: ReadingSettings, file: object) -> ColumnMeaning | None:
+    """What a header says; heights and distances are strangers to a recording that does not observe them."""
+    kind = of_kind(header)
+    if kind is not None and kind not in held.kinds:
+        return None
+    return meaning_of(header, arm, file=file)
+
+
+def _labels_of(held: ReadingSettings) -> tuple[str, ...]:
+    """The columns of labels that a recording has."""
+    return () if held.instrument is None else tuple(LABELS[k] for k in held.instrument.kinds if k in LABELS)
+
+
+def _spelled(table: Table, held: ReadingSettings, arm: Arm) -> dict[str, str]:
+    """The headers that are ours but for how they are written, with ours; none whose like is there as it should be."""
+
+    def meant(header: str) -> str:
+        try:
+            meaning = _meaning(header, arm, held, table.file)
+        except UnitMissing:
+            return ""
+        return "" if meaning is None else meaning.name
+
+    taken = {meant(header) for header in table.names}
+    ours = {header: otherwise_spelled(header) for header in table.names if header not in held.ignore}
+    return {header: name for header, name in ours.items() if name and meant(name) and meant(name) not in taken}
+
+
+def _known_headers(arm: Arm) -> list[str]:
+    joints = [item.format(number) for number in range(1, arm.size + 1) for item in _KNOWN_JOINT]
+    return [*_KNOWN, *joints, *(f"temperature_link{number}_degC" for number in range(1, arm.size + 1))]
+
+
+def _plain(table: Table, header: str, meaning: ColumnMeaning) -> ReadColumn:
+    def fault(index: int) -> str:
+        return table.fault(header, index) or f"{header} is {table.text(header, index)}, beyond anything measured"
+
+    numbers = table.sides(header) if meaning.base == "dir" else table.numbers(header)
+    return ReadColumn(meaning, header, measurable(numbers * meaning.factor + meaning.offset), fault)
+
+
+def measurable(values: Array) -> Array:
+    """The values (SI), nan for what nobody measures: powers of it would not be finite."""
+    return np.where(np.abs(values) <= _LARGEST, values, np.nan)
+
+
+def _by_formula(
+    table: Table, header: str, meaning: ColumnMeaning, formula: Formula, held: ReadingSettings
+) -> ReadColumn:
+    if meaning.base == "time" and held.time_format is not None:
+        if formula.columns != (formula.text.strip("`"),):
+            raise InputError(held.file, f"columns.{header}", "is a time stamp; it names one column and nothing else")
+        return _stamps(table, formula.columns[0], header, meaning, held)
+
+    def fault(index: int) -> str:
+        for name in formula.columns:
+            if fault_text := table.fault(name, index):
+                return fault_text
+        return f"{header} = {formula.text} is not finite, or beyond anything measured"
+
+    numbers = table.sides if meaning.base == "dir" else table.numbers
+    values = formula.value(numbers, len(table.row)) * meaning.factor + meaning.offset
+    return ReadColumn(meaning, header, measurable(values), fault)
+
+
+def _stamps(table: Table, column: str, header: str, meaning: ColumnMeaning, held: ReadingSettings) -> ReadColumn:
+    """Time stamps in s since 1970: files of one day are on one clock."""
+    values = np.full(len(table.row), np.nan)
+    stamps = [_stamp(table.text(column, index), str(held.time_format)) for index in range(len(table.row))]
+    first = next((stamp for stamp in stamps if stamp is not None), None)
+    if first is None:
+        message = f"{shown(held.time_format)} does not fit {column}: row 1 holds {shown(table.text(column, 0))}"
+        raise InputError(held.file, "time_format", message)
+    began = datetime.datetime(1970, 1, 1, tzinfo=None if first.tzinfo is None else datetime.UTC)
+    for index, stamp in enumerate(stamps):
+        if stamp is not None:
+            if (stamp.tzinfo is None) != (first.tzinfo is None):
+                continue
+            values[index] = (stamp - began).total_seconds()
+
+    def fault(index: int) -> str:
+        text = table.text(column, index)
+        return f"{column} is {shown(text)}, not a time ({held.time_format})" if text else f"{column} is blank"
+
+    return ReadColumn(meaning, header, values, fault)
+
+
+def _stamp(text: str, form: str) -> datetime.datetime | None:
+    if form == "unix":
+        return None
+    try:
+        return datetime.datetime.fromisoformat(text) if form == "iso" else datetime.datetime.strptime(text, form)
+    except ValueError:
+        return None

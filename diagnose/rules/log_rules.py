@@ -1,0 +1,101 @@
+"""Rules of reading a motion log: what is no sample, no clock, no motion."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from .rule import rule
+
+
+@dataclass(frozen=True)
+class LogRules:
+    """What is set aside from a motion log, and what is refused."""
+
+    few_stray: float = rule(
+        0.01,
+        "share of the samples",
+        "Fewer stamps than this that run backwards are stray and set aside; more, and the file holds several logs.",
+    )
+    alternates: float = rule(
+        0.1,
+        "1",
+        "Samples that lie this much nearer to those two before than to the one before are of two robots in turn.",
+    )
+    gap: float = rule(5.0, "sampling intervals", "A longer wait between two samples is a gap: nothing is known of it.")
+    jitter: float = rule(
+        0.05, "sampling intervals", "Intervals that scatter by more are said: differences of samples suffer."
+    )
+    intervals: tuple[float, float] = rule(
+        (1e-5, 600.0), "s", "From sample to sample; a clock that runs faster or slower is in another unit (ms, us, ns)."
+    )
+    spike: float = rule(
+        12.0,
+        "standard deviations",
+        "A single sample this far from the median of the five around it is a fault of the logger.",
+        "public logs hold spikes of 65 N*m and angles of 1e282",
+    )
+    spike_of_torque: float = rule(
+        0.2,
+        "share of the torque's spread",
+        "A spike of torque is at least as large; less is noise with long tails, which a fit bears.",
+    )
+    spike_of_angle: float = rule(
+        0.02, "share of the angle's spread", "A jump of a joint there and back is at least as large."
+    )
+    agree: float = rule(
+        0.3, "of the spike", "The samples beside a spike differ by less; else it is a stop or a reversal."
+    )
+    at_rest: float = rule(
+        2e-3, "rad or m", "A joint that moves by less in the whole log is at rest: its encoder is noise."
+    )
+    explains: float = rule(
+        0.4,
+        "share of the torque's square",
+        "A convention explains a joint's torque where it leaves less than this of it.",
+    )
+    unexplained: float = rule(
+        0.01,
+        "share of the torque's variance",
+        "What bodies and friction leave of a torque at least: less is no gain of a convention.",
+    )
+    conventions_samples: float = rule(
+        8.0, "samples", "So many independent ones tell of conventions: what no model explains is alike for seconds."
+    )
+    conventions_masses: tuple[float, float, float] = rule(
+        (0.7, 0.15, 0.03),
+        "share of the file's; of the link's mass; of the arm's",
+        "By this a link's body differs from the file's as a whole, and by point masses of these two together.",
+    )
+    conventions_reach: float = rule(
+        0.15, "share of the arm's length", "So far from the ends of its link stands a point mass that the file lacks."
+    )
+    conventions_gain: float = rule(
+        1.5,
+        "logs of shares",
+        "Each mistake of convention leaves less by more than this, over all joints: a fifth, say, at one of them.",
+    )
+    conventions_alike: float = rule(
+        0.1, "logs of shares", "Conventions that leave no more than this beyond the least are told beside it."
+    )
+    convention_window: float = rule(
+        0.1, "s", "Speeds and accelerations are means over this; poses further apart are taken at rest."
+    )
+    alike: float = rule(0.8, "correlation", "Torques, or speeds, that are one another's multiple.")
+    least_gear: float = rule(
+        12.0,
+        "1",
+        "Torques smaller than the weights make by more than this are of the motor.",
+        "gears of arms: 30 to 320",
+    )
+    slowest: float = rule(
+        0.5, "1", "Speeds between this and its inverse times the differences of angles are those of a filter."
+    )
+    heavy: float = rule(
+        0.3, "share of the largest torque", "Gears and units are told by the joints that carry at least so much."
+    )
+    fewest: int = rule(
+        20,
+        "samples",
+        "A shorter log tells nothing: gravity, friction and inertia of one joint are five numbers.",
+        rows="a log is refused below it",
+    )

@@ -1,0 +1,95 @@
+"""The command that proposes recording.yaml for a foreign file: what it writes is read as it was meant."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+
+import linkwright as lw
+from linkwright.cli import run
+from tests.diagnose.motion.reading.test_other_files import EXPORTS
+
+ARM = """name: planar
+chain:
+  - joint: {range: [-2 rad, 2 rad]}
+    link: {length: 400 mm, rigid: true, mass: 2 kg}
+  - joint: {range: [-2 rad, 2 rad]}
+    link: {length: 400 mm, rigid: true, mass: 2 kg}
+"""
+
+
+@pytest.fixture(autouse=True)
+def in_a_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("arm.yaml").write_text(ARM, encoding="utf-8")
+
+
+def currents(columns: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
+    """Currents (A) that hold the arm's weights, by moments about its joints, at 10 N m/A, and overcome 1 N m of
+    friction."""
+    one, two = (columns[f"actual_q_{k}"] for k in (0, 1))
+    second = 2.0 * 9.81 * 0.2 * np.cos(one + two)
+    first = 2.0 * 9.81 * (0.2 + 0.4) * np.cos(one) + second
+    rubs = [np.sign(columns[f"actual_qd_{k}"]) for k in (0, 1)]
+    return {f"actual_current_{k}": (held + rubs[k]) / 10.0 for k, held in enumerate((first, second))}
+
+
+def test_a_log_of_another_program(capsys):
+    """The settings that are written read as the proposal meant, and the answer says what is a guess."""
+    pd.DataFrame({**EXPORTS["ur"], **currents(EXPORTS["ur"])}).to_csv("log.csv", index=False)
+    assert run(["columns", "log.csv", "--arm", "arm.yaml", "--out", "recording.yaml", "--json", "c.json"]) == 0
+    said = capsys.readouterr().out
+    assert "a motion log, 300 samples in 2.99 s" in said
+    assert "a guess by the size of its numbers" in said
+    assert "computed by the controller" in said
+    content = json.loads(Path("c.json").read_text(encoding="utf-8"))
+    assert content["observes"] == "motion"
+    assert content["settings"] == Path("recording.yaml").read_text(encoding="utf-8")
+    log = lw.read_log("log.csv", "arm.yaml").found
+    assert log.q == pytest.approx(np.stack([EXPORTS["ur"][f"actual_q_{k}"] for k in (0, 1)], axis=1), abs=1e-9)
+    assert log.torque_constants_free
+
+
+def test_a_recording_of_the_tip_by_ros():
+    """Joint states beside a pose: radians and metres; two columns of stamps are one clock."""
+    q = np.random.default_rng(1).uniform(-1.5, 1.5, (40, 2))
+    angles = np.cumsum(q, axis=1)
+    table = {
+        "header.stamp.secs": np.arange(40.0),
+        "header.stamp.nsecs": np.full(40, 5e8),
+        **{f"/joint_states.position[{k}]": q[:, k] for k in (0, 1)},
+        "/pose.pose.position.x": 0.4 * np.cos(angles).sum(axis=1),
+        "/pose.pose.position.y": 0.4 * np.sin(angles).sum(axis=1),
+    }
+    pd.DataFrame(table).to_csv("tips.csv", index=False, sep=";", decimal=",")
+    result = lw.columns("tips.csv", "arm.yaml")
+    assert repr(result) == "<Columns: tips.csv: a recording, 40 readings; 5 of 6 columns tell of an arm>"
+    assert result.save("recording.yaml") == [Path("recording.yaml")]
+    recording = lw.read_recording("tips.csv", "arm.yaml").found
+    assert recording.tip[:, 0] == pytest.approx(table["/pose.pose.position.x"], abs=1e-9)
+    assert recording.time is not None
+    assert recording.time == pytest.approx(np.arange(40.0))
+
+
+def test_without_an_arm_there_are_as_many_joints_as_columns():
+    pd.DataFrame(EXPORTS["franka"]).to_csv("log.csv", index=False)
+    result = lw.columns("log.csv")
+    assert {"q1_rad", "q2_rad", "tau2_Nm", "c1_rad"} <= set(result.table["is"])
+    assert not result.found.wrong
+
+
+def test_what_the_proposal_cannot_mend_is_said(capsys):
+    """The file tells of one joint of two."""
+    pd.DataFrame({"timestamp": np.arange(50.0), "actual_q_0": np.sin(np.arange(50.0))}).to_csv("log.csv", index=False)
+    assert run(["columns", "log.csv", "--arm", "arm.yaml"]) == 0
+    assert "q2: is missing" in capsys.readouterr().out
+
+
+def test_no_table_is_wrong_input(capsys):
+    Path("log.mcap").write_bytes(b"nothing")
+    assert run(["columns", "log.mcap"]) == 2
+    assert capsys.readouterr().err.count("\n") == 1

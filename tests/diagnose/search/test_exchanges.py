@@ -1,0 +1,40 @@
+"""Sets of causes that could stand in the place of a set, by the textbook's kinematics."""
+
+import numpy as np
+import pytest
+
+from linkwright.core.diagnose.diagnosis import diagnose
+from tests.diagnose.arm_of_drives import SIGMA, arm_of_drives, given_way, read, turned_by
+from tests.diagnose.recorded import LENGTHS
+
+ZERO, LENGTH = ("encoder_offset", (3,), ""), ("link_length", (3,), "")
+
+
+@pytest.mark.parametrize(("along", "across"), [(1e-3, -7e-4), (-4e-4, 2e-4)])
+def test_a_tool_that_is_off_both_ways_is_a_length_and_a_zero(along: float, across: float) -> None:
+    """In the plane a tool off along and across its link is, to first order, that link longer and its zero off."""
+    rng = np.random.default_rng(1)
+    q = rng.uniform(-1.6, 1.6, (80, 3))
+    angle = q.sum(axis=1)
+    out, aside = np.stack([np.cos(angle), np.sin(angle)], axis=1), np.stack([-np.sin(angle), np.cos(angle)], axis=1)
+    result = diagnose(arm_of_drives(), read(q, along * out + across * aside, rng))
+    exchange = next(item for item in result.exchanges if ("tool_offset", (), "") in (*item.effects, *item.instead_of))
+    assert {frozenset(exchange.effects), frozenset(exchange.instead_of)} == {
+        frozenset([("tool_offset", (), "")]),
+        frozenset([ZERO, LENGTH]),
+    }
+    assert sum("These readings do not tell" in note for note in result.notes) == len(result.exchanges)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_what_readings_tell_has_no_set_in_its_place(seed: int) -> None:
+    """A zero off by far more than the noise, and a push that bends the drives as no two other things do."""
+    rng = np.random.default_rng(seed)
+    q = rng.uniform(-1.6, 1.6, (80, 3))
+    zero = diagnose(arm_of_drives(), read(q, turned_by(q, (0.0, 40.0 * SIGMA / LENGTHS[1], 0.0)), rng))
+    assert [(finding.effect, finding.at) for finding in zero.findings] == [("encoder_offset", (2,))]
+    assert zero.exchanges == ()
+    pushed = given_way(q, np.tile([0.0, -30.0], (80, 1)))
+    load = diagnose(arm_of_drives(), read(q, pushed, rng))
+    assert {finding.effect for finding in load.findings} == {"payload"}
+    assert load.exchanges == ()
