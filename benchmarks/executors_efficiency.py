@@ -35,7 +35,7 @@ def cluster(workers: int) -> Generator[str]:
     dask = [sys.executable, "-m", "dask"]
     started = [[*dask, "scheduler", "--host", "127.0.0.1", "--port", str(port), "--no-dashboard"]]
     started += [[*dask, "worker", address, "--nthreads", "1", "--no-dashboard"]] * workers
-    running = [subprocess.Popen(each, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL) for each in started]
+    running = [subprocess.Popen(item, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL) for item in started]
     try:
         with Cluster(address, patience=60.0) as made:
             while made.workers < workers:
@@ -50,8 +50,8 @@ def cluster(workers: int) -> Generator[str]:
 def measured(name: str, executor: Executor, workers: int, tasks: list[float]) -> float:
     """The efficiency per worker of tasks that sleep so many seconds each."""
     began = time.perf_counter()
-    found = executor.map(plain(slept), tasks)
+    result = executor.map(plain(slept), tasks)
     seconds = time.perf_counter() - began
-    if found != tasks:
+    if result != tasks:
         raise SystemExit(f"{name}: the results are not those of the tasks")
     return sum(tasks) / (workers * seconds)

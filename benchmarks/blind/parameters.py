@@ -50,6 +50,20 @@ UNITS: Mapping[str, tuple[str, float]] = MappingProxyType(
         "m/h": ("m/s", 1.0 / 3600.0),
         "rad/s": ("rad/s", 1.0),
         "rad/h": ("rad/s", 1.0 / 3600.0),
+        "deg/s": ("rad/s", math.pi / 180),
+        "mm/s": ("m/s", 1e-3),
+        "N": ("N", 1.0),
+        "kN": ("N", 1e3),
+        "N/m": ("N/m", 1.0),
+        "N/mm": ("N/m", 1e3),
+        "N*m/rad": ("N*m/rad", 1.0),
+        "kN*m/rad": ("N*m/rad", 1e3),
+        "N*s/m": ("N*s/m", 1.0),
+        "N*m*s/rad": ("N*m*s/rad", 1.0),
+        "N*s^2/m^2": ("N*s^2/m^2", 1.0),
+        "N*m*s^2/rad^2": ("N*m*s^2/rad^2", 1.0),
+        "kg*m": ("kg*m", 1.0),
+        "kg*m^2": ("kg*m^2", 1.0),
     }
 )
 Translation = Mapping[str, tuple[str, str, float]]
@@ -111,7 +125,7 @@ def _other_words(entry: Mapping[str, Any], true: Mapping[str, Any]) -> bool:
     """Whether the two speak of different things: three zones have neither the knee nor the compliance of a smooth
     curve, and a tool's axes are those of the last link or of the last joint, which are one in the plane only."""
     if true.get("effect") == "joint_hardening":
-        return any(name.startswith("zones") and each["value"] > 0.5 for name, each in true["parameters"].items())
+        return any(name.startswith("zones") and item["value"] > 0.5 for name, item in true["parameters"].items())
     return true.get("effect") == "tool_offset" and "out" in (entry.get("parameters") or {})
 
 
@@ -120,7 +134,7 @@ def coverage(entry: Mapping[str, Any], true: Mapping[str, Any]) -> list[tuple[st
     if _other_words(entry, true):
         return []
     words = TRANSLATED.get(true.get("effect", ""), MappingProxyType({}))
-    found = []
+    results = []
     for name, stated in (entry.get("parameters") or {}).items():
         interval = stated.get("ci95") if isinstance(stated, Mapping) else None
         if not interval or any(end is None for end in interval):
@@ -134,6 +148,6 @@ def coverage(entry: Mapping[str, Any], true: Mapping[str, Any]) -> list[tuple[st
             if unit is None or own is None or unit[0] != own[0]:
                 continue
             amount = factor * value["value"] * own[1] / unit[1]
-            found.append((_base(true_name)[0], bool(interval[0] <= amount <= interval[1])))
+            results.append((_base(true_name)[0], bool(interval[0] <= amount <= interval[1])))
             break
-    return found
+    return results

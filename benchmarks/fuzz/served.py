@@ -71,7 +71,7 @@ class _Asked:
         line, *rest = head.split(b"\n")
         words = [*line.decode("latin-1").split(" "), "", ""]
         path, _, query = words[1].partition("?")
-        pairs = (each.partition(b":") for each in rest)
+        pairs = (item.partition(b":") for item in rest)
         headers = [(name.strip().lower(), value.strip()) for name, _, value in pairs]
         scope = {
             "type": "http",
@@ -126,7 +126,7 @@ async def _answer(guard: Guard, scope: dict[str, Any], body: bytes) -> tuple[int
         answers.append(message)
 
     await guard(scope, receive, send)
-    return answers[0]["status"], b"".join(each.get("body", b"") for each in answers[1:])
+    return answers[0]["status"], b"".join(answer.get("body", b"") for answer in answers[1:])
 
 
 def _dropped(at: Path, arm: lw.Arm) -> None:
@@ -134,12 +134,12 @@ def _dropped(at: Path, arm: lw.Arm) -> None:
     name = plain_name((at / "name.txt").read_bytes().decode("utf-8", "replace"))
     assert "/" not in name
     assert len(name.encode()) < 100
-    found = Dropped(name, (at / "r.csv").read_bytes())
-    found.propose(arm)
-    if not found.problem:
-        found.check(arm)
-    if found.problem:
-        raise InputError("", "", found.problem)
+    result = Dropped(name, (at / "r.csv").read_bytes())
+    result.propose(arm)
+    if not result.problem:
+        result.check(arm)
+    if result.problem:
+        raise InputError("", "", result.problem)
 
 
 def _folder(at: Path) -> None:
@@ -160,7 +160,7 @@ def _folder(at: Path) -> None:
         folder.write(name, text, whatever=True)
 
     def named(name: str) -> None:
-        assert SECRET.encode() not in folder.with_arm(name, text).values()
+        assert SECRET.encode() not in folder.with_named(name, text).values()
 
     try:
         each_of(*(lambda do=do, name=name: do(name) for name in names[:6] for do in (tried, written, named)))

@@ -60,9 +60,9 @@ def section(score: Score) -> str:
     lines += [_ran(score), "", *_targets(score), *_trials(score), "", *_figures(score), *_tables(score)]
     lines += ["", "Verdicts by kind: " + "; ".join(f"{kind}: {_tally(tally)}" for kind, tally in score.verdicts) + "."]
     if score.impossible:
-        lines += ["", "Impossible sizes:", "", *(f"- {each}" for each in score.impossible)]
+        lines += ["", "Impossible sizes:", "", *(f"- {item}" for item in score.impossible)]
     if score.misses:
-        lines += ["", "Misses, each with its case's number:", "", *(f"- {each}" for each in score.misses)]
+        lines += ["", "Misses, each with its case's number:", "", *(f"- {miss}" for miss in score.misses)]
     return "\n".join(lines).rstrip() + "\n"
 
 
@@ -108,15 +108,15 @@ def _trials(score: Score) -> list[str]:
     opened = trials()
     earlier = [opened[seed] for seed in itertools.takewhile(lambda seed: seed not in score.seeds, opened)]
     said = [_of_others(score), *earlier, *([NO_FORM] if earlier else [])]
-    return [line for each in said for line in ("", _wrapped(each))]
+    return [line for item in said for line in ("", _wrapped(item))]
 
 
 def _figures(score: Score) -> list[str]:
     """The three figures."""
     localised = [
-        f"| F1, {name} | {each.f1:.2f} (precision {each.hits}/{each.claimed}, recall {each.hits}/{each.true}) |"
-        for name, each in score.localised
-        if each.claimed + each.true
+        f"| F1, {name} | {item.f1:.2f} (precision {item.hits}/{item.claimed}, recall {item.hits}/{item.true}) |"
+        for name, item in score.localised
+        if item.claimed + item.true
     ]
     head = ["| the three figures | |", "|---|---|", f"| relative error of right parameters | {score.bias.shown()} |"]
     return [*head, *localised, f"| false discoveries | {score.false_discoveries.shown(0)} |"]
@@ -136,14 +136,14 @@ def _of_others(score: Score) -> str:
     """What of the unknown classes is proof: all but the one that a form of the tool describes."""
     tables = dict(score.tables)
     called, named = (
-        [each for name, each in tables[f"unknown classes {what}"] if name != DESCRIBED]
+        [item for name, item in tables[f"unknown classes {what}"] if name != DESCRIBED]
         for what in ("called unknown", "given a name")
     )
-    asked = sum(each.total for each in called)
+    asked = sum(item.total for item in called)
     return (
         f"One class of the proof half, `{DESCRIBED}`, is no proof any more: a form of the tool describes it. "
-        f"Of the other {len(called)} classes {sum(each.count for each in called)} of {asked} cases are called unknown "
-        f"and {sum(each.count for each in named)} are given a name; the targets above count all."
+        f"Of the other {len(called)} classes {sum(item.count for item in called)} of {asked} cases are called unknown "
+        f"and {sum(item.count for item in named)} are given a name; the targets above count all."
     )
 
 

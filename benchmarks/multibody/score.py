@@ -97,7 +97,7 @@ def score(truths: Sequence[Truth], answers: Mapping[str, Answer], half: str = ""
         failed=tuple(t["case"] for t, a in rows if a.verdict == "failed" and t["kind"] != "mislabelled"),
         targets=_targets(rows),
         tables=(*_tables_of_names(rows), *_other_tables(rows)),
-        bias=spread(each for sizes in errors.values() for each in sizes),
+        bias=spread(size for sizes in errors.values() for size in sizes),
         bias_by_parameter=tuple((name, spread(sizes)) for name, sizes in sorted(errors.items())),
         localised=(("joint", _joints(rows)), ("time", _times(rows)), ("region", _regions(_kind(rows, "unknown")))),
         false_discoveries=rate(_false_names(rows)),
@@ -130,12 +130,12 @@ def _covered(rows: Sequence[Row]) -> list[tuple[str, bool]]:
 
 def _relative_errors(rows: Sequence[Row]) -> dict[str, list[float]]:
     """The relative errors of what is rightly named, by effect and parameter."""
-    found: dict[str, list[float]] = {}
+    relative_errors: dict[str, list[float]] = {}
     for t, a in rows:
         for true, entry in _named(t, a):
             for name, error in _errors(entry, true):
-                found.setdefault(name, []).append(error)
-    return found
+                relative_errors.setdefault(name, []).append(error)
+    return relative_errors
 
 
 def _false_names(rows: Sequence[Row]) -> list[bool]:
@@ -148,19 +148,19 @@ def _targets(rows: Sequence[Row]) -> tuple[Target, ...]:
     ratio = spread((_written(t, a) for t, a in _kind(rows, "many", "pair", "power", "null")), 1.1)
     said = [(t, a) for t, a in rows if a.entries]
     return (
-        _at_most("false alarms on nulls", 0.01, rate(a.verdict in ALARMS for _, a in nulls)),
-        _at_least("large causes named, from 0.9 on", 0.95, rate(_right(a, e) for _, a, e in _loud(rows))),
-        _at_least("unknown classes called unknown", 0.90, rate(a.verdict == "unknown" for _, a in unknowns)),
-        _at_most("unknown classes given a name", 0.05, rate(a.verdict in NAMES for _, a in unknowns)),
-        _at_most("answers with an impossible size", 0.0, rate(bool(_impossible(t, a)) for t, a in said)),
+        at_most("false alarms on nulls", 0.01, rate(a.verdict in ALARMS for _, a in nulls)),
+        at_least("large causes named, from 0.9 on", 0.95, rate(_right(a, e) for _, a, e in _loud(rows))),
+        at_least("unknown classes called unknown", 0.90, rate(a.verdict == "unknown" for _, a in unknowns)),
+        at_most("unknown classes given a name", 0.05, rate(a.verdict in NAMES for _, a in unknowns)),
+        at_most("answers with an impossible size", 0.0, rate(bool(_impossible(t, a)) for t, a in said)),
         Target(
             "written file's RMS over the oracle's",
             "median <= 1.1",
             ratio,
             None if not ratio.count else ratio.median <= 1.1,
         ),
-        _within("95 % intervals that hold the truth", 0.93, 0.97, rate(inside for _, inside in _covered(rows))),
-        _at_most("mislabelled columns given a cause's name", 0.0, rate(a.verdict in NAMES for _, a in mislabelled)),
+        within("95 % intervals that hold the truth", 0.93, 0.97, rate(inside for _, inside in _covered(rows))),
+        at_most("mislabelled columns given a cause's name", 0.0, rate(a.verdict in NAMES for _, a in mislabelled)),
     )
 
 
@@ -210,15 +210,18 @@ def _other_tables(rows: Sequence[Row]) -> tuple[tuple[str, Table], ...]:
     )
 
 
-def _at_most(what: str, most: float, reached: Rate) -> Target:
+def at_most(what: str, most: float, reached: Rate) -> Target:
+    """A share that is to be no greater."""
     return Target(what, f"<= {100 * most:g} %", reached, None if not reached.total else reached.share <= most)
 
 
-def _at_least(what: str, least: float, reached: Rate) -> Target:
+def at_least(what: str, least: float, reached: Rate) -> Target:
+    """A share that is to be no less."""
     return Target(what, f">= {100 * least:g} %", reached, None if not reached.total else reached.share >= least)
 
 
-def _within(what: str, least: float, most: float, reached: Rate) -> Target:
+def within(what: str, least: float, most: float, reached: Rate) -> Target:
+    """A share that is to lie between."""
     met = None if not reached.total else least <= reached.share <= most
     return Target(what, f"{100 * least:g} to {100 * most:g} %", reached, met)
 
@@ -287,7 +290,7 @@ def _told(a: Answer) -> bool:
 def _errors(entry: Mapping[str, Any], true: Mapping[str, Any]) -> list[tuple[str, float]]:
     """Signed relative errors of stated values, by parameter; components that are a tenth and less of the largest of
     their effect are left out, since nothing is relative to them."""
-    found = []
+    errors = []
     words = TRANSLATED.get(true["effect"], {})
     for name, stated in (entry.get("parameters") or {}).items():
         base = name.rstrip("0123456789").rstrip("_")
@@ -302,8 +305,8 @@ def _errors(entry: Mapping[str, Any], true: Mapping[str, Any]) -> list[tuple[str
             if abs(value["value"]) <= 0.1 * max(alike) or not value["value"]:
                 continue
             truth = value["value"] * two[1]
-            found.append((f"{true['effect']} {own}", float(stated["value"]) * one[1] / truth - 1.0))
-    return found
+            errors.append((f"{true['effect']} {own}", float(stated["value"]) * one[1] / truth - 1.0))
+    return errors
 
 
 def _claimed_joints(a: Answer) -> set[int]:

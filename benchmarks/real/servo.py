@@ -38,8 +38,8 @@ def unloaded(options: Options | None = None) -> Diagnosis:
 
 def counts(found: Diagnosis) -> float:
     """The whole play that was found, in counts; nan where none was."""
-    plays = [each for each in found.findings if each.effect in _PLAY]
-    return sum(_total(each) for each in plays) / COUNT if plays else float("nan")
+    plays = [finding for finding in found.findings if finding.effect in _PLAY]
+    return sum(_total(play) for play in plays) / COUNT if plays else float("nan")
 
 
 def _total(finding: Finding) -> float:
@@ -54,12 +54,12 @@ def averages() -> dict[str, float]:
         table: Any = pd.read_csv(with_pulls(recording_file(SERVO, "motor_telemetry_single.csv"), Path(folder)))
     table = table[(table["target pos (5)"] == 2047) & (table["moving (5)"] == 0)]
     out = table["pos (3)"] - table["pos (4)"] + 599
-    found: dict[str, float] = {}
+    results: dict[str, float] = {}
     now: Any = pd.Series(np.sign(4095 - table["pos (3)"] - table["pos (4)"]), table.index)
     for least in (200, 300, 380):
-        found[f"pulled, {least} counts and more"] = _apart(table, now.where(out >= least))
-    found["after the pull"] = _apart(table, table["pulled"].where((out < 20) & (table["pulled"] != 0)))
-    return found
+        results[f"pulled, {least} counts and more"] = _apart(table, now.where(out >= least))
+    results["after the pull"] = _apart(table, table["pulled"].where((out < 20) & (table["pulled"] != 0)))
+    return results
 
 
 def _apart(table: Any, way: Any) -> float:

@@ -44,8 +44,8 @@ def on_other_days(tell: Callable[[str], None] = print) -> dict[tuple[str, str, s
         files["both"] = written(found(arm, list(own.values())))
         for kind in KINDS:
             left = {name: predict(file, read_of[other][kind]) for name, file in files.items()}
-            said |= {(day, name, kind): 1e3 * each.rms for name, each in left.items()}
-            lengths = (left["grid"].nominal_rms, *(each.rms for each in left.values()))
+            said |= {(day, name, kind): 1e3 * item.rms for name, item in left.items()}
+            lengths = (left["grid"].nominal_rms, *(item.rms for item in left.values()))
             figures = " | ".join(f"{1e3 * value:.3f}" for value in lengths)
             tell(f"| {day} | {kind} of {other} | {figures} |")
     return said
@@ -59,17 +59,17 @@ def ur10_a_and_b(tell: Callable[[str], None] = print) -> Diagnosis:
         read(UR10, recording_file(UR10, "series_B.csv"), "recording-b"),
     ]
     # Each is handed over as an arm of its own, as `--units` does.
-    result = found(arm, [replace(each, unit=name) for name, each in zip("AB", series, strict=True)], units=True)
+    result = found(arm, [replace(item, unit=name) for name, item in zip("AB", series, strict=True)], units=True)
     tell("## UR10, series A and B as two units\n")
     tell(f"{result.sentence}\n")
     tell("| series | readings | mismatch | with what was found | held out | learned on the other | file of the unit |")
     tell("|---|---|---|---|---|---|---|")
-    for each in result.recordings:
-        file = "-" if each.written is None else f"{1e3 * each.written.rms:.3f}"
-        lengths = (each.rms_before, each.rms_after, each.rms_held_out, each.rms_from_others)
+    for recording in result.recordings:
+        file = "-" if recording.written is None else f"{1e3 * recording.written.rms:.3f}"
+        lengths = (recording.rms_before, recording.rms_after, recording.rms_held_out, recording.rms_from_others)
         figures = " | ".join(f"{1e3 * value:.3f}" for value in lengths)
-        tell(f"| {each.name} | {each.rows} | {figures} | {file} |")
-    tell(f"\nNot the same in both: {', '.join(each.effect for each in result.differences) or 'nothing'}.")
+        tell(f"| {recording.name} | {recording.rows} | {figures} | {file} |")
+    tell(f"\nNot the same in both: {', '.join(difference.effect for difference in result.differences) or 'nothing'}.")
     return result
 
 

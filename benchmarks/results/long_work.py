@@ -50,20 +50,22 @@ def executors(*, quick: bool) -> list[Row]:
     """The efficiency per worker of processes and of a dask scheduler, with tasks that sleep a second."""
     tasks = [1.0] * (8 if quick else 32)
     with Processes(2, patience=0.0) as processes:
-        found = {"processes": measured("processes", processes, 2, tasks)}
+        results = {"processes": measured("processes", processes, 2, tasks)}
     with cluster(2) as address, Cluster(address) as workers:
-        found["dask, separate processes"] = measured("dask", workers, 2, tasks)
+        results["dask, separate processes"] = measured("dask", workers, 2, tasks)
     note = f"2 workers, {len(tasks)} tasks of a second, by the wall"
-    return [Row(what, f"{each:.3f}", f"at least {TARGET:g}", each >= TARGET, note) for what, each in found.items()]
+    return [
+        Row(what, f"{result:.3f}", f"at least {TARGET:g}", result >= TARGET, note) for what, result in results.items()
+    ]
 
 
 def random_scans(*, quick: bool, problems: int = 200) -> list[Row]:
     """Random problems whose bounds are held against finer scans."""
     problems = 10 if quick else problems
-    found = [each for each in map(random_problems.run, range(problems)) if each is not None]
-    bounded = [each for each in found if each.bound is not None]
-    beaten = sum(each.worst > each.bound * (1.0 + 1e-9) for each in bounded if each.bound is not None)
-    poses = sum(each.poses for each in found)
+    results = [item for item in map(random_problems.run, range(problems)) if item is not None]
+    bounded = [result for result in results if result.bound is not None]
+    beaten = sum(item.worst > item.bound * (1.0 + 1e-9) for item in bounded if item.bound is not None)
+    poses = sum(result.poses for result in results)
     note = f"{len(bounded)} answers with a bound of {problems} problems, {poses:,} poses; "
-    note += f"the scan reaches {min(each.tight for each in bounded):.5f} of the bound at least"
+    note += f"the scan reaches {min(item.tight for item in bounded):.5f} of the bound at least"
     return [Row("bounds that a scan beats", str(beaten), "none", beaten == 0, note)]

@@ -2,13 +2,9 @@
 
 # ruff: noqa: ARG005
 
-import ast
 import json
 import math
-import re
-import sys
 from dataclasses import replace
-from pathlib import Path
 
 import mujoco
 import numpy as np
@@ -33,45 +29,14 @@ from benchmarks.multibody.score import score
 from benchmarks.multibody.session import Plan, draw_session, played
 from benchmarks.multibody.sizes import impossible
 from benchmarks.multibody.unknowns.split import CLASSES, DEVELOPMENT, PROOF, WITHDRAWN, classes_of, drawn_split
+from tests.benchmarks.judged import no_templates, nothing_judged
 
 pytestmark = pytest.mark.slow
 
-PACKAGE = Path(__file__).resolve().parents[2] / "benchmarks" / "multibody"
-PROJECT = {"units", "registries", "sections", "materials", "catalogues", "arm", "optimize", "diagnose", "linkwright"}
-
-
-def imported(path: Path) -> list[str]:
-    found = []
-    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
-        if isinstance(node, ast.Import):
-            found += [alias.name for alias in node.names]
-        elif isinstance(node, ast.ImportFrom):
-            assert node.level == 0
-            found.append(node.module or "")
-    return found
-
 
 def test_generator_imports_nothing_that_is_judged():
-    """All that it imports is listed, and so is all that these imports reach within benchmarks; only the runner, which
-    asks by the command line, touches the tool."""
-    spreads = "linkwright.core.executors"  # where work is done; it knows nothing of arms
-    allowed = {"benchmarks", "mujoco", "numpy", "scipy", "pandas", "yaml", *sys.stdlib_module_names}
-    files, seen = sorted(PACKAGE.rglob("*.py")), set()
-    while files:
-        path = files.pop()
-        if path in seen:
-            continue
-        seen.add(path)
-        source = path.read_text(encoding="utf-8")
-        assert "import_module" not in source
-        assert "__import__" not in source
-        for name in imported(path):
-            top = name.split(".")[0]
-            assert top in allowed or name == spreads or (top == "linkwright" and path.name == "run.py"), (path, name)
-            if top == "benchmarks":
-                stem = PACKAGE.parents[1].joinpath(*name.split("."))
-                files.append(stem / "__init__.py" if stem.is_dir() else stem.with_suffix(".py"))
-    assert len([path for path in seen if PACKAGE in path.parents]) > 15
+    """Only the runner, which asks by the command line, touches the tool."""
+    nothing_judged("multibody", asks={"run.py"})
 
 
 # The engine
@@ -167,11 +132,11 @@ def test_loads_are_the_derivative_of_the_work():
         return float(weight + push @ body.data.site_xpos[body.site("tip")])
 
     place(body, at)
-    found = loads(body, push)
+    result = loads(body, push)
     for k in [*body.drive, *body.stretch, *body.seat[2], *body.tilt[3], *body.base, *body.tool]:
         step = np.zeros(body.size)
         step[k] = 1e-6
-        assert found[k] == pytest.approx((work(at + step) - work(at - step)) / 2e-6, abs=1e-5)
+        assert result[k] == pytest.approx((work(at + step) - work(at - step)) / 2e-6, abs=1e-5)
 
 
 def test_what_cannot_carry_its_load_is_said():
@@ -278,11 +243,11 @@ def test_every_cause_can_be_drawn_and_moves_the_tip():
 
 
 def test_unknown_classes_are_split_by_class_as_recorded():
-    names = [each.name for each in CLASSES]
+    names = [item.name for item in CLASSES]
     assert len(set(names)) == len(names) >= 24
     assert drawn_split() == (DEVELOPMENT, PROOF)
     assert not set(DEVELOPMENT) & set(PROOF)
-    drawn = [each.name for each in (*classes_of("development"), *classes_of("proof"))]
+    drawn = [class_.name for class_ in (*classes_of("development"), *classes_of("proof"))]
     assert sorted((*drawn, *WITHDRAWN)) == sorted(names)
 
 
@@ -292,7 +257,7 @@ def test_what_is_withdrawn_is_the_next_axis_askew_and_aside(family, seed):
     """A tilt that turns with its axis stays with the link behind it; one that turns twice as fast does not."""
     stage, _ = stage_of(family, "full", seed=seed)
     body, rng = stage.machine, np.random.default_rng(seed)
-    withdrawn = next(each for each in CLASSES if each.name in WITHDRAWN).draw(stage, rng)
+    withdrawn = next(item for item in CLASSES if item.name in WITHDRAWN).draw(stage, rng)
     (joint,) = withdrawn.joints
     moved = change(stage, lambda plan: withdrawn.act(plan, 1.0)).reshape(-1)
     columns = [*body.tilt[joint], *body.seat[joint]]  # of the joint after it, counted from nought
@@ -306,15 +271,10 @@ def test_what_is_withdrawn_is_the_next_axis_askew_and_aside(family, seed):
 def test_no_unknown_class_has_a_template_in_what_is_judged():
     """Neither an effect of the library nor a form of the tool bears the name of a class of the proof half, and no file
     that is judged speaks of one."""
-    root = PACKAGE.parents[1]
-    judged = [path for room in sorted(PROJECT) for path in (root / room).rglob("*.py")]
-    assert len(judged) > 100
-    for name in PROOF:
-        if "_" in name:
-            assert not [path for path in judged if re.search(rf"\b{name}\b", path.read_text(encoding="utf-8"))], name
+    no_templates(PROOF)
 
 
-@pytest.mark.parametrize("each", CLASSES, ids=lambda each: each.name)
+@pytest.mark.parametrize("each", CLASSES, ids=lambda item: item.name)
 def test_every_unknown_class_acts(each):
     """At twice the size it moves the tip farther, and it says where it sits."""
     stage, _ = stage_of("spatial_6r" if "wrist" in each.needs else "spatial_3r", "full", seed=4)
@@ -398,7 +358,7 @@ def test_a_case_is_the_same_from_its_seed_and_tells_the_tool_nothing(tmp_path):
         for p in files
         if p.name.startswith("recording") and p.suffix == ".yaml"
     ]
-    assert all(each["frame"] == truth["frame"] for each in settings)
+    assert all(item["frame"] == truth["frame"] for item in settings)
     assert len(settings) == len(tables)
 
 
@@ -406,8 +366,8 @@ def test_a_case_is_the_same_from_its_seed_and_tells_the_tool_nothing(tmp_path):
 
 
 def said(case, verdict, *entries, where=None, **more):
-    found = {"verdict": verdict, "missing": list(entries), "where": where or {}, **more}
-    return Answer(case, 0, 1.0, found)
+    results = {"verdict": verdict, "missing": list(entries), "where": where or {}, **more}
+    return Answer(case, 0, 1.0, results)
 
 
 def entry(effect, at, parameters=None, alternatives=()):
@@ -473,8 +433,8 @@ def test_scores_by_hand():
         "f": said("f", "named", entry("encoder_offset", [2])),
         "g": Answer("g", 2, 0.1, None),
     }
-    found = score(truths, answers, "disclosed", "abc")
-    reached = {t.what: t.reached for t in found.targets}
+    result = score(truths, answers, "disclosed", "abc")
+    reached = {t.what: t.reached for t in result.targets}
 
     def share(what):
         return reached[what].count, reached[what].total
@@ -487,20 +447,20 @@ def test_scores_by_hand():
     assert share("95 % intervals that hold the truth") == (1, 1)
     assert share("mislabelled columns given a cause's name") == (0, 1)
     assert reached["written file's RMS over the oracle's"].median == pytest.approx(1.05)
-    assert [t.met for t in found.targets] == [False, True, False, False, False, True, False, True]
-    assert found.bias.median == pytest.approx(0.1)
-    assert (found.false_discoveries.count, found.false_discoveries.total) == (2, 5)
-    where = dict(found.localised)
+    assert [t.met for t in result.targets] == [False, True, False, False, False, True, False, True]
+    assert result.bias.median == pytest.approx(0.1)
+    assert (result.false_discoveries.count, result.false_discoveries.total) == (2, 5)
+    where = dict(result.localised)
     # b points nowhere; c at 2; d at 1; e at 2; f at 2 where it is 1
     assert (where["joint"].hits, where["joint"].claimed, where["joint"].true) == (3, 4, 4)
     assert (where["time"].hits, where["time"].claimed, where["time"].true) == (1, 1, 2)
     assert (where["region"].hits, where["region"].claimed, where["region"].true) == (1, 2, 4)
     assert where["joint"].f1 == pytest.approx(6 / 8)
-    assert [line[0] for line in found.misses] == ["b", "f"]
-    assert not found.failed
-    assert dict(found.tables)["of these, said to be of time, where the tracker wanders"][0][1].count == 1
-    assert "cannot be negative" in found.impossible[0]
-    text = section(found)
+    assert [line[0] for line in result.misses] == ["b", "f"]
+    assert not result.failed
+    assert dict(result.tables)["of these, said to be of time, where the tracker wanders"][0][1].count == 1
+    assert "cannot be negative" in result.impossible[0]
+    text = section(result)
     assert text.startswith(HEADING)
     assert "7 cases of the development half**, seed 3 (" in text
     assert "None of them has two mountings" in text
@@ -515,9 +475,9 @@ def test_what_a_size_is_said_to_hold_is_no_name_and_has_a_table_of_its_own():
     windup = {"windup_1": {"value": 0.2, "unit": "mrad", "may_hold": "backlash"}}
     per_load = {"windup_per_load_1": {"value": 5e-6, "unit": "rad/(N*m)", "may_hold": None}}
     answers = {case: said(case, "named", entry("friction_windup", [1], windup | per_load)) for case in "ab"}
-    found = score(truths, answers, "disclosed")
-    named = next(t.reached for t in found.targets if t.what == "large causes named, from 0.9 on")
-    held = dict(found.tables)["large causes named, or said to be in a size of what is named"][0][1]
+    result = score(truths, answers, "disclosed")
+    named = next(t.reached for t in result.targets if t.what == "large causes named, from 0.9 on")
+    held = dict(result.tables)["large causes named, or said to be in a size of what is named"][0][1]
     assert (named.count, named.total) == (2, 4)
     assert (held.count, held.total) == (3, 4)  # b's is of another joint
 
@@ -560,16 +520,16 @@ def test_the_page_tells_which_class_of_the_proof_half_has_a_form():
 
 def test_the_page_of_a_later_trial_tells_of_those_before():
     truths = [truth("a", "null"), truth("b", "null")]
-    answers = {each["case"]: said(each["case"], "none") for each in truths}
+    answers = {item["case"]: said(item["case"], "none") for item in truths}
     names = ("A first trial", "A second trial", "A third trial", "A fourth trial", "A fifth trial")
     opened = trials()
     last = min(opened) + 1  # whatever its number, it is opened after those
     assert last not in opened
-    for told, seed in enumerate([*opened, last]):
-        page = section(score([each | {"seed": [seed, 0]} for each in truths], answers, "sealed"))
-        assert [each for each in names if each in page] == list(names[:told])
-        assert ("No unknown class of any trial" in page) is bool(told)
-    later = [each | {"seed": [last, 0]} for each in truths]
+    for index, seed in enumerate([*opened, last]):
+        page = section(score([item | {"seed": [seed, 0]} for item in truths], answers, "sealed"))
+        assert [name for name in names if name in page] == list(names[:index])
+        assert ("No unknown class of any trial" in page) is bool(index)
+    later = [item | {"seed": [last, 0]} for item in truths]
     assert "A first trial" not in section(score(later, answers, "disclosed"))
 
 
@@ -610,8 +570,8 @@ def test_made_asked_and_scored_by_the_commands(tmp_path, capsys):
 def test_a_truth_names_every_size_with_a_unit():
     """Every parameter of every cause as an arm file has it: what has no unit is a number, a phase or an order."""
     for number in range(3):
-        found = truth_of(make_case("x", (9, 0, number), "development", "many", number))
-        for effect in found["effects"]:
+        result = truth_of(make_case("x", (9, 0, number), "development", "many", number))
+        for effect in result["effects"]:
             for name, value in effect["parameters"].items():
                 plain = name.rstrip("0123456789").rstrip("_")
                 assert value["unit"] or plain in {"scale", "coupling", "excess", "order"}, name

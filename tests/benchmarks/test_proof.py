@@ -246,7 +246,7 @@ def test_all_baselines_run_on_the_tools_columns(written, tmp_path):
         assert fitted.claims in (True, None)
         if name in ("fit everything", "greedy BIC", "lasso"):
             assert after < 0.2 * before, name
-    assert said_right([list(each) for each in greedy_bic(given).names], truth, alone=False)
+    assert said_right([list(item) for item in greedy_bic(given).names], truth, alone=False)
 
 
 # Parts kept on file
@@ -312,7 +312,7 @@ def small(tmp_path):
         an_answer("named", ("backlash", [2])),
         an_answer("none"),
     )
-    rows += [(a_truth(f"{10 + k:05d}", "single", "joint_compliance", (2,)), each) for k, each in enumerate(said)]
+    rows += [(a_truth(f"{10 + k:05d}", "single", "joint_compliance", (2,)), item) for k, item in enumerate(said)]
     rows.append((a_truth("00014", "outside", "slip", (2,), snr_beyond_library=1.0, since_s=5.0), an_answer("unknown")))
     for truth, answer in rows:
         name = truth["case"]
@@ -364,26 +364,26 @@ def parts_of() -> dict:
 
 
 def test_figures_count_what_they_say(small):
-    found = figures(small, parts_of())
-    ways = {each.way: each for each in found.predictions}
+    result = figures(small, parts_of())
+    ways = {prediction.way: prediction for prediction in result.predictions}
     assert ways["greedy BIC"].whole[0].median == pytest.approx(math.sqrt(1.09))
     assert ways["greedy BIC"].whole[0].within == 1.0
     assert ways["greedy BIC"].whole[1].within == 0.0
     assert ways["linkwright, rightly named"].whole[0].count == 2
     assert ways["model as given"].error[2].count == 0
-    names = {each.way: each for each in found.namings}
+    names = {naming.way: naming for naming in result.namings}
     assert (names["linkwright"].alone.count, names["linkwright"].alone.total) == (1, 4)
     assert (names["greedy BIC"].alone.count, names["greedy BIC"].among.count) == (0, 4)
     assert names["greedy BIC"].alarms_plain == rate([True, True, False, False])
     assert names["linkwright"].alarms_plain == rate([False, False, False, True])
-    assert (found.direction.count, found.direction.total) == (3, 4)
-    designed, chance = found.poses
-    assert found.promised == ()
+    assert (result.direction.count, result.direction.total) == (3, 4)
+    designed, chance = result.poses
+    assert result.promised == ()
     assert (designed.resolved.count, chance.stayed.count) == (1, 1)
-    assert found.posed == (1, 1)
-    assert found.failed == 1
-    assert dict(found.confusion)["joint_compliance"] == (("joint_compliance", 2), ("backlash", 1), ("none", 1))
-    assert dict(found.confusion)["slip"] == (("unknown", 1),)
+    assert result.posed == (1, 1)
+    assert result.failed == 1
+    assert dict(result.confusion)["joint_compliance"] == (("joint_compliance", 2), ("backlash", 1), ("none", 1))
+    assert dict(result.confusion)["slip"] == (("unknown", 1),)
 
 
 def test_a_true_alias_is_a_right_name():
@@ -396,8 +396,8 @@ def test_a_true_alias_is_a_right_name():
 
 
 def test_page_prints_a_miss_as_a_miss(small):
-    found = figures(small, parts_of())
-    text = page([(small, found)], {"false_alarms": Cause("Too few draws.", "12 %")})
+    result = figures(small, parts_of())
+    text = page([(small, result)], {"false_alarms": Cause("Too few draws.", "12 %")})
     line = next(line for line in text.splitlines() if line.startswith("| false alarms |"))
     assert "**MISSED** 10.0 % (1/10;" in line
     assert "- **false alarms**: Too few draws." in text
@@ -410,15 +410,15 @@ def test_page_prints_a_miss_as_a_miss(small):
 
 
 def test_targets_are_judged_by_their_figures(small):
-    found = figures(small, parts_of())
-    met = {target.key: target.met([(small, found)], 0) for target in TARGETS}
+    result = figures(small, parts_of())
+    met = {target.key: target.met([(small, result)], 0) for target in TARGETS}
     assert met["false_alarms"] is False
     assert met["unknown"] is True
     assert met["class_at_two"] is None
     assert met["inside"] is True
     assert met["nulls"] is False
     enough = next(target for target in TARGETS if target.key == "nulls")
-    assert enough.met([(small, found)] * 60, 0) is True
+    assert enough.met([(small, result)] * 60, 0) is True
     assert set(causes()) <= set(met)
 
 

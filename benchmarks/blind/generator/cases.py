@@ -252,18 +252,18 @@ def _finish(
         snr = shown / noise_rms
         framed, _ = projected_rms(change, scene, response, True)
         visible = bool(framed > max(0.02 * raw, 0.05 * noise_rms * min(1.0, raw / noise_rms)))
-        found = aliases.candidates(scene, response, list(effects))
+        result = aliases.candidates(scene, response, list(effects))
         column = aliases.flat(change, arm.planar)
         own = nuisance(scene, response, True)
         if kind != "outside":
             for effect in effects:
                 signature = aliases.flat(aliases.signature(effect, scene, response), arm.planar)
                 rest = nuisance(scene, response, False)
-                alias.append(_over(aliases.correlations(signature, found, own) if visible else [], effects))
+                alias.append(_over(aliases.correlations(signature, result, own) if visible else [], effects))
                 plain = effect.effect in GEOMETRIC
-                given.append(() if plain else _over(aliases.correlations(signature, found, rest), effects))
+                given.append(() if plain else _over(aliases.correlations(signature, result, rest), effects))
         if kind == "outside":
-            rest = aliases.beyond(column, found, nuisance(scene, response, False))
+            rest = aliases.beyond(column, result, nuisance(scene, response, False))
             left = float(np.sqrt(np.sum(rest**2) / rows)) / noise_rms
     tracker, hostility = clean_tracker(sigma, axes, rng), ()
     if kind == "null":
@@ -294,6 +294,6 @@ def _finish(
     )
 
 
-def _over(found: list[tuple[float, aliases.Candidate]], effects: tuple[Effect, ...]) -> tuple[Alias, ...]:
+def _over(results: list[tuple[float, aliases.Candidate]], effects: tuple[Effect, ...]) -> tuple[Alias, ...]:
     own = {(e.effect, e.at) for e in effects}
-    return tuple((c.effect, c.at, round(r, 4)) for r, c in found if r > aliases.ALIAS and (c.effect, c.at) not in own)
+    return tuple((c.effect, c.at, round(r, 4)) for r, c in results if r > aliases.ALIAS and (c.effect, c.at) not in own)

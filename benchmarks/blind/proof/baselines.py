@@ -46,15 +46,15 @@ class _Linear:
     free: int  # degrees of freedom of the vector
 
 
-def _linear(given: Patterns, chosen: list[int]) -> _Linear:
-    whole = np.concatenate([given.columns[k] for k in chosen], axis=1)
-    group = np.repeat(np.array(chosen), [given.columns[k].shape[1] for k in chosen])
+def _linear(patterns: Patterns, chosen: list[int]) -> _Linear:
+    whole = np.concatenate([patterns.columns[k] for k in chosen], axis=1)
+    group = np.repeat(np.array(chosen), [patterns.columns[k].shape[1] for k in chosen])
     raw = np.linalg.norm(whole, axis=0)
-    basis = _orthonormal(given.nuisance)
+    basis = _orthonormal(patterns.nuisance)
     matrix = whole - basis @ (basis.T @ whole)
     size = np.linalg.norm(matrix, axis=0)
     live = size > 1e-6 * np.maximum(raw, 1e-300)  # what the nuisance swallows is nobody's
-    vector = given.vector - basis @ (basis.T @ given.vector)
+    vector = patterns.vector - basis @ (basis.T @ patterns.vector)
     free = vector.size - basis.shape[1]
     return _Linear(matrix[:, live] / size[live], vector, size[live], _columns_of(group, live), free)
 
@@ -86,13 +86,13 @@ def _predictor(problem: _Linear, scaled: Array) -> Callable[[Patterns], Array]:
     return predict
 
 
-def _names(given: Patterns, problem: _Linear, scaled: Array) -> tuple[Name, ...]:
+def _names(patterns: Patterns, problem: _Linear, scaled: Array) -> tuple[Name, ...]:
     """Names with a coefficient, those that move most first; variants of one candidate count once."""
     moved: dict[Name, float] = {}
     for k in np.unique(problem.group[scaled != 0.0, 0]).tolist():
         own = problem.group[:, 0] == k
         size = float(np.linalg.norm(problem.matrix[:, own] @ scaled[own]))
-        moved[given.names[k]] = max(size, moved.get(given.names[k], 0.0))
+        moved[patterns.names[k]] = max(size, moved.get(patterns.names[k], 0.0))
     return tuple(sorted(moved, key=lambda name: -moved[name]))
 
 
@@ -280,8 +280,8 @@ def gaussian_process(given: Patterns) -> Fitted:
     k = inputs.shape[1]
     bounds = [(-6.0, 2.0), (-6.0, 1.0), *[(-1.5, 5.0)] * k]
     starts = (np.array([-0.3, -0.7, *[length] * k]) for length in (1.0, 2.5))
-    found = [optimize.minimize(cost, start, jac=True, method="L-BFGS-B", bounds=bounds) for start in starts]
-    best = found[int(np.argmin([float(each.fun) for each in found]))]
+    results = [optimize.minimize(cost, start, jac=True, method="L-BFGS-B", bounds=bounds) for start in starts]
+    best = results[int(np.argmin([float(result.fun) for result in results]))]
     log = np.asarray(best.x)
     size = float(np.sum((given.residual / unit) ** 2))
     alone, _ = cost(np.array([-30.0, 0.5 * np.log(size / (rows * axes)), *[1.0] * k]))
@@ -300,8 +300,8 @@ def gaussian_process(given: Patterns) -> Fitted:
     return Fitted((), claims, predict)
 
 
-def _inputs(given: Patterns) -> Array:
-    return np.concatenate([given.joints, given.covariates], axis=1)
+def _inputs(patterns: Patterns) -> Array:
+    return np.concatenate([patterns.joints, patterns.covariates], axis=1)
 
 
 def _means(values: Array, inverse: NDArray[np.intp], count: Array) -> Array:

@@ -56,7 +56,7 @@ def power(curves: Mapping[str, Sequence[tuple[float, Rate]]], targets: Sequence[
         )
     for k, (name, curve) in enumerate(curves.items()):
         colour, aside = COLOURS[k % 2], 3.0 * (k - (len(curves) - 1) / 2.0)
-        known = [(dose, each) for dose, each in curve if each.total]
+        known = [(dose, item) for dose, item in curve if item.total]
         for dose, each in known:
             at = x(dose) + aside
             parts.append(_line(at, y(each.low), at, y(each.high), colour, 1.5))

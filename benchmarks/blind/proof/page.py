@@ -82,9 +82,9 @@ def page(both: Both, written: Mapping[str, Cause] | None = None) -> str:
 
 def _words(key: str, **values: str) -> list[str]:
     """The paragraphs of words.yaml under a key, folded."""
-    found = yaml.safe_load(WORDS.read_text(encoding="utf-8"))[key]
+    result = yaml.safe_load(WORDS.read_text(encoding="utf-8"))[key]
     lines: list[str] = []
-    for paragraph in [found] if isinstance(found, str) else found:
+    for paragraph in [result] if isinstance(result, str) else result:
         text = paragraph.format(**values) if values else paragraph
         if paragraph.startswith("**"):
             lines += textwrap.wrap(text, 158, initial_indent="- ", subsequent_indent="  ", break_long_words=False)
@@ -185,10 +185,10 @@ def _power(both: Both) -> list[str]:
 
 
 def _confused(both: Both) -> list[str]:
-    half, found = both[-1]
+    half, result = both[-1]
     lines = ["## What is taken for what", "", *_words("confused", half=half.name)]
     rows: list[tuple[int, list[str]]] = []
-    for effect, cells in found.confusion:
+    for effect, cells in result.confusion:
         total = sum(count for _, count in cells)
         wrong = [(label, count) for label, count in cells if label != effect]
         outside = effect in OUTSIDE
@@ -246,13 +246,13 @@ def _predicted(both: Both) -> list[str]:
         about = f"{found.predicted} single effects and pairs of signal to noise from 0.5 on, by a fixed seed:"
         lines += [f"{half.name.capitalize()} half, {about}", ""]
         head = ["", "inside", "outside", "unseen payload", "e/n inside", "e/n outside", "e/n unseen payload"]
-        lines += _table(head, [_prediction(each) for each in found.predictions])
+        lines += _table(head, [_prediction(prediction) for prediction in found.predictions])
     return lines
 
 
-def _prediction(each: Prediction) -> list[str]:
-    errors = [f"{value.median:.2f}" if value.count else "-" for value in each.error]
-    return [each.way, *(_ratio(value) for value in each.whole), *errors]
+def _prediction(prediction: Prediction) -> list[str]:
+    errors = [f"{value.median:.2f}" if value.count else "-" for value in prediction.error]
+    return [prediction.way, *(_ratio(value) for value in prediction.whole), *errors]
 
 
 def _others(both: Both) -> list[str]:
@@ -264,14 +264,14 @@ def _others(both: Both) -> list[str]:
         lines += [f"{half.name.capitalize()} half, {some} cases with something and {none} with nothing:", ""]
         rows = [
             [
-                each.way,
-                _short(each.alarms_plain),
-                _short(each.alarms_hostile),
-                _short(each.alone),
-                _short(each.among),
-                "names nothing" if math.isnan(each.names) else f"{each.names:.1f}",
+                naming.way,
+                _short(naming.alarms_plain),
+                _short(naming.alarms_hostile),
+                _short(naming.alone),
+                _short(naming.among),
+                "names nothing" if math.isnan(naming.names) else f"{naming.names:.1f}",
             ]
-            for each in found.namings
+            for naming in found.namings
         ]
         lines += _table(["", *_NAMING], rows)
     return lines

@@ -69,8 +69,8 @@ def patterns(arm: Path, recording: Path) -> Patterns:
     from linkwright.core.diagnose.patterns.library import candidates
 
     observed = _read(arm, recording, known=False)
-    found = list(candidates(observed))
-    return _patterns(observed, [c for c, _ in found], [columns for _, columns in found])
+    results = list(candidates(observed))
+    return _patterns(observed, [c for c, _ in results], [columns for _, columns in results])
 
 
 def patterns_at(arm: Path, recording: Path, of: Patterns) -> Patterns:
@@ -86,7 +86,7 @@ def patterns_at(arm: Path, recording: Path, of: Patterns) -> Patterns:
     return _patterns(observed, list(of.candidates), columns)
 
 
-def _patterns(observed: Any, found: list[Any], columns: list[Array]) -> Patterns:
+def _patterns(observed: Any, results: list[Any], columns: list[Array]) -> Patterns:
     from linkwright.core.diagnose.fitting.prepare import nuisances
 
     recording, width = observed.recording, observed.components
@@ -94,11 +94,11 @@ def _patterns(observed: Any, found: list[Any], columns: list[Array]) -> Patterns
     beside = [x.reshape(recording.size, -1) for x in held if x is not None]
     return Patterns(
         residual=observed.tip_residual(),
-        names=tuple((c.effect, tuple(i + 1 for i in c.at)) for c in found),
+        names=tuple((c.effect, tuple(i + 1 for i in c.at)) for c in results),
         columns=tuple(np.ascontiguousarray(c[:, :width]).reshape(-1, c.shape[2]) for c in columns),
         nuisance=nuisances(observed)[0][:, :width].reshape(recording.size * width, -1),
         joints=recording.q,
         covariates=np.concatenate(beside, axis=1) if beside else np.zeros((recording.size, 0)),
         visit=observed.block,
-        candidates=tuple(found),
+        candidates=tuple(results),
     )

@@ -48,8 +48,8 @@ def figure_of(value: Rate | Spread | float) -> float:
 
 def _at(table: str, dose: float) -> Callable[[Half, Figures], Rate]:
     def reached(half: Half, _: Figures) -> Rate:
-        found: Mapping[str, Rate] = dict(getattr(half.score, table))
-        return found.get(str(dose), Rate(0, 0, math.nan, math.nan))
+        result: Mapping[str, Rate] = dict(getattr(half.score, table))
+        return result.get(str(dose), Rate(0, 0, math.nan, math.nan))
 
     return reached
 
@@ -59,8 +59,8 @@ def _of(name: str) -> Callable[[Half, Figures], Rate | Spread]:
 
 
 def _region(number: int) -> Callable[[Half, Figures], Spread]:
-    def reached(_: Half, found: Figures) -> Spread:
-        own = [each for each in found.predictions if each.way == TOOL]
+    def reached(_: Half, figures: Figures) -> Spread:
+        own = [prediction for prediction in figures.predictions if prediction.way == TOOL]
         return own[0].whole[number] if own else Spread(0, math.nan, math.nan, math.nan)
 
     return reached
@@ -123,5 +123,5 @@ def causes(path: Path = CAUSES) -> Mapping[str, Cause]:
     if strange:
         raise ValueError(f"{path.name}: no such target: {', '.join(strange)}")
     return MappingProxyType(
-        {key: Cause(str(each.get("why") or ""), str(each.get("before") or "")) for key, each in content.items()}
+        {key: Cause(str(item.get("why") or ""), str(item.get("before") or "")) for key, item in content.items()}
     )

@@ -1,0 +1,1 @@
+"""Motion logs of real arms."""

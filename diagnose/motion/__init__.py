@@ -1,0 +1,1 @@
+"""Motion logs: what a model leaves out of the torques of a moving arm."""

@@ -1,0 +1,352 @@
+"""The diagnosis of motion logs: what a model leaves out of the torques of a moving arm."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+
+from linkwright.core.arm.chain.chain import Arm
+from linkwright.core.arm.effects import EFFECTS
+from linkwright.core.arm.effects.effect import Effect
+from linkwright.core.arm.motion.rigid import link_parameters
+from linkwright.core.diagnose.options import Options, Progress, silent
+from linkwright.core.diagnose.rules.motion_rules import MotionRules
+from linkwright.core.diagnose.rules.rules import Rules
+from linkwright.core.sections.numeric import Array
+from linkwright.core.units.quantities import InputError
+
+from .corrected import completed, entry_of
+from .findings import finding_of, findings
+from .log import MotionLog
+from .model.candidates import candidates, scanned, with_variants
+from .model.identify import Identified, identify
+from .model.intervals import Estimates, estimates
+from .model.noise import noise
+from .model.products import products
+from .model.ripple import Ripple, ripples
+from .model.rows import LogRows, joint_rows, log_rows, with_sources
+from .model.search import rms
+from .preparation import PreparedLog, prepare
+from .result import MotionDiagnosis, OfJoint, OfLog, Traces
+from .sentences import answer, verdict_of
+from .unknown import Structure, structure, unknown_of, variables
+from .weighed import weighed
+
+_DRAWN = 2000
+"""Samples of each log that are drawn."""
+_HELD_OUT = "Held out are the sizes: they were fitted to the rest of the motion. Names were chosen by all of it."
+"""What figures on motion that was not fitted rest on."""
+
+
+def diagnose_motion(
+    arm: Arm, logs: Sequence[MotionLog], options: Options | None = None, progress: Progress | None = None
+) -> MotionDiagnosis:
+    """What a model leaves out of the torques in motion logs.
+
+    Args:
+        arm: The model; what its `effects` hold already counts.
+        logs: Logs of the arm; several share their physics.
+        options: Seed, effects left out of the candidates.
+        progress: Hears of the steps.
+
+    Returns:
+        Names with sizes and intervals, alternatives, what stays unknown, RMS by joint, and the corrected arm.
+
+    Raises:
+        InputError: No log, a log without a stretch of a second, or with other joints than the arm.
+    """
+    return diagnosed(arm, logs, options, progress)[0]
+
+
+def diagnosed(
+    arm: Arm, logs: Sequence[MotionLog], options: Options | None = None, progress: Progress | None = None
+) -> tuple[MotionDiagnosis, tuple[Identified, Estimates] | None]:
+    """The same beside what it rests on: what was identified and its sizes; None where the logs hold too little."""
+    begun = time.perf_counter()
+    request, tell = options or Options(), progress or silent
+    rules = request.rules.motion
+    tell("preparing logs", 0.0)
+    prepared = [_prepared(arm, log, request.rules) for log in logs]
+    if not prepared:
+        raise InputError("", "", "no motion log; name at least one")
+    if any(log.torque_constants_free for log in logs):
+        logs = weighed(arm, prepared, rules=rules)
+        prepared = [_prepared(arm, log, request.rules) for log in logs]
+    if max(float(item.moving.sum(axis=0).max()) * _spacing(item) for item in prepared) < rules.least_moving:
+        return _too_little(arm, logs, prepared, begun), None
+    masses = link_parameters(arm)
+    pool = candidates(
+        arm, _effects(request), prepared[0].motion, masses, rules.of_a_sample / max(_rates(logs)), rules=rules
+    )
+    rows = []
+    for number, each in enumerate(prepared):
+        tell(f"columns of {Path(each.log.file).name}", 0.05 + 0.3 * number / len(prepared))
+        rows.append(log_rows(each, pool, rules=rules))
+    scans = scanned(_effects(request))
+    tell("ripple by order", 0.35)
+    heard = noise(pool, products(joint_rows(rows), pool.width, near=False)).sizes
+    slow = [(effect, item) for effect, item in _ripples(rows, heard, scans, request, fast=False)]
+    if slow:
+        known = pool
+        more = [(effect, item.joint, item.order) for effect, item in slow]
+        pool = with_variants(pool, arm, masses, more, rules=rules)
+        rows = [with_sources(row, pool.sources[len(known.sources) :]) for row in rows]
+    identified = identify(pool, rows, request.seed, tell, rules=rules)
+    swift = [
+        (effect, item)
+        for effect, item in _ripples(identified.rows, identified.noise.sizes, scans, request, fast=True)
+        if item.rms > rules.turning * identified.torque[item.joint]
+    ]
+    sizes = estimates(
+        identified.system,
+        identified.products,
+        identified.noise.weights,
+        identified.fitted,
+        identified.unnamed,
+        rules=rules,
+    )
+    tell("what is left", 0.95)
+    seen = [_structure(identified, joint, request) for joint in range(arm.size)]
+    return _result(arm, logs, prepared, identified, sizes, seen, swift, rules, begun), (identified, sizes)
+
+
+def _ripples(
+    rows: Sequence[LogRows],
+    sizes: Array,
+    scans: Sequence[tuple[Effect, Sequence[float]]],
+    options: Options,
+    *,
+    fast: bool,
+) -> list[tuple[Effect, Ripple]]:
+    """The orders of scanned effects that stand out at each joint."""
+    arm = rows[0].prepared.motion.arm
+    return [
+        (effect, ripple)
+        for effect, orders in scans
+        for joint, axis in enumerate(arm.joints)
+        if effect.can_act(joint, revolute=axis.revolute, passive=axis.passive)
+        for ripple in ripples(rows, sizes, orders, joint, options.seed, fast=fast, rules=options.rules.motion)
+    ]
+
+
+def _effects(options: Options) -> list[Effect]:
+    return [
+        effect
+        for effect in (EFFECTS[name] for name in EFFECTS)
+        if effect.torques is not None and effect.id not in options.without
+    ]
+
+
+def _prepared(arm: Arm, log: MotionLog, rules: Rules) -> PreparedLog:
+    if log.q.shape[1] != arm.size:
+        raise InputError(log.file, "", f"the log has {log.q.shape[1]} joints, the arm {arm.size}")
+    try:
+        return prepare(arm, log, rules=rules)
+    except ValueError as error:
+        raise InputError(log.file, "", str(error)) from None
+
+
+def _structure(identified: Identified, joint: int, options: Options) -> Structure:
+    """What depends on something of what the whole library leaves of a joint's torque, over all logs."""
+    residual, number, parts = [], [], []
+    for log, rows in enumerate(identified.rows):
+        use = rows.prepared.moving[:, joint]
+        rows_here = rows.prepared.kept[use]
+        motion = rows.prepared.motion
+        residual.append((rows.target[:, joint] - rows.design[joint] @ identified.noise.sizes[rows.columns[joint]])[use])
+        number.append(np.full(len(rows_here), log))
+        temperature = None if motion.temperature is None else motion.temperature[rows_here]
+        parts.append(
+            variables(
+                joint,
+                motion.q[rows_here],
+                motion.velocity[rows_here],
+                motion.acceleration[rows_here],
+                rows.nominal[rows_here],
+                motion.time[rows_here],
+                temperature,
+            )
+        )
+    names = set.intersection(*(set(part) for part in parts))
+    joined = {name: np.concatenate([part[name] for part in parts]) for name in parts[0] if name in names}
+    way = np.sign(joined["speed"])
+    return structure(
+        np.concatenate(residual), way, np.concatenate(number), joined, options.seed, rules=options.rules.motion
+    )
+
+
+def _result(
+    arm: Arm,
+    logs: Sequence[MotionLog],
+    prepared: Sequence[PreparedLog],
+    identified: Identified,
+    sizes: Estimates,
+    seen: Sequence[Structure],
+    swift: Sequence[tuple[Effect, Ripple]],
+    rules: MotionRules,
+    begun: float,
+) -> MotionDiagnosis:
+    made, nothing = identified.products, np.zeros(identified.pool.width)
+    held_out = identified.held.left(identified.fitted, bodies=True)
+    moves = made.rows.sum(axis=0) > 0
+    before, after, held, floor = (
+        np.where(moves, item, np.nan)  # nobody knows what a model is worth at a joint that stood still
+        for item in (
+            rms(made.left(nothing), made),
+            rms(made.left(sizes.sizes), made),
+            rms(held_out, made),
+            identified.noise.sigma,
+        )
+    )
+    per_joint = tuple(
+        OfJoint(
+            joint + 1,
+            float(before[joint]),
+            float(after[joint]),
+            float(held[joint]),
+            float(floor[joint]),
+            float(held[joint] / identified.torque[joint]),
+            seen[joint].names if seen[joint].p_value <= rules.false_alarm else (),
+            seen[joint].p_value,
+        )
+        for joint in range(arm.size)
+    )
+    share = floor / identified.torque
+    beyond = (share > rules.unexplained) & (share > np.minimum(rules.uneven * np.nanmedian(share), rules.never_noise))
+    open_joints = [
+        item.joint
+        for item, what, large in zip(per_joint, seen, beyond.tolist(), strict=True)
+        if large or (item.depends_on and share[item.joint - 1] * max(what.shares) ** 0.5 > rules.unexplained)
+    ]
+    named = (
+        *findings(identified, sizes, arm, rules=rules),
+        *(finding_of(effect, item, held) for effect, item in swift),
+    )
+    # What is named at a joint and yet foretells no other motion of it is not what is there.
+    claimed = np.sqrt(sum((np.square(item.rms_explained) for item in named), np.zeros(arm.size)))
+    worse = [
+        joint + 1 for joint in range(arm.size) if claimed[joint] > 0.5 * before[joint] and held[joint] > before[joint]
+    ]
+    unknown = unknown_of(sorted({*worse, *open_joints}), seen, per_joint)
+    verdict = verdict_of(named, unknown)
+    groups, numbers, start = [], [], 0
+    for member in identified.members:
+        group = identified.pool.groups[member.group]
+        groups.append(group)
+        numbers.append(sizes.numbers[start : start + group.rank])
+        start += group.rank
+    return MotionDiagnosis(
+        arm=arm,
+        logs=tuple(logs),
+        verdict=verdict,
+        sentence=answer(verdict, named, unknown, per_joint),
+        per_joint=per_joint,
+        findings=named,
+        unknown=unknown,
+        rms_before=_together(before),
+        rms_after=_together(after),
+        rms_held_out=_together(held),
+        noise_floor=_together(floor),
+        gate_p=identified.gate_p,
+        split=identified.split,
+        cutoff=prepared[0].low_pass,
+        rates=_rates(logs),
+        traces=tuple(_traces(rows, sizes.sizes) for rows in identified.rows),
+        of_logs=tuple(_of_log(identified, sizes, held_out, number) for number in range(len(logs))),
+        corrected=completed(arm, groups, numbers, [entry_of(effect, item) for effect, item in swift]),
+        notes=(_HELD_OUT, *_sparse(prepared)),
+        seconds=time.perf_counter() - begun,
+    )
+
+
+def _too_little(arm: Arm, logs: Sequence[MotionLog], prepared: Sequence[PreparedLog], begun: float) -> MotionDiagnosis:
+    """The result of logs in which no joint moves long enough."""
+    nan = float("nan")
+    return MotionDiagnosis(
+        arm=arm,
+        logs=tuple(logs),
+        verdict="insufficient_data",
+        sentence=answer("insufficient_data", (), None, ()),
+        per_joint=tuple(OfJoint(joint + 1, nan, nan, nan, nan, nan) for joint in range(arm.size)),
+        findings=(),
+        unknown=None,
+        rms_before=nan,
+        rms_after=nan,
+        rms_held_out=nan,
+        noise_floor=nan,
+        gate_p=1.0,
+        split="",
+        cutoff=prepared[0].low_pass,
+        rates=_rates(logs),
+        traces=(),
+        of_logs=(),
+        corrected=arm,
+        notes=_sparse(prepared),
+        seconds=time.perf_counter() - begun,
+    )
+
+
+def _sparse(prepared: Sequence[PreparedLog]) -> tuple[str, ...]:
+    """What samples that are far apart do not tell, log by log."""
+    return tuple(
+        f"{Path(item.log.file).name}: samples {1.0 / item.rate:.3g} s apart tell {100.0 * item.motion.sampled:.0f} % "
+        "of how fast things change; inertia, delays and resonances count by so much, speeds as they were logged."
+        for item in prepared
+        if item.motion.sampled < 1.0
+    )
+
+
+def _rates(logs: Sequence[MotionLog]) -> tuple[float, ...]:
+    return tuple(1.0 / float(np.median(np.diff(log.time))) for log in logs)
+
+
+def _together(each: Array) -> float:
+    return float(np.sqrt(np.nanmean(np.square(each))))
+
+
+def _spacing(prepared: PreparedLog) -> float:
+    times = prepared.motion.time[prepared.kept]
+    return float(np.median(np.diff(times))) if len(times) > 1 else 0.0
+
+
+def _traces(rows: LogRows, sizes: Array) -> Traces:
+    prepared = rows.prepared
+    every = max(1, int(np.ceil(len(prepared.kept) / _DRAWN)))
+    part = slice(None, None, every)
+    at = prepared.kept[part]
+    measured = prepared.filtered(prepared.measured)[at]
+    before = measured - rows.target[part]
+    return Traces(
+        Path(prepared.log.file).name,
+        prepared.motion.time[at],
+        prepared.motion.q[at],
+        prepared.motion.velocity[at],
+        measured,
+        before,
+        before + rows.explained(sizes)[part],
+        prepared.moving[part],
+    )
+
+
+def _of_log(identified: Identified, sizes: Estimates, held_out: Array, number: int) -> OfLog:
+    log = identified.rows[number].prepared.log
+    here = identified.products.log == number
+    rows = max(int(identified.products.rows[here].sum()), 1)
+
+    def size(left: Array) -> float:
+        return float(np.sqrt(left[here].sum() / rows))
+
+    return OfLog(
+        Path(log.file).name,
+        log.file,
+        log.unit,
+        log.date,
+        log.size,
+        size(identified.products.left(np.zeros(identified.pool.width))),
+        size(identified.products.left(sizes.sizes)),
+        size(held_out),
+        tuple(item.row for item in log.rejected),
+    )

@@ -1,0 +1,229 @@
+"""What was identified as findings: sizes with intervals, what each explains, and what else it could be."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from linkwright.core.arm.chain.chain import Arm
+from linkwright.core.arm.effects.effect import Effect, kind_at
+from linkwright.core.diagnose.result import FittedParameter
+from linkwright.core.diagnose.rules.motion_rules import MotionRules
+from linkwright.core.sections.numeric import Array
+from linkwright.core.units.quantities import format_quantity
+
+from .model.candidates import Group
+from .model.evidence import Member
+from .model.feasible import feasible
+from .model.identify import Identified
+from .model.intervals import Estimates
+from .model.ripple import Ripple
+from .result import Alternative, MotionFinding
+
+
+def findings(found: Identified, sizes: Estimates, arm: Arm, *, rules: MotionRules) -> tuple[MotionFinding, ...]:
+    """The findings, the one that explains most of the torque first.
+
+    Args:
+        found: What was identified.
+        sizes: Of its members, in their order.
+        arm: The arm.
+        rules: Which names are told apart.
+    """
+    made: list[MotionFinding] = []
+    beside = found.system.offers(found.fitted).evidence
+    start = 0
+    for number, member in enumerate(found.members):
+        group = found.pool.groups[member.group]
+        part = slice(start, start + group.rank)
+        start += group.rank
+        others = [m for k, m in enumerate(found.fitted) if k != number]
+        offer = found.system.offers(others)
+        evidence = float(offer.evidence[member.group])
+        parameters = parameters_of(group, arm, sizes.numbers[part], sizes.half[:, part], sizes.shown[part])
+        alone = np.zeros(found.pool.width)
+        alone[group.columns] = group.values((sizes.gain * sizes.numbers)[part])
+        explained = found.products.explained(alone)
+        made.append(
+            MotionFinding(
+                group.effect.id,
+                group.at,
+                parameters,
+                alternatives(found, number, offer.evidence, beside, rules),
+                tuple(explained.tolist()),
+                tuple(found.held.rms(others).tolist()),
+                evidence,
+                found.chance.p_value(found.system, others, evidence, found.system.beside_joints_of(member.group)),
+                reading(group, parameters, explained),
+            )
+        )
+    return tuple(sorted(made, key=lambda item: -float(np.sum(np.square(item.rms_explained)))))
+
+
+def finding_of(effect: Effect, ripple: Ripple, held: Array) -> MotionFinding:
+    """The finding of an order that stands out beyond the low-pass; `held` (n,) is what held-out motion leaves without
+    it, as with it."""
+    at = (ripple.joint + 1,)
+    parameters = [
+        FittedParameter(
+            f"{size.name}_{at[0]}", size.name, at, size.kind, value, (value - ripple.half, value + ripple.half)
+        )
+        for size, value in zip(effect.torque_sizes, (ripple.sine, ripple.cosine), strict=True)
+    ]
+    shape = effect.shapes[0]
+    order = FittedParameter(
+        f"{shape.name}_{at[0]}", shape.name, at, shape.kind, ripple.order, (ripple.order, ripple.order)
+    )
+    size = float(np.hypot(ripple.sine, ripple.cosine))
+    explained = np.zeros(len(held))
+    explained[ripple.joint] = ripple.rms
+    sentence = (
+        f"{name_of(effect.title, effect.place, at)}: {size:.3g} N*m, {ripple.order:g} periods in a turn; "
+        "on slow motion, beyond the low-pass."
+    )
+    return MotionFinding(
+        effect.id,
+        at,
+        (order, *parameters),
+        (),
+        tuple(explained.tolist()),
+        tuple(held.tolist()),
+        ripple.evidence,
+        ripple.p_value,
+        sentence,
+    )
+
+
+def parameters_of(
+    group: Group, arm: Arm, numbers: Array, half: Array, shown: NDArray[np.bool_]
+) -> tuple[FittedParameter, ...]:
+    """A group's parameters that the logs show, with intervals that reach `half` (2, k) below and above; shapes by the
+    grid they were tried on."""
+    slides = bool(group.at) and group.effect.place == "joint" and not arm.joints[group.at[0] - 1].revolute
+    suffix = "" if group.tied or not group.at else f"_{group.at[0]}"
+    parameters: list[FittedParameter] = []
+    for size, value, (below, above), seen in zip(group.sizes, numbers.tolist(), half.T.tolist(), shown, strict=True):
+        if seen or group.rank == 1:
+            kind = kind_at(size, slides=slides)
+            interval = (value - below, value + above)
+            parameters.append(FittedParameter(size.name + suffix, size.name, group.at, kind, value, interval))
+    for shape in group.effect.shapes:
+        value = group.shapes[shape.name]
+        interval = _between(shape.grid, value)
+        kind = kind_at(shape, slides=slides)
+        parameters.append(FittedParameter(shape.name + suffix, shape.name, group.at, kind, value, interval))
+    return tuple(parameters)
+
+
+def _between(grid: Sequence[float], value: float) -> tuple[float, float]:
+    """Half-way to the neighbours on a grid, which is all that trying its values tells."""
+    at = list(grid).index(value) if value in grid else 0
+    lower = grid[at - 1] if at > 0 else value
+    upper = grid[at + 1] if at + 1 < len(grid) else value
+    return (float(np.sqrt(abs(lower * value))) if lower * value > 0 else lower, 0.5 * (value + upper))
+
+
+def alternatives(
+    found: Identified, number: int, offered: Array, beside: Array, rules: MotionRules
+) -> tuple[Alternative, ...]:
+    """Other names for a member (its number) that the logs do not tell from it, the likeliest first.
+
+    `offered` (G,) is the evidence of each group beside the other members, `beside` (G,) beside all of them: what is as
+    evident there is something of its own, no other name. What is as
+    likely must be a body's or within its bounds, and foretell other motion nearly as well.
+    """
+    member = found.members[number]
+    taken = {found.pool.groups[m.group].family for m in found.members}
+    best: dict[tuple[str, tuple[int, ...]], float] = {}
+    evidence = float(offered[member.group])
+    rest = [m for m in found.fitted if m is not member]
+    for one in np.flatnonzero(np.abs(evidence - offered) <= rules.odds).tolist():
+        family = found.pool.groups[one].family
+        if family in taken or offered[one] - max(float(beside[one]), 0.0) < 0.5 * evidence:
+            continue
+        worse = evidence - float(offered[one]) + _holds(found, rest, [member], one, rules)
+        if worse <= rules.odds:
+            best[family] = min(best.get(family, np.inf), worse)
+    for family, worse in _for_two(found, member, number, rules).items():
+        best[family] = min(best.get(family, np.inf), worse)
+    made = [Alternative((family,), max(worse, 0.0)) for family, worse in best.items()]
+    return tuple(sorted(made, key=lambda item: item.worse))
+
+
+def _for_two(
+    identified: Identified, member: Member, number: int, rules: MotionRules
+) -> dict[tuple[str, tuple[int, ...]], float]:
+    """One other name for a member and another together, where that is as likely: how much worse, by its family."""
+    made: dict[tuple[str, tuple[int, ...]], float] = {}
+    families = {identified.pool.groups[m.group].family for m in identified.members}
+    apart = identified.system.offers(identified.fitted).evidence
+    for second, other in enumerate(identified.members):
+        if second == number:
+            continue
+        rest = [m for k, m in enumerate(identified.fitted) if k not in (number, second)]
+        offer = identified.system.offers(rest)
+        first = float(offer.evidence[member.group])
+        both = first + float(identified.system.offers([*rest, member]).evidence[other.group])
+        allowed = np.array([group.family not in families for group in identified.pool.groups])
+        allowed &= offer.evidence - np.maximum(apart, 0.0) > 0.5 * both
+        value = np.where(allowed, offer.evidence, -np.inf)
+        one = int(np.argmax(value))
+        worse = both - float(value[one])
+        if abs(worse) <= rules.odds:
+            worse += _holds(identified, rest, [member, other], one, rules)
+        if abs(worse) <= rules.odds:
+            family = identified.pool.groups[one].family
+            made[family] = min(made.get(family, np.inf), worse)
+    return made
+
+
+def _holds(
+    identified: Identified, rest: Sequence[Member], instead_of: Sequence[Member], one: int, rules: MotionRules
+) -> float:
+    """How many nats a group's name in place of members loses where it must be some body's as they must; infinitely
+    many where it passes its bounds, or foretells motion that was not fitted worse."""
+    scale = float(identified.system.offers(rest).scale[one])
+    other = [*rest, Member(one, scale)]
+    if not identified.system.within(other)[-1]:
+        return np.inf
+    if (identified.held.rms(other) > (1.0 + rules.gain) * identified.held.rms([*rest, *instead_of])).any():
+        return np.inf
+    return feasible(identified.system, other).worse - feasible(identified.system, [*rest, *instead_of]).worse
+
+
+def reading(group: Group, parameters: Sequence[FittedParameter], explained: Array) -> str:
+    """A finding as a plain sentence."""
+    most = int(np.argmax(explained))
+    name = name_of(group.effect.title, group.effect.place, group.at)
+    return f"{name}: {sized(parameters)}{less(parameters)}; RMS {explained[most]:.3g} N*m at joint {most + 1}."
+
+
+def less(parameters: Sequence[FittedParameter]) -> str:
+    """What is said of a mass that the file has and the arm has not."""
+    return (
+        ", less than the file has"
+        if any(parameter.kind == "mass" and parameter.value < 0.0 for parameter in parameters)
+        else ""
+    )
+
+
+def name_of(title: str, place: str, at: Sequence[int]) -> str:
+    """An effect and where it acts, in words."""
+    if not at or place in ("base", "tip"):
+        return title
+    kind = "link" if place == "link" else "joint"
+    numbers = [str(number) for number in at]
+    if len(at) > 2 and list(at) == list(range(at[0], at[0] + len(at))):
+        return f"{title} at {kind}s {at[0]} to {at[-1]}"
+    listed = numbers[0] if len(numbers) == 1 else f"{', '.join(numbers[:-1])} and {numbers[-1]}"
+    return f"{title} at {kind}{'s' if len(at) > 1 else ''} {listed}"
+
+
+def sized(parameters: Sequence[FittedParameter], *, named: bool = True) -> str:
+    """Sizes in words, at most three of them, with or without their names."""
+    sizes = [format_quantity(parameter.value, parameter.kind, digits=3) for parameter in parameters[:3]]
+    names = [parameter.parameter.replace("_", " ") if named else "" for parameter in parameters[:3]]
+    texts = [f"{name} {size}".strip() for name, size in zip(names, sizes, strict=True)]
+    return ", ".join(texts) + (", ..." if len(parameters) > 3 else "")

@@ -1,0 +1,72 @@
+"""A motion log of a real arm: joint coordinates and drive torques against time; SI throughout."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from types import MappingProxyType
+
+import numpy as np
+from numpy.typing import NDArray
+
+from linkwright.core.diagnose.recording import RejectedRow
+from linkwright.core.sections.numeric import Array
+
+
+@dataclass(frozen=True)
+class MotionLog:
+    """N samples of n joints in the order of time, less those set aside.
+
+    Args:
+        file: The file it was read from, for people.
+        time: (N,) s from the first sample, strictly ascending; gaps are left as they are.
+        q: (N, n) joint coordinates as the arm file counts them, rad (m for slides).
+        torque: (N, n) N*m (N for slides) at the joint, positive where it pushes towards increasing q; nan where a drive
+            was not logged. Of currents: current times torque constant (times gear ratio where it is of the motor).
+        row: (N,) each sample's number in the file, from 1.
+        velocity: (N, n) as logged, rad/s (m/s); None where it was not.
+        commanded: (N, n) commanded coordinates, None alike.
+        joint_side: (N, n) coordinates of a second encoder, None alike.
+        temperature: (N,) K, None alike.
+        payload_mass: (N,) kg, None alike.
+        from_current: Whether `torque` stems from currents.
+        torque_constants_free: Whether nobody knows the torque constants: `torque` is then current as it stands (A),
+            and every torque is known but for one factor a joint, which a diagnosis finds.
+        weighed: (n,) N*m/A, torque constants that a diagnosis found by what the arm weighs, nan where that tells none
+            (the drive then counts as not logged); `torque` is N*m by them. None: `torque` is as it was read.
+        sigma: (n,) N*m, declared standard deviations of the torques; None where nobody declared them.
+        cutoff: Hz, of the zero-phase low-pass that settings ask for; None: chosen from the data.
+        rejected: Rows set aside, each with the reason.
+        warnings: Sentences for the report (gaps, jitter, duplicate stamps, missing speeds ...).
+        settings: The recording.yaml that was used; empty where there is none.
+        unit: Which arm of a type (a serial number); empty where nobody said.
+        date: When it was made (`2026-05-16`); empty alike.
+        other: Further numeric columns as they are, (N,) by name.
+    """
+
+    file: str
+    time: Array
+    q: Array
+    torque: Array
+    row: NDArray[np.int64]
+    velocity: Array | None = None
+    commanded: Array | None = None
+    joint_side: Array | None = None
+    temperature: Array | None = None
+    payload_mass: Array | None = None
+    from_current: bool = False
+    torque_constants_free: bool = False
+    weighed: tuple[float, ...] | None = None
+    sigma: tuple[float, ...] | None = None
+    cutoff: float | None = None
+    rejected: tuple[RejectedRow, ...] = ()
+    warnings: tuple[str, ...] = ()
+    settings: str = ""
+    unit: str = ""
+    date: str = ""
+    other: Mapping[str, Array] = field(default_factory=lambda: MappingProxyType({}))
+
+    @property
+    def size(self) -> int:
+        """The number of samples, N."""
+        return len(self.time)

@@ -1,0 +1,386 @@
+"""Candidates of a motion diagnosis: what each effect that acts on torques does at each place, as columns and groups."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from linkwright.core.arm.chain.chain import Arm
+from linkwright.core.arm.effects import EFFECTS
+from linkwright.core.arm.effects.effect import Effect, Parameter, Settings
+from linkwright.core.arm.effects.loads.inertial import OfInertia
+from linkwright.core.arm.effects.torques import OfEachDrive, direction
+from linkwright.core.arm.motion.motion import Motion
+from linkwright.core.arm.motion.rigid import PARAMETERS, regressor
+from linkwright.core.diagnose.rules.motion_rules import MotionRules
+from linkwright.core.sections.numeric import Array
+
+_MOST_VARIANTS = 12
+"""Values of an effect's shapes up to which all are candidates; of more, a scan proposes some."""
+_OF_ALL_ROBOTS = ("dimensionless", "time", "time_squared")
+"""Kinds of quantity that do not grow with the robot."""
+_PROBED = 200
+"""Instants at which it is tried whether an effect goes by the drives' torque."""
+
+
+def _sharper(motion: Motion, values: Mapping[str, float], joint: int) -> Array:
+    speed = motion.velocity[:, joint]
+    return values.get("torque", 0.0) * (np.sign(speed) - direction(speed))
+
+
+SHARPER = Effect(
+    id="sharper_sign",
+    title="friction whose sign changes faster, or slower, than the model's",
+    formula="f (sign(q') - smoothed sign(q'))",
+    place="joint",
+    cause="friction in motion",
+    needs="",
+    aliases=(),
+    source="",
+    parameters=(Parameter("torque", "torque", "", -1e4, 1e4, (0.1, 20.0), "", role="torque"),),
+    torques=OfEachDrive(_sharper),
+    linear=True,
+)
+"""How sharp the sign of a speed that is read from coordinates is, nobody knows. Fitted beside the rest; no cause."""
+
+
+@dataclass(frozen=True)
+class Source:
+    """What makes columns: an effect at a place (joints or links from 0; empty: base or tip) with values of its shapes.
+    Its `sizes` are the columns `start` and following of the whole model. `by_load`: it acts in proportion to the torque
+    that a drive gives, and changes with the model. `joints` (from 0) are those whose torque it changes."""
+
+    effect: Effect
+    at: tuple[int, ...]
+    shapes: Mapping[str, float]
+    sizes: tuple[Parameter, ...]
+    start: int
+    by_load: bool
+    joints: tuple[int, ...] = ()
+
+    @property
+    def delays(self) -> bool:
+        """Whether it shifts the torque in time: what is of the instrument and measured as a time."""
+        return self.effect.of_instrument and [size.kind for size in self.sizes] == ["time"]
+
+    @property
+    def columns(self) -> NDArray[np.int64]:
+        """Its columns in the whole model."""
+        return np.arange(self.start, self.start + len(self.sizes))
+
+    def torques(self, motion: Motion, by_parameter: Array | None = None) -> dict[int, Array]:
+        """What one unit of each size takes of the drives: by joint (N, d). `by_parameter` is the motion's regressor (N,
+        n, 10 n) where it is at hand, for what changes the links' inertial parameters."""
+        assert self.effect.torques is not None
+        if by_parameter is not None and isinstance(self.effect.torques, OfInertia):
+            units = [Settings(self.at, {**self.shapes, size.name: 1.0}) for size in self.sizes]
+            each = [self.effect.torques.parameters(motion.arm, unit).reshape(-1) for unit in units]
+            whole = by_parameter @ np.stack(each, axis=1)
+            return {joint: whole[:, joint] for joint in self.joints}
+        torques: dict[int, Array] = {}
+        for number, size in enumerate(self.sizes):
+            values = {**self.shapes, size.name: 1.0}
+            for joint, torque in self.effect.torques(motion, Settings(self.at, values)).items():
+                if joint not in torques:
+                    torques[joint] = np.zeros((motion.size, len(self.sizes)))
+                torques[joint][:, number] = torque
+        return torques
+
+
+@dataclass(frozen=True)
+class Body:
+    """The `link` (from 0) that inertial numbers change: `had` (10,) are its parameters by the arm file, `units` (10,
+    10) those of one unit of each of the effect's numbers, of which a group holds the `shown` ones."""
+
+    link: int
+    had: Array
+    units: Array
+    shown: NDArray[np.int64]
+
+
+@dataclass(frozen=True)
+class Group:
+    """A candidate cause: `mixing` (k, d) turns its d numbers into sizes of the model's columns `columns` (k,).
+
+    `usual` (d,) is the size that is common of each number, `bounds` (2, d) what it cannot pass, in SI; `sizes` are the
+    parameters of its numbers, `labels` (k,) the place and parameter of each column. `at` are joints or links from 1,
+    `family` what only one variant may be taken of, `variants` how many the family has. `tied`: one number for all
+    places. What changes a link's ten parameters has a `body`. A `nuisance` is fitted with the rest and never named.
+    """
+
+    effect: Effect
+    at: tuple[int, ...]
+    shapes: Mapping[str, float]
+    columns: NDArray[np.int64]
+    mixing: Array
+    usual: Array
+    bounds: Array
+    sizes: tuple[Parameter, ...]
+    labels: tuple[tuple[tuple[int, ...], str], ...]
+    family: tuple[str, tuple[int, ...]]
+    variants: int
+    tied: bool = False
+    nuisance: bool = False
+    body: Body | None = None
+
+    @property
+    def rank(self) -> int:
+        """How many numbers it has."""
+        return self.mixing.shape[1]
+
+    def values(self, numbers: Array) -> Array:
+        """The sizes of its columns by its numbers."""
+        return self.mixing @ numbers
+
+
+@dataclass(frozen=True)
+class Candidates:
+    """All sources of columns, `width` columns in all, and the groups that a diagnosis chooses among; `clock` s by which
+    torques may be late to coordinates without being a delay."""
+
+    sources: tuple[Source, ...]
+    groups: tuple[Group, ...]
+    width: int
+    clock: float
+
+
+def candidates(
+    arm: Arm, effects: Sequence[Effect], motion: Motion, masses: Array, clock: float, *, rules: MotionRules
+) -> Candidates:
+    """The candidates that can act on an arm in a motion.
+
+    Args:
+        arm: The arm.
+        effects: Effects with `torques`, of which some may not act on this arm or motion.
+        motion: A motion, for which conditions that are missing leave effects out.
+        masses: (n, 10) the links' inertial parameters as the arm file has them.
+        clock: s by which torques may be late to coordinates without being a delay.
+        rules: What is usual.
+    """
+    probe = _probe(motion)
+    slopes = regressor(arm, probe[0].q, probe[0].velocity, probe[0].acceleration)
+    sources: list[Source] = []
+    at_column = 0
+    for effect in (*effects, SHARPER):
+        variants = _grid(effect, rules.slow)
+        if effect.torques is None or not _shown(effect, motion) or len(variants) > _MOST_VARIANTS:
+            continue
+        for at in _places(arm, effect):
+            for shapes in variants:
+                source = Source(effect, at, shapes, effect.torque_sizes, at_column, False)
+                if isinstance(effect.torques, OfInertia):
+                    first = second = replace(source, joints=tuple(range(arm.size))).torques(probe[0], slopes)
+                    first = {joint: columns for joint, columns in first.items() if columns.any()}
+                else:
+                    first, second = (source.torques(item) for item in probe)
+                seen = [
+                    number
+                    for number in range(len(source.sizes))
+                    if any(np.abs(columns[:, number]).max() > 0.0 for columns in first.values())
+                ]
+                if not seen:
+                    continue
+                by_load = any(not np.allclose(first[j], second[j], rtol=1e-6, atol=1e-12) for j in first)
+                sizes = tuple(source.sizes[number] for number in seen)
+                sources.append(Source(effect, at, shapes, sizes, at_column, by_load, tuple(sorted(first))))
+                at_column += len(sizes)
+    return Candidates(tuple(sources), tuple(_groups(sources, arm, masses, clock, rules)), at_column, clock)
+
+
+def scanned(effects: Sequence[Effect]) -> list[tuple[Effect, tuple[float, ...]]]:
+    """Effects of one shape with too many values to be candidates all, with those values."""
+    return [
+        (effect, effect.shapes[0].grid)
+        for effect in effects
+        if effect.torques is not None and len(effect.shapes) == 1 and len(effect.shapes[0].grid) > _MOST_VARIANTS
+    ]
+
+
+def with_variants(
+    pool: Candidates, arm: Arm, masses: Array, more: Sequence[tuple[Effect, int, float]], *, rules: MotionRules
+) -> Candidates:
+    """The candidates with some values of the shape of scanned effects at joints (from 0)."""
+    sources = list(pool.sources)
+    width = pool.width
+    for effect, joint, value in more:
+        shapes = {effect.shapes[0].name: value}
+        sources.append(Source(effect, (joint,), shapes, effect.torque_sizes, width, False, (joint,)))
+        width += len(effect.torque_sizes)
+    return Candidates(tuple(sources), tuple(_groups(sources, arm, masses, pool.clock, rules)), width, pool.clock)
+
+
+def _shown(effect: Effect, motion: Motion) -> bool:
+    held = {
+        "commanded": motion.commanded is not None,
+        "warming": motion.temperature is not None,
+    }
+    return all(held.get(need, True) for need in effect.requires)
+
+
+def _places(arm: Arm, effect: Effect) -> list[tuple[int, ...]]:
+    if effect.place in ("base", "tip"):
+        return [()]
+    return [
+        (index,)
+        for index, joint in enumerate(arm.joints)
+        if effect.can_act(index, revolute=joint.revolute, passive=joint.passive)
+    ]
+
+
+def _grid(effect: Effect, slow: float) -> list[Mapping[str, float]]:
+    names = [shape.name for shape in effect.shapes]
+    # What depends on speeds whose sign is uncertain is not told from a sign that is sharper or blurred.
+    grids = [[v for v in s.grid if s.kind != "angular_speed" or v > slow] for s in effect.shapes]
+    return [dict(zip(names, values, strict=True)) for values in itertools.product(*grids)]
+
+
+def _probe(motion: Motion) -> tuple[Motion, Motion]:
+    """Two short swings to and fro from where an arm stands, alike but for the torque, with what the log has."""
+    joints = np.arange(1, motion.q.shape[1] + 1)
+    rate = 2.0 * np.pi * (0.4 + 0.05 * joints)
+    time = np.linspace(0.0, 4.0, _PROBED)
+    phase = time[:, None] * rate + joints
+    q = motion.q[0] + 0.3 * np.sin(phase)
+    wave = np.cos(0.7 * phase) + joints
+
+    def like(held: Array | None, values: Array) -> Array | None:
+        return None if held is None else values
+
+    short = replace(
+        motion,
+        time=time,
+        q=q,
+        velocity=0.3 * rate * np.cos(phase),
+        acceleration=-0.3 * rate**2 * np.sin(phase),
+        torque=wave,
+        commanded=like(motion.commanded, q + 1e-3 * wave),
+        joint_side=like(motion.joint_side, q + 1e-3 * wave),
+        payload_mass=None if motion.payload_mass is None else np.full(_PROBED, motion.payload_mass[0]),
+        temperature=like(motion.temperature, 300.0 + time),
+    )
+    return short, replace(short, torque=2.0 * wave[::-1] + 1.0)
+
+
+def _groups(sources: Sequence[Source], arm: Arm, masses: Array, clock: float, rules: MotionRules) -> list[Group]:
+    groups: list[Group] = []
+    by_effect: dict[tuple[str, tuple[tuple[str, float], ...]], list[Source]] = {}
+    for source in sources:
+        by_effect.setdefault((source.effect.id, tuple(source.shapes.items())), []).append(source)
+    variants: dict[tuple[str, tuple[int, ...]], int] = {}
+    for source in sources:
+        key = (source.effect.id, source.at)
+        variants[key] = variants.get(key, 0) + 1
+    for source in sources:
+        usual = np.array([max(map(abs, size.typical)) for size in source.sizes])
+        key = (source.effect.id, source.at)
+        at = tuple(index + 1 for index in source.at)
+        groups.append(
+            Group(
+                source.effect,
+                at,
+                source.shapes,
+                source.columns,
+                np.eye(len(source.sizes)),
+                usual,
+                _bounds(source, arm, rules.most_usual, alone=True),
+                source.sizes,
+                tuple((at, size.name) for size in source.sizes),
+                (source.effect.id, at),
+                variants[key],
+                nuisance=source.effect is SHARPER,
+                body=_body(source, arm, masses),
+            )
+        )
+        if source.delays:
+            # By part of a sample torques may be late or early to coordinates: no delay, but how a log was written.
+            limits = np.array([[-np.inf], [np.inf]])
+            labels = tuple((at, size.name) for size in source.sizes)
+            family = ("clock", at)
+            groups.append(
+                Group(
+                    source.effect,
+                    at,
+                    {},
+                    source.columns,
+                    np.eye(1),
+                    np.array([clock / 3.0]),  # what is within its reach is within three standard deviations
+                    limits,
+                    source.sizes,
+                    labels,
+                    family,
+                    1,
+                    nuisance=True,
+                )
+            )
+    for alike in by_effect.values():
+        effect = alike[0].effect
+        if len(alike) < 2 or len(alike[0].at) != 1:
+            continue
+        at = tuple(source.at[0] + 1 for source in alike)
+        columns = np.concatenate([source.columns for source in alike])
+        shared = variants[(effect.id, alike[0].at)]
+        bounds = _bounds(alike[0], arm, rules.most_usual)
+        if effect.together or (effect.of_instrument and alike[0].by_load):
+            usual = np.array([max(map(abs, size.typical)) for size in alike[0].sizes])
+            mixing = np.tile(np.eye(len(alike[0].sizes)), (len(alike), 1))
+            shapes, many, sizes = alike[0].shapes, shared, alike[0].sizes
+        elif isinstance(effect.torques, OfInertia) and effect.place == "link":
+            # All that the arm weighs by one factor: what nobody tells from all torque constants.
+            held = [dict(zip(PARAMETERS, row.tolist(), strict=True)) for row in masses]
+            mixing = np.array([[held[source.at[0]][size.name]] for source in alike for size in source.sizes])
+            usual, shapes, many = np.array([rules.scaled]), {}, 1
+            sizes = (Parameter("share", "dimensionless", "of all masses", -1.0, 1.0, (0.0, rules.scaled), ""),)
+            bounds = np.array([[-1.0], [1.0]]) * rules.most_usual * rules.scaled
+        else:
+            continue
+        labels = tuple(((source.at[0] + 1,), size.name) for source in alike for size in source.sizes)
+        family = (effect.id, at)
+        groups.append(Group(effect, at, shapes, columns, mixing, usual, bounds, sizes, labels, family, many, tied=True))
+    return groups
+
+
+def _body(source: Source, arm: Arm, masses: Array) -> Body | None:
+    made = source.effect.torques
+    if not isinstance(made, OfInertia):
+        return None
+    names = [size.name for size in source.effect.torque_sizes]
+    parameters = [made.parameters(arm, Settings(source.at, {name: 1.0})) for name in names]
+    link = source.at[0] if source.at else arm.size - 1
+    had = masses[link].copy()
+    for entry in arm.effects:
+        more = EFFECTS[entry.effect].torques
+        if isinstance(more, OfInertia):
+            had += more.parameters(arm, Settings(tuple(at - 1 for at in entry.at), entry.parameters))[link]
+    shown = np.array([names.index(size.name) for size in source.sizes], dtype=np.int64)
+    return Body(link, had, np.stack([own[link] for own in parameters], axis=1), shown)
+
+
+def _bounds(source: Source, arm: Arm, most_usual: float, *, alone: bool = False) -> Array:
+    """What its sizes cannot pass (2, d), less what the arm file has of them already."""
+    at = tuple(index + 1 for index in source.at)
+    had = [0.0] * len(source.sizes)
+    for entry in arm.effects:
+        if entry.effect == source.effect.id and (not entry.at or set(at) <= set(entry.at)):
+            more = (entry.parameters.get(size.name, 0.0) for size in source.sizes)
+            had = [own + value for own, value in zip(had, more, strict=True)]
+    limits: list[tuple[float, float]] = []
+    for size, own in zip(source.sizes, had, strict=True):
+        most = most_usual * max(map(abs, size.typical)) if size.kind in _OF_ALL_ROBOTS else np.inf
+        limits.append((max(size.lower - own, -most), min(size.upper - own, most)))
+    bounds = np.array(limits, dtype=float).reshape(-1, 2).T
+    if alone and source.delays:
+        # Encoders of one arm are read alike: no single drive's torque is logged before it is given.
+        bounds[0] = 0.0
+    return bounds
+
+
+def of_arm(pool: Candidates) -> NDArray[np.bool_]:
+    """Which columns (W,) change the torque that the drives pass on to the arm, by which friction under load goes."""
+    columns = np.zeros(pool.width, dtype=bool)
+    for source in pool.sources:
+        columns[source.columns] = source.effect.place != "joint"
+    return columns

@@ -1,0 +1,250 @@
+"""Evidence of sets of causes in a Gaussian linear model, from products alone.
+
+y = sum over groups of X_g b_g + noise, b_g ~ N(0, c^2 diag(usual_g)^2) with c averaged over a few values, so that a
+size far from what is usual pays for it. What a group adds beside others is a Schur complement (C. E. Rasmussen & C. K.
+I. Williams, Gaussian Processes for Machine Learning, MIT Press 2006, sec. 2.3 and A.3).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg import solve_triangular
+
+from linkwright.core.arm.effects.effect import LAST_RANK
+from linkwright.core.sections.numeric import Array
+
+from .candidates import Candidates, Group
+from .products import Products
+
+SCALES = (16.0, 4.0, 1.0, 0.25, 0.0625, 0.015625)
+"""How large causes are beside the greatest usual size, each as likely as the others: usual sizes are of usual robots,
+and tails are long."""
+
+_MULTIPLES = (1.0, 2.0, 4.0, 8.0, 16.0, 32.0)
+"""How many times the least discrepancy of a joint is tried."""
+
+
+@dataclass(frozen=True)
+class Member:
+    """A group that is taken (its number), and the scale of its prior."""
+
+    group: int
+    scale: float
+
+
+@dataclass(frozen=True)
+class Offer:
+    """What each group would add beside a set: `evidence` (G,) in nats, its choice paid for, and the best `scale`."""
+
+    evidence: Array
+    scale: Array
+
+
+@dataclass(frozen=True)
+class System:
+    """Products of all groups' numbers, each in units of its usual size, for weighed joints.
+
+    Args:
+        groups: The groups.
+        gram: (M, M); `against` (M,) products with the target.
+        starts: (G,) where each group's numbers begin.
+        spread: (W, M) sizes of the model's columns by the numbers.
+        moved: (W, n) the joints that each column of the model moves.
+        seen: (W, M) from products with the model's columns to those with the numbers, discrepancies taken off.
+    """
+
+    groups: tuple[Group, ...]
+    gram: Array
+    against: Array
+    starts: NDArray[np.int64]
+    spread: Array
+    moved: NDArray[np.bool_]
+    seen: Array
+
+    @cached_property
+    def prior(self) -> Array:
+        """(G,) ln of the prior probability of each group: families nearly alike, the commoner causes first, a family's
+        variants alike; nuisances are no choice."""
+        families = len({group.family for group in self.groups})
+        return np.array(
+            [
+                -math.inf if group.nuisance else -math.log(families * group.variants) - group.effect.rank / LAST_RANK
+                for group in self.groups
+            ]
+        )
+
+    def beside_joints_of(self, number: int) -> NDArray[np.bool_]:
+        """Groups (G,) that move some joint that a group (its number) moves."""
+        touched = self.moved[self.groups[number].columns].any(axis=0)
+        return np.array([bool((self.moved[group.columns].any(axis=0) & touched).any()) for group in self.groups])
+
+    @cached_property
+    def nuisances(self) -> tuple[Member, ...]:
+        """What is fitted with any set."""
+        return tuple(Member(k, 1.0) for k, group in enumerate(self.groups) if group.nuisance)
+
+    @cached_property
+    def bounds(self) -> Array:
+        """(2, M) what the numbers cannot pass, in usual sizes."""
+        return np.concatenate([group.bounds / group.usual for group in self.groups], axis=1)
+
+    @cached_property
+    def ranks(self) -> NDArray[np.int64]:
+        """(G,) how many numbers each group has."""
+        return np.array([group.rank for group in self.groups], dtype=np.int64)
+
+    @cached_property
+    def by_rank(self) -> tuple[tuple[NDArray[np.int64], NDArray[np.int64]], ...]:
+        """Groups of one rank with their numbers' places (g, rank)."""
+        ranks: list[tuple[NDArray[np.int64], NDArray[np.int64]]] = []
+        for rank in np.unique(self.ranks).tolist():
+            which = np.flatnonzero(self.ranks == rank)
+            ranks.append((which, self.starts[which][:, None] + np.arange(rank)))
+        return tuple(ranks)
+
+    def places(self, members: Sequence[Member]) -> NDArray[np.int64]:
+        """Where the members' numbers stand."""
+        spans = [np.arange(self.starts[m.group], self.starts[m.group] + self.ranks[m.group]) for m in members]
+        return np.concatenate(spans) if spans else np.zeros(0, dtype=np.int64)
+
+    def precision(self, members: Sequence[Member]) -> Array:
+        """The prior precisions of the members' numbers."""
+        parts = [np.full(self.ranks[m.group], m.scale**-2) for m in members]
+        return np.concatenate(parts) if parts else np.zeros(0)
+
+    def beside(self, members: Sequence[Member]) -> tuple[Array, Array]:
+        """The Gram matrix and products with the target that are left beside a set."""
+        at = self.places(members)
+        if not len(at):
+            return self.gram, self.against
+        factor = np.linalg.cholesky(self.gram[np.ix_(at, at)] + np.diag(self.precision(members)))
+        mixed = np.linalg.solve(factor, np.column_stack((self.gram[at], self.against[at])))
+        shared = mixed[:, :-1]
+        return self.gram - shared.T @ shared, self.against - shared.T @ mixed[:, -1]
+
+    def offers(self, members: Sequence[Member]) -> Offer:
+        """What each group would add beside a set."""
+        gram, against = self.beside(members)
+        return offered(self, gram, against[:, None], self.prior)
+
+    def within(self, members: Sequence[Member]) -> NDArray[np.bool_]:
+        """Whether each member's numbers are within their bounds in a fit of them all."""
+        numbers, found, start = self.numbers(members), [], 0
+        for member in members:
+            group = self.groups[member.group]
+            values = numbers[start : start + group.rank] * group.usual
+            found.append(bool((values >= group.bounds[0]).all() and (values <= group.bounds[1]).all()))
+            start += group.rank
+        return np.array(found, dtype=bool)
+
+    def solved(self, members: Sequence[Member]) -> Array:
+        """The sizes (W,) of the model's columns under a set (posterior mean)."""
+        return np.asarray(self.spread[:, self.places(members)] @ self.numbers(members))
+
+    def numbers(self, members: Sequence[Member]) -> Array:
+        """The members' numbers (k,) in usual sizes (posterior mean)."""
+        at = self.places(members)
+        if not len(at):
+            return np.zeros(0)
+        inner = self.gram[np.ix_(at, at)] + np.diag(self.precision(members))
+        return np.asarray(np.linalg.solve(inner, self.against[at]), dtype=float)
+
+
+def offered(system: System, gram: Array, against: Array, prior: Array) -> Offer:
+    """Evidence of each group by products left (M, M) and (M, D); of several targets D the greatest of any group is not
+    taken: arrays are (G,) for one target, (G, D) for more."""
+    count = against.shape[1]
+    evidence = np.full((len(system.groups), count), -np.inf)
+    scale = np.ones((len(system.groups), count))
+    for which, at in system.by_rank:
+        block = gram[at[:, :, None], at[:, None, :]]
+        values, vectors = np.linalg.eigh(block)
+        values = np.maximum(values, 0.0)
+        along = np.einsum("gij,gid->gjd", vectors, against[at]) ** 2
+        each = []
+        for c in SCALES:
+            gain = 0.5 * np.einsum("gjd,gj->gd", along, c**2 / (1.0 + c**2 * values))
+            each.append(gain - 0.5 * np.log1p(c**2 * values).sum(axis=1)[:, None])
+        table = np.stack(each)
+        best = table.max(axis=0)
+        evidence[which] = best + np.log(np.mean(np.exp(table - best), axis=0)) + prior[which][:, None]
+        scale[which] = np.array(SCALES)[table.argmax(axis=0)]
+        if at.shape[1] == 1 and count == 1:
+            mean = against[at[:, 0], 0] / (values[:, 0] + scale[which, 0] ** -2)
+            beyond = (mean < system.bounds[0, at[:, 0]]) | (mean > system.bounds[1, at[:, 0]])
+            evidence[which[beyond]] = -np.inf
+    return Offer(evidence[:, 0], scale[:, 0]) if count == 1 else Offer(evidence, scale)
+
+
+def spread_of(pool: Candidates) -> tuple[Array, NDArray[np.int64]]:
+    """The sizes of the model's columns by all groups' numbers (W, M), each in units of its usual size, and where each
+    group's numbers begin."""
+    starts = np.cumsum([0, *(group.rank for group in pool.groups)])
+    spread = np.zeros((pool.width, int(starts[-1])))
+    for group, start in zip(pool.groups, starts[:-1].tolist(), strict=True):
+        spread[group.columns, start : start + group.rank] = group.mixing * group.usual
+    return spread, starts[:-1].astype(np.int64)
+
+
+def discrepancies(pool: Candidates, products: Products, torque: Array) -> Array:
+    """The standard deviation (W,) of each column's size that is no cause: of what filters, clocks and the forms of
+    patterns leave uncertain, `torque` (n,) N*m at each joint for each family of patterns that moves it.
+
+    (M. C. Kennedy & A. O'Hagan, Bayesian calibration of computer models, J. R. Stat. Soc. B 63 (2001) 425,
+    doi:10.1111/1467-9868.00294: a model's discrepancy is a term of its own beside noise.)
+    """
+    shown = (products.rms / torque[:, None]).max(axis=0)
+    factors = np.ones(pool.width)
+    for group in pool.groups:
+        factors[group.columns] = np.maximum(factors[group.columns], group.variants)
+    return np.where(shown > 0.0, 1.0 / np.maximum(shown, 1e-300) / np.sqrt(factors), 0.0)
+
+
+def unnamed(pool: Candidates, products: Products, weights: Array, named: Array, least: Array) -> Array:
+    """The standard deviation (W,) of each column's size beyond the discrepancies of torques `least` (n,) N*m: random
+    effects, for causes too small for a name and for what no form of a pattern holds.
+
+    Each joint's torque is the multiple of greatest marginal likelihood (Rasmussen & Williams, sec. 5.4.1), joint after
+    joint. `named` (W, k) are the columns' sizes by a standard deviation of the prior of each number that is named.
+    """
+    gram, against, _ = products.whole(weights)
+
+    def likelihood(torque: Array) -> float:
+        spread = np.column_stack((np.diag(discrepancies(pool, products, torque)), named))
+        lower = np.linalg.cholesky(spread.T @ gram @ spread + np.eye(spread.shape[1]))
+        whitened = solve_triangular(lower, spread.T @ against, lower=True)
+        return float(0.5 * whitened @ whitened - np.log(np.diagonal(lower)).sum())
+
+    torque = least
+    for at_joint in np.eye(products.joints, dtype=bool):
+        torque = max((np.where(at_joint, factor * least, torque) for factor in _MULTIPLES), key=likelihood)
+    whole, allowed = (discrepancies(pool, products, each) for each in (torque, least))
+    return np.sqrt(np.maximum(whole**2 - allowed**2, 0.0))
+
+
+def system(
+    pool: Candidates,
+    products: Products,
+    weights: Array,
+    discrepancy: Array,
+    blocks: NDArray[np.bool_] | None = None,
+) -> System:
+    """The system of a pool by products of some blocks (all by default), joints weighed by `weights` (n,); each column's
+    size may be off by the standard deviation `discrepancy` (W,) without a cause."""
+    spread, starts = spread_of(pool)
+    gram, against, _ = products.whole(weights, blocks)
+    scaled = gram * discrepancy
+    inner = discrepancy[:, None] * scaled
+    inner[np.diag_indices_from(inner)] += 1.0
+    seen = spread - discrepancy[:, None] * np.linalg.solve(inner, scaled.T @ spread)
+    whole = spread.T @ gram @ seen
+    moved = np.zeros((pool.width, products.joints), dtype=bool)
+    for joint, at in enumerate(products.columns):
+        moved[at, joint] = True
+    return System(pool.groups, 0.5 * (whole + whole.T), seen.T @ against, starts, spread, moved, seen)

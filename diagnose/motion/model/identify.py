@@ -1,0 +1,236 @@
+"""The set of causes that motion logs name: steady motion first, then what happens where joints turn round."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from linkwright.core.diagnose.rules.motion_rules import MotionRules
+from linkwright.core.sections.numeric import Array
+
+from .candidates import Candidates
+from .chance import Chance, chance
+from .evidence import Member, System, discrepancies, system, unnamed
+from .feasible import lost
+from .noise import Noise, noise
+from .products import Products, products
+from .rows import LogRows, joint_rows, with_loads
+from .search import HeldOut, pruned, stepwise
+
+_ROUNDS = 3
+"""Times that what goes by the drives' torque is worked out anew for the model found."""
+_FOLDS = 5
+"""Parts into which one log is cut to hold motion out."""
+
+
+@dataclass(frozen=True)
+class Identified:
+    """What was identified: `members` of the system over the rows that count; `fitted` are those and the nuisances,
+    beside which columns' sizes have random effects of standard deviation `unnamed` (W,). `gate_p` is how often chance
+    would name anything; `folds` (B,) hold motion out, named by `split`; `torque` (n,) is the RMS of each joint's torque
+    where it moves, N*m."""
+
+    pool: Candidates
+    rows: tuple[LogRows, ...]
+    products: Products
+    noise: Noise
+    discrepancy: Array
+    unnamed: Array
+    system: System
+    held: HeldOut
+    chance: Chance
+    members: tuple[Member, ...]
+    gate_p: float
+    split: str
+    torque: Array
+
+    @property
+    def fitted(self) -> tuple[Member, ...]:
+        """The members, then the nuisances."""
+        return (*self.members, *self.system.nuisances)
+
+
+@dataclass(frozen=True)
+class _Fit:
+    """Products of some rows, their noise, and the system of all groups over them."""
+
+    products: Products
+    noise: Noise
+    discrepancy: Array
+    system: System
+    seed: int
+
+    @cached_property
+    def chance(self) -> Chance:
+        """Draws of chance."""
+        return chance(self.system, self.products, self.noise, self.discrepancy, self.seed)
+
+    def gate(self) -> float:
+        """How often chance would make any group as evident as the most evident is."""
+        nuisances = self.system.nuisances
+        evidence = float(self.system.offers(nuisances).evidence.max())
+        return self.chance.p_value(self.system, nuisances, evidence)
+
+    def held_out(self, pool: Candidates, folds: NDArray[np.int64]) -> HeldOut:
+        """Fits that leave out a fold in turn."""
+        systems = tuple(
+            system(pool, self.products, self.noise.weights, self.discrepancy, folds != fold)
+            for fold in np.unique(folds)
+        )
+        return HeldOut(self.products, folds, systems)
+
+
+def _fit(pool: Candidates, made: Products, uncertain: Array, seed: int) -> _Fit:
+    noise_ = noise(pool, made)
+    discrepancy = discrepancies(pool, made, uncertain)
+    return _Fit(made, noise_, discrepancy, system(pool, made, noise_.weights, discrepancy), seed)
+
+
+def identify(
+    pool: Candidates,
+    rows: Sequence[LogRows],
+    seed: int,
+    progress: Callable[[str, float], None],
+    *,
+    rules: MotionRules,
+) -> Identified:
+    """The causes that logs name among candidates."""
+    progress("naming what is missing", 0.4)
+    current = list(rows)
+    torque = _torque(current)
+    certain, uncertain = (0.25 * share * torque for share in (rules.filters, rules.turning))
+    steady = _fit(pool, products(joint_rows(current), pool.width, near=False), certain, seed)
+    members = stepwise(steady.system, rules=rules)
+    for turn in range(1, _ROUNDS):
+        progress("naming what is missing", 0.4 + 0.15 * turn)
+        sizes = steady.system.solved([*steady.system.nuisances, *members])
+        current = [with_loads(item, pool, sizes) for item in current]
+        steady = _fit(pool, products(joint_rows(current), pool.width, near=False), certain, seed)
+        members = stepwise(steady.system, initial=members, rules=rules)
+    progress("looking at reversals", 0.85)
+    near = _fit(pool, products(joint_rows(current), pool.width, near=True), uncertain, seed)
+    gate_p = min(1.0, 2.0 * min(item.gate() for item in (steady, near)))
+    split, folds = _folds(steady.products)
+    turning = _at_reversals(pool, steady.products, near.products)
+    if gate_p > rules.false_alarm:
+        members = []
+    else:
+        members = _kept(pool, steady, folds, members, torque, rules=rules)
+        taken = {m.group for m in members}
+        allowed = turning | np.array([number in taken for number in range(len(pool.groups))])
+        members_ = stepwise(near.system, allowed, initial=members, rules=rules)
+        more = [m for m in _kept(pool, near, folds, members_, torque, rules=rules) if turning[m.group]]
+        # What steady motion named goes only where something at reversals stands for it.
+        there = {joint for m in more for joint in _joints(pool, m)}
+        still = {m.group for m in members_}
+        members = [m for m in members if m.group in still or not _joints(pool, m) <= there]
+        members += [m for m in more if m.group not in taken]
+    while True:
+        joints = {joint for m in members if turning[m.group] for joint in _joints(pool, m)}
+        pick = np.array([joint in joints for joint in range(len(torque))])
+        final = _fit(pool, _mixed(steady.products, near.products, pick), certain, seed)
+        members = _kept(pool, final, folds, members, torque, rules=rules)
+        if joints == {joint for m in members if turning[m.group] for joint in _joints(pool, m)}:
+            break
+    fitted = [*members, *final.system.nuisances]
+    named = final.system.spread[:, final.system.places(fitted)] / np.sqrt(final.system.precision(fitted))
+    return Identified(
+        pool,
+        tuple(current),
+        final.products,
+        final.noise,
+        final.discrepancy,
+        unnamed(pool, final.products, final.noise.weights, named, certain),
+        final.system,
+        final.held_out(pool, folds),
+        final.chance,
+        tuple(members),
+        gate_p,
+        split,
+        torque,
+    )
+
+
+def _kept(
+    pool: Candidates,
+    fit: _Fit,
+    folds: NDArray[np.int64],
+    members: Sequence[Member],
+    torque: Array,
+    *,
+    rules: MotionRules,
+) -> list[Member]:
+    """The members that are no trifle of the torque, gain on motion that was not fitted, and that chance does not make
+    as evident."""
+    sizes = fit.system.numbers([*members, *fit.system.nuisances])
+    large: list[Member] = []
+    start = 0
+    for member in members:
+        rank = pool.groups[member.group].rank
+        alone = fit.system.spread[:, fit.system.places([member])] @ sizes[start : start + rank]
+        start += rank
+        if float(np.max(fit.products.explained(alone) / torque)) > rules.turning:
+            large.append(member)
+    useful = pruned(fit.system, fit.held_out(pool, folds), large, rules=rules)
+    return _beyond_chance(fit.system, fit.chance, useful, rules.false_alarm)
+
+
+def _torque(rows: Sequence[LogRows]) -> Array:
+    """RMS (n,) of the measured torque where joints move, N*m."""
+    square, count = np.zeros(len(rows[0].columns)), np.zeros(len(rows[0].columns))
+    for row in rows:
+        square += (row.measured[row.prepared.kept] ** 2 * row.prepared.moving).sum(axis=0)
+        count += row.prepared.moving.sum(axis=0)
+    return np.maximum(np.sqrt(square / np.maximum(count, 1.0)), 1e-12)
+
+
+def _mixed(steady: Products, near: Products, pick: NDArray[np.bool_]) -> Products:
+    """Each joint by the rows that hold nothing unnamed: with reversals (n,) where something was named for them."""
+    return replace(
+        near,
+        gram=tuple((near if item else steady).gram[joint] for joint, item in enumerate(pick)),
+        rows=np.where(pick, near.rows, steady.rows),
+    )
+
+
+def _beyond_chance(whole: System, draws: Chance, members: Sequence[Member], level: float) -> list[Member]:
+    """The members that chance does not make as evident beside the others; the least evident goes first."""
+    current, fixed = list(members), whole.nuisances
+    while current:
+        doubtful: list[tuple[float, int]] = []
+        for number in range(len(current)):
+            others = [*fixed, *current[:number], *current[number + 1 :]]
+            evidence = float(whole.offers(others).evidence[current[number].group]) - lost(
+                whole, others, current[number]
+            )
+            if draws.p_value(whole, others, evidence, whole.beside_joints_of(current[number].group)) > level:
+                doubtful.append((evidence, number))
+        if not doubtful:
+            break
+        current.pop(min(doubtful)[1])
+    return current
+
+
+def _folds(made: Products) -> tuple[str, NDArray[np.int64]]:
+    if len(np.unique(made.log)) > 1:
+        return "logs", np.unique(made.log, return_inverse=True)[1].astype(np.int64)
+    return "time blocks", (np.arange(made.blocks) * min(_FOLDS, made.blocks)) // made.blocks
+
+
+def _at_reversals(pool: Candidates, steady: Products, near: Products) -> NDArray[np.bool_]:
+    """Groups whose pattern lies mostly where joints turn round (G,)."""
+    energy = np.zeros((2, pool.width))
+    for which, made in enumerate((steady, near)):
+        for joint, at in enumerate(made.columns):
+            energy[which, at] += np.diagonal(made.of_joint(joint))[:-1]
+    outside = energy[0] < 0.5 * energy[1]
+    return np.array([bool(outside[group.columns].all()) for group in pool.groups])
+
+
+def _joints(pool: Candidates, member: Member) -> set[int]:
+    columns = set(pool.groups[member.group].columns.tolist())
+    return {joint for source in pool.sources if columns & set(source.columns.tolist()) for joint in source.joints}

@@ -1,0 +1,94 @@
+"""Sizes of the named causes with their covariance: by the model and by blocks of time, the wider counts."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.stats import t as student
+
+from linkwright.core.arm.effects.drives.torque_constant import TORQUE_CONSTANT
+from linkwright.core.diagnose.rules.motion_rules import MotionRules
+from linkwright.core.sections.numeric import Array
+
+from .evidence import Member, System
+from .feasible import feasible
+from .products import Products
+
+
+@dataclass(frozen=True)
+class Estimates:
+    """`numbers` (k,) of all members in SI, how far their 95 % intervals reach below and above them `half` (2, k),
+    and whether the logs show each, `shown` (k,), rather than its prior; `sizes` (W,) of the model's columns. Numbers
+    are the arm's; the torque that was logged holds each `gain` (k,) times, by what a torque constant is off at its
+    joint."""
+
+    numbers: Array
+    half: Array
+    shown: NDArray[np.bool_]
+    gain: Array
+    sizes: Array
+
+
+def estimates(
+    system: System, products: Products, weights: Array, members: Sequence[Member], unnamed: Array, *, rules: MotionRules
+) -> Estimates:
+    """Sizes of a set with intervals: once causes are named, the logs say how large they are, not their prior.
+
+    The covariance by blocks is the sandwich of K.-Y. Liang & S. L. Zeger, Biometrika 73 (1986) 13, with Student's t of
+    the blocks' degrees of freedom. That by the model holds what random effects of the columns, of standard deviations
+    `unnamed` (W,), move sizes by. Beside them counts how sizes change half-way to the next shape that was tried.
+    """
+    at = system.places(members)
+    if not len(at):
+        empty = np.zeros(0)
+        return Estimates(empty, np.zeros((2, 0)), empty.astype(bool), empty, np.zeros(products.width))
+    wide = [Member(member.group, rules.most_usual * max(member.scale, 1.0)) for member in members]
+    inverse = np.linalg.inv(system.gram[np.ix_(at, at)] + np.diag(system.precision(wide)))
+    numbers = feasible(system, wide).numbers
+    sizes = system.spread[:, at] @ numbers
+    scores = products.scores(sizes, weights) @ system.seen[:, at]
+    blocks = max(products.blocks, 2)
+    by_blocks = inverse @ (scores.T @ scores) @ inverse * blocks / (blocks - 1)
+    pulled = inverse @ system.seen[:, at].T @ products.whole(weights)[0] * unnamed
+    model = np.sqrt(np.diagonal(inverse) + (pulled**2).sum(axis=1)) * 1.96
+    robust = np.sqrt(np.maximum(np.diagonal(by_blocks), 0.0)) * float(student.ppf(0.975, blocks - 1))
+    unit = np.concatenate([system.groups[m.group].usual for m in members])
+    shown = np.sqrt(np.diagonal(inverse)) < rules.shown
+    half = np.hypot(np.maximum(model, robust), _by_shapes(system, wide, numbers)) * unit
+    gain = _gain(system, members, numbers * unit)
+    return Estimates(numbers * unit / gain, half / gain, shown, gain, np.asarray(sizes))
+
+
+def _gain(system: System, members: Sequence[Member], numbers: Array) -> Array:
+    """How many times the logged torque holds each number (k,): what acts at a joint goes by that joint's constant."""
+    excess, change = np.zeros(system.moved.shape[1]), np.ones(len(numbers))
+    groups = [system.groups[member.group] for member in members]
+    ends = np.cumsum([group.rank for group in groups]).tolist()
+    for group, end in zip(groups, ends, strict=True):
+        if group.effect is TORQUE_CONSTANT:
+            for (at, _), more in zip(group.labels, group.values(numbers[end - group.rank : end]).tolist(), strict=True):
+                excess[at[0] - 1] += more
+    for group, end in zip(groups, ends, strict=True):
+        if group.effect.place == "joint" and not group.effect.of_instrument and not group.tied:
+            change[end - group.rank : end] += excess[group.at[0] - 1]
+    return change
+
+
+def _by_shapes(system: System, members: Sequence[Member], numbers: Array) -> Array:
+    """How much less and more (2, k) the numbers are half-way to the neighbours of the shapes that were taken: an
+    amplitude that goes with its shape is larger or smaller by that, and not of the other sign."""
+    half = np.zeros((2, len(numbers)))
+    for place, member in enumerate(members):
+        own = system.groups[member.group]
+        if own.variants < 2:
+            continue
+        variants = [k for k, group in enumerate(system.groups) if group.family == own.family]
+        here = variants.index(member.group)
+        for other in variants[max(here - 1, 0) : here + 2]:
+            changed = [*members[:place], Member(other, member.scale), *members[place + 1 :]]
+            change = 0.5 * (system.numbers(changed) - numbers)
+            half = np.maximum(half, [-change, change])
+    return half

@@ -1,0 +1,184 @@
+"""The rows of the model: every column and the torque left, filtered alike, for each joint of each log."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.interpolate import CubicSpline
+
+from linkwright.core.arm.effects.loads.inertial import OfInertia
+from linkwright.core.arm.motion.dynamics import model_torque
+from linkwright.core.arm.motion.motion import Motion
+from linkwright.core.arm.motion.rigid import inverse_dynamics, regressor
+from linkwright.core.diagnose.motion.preparation import PreparedLog
+from linkwright.core.diagnose.rules.motion_rules import MotionRules
+from linkwright.core.sections.numeric import Array
+
+from .candidates import Candidates, Source, of_arm
+from .products import JointRows
+
+
+@dataclass(frozen=True)
+class LogRows:
+    """A log's kept samples: `columns` are, by joint, the model's columns that move it, `design` by joint (M, K) their
+    filtered values, `target` (M, n) the filtered torque that the model as given leaves, `block` (M,) blocks of time.
+    `nominal` (N, n) is the torque of the model as given, `rigid` (N, n) that without friction, not filtered; `measured`
+    (N, n) is filtered, `given` (M, n) the filtered torque of the model as given. `block` (M,) numbers blocks
+    of `length` s."""
+
+    prepared: PreparedLog
+    columns: tuple[NDArray[np.int64], ...]
+    design: tuple[Array, ...]
+    target: Array
+    nominal: Array
+    rigid: Array
+    measured: Array
+    given: Array
+    block: NDArray[np.int64]
+    length: float
+
+    def explained(self, sizes: Array) -> Array:
+        """What sizes (W,) of the model's columns explain (M, n), N*m."""
+        return np.column_stack([x @ sizes[at] for x, at in zip(self.design, self.columns, strict=True)])
+
+
+def log_rows(prepared: PreparedLog, pool: Candidates, *, rules: MotionRules) -> LogRows:
+    """The rows of a log, by the torque of the model as given."""
+    n, kept = prepared.measured.shape[1], prepared.kept
+    columns = _columns_of(pool.sources, n)
+    place = [{int(c): k for k, c in enumerate(at)} for at in columns]
+    design = [np.zeros((len(kept), len(at))) for at in columns]
+    nominal, rigid = np.zeros_like(prepared.measured), np.zeros_like(prepared.measured)
+    measured = np.concatenate([prepared.filtered(prepared.measured[s.start : s.stop]) for s in prepared.stretches])
+    filtered = np.zeros((len(kept), n))
+    for part, numbers, within in prepared.pieces():
+        motion = prepared.piece(part)
+        given, bare = model_torque(motion), inverse_dynamics(motion)
+        nominal[part], rigid[part] = given, bare
+        filtered[numbers] = prepared.filtered(given)[within]
+        _fill(design, place, prepared, pool.sources, replace(motion, torque=bare), numbers, within)
+    clock = prepared.motion.time
+    length = min(rules.block, float(clock[-1] - clock[0]) / rules.blocks)
+    block = np.floor((clock[kept] - clock[0]) / length).astype(np.int64)
+    block = np.unique(block, return_inverse=True)[1]
+    target = measured[kept] - filtered
+    return LogRows(prepared, columns, tuple(design), target, nominal, rigid, measured, filtered, block, length)
+
+
+def with_sources(rows: LogRows, sources: Sequence[Source]) -> LogRows:
+    """The rows with the columns of further sources, which do not go by the drives' torque."""
+    more = _columns_of(sources, rows.target.shape[1])
+    design = [np.zeros((len(rows.target), len(at))) for at in more]
+    place = [{int(c): k for k, c in enumerate(at)} for at in more]
+    for part, numbers, within in rows.prepared.pieces():
+        _fill(design, place, rows.prepared, sources, rows.prepared.piece(part), numbers, within)
+    return replace(
+        rows,
+        columns=tuple(np.concatenate(pair) for pair in zip(rows.columns, more, strict=True)),
+        design=tuple(np.hstack(pair) for pair in zip(rows.design, design, strict=True)),
+    )
+
+
+def with_loads(rows: LogRows, pool: Candidates, sizes: Array) -> LogRows:
+    """The rows with what acts in proportion to the drives' torque worked out for the model with sizes (W,):
+    friction by what the drives pass on to the arm, what is of the instrument by that and what the arm file has beside.
+    What is named at joints does not count there: a torque constant would stand for all of it. Delays are taken at their
+    whole length, not by the slope of the torque.
+    """
+    prepared = rows.prepared
+    place = [{int(c): k for k, c in enumerate(at)} for at in rows.columns]
+    design = [item.copy() for item in rows.design]
+    kept_at, every = prepared.motion.time[prepared.kept], prepared.motion.time
+    more = rows.explained(np.where(of_arm(pool), sizes, 0.0))
+    for instrument, base in ((False, rows.rigid), (True, rows.nominal)):
+        chosen = [s for s in pool.sources if s.by_load and s.effect.of_instrument == instrument]
+        torque = base + np.column_stack([np.interp(every, kept_at, column) for column in more.T])
+        for part, numbers, within in prepared.pieces():
+            _fill(design, place, prepared, chosen, prepared.piece(part, torque), numbers, within)
+    late = delays(pool, sizes, rows.target.shape[1])
+    target = _on_time(rows, late) - rows.given
+    for source in pool.sources:
+        if source.delays:
+            joint = source.joints[0]
+            target[:, joint] += late[joint] * design[joint][:, place[joint][source.start]]
+    return replace(rows, design=tuple(design), target=target)
+
+
+def delays(pool: Candidates, sizes: Array, joints: int) -> Array:
+    """How late (n,) s each joint's torque is by sizes (W,) of the model's columns."""
+    delays_ = np.zeros(joints)
+    for source in pool.sources:
+        if source.delays:
+            delays_[source.joints[0]] += sizes[source.start]
+    return delays_
+
+
+def _on_time(rows: LogRows, late: Array) -> Array:
+    """The filtered torque (M, n) so much later (n,) s."""
+    prepared = rows.prepared
+    target = np.empty_like(rows.target)
+    for stretch in prepared.stretches:
+        first, last = np.searchsorted(prepared.kept, (stretch.start, stretch.stop))
+        clock = prepared.motion.time[stretch.start : stretch.stop]
+        at = prepared.motion.time[prepared.kept[first:last]]
+        for joint in range(target.shape[1]):
+            curve = CubicSpline(clock, rows.measured[stretch.start : stretch.stop, joint])
+            target[first:last, joint] = curve(np.clip(at + late[joint], clock[0], clock[-1]))
+    return target
+
+
+def _columns_of(sources: Sequence[Source], n: int) -> tuple[NDArray[np.int64], ...]:
+    columns: list[list[int]] = [[] for _ in range(n)]
+    for source in sources:
+        for joint in source.joints:
+            columns[joint] += source.columns.tolist()
+    return tuple(np.array(column, dtype=np.int64) for column in columns)
+
+
+def _fill(
+    design: list[Array],
+    place: list[dict[int, int]],
+    prepared: PreparedLog,
+    sources: Sequence[Source],
+    motion: Motion,
+    numbers: NDArray[np.int64],
+    within: NDArray[np.int64],
+) -> None:
+    """Enter the filtered columns of some sources in a piece."""
+    inertial = any(isinstance(source.effect.torques, OfInertia) for source in sources)
+    slopes = regressor(motion.arm, motion.q, motion.velocity, motion.acceleration) if inertial else None
+    raw: list[list[Array]] = [[] for _ in design]
+    at: list[list[int]] = [[] for _ in design]
+    for source in sources:
+        for joint, values in source.torques(motion, slopes).items():
+            raw[joint].append(values)
+            at[joint] += [place[joint][int(c)] for c in source.columns]
+    for joint, parts in enumerate(raw):
+        if parts:
+            values = prepared.filtered(np.column_stack(parts))
+            design[joint][np.ix_(numbers, np.array(at[joint]))] = values[within]
+
+
+def joint_rows(logs: Sequence[LogRows], chosen: Sequence[int] | None = None) -> list[JointRows]:
+    """Each joint's rows over several logs, one after the other (all by default)."""
+    use = list(range(len(logs))) if chosen is None else list(chosen)
+    offsets = np.cumsum([0, *(int(logs[k].block.max()) + 1 for k in use)])
+    block = np.concatenate([logs[k].block + offset for k, offset in zip(use, offsets, strict=False)])
+    log = np.concatenate([np.full(len(logs[k].block), k) for k in use])
+    by_joint: list[JointRows] = []
+    for joint, columns in enumerate(logs[use[0]].columns):
+        by_joint.append(
+            JointRows(
+                columns,
+                np.concatenate([logs[k].design[joint] for k in use]),
+                np.concatenate([logs[k].target[:, joint] for k in use]),
+                block,
+                log,
+                np.concatenate([logs[k].prepared.moving[:, joint] for k in use]),
+                np.concatenate([logs[k].prepared.near[:, joint] for k in use]),
+            )
+        )
+    return by_joint

@@ -1,0 +1,136 @@
+"""The search for the set of causes: stepwise with exchange by evidence, then by motion that was not fitted."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from linkwright.core.diagnose.rules.motion_rules import MotionRules
+from linkwright.core.sections.numeric import Array
+
+from .evidence import Member, System
+from .feasible import feasible
+from .products import Products
+
+_MOST = 40
+"""Names that are sought at most."""
+
+
+def stepwise(
+    system: System,
+    allowed: NDArray[np.bool_] | None = None,
+    *,
+    initial: Sequence[Member] = (),
+    rules: MotionRules,
+) -> list[Member]:
+    """The set of the greatest evidence that single additions, removals and exchanges reach, from `initial` members,
+    beside the nuisances."""
+    fixed = system.nuisances
+    chosen = list(initial)
+    may = np.ones(len(system.groups), dtype=bool) if allowed is None else allowed.copy()
+    if chosen:
+        chosen = _settled(system, fixed, chosen, may, rules.odds)
+    for _ in range(2 * _MOST):
+        offer = system.offers([*fixed, *chosen])
+        value = np.where(may & ~_taken(system, [*fixed, *chosen]), offer.evidence, -np.inf)
+        best = int(np.argmax(value))
+        if value[best] < rules.odds:
+            break
+        chosen.append(Member(best, float(offer.scale[best])))
+        if not system.within([*fixed, *chosen])[-1]:
+            may[best] = False
+            chosen.pop()
+            continue
+        settled = _settled(system, fixed, chosen, may, rules.odds)
+        if all(m.group != best for m in settled):
+            may[best] = False
+        chosen = settled
+    return chosen
+
+
+def _taken(system: System, members: Sequence[Member]) -> NDArray[np.bool_]:
+    families = {system.groups[m.group].family for m in members}
+    return np.array([group.family in families for group in system.groups])
+
+
+def _settled(
+    system: System, fixed: Sequence[Member], chosen: Sequence[Member], may: NDArray[np.bool_], alarm: float
+) -> list[Member]:
+    """The set after each member has been left out in turn, and replaced where another does more."""
+    current = list(chosen)
+    for _ in range(3):
+        changed = False
+        for member in list(current):
+            others = [m for m in current if m is not member]
+            offer = system.offers([*fixed, *others])
+            value = np.where(may & ~_taken(system, [*fixed, *others]), offer.evidence, -np.inf)
+            best = int(np.argmax(value))
+            if value[best] < alarm:
+                current, changed = others, True
+                continue
+            # Of what is as evident the commoner cause is taken.
+            similar = np.flatnonzero(value > value[best] - 0.5).tolist()
+            keep = min(similar, key=lambda k: (system.groups[k].effect.rank, k != member.group, -value[k]))
+            scale = float(offer.scale[keep])
+            if keep != member.group or scale != member.scale:
+                changed = changed or keep != member.group
+                current = [Member(keep, scale) if m is member else m for m in current]
+        if not changed:
+            break
+    return current
+
+
+@dataclass(frozen=True)
+class HeldOut:
+    """Fits that have not seen a fold of blocks, in turn.
+
+    Args:
+        products: Products by block.
+        folds: (B,) the fold of each block.
+        systems: For each fold, the system of all other blocks.
+    """
+
+    products: Products
+    folds: NDArray[np.int64]
+    systems: tuple[System, ...]
+
+    def left(self, members: Sequence[Member], *, bodies: bool = False) -> Array:
+        """Sums of squares (B, n) that such fits leave in each block; with `bodies` those by which every link is some
+        body, as what is written is."""
+        rss = np.zeros((self.products.blocks, self.products.joints))
+        for fold, system in zip(np.unique(self.folds).tolist(), self.systems, strict=True):
+            out, numbers = self.folds == fold, feasible(system, members).numbers if bodies else system.numbers(members)
+            rss[out] = self.products.left(system.spread[:, system.places(members)] @ numbers)[out]
+        return rss
+
+    def rms(self, members: Sequence[Member]) -> Array:
+        """RMS (n,) that such fits leave, N*m."""
+        return rms(self.left(members), self.products)
+
+
+def rms(left: Array, products: Products) -> Array:
+    """RMS (n,) by sums of squares (B, n)."""
+    return np.asarray(np.sqrt(left.sum(axis=0) / np.maximum(products.rows.sum(axis=0), 1)))
+
+
+def pruned(system: System, held: HeldOut, members: Sequence[Member], *, rules: MotionRules) -> list[Member]:
+    """The members that each gain on motion that was not fitted and cut some joint's RMS; the least goes first."""
+    current, fixed = list(members), system.nuisances
+    while current:
+        whole = held.rms([*fixed, *current])
+        fitted = rms(held.products.left(system.solved([*fixed, *current])), held.products)
+        worth: list[float] = []
+        for member in current:
+            others = [*fixed, *(m for m in current if m is not member)]
+            gain = float(np.max(1.0 - whole / np.maximum(held.rms(others), 1e-12)))
+            without = rms(held.products.left(system.solved(others)), held.products)
+            cut = float(np.max(1.0 - fitted / np.maximum(without, 1e-12)))
+            worth.append(min(gain / rules.gain, cut / rules.cut))
+        least = int(np.argmin(worth))
+        if worth[least] >= 1.0:
+            break
+        current.pop(least)
+    return current

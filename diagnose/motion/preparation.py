@@ -1,0 +1,319 @@
+"""A motion log on an even clock: speeds, accelerations, the low-pass of both sides, and the samples that count. What is
+sampled too slowly for any low-pass stands as it is, and rates of change count as far as every other sample foretells
+them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.interpolate import CubicSpline
+from scipy.signal import butter, sosfiltfilt
+
+from linkwright.core.arm.chain.chain import Arm
+from linkwright.core.arm.motion.motion import Motion
+from linkwright.core.diagnose.rules.motion_rules import MotionRules
+from linkwright.core.diagnose.rules.rules import Rules
+from linkwright.core.sections.numeric import Array
+
+from .log import MotionLog
+
+_WORKING_RATE = 250.0
+"""Hz; what is logged faster is thinned to this: gear ripple at slow speed stays below a tenth of it."""
+_MOST = 24_000
+"""Samples kept of a log; more of one log tell nothing new."""
+_HELD = 0.4
+"""The part of a sampling rate up to which it holds frequencies without loss."""
+_PIECE = 10_000
+"""Samples whose columns are worked out at once."""
+
+
+@dataclass(frozen=True)
+class Stretch:
+    """Samples `start:stop` without a gap."""
+
+    start: int
+    stop: int
+
+
+@dataclass(frozen=True)
+class PreparedLog:
+    """A log on an even clock, or at its own instants where its rate holds no low-pass: `cutoff` is then infinite.
+    `motion` (N samples at `rate` Hz) has speeds and accelerations; `measured` (N, n) N*m is not filtered. `kept` (M,)
+    are the samples whose filtered values count; `moving` (M, n) those where the joint moves steadily, `near` (M, n)
+    those and reversals.
+    """
+
+    log: MotionLog
+    motion: Motion
+    measured: Array
+    rate: float
+    cutoff: float
+    stretches: tuple[Stretch, ...]
+    kept: NDArray[np.int64]
+    moving: NDArray[np.bool_]
+    near: NDArray[np.bool_]
+
+    @property
+    def low_pass(self) -> float | None:
+        """Hz; None where there is none."""
+        return self.cutoff if np.isfinite(self.cutoff) else None
+
+    def filtered(self, columns: Array) -> Array:
+        """Columns (P, k) of a piece after the low-pass without phase; a piece lies within one stretch."""
+        return low_pass(columns, self.cutoff, self.rate)
+
+    def pieces(self) -> Iterator[tuple[slice, NDArray[np.int64], NDArray[np.int64]]]:
+        """Pieces for columns: the samples to work out (with a margin in which the low-pass settles), which of the kept
+        samples lie in each (numbers among the kept), and where those stand within the piece."""
+        margin = int(np.ceil(2.0 * self.rate))
+        for stretch in self.stretches:
+            for start in range(stretch.start, stretch.stop, _PIECE):
+                stop = min(start + _PIECE, stretch.stop)
+                wide = slice(max(stretch.start, start - margin), min(stretch.stop, stop + margin))
+                first, last = np.searchsorted(self.kept, (start, stop))
+                numbers = np.arange(first, last)
+                if len(numbers):
+                    yield wide, numbers, self.kept[first:last] - wide.start
+
+    def piece(self, part: slice, torque: Array | None = None) -> Motion:
+        """The motion in a piece, with the model's torque (N, n) where it is known."""
+        return _part(self.motion, part, None if torque is None else torque[part])
+
+
+def _part(motion: Motion, part: slice, torque: Array | None) -> Motion:
+    def cut(values: Array | None) -> Array | None:
+        return None if values is None else values[part]
+
+    return replace(
+        motion,
+        time=motion.time[part],
+        q=motion.q[part],
+        velocity=motion.velocity[part],
+        acceleration=motion.acceleration[part],
+        torque=torque,
+        commanded=cut(motion.commanded),
+        joint_side=cut(motion.joint_side),
+        payload_mass=cut(motion.payload_mass),
+        temperature=cut(motion.temperature),
+    )
+
+
+def low_pass(columns: Array, cutoff: float, rate: float) -> Array:
+    """Columns (N, ...) after a Butterworth low-pass of the fourth order forwards and backwards; as they are where the
+    cut-off is beyond what the rate holds, or the stretch is too short."""
+    if cutoff >= _HELD * rate or len(columns) < 16:
+        return columns
+    sections = butter(2, cutoff, fs=rate, output="sos")
+    padding = min(len(columns) - 1, int(rate))
+    return np.asarray(sosfiltfilt(sections, columns, axis=0, padlen=padding), dtype=float)
+
+
+def prepare(arm: Arm, log: MotionLog, *, rules: Rules) -> PreparedLog:
+    """A log prepared for an arm by rules.
+
+    Raises ValueError where no stretch of it is longer than a second.
+    """
+    step = float(np.median(np.diff(log.time)))
+    rate = 1.0 / step
+    motion_rules = rules.motion
+    held = _HELD * rate >= min(log.cutoff or np.inf, motion_rules.low_pass[0])
+    times = _clocks(log, max(motion_rules.gap, rules.log.gap * step), step if held else None)
+    n = arm.size
+
+    def even(values: Array | None) -> list[Array] | None:
+        if values is None:
+            return None
+        table = values if values.ndim == 2 else values[:, None]
+        return [np.column_stack([np.interp(t, log.time, column) for column in table.T]) for t in times]
+
+    divide = max(1, int(np.floor(rate / _WORKING_RATE + 1e-9)))
+    working = rate / divide
+
+    def thinned(values: list[Array]) -> list[Array]:
+        return values if divide == 1 else [low_pass(v, _HELD * working, rate)[::divide] for v in values]
+
+    q = thinned(_need(even(log.q)))
+    measured = thinned(_need(even(log.torque)))
+    logged = even(log.velocity)
+    cutoff = log.cutoff or _cutoff(q, working, motion_rules) if held else np.inf
+    smooth = min(motion_rules.bands * cutoff, _HELD * working)
+    clock = [t[::divide] for t in times]
+    since = [np.arange(len(t)) / working if held else t for t in clock]
+    share = 1.0 if held else _told(q, since)
+    around = min(cutoff, _HELD * working)
+    speeds = _speeds(
+        q, None if logged is None else thinned(logged), since, share, smooth, around, working, motion_rules
+    )
+    sampled = 1.0 if held else share * _told(speeds, since)
+    accelerations = [sampled * slope(v, t) for v, t in zip(speeds, since, strict=True)]
+
+    def joined(values: Array | None) -> Array | None:
+        values_even = even(values)
+        return None if values_even is None else np.concatenate(thinned(values_even))
+
+    def single(values: Array | None) -> Array | None:
+        values_joined = joined(values)
+        return None if values_joined is None else values_joined[:, 0]
+
+    motion = Motion(
+        arm,
+        np.concatenate(clock),
+        np.concatenate(q),
+        np.concatenate(speeds),
+        np.concatenate(accelerations),
+        None,
+        joined(log.commanded),
+        joined(log.joint_side),
+        single(log.payload_mass),
+        single(log.temperature),
+        sampled,
+    )
+    edges = np.cumsum([0, *(len(t) for t in clock)])
+    stretches = tuple(Stretch(int(a), int(b)) for a, b in pairwise(edges))
+    apart = max(1, int(working / (motion_rules.bands * cutoff)), int(np.ceil(motion.size / _MOST)))
+    indices = np.concatenate([np.arange(stretch.start + apart // 2, stretch.stop, apart) for stretch in stretches])
+    moving, near = _counting(motion, stretches, working, cutoff, motion_rules)
+    known = np.isfinite(np.concatenate(measured))
+    moving, near = moving & known, near & known
+    near &= moving.any(axis=0)  # friction is told by steady motion first: a joint that only trembles tells none
+    tidy = np.nan_to_num(np.concatenate(measured))
+    assert moving.shape[1] == n
+    return PreparedLog(log, motion, tidy, working, cutoff, stretches, indices, moving[indices], near[indices])
+
+
+def _need(values: list[Array] | None) -> list[Array]:
+    assert values is not None
+    return values
+
+
+def _clocks(log: MotionLog, gap: float, step: float | None) -> list[Array]:
+    """Instants of each stretch: even ones, or without a step those of the samples, which no low-pass will blur."""
+    breaks = np.flatnonzero(np.diff(log.time) > gap) + 1
+    edges = [0, *breaks.tolist(), log.size]
+    times: list[Array] = []
+    for a, b in pairwise(edges):
+        if log.time[b - 1] - log.time[a] > 1.0:
+            own = log.time[a:b]
+            times.append(own if step is None else np.arange(own[0], own[-1], step))
+    if not times:
+        raise ValueError("no stretch of the log is longer than a second")
+    return times
+
+
+def _speeds(
+    q: list[Array],
+    logged: list[Array] | None,
+    clock: list[Array],
+    told: float,
+    smooth: float,
+    cutoff: float,
+    rate: float,
+    rules: MotionRules,
+) -> list[Array]:
+    """Speeds: as logged where they agree with the coordinates' own, so far as samples tell these (`told`), and are
+    quieter around the low-pass, else those."""
+    slopes = [slope(low_pass(item, smooth, rate), t) for item, t in zip(q, clock, strict=True)]
+    if logged is None:
+        return [told * item for item in slopes]
+    read = [low_pass(item, smooth, rate) for item in logged]
+    speeds = [np.empty_like(item) for item in slopes]
+    differentiated = _noise(q, rate) * (2.0 * np.pi * cutoff) ** 2
+    quieter = told * _noise(logged, rate) <= differentiated
+    for joint in range(q[0].shape[1]):
+        a, b = (np.concatenate([item[:, joint] for item in many]) for many in (slopes, read))
+        size = float(a @ a)
+        agrees = size > 0.0 and np.isfinite(b).all() and told * float((a - b) @ (a - b)) < rules.speeds_agree * size
+        for into, mine, theirs in zip(speeds, slopes, read, strict=True):
+            into[:, joint] = theirs[:, joint] if agrees and quieter[joint] else told * mine[:, joint]
+    return speeds
+
+
+def slope(values: Array, clock: Array) -> Array:
+    """Derivative (N, n) of samples with time (N,) s, by a spline: differences of samples would be too small, by a share
+    that grows with the square of the frequency. Zero of one sample."""
+    return np.asarray(CubicSpline(clock, values)(clock, 1)) if len(clock) > 1 else np.zeros_like(values)
+
+
+def _told(values: list[Array], clock: list[Array]) -> float:
+    """How much of the square of slopes every other sample foretells: 1 of a motion, 0 of poses from which nobody knows
+    how the arm went to the next."""
+    whole = missed = 0.0
+    for value, time in zip(values, clock, strict=True):
+        slopes = slope(value, time)
+        whole += float(np.sum(slopes**2))
+        for part in (slice(0, None, 2), slice(1, None, 2)):
+            missed += float(np.sum((slopes[part] - slope(value[part], time[part])) ** 2))
+    return max(0.0, 1.0 - missed / whole) if whole > 0.0 else 1.0
+
+
+def _noise(parts: list[Array], rate: float) -> Array:
+    """Power density of what is faster than any motion, by column, from the longest part."""
+    frequency, spectrum = _spectrum(parts, rate)
+    return np.asarray(np.median(spectrum[frequency > _HELD * rate], axis=0))
+
+
+def _spectrum(parts: list[Array], rate: float) -> tuple[Array, Array]:
+    longest = max(parts, key=len)
+    swung = (longest - longest.mean(axis=0)) * np.hanning(len(longest))[:, None]
+    spectrum = np.asarray(np.abs(np.fft.rfft(swung, axis=0)) ** 2, dtype=float)
+    return np.asarray(np.fft.rfftfreq(len(longest), 1.0 / rate), dtype=float), spectrum
+
+
+def _cutoff(q: list[Array], rate: float, rules: MotionRules) -> float:
+    """The low-pass that motion asks for: twice the frequency below which 99 % of the accelerations' power lies."""
+    frequency, spectrum = _spectrum(q, rate)
+    noise = _noise(q, rate)
+    least, most = rules.low_pass
+    motion = np.where(spectrum > rules.stands_out * noise, spectrum, 0.0)
+    weight = np.where(frequency < most, frequency, 0.0)[:, None] ** 4 * motion
+    total = weight.sum(axis=0)
+    wanted = float(least)
+    for joint in np.flatnonzero(total > 0.0).tolist():
+        share = np.cumsum(weight[:, joint]) / total[joint]
+        wanted = max(wanted, 2.0 * float(frequency[np.searchsorted(share, 0.95)]))
+    return min(max(wanted, least), most, _HELD * rate)
+
+
+def _counting(
+    motion: Motion, stretches: tuple[Stretch, ...], rate: float, cutoff: float, rules: MotionRules
+) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
+    """Where each joint moves steadily, and where it moves or has just turned round."""
+    fast = np.abs(motion.velocity) > rules.slow
+    moving, near = np.zeros_like(fast), np.zeros_like(fast)
+    reach = round((rules.reversal + 0.25 / cutoff) * rate)
+    settle = round(rate / 8.0)
+    for stretch in stretches:
+        part = slice(stretch.start, stretch.stop)
+        inner = np.zeros(stretch.stop - stretch.start, dtype=bool)
+        inner[settle : len(inner) - settle] = True
+        for joint in range(motion.q.shape[1]):
+            v, quick = motion.velocity[part, joint], fast[part, joint]
+            turns = np.flatnonzero(np.signbit(v[1:]) != np.signbit(v[:-1]))
+            moving[part, joint] = quick & inner
+            if reach:  # else no sample is known to be so near a turn
+                moving[part, joint] &= ~_around(turns, reach, len(v))
+            near[part, joint] = _around(np.flatnonzero(quick), int(2 * rules.reversal * rate), len(v)) & inner
+            near[part, joint] &= ~_at_rest(v, rate, cutoff, rules.still)
+    return moving, near
+
+
+def _at_rest(v: Array, rate: float, cutoff: float, slowest: float) -> NDArray[np.bool_]:
+    """Where a joint dwells, with what the low-pass blurs: friction there is whatever holds it."""
+    still, blur = np.abs(v) < slowest, 0.25 / cutoff * rate
+    edges = np.flatnonzero(np.diff(np.concatenate(([False], still, [False])).astype(np.int8)))
+    dwells = [np.arange(a, b) for a, b in edges.reshape(-1, 2).tolist() if b - a > blur]
+    if not dwells:
+        return np.zeros(len(v), dtype=bool)
+    return _around(np.concatenate(dwells), round(blur), len(v))
+
+
+def _around(places: NDArray[np.int64], reach: int, count: int) -> NDArray[np.bool_]:
+    """Which of `count` samples lie within `reach` of some places."""
+    steps = np.zeros(count + 1, dtype=np.int64)
+    np.add.at(steps, np.maximum(places - reach, 0), 1)
+    np.add.at(steps, np.minimum(places + reach + 1, count), -1)
+    return np.cumsum(steps[:-1]) > 0

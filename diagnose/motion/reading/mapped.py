@@ -1,0 +1,56 @@
+"""Foreign headers of a motion log taken for ours, so far as they are plain, and said."""
+
+from __future__ import annotations
+
+import re
+from collections import defaultdict
+from collections.abc import Sequence
+from dataclasses import replace
+from types import MappingProxyType
+
+from linkwright.core.arm.chain.chain import Arm
+from linkwright.core.diagnose.reading.columns import canonical
+from linkwright.core.diagnose.reading.foreign.proposal import Meaning, proposed
+from linkwright.core.diagnose.reading.settings import ReadingSettings
+from linkwright.core.diagnose.reading.table import Table
+from linkwright.core.units.quantities import InputError
+
+
+def with_foreign(table: Table, arm: Arm, held: ReadingSettings) -> tuple[ReadingSettings, list[str]]:
+    """The settings with formulas of our columns for foreign headers that are plain, beside those that they have; and
+    sentences that say so. Raises `InputError` where two robots tell of the same joints."""
+    named = {canonical(header).partition("_")[0] for header in held.columns}
+    meanings = [item for item in proposed(table, arm) if item.header not in held.ignore]
+    rival = next((meaning for meaning in meanings if meaning.rival), None)
+    if rival is not None and not any(re.fullmatch(r"q[0-9]+", name) for name in named):
+        message = (
+            f"and {rival.rival} tell of the same joints: are these two robots in one file? choose one by `columns:` or "
+            "`ignore:` in recording.yaml, of a bag by `topics:`"
+        )
+        raise InputError(table.file, rival.header, message)
+    foreign = [
+        meaning
+        for meaning in meanings
+        if meaning.named and meaning.what not in named and (meaning.formula or meaning.ours != meaning.header)
+    ]
+    foreign = [item for item in foreign if canonical(item.header) != item.ours]
+    if not foreign:
+        return held, []
+    columns = {
+        **held.columns,
+        **{item.ours: item.formula or f"`{item.header}`" for item in foreign if "`" not in item.header},
+    }
+    return replace(held, columns=MappingProxyType(columns)), [_sentence(foreign)]
+
+
+def _sentence(foreign: Sequence[Meaning]) -> str:
+    """Which headers are taken for which of ours: of joints the first of each kind, and how many there are."""
+    kinds: dict[str, list[Meaning]] = defaultdict(list)
+    for item in foreign:
+        kinds[re.sub(r"[0-9]+$", "", item.what)].append(item)
+    parts: list[str] = []
+    for own in kinds.values():
+        more = f" and {len(own) - 1} more alike" if len(own) > 1 else ""
+        why = "; ".join(dict.fromkeys(f"{each.said}" for each in own if each.said))
+        parts.append(f"{own[0].header} as {own[0].ours}{more}" + (f" ({why})" if why else ""))
+    return f"Headers are taken for ours: {', '.join(parts)}."

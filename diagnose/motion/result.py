@@ -1,0 +1,143 @@
+"""What a diagnosis of motion logs identified, in SI: everything that a report says is drawn from here."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from linkwright.core.arm.chain.chain import Arm
+from linkwright.core.diagnose.result import FittedParameter, WrittenArm
+from linkwright.core.sections.numeric import Array
+
+from .log import MotionLog
+
+Verdict = Literal["none", "named", "alias_class", "unknown", "insufficient_data"]
+
+
+@dataclass(frozen=True)
+class Alternative:
+    """A set of effects that the logs cannot tell from a finding: each by id and joints or links (from 1), and how much
+    less likely it is (nats; 0: exactly alike)."""
+
+    effects: tuple[tuple[str, tuple[int, ...]], ...]
+    worse: float
+
+
+@dataclass(frozen=True)
+class MotionFinding:
+    """Physics that the model leaves out of the torques: effect, joints or links (from 1), parameters with intervals.
+
+    `rms_explained` (n,) N*m is the RMS of what it adds at each joint; `evidence` (nats) how much likelier the logs are
+    with it than without, choice and sizes paid for; `rms_without_held_out` (n,) N*m what held-out motion leaves where
+    it alone is left out and the rest fitted again. `p_value` is by circular shifts or sign flips of whole blocks (nan:
+    none holds). `reading` is the plain sentence.
+    """
+
+    effect: str
+    at: tuple[int, ...]
+    parameters: tuple[FittedParameter, ...]
+    alternatives: tuple[Alternative, ...]
+    rms_explained: tuple[float, ...]
+    rms_without_held_out: tuple[float, ...]
+    evidence: float
+    p_value: float
+    reading: str
+
+
+@dataclass(frozen=True)
+class OfJoint:
+    """A joint (from 1): RMS of what the model leaves of its torque, N*m (N), on samples where it moves (nan: it never
+    does): `before` and `after` what was identified, `held_out` on motion to which sizes were not fitted, `floor` what
+    the whole library leaves, and `share` of the torque's own RMS that is left (held out). `p_unknown` is how often
+    chance leaves as much structure; `depends_on` what that depends on where it is more than chance (`q2`, `speed`,
+    `load`, `time`, `temperature_degC`).
+    """
+
+    joint: int
+    before: float
+    after: float
+    held_out: float
+    floor: float
+    share: float
+    depends_on: tuple[str, ...] = ()
+    p_unknown: float = 1.0
+
+
+@dataclass(frozen=True)
+class MotionUnknown:
+    """Structure that nothing in the library explains: at which joints (from 1), on what it depends, its RMS (N*m) at
+    the worst of them, its shape in words, and which log would decide."""
+
+    joints: tuple[int, ...]
+    depends_on: tuple[str, ...]
+    amplitude: float
+    shape: str
+    decide: str
+
+
+@dataclass(frozen=True)
+class Traces:
+    """What is drawn of a log: `time` (M,) s, `q`, `velocity`, `measured`, `before` and `after` (M, n): the torque as
+    measured and by the model before and after, N*m (N), filtered alike; `moves` (M, n) marks the samples that count."""
+
+    log: str
+    time: Array
+    q: Array
+    velocity: Array
+    measured: Array
+    before: Array
+    after: Array
+    moves: NDArray[np.bool_]
+
+
+@dataclass(frozen=True)
+class OfLog:
+    """One of several logs: its name, file, unit and date, samples used, and RMS of all joints together (N*m) before,
+    after and held out; `rejected` are rows that were set aside."""
+
+    name: str
+    file: str
+    unit: str
+    date: str
+    samples: int
+    rms_before: float
+    rms_after: float
+    rms_held_out: float
+    rejected: tuple[int, ...]
+
+
+@dataclass(frozen=True)
+class MotionDiagnosis:
+    """The whole result. RMS figures without a joint are the root of the mean over joints of mean squares, N*m.
+
+    `corrected` is the arm with what was identified among its effects. `split` names how motion was held out, `cutoff`
+    (Hz) the low-pass on both sides (None: none), `rates` (Hz) those of the logs. `gate_p` is how often chance alone
+    would make any candidate as evident beside the model as given; what is too small or foretells no other motion is not
+    named. `sentence` is the plain answer, `notes` what rests on what. `written` says what the corrected arm's file
+    leaves of the same motion (N*m; None: not tried).
+    """
+
+    arm: Arm
+    logs: tuple[MotionLog, ...]
+    verdict: Verdict
+    sentence: str
+    per_joint: tuple[OfJoint, ...]
+    findings: tuple[MotionFinding, ...]
+    unknown: MotionUnknown | None
+    rms_before: float
+    rms_after: float
+    rms_held_out: float
+    noise_floor: float
+    gate_p: float
+    split: str
+    cutoff: float | None
+    rates: tuple[float, ...]
+    traces: tuple[Traces, ...]
+    of_logs: tuple[OfLog, ...]
+    corrected: Arm
+    notes: tuple[str, ...]
+    seconds: float
+    written: WrittenArm | None = None

@@ -1,0 +1,83 @@
+"""What a diagnosis of motion logs says in plain words."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from linkwright.core.arm.effects import EFFECTS
+
+from .findings import less, name_of, sized
+from .result import MotionFinding, MotionUnknown, OfJoint, Verdict
+
+_SAID = 4
+"""Effects that the plain answer names; the rest are counted."""
+
+
+def verdict_of(named: Sequence[MotionFinding], unknown: MotionUnknown | None) -> Verdict:
+    """The verdict: unknown wherever something stays that nothing explains, named or not what else is."""
+    if unknown is not None:
+        return "unknown"
+    if not named:
+        return "none"
+    return "alias_class" if any(item.alternatives for item in named[:1]) else "named"
+
+
+def answer(
+    verdict: Verdict,
+    named: Sequence[MotionFinding],
+    unknown: MotionUnknown | None,
+    per_joint: Sequence[OfJoint],
+) -> str:
+    """The plain answer."""
+    if verdict == "insufficient_data":
+        return "The logs hold too little motion: no joint moves for three seconds above 0.03 rad/s."
+    if verdict == "none":
+        return "Nothing is missing that these logs show: no cause is beyond chance and foretells other motion."
+    sentences: list[str] = []
+    if named:
+        of_effect: dict[str, list[MotionFinding]] = {}
+        for item in named:
+            of_effect.setdefault(item.effect, []).append(item)
+        listed = [_short(each) for each in list(of_effect.values())[:_SAID]]
+        more = sum(len(each) for each in list(of_effect.values())[_SAID:])
+        sentences.append(f"{_lead(named)}{_and(listed)}{f', and {more} smaller' if more else ''}.")
+        before, held = (
+            float(np.sqrt(np.nanmean([getattr(each, name) ** 2 for each in per_joint])))
+            for name in ("before", "held_out")
+        )
+        sentences.append(f"{held:.3g} of {before:.3g} N*m is left on motion that was not fitted.")
+    if unknown is not None:
+        joints = _and([str(joint) for joint in unknown.joints])
+        names = [name.replace("_", " ") for name in unknown.depends_on]
+        on = f", which depends on {_and(names)}" if names else ""
+        sentences.append(
+            f"At joint {joints} stays {unknown.amplitude:.3g} N*m that nothing in the library explains{on}."
+        )
+    return " ".join(sentences)
+
+
+def _lead(named: Sequence[MotionFinding]) -> str:
+    """How the answer begins: with friction where several names of it are most of what is missing."""
+    size = [float(np.sum(np.square(item.rms_explained))) for item in named]
+    rubs = [EFFECTS[item.effect].cause.startswith("friction") for item in named]
+    most = sum(own for own, friction in zip(size, rubs, strict=True) if friction) > 0.5 * sum(size)
+    return "Friction is what the model lacks most: " if most and sum(rubs) > 2 else "The model lacks "
+
+
+def _short(findings: Sequence[MotionFinding]) -> str:
+    """What one effect does at all its places, with the first size at each."""
+    ordered = sorted(findings, key=lambda finding: finding.at)
+    effect = EFFECTS[ordered[0].effect]
+    name = name_of(effect.title, effect.place, sorted({at for item in ordered for at in item.at}))
+    if not all(item.parameters for item in ordered):
+        return name
+    if len(ordered) == 1:
+        return f"{name} ({sized(ordered[0].parameters[:1])}{less(ordered[0].parameters[:1])})"
+    same = len({item.parameters[0].parameter for item in ordered}) == 1
+    return f"{name} ({_and([sized(item.parameters[:1], named=not same) for item in ordered])})"
+
+
+def _and(items: Sequence[str]) -> str:
+    return items[0] if len(items) == 1 else f"{', '.join(items[:-1])} and {items[-1]}"

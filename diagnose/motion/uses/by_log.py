@@ -1,0 +1,102 @@
+"""The sizes of one set of causes in each of several logs by itself: what was identified in all of them together."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from linkwright.core.arm.chain.chain import Arm
+from linkwright.core.diagnose.fitting.fit import t_quantile
+from linkwright.core.diagnose.motion.diagnosis import diagnosed
+from linkwright.core.diagnose.motion.findings import parameters_of
+from linkwright.core.diagnose.motion.log import MotionLog
+from linkwright.core.diagnose.motion.model.evidence import system
+from linkwright.core.diagnose.motion.model.identify import Identified
+from linkwright.core.diagnose.motion.model.intervals import Estimates, estimates
+from linkwright.core.diagnose.motion.model.products import Products
+from linkwright.core.diagnose.motion.result import MotionDiagnosis
+from linkwright.core.diagnose.options import Options, Progress
+from linkwright.core.diagnose.result import FittedParameter
+from linkwright.core.sections.numeric import Array
+
+
+@dataclass(frozen=True)
+class ByLog:
+    """Logs diagnosed together, and fitted one by one with what was found.
+
+    Args:
+        together: The diagnosis of all.
+        effects: (P,) the effect of each parameter.
+        sizes: For each log its (P,) parameters with their intervals.
+        freedom: (L,) degrees of freedom of each log: blocks of time less one.
+        left: (L,) N*m, RMS of what each log's own sizes leave, of all joints together.
+    """
+
+    together: MotionDiagnosis
+    effects: tuple[str, ...]
+    sizes: tuple[tuple[FittedParameter, ...], ...]
+    freedom: tuple[int, ...]
+    left: tuple[float, ...]
+
+    def errors(self, log: int) -> list[float]:
+        """Standard errors of a log's sizes."""
+        factor = t_quantile(self.freedom[log])
+        return [0.5 * (size.interval[1] - size.interval[0]) / factor for size in self.sizes[log]]
+
+
+def by_log(arm: Arm, logs: Sequence[MotionLog], options: Options, progress: Progress) -> ByLog:
+    """Diagnose logs together, and fit each with what was found. Raises what `diagnose_motion` raises."""
+    result, rests_on = diagnosed(arm, logs, options, progress)
+    if rests_on is None:
+        return ByLog(result, (), ((),) * len(logs), (1,) * len(logs), tuple(log.rms_before for log in result.of_logs))
+    found, sizes = rests_on
+    # Of the ten numbers of a load those that are something.
+    chosen = [
+        (effect, item.at, item.parameter)
+        for effect, item in _parameters(arm, found, sizes, sizes.shown)
+        if item.interval[0] > 0.0 or item.interval[1] < 0.0
+    ]
+    each_log: list[tuple[FittedParameter, ...]] = []
+    freedom: list[int] = []
+    left: list[float] = []
+    for number in range(len(logs)):
+        own = _of_log(found.products, number)
+        system_ = system(found.pool, own, found.noise.weights, found.discrepancy)
+        alike = np.zeros(found.pool.width)  # What has no name is the same in all logs.
+        fitted = estimates(system_, own, found.noise.weights, found.fitted, alike, rules=options.rules.motion)
+        pairs = _parameters(arm, found, fitted, np.ones(len(fitted.numbers), dtype=bool))
+        each_log.append(tuple(item for effect, item in pairs if (effect, item.at, item.parameter) in chosen))
+        freedom.append(max(own.blocks - 1, 1))
+        left.append(_rms(own, fitted.sizes))
+    return ByLog(result, tuple(effect for effect, *_ in chosen), tuple(each_log), tuple(freedom), tuple(left))
+
+
+def _of_log(products: Products, number: int) -> Products:
+    """The products of one log."""
+    here = products.log == number
+    gram = tuple(item[here] for item in products.gram)
+    return replace(products, gram=gram, rows=products.rows[here], log=products.log[here])
+
+
+def _parameters(
+    arm: Arm, identified: Identified, sizes: Estimates, shown: NDArray[np.bool_]
+) -> list[tuple[str, FittedParameter]]:
+    """The sizes of all members, each with its effect; what shapes a pattern is the same in all logs."""
+    made: list[tuple[str, FittedParameter]] = []
+    start = 0
+    for member in identified.members:
+        group = identified.pool.groups[member.group]
+        part = slice(start, start + group.rank)
+        start += group.rank
+        shapes = {shape.name for shape in group.effect.shapes}
+        parameters = parameters_of(group, arm, sizes.numbers[part], sizes.half[:, part], shown[part])
+        made += [(group.effect.id, parameter) for parameter in parameters if parameter.parameter not in shapes]
+    return made
+
+
+def _rms(products: Products, sizes: Array) -> float:
+    rows = np.maximum(products.rows.sum(axis=0), 1)
+    return float(np.sqrt(np.mean(products.left(sizes).sum(axis=0) / rows)))

@@ -1,0 +1,40 @@
+"""An arm watched over dated motion logs: the sizes of what was found in each, and what moved when."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from linkwright.core.arm.chain.chain import Arm
+from linkwright.core.diagnose.motion.log import MotionLog
+from linkwright.core.diagnose.options import Options, Progress
+from linkwright.core.diagnose.several.recordings import names_of
+from linkwright.core.diagnose.watch.estimates import Parameter
+from linkwright.core.diagnose.watch.watch import Dated, Watch, courses, dates_of
+
+from .by_log import by_log
+
+
+def watch_motion(arm: Arm, logs: Sequence[MotionLog], options: Options, progress: Progress) -> Watch:
+    """Watch an arm over at least three motion logs, each with a date of its own; what is left in each is an RMS torque
+    (N*m). Raises what `diagnose_motion` raises."""
+    ordered = sorted(logs, key=lambda log: log.date)
+    made = by_log(arm, ordered, options, progress)
+    days = dates_of(ordered)
+    when = np.array([float((day - days[0]).days) for day in days])
+    parameters = [
+        Parameter(effect, size.at, size.parameter, size.kind, found=True)
+        for effect, size in zip(made.effects, made.sizes[0], strict=True)
+    ]
+    shape = (len(ordered), len(parameters))
+    values = np.array([[size.value for size in sizes] for sizes in made.sizes]).reshape(shape)
+    errors = np.array([made.errors(log) for log in range(len(ordered))]).reshape(shape)
+    rms, freedom = np.array(made.left), np.array(made.freedom)
+    known, left = courses(parameters, "torque", values, errors, freedom, rms, when, options.rules.watch)
+    recordings = tuple(
+        Dated(day, name, log.file, log.size, len(log.rejected), float(size))
+        for day, name, log, size in zip(days, names_of(ordered), ordered, rms, strict=True)
+    )
+    searched = tuple(range(len(ordered)))
+    return Watch(arm, recordings, known, left, (), made.together, searched, options.rules.watch)
