@@ -18,13 +18,13 @@ if TYPE_CHECKING:
     from linkwright.api.diagnosis import compare, compensate, diagnose, predict, redesign, watch
     from linkwright.api.exchange import export_arm, import_arm
     from linkwright.api.paper import figures, seam, tables
-    from linkwright.api.recording import plan, simulate
+    from linkwright.api.recording import columns, plan, simulate
     from linkwright.core.arm.chain.statics import PoseState
     from linkwright.core.arm.effects import Effect, Parameter, Settings, Twist
     from linkwright.core.arm.effects.effect import drive_motion
+    from linkwright.core.arm.figures import Figure, OfDesign, OfLinks, at_poses
     from linkwright.core.executors import Cluster, Processes
     from linkwright.core.materials.material import MissingProperty
-    from linkwright.core.optimize.limits import Figure, OfDesign, OfLinks
     from linkwright.core.sections import numeric
     from linkwright.core.sections.section import Dimension
     from linkwright.core.units.quantities import InputError, NoAnswer
@@ -35,9 +35,11 @@ if TYPE_CHECKING:
     from linkwright.face.catalogues.materials import materials
     from linkwright.face.catalogues.sections import sections
     from linkwright.face.catalogues.shapes import Shape, shapes
+    from linkwright.face.motion.log import read_log
     from linkwright.face.planning.sweep import sweep
     from linkwright.face.problem import Problem, read_problem
     from linkwright.face.recording import read_recording, read_recordings
+    from linkwright.face.space.view import show
     from linkwright.output.table_file import write_table
 
 HOMES = MappingProxyType(
@@ -46,13 +48,13 @@ HOMES = MappingProxyType(
         "linkwright.api.diagnosis": ("compare", "compensate", "diagnose", "predict", "redesign", "watch"),
         "linkwright.api.exchange": ("export_arm", "import_arm"),
         "linkwright.api.paper": ("figures", "seam", "tables"),
-        "linkwright.api.recording": ("plan", "simulate"),
+        "linkwright.api.recording": ("columns", "plan", "simulate"),
         "linkwright.core.arm.chain.statics": ("PoseState",),
         "linkwright.core.arm.effects": ("Effect", "Parameter", "Settings", "Twist"),
         "linkwright.core.arm.effects.effect": ("drive_motion",),
         "linkwright.core.executors": ("Cluster", "Processes"),
         "linkwright.core.materials.material": ("MissingProperty",),
-        "linkwright.core.optimize.limits": ("Figure", "OfDesign", "OfLinks"),
+        "linkwright.core.arm.figures": ("Figure", "OfDesign", "OfLinks", "at_poses"),
         "linkwright.core.sections": ("numeric",),
         "linkwright.core.sections.section": ("Dimension",),
         "linkwright.core.units.quantities": ("InputError", "NoAnswer"),
@@ -63,9 +65,11 @@ HOMES = MappingProxyType(
         "linkwright.face.catalogues.materials": ("materials",),
         "linkwright.face.catalogues.sections": ("sections",),
         "linkwright.face.catalogues.shapes": ("Shape", "shapes"),
+        "linkwright.face.motion.log": ("read_log",),
         "linkwright.face.planning.sweep": ("sweep",),
         "linkwright.face.problem": ("Problem", "read_problem"),
         "linkwright.face.recording": ("read_recording", "read_recordings"),
+        "linkwright.face.space.view": ("show",),
         "linkwright.output.table_file": ("write_table",),
     }
 )
@@ -92,7 +96,9 @@ __all__ = [
     "Shape",
     "Twist",
     "actuators",
+    "at_poses",
     "budget",
+    "columns",
     "compare",
     "compensate",
     "diagnose",
@@ -110,6 +116,7 @@ __all__ = [
     "plan",
     "predict",
     "read_arm",
+    "read_log",
     "read_problem",
     "read_recording",
     "read_recordings",
@@ -117,6 +124,7 @@ __all__ = [
     "seam",
     "sections",
     "shapes",
+    "show",
     "simulate",
     "sweep",
     "tables",
@@ -128,11 +136,15 @@ __all__ = [
 
 def __getattr__(name: str) -> Any:
     """A public name, loaded from where it stands and kept."""
+    if name == "__version__":
+        from linkwright.version import program_version
+
+        return program_version()
     home = next((module for module, names in HOMES.items() if name in names), None)
     if home is None:
         raise AttributeError(f"module 'linkwright' has no attribute '{name}'")
-    found = globals()[name] = getattr(import_module(home), name)
-    return found
+    value = globals()[name] = getattr(import_module(home), name)
+    return value
 
 
 def __dir__() -> list[str]:

@@ -35,7 +35,7 @@ COMMANDS: Mapping[str, tuple[str, str]] = MappingProxyType(
         **dict.fromkeys(("evaluate", "optimize", "tradeoff", "inverse", "budget"), ("from_face", "Design")),
         **dict.fromkeys(("diagnose", "compare", "predict", "compensate"), ("from_face", "Diagnose")),
         **dict.fromkeys(("plan", "watch", "simulate"), ("from_face", "Diagnose")),
-        **dict.fromkeys(("import", "export"), ("from_face", "Files")),
+        **dict.fromkeys(("import", "export", "columns"), ("from_face", "Files")),
         **{name: (f"catalogues.{name}", "Catalogues") for name in ("materials", "sections", "actuators", "effects")},
         **dict.fromkeys(("tables", "figures", "seam"), ("from_face", "Paper")),
         "serve": ("serve", "Program"),
@@ -70,8 +70,8 @@ Example: linkwright optimize problem.yaml --out result
 """
 
 
-def _version(asked: bool) -> None:
-    if asked:
+def _version(wanted: bool) -> None:
+    if wanted:
         typer.echo(f"linkwright {program_version()}")
         raise typer.Exit
 
@@ -102,9 +102,9 @@ def command_line(asked: str = "") -> typer.Typer:
         if name in CATALOGUES:
             made.add_typer(command_group(CATALOGUES[name], module.group()), name=name, rich_help_panel=panel)
         elif hasattr(module, "commands"):
-            own: Made = module.commands()[name]
-            settings = {"ignore_unknown_options": True} if own.negative else {}
-            made.command(name, help=own.help, context_settings=settings, rich_help_panel=panel)(own.typed())
+            command: Made = module.commands()[name]
+            settings = {"ignore_unknown_options": True} if command.negative else {}
+            made.command(name, help=command.help, context_settings=settings, rich_help_panel=panel)(command.typed())
         else:
             made.command(name, help=module.HELP, rich_help_panel=panel)(getattr(module, name))
     return made
@@ -119,10 +119,10 @@ def outcome(arguments: Sequence[str] | None = None) -> int:
         if reconfigure is not None:
             reconfigure(errors="replace")  # a terminal that cannot show a symbol shows a question mark
     given = sys.argv[1:] if arguments is None else list(arguments)
-    asked = next((word for word in _typed() or given if word != "--"), "")
+    command = next((word for word in _typed() or given if word != "--"), "")
     try:
         with results_alone(given):
-            status: object = command_line(asked)(args=given, prog_name="linkwright", standalone_mode=False)
+            status: object = command_line(command)(args=given, prog_name="linkwright", standalone_mode=False)
         sys.stdout.flush()
     except InputError as error:
         return _failed(str(error), WRONG_INPUT)

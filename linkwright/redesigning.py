@@ -1,4 +1,4 @@
-"""The design question again, with what a diagnosis found: which decisions change, what the old optimum really had."""
+"""A design problem solved again with the diagnosed physics: decisions that change, true error of the old optimum."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from linkwright.core.arm.worst.workspace import Workspace
 from linkwright.core.optimize.problem import Problem
 from linkwright.core.optimize.result import OptimizationResult
 from linkwright.core.optimize.run import optimise
-from linkwright.core.units.quantities import InputError
+from linkwright.core.units.quantities import InputError, NoAnswer
 from linkwright.json.design import links_json
 from linkwright.json.fields import fields, in_mm
 from linkwright.report.pictures.sections import sections_grid
@@ -28,6 +28,14 @@ STIFFER = 0.1
 """How much stiffer a drive is tried: a tenth."""
 _SAME_SIZE = 0.01
 """A dimension that changes by less than this share is no other decision."""
+
+
+def refuse_nothing_of_the_tip(arm: Arm, corrected: Arm) -> None:
+    """Raise `NoAnswer` where all that was found only changes what the drives give: a tip stands where it stood."""
+    effects = [EFFECTS[effect.effect] for effect in corrected.effects if effect not in arm.effects]
+    if effects and not any(effect.moves_tip for effect in effects):
+        named = ", ".join(dict.fromkeys(effect.title for effect in effects))
+        raise NoAnswer(f"what was found moves no tip ({named}): the error that a design is chosen by stays as it was")
 
 
 @dataclass(frozen=True)
@@ -75,7 +83,7 @@ class Redesign:
     @property
     def best_drive(self) -> StifferDrive | None:
         """The drive whose stiffness is worth most."""
-        return min(self.drives, key=lambda each: each.change, default=None)
+        return min(self.drives, key=lambda drive: drive.change, default=None)
 
 
 def redesign(
@@ -131,29 +139,29 @@ def worst_error(arm: Arm, workspace: Workspace, cases: Sequence[LoadCase]) -> fl
 
 def decisions(before: Arm, after: Arm) -> tuple[Decision, ...]:
     """What differs between two designs, link by link."""
-    found: list[Decision] = []
+    decided: list[Decision] = []
     for number, (one, other) in enumerate(zip(before.links, after.links, strict=True), start=1):
-        found += [Decision(number, *each) for each in _differences(one, other)]
-    return tuple(found)
+        decided += [Decision(number, *difference) for difference in _differences(one, other)]
+    return tuple(decided)
 
 
 def _differences(one: Link, other: Link) -> list[tuple[str, str | float, str | float]]:
-    found: list[tuple[str, str | float, str | float]] = []
+    differences: list[tuple[str, str | float, str | float]] = []
     if _differs(one.length, other.length):
-        found.append(("length", one.length, other.length))
+        differences.append(("length", one.length, other.length))
     shapes = ["rigid" if link.section is None else link.section.shape for link in (one, other)]
     if shapes[0] != shapes[1]:
-        found.append(("shape", shapes[0], shapes[1]))
+        differences.append(("shape", shapes[0], shapes[1]))
     elif one.section is not None and other.section is not None:
         sizes = [link.section.given() for link in (one, other) if link.section is not None]
         for name, value in sizes[0].items():
             new = sizes[1].get(name)
             if isinstance(value, int | float) and isinstance(new, int | float) and _differs(value, new):
-                found.append((name.replace("_", " "), float(value), float(new)))
+                differences.append((name.replace("_", " "), float(value), float(new)))
     materials = ["–" if link.material is None else link.material.name for link in (one, other)]
     if materials[0] != materials[1]:
-        found.append(("material", materials[0], materials[1]))
-    return found
+        differences.append(("material", materials[0], materials[1]))
+    return differences
 
 
 def _differs(one: float, other: float) -> bool:
@@ -165,14 +173,14 @@ def stiffer_drives(arm: Arm, workspace: Workspace, cases: Sequence[LoadCase], er
 
     Of first order this is also what a new optimum would gain, for at an optimum the links' own share vanishes.
     """
-    found: list[StifferDrive] = []
+    drives: list[StifferDrive] = []
     for joint in range(arm.size):
         compliance = drive_compliance(arm, joint)
         if compliance <= 0.0:
             continue
         stiffened = with_compliance(arm, joint, -compliance * STIFFER / (1.0 + STIFFER))
-        found.append(StifferDrive(joint + 1, compliance, worst_error(stiffened, workspace, cases) - error))
-    return tuple(found)
+        drives.append(StifferDrive(joint + 1, compliance, worst_error(stiffened, workspace, cases) - error))
+    return tuple(drives)
 
 
 def _mass_price(result: OptimizationResult) -> float | None:
@@ -183,9 +191,9 @@ def _mass_price(result: OptimizationResult) -> float | None:
     return 1e-3 * min(prices) if prices else 0.0
 
 
-def _carried_over(given: Arm, corrected: Arm) -> tuple[str, ...]:
+def _carried_over(arm: Arm, corrected: Arm) -> tuple[str, ...]:
     """Findings that belong to the links as built; a link of another shape or material need not have them."""
-    new = [entry for entry in corrected.effects if entry not in given.effects]
+    new = [entry for entry in corrected.effects if entry not in arm.effects]
     return tuple(dict.fromkeys(entry.effect for entry in new if EFFECTS[entry.effect].belongs_to_link))
 
 
@@ -222,7 +230,7 @@ def redesign_sentences(redesign: Redesign) -> list[str]:
     """The redesign in plain sentences, the most telling first."""
     ratio = factor_words(redesign.promised, redesign.had)
     compared = "" if ratio == "unchanged" else f" ({ratio})"
-    found = [
+    sentences = [
         f"The old optimum was promised {mm(redesign.promised)} and really has {mm(redesign.had)}{compared}.",
         _gain(redesign),
         _decided(redesign),
@@ -230,8 +238,8 @@ def redesign_sentences(redesign: Redesign) -> list[str]:
     ]
     if redesign.carried_over:
         names = ", ".join(effect_title(effect) for effect in redesign.carried_over)
-        found.append(f"Found on the links as built, and taken to hold for other links as well: {names}.")
-    return found
+        sentences.append(f"Found on the links as built, and taken to hold for other links as well: {names}.")
+    return sentences
 
 
 def _gain(redesign: Redesign) -> str:
@@ -247,7 +255,7 @@ def _gain(redesign: Redesign) -> str:
 def _decided(redesign: Redesign) -> str:
     if not redesign.decisions:
         return "Every decision stays: shapes, materials and sizes are those of the old optimum, within a hundredth."
-    return "Decided otherwise: " + "; ".join(decision_words(each) for each in redesign.decisions) + "."
+    return "Decided otherwise: " + "; ".join(decision_words(decision) for decision in redesign.decisions) + "."
 
 
 def decision_words(decision: Decision) -> str:
@@ -279,9 +287,9 @@ def redesign_json(redesign: Redesign) -> dict[str, Any]:
     return {
         **fields(redesign, "problem=problem_file", "promised_mm", "had_mm", "has_mm", "carried_over"),
         "status": [redesign.old.status, redesign.new.status],
-        "decisions": [_decision(each) for each in redesign.decisions],
+        "decisions": [_decision(decision) for decision in redesign.decisions],
         "stiffer_drives": [
-            {**fields(each, "joint", "compliance", "change_mm"), "stiffer_by": STIFFER} for each in redesign.drives
+            {**fields(drive, "joint", "compliance", "change_mm"), "stiffer_by": STIFFER} for drive in redesign.drives
         ],
         "link_mass_price_mm_per_kg": in_mm(redesign.link_mass_price),
         "links": links_json(redesign.new.arm, redesign.new.after.link_masses),

@@ -31,10 +31,12 @@ def evaluate(
     problem: ProblemOption = None,
     *,
     pose: Annotated["Sequence[Quantity] | str | None", Option(metavar="Q", kind=str)] = None,
+    motion: Annotated[File | None, file_option("FILE")] = None,
 ) -> "Evaluation":
     """The worst position error over the workspace, where it is, what each effect adds, and the arm's figures.
 
     Example: linkwright evaluate arm.yaml --pose "10 20 30" --json result.json
+    Example: linkwright evaluate arm.yaml --motion motion.csv
 
     Args:
         arm: The arm file. In Python also an `Arm`.
@@ -42,6 +44,7 @@ def evaluate(
             one they are the joint ranges and the arm's own payload.
         pose: Where mm/N is asked for: degrees (mm for slides), in quotes. In Python also quantities (n,): text, or rad
             and m; the worst pose by default.
+        motion: A motion (CSV: t_s, q1_rad, q2_rad ..., of slides q3_m): what it asks of the drives is told too.
 
     Raises `InputError`, `MissingProperty` where the arm lacks a figure, `NoAnswer` where the workspace cannot be
     reached.
@@ -56,17 +59,19 @@ def evaluate(
     from linkwright.core.arm.evaluation import evaluate as evaluated
     from linkwright.core.optimize.robust.figure import robust_figure
     from linkwright.face.arm import arm_of
-    from linkwright.face.evaluation import Evaluation, pose_of
+    from linkwright.face.evaluation import Evaluation, along, pose_of
     from linkwright.face.problem import cases_at, for_joints_of, problem_of
 
     given = arm_of(arm, tips="every")
     at = None if pose is None else pose_of(given.model, pose)
+    moving = None if motion is None else along(given.model, motion)
     if problem is None:
-        return Evaluation(given, evaluated(given.model, pose=at))
+        return Evaluation(given, evaluated(given.model, pose=at), motion=moving)
     asked = problem_of(problem).model
     for_joints_of(given, asked)
-    found = evaluated(given.model, asked.workspace, cases_at(asked, given), pose=at)
-    return Evaluation(given, found, None if asked.uncertain is None else robust_figure(given.model, asked))
+    evaluation = evaluated(given.model, asked.workspace, cases_at(asked, given), pose=at)
+    robust = None if asked.uncertain is None else robust_figure(given.model, asked)
+    return Evaluation(given, evaluation, robust, moving)
 
 
 def optimize(
@@ -146,8 +151,8 @@ def tradeoff(
 ) -> "Tradeoff":
     """The trade-off between two figures: no design of the front can be beaten in both.
 
-    Any two figures: max_error, mass, total_mass, cost, reach, safety_factor, first_frequency, wall_slenderness, aspect,
-    tip_stiffness, sideways_stiffness. A front that was stopped goes on with --resume.
+    Any two figures: max_error, average_error, mass, total_mass, cost, reach, safety_factor, first_frequency,
+    wall_slenderness, aspect, tip_stiffness, sideways_stiffness. A front that was stopped goes on with --resume.
 
     Example: linkwright tradeoff problem.yaml --x mass --y max_error --by material --out front
 

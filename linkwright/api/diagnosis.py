@@ -23,12 +23,16 @@ if TYPE_CHECKING:
     from linkwright.face.compensation import Compensation
     from linkwright.face.design import Redesign
     from linkwright.face.diagnosis import Diagnosis
+    from linkwright.face.motion.comparison import MotionComparison
+    from linkwright.face.motion.diagnosis import MotionDiagnosis
+    from linkwright.face.motion.log import Log
+    from linkwright.face.motion.prediction import MotionPrediction
     from linkwright.face.planning.comparison import Comparison
     from linkwright.face.planning.watch import Watch
     from linkwright.face.prediction import Prediction
     from linkwright.face.recording import Recording
 
-One = Annotated["Recording | File | pd.DataFrame", Argument(metavar="RECORDING", kind=Path)]
+One = Annotated["Recording | Log | File | pd.DataFrame", Argument(metavar="RECORDING", kind=Path)]
 Without = Annotated[Collection[str], Option("--without-effect", "ID", kind=str, many=True)]
 Settings = Annotated[File | None, file_option("FILE", "--recording-yaml")]
 SettingsOfEach = Annotated[File | Sequence[File] | None, file_option("FILE", "--recording-yaml", many=True)]
@@ -38,7 +42,7 @@ Nuisance = Literal["known", "free"]
 def diagnose(
     arm: ArmFile,
     recording: Annotated[
-        "Recording | File | pd.DataFrame | Sequence[Recording | File | pd.DataFrame]",
+        "Recording | Log | File | pd.DataFrame | Sequence[Recording | Log | File | pd.DataFrame]",
         Argument(metavar="RECORDING...", kind=Path, many=True),
     ],
     *,
@@ -48,18 +52,22 @@ def diagnose(
     units: Annotated[bool, Option()] = False,
     problem: ProblemOption = None,
     progress: Progress | None = None,
-) -> "Diagnosis":
+) -> "Diagnosis | MotionDiagnosis":
     """What the model of an arm leaves out, by recordings of the real one: where, what, how sure, and what to do.
 
+    A motion log (a clock, joint coordinates, torques or currents) says what is left out of the torques of the drives.
+
     Example: linkwright diagnose arm.yaml recording.csv --out result
+    Example: linkwright diagnose robot.urdf log.csv --out result
 
     Several at once share the physics: linkwright diagnose arm.yaml may.csv august.csv
 
     Args:
-        arm: The arm file. In Python also an `Arm`.
-        recording: The recording (.csv, .xlsx, .parquet), or several. In Python also a `Recording` or a data frame, or a
-            list: frame, tool and noise are each one's own, `found.recordings` tells what comes of each, and
-            `differences` what is not the same in all (a zero that moved, a drive that softened).
+        arm: The arm file, a URDF or an MJCF. In Python also an `Arm`.
+        recording: The recording (.csv, .xlsx, .parquet) or motion log (also .mcap, a ROS 2 bag), or several. In Python
+            also a `Recording`, a `Log` or a data frame, or a list: frame, tool and noise are each one's own,
+            `found.recordings` tells what comes of each, and `differences` what is not the same in all (a zero that
+            moved, a drive that softened). Of motion logs a `MotionDiagnosis` comes.
         thorough: Make every test with six times as many draws; takes longer.
         without: Leave this effect out of the candidates; may be repeated.
         settings: What the columns mean; by default the file beside the recording. Of several recordings: once for all,
@@ -79,41 +87,52 @@ def diagnose(
     """
     from dataclasses import replace
 
-    from linkwright.core.diagnose.diagnosis import diagnose as diagnosed
     from linkwright.core.diagnose.options import Options
     from linkwright.face.arm import arm_of, catalogue_of
-    from linkwright.face.diagnosis import Diagnosis, known_effects, recordings_of
-    from linkwright.face.problem import problem_of
+    from linkwright.face.motion.log import logs_of, of_tips_alone
+    from linkwright.face.plain_input import known_effects
     from linkwright.face.progress import told
-    from linkwright.output.diagnosis_folder import with_written
 
     options = Options(thorough=thorough, without=known_effects(without))
     given = arm_of(arm, tips="first", unknown_origins=True)
+    if logs := logs_of(recording, given, settings):
+        from linkwright.face.motion.diagnosis import diagnosed_motion
+
+        of_tips_alone(units=units, problem=problem is not None)
+        with told(progress) as tell:
+            return diagnosed_motion(given, logs, options, tell)
+    from linkwright.core.diagnose.diagnosis import diagnose as diagnosed
+    from linkwright.face.diagnosis import Diagnosis, recordings_of
+    from linkwright.face.problem import problem_of
+    from linkwright.output.diagnosis_folder import with_written
+
     read = recordings_of(recording, given, settings, units=units)
     asked = None if problem is None else problem_of(problem)
     with told(progress) as tell:
-        found = diagnosed(given.model, read.found, options, tell)
-        answer = Diagnosis(given, read, with_written(found, catalogue_of(given.catalogue)))
+        diagnosis = diagnosed(given.model, read.found, options, tell)
+        answer = Diagnosis(given, read, with_written(diagnosis, catalogue_of(given.catalogue)))
         return answer if asked is None else replace(answer, redesign=redesign(asked, answer, progress=tell))
 
 
 def compare(
     arm: ArmFile,
-    before: Annotated["Recording | File | pd.DataFrame", Argument(metavar="A", kind=Path)],
-    after: Annotated["Recording | File | pd.DataFrame", Argument(metavar="B", kind=Path)],
+    before: Annotated["Recording | Log | File | pd.DataFrame", Argument(metavar="A", kind=Path)],
+    after: Annotated["Recording | Log | File | pd.DataFrame", Argument(metavar="B", kind=Path)],
     *,
     thorough: Annotated[bool, Option()] = False,
     without: Without = (),
     settings: Settings = None,
     progress: Progress | None = None,
-) -> "Comparison":
+) -> "Comparison | MotionComparison":
     """What changed between two recordings of one arm: parameters with intervals, noise, figures of the standards.
+
+    Of two motion logs: the sizes of what is left out of the torques, in each.
 
     Example: linkwright compare arm.yaml before.csv after.csv --json changes.json
 
     Args:
         arm: The arm file. In Python also an `Arm`.
-        before: The earlier recording. In Python also a `Recording` or a data frame.
+        before: The earlier recording or motion log. In Python also a `Recording`, a `Log` or a data frame.
         after: The later recording. In Python alike.
         thorough: Make every test with six times as many draws; takes longer.
         without: Leave this effect out of the candidates; may be repeated.
@@ -130,22 +149,31 @@ def compare(
     """
     from linkwright.core.diagnose.options import Options
     from linkwright.face.arm import arm_of
-    from linkwright.face.diagnosis import known_effects, recording_of
+    from linkwright.face.diagnosis import recording_of
+    from linkwright.face.motion.log import logs_of
+    from linkwright.face.plain_input import known_effects
     from linkwright.face.planning.comparison import compared
     from linkwright.face.progress import told
 
     options = Options(thorough=thorough, without=known_effects(without))
     given = arm_of(arm, tips="first")
-    both = [recording_of(each, given, settings) for each in (before, after)]
+    if logs := logs_of([before, after], given, settings):
+        from linkwright.face.motion.comparison import compared_motion
+
+        with told(progress) as tell:
+            return compared_motion(given, logs, options, tell)
+    both = [recording_of(item, given, settings) for item in (before, after)]
     with told(progress) as tell:
         return compared(given, both, options, tell)
 
 
-def redesign(problem: ProblemFile, diagnosis: "Diagnosis", *, progress: Progress | None = None) -> "Redesign":
+def redesign(
+    problem: ProblemFile, diagnosis: "Diagnosis | MotionDiagnosis", *, progress: Progress | None = None
+) -> "Redesign":
     """A design problem solved again with what a diagnosis found: what the old optimum really has, what changes.
 
-    Errors are worst cases over the problem's workspace. Raises `InputError` where the problem is for another arm, and
-    what `optimize` raises.
+    Errors are worst cases over the problem's workspace. Raises `InputError` where the problem is for another arm,
+    `NoAnswer` where what motion logs found moves no tip, and what `optimize` raises.
 
     >>> import linkwright as lw
     >>> bar = {"section": lw.shapes.Circle(diameter="60 mm"), "material": "steel-s355"}
@@ -165,11 +193,13 @@ def redesign(problem: ProblemFile, diagnosis: "Diagnosis", *, progress: Progress
     from linkwright.face.problem import problem_of
     from linkwright.face.progress import told
     from linkwright.redesigning import redesign as redesigned
+    from linkwright.redesigning import refuse_nothing_of_the_tip
 
     asked = problem_of(problem)
+    refuse_nothing_of_the_tip(diagnosis.found.arm, diagnosis.found.corrected)
     with told(progress) as tell:
-        found = redesigned(asked.model, diagnosis.found.arm, diagnosis.found.corrected, tell)
-    return Redesign(asked, found)
+        result = redesigned(asked.model, diagnosis.found.arm, diagnosis.found.corrected, tell)
+    return Redesign(asked, result)
 
 
 def predict(
@@ -180,14 +210,17 @@ def predict(
     tool: Nuisance | None = None,
     settings: Settings = None,
     progress: Progress | None = None,
-) -> "Prediction":
+) -> "Prediction | MotionPrediction":
     """How far an arm's model is from a recording: nothing is fitted but frame and tool, and those only where free.
+
+    Of a motion log it says what is left of each joint's torque; nothing is fitted.
 
     Example: linkwright predict result/arm.yaml other.csv --json prediction.json
 
     Args:
         arm: The arm file; a corrected one, say. In Python also an `Arm`.
-        recording: The recording, CSV, .xlsx or parquet. In Python also a `Recording` or a data frame.
+        recording: The recording or motion log, CSV, .xlsx or parquet. In Python also a `Recording`, a `Log` or a data
+            frame.
         frame: Whether to fit it (`free`) or not (`known`); by default as the recording's settings say.
         tool: The same of the tool.
         settings: What the columns mean; by default the file beside it.
@@ -206,10 +239,16 @@ def predict(
     from linkwright.core.diagnose.predict import predict as predicted
     from linkwright.face.arm import arm_of
     from linkwright.face.diagnosis import recording_of
+    from linkwright.face.motion.log import logs_of, of_tips_alone
     from linkwright.face.prediction import Prediction
     from linkwright.face.progress import told
 
     given = arm_of(arm, tips="first")
+    if logs := logs_of(recording, given, settings):
+        from linkwright.face.motion.prediction import predicted_motion
+
+        of_tips_alone(frame=frame is not None, tool=tool is not None)
+        return predicted_motion(given, logs[0])
     read = recording_of(recording, given, settings)
     asked = replace(read.found, frame=frame or read.found.frame, tool=tool or read.found.tool)
     with told(progress) as tell:
@@ -255,7 +294,7 @@ def compensate(
 def watch(
     arm: ArmFile,
     recordings: Annotated[
-        "Iterable[Recording | File | pd.DataFrame]", Argument(metavar="RECORDING...", kind=Path, many=True)
+        "Iterable[Recording | Log | File | pd.DataFrame]", Argument(metavar="RECORDING...", kind=Path, many=True)
     ],
     *,
     for_: Annotated[Collection[str] | None, Option("--for", "EFFECTS", kind=str, read=named)] = None,
@@ -272,8 +311,8 @@ def watch(
 
     Args:
         arm: The arm file. In Python also an `Arm`.
-        recordings: Three recordings or more (.csv, .xlsx, .parquet), in any order. In Python also each a `Recording` or
-            a data frame.
+        recordings: Three recordings or motion logs or more (.csv, .xlsx, .parquet), in any order. In Python also each a
+            `Recording`, a `Log` or a data frame.
         for_: Watch these effects beside what is found: a,b,c; by default zeros, drives' compliance and backlash. In
             Python their ids.
         search: Watch what --for names alone; no diagnosis says what else there is. In Python: unless it is False, a
@@ -300,8 +339,9 @@ def watch(
     from linkwright.core.diagnose.watch.watch import watch as watched
     from linkwright.core.units.quantities import InputError
     from linkwright.face.arm import arm_of
-    from linkwright.face.diagnosis import known_effects
-    from linkwright.face.planning.watch import Watch, read_dated
+    from linkwright.face.motion.log import logs_of, of_tips_alone
+    from linkwright.face.plain_input import known_effects
+    from linkwright.face.planning.watch import Watch, read_dated, read_dated_logs
     from linkwright.face.progress import told
 
     asked = basics() if for_ is None else tuple(for_)
@@ -310,8 +350,16 @@ def watch(
     if isinstance(recordings, str | Path) or hasattr(recordings, "columns"):
         raise InputError("", "recordings", "is a list of recordings here; name three or more")
     given = arm_of(arm, tips="first")
-    read = read_dated(list(recordings), given, settings)
+    several = list(recordings)
+    if logs := logs_of(several, given, settings):
+        from linkwright.core.diagnose.motion.uses.watch import watch_motion
+
+        of_tips_alone(for_=for_ is not None, search=not search)
+        read_dated_logs(logs)
+        with told(progress) as tell:
+            return Watch(given, watch_motion(given.model, [log.found for log in logs], options, tell), logs)
+    read = read_dated(several, given, settings)
     with told(progress) as tell:
-        held = [each.found for each in read]
-        found = watched(given.model, held, asked, options, tell, search=search)
-    return Watch(given, found, tuple(read))
+        held = [item.found for item in read]
+        result = watched(given.model, held, asked, options, tell, search=search)
+    return Watch(given, result, tuple(read))

@@ -1,9 +1,11 @@
 """Recordings: which are worth making, and those that a model would give."""
 
 from collections.abc import Mapping, Sequence
+from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from linkwright.api.signature import (
+    Argument,
     ArmFile,
     File,
     Listed,
@@ -19,9 +21,14 @@ from linkwright.api.signature import (
 )
 
 if TYPE_CHECKING:
+    from linkwright.face.arm import Arm
     from linkwright.face.diagnosis import Diagnosis
+    from linkwright.face.motion.diagnosis import MotionDiagnosis
+    from linkwright.face.motion.log import Log
+    from linkwright.face.motion.plan import MotionPlan
+    from linkwright.face.motion.simulation import MotionSimulation
     from linkwright.face.planning.plan import Plan
-    from linkwright.face.recording import Recording, Simulation
+    from linkwright.face.recording import Columns, Recording, Simulation
 
 Direction = Annotated[Sequence[float] | None, Option(metavar="LIST", kind=str, read=numbers)]
 Lengths = Listed[Sequence[Quantity] | None]
@@ -29,13 +36,48 @@ TiltLink = Annotated[str | int | None, Option(metavar="LINK", kind=str)]
 Camera = Annotated[Literal["fixed", "on_tool"] | None, Option(metavar="WHERE", kind=str)]
 Torques = Listed[Quantity | Sequence[Quantity] | None]
 Nuisance = Annotated[Literal["known", "free"], Option(kind=str)]
+MOTION = "motion"
+"""The instrument of motion logs: what drives give while the arm moves."""
 Region = Mapping[str, Any] | tuple[Sequence[Quantity], Sequence[Quantity]]
+
+
+def columns(
+    file: Annotated[File, Argument(metavar="FILE", kind=Path)],
+    arm: Annotated["Arm | File | None", Option(metavar="ARM", reads="arm", kind=Path)] = None,
+) -> "Columns":
+    """What the columns of another program's file may mean, and the recording.yaml that says so.
+
+    Recordings of a tip and motion logs alike: .csv, .xlsx, .parquet (LeRobot's too), MCAP, ROS bags. The file is read
+    with the proposal, and what is wrong with it is told.
+
+    Example: linkwright columns log.csv --arm arm.yaml --out recording.yaml
+
+    Args:
+        file: The file.
+        arm: The arm file: its joints' names, ranges and kinds tell what columns are of, and in which unit. In Python
+            also an `Arm`.
+
+    Raises `InputError` where the file is no table.
+
+    >>> import linkwright as lw
+    >>> found = lw.columns("examples/motion-log/log.csv", "examples/motion-log/robot.urdf")
+    >>> found
+    <Columns: log.csv: a motion log, 2500 samples in 24.99 s; 9 of 9 columns tell of an arm>
+    >>> print(found.settings.splitlines()[1])
+    observes: motion
+    """
+    from linkwright.core.diagnose.reading.foreign.proposed_file import propose
+    from linkwright.face.arm import arm_of
+    from linkwright.face.recording import Columns
+
+    given = None if arm is None else arm_of(arm, tips="first", unknown_origins=True).model
+    return Columns(propose(Path(file), given))
 
 
 def plan(
     arm: ArmFile,
     *,
-    poses: Annotated[int, Option(metavar="N", required=True)] = 30,
+    poses: Annotated[int | None, Option(metavar="N")] = None,
     for_: Annotated[Sequence[str], Option("--for", "EFFECTS", kind=str, read=named)] = (),
     instrument: Annotated[str, Option()] = "tracker",
     sigma: Annotated[Quantity | None, Option(metavar="LENGTH", kind=str)] = None,
@@ -45,7 +87,7 @@ def plan(
     tool: Nuisance = "known",
     avoid: Annotated[Sequence[Region], Option(metavar="REGION", kind=str, many=True, read=region)] = (),
     after: Annotated[
-        "Recording | Diagnosis | File | Sequence[Recording | File] | None",
+        "Recording | Diagnosis | Log | MotionDiagnosis | File | Sequence[Recording | Log | File] | None",
         file_option("RECORDING", many=True),
     ] = None,
     direction: Direction = None,
@@ -58,21 +100,26 @@ def plan(
     sigma_depth: Annotated[Quantity | None, Option(metavar="LENGTH", kind=str)] = None,
     sigma_angle: Annotated[Quantity | None, Option(metavar="ANGLE", kind=str)] = None,
     torques: Torques = None,
+    seconds: Annotated[float, Option(metavar="S", least=4.0, most=600.0)] = 20.0,
     seed: Annotated[int, Option(least=0)] = 1,
     progress: Progress | None = None,
-) -> "Plan":
+) -> "Plan | MotionPlan":
     """Which poses, payloads and sides are worth recording, in which order, and what they will show.
 
+    For a motion log it is a motion that tells causes apart.
+
     Example: linkwright plan arm.yaml --poses 30 --for joint_compliance,backlash --out plan.csv
+    Example: linkwright plan arm.yaml --instrument motion --for friction_load,friction_place --out plan.csv
 
     Args:
         arm: The arm file. In Python also an `Arm`.
-        poses: How many visits: a pose, a payload, sides.
+        poses: How many visits: a pose, a payload, sides. In Python 30 by default.
         for_: What to see: 'backlash, joint_compliance:2'; else everything. In Python a list.
-        instrument: tracker, x, y, z, xy, xz, yz, along, distance, tilt, camera, same_point, plane or bar. In Python:
-            places, some of their coordinates, the height `along` a `direction`, the `distance` from an `anchor`, the
-            `tilt` of a level on a `tilt_link`, where a `camera` sees a target; or a `same_point` (a ball in a socket),
-            a `plane`, places along a `bar`, that are touched again in several postures; nobody need know just where.
+        instrument: motion, or tracker, x, y, z, xy, xz, yz, along, distance, tilt, camera, same_point, plane or bar. In
+            Python: places, some of their coordinates, the height `along` a `direction`, the `distance` from an
+            `anchor`, the `tilt` of a level on a `tilt_link`, where a `camera` sees a target; or a `same_point` (a ball
+            in a socket), a `plane`, places along a `bar`, that are touched again in several postures; nobody need know
+            just where.
         sigma: What each component scatters by; 15 um (a tilt: 15 urad). In Python also m, or rad; after a recording
             what that scatters by.
         repeats: Readings in a row at each visit.
@@ -95,6 +142,7 @@ def plan(
         sigma_angle: Of a camera's turns; sigma over 0.1 m.
         torques: Drives' torques too, which scatter by so much: '0.5 N*m'. In Python one for all joints that turn, or
             one for each joint; what they will tell of weights and friction is planned for beside the causes.
+        seconds: How long a motion lasts, for the instrument motion.
         seed: The same seed gives the same plan.
         progress: Hears of the steps; a bar by default, where somebody looks.
 
@@ -114,10 +162,27 @@ def plan(
     from linkwright.face.recording import torque_noise
 
     given = arm_of(arm, tips="one")
+    if instrument == MOTION:
+        from linkwright.face.motion.plan import planned_motion
+
+        return planned_motion(given, for_, avoid, after, seconds, seed, progress)
     reads = Reads(instrument, direction, anchor, anchor_free, tilt_link, camera, bar)
     noise = torque_noise(torques, given)
     request = Request(
-        poses, for_, reads, sigma, sigma_depth, sigma_angle, repeats, payloads, frame, tool, avoid, bars, noise, seed
+        30 if poses is None else poses,
+        for_,
+        reads,
+        sigma,
+        sigma_depth,
+        sigma_angle,
+        repeats,
+        payloads,
+        frame,
+        tool,
+        avoid,
+        bars,
+        noise,
+        seed,
     )
     return Plan(given, planned_for(given, request, after, progress))
 
@@ -150,11 +215,14 @@ def simulate(
     camera: Camera = None,
     torques: Torques = None,
     at: Annotated[File | None, file_option("PLAN")] = None,
-) -> "Simulation":
+    motion: Annotated[File | None, Option(metavar="MOTION", kind=str)] = None,
+) -> "Simulation | MotionSimulation":
     """A recording from a model, for trying things out: poses over the joint ranges, from both sides, with noise.
 
     Example: linkwright simulate arm.yaml --poses 40 --out recording.csv --with '{effect: joint_compliance, at: 2,
     compliance: 21 urad/(N*m)}'
+    Example: linkwright simulate arm.yaml --motion plan.csv --out log.csv --with '{effect: friction_coulomb, at: 2,
+    torque: 9 N*m}'
 
     Args:
         arm: The arm file. In Python also an `Arm`.
@@ -185,6 +253,8 @@ def simulate(
         camera: Of a camera: fixed, or on_tool. In Python: depths are five times noisier, turns by the noise over 0.1 m.
         torques: Drives' torques too, which scatter by so much: '0.5 N*m'. In Python one for all joints that turn, or
             one for each joint: what each holds at rest is written then, without friction.
+        motion: A motion log in place of poses: the file of `plan --instrument motion`, or how long a motion drawn at
+            random lasts, '20 s'; `torques` is what it scatters by, 1 % by default.
         at: Poses, sides, payloads and times of `linkwright plan`. In Python also of a recording; taken in place of
             `repeats`, `payloads`, `sides`, `temperature` and `hours` too.
 
@@ -205,6 +275,12 @@ def simulate(
     if poses is not None and at is not None:
         raise InputError("", "poses", "goes without `at`, whose poses are taken; drop one")
     given = with_effects(arm_of(arm, tips="one"), with_)
+    if motion is not None:
+        from linkwright.face.motion.simulation import simulated_motion
+
+        if poses is not None or at is not None:
+            raise InputError("", "motion", "goes without poses and `at`; a motion log has no poses")
+        return simulated_motion(given, motion, torques, seed)
     reads = instrument_of(given, at, observe, direction, anchor, anchor_free, tilt_link, bar, camera)
     asked = plan_of(
         given,

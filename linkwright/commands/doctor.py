@@ -14,6 +14,7 @@ from types import MappingProxyType
 from typing import Any, Literal
 
 from linkwright.commands.options import JsonFile, write_content
+from linkwright.core.units.extras import install_line
 from linkwright.core.units.quantities import InputError
 from linkwright.json.fields import fields
 from linkwright.output.files import check_target
@@ -22,15 +23,17 @@ from linkwright.report.pdf import need_browser
 State = Literal["sound", "left out", "wrong"]
 
 _NEEDS = re.compile(r"([A-Za-z0-9._-]+)(?:[^;]*>=([0-9.]+))?")
-_MODULES = MappingProxyType({"PyYAML": "yaml"})
-"""By name, where a package is imported by another."""
+_MODULES = MappingProxyType({"PyYAML": "yaml", "mcap-ros2-support": "mcap_ros2"})
+"""The names by which packages are imported that go by another."""
 _PARTS = (
-    ("the browser (serve)", ("nicegui",), "pip install 'linkwright[browser]'"),
-    ("drawings (export --to dxf)", ("ezdxf",), "pip install 'linkwright[dxf]'"),
-    ("parquet recordings", ("pyarrow",), "pip install 'linkwright[parquet]'"),
-    ("solids (export --to step)", ("build123d",), "pip install 'linkwright[step]'"),
-    ("clusters (--dask)", ("dask", "distributed"), "pip install 'linkwright[cluster]'"),
+    ("the browser (serve)", ("nicegui",), "browser"),
+    ("drawings (export --to dxf)", ("ezdxf",), "dxf"),
+    ("solids (export --to step)", ("build123d",), "step"),
+    ("ROS bags and MCAP files", ("mcap", "mcap-ros2-support", "rosbags"), "logs"),
+    ("parquet recordings", ("pyarrow",), "parquet"),
+    ("clusters (--dask)", ("dask", "distributed"), "cluster"),
 )
+"""What is optional, its packages and the extra that brings them."""
 OLDEST_PYTHON = (3, 11)
 
 
@@ -53,7 +56,7 @@ class Checkup:
     @property
     def sound(self) -> bool:
         """Whether nothing is wrong."""
-        return all(each.state != "wrong" for each in self.checks)
+        return all(check.state != "wrong" for check in self.checks)
 
 
 def checked() -> Checkup:
@@ -66,7 +69,7 @@ def checked() -> Checkup:
             *_catalogues(),
             *_folders(),
             _threads(),
-            *(_part(*each) for each in _PARTS),
+            *(_part(*item) for item in _PARTS),
             _printer(),
         )
     )
@@ -81,10 +84,10 @@ def _printer() -> Check:
 
 
 def _python() -> Check:
-    found = ".".join(str(part) for part in sys.version_info[:3])
+    version = ".".join(str(part) for part in sys.version_info[:3])
     if sys.version_info < OLDEST_PYTHON:
-        return Check("Python", "wrong", found, f"install Python {'.'.join(map(str, OLDEST_PYTHON))} or newer")
-    return Check("Python", "sound", found)
+        return Check("Python", "wrong", version, f"install Python {'.'.join(map(str, OLDEST_PYTHON))} or newer")
+    return Check("Python", "sound", version)
 
 
 def _packages() -> Iterator[Check]:
@@ -96,9 +99,9 @@ def _packages() -> Iterator[Check]:
         return
     yield Check("linkwright", "sound", metadata.version("linkwright"))
     for need in needs:
-        found = None if "extra ==" in need else _NEEDS.match(need)
-        if found is not None:
-            yield _package(found[1], found[2] or "0")
+        parsed = None if "extra ==" in need else _NEEDS.match(need)
+        if parsed is not None:
+            yield _package(parsed[1], parsed[2] or "0")
 
 
 def _package(name: str, oldest: str) -> Check:
@@ -147,13 +150,13 @@ def _catalogues() -> Iterator[Check]:
     yield _catalogue("actuators", lambda: len(load_actuators()), user_actuators_path())
 
 
-def _catalogue(name: str, count: Callable[[], int], own: Path | None) -> Check:
-    there = own is not None and os.path.exists(own)
+def _catalogue(name: str, count: Callable[[], int], path: Path | None) -> Check:
+    there = path is not None and os.path.exists(path)
     try:
         number = count()
     except InputError as error:
         return Check(f"catalogue: {name}", "wrong", str(error), "mend the file, or move it away")
-    return Check(f"catalogue: {name}", "sound", f"{number} read" + (f", those of {own} among them" if there else ""))
+    return Check(f"catalogue: {name}", "sound", f"{number} read" + (f", those of {path} among them" if there else ""))
 
 
 def _folders() -> Iterator[Check]:
@@ -171,7 +174,7 @@ def _folders() -> Iterator[Check]:
 
 def _folder(name: str, folder: Path) -> Check:
     """Write a file there; a folder that is not there yet is made in the nearest one that is."""
-    there = next((each for each in (folder, *folder.parents) if os.path.isdir(each)), folder)
+    there = next((parent for parent in (folder, *folder.parents) if os.path.isdir(parent)), folder)
     try:
         with tempfile.TemporaryFile(dir=there):
             pass
@@ -191,24 +194,24 @@ def _threads() -> Check:
     scipy.linalg.lu(np.linalg.inv(np.eye(2)))  # now the libraries are loaded
     counts = sorted(set(threads()))
     cores = os.cpu_count() or 1
-    found = f"{', '.join(map(str, counts)) or 'unknown'} of {cores} cores"
+    text = f"{', '.join(map(str, counts)) or 'unknown'} of {cores} cores"
     hint = "without OPENBLAS_NUM_THREADS one is taken, which serves better" if max(counts, default=1) > 1 else ""
-    return Check("threads of linear algebra", "sound", found, hint)
+    return Check("threads of linear algebra", "sound", text, hint)
 
 
-def _part(name: str, modules: tuple[str, ...], would_do: str) -> Check:
+def _part(name: str, packages: tuple[str, ...], extra: str) -> Check:
     """An optional part: it may be left out, but what is there must be importable."""
-    versions: list[str] = []
-    for module in modules:
+    would_do, versions = install_line(extra), list[str]()
+    for package in packages:
         try:
-            version = metadata.version(module)
+            version = metadata.version(package)
         except metadata.PackageNotFoundError:
-            return Check(name, "left out", f"{module} is not installed", would_do)
+            return Check(name, "left out", f"{package} is not installed", would_do)
         try:
-            import_module(module)
+            import_module(_MODULES.get(package, package))
         except (ImportError, OSError) as error:
-            return Check(name, "wrong", f"{module} cannot be used: {error}", would_do)
-        versions.append(f"{module} {version}")
+            return Check(name, "wrong", f"{package} cannot be used: {error}", would_do)
+        versions.append(f"{package} {version}")
     return Check(name, "sound", ", ".join(versions))
 
 
@@ -226,14 +229,14 @@ def doctor(json: JsonFile = None) -> int:
 
     check_target(json)
     found = checked()
-    checks = [{**fields(each, "name", "state", "found"), "would_do": each.would_do or None} for each in found.checks]
+    checks = [{**fields(check, "name", "state", "found"), "would_do": check.would_do or None} for check in found.checks]
     write_content(json, "doctor", {"sound": found.sound, "checks": checks})
     shown = table("what", "state", "found", "what would do")
-    for each in found.checks:
-        shown.add_row(each.name, each.state.upper() if each.state == "wrong" else each.state, each.found, each.would_do)
+    for item in found.checks:
+        shown.add_row(item.name, item.state.upper() if item.state == "wrong" else item.state, item.found, item.would_do)
     screen = console()
     screen.print(shown)
-    wrong = [each.name for each in found.checks if each.state == "wrong"]
+    wrong = [check.name for check in found.checks if check.state == "wrong"]
     screen.print(f"wrong: {', '.join(wrong)}" if wrong else "The installation is sound.", soft_wrap=True)
     if json is not None:
         screen.print(f"written: {json}", soft_wrap=True)

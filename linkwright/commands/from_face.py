@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 import linkwright as lw
+from linkwright.api.recording import MOTION
 from linkwright.commands import options
 from linkwright.commands.made import Made, Out, Targets
 from linkwright.commands.options import write_content
@@ -91,8 +92,8 @@ def _heard(problem: lw.Problem, steps: Any) -> dict[str, Any]:
 
     def begun(before: Any) -> None:
         if problem.model.minimize == "max_error":
-            for each in rigid_links_words(before.found):
-                say(f"arm as given: {mm(before.found.max_error)}; {each.text}")
+            for item in rigid_links_words(before.found):
+                say(f"arm as given: {mm(before.found.max_error)}; {item.text}")
 
     def log(iteration: Iteration) -> None:
         say(iteration_line(iteration, problem.model.minimize))
@@ -100,20 +101,20 @@ def _heard(problem: lw.Problem, steps: Any) -> dict[str, Any]:
     def beyond(text: str) -> None:
         say(f"{text}; now looking for what the limits would have to be")
 
-    told: dict[str, Any] = {"out_of_reach": beyond}
-    return told if loudness() == "answer" else {**told, "log": log, "begun": begun}
+    content: dict[str, Any] = {"out_of_reach": beyond}
+    return content if loudness() == "answer" else {**content, "log": log, "begun": begun}
 
 
-def _tell_infeasible(found: Any, problem: Path, targets: Targets) -> None:
+def _tell_infeasible(infeasibility: Any, problem: Path, targets: Targets) -> None:
     """Write and show why no design keeps all limits, and what each would have to be."""
     from linkwright.json.design import infeasible_json
     from linkwright.results.optimization import describe_infeasible
     from linkwright.screen.console import console
     from linkwright.screen.described import show
 
-    described = describe_infeasible(found)
+    described = describe_infeasible(infeasibility)
     with options.not_lost(lambda: show(console(), described)):
-        write_content(targets.json, "optimize", infeasible_json(found, problem))
+        write_content(targets.json, "optimize", infeasible_json(infeasibility, problem))
         write_markdown(targets.markdown, described)
     show(console(), described)
 
@@ -135,9 +136,9 @@ class Tradeoff(Made):
 
         if words["resume"] and targets.out is None:
             raise InputError("", "--resume", "needs --out DIR, where the journal of the earlier run is")
-        found = super().checked(targets, words, inputs)
+        checked_targets = super().checked(targets, words, inputs)
         check_table(targets.csv)
-        return found
+        return checked_targets
 
     def claim(self, folder: Path) -> None:
         """Its journal does."""
@@ -148,15 +149,15 @@ class Tradeoff(Made):
 
         steps = Steps(self.doing)
         try:
-            found = lw.tradeoff(**given, journal=targets.out, progress=steps, executor=crew)
-            if found.interrupted:
+            result = lw.tradeoff(**given, journal=targets.out, progress=steps, executor=crew)
+            if result.interrupted:
                 raise KeyboardInterrupt
         except KeyboardInterrupt:
             steps.close()
             options.stop(crew, _points_kept(targets.out))
         finally:
             steps.close()
-        return found
+        return result
 
     def write(self, result: Any, targets: Targets, read: Sequence[Path]) -> list[Path]:
         """The table of points too."""
@@ -199,9 +200,19 @@ class Compensate(Made):
         """Parquet too can be written."""
         from linkwright.output.table_file import check_table
 
-        found = super().checked(targets, words, inputs)
+        checked_targets = super().checked(targets, words, inputs)
         check_table(targets.out)
-        return found
+        return checked_targets
+
+
+class Plan(Made):
+    """`plan`: of visits it is to be said how many; a motion has none."""
+
+    def checked(self, targets: Targets, words: dict[str, Any], inputs: Sequence[Path]) -> Targets:
+        """How many visits, where there are visits."""
+        if words["poses"] is None and words["instrument"] != MOTION:
+            raise InputError("", "--poses", "is missing; say how many visits there are to be")
+        return super().checked(targets, words, inputs)
 
 
 class Simulate(Made):
@@ -211,13 +222,15 @@ class Simulate(Made):
         """Settings of somebody's own stay."""
         from linkwright.face.recording import settings_beside
 
-        if words["poses"] is None and words["at"] is None:
-            raise InputError("", "--poses", "is missing; say how many, or name a plan with --at")
-        found = super().checked(targets, words, inputs)
+        if words["poses"] is None and words["at"] is None and words["motion"] is None:
+            raise InputError(
+                "", "--poses", "is missing; say how many, name a plan with --at, or a motion with --motion"
+            )
+        checked_targets = super().checked(targets, words, inputs)
         if targets.out is not None:
             others = [path for path in (targets.json, targets.markdown) if path is not None]
             check_target(settings_beside(targets.out), *inputs, *others)
-        return found
+        return checked_targets
 
 
 class Written(Made):
@@ -297,14 +310,14 @@ class Tables(Made):
         from linkwright.output.table_file import check_table
 
         json, csv, kind = targets.json, targets.csv, targets.kind or TableKind.CSV
-        found = super().checked(replace(targets, csv=None), words, inputs)
+        checked_targets = super().checked(replace(targets, csv=None), words, inputs)
         if json is not None and targets.markdown is not None and json.absolute() == targets.markdown.absolute():
             raise InputError(json, "", "is named for JSON and for Markdown; name two files")
         if csv is not None:
             names = [f"{key}.{kind.value}" for key in KEYS]
             check_table(csv / names[0])
             _claim(csv, names, names[0], _SIGNATURES[kind])
-        return replace(found, csv=csv, kind=kind)
+        return replace(checked_targets, csv=csv, kind=kind)
 
     def write(self, result: Any, targets: Targets, read: Sequence[Path]) -> list[Path]:
         """Each table, and the page between its marks."""
@@ -378,6 +391,7 @@ def commands() -> Mapping[str, Made]:
     plan = Out("The plan: a recording whose tip is still blank.", (), beside=True)
     recording = Out("The recording to write, a CSV file.", (), beside=True, required=True)
     read = Out("The arm file to write; a new arm.yaml by default.", ())
+    settings = Out("The recording.yaml to write.", ())
     exported = Out("The file to write; a new one called as the arm file by default.", ())
     figures = Out("Write report.html, result.json and a CSV file per figure there.", FIGURES)
     plain: Any = {"markdown": False, "catalogue": False}
@@ -388,17 +402,18 @@ def commands() -> Mapping[str, Made]:
         Tradeoff("tradeoff", doing="setting up the trade-off", out=FOLDER, pdf=True, also={"csv": CsvFile}),
         Made("inverse", doing="looking for poses", tip=True, negative=True),
         Made("budget", out=watched, pdf=True, tip=True),
-        Diagnose("diagnose", doing="beginning", out=Out(), pdf=True),
-        Made("compare", doing="beginning"),
-        Made("predict", doing="predicting"),
+        Diagnose("diagnose", doing="beginning", out=Out(), pdf=True, tip=True),
+        Made("compare", doing="beginning", tip=True),
+        Made("predict", doing="predicting", tip=True),
         Compensate("compensate", doing="computing the table", out=table, tip=True),
-        Made("plan", out=plan, tip=True, kept="this is the best plan so far"),
-        Made("watch", doing="beginning", out=watched, pdf=True),
+        Plan("plan", out=plan, tip=True, kept="this is the best plan so far"),
+        Made("watch", doing="beginning", out=watched, pdf=True, tip=True),
         Simulate("simulate", doing="simulating", out=recording, tip=True),
         Written("import", "import_arm", out=read, catalogue=False),
+        Made("columns", out=settings, catalogue=False),
         Export("export", "export_arm", out=exported),
         Tables("tables", also=TABLES, **plain),
         Made("figures", **drawing, **plain),
         Made("seam", doing="following the seam", tip=True),
     )
-    return {each.name: each for each in made}
+    return {item.name: item for item in made}

@@ -81,7 +81,7 @@ class Made:
         pdf: there is a report for `--pdf`, and whoever made it can sign.
         tip: `--tip` names one of several arms on one torso.
         catalogue: files of materials can be added.
-        kept: what is left of a result that was interrupted.
+        kept: what an interrupted result still holds.
         unwritten: what is said where no file was asked for.
         negative: an argument may begin with a minus.
         also: options of its own for files to write, by name.
@@ -122,7 +122,7 @@ class Made:
 
     def typed(self) -> Callable[..., None]:
         """The command as typer reads it: the function's parameters, then what all commands share."""
-        own = [each.typed() for each in self.parameters]
+        parameters = [parameter.typed() for parameter in self.parameters]
         executor = "executor" in inspect.signature(self._function()).parameters
         shared: list[tuple[bool, str, Any, Any]] = [
             (self.tip, "tip", options.Tip, None),
@@ -139,10 +139,12 @@ class Made:
             (self.markdown, "quiet", options.Quiet, False),
             (self.markdown, "verbose", options.Verbose, False),
         ]
-        for _, name, annotation, default in (each for each in shared if each[0]):
+        for _, name, annotation, default in (item for item in shared if item[0]):
             required = name == "out" and self.out is not None and self.out.required
-            given = inspect.Parameter.empty if required else default
-            own.append(inspect.Parameter(name, inspect.Parameter.KEYWORD_ONLY, default=given, annotation=annotation))
+            default_value = inspect.Parameter.empty if required else default
+            parameters.append(
+                inspect.Parameter(name, inspect.Parameter.KEYWORD_ONLY, default=default_value, annotation=annotation)
+            )
 
         def command(**words: Any) -> None:
             from linkwright.screen.loudness import showing
@@ -150,15 +152,15 @@ class Made:
             with showing(quiet=words.pop("quiet", False), verbose=words.pop("verbose", False)):
                 self.run(words)
 
-        vars(command)["__signature__"] = inspect.Signature(own)
-        command.__annotations__ = {each.name: each.annotation for each in own}
+        vars(command)["__signature__"] = inspect.Signature(parameters)
+        command.__annotations__ = {parameter.name: parameter.annotation for parameter in parameters}
         return command
 
     def run(self, words: dict[str, Any]) -> None:
         """Run the command with the words of the command line, by the names of its parameters. Raises `InputError`."""
         targets = Targets(**{name: words[name] for name in Targets.__dataclass_fields__ if name in words})
         catalogue, tip = words.get("catalogue"), words.get("tip")
-        named = [path for each in self.parameters for path in paths_in(words[each.name])]
+        named = [path for parameter in self.parameters for path in paths_in(words[parameter.name])]
         inputs = [*named, *([] if catalogue is None else [catalogue])]
         with self.named_as_options(words):
             targets = self.checked(targets, words, inputs)
@@ -166,17 +168,20 @@ class Made:
 
         with self.named_as_options(words), options.crew_of(words.get("workers"), words.get("dask")) as crew:
             with waiting("reading"):
-                given = {each.name: self._read(each, words[each.name], catalogue, tip) for each in self.parameters}
+                arguments = {
+                    parameter.name: self._read(parameter, words[parameter.name], catalogue, tip)
+                    for parameter in self.parameters
+                }
             with self.claimed(targets.out):
-                result = self.call(given, targets, crew)
-        problems = [value.arm_file for value in given.values() if isinstance(value, lw.Problem)]
+                result = self.call(arguments, targets, crew)
+        problems = [value.arm_file for value in arguments.values() if isinstance(value, lw.Problem)]
         read = _once([*named, *(path for path in problems if path is not None), *read_by(result), *inputs])
         with options.not_lost(lambda: self.answer(result)), waiting("writing"):
             written = self.write(result, targets, read)
         self.answer(result)
         options.tell_written(written, self.unwritten)
         if getattr(result, "interrupted", False):
-            options.stop(crew, self.left(self.kept, given, crew))
+            options.stop(crew, self.left(self.kept, arguments, crew))
 
     def checked(self, targets: Targets, words: dict[str, Any], inputs: Sequence[Path]) -> Targets:
         """What is to be written, by default too. Raises `InputError` for what could not be, before any work is done."""
@@ -193,7 +198,7 @@ class Made:
     def _read(self, parameter: Parameter, word: Any, catalogue: Path | None, tip: str | None) -> Any:
         """What the function takes for a word: an arm and a problem are read with the catalogue. Raises `InputError`."""
         reads = parameter.option.reads
-        if reads == "arm":
+        if reads == "arm" and word is not None:
             return lw.read_arm(word, catalogue=catalogue, tip=tip)
         if reads == "problem" and word is not None:
             return lw.read_problem(word, catalogue=catalogue)
@@ -257,12 +262,12 @@ class Made:
     def named_as_options(self, words: dict[str, Any]) -> Generator[None]:
         """Errors of the function in the command line's words: a parameter by its option (others between backticks in
         the message), what an arm lacks by the arm's file."""
-        first = next((words[each.name] for each in self.parameters if each.option.reads), None)
+        first = next((words[parameter.name] for parameter in self.parameters if parameter.option.reads), None)
         try:
             with nullcontext() if first is None else options.asked_of(first):
                 yield
         except InputError as error:
-            flags = {each.name: each.flag for each in self.parameters if not each.option.reads}
+            flags = {parameter.name: parameter.flag for parameter in self.parameters if not parameter.option.reads}
             if error.file == "with_":
                 raise InputError("--with", error.key, error.message) from None
             if error.file or error.key not in flags:

@@ -65,7 +65,10 @@ Author = Annotated[str, typer.Option("--author", metavar="NAME", help="Who made 
 Comment = Annotated[str, typer.Option("--comment", metavar="TEXT", help="What the report shall say beside that.")]
 
 Tip = Annotated[
-    str | None, typer.Option("--tip", metavar="NAME", help="Which arm counts, of several on one torso (`branches`).")
+    str | None,
+    typer.Option(
+        "--tip", metavar="NAME", help="Which arm counts, of several on one torso (`branches`); of URDF or MJCF its end."
+    ),
 ]
 
 Workers = Annotated[
@@ -156,8 +159,8 @@ def as_options() -> Generator[None]:
 @contextmanager
 def asked_of(file: Path) -> Generator[None]:
     """Turn what the arm of a file lacks into wrong input that names the file."""
+    from linkwright.core.arm.bodies.beams import PropertyNeeded
     from linkwright.core.arm.effects.thermal.thermal_expansion import ThermalExpansionMissing
-    from linkwright.core.arm.errors.model import PropertyNeeded
 
     try:
         yield

@@ -7,6 +7,7 @@ from typing import Annotated
 
 import typer
 
+from linkwright.core.units.extras import not_installed
 from linkwright.core.units.quantities import InputError
 from linkwright.screen.console import console
 
@@ -40,8 +41,7 @@ def serve(
     try:
         import nicegui  # noqa: F401  # pyright: ignore[reportUnusedImport]
     except ModuleNotFoundError:
-        message = "needs NiceGUI, which is not installed: pip install 'linkwright[browser]'"
-        raise InputError("", "serve", message) from None
+        raise InputError("", "serve", not_installed("the browser", "NiceGUI", "browser")) from None
     from linkwright.browser.server.start import serve as serving
 
     screen = console()

@@ -106,7 +106,7 @@ def contours(section: Section) -> list[Contour]:
 def edges(contour: Corners, keep: Sequence[bool] = ()) -> list[Line | Arc]:
     """The edges of a polygon, one after another; a rounded corner is an arc. So is one to `keep` as such whatever its
     radius, and between those a line is left."""
-    points = [np.array(each) for each in contour.points]
+    points = [np.array(item) for item in contour.points]
     count = len(points)
     radii = list(contour.radii)
     if keep:
@@ -126,15 +126,15 @@ def edges(contour: Corners, keep: Sequence[bool] = ()) -> list[Line | Arc]:
         reach = radius / math.tan(half)
         middle = point + radius * (1.0 / math.sin(half) - 1.0) * _unit(ways[k] - ways[k - 1])
         arcs.append(Arc(_point(point - reach * ways[k - 1]), _point(middle), _point(point + reach * ways[k])))
-    found: list[Line | Arc] = []
+    lines: list[Line | Arc] = []
     for k, (arc, following) in enumerate(zip(arcs, [*arcs[1:], arcs[0]], strict=True)):
         if arc is not None:
-            found.append(arc)
+            lines.append(arc)
         first = contour.points[k] if arc is None else arc.second
         second = contour.points[(k + 1) % count] if following is None else following.first
         if math.dist(first, second) > _NOTHING:
-            found.append(Line(first, second))
-    return found
+            lines.append(Line(first, second))
+    return lines
 
 
 _NOTHING = 1e-9
@@ -150,8 +150,8 @@ def _point(place: NDArray[np.float64]) -> Point:
 
 
 def _sharp(loop: NDArray[np.float64], radius: _Radius) -> Corners:
-    points = tuple(_point(each) for each in loop[:-1])
-    return Corners(points, tuple(radius(each) for each in points))
+    points = tuple(_point(item) for item in loop[:-1])
+    return Corners(points, tuple(radius(point) for point in points))
 
 
 def _parallel(section: EllipticalTube) -> Arcs:
@@ -160,6 +160,6 @@ def _parallel(section: EllipticalTube) -> Arcs:
     angle = np.arange(2 * _ARCS + 1) * (math.pi / _ARCS)
     c, s = np.cos(angle), np.sin(angle)
     inward = float(section.thickness) / np.hypot(q * c, p * s)
-    points = [_point(each) for each in np.column_stack((c * (p - inward * q), s * (q - inward * p)))]
+    points = [_point(item) for item in np.column_stack((c * (p - inward * q), s * (q - inward * p)))]
     points[-1] = points[0]
     return Arcs(tuple(Arc(*points[k : k + 3]) for k in range(0, 2 * _ARCS, 2)))

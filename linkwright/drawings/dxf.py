@@ -63,7 +63,7 @@ def drawn(arm: Arm) -> Exported:
     along the link from its joint, and that at the far end where the link tapers. Links that are rigid are axes."""
     lengths = [1e3 * link.length for link in arm.links]
     seen = [_seen(link, side) for link, side in zip(arm.links, sides(arm), strict=True)]
-    largest = max([*lengths, *(each.high for each in seen), 1.0])
+    largest = max([*lengths, *(item.high for item in seen), 1.0])
     document = _document(largest)
     sheet = _Sheet(document.modelspace(), _LETTERS * largest, max(lengths) + 0.2 * largest)
     below = 0.0
@@ -155,8 +155,8 @@ def _link(sheet: _Sheet, link: Link, seen: _Seen, words: str, at: float) -> None
     """A link's side view with the middle of its height at `at`, and its sections beside it."""
     length, letters = 1e3 * link.length, sheet.letters
     low = at - 0.5 * seen.high
-    told = f"{words}; {material_words(link)}; length {figure(length, 6)} mm"
-    _words(sheet, told, (0.0, low - 4.5 * letters))
+    text = f"{words}; {material_words(link)}; length {figure(length, 6)} mm"
+    _words(sheet, text, (0.0, low - 4.5 * letters))
     edges = [(float(cut.rings[0][:, 1].max()), float(cut.rings[0][:, 1].min())) for cut in seen.cuts]
     axis = at if not edges else at - max(edges, key=lambda edge: edge[0] - edge[1])[0] + 0.5 * seen.high
     reach = 2.0 * letters

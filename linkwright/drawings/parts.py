@@ -8,10 +8,10 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from linkwright.core.arm.bodies.bodies import rod
 from linkwright.core.arm.chain.chain import Arm
 from linkwright.core.arm.chain.kinematics import section_directions
 from linkwright.core.arm.chain.prices import joint_price_dates, link_price_dates, price_of, price_of_link
-from linkwright.core.arm.descriptions.bodies import rod
 from linkwright.core.arm.descriptions.formats import Exported
 from linkwright.core.arm.errors.model import beams_of
 from linkwright.core.arm.placed.heights import heights
@@ -23,7 +23,7 @@ _DIGITS = 9
 
 
 def listed(arm: Arm) -> Exported:
-    """The list of an arm's parts. Raises `arm.errors.model.PropertyNeeded` for links of unknown mass."""
+    """The list of an arm's parts. Raises `arm.bodies.beams.PropertyNeeded` for links of unknown mass."""
     table = parts(arm)
     text = table.map(defused).to_csv(index=False, lineterminator="\n")
     lost: list[str] = ["what links need at their ends: flanges, bolts, bearings"]
@@ -42,7 +42,7 @@ def parts(arm: Arm) -> pd.DataFrame:
     for index, link in enumerate(arm.links):
         rows += [*_drive(arm, index), _link(arm, index)]
         rows += [
-            {"part": f"mass at the {each.on} end of link {index + 1}", "mass_kg": each.mass} for each in link.masses
+            {"part": f"mass at the {mass.on} end of link {index + 1}", "mass_kg": mass.mass} for mass in link.masses
         ]
     first = ["part", "size", "section", "height_at_zero", "made_of", "length_mm", "mass_kg"]
     inertias = [f"I_{_AXES[i]}_{_AXES[k]}_kg_m2" for i in range(3) for k in range(i, 3)]

@@ -19,6 +19,7 @@ from linkwright.core.arm.descriptions.formats import Exported
 from linkwright.core.arm.placed.link_frames import Stand, stands
 from linkwright.core.sections.section import Section
 from linkwright.core.sections.taper import Tapered
+from linkwright.core.units.extras import not_installed
 from linkwright.core.units.quantities import InputError, shown
 
 from .contours import Arc, Arcs, Contour, Corners, Line, Point, Ring, contours, edges
@@ -42,8 +43,7 @@ def need_build123d() -> None:
     try:
         import build123d  # noqa: F401  # pyright: ignore[reportUnusedImport]
     except ModuleNotFoundError:
-        message = "STEP needs build123d, which is not installed: pip install 'linkwright[step]'"
-        raise InputError("", "to", message) from None
+        raise InputError("", "to", not_installed("STEP", "build123d", "step")) from None
     except (ImportError, OSError) as error:
         what = f"STEP needs build123d, which cannot be loaded here ({shown(str(error))})"
         raise InputError("", "to", f"{what}; where it lacks libGL: apt-get install libgl1") from None
@@ -58,15 +58,15 @@ def solids(arm: Arm, progress: Callable[[str, float], None] | None = None) -> di
     tell = progress or _silent
     tell("loading build123d", 0.0)
     need_build123d()
-    found: dict[str, Solid] = {}
+    solids_by_name: dict[str, Solid] = {}
     for number, (link, stand) in enumerate(zip(arm.links, _places(arm), strict=True), start=1):
         tell(f"link {number}", (number - 1) / arm.size)
         if link.section is None or link.length <= 0.0:
             continue
         solid = _solid(link.section, stand)
         _check(number, link.section, stand, solid)
-        found[f"link {number}"] = solid
-    return found
+        solids_by_name[f"link {number}"] = solid
+    return solids_by_name
 
 
 def stepped(arm: Arm, progress: Callable[[str, float], None] | None = None) -> Exported:
@@ -114,10 +114,10 @@ def _solid(section: Section, stand: Stand) -> Solid:
     from build123d import Face, Solid, Vector
 
     if not isinstance(section, Tapered):
-        outer, *holes = (_wire(each, stand, 0.0) for each in contours(section))
+        outer, *holes = (_wire(contour, stand, 0.0) for contour in contours(section))
         return Solid.extrude(Face(outer, holes), Vector(*(1e3 * stand.length * stand.along)))
     cuts = [_aligned(section, share) for share in _CUTS]
-    outer, *holes = (_loft(each, stand) for each in zip(*cuts, strict=True))
+    outer, *holes = (_loft(item, stand) for item in zip(*cuts, strict=True))
     if not holes:
         return outer
     (left,) = (outer - holes).solids()
@@ -136,13 +136,13 @@ def _aligned(section: Tapered, share: float) -> list[Contour]:
     near, far = (contours(end)[0] for end in (section.near, section.far))
     assert isinstance(near, Corners)  # both are of one shape
     assert isinstance(far, Corners)
-    first, last, own = near.points[0], far.points[0], outer.points[0]
-    step = tuple(a + share * (b - a) - c for a, b, c in zip(first, last, own, strict=True))
+    first, last, start = near.points[0], far.points[0], outer.points[0]
+    step = tuple(a + share * (b - a) - c for a, b, c in zip(first, last, start, strict=True))
     return [
-        Corners(tuple((y + step[0], z + step[1]) for y, z in each.points), each.radii)
-        if isinstance(each, Corners)
-        else each
-        for each in (outer, *holes)
+        Corners(tuple((y + step[0], z + step[1]) for y, z in hole.points), hole.radii)
+        if isinstance(hole, Corners)
+        else hole
+        for hole in (outer, *holes)
     ]
 
 
@@ -151,10 +151,10 @@ def _loft(cuts: Sequence[Contour], stand: Stand) -> Solid:
     from build123d import Solid
 
     keep: tuple[bool, ...] = ()
-    if any(isinstance(each, Corners) and any(each.radii) for each in cuts):
-        radii = [each.radii for each in cuts if isinstance(each, Corners)]
+    if any(isinstance(cut, Corners) and any(cut.radii) for cut in cuts):
+        radii = [cut.radii for cut in cuts if isinstance(cut, Corners)]
         keep = tuple(any(at) for at in zip(*radii, strict=True))
-    wires = [_wire(each, stand, share, keep) for each, share in zip(cuts, _CUTS, strict=True)]
+    wires = [_wire(cut, stand, share, keep) for cut, share in zip(cuts, _CUTS, strict=True)]
     ends, middle = (_figures(cuts[0]), _figures(cuts[-1])), _figures(cuts[len(cuts) // 2])
     straight = np.allclose(0.5 * (ends[0] + ends[1]), middle, rtol=0.0, atol=1e-9)
     return Solid.make_loft([wires[0], wires[-1]] if straight else wires, ruled=bool(straight))
@@ -168,14 +168,14 @@ def _figures(contour: Contour) -> Array:
         case Corners():
             return np.array([*np.ravel(contour.points), *contour.radii])
         case Arcs():
-            return np.ravel([(each.first, each.middle) for each in contour.arcs])
+            return np.ravel([(arc.first, arc.middle) for arc in contour.arcs])
 
 
 def _wire(contour: Contour, stand: Stand, share: float, keep: Sequence[bool] = ()) -> Wire:
     from build123d import Edge, Plane, Wire
 
     def at(point: Point) -> tuple[float, float, float]:
-        x, y, z = (float(each) for each in 1e3 * stand.at(share, np.array([point]))[0])
+        x, y, z = (float(item) for item in 1e3 * stand.at(share, np.array([point]))[0])
         return x, y, z
 
     match contour:
@@ -191,10 +191,10 @@ def _wire(contour: Contour, stand: Stand, share: float, keep: Sequence[bool] = (
             pieces = edges(contour, keep)
     return Wire(
         [
-            Edge.make_line(at(each.first), at(each.second))
-            if isinstance(each, Line)
-            else Edge.make_three_point_arc(at(each.first), at(each.middle), at(each.second))
-            for each in pieces
+            Edge.make_line(at(piece.first), at(piece.second))
+            if isinstance(piece, Line)
+            else Edge.make_three_point_arc(at(piece.first), at(piece.middle), at(piece.second))
+            for piece in pieces
         ]
     )
 

@@ -29,6 +29,9 @@ if TYPE_CHECKING:
 
     from linkwright.core.arm.evaluation import Evaluation
 
+_XML = (".urdf", ".xml", ".mjcf", ".xacro")
+"""Endings of files that are read as URDF or MJCF; one that is neither is refused by name."""
+
 
 @dataclass(frozen=True, init=False, repr=False)
 class _Keys:
@@ -104,26 +107,25 @@ class Arm:
     catalogue: File | None = field(compare=False)
     learned: tuple[tuple[float, float], ...] | None = field(compare=False)
     """The joint coordinates (rad, m; least and greatest) of the recording that a corrected arm was learned from."""
-    content: Mapping[str, Any] = field(compare=False)
-    """The keys of the arm file."""
+    _given: Mapping[str, Any] | None = field(compare=False)
 
     def __init__(self, chain: Iterable[object] = (), *, catalogue: File | None = None, **keys: object) -> None:
         if isinstance(chain, str | Path):
             message = f"is the joints and links; an arm file is read by lw.read_arm({str(chain)!r})"
             raise InputError("Arm", "chain", message)
-        content: dict[str, Any] = plain({**keys, "chain": [_entry(each) for each in chain]})
+        content: dict[str, Any] = plain({**keys, "chain": [_entry(item) for item in chain]})
         self._fill(_read(content, catalogue), content, catalogue, None)
 
     def _fill(
         self,
         model: Model,
-        content: Mapping[str, Any],
+        content: Mapping[str, Any] | None,
         catalogue: File | None,
         learned: tuple[tuple[float, float], ...] | None,
     ) -> None:
         for name, value in (
             ("model", model),
-            ("content", MappingProxyType(dict(content))),
+            ("_given", None if content is None else MappingProxyType(dict(content))),
             ("catalogue", catalogue),
             ("learned", learned),
         ):
@@ -138,8 +140,6 @@ class Arm:
         learned: tuple[tuple[float, float], ...] | None = None,
     ) -> Arm:
         """An arm of what the project computes with; `content` is the arm file that it was read from, if any."""
-        if content is None:
-            content = cast(dict[str, Any], parse_yaml(arm_to_yaml(model), file="Arm"))
         made = cls.__new__(cls)
         made._fill(model, content, catalogue, learned)
         return made
@@ -148,6 +148,13 @@ class Arm:
     def name(self) -> str:
         """Its name."""
         return self.model.name
+
+    @property
+    def content(self) -> Mapping[str, Any]:
+        """The keys of the arm file; of an arm that was read from none, those of the file that would be written."""
+        if self._given is not None:
+            return self._given
+        return MappingProxyType(cast(dict[str, Any], parse_yaml(arm_to_yaml(self.model), file="Arm")))
 
     @property
     def table(self) -> pd.DataFrame:
@@ -182,7 +189,7 @@ class Arm:
         """One line."""
         size = self.model.size
         joints = f"{size} joint{'s' if size > 1 else ''}"
-        reaches = [(each.name, self.model.on(each.name).to_tip) for each in self.model.branches]
+        reaches = [(branch.name, self.model.on(branch.name).to_tip) for branch in self.model.branches]
         if not self.model.every_tip:
             reaches = [(self.model.tip, self.model.to_tip)]
         reach = "reach " + ", ".join(
@@ -233,11 +240,12 @@ def catalogue_of(path: File | None) -> Catalogue:
 
 
 def read_arm(path: File, *, catalogue: File | None = None, tip: str | None = None) -> Arm:
-    """The arm that an arm file describes; `catalogue` is a file of materials laid over the shipped ones.
+    """The arm that an arm file, a URDF or an MJCF describes.
 
-    Of several arms on one torso (`branches`) `tip` names the one that counts; empty: the first; None: the worst of all
-    of them does, where a command can take them so. Raises `InputError`, one line with the file, the key and what would
-    do, for anything wrong.
+    `catalogue` is a file of materials laid over the shipped ones. Of several arms on one torso (`branches`) `tip` names
+    the one that counts; empty: the first; None: the worst of all of them does, where a command can take them so. Of a
+    URDF it is the link at the tip, of an MJCF a body or site (`import_arm` says what they lack). Raises `InputError`,
+    one line with the file, the key and what would do, for anything wrong.
 
     >>> import linkwright as lw
     >>> arm = lw.read_arm("examples/welding-arm/arm.yaml")
@@ -246,6 +254,10 @@ def read_arm(path: File, *, catalogue: File | None = None, tip: str | None = Non
     >>> arm.replace("chain[1].link.length", "430 mm")
     <Arm: cathode-bus welding arm, 3 joints, reach 1270 mm>
     """
+    if Path(path).suffix.lower() in _XML:
+        from linkwright.core.arm.descriptions.imported import import_robot
+
+        return Arm.of(import_robot(path, tip=tip or None).arm, catalogue=catalogue)
     mapping = load_yaml(path)
     model = arm_from(mapping, catalogue_of(catalogue), tip=tip)
     return Arm.of(model, mapping.content, catalogue, _learned(Path(path), model))
@@ -276,7 +288,7 @@ def arm_of(given: Arm | File, *, tips: Tips = "one", unknown_origins: bool = Fal
     if tips == "first" and arm.model.every_tip:
         return Arm.of(arm.model.on(arm.model.tip), arm.content, arm.catalogue, arm.learned)
     if arm.model.every_tip and tips == "one":
-        listed = ", ".join(each.name for each in arm.model.branches)
+        listed = ", ".join(branch.name for branch in arm.model.branches)
         would_do = f"name one of them (--tip, or read_arm(..., tip={arm.model.branches[0].name!r}))"
         raise InputError(
             "Arm" if isinstance(given, Arm) else given,

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import io
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -10,15 +9,14 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from linkwright.core.arm.chain.chain import Arm as Model
 from linkwright.core.arm.chain.kinematics import tip_position
 from linkwright.core.arm.compensation import Table as Found
 from linkwright.core.arm.compensation import default_grid, moves, table_at, table_over
 from linkwright.core.arm.effects import EFFECTS
 from linkwright.core.arm.errors.unknown_mass import payloads_left_out
+from linkwright.core.arm.files.poses import read_poses
 from linkwright.core.sections.numeric import Array
 from linkwright.core.units.quantities import InputError
-from linkwright.core.units.reading import read_text
 from linkwright.json.fields import fields_if, joint_columns
 from linkwright.output.files import write_file
 from linkwright.output.table_file import WAYS, frame, write_table
@@ -36,7 +34,6 @@ if TYPE_CHECKING:
     import plotly.graph_objects as go
 
 _MOST_ROWS = 1_000_000
-_LARGEST = 1e9
 _DIGITS = 9
 _NOTE = "The table holds what is certain: play lies where the load seats it; sides, time and warming are not in it."
 
@@ -101,11 +98,11 @@ class Compensation(Result):
     @property
     def table(self) -> pd.DataFrame:
         """The table as `compensate --out` writes it: poses, payload, error, joint corrections, what is left."""
-        found, arm = self.found, self.arm.model
-        columns = {**joint_columns(arm, found.q), "payload_kg": found.payload}
-        for axis, values in zip("xy" if arm.planar() else "xyz", found.error.T, strict=False):
+        result, arm = self.found, self.arm.model
+        columns = {**joint_columns(arm, result.q), "payload_kg": result.payload}
+        for axis, values in zip("xy" if arm.planar() else "xyz", result.error.T, strict=False):
             columns[f"d{axis}_mm"] = 1e3 * values
-        columns |= {**joint_columns(arm, found.correction, "dq"), "left_mm": 1e3 * found.left}
+        columns |= {**joint_columns(arm, result.correction, "dq"), "left_mm": 1e3 * result.left}
         return frame({name: values.round(_DIGITS) + 0.0 for name, values in columns.items()})
 
     @property
@@ -139,16 +136,16 @@ class Compensation(Result):
         return [target]
 
     def _content(self) -> Mapping[str, Any]:
-        found, table = self.found, self.table
-        warning = payloads_left_out(found.arm, np.unique(found.payload).tolist())
+        result, table = self.found, self.table
+        warning = payloads_left_out(result.arm, np.unique(result.payload).tolist())
         pairs = [(f"rms_{name}_mm", f"max_{name}_mm=largest_{name}") for name in ("without", "subtracted", "corrected")]
         return {
-            "arm": found.arm.name,
-            "grid": None if found.axes is None else [len(axis) for axis in found.axes],
+            "arm": result.arm.name,
+            "grid": None if result.axes is None else [len(axis) for axis in result.axes],
             "rms_error_mm": _rms(self._lengths_mm),
             "max_error_mm": self.max_error_mm,
-            "max_left_mm": float(1e3 * found.left.max()),
-            "between": fields_if(found.check, "poses", *(each for pair in pairs for each in pair)),
+            "max_left_mm": float(1e3 * result.left.max()),
+            "between": fields_if(result.check, "poses", *(item for pair in pairs for item in pair)),
             "warnings": [warning] if warning else [],
             "columns": list(table.columns),
             "rows": table.to_numpy().tolist(),
@@ -161,7 +158,7 @@ class Compensation(Result):
 def payloads_of(arm: Arm, given: Quantity | Sequence[Quantity]) -> tuple[float, ...]:
     """The payloads of a table, kg; the arm's own where none is given. Raises `InputError`."""
     several = (given,) if isinstance(given, str | float | int) else given
-    masses = tuple(in_si(each, "mass", "payload") for each in several) or (arm.model.payload.mass,)
+    masses = tuple(in_si(item, "mass", "payload") for item in several) or (arm.model.payload.mass,)
     if min(masses) < 0.0:
         raise InputError("", "payload", "cannot be negative")
     if len(set(masses)) != len(masses):
@@ -174,7 +171,7 @@ def poses_of(arm: Arm, given: File | Sequence[Sequence[Quantity]], grid: int | N
     if grid is not None:
         raise InputError("", "poses", "goes without `grid`: the poses are given")
     if isinstance(given, str | Path):
-        return read_poses(Path(given), arm.model)
+        return read_poses(Path(given), arm.model)[0]
     return np.array([pose_of(arm.model, q) for q in given])
 
 
@@ -204,29 +201,3 @@ def _points(arm: Arm, grid: int | None, payloads: int) -> int:
     if rows > _MOST_ROWS:
         raise InputError("", "grid", f"makes {rows} rows; take fewer, {_MOST_ROWS} at most")
     return points
-
-
-def read_poses(path: Path, arm: Model) -> Array:
-    """Poses (N, n) from a CSV file, rad and m. Raises `InputError`."""
-    import pandas as pd
-
-    from linkwright.core.diagnose.reading.table import as_numbers
-
-    text = read_text(path)
-    try:
-        content = pd.read_csv(io.StringIO(text), skipinitialspace=True, dtype=str)
-    except ValueError as error:
-        raise InputError(path, "", f"is no table: {' '.join(str(error).split())}") from None
-    if content.empty:
-        raise InputError(path, "", "holds no poses")
-    found: list[Array] = []
-    for index, joint in enumerate(arm.joints):
-        name = f"q{index + 1}_{'deg' if joint.revolute else 'mm'}"
-        if name not in content.columns:
-            raise InputError(path, name, f"is missing; the file has {', '.join(str(each) for each in content.columns)}")
-        values = as_numbers([str(cell) for cell in content[name]])
-        bad = np.flatnonzero(~(np.abs(values) < _LARGEST))
-        if len(bad):
-            raise InputError(path, name, f"is no coordinate of a joint in row {int(bad[0]) + 1}")
-        found.append(np.radians(values) if joint.revolute else 1e-3 * values)
-    return np.stack(found, axis=1)

@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING, Any
 
 from linkwright.core.arm.chain.chain import Arm as Model
 from linkwright.core.arm.evaluation import Evaluation as Evaluated
+from linkwright.core.arm.figures import Figure
 from linkwright.core.executors import Executor
 from linkwright.core.optimize.choice.solution_cache import search_journal
-from linkwright.core.optimize.limits import Figure
 from linkwright.core.optimize.result import Iteration, OptimizationResult
 from linkwright.core.optimize.rounding.options import Rounding, read_rounding
 from linkwright.core.optimize.rounding.rounding import optimise_rounded
@@ -71,16 +71,16 @@ class Optimization(Figured, Reported):
         return Evaluation(Arm.of(self.found.arm, catalogue=self.problem.arm.catalogue), self.found.after)
 
     def _designs(self) -> Mapping[str, Values]:
-        found = self.found
-        bound = found.lower_bound if found.minimize == "max_error" else None
-        robust = None if found.robust is None else found.robust.design.value
-        known = found.figures
+        result = self.found
+        bound = result.lower_bound if result.minimize == "max_error" else None
+        robust = None if result.robust is None else result.robust.design.value
+        known = result.figures
         designs = {
-            "before": values_of(found.before, known=known),
-            "after": values_of(found.after, {LOWER: bound, ROBUST: robust}, known),
+            "before": values_of(result.before, known=known),
+            "after": values_of(result.after, {LOWER: bound, ROBUST: robust}, known),
         }
-        if found.rounded is not None:
-            designs["rounded"] = values_of(found.rounded.evaluation, {LOWER: bound}, known)
+        if result.rounded is not None:
+            designs["rounded"] = values_of(result.rounded.evaluation, {LOWER: bound}, known)
         return designs
 
     def _figured(self) -> tuple[Model, Mapping[str, Figure]]:
@@ -95,8 +95,12 @@ class Optimization(Figured, Reported):
         keys = ("design_change", "poses", "worst_violation", "certified")
         return frame(
             [
-                {"number": each.number, f"objective_{unit}": factor * each.objective, **fields(each, *keys)}
-                for each in self.found.iterations
+                {
+                    "number": iteration.number,
+                    f"objective_{unit}": factor * iteration.objective,
+                    **fields(iteration, *keys),
+                }
+                for iteration in self.found.iterations
             ]
         )
 
@@ -109,7 +113,7 @@ class Optimization(Figured, Reported):
     def binding(self) -> pd.DataFrame:
         """Each limit that holds, with what one unit more of it would change of the objective."""
         keys = ("limit=text", "value", "unit", "price", "price_unit")
-        return frame([fields(each, *keys) for each in self.found.binding], [key.partition("=")[0] for key in keys])
+        return frame([fields(item, *keys) for item in self.found.binding], [key.partition("=")[0] for key in keys])
 
     def plot(self) -> go.Figure:
         """The objective round by round: where what the program believes and what is found meet, the exchange ends."""
@@ -122,8 +126,8 @@ class Optimization(Figured, Reported):
         return {"Links": self.links, "What binds": self.binding}
 
     def _files(self) -> Mapping[str, str | ReadBack]:
-        found = self.found
-        promised = found.after if found.rounded is None else found.rounded.evaluation
+        result = self.found
+        promised = result.after if result.rounded is None else result.rounded.evaluation
         return {DESIGN: self.arm.to_file(promised)}
 
 

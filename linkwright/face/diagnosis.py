@@ -2,21 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast
 
-from linkwright.core.arm.effects import EFFECTS
 from linkwright.core.diagnose.reading.branches import refuse_unmeasured_origins
 from linkwright.core.diagnose.recording import Recording as FoundRecording
 from linkwright.core.diagnose.result import Diagnosis as Found
-from linkwright.core.diagnose.result import FittedParameter
 from linkwright.core.diagnose.several.recordings import Several, together
-from linkwright.core.units.names import nearest
 from linkwright.core.units.quantities import InputError
-from linkwright.json.diagnosis import diagnosis_json, in_unit, unit_of
+from linkwright.json.diagnosis import diagnosis_json
 from linkwright.json.fields import fields
+from linkwright.json.parameters import parameter_row
 from linkwright.output.diagnosis_folder import claim_diagnosis, residuals, write_diagnosis
 from linkwright.output.files import REPORT
 from linkwright.output.table_file import frame
@@ -29,7 +27,9 @@ from linkwright.results.document import Description
 
 from .arm import Arm, catalogue_of
 from .design import Redesign
+from .motion.log import Log
 from .plain_input import File
+from .readings import paired
 from .recording import Recording, read_recording
 from .result import Field, Reported, figure_of
 
@@ -37,7 +37,7 @@ if TYPE_CHECKING:
     import pandas as pd
     import plotly.graph_objects as go
 
-    _Given = Recording | File | pd.DataFrame
+    _Given = Recording | Log | File | pd.DataFrame
 
 
 @dataclass(frozen=True, repr=False)
@@ -65,14 +65,14 @@ class Diagnosis(Reported):
         """
         rows: list[dict[str, Any]] = []
         for finding in self.found.findings:
-            told = {
+            row = {
                 "effect": finding.effect,
                 "at": finding.at,
                 "rms_explained_mm": 1e3 * finding.rms_explained,
                 "p_value": finding.p_value,
-                "alternatives": "; ".join(name_words(each) for each in finding.alternatives),
+                "alternatives": "; ".join(name_words(alternative) for alternative in finding.alternatives),
             }
-            rows += [{**told, **_parameter(fitted)} for fitted in finding.parameters] or [told]
+            rows += [{**row, **parameter_row(fitted)} for fitted in finding.parameters] or [row]
         columns = ["effect", "at", "rms_explained_mm", "p_value", "alternatives"]
         return frame(rows, [*columns, "parameter", "value", "low", "high", "unit"])
 
@@ -82,16 +82,22 @@ class Diagnosis(Reported):
         other recordings say, and with sizes of its own."""
         shown = ("noise_floor", "rms_before", "rms_after", "rms_held_out", "rms_from_others", "rms_own")
         keys = ("recording=name", "file", "rows", *(f"{name}_mm" for name in shown))
-        rows = [fields(each, *keys) for each in self.found.recordings]
+        rows = [fields(recording, *keys) for recording in self.found.recordings]
         return frame(rows, [key.partition("=")[0] for key in keys])
 
     @property
     def differences(self) -> pd.DataFrame:
         """A row for each recording of each parameter that is not the same in all, in `unit`, with its 95 % interval."""
         rows = [
-            {"effect": each.effect, "at": each.at, "p_value": each.p_value, "recording": own.name, **_parameter(fitted)}
-            for each in self.found.differences
-            for own, fitted in zip(self.found.recordings, each.each, strict=True)
+            {
+                "effect": difference.effect,
+                "at": difference.at,
+                "p_value": difference.p_value,
+                "recording": own.name,
+                **parameter_row(fitted),
+            }
+            for difference in self.found.differences
+            for own, fitted in zip(self.found.recordings, difference.each, strict=True)
         ]
         columns = ["effect", "at", "p_value", "recording", "parameter", "value", "low", "high", "unit"]
         return frame(rows, columns)
@@ -111,7 +117,7 @@ class Diagnosis(Reported):
     def plot(self) -> go.Figure:
         """The length of the residual at each reading, with what was found taken off."""
         figures = residual_maps(self.found).figures
-        return figure_of([each for each in figures.values() if LIKE not in each][-1])
+        return figure_of([figure for figure in figures.values() if LIKE not in figure][-1])
 
     @property
     def description(self) -> Description:
@@ -137,13 +143,8 @@ class Diagnosis(Reported):
         return {self.found.sentence: self.findings}
 
 
-def _parameter(fitted: FittedParameter) -> dict[str, Any]:
-    value, low, high = (in_unit(each, fitted.kind) for each in (fitted.value, *fitted.alone))
-    return {"parameter": fitted.name, "value": value, "low": low, "high": high, "unit": unit_of(fitted.kind)}
-
-
 def recordings_of(
-    given: Recording | File | pd.DataFrame | Sequence[Recording | File | pd.DataFrame],
+    given: _Given | Sequence[_Given],
     arm: Arm,
     settings: File | Sequence[File] | None = None,
     *,
@@ -168,21 +169,14 @@ def recordings_of(
     return read[0] if len(read) == 1 else Recording(arm, together([one.found for one in read], arm.model, units=units))
 
 
-def each_with_settings(
-    given: Sequence[Recording | File | pd.DataFrame], arm: Arm, settings: File | Sequence[File] | None
-) -> list[Recording]:
+def each_with_settings(given: Sequence[_Given], arm: Arm, settings: File | Sequence[File] | None) -> list[Recording]:
     """Recordings as given, or read: with settings for all, or with those of each. Raises `InputError`."""
-    own = list(settings) if isinstance(settings, list | tuple) else [cast("File | None", settings)]
-    if len(own) not in (1, len(given)):
-        said = f"there are {len(own)} for {len(given)} recordings; give one for all, or one each"
-        raise InputError("", "settings", said)
-    each = own * len(given) if len(own) == 1 else own
-    return [recording_of(one, arm, held) for one, held in zip(given, each, strict=True)]
+    return [recording_of(one, arm, held) for one, held in paired(given, settings)]
 
 
 def settings_of(recording: Recording) -> list[Path]:
     """The settings files that a recording, or each of several, was read with."""
-    return list(dict.fromkeys(Path(each.settings) for each in _parts(recording) if each.settings))
+    return list(dict.fromkeys(Path(part.settings) for part in _parts(recording) if part.settings))
 
 
 def _parts(recording: Recording) -> Sequence[FoundRecording]:
@@ -190,16 +184,10 @@ def _parts(recording: Recording) -> Sequence[FoundRecording]:
     return recording.found.each if isinstance(recording.found, Several) else (recording.found,)
 
 
-def recording_of(given: Recording | File | pd.DataFrame, arm: Arm, settings: File | None = None) -> Recording:
+def recording_of(given: _Given, arm: Arm, settings: File | None = None) -> Recording:
     """A recording as given, or read."""
     if isinstance(given, list | tuple):
         raise InputError("", "recording", "is one recording here, not a list; lw.diagnose takes several")
+    if isinstance(given, Log):
+        raise InputError("", "recording", "is a motion log, which holds nothing of the tip")
     return given if isinstance(given, Recording) else read_recording(given, arm, settings=settings)
-
-
-def known_effects(names: Collection[str], key: str = "without") -> frozenset[str]:
-    """Names of effects; raises `InputError` with the nearest for one that is not known."""
-    for name in names:
-        if name not in EFFECTS:
-            raise InputError("", key, f"there is no effect '{name}'{nearest(name, list(EFFECTS))}")
-    return frozenset(names)

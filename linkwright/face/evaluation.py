@@ -6,6 +6,7 @@ import math
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
@@ -14,9 +15,11 @@ import numpy as np
 from linkwright.core.arm.chain.chain import Arm as Model
 from linkwright.core.arm.chain.following import completed
 from linkwright.core.arm.evaluation import Evaluation as Found
-from linkwright.core.optimize.limits import FIGURES, Figure
-from linkwright.core.optimize.limits.error import MAX_ERROR
-from linkwright.core.optimize.limits.frequency import FIRST_FREQUENCY
+from linkwright.core.arm.figures import FIGURES, Figure
+from linkwright.core.arm.figures.error import MAX_ERROR
+from linkwright.core.arm.figures.frequency import FIRST_FREQUENCY
+from linkwright.core.arm.motion.loads import OfDrive, loads_of
+from linkwright.core.diagnose.motion.uses.trajectory import read_motion
 from linkwright.core.optimize.robust.result import RobustFigure
 from linkwright.core.units.quantities import InputError
 from linkwright.face.arm import Arm
@@ -39,6 +42,7 @@ UPPER, LOWER, ROBUST, DRIVES = "upper_bound", "lower_bound", "robust_error", "fi
 Values = Mapping[str, float | None]
 """Figures (SI) by name; None where one is not known."""
 _NONE: Values = MappingProxyType({})
+_OF_DRIVE = ("torque", "rms_torque", "speed", "power", "energy", "braked")
 
 
 @dataclass(frozen=True)
@@ -104,8 +108,8 @@ class Figured(ABC):
 
         designs = self._designs()
         arm, known = self._figured()
-        rows = [Row(each.name, each.title_for(arm), each) for each in known.values()]
-        rows = [*rows[:1], *(each for each in _BESIDE if each.like is MAX_ERROR), *rows[1:], _BESIDE[-1]]
+        rows = [Row(item.name, item.title_for(arm), item) for item in known.values()]
+        rows = [*rows[:1], *(item for item in _BESIDE if item.like is MAX_ERROR), *rows[1:], _BESIDE[-1]]
         told = [row for row in rows if any(values.get(row.name) is not None for values in designs.values())]
         table = {"title": [row.title for row in told]}
         columns = {which: [row.like.shown(values.get(row.name)) for row in told] for which, values in designs.items()}
@@ -117,8 +121,8 @@ class Figured(ABC):
 def values_of(evaluation: Found, beside: Values = _NONE, known: Mapping[str, Figure] = FIGURES) -> Values:
     """The figures (SI) of an evaluated design, those `beside` too."""
     drives = evaluation.frequency_of_drives
-    found = {name: each.value(evaluation) if each.told(evaluation) else None for name, each in known.items()}
-    return {**found, UPPER: evaluation.upper_bound, DRIVES: None if drives is None else drives.value, **beside}
+    values = {name: item.value(evaluation) if item.told(evaluation) else None for name, item in known.items()}
+    return {**values, UPPER: evaluation.upper_bound, DRIVES: None if drives is None else drives.value, **beside}
 
 
 @dataclass(frozen=True, repr=False)
@@ -134,6 +138,8 @@ class Evaluation(Figured, Reported):
     found: Found
     robust: RobustFigure | None = None
     """The error over what the problem calls uncertain, SI."""
+    motion: tuple[OfDrive, ...] | None = None
+    """What a motion asks of each drive, SI; None where none was given."""
 
     min_safety_factor = Field[float | None](
         "The least factor of safety against yielding over links and poses.", "strength.least_safety_factor"
@@ -163,6 +169,14 @@ class Evaluation(Figured, Reported):
         errors = [1e3 * value for value in found.values()]
         return frame({"effect": list(found), "title": titles, "error_mm": errors})
 
+    @property
+    def drives(self) -> pd.DataFrame:
+        """What the motion asks of each drive: greatest and RMS torque (N*m; N), greatest speed (rad/s; m/s) and power
+        (W), energy put in and braked off (J); without a row where no motion was given."""
+        loads = self.motion or ()
+        columns = [[getattr(load, name) for load in loads] for name in _OF_DRIVE]
+        return frame({"joint": list(range(1, len(loads) + 1)), **dict(zip(_OF_DRIVE, columns, strict=True))})
+
     def plot(self) -> go.Figure:
         """The worst error at each place of the tip, the worst poses marked."""
         field = field_of(self.found)
@@ -172,7 +186,7 @@ class Evaluation(Figured, Reported):
     @property
     def description(self) -> Description:
         """With what the problem calls uncertain."""
-        return describe(self.found, self.robust)
+        return describe(self.found, self.robust, self.motion)
 
     def _designs(self) -> Mapping[str, Values]:
         robust = None if self.robust is None else self.robust.value
@@ -182,10 +196,16 @@ class Evaluation(Figured, Reported):
         return self.found.arm, FIGURES
 
     def _content(self) -> Mapping[str, Any]:
-        return evaluation_json(self.found, self.robust)
+        return evaluation_json(self.found, self.robust, self.motion)
 
     def _tables(self) -> Mapping[str, pd.DataFrame]:
-        return {"Worst poses": self.worst_poses, "By effect": self.by_effect}
+        drives = {} if self.motion is None else {"Drives in motion": self.drives}
+        return {"Worst poses": self.worst_poses, "By effect": self.by_effect, **drives}
+
+
+def along(model: Model, file: Path | str) -> tuple[OfDrive, ...]:
+    """What the motion in a file asks of an arm's drives. Raises `InputError`, `MissingProperty`."""
+    return loads_of(read_motion(Path(file), model))
 
 
 def pose_of(model: Model, pose: Sequence[Quantity] | str) -> tuple[float, ...]:

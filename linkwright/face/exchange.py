@@ -12,11 +12,13 @@ from typing import TYPE_CHECKING, Any
 from linkwright.core.arm.chain.chain import Arm as Model
 from linkwright.core.arm.chain.chain import Link
 from linkwright.core.arm.chain.kinematics import place
+from linkwright.core.arm.corrections import CORRECTIONS
 from linkwright.core.arm.descriptions.formats import Exported
 from linkwright.core.arm.descriptions.formats import export_arm as exported
 from linkwright.core.arm.descriptions.imported_arm import Imported as Found
 from linkwright.core.arm.descriptions.urdf_check import unlike
 from linkwright.core.materials.catalogue import load_catalogue
+from linkwright.core.units.extras import not_installed
 from linkwright.core.units.quantities import InputError, shown
 from linkwright.drawings.parts import listed, parts
 from linkwright.face.arm import Arm
@@ -58,11 +60,11 @@ def describe(found: Found) -> Description:
         items.append(Paragraph("Weights to look at:", "lead"))
         items.append(Lines(tuple(f"{doubt}." for doubt in found.doubts)))
     if found.lost:
-        items.append(table(("not carried",), [(each,) for each in found.lost]))
+        items.append(table(("not carried",), [(item,) for item in found.lost]))
     items.append(Paragraph("What the file does not say:", "lead"))
     lacking = [
-        (each.what + (f" ({', '.join(map(str, each.at))})" if each.at else ""), each.shows, each.add)
-        for each in found.lacking
+        (item.what + (f" ({', '.join(map(str, item.at))})" if item.at else ""), item.shows, item.add)
+        for item in found.lacking
     ]
     items.append(table(("lacking", "what it would show", "what to add"), lacking))
     size = f"{arm.size} joint{'s' if arm.size > 1 else ''}"
@@ -76,13 +78,13 @@ def _moving(arm: Model) -> str:
     unknown = [str(number) for number, link in enumerate(arm.links, start=1) if weight(link) is None]
     if not known:
         return "nothing of its weight is known"
-    said = f"{figure(sum(known))} kg that move"
-    return f"{said}, without link{'s' * (len(unknown) > 1)} {', '.join(unknown)} of unknown mass" if unknown else said
+    text = f"{figure(sum(known))} kg that move"
+    return f"{text}, without link{'s' * (len(unknown) > 1)} {', '.join(unknown)} of unknown mass" if unknown else text
 
 
 def weight(link: Link) -> float | None:
     """The mass (kg) of an imported link; None where it is not known."""
-    return None if link.mass is None else link.mass + sum(each.mass for each in link.masses)
+    return None if link.mass is None else link.mass + sum(mass.mass for mass in link.masses)
 
 
 @dataclass(frozen=True, repr=False)
@@ -127,24 +129,24 @@ class Import(Result):
         return [target]
 
     def _content(self) -> Mapping[str, Any]:
-        found = self.found
+        imported = self.found
         return {
-            **fields(found, "arm=arm.name"),
-            "file": str(found.file),
-            **fields(found, "base", "tip"),
-            "joints": [self._joint(index) for index in range(found.arm.size)],
-            **fields(found, "notes", "doubts", "not_carried=lost"),
-            "lacking": [fields(each, "what", "at", "shows", "add") for each in found.lacking],
+            **fields(imported, "arm=arm.name"),
+            "file": str(imported.file),
+            **fields(imported, "base", "tip"),
+            "joints": [self._joint(index) for index in range(imported.arm.size)],
+            **fields(imported, "notes", "doubts", "not_carried=lost"),
+            "lacking": [fields(item, "what", "at", "shows", "add") for item in imported.lacking],
         }
 
     def _joint(self, index: int) -> dict[str, Any]:
         """A joint and its link, in degrees (mm for slides) and kg."""
-        found, arm = self.found, self.found.arm
+        imported, arm = self.found, self.found.arm
         joint, link, unit = arm.joints[index], arm.links[index], joint_unit(arm, index)
         speed = None if joint.velocity is None else in_joint_unit(arm, index, joint.velocity)
         return {
-            "joint": found.joint_names[index],
-            "link": found.link_names[index],
+            "joint": imported.joint_names[index],
+            "link": imported.link_names[index],
             "type": joint.type,
             f"range_{unit}": [in_joint_unit(arm, index, end) for end in joint.range],
             "length_mm": 1e3 * link.length,
@@ -171,14 +173,23 @@ def skeleton(arm: Model) -> go.Figure:
 
 
 SUFFIXES: Mapping[str, str] = MappingProxyType(
-    {"urdf": ".urdf", "mjcf": ".xml", "dxf": ".dxf", "step": ".step", "bom": "-parts.csv"}
+    {
+        "urdf": ".urdf",
+        "mjcf": ".xml",
+        "dxf": ".dxf",
+        "step": ".step",
+        "bom": "-parts.csv",
+        "ros2-offsets": "-transmissions.xml",
+        "klipper": ".cfg",
+        "csv": "-corrections.csv",
+    }
 )
 """How the files of each format are called."""
 
 
 def _rows(found: Exported) -> list[tuple[str, str]]:
     parts = (("carried", found.carried), ("not carried", found.lost), ("assumed", found.assumed))
-    return [(what, each) for what, lines in parts for each in lines]
+    return [(what, line) for what, lines in parts for line in lines]
 
 
 def describe_export(found: Exported) -> Description:
@@ -217,7 +228,8 @@ class Export(Result):
         """Write the file; into a folder under the name `arm` with the format's ending. A list of parts is a table, of
         the kind that its name says: .csv, .parquet, .md."""
         place = Path(folder)
-        target = place / f"arm{SUFFIXES[self.found.format]}" if place.is_dir() else place
+        ending = SUFFIXES[self.found.format] if self.into is None else Path(self.into).suffix
+        target = place / f"arm{ending}" if place.is_dir() else place
         if self.found.format == "bom" and target.suffix.lower() in WAYS:
             write_table(parts(self.arm.model), target)
         else:
@@ -248,8 +260,7 @@ def written_as(arm: Arm, to: str, progress: Progress | None) -> Exported:
         try:
             from linkwright.drawings.dxf import drawn
         except ModuleNotFoundError:
-            message = "DXF needs ezdxf, which is not installed: pip install 'linkwright[dxf]'"
-            raise InputError("", "to", message) from None
+            raise InputError("", "to", not_installed("DXF", "ezdxf", "dxf")) from None
 
         return drawn(arm.model)
     if to == "step":
@@ -257,4 +268,6 @@ def written_as(arm: Arm, to: str, progress: Progress | None) -> Exported:
 
         with told(progress) as tell:
             return stepped(arm.model, tell)
+    if to in CORRECTIONS:
+        return CORRECTIONS[to](arm.model)
     return listed(arm.model) if to == "bom" else exported(arm.model, to)

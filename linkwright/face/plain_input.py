@@ -5,11 +5,12 @@ from __future__ import annotations
 import copy
 import numbers
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from os import PathLike
 from pathlib import Path
 from typing import Any, Protocol, cast, runtime_checkable
 
+from linkwright.core.arm.effects import EFFECTS
 from linkwright.core.sections.section import Section
 from linkwright.core.units.names import nearest
 from linkwright.core.units.quantities import InputError, SIFloat, SIInt, read_quantity, shown
@@ -45,9 +46,9 @@ def plain(value: object) -> Any:
     if isinstance(value, PathLike):
         return str(Path(cast(PathLike[str], value)))
     if isinstance(value, Mapping):
-        return {str(name): plain(each) for name, each in cast(Mapping[object, object], value).items()}
+        return {str(name): plain(item) for name, item in cast(Mapping[object, object], value).items()}
     if isinstance(value, Iterable):
-        return [plain(each) for each in cast(Iterable[object], value)]
+        return [plain(item) for item in cast(Iterable[object], value)]
     return value
 
 
@@ -88,11 +89,11 @@ def steps_of(key: str, what: str) -> list[str | int]:
     while at < len(key):
         if key[at] == "." and 0 < at < len(key) - 1:
             at += 1
-        found = _STEP.match(key, at)
-        if found is None:
+        step = _STEP.match(key, at)
+        if step is None:
             break
-        steps.append(found[1] if found[1] is not None else int(found[2]))
-        at = found.end()
+        steps.append(step[1] if step[1] is not None else int(step[2]))
+        at = step.end()
     if not steps or at < len(key):
         raise InputError(what, key, "is no key; write e.g. 'chain[1].link.length' (lists count from 1)")
     return steps
@@ -119,3 +120,11 @@ def _entered(here: Any, step: str | int, after: str | int, key: str, what: str) 
             raise InputError(what, key, f"there is no '{step}'{nearest(step, list(held))}")
         held[step] = {}
     return held[step]
+
+
+def known_effects(names: Collection[str], key: str = "without") -> frozenset[str]:
+    """Names of effects; raises `InputError` with the nearest for one that is not known."""
+    for name in names:
+        if name not in EFFECTS:
+            raise InputError("", key, f"there is no effect '{name}'{nearest(name, list(EFFECTS))}")
+    return frozenset(names)

@@ -1,4 +1,4 @@
-"""What an arm file is worth on a recording that it was not learned from."""
+"""Validation of an arm file on a recording that it was not identified from."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ def describe(found: Found) -> Description:
     items: list[Item] = [table(("residual", "RMS", "mean", "largest"), rows)]
     if found.left:
         lead = "Beyond what the arm was learned from nothing promises that its findings hold."
-        items.append(Lines((*(_leaving(found, each) for each in found.left), lead)))
+        items.append(Lines((*(_leaving(found, item) for item in found.left), lead)))
     if (missing := payloads_left_out(found.arm, payloads)) is not None:
         items.append(Paragraph(f"Warning: {missing}."))
     name = PurePath(recording.file).name
@@ -48,16 +48,16 @@ def describe(found: Found) -> Description:
     return Description(f"{found.arm.name} on {name}", headline, tuple(items), headline, f"{found.arm.name}: ")
 
 
-def _leaving(found: Found, each: Leaving) -> str:
+def _leaving(result: Found, leaving: Leaving) -> str:
     """Where a joint leaves the coordinates that the arm was learned from, as a warning."""
-    low, high = _span(found, each)
-    what = "the coordinates that were learned" if each.learned else "its range"
-    span = f"{low:.4g} to {high:.4g} {joint_unit(found.arm, each.joint - 1)}"
-    return f"Warning: joint {each.joint} leaves {what} ({span}) in {rows_text(each.rows)}."
+    low, high = _span(result, leaving)
+    what = "the coordinates that were learned" if leaving.learned else "its range"
+    span = f"{low:.4g} to {high:.4g} {joint_unit(result.arm, leaving.joint - 1)}"
+    return f"Warning: joint {leaving.joint} leaves {what} ({span}) in {rows_text(leaving.rows)}."
 
 
-def _span(found: Found, each: Leaving) -> list[float]:
-    return [in_joint_unit(found.arm, each.joint - 1, end) for end in each.span]
+def _span(result: Found, leaving: Leaving) -> list[float]:
+    return [in_joint_unit(result.arm, leaving.joint - 1, end) for end in leaving.span]
 
 
 @dataclass(frozen=True, repr=False)
@@ -102,19 +102,19 @@ class Prediction(Result):
         return drawn(table["row"].tolist(), {"": table["residual_mm"].tolist()}, "row", "residual in mm")
 
     def _content(self) -> Mapping[str, Any]:
-        found, recording = self.found, self.found.recording
+        result, recording = self.found, self.found.recording
         left = [
             {
-                **fields(each, "joint", "rows", "learned"),
-                f"span_{joint_unit(found.arm, each.joint - 1)}": _span(found, each),
+                **fields(item, "joint", "rows", "learned"),
+                f"span_{joint_unit(result.arm, item.joint - 1)}": _span(result, item),
             }
-            for each in found.left
+            for item in result.left
         ]
         return {
-            "arm": found.arm.name,
+            "arm": result.arm.name,
             "recording": PurePath(recording.file).name,
             "rows": recording.size,
-            **fields(found, "rms_mm", "mean_mm", "max_mm=largest", "nominal_rms_mm", "outside"),
+            **fields(result, "rms_mm", "mean_mm", "max_mm=largest", "nominal_rms_mm", "outside"),
             **fields(recording, "frame", "tool"),
             "outside_by_joint": left,
         }

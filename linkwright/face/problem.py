@@ -9,7 +9,7 @@ from typing import Any
 
 from linkwright.core.arm.chain.chain import LoadCase
 from linkwright.core.optimize.problem import Problem as Model
-from linkwright.core.optimize.problem import problem_from
+from linkwright.core.optimize.problem import arm_file, problem_from
 from linkwright.core.units.quantities import InputError
 from linkwright.core.units.reading import Mapping as Reader
 from linkwright.core.units.reading import load_yaml
@@ -20,11 +20,13 @@ from .plain_input import File, edited, plain
 
 @dataclass(frozen=True, init=False, repr=False)
 class Problem:
-    """A design problem: what to minimise, over which poses and loads, within which limits, choosing what; frozen.
+    """A design problem: what to make as good as it can be, over which poses and loads, within which limits, choosing
+    what; frozen.
 
-    `arm` is an arm or the path of an arm file; the other keywords are the keys of a problem file: `minimize`
-    (`max_error`, `mass`, `total_mass` or `cost`), `workspace`, `load_cases`, `subject_to` with limits as text
-    (`"<= 26 kg"`) and ranges as text or SI, `choose`. Raises `InputError`, one line with the key and what would do.
+    `arm` is an arm or the path of an arm file; the other keywords are the keys of a problem file: `minimize` or
+    `maximize` (a figure of `lw.limits`, the error by default), `workspace`, `load_cases`, `subject_to` with limits as
+    text (`"<= 26 kg"`) and ranges as text or SI, `choose`. Raises `InputError`, one line with the key and what would
+    do.
 
     >>> import linkwright as lw
     >>> lw.Problem(
@@ -41,9 +43,9 @@ class Problem:
     """What the optimiser works with, SI."""
     _content: Mapping[str, Any] = field(compare=False)
 
-    def __init__(self, arm: Arm | File, minimize: str = "max_error", **keys: object) -> None:
+    def __init__(self, arm: Arm | File, minimize: str | None = None, **keys: object) -> None:
         given = arm_of(arm, tips="every")
-        content: dict[str, Any] = plain({"minimize": minimize, **keys})
+        content: dict[str, Any] = plain({**({} if minimize is None else {"minimize": minimize}), **keys})
         self._fill(given, Reader(content, file="Problem"))
 
     def _fill(self, arm: Arm, mapping: Reader) -> None:
@@ -77,7 +79,8 @@ class Problem:
         """One line."""
         limits = "".join(f", {limit.text}" for limit in self.model.limits)
         goal = self.model.minimize.replace("_", " ").replace("max error", "worst error")
-        return f"<Problem: least {goal} of {' '.join(self.arm.name.split())}{limits}>"
+        how = "most" if self.model.objective.more_is_better else "least"
+        return f"<Problem: {how} {goal} of {' '.join(self.arm.name.split())}{limits}>"
 
 
 def read_problem(path: File, *, catalogue: File | None = None) -> Problem:
@@ -93,7 +96,7 @@ def read_problem(path: File, *, catalogue: File | None = None) -> Problem:
     'mass <= 20 kg'
     """
     mapping = load_yaml(path)
-    return Problem.of(read_arm(Path(path).parent / mapping.text("arm"), catalogue=catalogue), mapping)
+    return Problem.of(read_arm(arm_file(mapping), catalogue=catalogue), mapping)
 
 
 def problem_of(given: Problem | File) -> Problem:
@@ -107,10 +110,10 @@ def cases_at(asked: Model, arm: Arm) -> tuple[LoadCase, ...]:
     model = arm.model
     if not model.branches or model.every_tip:
         return asked.load_cases
-    own = tuple(case for case in asked.load_cases if case.tip == model.tip)
-    if not own:
+    cases = tuple(case for case in asked.load_cases if case.tip == model.tip)
+    if not cases:
         raise InputError(asked.file, "load_cases", f"hold none of the tip {model.tip}")
-    return own
+    return cases
 
 
 def for_joints_of(arm: Arm, asked: Model) -> None:

@@ -17,11 +17,13 @@ from linkwright.core.arm.files.read import arm_from
 from linkwright.core.diagnose.instruments.instrument import LABELS
 from linkwright.core.diagnose.instruments.simulated_instrument import observed_by
 from linkwright.core.diagnose.plan.written import read_plan
+from linkwright.core.diagnose.reading.files import table_of
+from linkwright.core.diagnose.reading.foreign.proposal import IGNORED, Meaning
+from linkwright.core.diagnose.reading.foreign.proposed_file import SETTINGS, Proposal
 from linkwright.core.diagnose.reading.read import read_recording as read_file
 from linkwright.core.diagnose.reading.read import recording_from
 from linkwright.core.diagnose.reading.read_back import unlike, unlike_settings
 from linkwright.core.diagnose.reading.settings import find_settings, read_settings
-from linkwright.core.diagnose.reading.table import table_of
 from linkwright.core.diagnose.reading.write import label_columns, recording_columns, recording_text, settings_text
 from linkwright.core.diagnose.recording import Recording as Found
 from linkwright.core.diagnose.residual.visits import visits
@@ -35,13 +37,18 @@ from linkwright.core.units.reading import load_yaml, parse_yaml
 from linkwright.json.fields import fields
 from linkwright.output.files import json_text, write_file
 from linkwright.output.read_back import ReadBack
-from linkwright.results.document import Description, Lines
+from linkwright.output.table_file import frame
+from linkwright.results.document import Description, Item, Lines, Paragraph
+from linkwright.results.document import table as shown_table
 
 from .arm import Arm, arm_of, catalogue_of
 from .plain_input import File, Quantity, in_si, plain
+from .readings import Readings
+from .result import Result, figure_of
 
 if TYPE_CHECKING:
     import pandas as pd
+    import plotly.graph_objects as go
 
 _SIDES = ("both", "one", "random")
 _MOST_ROWS = 2_000_000
@@ -55,7 +62,7 @@ _SETTINGS = frozenset(
 
 
 @dataclass(frozen=True, repr=False)
-class Recording:
+class Recording(Readings):
     """Readings of a real arm, less the rows that were set aside; `found` holds everything in SI."""
 
     arm: Arm
@@ -69,19 +76,6 @@ class Recording:
         columns: dict[str, Any] = {name: values for name, values, _ in recording_columns(self.found, self.arm.model)}
         columns |= dict(label_columns(self.found))
         return pd.DataFrame(columns, index=pd.Index(self.found.row, name="row"))
-
-    @property
-    def rejected(self) -> pd.DataFrame:
-        """The rows that were set aside, and why."""
-        import pandas as pd
-
-        rows = [(each.row, each.reason) for each in self.found.rejected]
-        return pd.DataFrame(rows, columns=["row", "reason"])
-
-    @property
-    def warnings(self) -> tuple[str, ...]:
-        """Sentences on what was not used, and why."""
-        return self.found.warnings
 
     def save(self, path: File) -> Sequence[Path]:
         """Write the recording as CSV and its settings beside it, as `simulate --out` does, and read it back; gives
@@ -99,20 +93,9 @@ class Recording:
         yield from unlike_settings(self.found, back)
 
     def _line(self) -> str:
-        found, aside = self.found, len(self.found.rejected)
-        set_aside = f", {aside} rows set aside" if aside else ""
-        name = PurePath(found.file).name or "made by a model"
-        return f"{name}, {found.size} readings{set_aside}, frame {found.frame}, tool {found.tool}"
-
-    def __repr__(self) -> str:
-        """One line."""
-        return f"<{type(self).__name__}: {self._line()}>"
-
-    def _repr_html_(self) -> str:
-        """The line and the first readings, for a notebook."""
-        import html
-
-        return f"<p>{html.escape(repr(self)[1:-1])}</p>\n{self.table.head(10).to_html(border=0)}"
+        recording = self.found
+        name = PurePath(recording.file).name or "made by a model"
+        return f"{name}, {recording.size} readings{self._aside()}, frame {recording.frame}, tool {recording.tool}"
 
 
 def read_recording(recording: File | pd.DataFrame, arm: Arm | File, *, settings: File | None = None) -> Recording:
@@ -151,7 +134,7 @@ def read_recordings(
     [192, 192]
     """
     given = arm_of(arm, tips="first", unknown_origins=True)
-    return tuple(read_recording(each, given, settings=settings) for each in recordings)
+    return tuple(read_recording(recording, given, settings=settings) for recording in recordings)
 
 
 @dataclass(frozen=True, repr=False)
@@ -169,11 +152,11 @@ class Simulation(Recording):
     def description(self) -> Description:
         """By how much the physics moves the tip, and what of it this recording cannot hold."""
         name, plan = self.arm.name, self.plan
-        rms, scatter = (format_quantity(each, "length", digits=3) for each in (self._rms, plan.noise))
+        rms, scatter = (format_quantity(item, "length", digits=3) for item in (self._rms, plan.noise))
         what = f"the model moves the tip by {rms} RMS, noise {scatter} a component"
         idle = tuple(
-            f"note: {each} moves nothing that this recording holds (linkwright effects show {each})"
-            for each in dict.fromkeys(self.made.idle)
+            f"note: {item} moves nothing that this recording holds (linkwright effects show {item})"
+            for item in dict.fromkeys(self.made.idle)
         )
         headline = f"{self.made.recording.size} readings of {plan.poses} poses; {what}"
         return Description(name, headline, (Lines(idle),) if idle else (), subject=f"{name}: ")
@@ -185,7 +168,7 @@ class Simulation(Recording):
             "rows": self.made.recording.size,
             **fields(self.plan, "poses", "seed", "noise_mm"),
             "rms_error_mm": 1e3 * self._rms,
-            "effects": [fields(each, "effect", "at") for each in self.arm.model.effects],
+            "effects": [fields(effect, "effect", "at") for effect in self.arm.model.effects],
             **fields(self.made, "idle"),
         }
         return json_text(content)
@@ -233,19 +216,21 @@ def instrument_of(
 
 def _planned(plan: Path, reads: dict[str, Any]) -> dict[str, Any]:
     """What a plan is for, as the settings beside it say, where a caller did not."""
-    own = read_settings(find_settings(plan)).instrument
-    if own is None or len(own.kinds) != 1 or own.kinds == ("position",):
+    instrument = read_settings(find_settings(plan)).instrument
+    if instrument is None or len(instrument.kinds) != 1 or instrument.kinds == ("position",):
         return reads
-    kind = own.kinds[0]
-    said: dict[str, Any] = {
-        "direction": own.direction if kind == "along" else None,
-        "anchor": own.anchor if kind == "distance" else None,
-        "tilt_link": (own.tilt_link or "base") if kind == "tilt" else None,
-        "camera": own.camera if kind == "camera" else None,
+    kind = instrument.kinds[0]
+    planned: dict[str, Any] = {
+        "direction": instrument.direction if kind == "along" else None,
+        "anchor": instrument.anchor if kind == "distance" else None,
+        "tilt_link": (instrument.tilt_link or "base") if kind == "tilt" else None,
+        "camera": instrument.camera if kind == "camera" else None,
     }
-    found = {name: reads[name] if said.get(name) is None or reads[name] is not None else said[name] for name in reads}
-    free = reads["anchor_free"] or (kind == "distance" and own.anchor is None)
-    return {**found, "observe": kind, "anchor_free": free}
+    reads_planned = {
+        name: reads[name] if planned.get(name) is None or reads[name] is not None else planned[name] for name in reads
+    }
+    free = reads["anchor_free"] or (kind == "distance" and instrument.anchor is None)
+    return {**reads_planned, "observe": kind, "anchor_free": free}
 
 
 def with_effects(arm: Arm, entries: Sequence[Mapping[str, Any] | str]) -> Arm:
@@ -254,7 +239,7 @@ def with_effects(arm: Arm, entries: Sequence[Mapping[str, Any] | str]) -> Arm:
     if not entries:
         return arm
     # The entries are read in the place of the arm's own, so that a mistake names them.
-    content = {**arm.content, "effects": [_entry(each) for each in entries]}
+    content = {**arm.content, "effects": [_entry(entry) for entry in entries]}
     reader = Reader(content, file="with_")
     added: tuple[EffectEntry, ...] = arm_from(reader, catalogue_of(arm.catalogue), tip=arm.model.tip).effects
     return Arm.of(replaced(arm.model, effects=(*arm.model.effects, *added)), catalogue=arm.catalogue)
@@ -275,33 +260,33 @@ def torque_noise(given: Quantity | Sequence[Quantity] | None, arm: Arm) -> tuple
     if given is None:
         return ()
     joints = arm.model.joints
-    each = [given] if isinstance(given, str | int | float) else list(given)
-    if len(each) == 1 and all(joint.revolute for joint in joints):
-        each = each * len(joints)
-    if len(each) != len(joints):
+    values = [given] if isinstance(given, str | int | float) else list(given)
+    if len(values) == 1 and all(joint.revolute for joint in joints):
+        values = values * len(joints)
+    if len(values) != len(joints):
         kinds = ", ".join("0.5 N*m" if joint.revolute else "5 N" for joint in joints)
         raise InputError("", "torques", f"needs one scatter for all joints that turn, or one for each joint: {kinds}")
-    found = [
+    noise = [
         in_si(value, "torque" if joint.revolute else "force", "torques")
-        for value, joint in zip(each, joints, strict=True)
+        for value, joint in zip(values, joints, strict=True)
     ]
-    if min(found) <= 0.0:
+    if min(noise) <= 0.0:
         raise InputError("", "torques", "must be positive")
-    return tuple(found)
+    return tuple(noise)
 
 
-def _lengths(name: str, given: Sequence[Quantity] | None) -> list[float] | None:
-    return None if given is None else [in_si(each, "length", name) for each in given]
+def _lengths(name: str, quantities: Sequence[Quantity] | None) -> list[float] | None:
+    return None if quantities is None else [in_si(quantity, "length", name) for quantity in quantities]
 
 
 def _span(temperature: tuple[Quantity, Quantity]) -> tuple[float, float]:
-    low, high = (in_si(each, "temperature", "temperature") for each in temperature)
+    low, high = (in_si(item, "temperature", "temperature") for item in temperature)
     return low, high
 
 
 def masses_of(given: Sequence[Quantity]) -> tuple[float, ...]:
     """Payloads, kg. Raises `InputError`."""
-    return tuple(in_si(each, "mass", "payloads") for each in given)
+    return tuple(in_si(item, "mass", "payloads") for item in given)
 
 
 def plan_of(arm: Arm, reads: Mapping[str, Any], **asked: Any) -> Plan:
@@ -312,8 +297,8 @@ def plan_of(arm: Arm, reads: Mapping[str, Any], **asked: Any) -> Plan:
     if "at" in reads:
         asked |= {"poses": int(visits(reads["at"], arm.model)[-1]) + 1, "repeats": 1}
     if asked["sides"] not in _SIDES:
-        given = str(asked["sides"])
-        raise InputError("", "sides", f"{shown(given)} is not one of {', '.join(_SIDES)}{nearest(given, _SIDES)}")
+        sides = str(asked["sides"])
+        raise InputError("", "sides", f"{shown(sides)} is not one of {', '.join(_SIDES)}{nearest(sides, _SIDES)}")
     if asked["noise"] < 0.0:
         raise InputError("", "noise", "cannot be negative")
     if any(mass < 0.0 for mass in asked["payloads"]):
@@ -339,3 +324,82 @@ def simulated_by(arm: Arm, plan: Plan, *, declare_sigma: bool) -> Simulation:
     except NoRoom as error:
         raise InputError("", "avoid", str(error)) from None
     return Simulation(arm, plan.declared_in(made.recording) if declare_sigma else made.recording, made, plan)
+
+
+def describe_columns(found: Proposal) -> Description:
+    """The settings, and what is to be said of them."""
+    name, kind = PurePath(found.file).name, "a motion log" if found.motion else "a recording"
+    used = sum(meaning.named for meaning in found.meanings)
+    reads = f", {found.reads}" if found.reads else ""
+    headline = f"{name}: {kind}{reads}; {used} of {len(found.meanings)} columns tell of an arm"
+    rows = [(meaning.header, meaning.ours if meaning.named else "", _why(meaning)) for meaning in found.meanings]
+    items: list[Item] = [Paragraph(found.wrong, "warning")] if found.wrong else []
+    items.append(shown_table(("column", "is", ""), rows, first=60))
+    if remarks := (*found.notes, *found.warnings):
+        items.append(Lines(remarks))
+    return Description(f"{name}: columns", headline, tuple(items), headline)
+
+
+def _why(meaning: Meaning) -> str:
+    return f"a guess {meaning.said}".strip() if meaning.guessed else meaning.said
+
+
+@dataclass(frozen=True, repr=False)
+class Columns(Result):
+    """What the columns of a foreign file may mean for an arm, and the recording.yaml that says so."""
+
+    _command = "columns"
+    _describe = staticmethod(describe_columns)
+
+    found: Proposal
+
+    @property
+    def settings(self) -> str:
+        """The proposed recording.yaml."""
+        return self.found.settings
+
+    @property
+    def table(self) -> pd.DataFrame:
+        """A row for each column: its `column` in the file, what it `is` (empty: nothing of an arm), whether that is a
+        `guess`, and `why`."""
+        return frame(self._content()["columns"])
+
+    def plot(self) -> go.Figure:
+        """The table, as a figure."""
+        rows = self.table
+        cells = {"values": [rows[name].tolist() for name in rows.columns]}
+        return figure_of({"data": [{"type": "table", "header": {"values": list(rows.columns)}, "cells": cells}]})
+
+    def save(self, folder: File) -> Sequence[Path]:
+        """Write the settings; into a folder as `recording.yaml`."""
+        place = Path(folder)
+        target = place / SETTINGS if place.is_dir() else place
+        write_file(target, self.settings)
+        return [target]
+
+    def _content(self) -> Mapping[str, Any]:
+        proposal = self.found
+        columns = [
+            {
+                "column": meaning.header,
+                "is": meaning.ours if meaning.named else "",
+                "guess": meaning.guessed,
+                "why": _why(meaning),
+            }
+            for meaning in proposal.meanings
+            if meaning.what != IGNORED
+        ]
+        return {
+            "file": proposal.file,
+            "arm": proposal.arm,
+            "observes": "motion" if proposal.motion else "position",
+            "reads": proposal.reads,
+            "wrong": proposal.wrong,
+            "remedies": proposal.remedies,
+            "columns": columns,
+            "notes": [*proposal.notes, *proposal.warnings],
+            "settings": proposal.settings,
+        }
+
+    def _tables(self) -> Mapping[str, pd.DataFrame]:
+        return {"Columns": self.table}

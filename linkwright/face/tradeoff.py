@@ -10,8 +10,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from linkwright.core.arm.chain.chain import Arm as Model
+from linkwright.core.arm.figures import Figure
 from linkwright.core.executors import Executor
-from linkwright.core.optimize.limits import Figure
 from linkwright.core.optimize.tradeoff.front import Point
 from linkwright.core.optimize.tradeoff.front import Tradeoff as Found
 from linkwright.core.optimize.tradeoff.journal import JOURNAL, LOCK, Journal, journal_digest
@@ -121,11 +121,11 @@ class Tradeoff(Reported):
 def journal_in(folder: File | None, asked: Question, accuracy: float, *, resume: bool) -> Generator[Journal]:
     """The journal in an output folder, which is made or taken again; without a folder, one that is not written. Raises
     `InputError`."""
-    own = digest(asked, accuracy)
+    key = digest(asked, accuracy)
     if folder is None:
         if resume:
             raise InputError("", "resume", "needs --out DIR, where the journal of the earlier run is")
-        yield Journal(None, own)
+        yield Journal(None, key)
         return
     out = Path(folder)
     names = made_folder(out) - {LOCK}
@@ -136,10 +136,10 @@ def journal_in(folder: File | None, asked: Question, accuracy: float, *, resume:
         if names != {JOURNAL} or (out / JOURNAL).stat().st_size > 0:
             would_do = "name a new or empty folder"
             raise InputError(out, "", f"holds files that are not of `linkwright tradeoff`; {would_do}")
-    elif there == own and RESULT not in names and not resume:
+    elif there == key and RESULT not in names and not resume:
         would_do = "--resume goes on with it, or name another folder"
         raise InputError(out, "", f"holds this trade-off, unfinished; {would_do}")
-    with Journal(out / JOURNAL, own, resume=resume, made_by=made_by()) as journal:
+    with Journal(out / JOURNAL, key, resume=resume, made_by=made_by()) as journal:
         # Until the new result is there, none is: a folder with a journal alone is known for unfinished.
         (out / RESULT).unlink(missing_ok=True)
         yield journal

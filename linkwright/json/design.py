@@ -9,11 +9,11 @@ from pathlib import PurePath
 from typing import TYPE_CHECKING, Any
 
 from linkwright.core.arm.chain.chain import Arm, Link, LoadCase
+from linkwright.core.arm.figures import FIGURES, Figure, Limit
 from linkwright.core.arm.files.write import material_to_value, section_to_mapping
 from linkwright.core.arm.placed.heights import heights
 from linkwright.core.arm.worst.workspace import Workspace
 from linkwright.core.optimize.infeasible.answer import Infeasibility
-from linkwright.core.optimize.limits import FIGURES, Figure, Limit
 from linkwright.core.optimize.worse import softened_links, worse_figures
 from linkwright.core.sections.taper import Tapered
 from linkwright.core.units.quantities import format_quantity
@@ -22,6 +22,7 @@ from linkwright.json.fields import fields, fields_if, in_mm
 
 if TYPE_CHECKING:
     from linkwright.core.arm.evaluation import Compliance, Evaluation
+    from linkwright.core.arm.motion.loads import OfDrive
     from linkwright.core.optimize.result import KeptLimit, NotRounded, OptimizationResult, Rounded
     from linkwright.core.optimize.robust.result import Robust, RobustFigure
 
@@ -50,7 +51,12 @@ def _workspace(arm: Arm, workspace: Workspace) -> dict[str, Any]:
     ranges = workspace.ranges or tuple(joint.range for joint in arm.joints)
     lowest, highest = ([pair[end] for pair in ranges] for end in (0, 1))
     spans = {"lower": _by_kind(arm, lowest), "upper": _by_kind(arm, highest)}
-    return {"kind": workspace.kind, "points_mm": points, "joints": spans, "error": workspace.error}
+    return {
+        "kind": "points" if workspace.apart else workspace.kind,
+        "points_mm": points,
+        "joints": spans,
+        "error": workspace.error,
+    }
 
 
 def _compliance(arm: Arm, compliance: Compliance) -> dict[str, Any]:
@@ -67,13 +73,13 @@ def _dimensions(link: Link) -> dict[str, float | list[float]]:
     """The dimensions in mm; of a tapered link both ends."""
     if link.section is None:
         return {}
-    found: dict[str, float | list[float]] = {}
+    dimensions: dict[str, float | list[float]] = {}
     for name, x in link.section.given().items():
         if isinstance(x, float | int):
-            found[name] = 1e3 * float(x)
+            dimensions[name] = 1e3 * float(x)
         elif isinstance(link.section, Tapered):
-            found[name] = [1e3 * float(each) for each in x]
-    return found
+            dimensions[name] = [1e3 * float(item) for item in x]
+    return dimensions
 
 
 def _rounded_section(link: Link) -> dict[str, Any] | None:
@@ -113,7 +119,7 @@ def _pose(arm: Arm, q: Sequence[float], case: int) -> dict[str, Any]:
 
 def _strength(evaluation: Evaluation) -> list[dict[str, Any]]:
     strength = evaluation.strength
-    walls = {each.link: each for each in evaluation.local_buckling.links}
+    walls = {link.link: link for link in evaluation.local_buckling.links}
     return [
         {
             "link": link + 1,
@@ -136,14 +142,14 @@ def _drives(evaluation: Evaluation) -> list[dict[str, Any]]:
     rated, none = ("actuator=name", "rated_torque_Nm", "peak_torque_Nm"), {"actuator": None}
     found: list[dict[str, Any]] = []
     for index, joint in enumerate(arm.joints):
-        own = fields_if(joint.actuator, *rated) or {**none, "rated_torque_Nm": None, "peak_torque_Nm": None}
+        rated_figures = fields_if(joint.actuator, *rated) or {**none, "rated_torque_Nm": None, "peak_torque_Nm": None}
         found.append(
             {
                 "joint": index + 1,
-                "actuator": own.pop("actuator"),
+                "actuator": rated_figures.pop("actuator"),
                 "greatest_load": drives.greatest[index],
                 "unit": "N*m" if joint.revolute else "N",
-                **own,
+                **rated_figures,
                 "torque_use": drives.use[index],
                 "worst_pose": _pose(arm, *drives.poses[index]),
             }
@@ -159,19 +165,19 @@ def _joint_loads(evaluation: Evaluation) -> list[dict[str, Any]] | None:
     return [
         {
             "joint": number,
-            **fields(each, "axis", "force_N", "moment_Nm", "radial_N"),
-            "axial_N": abs(each.along),
-            **fields(each, "tilting_Nm", "drive_holds=drive"),
-            "drive_unit": "N*m" if each.revolute else "N",
+            **fields(load, "axis", "force_N", "moment_Nm", "radial_N"),
+            "axial_N": abs(load.along),
+            **fields(load, "tilting_Nm", "drive_holds=drive"),
+            "drive_unit": "N*m" if load.revolute else "N",
         }
-        for number, each in enumerate(loads, start=1)
+        for number, load in enumerate(loads, start=1)
     ]
 
 
 def evaluation_figures(evaluation: Evaluation, figures: Mapping[str, Figure] = FIGURES) -> dict[str, Any]:
     """The figures of an evaluation, by the names of the contract and a few more."""
     arm, frequency = evaluation.arm, evaluation.frequency
-    poses = {each.name: each.where(evaluation) for each in figures.values() if each.where is not None}
+    poses = {figure.name: figure.pose(evaluation) for figure in figures.values() if figure.where is not None}
     beyond = ("beyond_first_order_mm=beyond.at_worst", "beyond_first_order_largest_mm=beyond.largest")
     bounds = ("upper_bound_mm", "upper_bound_first_order_mm=worst.upper_bound", *beyond, "certified=worst.certified")
     drives = evaluation.frequency_of_drives
@@ -183,7 +189,7 @@ def evaluation_figures(evaluation: Evaluation, figures: Mapping[str, Figure] = F
             for pose in evaluation.worst.poses
         ],
         "by_effect_mm": {effect: 1e3 * value for effect, value in evaluation.by_effect.items()},
-        **{each.key: each.shown(each.value(evaluation)) for each in figures.values()},
+        **{figure.key: figure.shown(figure.value(evaluation)) for figure in figures.values()},
         **{f"{name}_pose": None if at is None else coordinates(arm, at) for name, at in poses.items()},
         "first_frequency_pose": None if frequency is None else _pose(arm, frequency.q, frequency.load_case),
         "first_frequency_of_drives_Hz": None if drives is None else drives.value,
@@ -205,8 +211,8 @@ def evaluation_figures(evaluation: Evaluation, figures: Mapping[str, Figure] = F
 def _seam(evaluation: Evaluation) -> dict[str, Any]:
     """The worst error on a path, across it and along it, whatever of it counts; null elsewhere."""
     parts = ("across", "along", "whole")
-    found = fields_if(evaluation.seam, *(f"{name}_mm={name}.error" for name in parts))
-    return found or {f"{name}_mm": None for name in parts}
+    content = fields_if(evaluation.seam, *(f"{name}_mm={name}.error" for name in parts))
+    return content or {f"{name}_mm": None for name in parts}
 
 
 def _load(case: LoadCase) -> dict[str, Any]:
@@ -231,18 +237,41 @@ def _growth(evaluation: Evaluation) -> dict[str, Any] | None:
     growth = evaluation.growth
     if growth is None:
         return None
-    told = fields(growth, "temperature_degC", "since_degC", "max_error_mm=error")
-    return {**told, "links_not_known": [link + 1 for link in growth.unknown]}
+    content = fields(growth, "temperature_degC", "since_degC", "max_error_mm=error")
+    return {**content, "links_not_known": [link + 1 for link in growth.unknown]}
 
 
-def evaluation_json(evaluation: Evaluation, robust: RobustFigure | None = None) -> dict[str, Any]:
+def evaluation_json(
+    evaluation: Evaluation, robust: RobustFigure | None = None, motion: Sequence[OfDrive] | None = None
+) -> dict[str, Any]:
     """What `evaluate --json` writes."""
-    return {**evaluation_figures(evaluation), "robust": None if robust is None else _robust_figure(robust)}
+    return {
+        **evaluation_figures(evaluation),
+        "robust": None if robust is None else _robust_figure(robust),
+        "motion": None if motion is None else _in_motion(evaluation.arm, motion),
+    }
+
+
+def _in_motion(arm: Arm, motion: Sequence[OfDrive]) -> list[dict[str, Any]]:
+    """What a motion asks of each drive; torque and speed of a slide are a force and m/s, which the units say."""
+    names = ("greatest_torque=torque", "rms_torque", "greatest_speed=speed", "greatest_power_W=power")
+    return [
+        {
+            "joint": number,
+            **fields(item, *names, "energy_J=energy", "braked_J=braked"),
+            "torque_unit": "N*m" if joint.revolute else "N",
+            "speed_unit": "rad/s" if joint.revolute else "m/s",
+        }
+        for number, (joint, item) in enumerate(zip(arm.joints, motion, strict=True), start=1)
+    ]
 
 
 def objective_unit(minimize: str, figures: Mapping[str, Figure] = FIGURES) -> tuple[float, str]:
     """What one SI unit of the objective is in the unit that people read, and that unit: mm, kg or EUR."""
     return figures[minimize].factor, figures[minimize].unit
+
+
+_GOALS = (("minimize", False), ("maximize", True))
 
 
 def optimization_json(result: OptimizationResult) -> dict[str, Any]:
@@ -256,17 +285,18 @@ def optimization_json(result: OptimizationResult) -> dict[str, Any]:
     names = ("shapes", "materials")
     ties = [
         {
-            **of(each, *names, "actuators", "mass_kg", "cost_EUR"),
-            **fields(each, "max_error_mm", "first_frequency_Hz"),
+            **of(tie, *names, "actuators", "mass_kg", "cost_EUR"),
+            **fields(tie, "max_error_mm", "first_frequency_Hz"),
         }
-        for each in result.near_ties
+        for tie in result.near_ties
     ]
     binding = ("name", "limit=text", "value", "limit_value=limit", "unit", "price", "price_unit", "assumed")
     rounds = ("number", "design_change", "poses", "worst_violation", "certified")
-    answer = ("status", "interrupted", "optimum", "doubts", "minimize", "subject_to=limits", "choose=choices", "start")
+    answer = ("status", "interrupted", "optimum", "doubts", "subject_to=limits", "choose=choices", "start")
     return {
         "problem": PurePath(result.problem_file).name,
         **fields(result, *answer),
+        **{key: result.minimize if more == result.minimised.more_is_better else None for key, more in _GOALS},
         "objective": _objective(result, result.objective),
         "lower_bound": _objective(result, result.lower_bound),
         "lower_bound_mm": factor * result.lower_bound if result.minimize == "max_error" else None,
@@ -274,21 +304,21 @@ def optimization_json(result: OptimizationResult) -> dict[str, Any]:
         **evaluation_figures(result.after, result.figures),
         "before": evaluation_figures(result.before, result.figures),
         **_worse(result, result.after),
-        "binding": [fields(each, *binding) for each in result.binding],
+        "binding": [fields(item, *binding) for item in result.binding],
         "iterations": len(result.iterations),
-        "exchange_log": [{**of(each, *rounds), "objective_unit": unit} for each in result.iterations],
-        "candidates": [of(each, *names, "outcome") for each in result.candidates],
-        "dropped": [fields(each, "kind", "name", "limits") for each in result.dropped],
+        "exchange_log": [{**of(iteration, *rounds), "objective_unit": unit} for iteration in result.iterations],
+        "candidates": [of(candidate, *names, "outcome") for candidate in result.candidates],
+        "dropped": [fields(item, "kind", "name", "limits") for item in result.dropped],
         "near_ties": ties,
         "near_ties_not_solved": result.near_ties_left,
-        "actuators": [of(each, "actuators", "outcome") for each in result.drives],
-        "motor_places": [of(each, "places", "outcome") for each in result.motor_places],
+        "actuators": [of(drive, "actuators", "outcome") for drive in result.drives],
+        "motor_places": [of(place, "places", "outcome") for place in result.motor_places],
         "balance": [
-            fields(each, "words", "at", "field", "bound", "before_SI=before", "value_SI=value")
-            for each in result.balance
+            fields(item, "words", "at", "field", "bound", "before_SI=before", "value_SI=value")
+            for item in result.balance
         ],
         **fields(result, "exhaustive", "combinations", "combinations_gap=gap"),
-        "combinations_unsolved": [fields(each, *names) for each in result.unsolved],
+        "combinations_unsolved": [fields(item, *names) for item in result.unsolved],
         **fields(result, "actuators_exhaustive=drives_exhaustive", "seconds"),
         "robust": None if result.robust is None else _robust(result.robust),
         "rounded": None if result.rounded is None else _rounded(result, result.rounded),
@@ -301,23 +331,23 @@ def _objective(result: OptimizationResult, value: float) -> dict[str, Any]:
     return {"value": factor * value, "unit": unit}
 
 
-def _robust_figure(found: RobustFigure) -> dict[str, Any]:
+def _robust_figure(figure: RobustFigure) -> dict[str, Any]:
     """One arm's robust figure; `upper_mm` is null for the worst, and where the samples are too few for it."""
     return {
-        **fields(found, "share", "max_error_mm=value", "nominal_mm", "upper_mm", "looked_at"),
+        **fields(figure, "share", "max_error_mm=value", "nominal_mm", "upper_mm", "looked_at"),
         "rests_on": "sampled",
-        "scenario": asdict(found.scenario),
-        "uncertain": {name: list(widths) for name, widths in found.widths.items()},
+        "scenario": asdict(figure.scenario),
+        "uncertain": {name: list(widths) for name, widths in figure.widths.items()},
     }
 
 
-def _robust(found: Robust) -> dict[str, Any]:
+def _robust(robust: Robust) -> dict[str, Any]:
     """A robust optimum beside the nominal one."""
     return {
-        **_robust_figure(found.design),
-        "nominal_optimum": _robust_figure(found.nominal_design),
-        **fields(found, "loses_mm", "claimed_mm", "rounds", "samples", "kept_nominal", "doubts"),
-        "scenarios": [asdict(each) for each in found.scenarios],
+        **_robust_figure(robust.design),
+        "nominal_optimum": _robust_figure(robust.nominal_design),
+        **fields(robust, "loses_mm", "claimed_mm", "rounds", "samples", "kept_nominal", "doubts"),
+        "scenarios": [asdict(scenario) for scenario in robust.scenarios],
     }
 
 
@@ -325,12 +355,12 @@ def _worse(result: OptimizationResult, evaluation: Evaluation) -> dict[str, Any]
     """What a design does worse than the arm as given, in the units that people read, and which links bend sideways."""
     worse = [
         {
-            "name": each.figure.name,
-            "before": each.figure.shown(each.before),
-            "after": each.figure.shown(each.after),
-            "unit": each.figure.unit,
+            "name": figure.figure.name,
+            "before": figure.figure.shown(figure.before),
+            "after": figure.figure.shown(figure.after),
+            "unit": figure.figure.unit,
         }
-        for each in worse_figures(result.figures, result.before, evaluation)
+        for figure in worse_figures(result.figures, result.before, evaluation)
     ]
     softer = softened_links(result.before, evaluation)
     return {"worse": worse, "softer_sideways": [{"link": k + 1, "share_of_before": kept} for k, kept in softer]}
@@ -381,23 +411,27 @@ def _limits(limits: Sequence[KeptLimit]) -> list[dict[str, Any]]:
 def infeasible_json(found: Infeasibility, problem: object = "") -> dict[str, Any]:
     """What `--json` writes where no design keeps all limits, in the units that people read."""
 
-    def needed(each: Any, **more: object) -> dict[str, Any]:
-        shown = each.limit.figure.shown(each.needed)
-        return {**_asked(each.limit), "needed": shown, **more, "rests_on": found.rests_on}
+    def needed(needed_limit: Any, **more: object) -> dict[str, Any]:
+        shown = needed_limit.limit.figure.shown(needed_limit.needed)
+        return {**_asked(needed_limit.limit), "needed": shown, **more, "rests_on": found.rests_on}
 
-    told = {
+    content = {
         "because": found.text,
         "out_of_reach": [
-            {**_asked(each.limit), "best": each.limit.figure.shown(each.best), "because": each.because}
-            for each in found.out_of_reach
+            {**_asked(item.limit), "best": item.limit.figure.shown(item.best), "because": item.because}
+            for item in found.out_of_reach
         ],
-        "limits": [needed(each, outcome=each.outcome) for each in found.limits],
-        "joint_change": [needed(each) for each in found.joint],
+        "limits": [needed(limit, outcome=limit.outcome) for limit in found.limits],
+        "joint_change": [needed(item) for item in found.joint],
         **fields(found, "joint_sum", "combinations", "unsolved", "rests_on", "kept"),
     }
-    return {"problem": PurePath(str(problem)).name, "status": found.verdict, "infeasible": told}
+    return {"problem": PurePath(str(problem)).name, "status": found.verdict, "infeasible": content}
 
 
 def _asked(limit: Limit) -> dict[str, Any]:
-    asked = {"asked": limit.figure.shown(limit.value)}
-    return {**fields(limit, "name", "limit=text", "relation"), **asked, **fields(limit, "unit=figure.unit", "assumed")}
+    content = {"asked": limit.figure.shown(limit.value)}
+    return {
+        **fields(limit, "name", "limit=text", "relation"),
+        **content,
+        **fields(limit, "unit=figure.unit", "assumed"),
+    }

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from pathlib import PurePath
-from types import MappingProxyType
 from typing import Any
 
 from linkwright.core.arm.chain.chain import Arm
@@ -16,70 +15,36 @@ from linkwright.core.diagnose.result import (
     Detectable,
     Diagnosis,
     Difference,
+    Exchange,
     Finding,
-    FittedParameter,
     FoundOrigin,
+    LackOfFit,
     Mislabelled,
+    NextPose,
     OfRecording,
     RejectedForm,
+    SmallBeside,
     Unknown,
+    WrittenArm,
 )
 from linkwright.core.diagnose.several.recordings import Several
-from linkwright.core.units.quantities import format_quantity, kind_of
 from linkwright.results.diagnoses.answer import answer, to_do
 from linkwright.results.diagnoses.evidence import unit_files
 
 from .design import coordinates
 from .fields import fields, fields_if, in_joint_unit, in_mm
-
-_UNITS = MappingProxyType(
-    {
-        "length": "mm",
-        "angle": "mrad",
-        "temperature": "degC",
-        "thermal_expansion": "um/(m*K)",
-        "linear_stiffness": "N/mm",
-        "linear_compliance": "um/N",
-        "elastic_modulus": "GPa",
-        "pressure": "MPa",
-        "angle_per_temperature": "mrad/K",
-        "length_per_temperature": "um/K",
-        "angle_per_length": "mrad/m",
-    }
-)
-"""Units that files for machines use, whatever the size of the figure; SI for all other kinds."""
-
-
-def unit_of(kind: str) -> str:
-    """The unit in which JSON gives a kind of quantity; empty for pure numbers."""
-    return _UNITS.get(kind, kind_of(kind).si)
-
-
-def in_unit(value: float, kind: str) -> float | None:
-    """An SI value in the unit of `unit_of`; None where it is not known."""
-    if not math.isfinite(value):
-        return None
-    return float(format_quantity(value, kind, unit_of(kind) or None).split()[0])
-
-
-def parameter_json(fitted: FittedParameter) -> dict[str, Any]:
-    """A fitted parameter with its unit and 95 % interval."""
-    return {
-        "value": in_unit(fitted.value, fitted.kind),
-        "unit": unit_of(fitted.kind),
-        "ci95": [in_unit(end, fitted.kind) for end in fitted.alone],
-        **fields(fitted, "parameter", "at", "at_bound"),
-        "may_hold": fitted.may_hold or None,
-    }
+from .parameters import in_unit, parameter_json, unit_of
 
 
 def _finding(finding: Finding) -> dict[str, Any]:
     return {
         **fields(finding, "effect", "at", "rms_explained_mm", "p_value", "evidence_nats=evidence"),
         **fields(finding, "rms_without_mm", "rms_without_held_out_mm"),
-        "alternatives": [[each.effect, list(each.at)] for each in finding.alternatives],
+        "alternatives": [[alternative.effect, list(alternative.at)] for alternative in finding.alternatives],
         "parameters": {fitted.name: parameter_json(fitted) for fitted in finding.parameters},
-        "alternatives_detail": [fields(each, "effect", "at", "likeness", "worse") for each in finding.alternatives],
+        "alternatives_detail": [
+            fields(alternative, "effect", "at", "likeness", "worse") for alternative in finding.alternatives
+        ],
         "sentence": finding.reading,
         "recording": finding.recording or None,
         "together": [[effect, list(at)] for effect, at in finding.together],
@@ -90,35 +55,35 @@ _LACK_OF_FIT = ("against", "ratio", "freedom", "p_value", "times", "held_out_tim
 
 
 def _rejected(forms: Sequence[RejectedForm]) -> list[dict[str, Any]]:
-    return [fields(each, "effect", "at", "share", "reason") for each in forms]
+    return [fields(form, "effect", "at", "share", "reason") for form in forms]
 
 
 def _unknown(unknown: Unknown) -> dict[str, Any]:
     return {
         **fields(unknown, "depends_on", "amplitude_mm", "shape", "since_s=since", "decide", "held_out_share"),
         "rejected": _rejected(unknown.rejected),
-        "forms": [fields(each, "name", "share", "share_held_out", "sentence") for each in unknown.forms],
+        "forms": [fields(form, "name", "share", "share_held_out", "sentence") for form in unknown.forms],
     }
 
 
-def _detectable(each: Detectable) -> dict[str, Any]:
-    found = {
-        **fields(each, "effect", "at", "rms_mm", "parameter", "visible"),
-        "value": in_unit(each.value, each.kind),
-        "unit": unit_of(each.kind),
+def _detectable(detectable: Detectable) -> dict[str, Any]:
+    content = {
+        **fields(detectable, "effect", "at", "rms_mm", "parameter", "visible"),
+        "value": in_unit(detectable.value, detectable.kind),
+        "unit": unit_of(detectable.kind),
     }
-    return found if each.visible > 0.0 else {**found, "rms_mm": None, "value": None}
+    return content if detectable.visible > 0.0 else {**content, "rms_mm": None, "value": None}
 
 
 def minimum_detectable(diagnosis: Diagnosis) -> dict[str, float | None]:
     """The smallest RMS displacement (mm) of each effect that would have been found wherever the effect can be seen at
     all: the largest over its visible places. None where the recording shows it nowhere."""
-    found: dict[str, float | None] = {effect: None for effect, _ in diagnosis.invisible}
-    for each in diagnosis.detectable:
-        size = 1e3 * each.rms if each.visible > 0.0 else None
-        known = found.get(each.effect)
-        found[each.effect] = size if known is None else known if size is None else max(known, size)
-    return found
+    minima: dict[str, float | None] = {effect: None for effect, _ in diagnosis.invisible}
+    for item in diagnosis.detectable:
+        size = 1e3 * item.rms if item.visible > 0.0 else None
+        known = minima.get(item.effect)
+        minima[item.effect] = size if known is None else known if size is None else max(known, size)
+    return minima
 
 
 def joint_coordinates(arm: Arm, q: Sequence[float]) -> list[float]:
@@ -141,9 +106,13 @@ def _labels(labels: Mislabelled) -> dict[str, Any]:
     }
 
 
-def _difference(found: Difference, recordings: Sequence[OfRecording]) -> dict[str, Any]:
-    values = {own.name: parameter_json(each) for own, each in zip(recordings, found.each, strict=True)}
-    return {**fields(found, "effect", "at", "p_value"), "parameter": found.each[0].parameter, "values": values}
+def _difference(difference: Difference, recordings: Sequence[OfRecording]) -> dict[str, Any]:
+    values = {own.name: parameter_json(item) for own, item in zip(recordings, difference.each, strict=True)}
+    return {
+        **fields(difference, "effect", "at", "p_value"),
+        "parameter": difference.each[0].parameter,
+        "values": values,
+    }
 
 
 def _rejected_row(recording: Recording, each: RejectedRow) -> dict[str, Any]:
@@ -157,77 +126,96 @@ def _rejected_row(recording: Recording, each: RejectedRow) -> dict[str, Any]:
 _WRITTEN = ("rms_mm", "promised_mm", "lacks")
 
 
-def _recording(each: OfRecording, arm_file: str | None) -> dict[str, Any]:
+def _recording(recording: OfRecording, arm_file: str | None) -> dict[str, Any]:
     rms = ("rms_before_mm", "rms_after_mm", "rms_held_out_mm", "rms_from_others_mm", "rms_own_mm")
     return {
-        **fields(each, "name", "file", "rows", "frame", "tool", "noise_floor_mm", *rms),
-        "unit": each.unit or None,
-        "date": each.date or None,
-        **fields(each, "rejected_rows=rejected"),
+        **fields(recording, "name", "file", "rows", "frame", "tool", "noise_floor_mm", *rms),
+        "unit": recording.unit or None,
+        "date": recording.date or None,
+        **fields(recording, "rejected_rows=rejected"),
         "arm_file": arm_file,
-        "written_arm_rms_mm": None if each.written is None else in_mm(each.written.rms),
-        "written_arm": fields_if(each.written, *_WRITTEN),
+        **_written(recording.written),
     }
 
 
-def _origin(found: FoundOrigin) -> dict[str, Any]:
+def _origin(origin: FoundOrigin) -> dict[str, Any]:
     return {
-        "joint": found.joint,
-        "xyz_mm": [in_mm(each) for each in found.shift],
-        "rpy_deg": [math.degrees(each) for each in found.turn],
-        "parameters": {fitted.name: parameter_json(fitted) for fitted in found.parameters},
-        "not_told_from": [[effect, list(at)] for effect, at in found.swallowed],
+        "joint": origin.joint,
+        "xyz_mm": [in_mm(item) for item in origin.shift],
+        "rpy_deg": [math.degrees(item) for item in origin.turn],
+        "parameters": {fitted.name: parameter_json(fitted) for fitted in origin.parameters},
+        "not_told_from": [[effect, list(at)] for effect, at in origin.swallowed],
     }
+
+
+def _exchange(exchange: Exchange) -> dict[str, Any]:
+    return {
+        "instead_of": [[effect, list(at)] for effect, at, _ in exchange.instead_of],
+        "effects": [[effect, list(at)] for effect, at, _ in exchange.effects],
+        "worse": exchange.worse,
+    }
+
+
+def _lack_of_fit(fit: LackOfFit | None, small: SmallBeside | None) -> dict[str, Any]:
+    """What the verdict rests on: where small causes explain what is left, the p-value with room for them."""
+    tested = fit if small is None else small.lack_of_fit
+    return {
+        "lack_of_fit_p": None if tested is None else tested.p_value,
+        "lack_of_fit": fields_if(fit, *_LACK_OF_FIT),
+        "small_causes": None
+        if small is None
+        else {**fields(small, "moved_mm"), "lack_of_fit": fields(small.lack_of_fit, *_LACK_OF_FIT)},
+    }
+
+
+def _written(written: WrittenArm | None) -> dict[str, Any]:
+    rms = None if written is None else in_mm(written.rms)
+    return {"written_arm_rms_mm": rms, "written_arm": fields_if(written, *_WRITTEN)}
+
+
+def _next_pose(arm: Arm, pose: NextPose) -> dict[str, Any]:
+    return {**coordinates(arm, pose.q), "payload_kg": pose.payload_mass, **fields(pose, "side", "decides")}
 
 
 def diagnosis_json(diagnosis: Diagnosis) -> dict[str, Any]:
     """What `diagnosis.json` holds."""
-    arm, where, recording, small = diagnosis.arm, diagnosis.where, diagnosis.recording, diagnosis.small
-    # What the verdict rests on: where small causes explain what is left, the p-value with room for them.
-    fit = diagnosis.lack_of_fit if small is None else small.lack_of_fit
+    arm, where, recording = diagnosis.arm, diagnosis.where, diagnosis.recording
     rms = ("rms_before_mm", "rms_after_mm", "rms_after_held_out_mm")
     files = unit_files(diagnosis.recordings) or (None,) * len(diagnosis.recordings)
-    rejected = [_rejected_row(recording, each) for each in diagnosis.rejected_rows]
+    rejected = [_rejected_row(recording, row) for row in diagnosis.rejected_rows]
     return {
         "arm": arm.name,
         "recording": PurePath(recording.file).name,
-        "recordings": [_recording(each, file) for each, file in zip(diagnosis.recordings, files, strict=True)],
-        "differences": [_difference(each, diagnosis.recordings) for each in diagnosis.differences],
+        "recordings": [_recording(item, file) for item, file in zip(diagnosis.recordings, files, strict=True)],
+        "differences": [_difference(difference, diagnosis.recordings) for difference in diagnosis.differences],
         "rows": recording.size,
         "answer": answer(diagnosis),
         "to_do": list(to_do(diagnosis)),
         **fields(diagnosis, "sentence", "verdict", "noise_floor_mm", "noise_source", *rms, "gate_p"),
-        "lack_of_fit_p": None if fit is None else fit.p_value,
-        "lack_of_fit": fields_if(diagnosis.lack_of_fit, *_LACK_OF_FIT),
-        "small_causes": None
-        if small is None
-        else {**fields(small, "moved_mm"), "lack_of_fit": fields(small.lack_of_fit, *_LACK_OF_FIT)},
+        **_lack_of_fit(diagnosis.lack_of_fit, diagnosis.small),
         "scatter_over_floor": diagnosis.scatter,
         "labels": None if diagnosis.labels is None else _labels(diagnosis.labels),
         "describes_part": diagnosis.describes_part,
-        "written_arm_rms_mm": None if diagnosis.written is None else in_mm(diagnosis.written.rms),
-        "written_arm": fields_if(diagnosis.written, *_WRITTEN),
+        **_written(diagnosis.written),
         "missing": [_finding(finding) for finding in diagnosis.findings],
-        "origins": [_origin(each) for each in diagnosis.origins],
+        "exchanges": [_exchange(exchange) for exchange in diagnosis.exchanges],
+        "origins": [_origin(origin) for origin in diagnosis.origins],
         "where": fields(where, "joint", "depends_on", "direction", "since_s=since", "joint_shares"),
-        "dependences": [fields(each, "on", "p_value", "share") for each in where.dependences],
+        "dependences": [fields(dependence, "on", "p_value", "share") for dependence in where.dependences],
         "unknown": None if diagnosis.unknown is None else _unknown(diagnosis.unknown),
-        "rejected_rows": [each["row"] for each in rejected],
+        "rejected_rows": [item["row"] for item in rejected],
         "rejected_rows_detail": rejected,
         "minimum_detectable_mm": minimum_detectable(diagnosis),
-        "detectable": [_detectable(each) for each in diagnosis.detectable],
+        "detectable": [_detectable(item) for item in diagnosis.detectable],
         "invisible": [{"effect": effect, "at": at} for effect, at in diagnosis.invisible],
-        "next_poses": [joint_coordinates(arm, each.q) for each in diagnosis.next_poses],
-        "next_poses_detail": [
-            {**coordinates(arm, each.q), "payload_kg": each.payload_mass, **fields(each, "side", "decides")}
-            for each in diagnosis.next_poses
-        ],
+        "next_poses": [joint_coordinates(arm, pose.q) for pose in diagnosis.next_poses],
+        "next_poses_detail": [_next_pose(arm, pose) for pose in diagnosis.next_poses],
         "ladder": [
-            fields(each, "label", "rms_mm", "mean_mm", "largest_mm", "held_out_mm") for each in diagnosis.ladder
+            fields(item, "label", "rms_mm", "mean_mm", "largest_mm", "held_out_mm") for item in diagnosis.ladder
         ],
         "rejected_forms": _rejected(diagnosis.rejected_forms),
         "splits": {name: in_mm(value) for name, value in diagnosis.splits.items()},
-        "iso_figures": [covered_json(each) for each in diagnosis.figures],
+        "iso_figures": [covered_json(figure) for figure in diagnosis.figures],
         **fields(diagnosis, "next_poses_note", "next_poses_enough", "null_vectors", "notes", "seconds"),
         "warnings": recording.warnings,
     }

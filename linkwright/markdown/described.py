@@ -53,8 +53,8 @@ def _blocks(items: Iterable[Item], level: int) -> list[str]:
         elif isinstance(item, Picture):
             continue
         elif isinstance(item, Paragraph):
-            said = escaped(item.text)
-            blocks.append(f"**Warning:** {said}" if item.tone == "warning" else said)
+            text = escaped(item.text)
+            blocks.append(f"**Warning:** {text}" if item.tone == "warning" else text)
         elif isinstance(item, Lines):
             blocks.append("\n".join(f"- {escaped(line)}" for line in item.lines))
         else:
@@ -70,7 +70,7 @@ def _table(given: Table) -> list[str]:
     rows = [[escaped(words(row[k])) for k in shown] for row in given.rows[:MOST_ROWS]]
     title = [f"**{escaped(given.title)}**"] if given.title else []
     left = len(given.rows) - MOST_ROWS
-    return [*title, "\n".join(_row(each) for each in (heads, rule, *rows)), *([f"and {left} more"] if left > 0 else [])]
+    return [*title, "\n".join(_row(row) for row in (heads, rule, *rows)), *([f"and {left} more"] if left > 0 else [])]
 
 
 def _row(cells: Sequence[Cell]) -> str:

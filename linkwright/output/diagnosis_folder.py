@@ -3,18 +3,20 @@
 from __future__ import annotations
 
 import io
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import pandas as pd
 
 from linkwright.core.arm.chain.chain import Arm
 from linkwright.core.arm.effects.loads.unknown_weight import unit_weights
 from linkwright.core.arm.files.read import arm_from
 from linkwright.core.arm.files.write import arm_to_yaml
 from linkwright.core.diagnose.answer.sentences import name_of
+from linkwright.core.diagnose.motion.predict import predict_motion
+from linkwright.core.diagnose.motion.result import MotionDiagnosis
 from linkwright.core.diagnose.predict import residual_under
 from linkwright.core.diagnose.recording import Recording
 from linkwright.core.diagnose.residual.observed import rms_length
@@ -22,12 +24,17 @@ from linkwright.core.diagnose.result import Diagnosis, OfRecording, WrittenArm
 from linkwright.core.diagnose.several.recordings import Several
 from linkwright.core.materials.catalogue import Catalogue
 from linkwright.core.units.quantities import InputError
-from linkwright.core.units.reading import Mapping, load_json, parse_yaml, read_text
+from linkwright.core.units.reading import Mapping as Reader
+from linkwright.core.units.reading import load_json, parse_yaml, read_text
 from linkwright.json.fields import joint_columns
 from linkwright.output.arm_file import arm_file
 from linkwright.output.files import DESIGN, REPORT, claim_own, made_by, write_each
 from linkwright.output.read_back import ReadBack
+from linkwright.output.table_file import frame
 from linkwright.results.diagnoses.evidence import unit_files
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 DIAGNOSIS, RESIDUALS, COMPENSATION = "diagnosis.json", "residuals.csv", "compensation.csv"
 FILES = (REPORT, DIAGNOSIS, DESIGN, RESIDUALS, COMPENSATION)
@@ -54,13 +61,26 @@ def write_diagnosis(folder: Path, diagnosis: Diagnosis, content: str, page: str,
     for one, name in zip(diagnosis.recordings, units, strict=False):
         files[name] = arm_file(one.corrected if one.corrected is not None else diagnosis.corrected, catalogue)
     earlier = {*_own_files(folder), COMPENSATION} - files.keys()
+    return _written(folder, files, (*FILES, *units), earlier)
+
+
+def write_motion(folder: Path, diagnosis: MotionDiagnosis, content: str, page: str, catalogue: Catalogue) -> list[Path]:
+    """The same of motion logs. Raises `InputError`, and `NotAsWritten` at the end."""
+    files = {DIAGNOSIS: content, REPORT: page, DESIGN: arm_file(diagnosis.corrected, catalogue)}
+    return _written(folder, files, FILES, {*_own_files(folder), *FILES} - files.keys())
+
+
+def _written(
+    folder: Path, files: Mapping[str, str | ReadBack], order: Sequence[str], earlier: Collection[str]
+) -> list[Path]:
+    """Write files; gives which, in an order of their names. What an earlier diagnosis left would be taken for this
+    one's: it goes."""
     try:
         write_each({folder / name: text for name, text in files.items()})
     finally:
-        # What an earlier diagnosis left would be taken for this one's.
         for name in earlier:
             (folder / name).unlink(missing_ok=True)
-    return [folder / name for name in (*FILES, *units) if name in files]
+    return [folder / name for name in order if name in files]
 
 
 def _own_files(folder: Path) -> dict[str, str]:
@@ -68,8 +88,8 @@ def _own_files(folder: Path) -> dict[str, str]:
     if made_by(folder / DIAGNOSIS) != "diagnose":
         return {}
     content: Any = load_json(folder / DIAGNOSIS)
-    each = content.get("recordings")
-    pairs = [(one.get("arm_file"), one.get("name")) for one in each or () if isinstance(one, dict)]
+    recordings = content.get("recordings")
+    pairs = [(one.get("arm_file"), one.get("name")) for one in recordings or () if isinstance(one, dict)]
     return {name: str(called) for name, called in pairs if isinstance(name, str) and Path(name).name == name}
 
 
@@ -96,7 +116,7 @@ def residuals(diagnosis: Diagnosis) -> pd.DataFrame:
         for axis, values in zip(diagnosis.recording.component_names, residual.T, strict=True):
             columns[f"{when}_{axis}_mm"] = (1e3 * values).round(_DIGITS)
         columns[f"{when}_mm"] = (1e3 * np.linalg.norm(residual, axis=1)).round(_DIGITS)
-    return pd.DataFrame(columns)
+    return frame(columns)
 
 
 def compensated(diagnosis: Diagnosis) -> pd.DataFrame | None:
@@ -109,7 +129,7 @@ def compensated(diagnosis: Diagnosis) -> pd.DataFrame | None:
         return None
     axes = zip("xyz", diagnosis.unknown.predicted.T, strict=False)
     columns = {f"d{axis}_mm": (1e3 * values).round(_DIGITS) for axis, values in axes}
-    return pd.DataFrame({**_poses(diagnosis), **columns})
+    return frame({**_poses(diagnosis), **columns})
 
 
 def _csv(table: pd.DataFrame) -> str:
@@ -119,16 +139,18 @@ def _csv(table: pd.DataFrame) -> str:
 def learned_from(file: Path, arm: Arm) -> tuple[tuple[float, float], ...] | None:
     """The least and greatest coordinates (rad, m) of each joint in the diagnosis that an arm file stems from, by the
     residuals beside it; None for an arm file of no diagnosis."""
-    own = _own_files(file.parent)
-    if made_by(file.with_name(DIAGNOSIS)) != "diagnose" or (file.name != DESIGN and file.name not in own):
+    import pandas as pd
+
+    files = _own_files(file.parent)
+    if made_by(file.with_name(DIAGNOSIS)) != "diagnose" or (file.name != DESIGN and file.name not in files):
         return None
     try:
         poses = pd.read_csv(io.StringIO(read_text(file.with_name(RESIDUALS))))
     except (InputError, ValueError):
         return None
-    if file.name in own and "recording" in poses.columns:
-        poses = poses[poses["recording"].astype(str) == own[file.name]]
-    found: list[tuple[float, float]] = []
+    if file.name in files and "recording" in poses.columns:
+        poses = poses[poses["recording"].astype(str) == files[file.name]]
+    times: list[tuple[float, float]] = []
     for name, joint in zip(joint_columns(arm, np.zeros((1, arm.size))), arm.joints, strict=True):
         if name not in poses.columns:
             return None
@@ -136,8 +158,22 @@ def learned_from(file: Path, arm: Arm) -> tuple[tuple[float, float], ...] | None
         if not np.isfinite(values).all() or not len(values):
             return None
         values = np.radians(values) if joint.revolute else 1e-3 * values
-        found.append((float(values.min()), float(values.max())))
-    return tuple(found)
+        times.append((float(values.min()), float(values.max())))
+    return tuple(times)
+
+
+def with_written_motion(found: MotionDiagnosis, catalogue: Catalogue) -> MotionDiagnosis:
+    """The diagnosis of motion logs with what its `arm.yaml` is worth on the same motion, as `linkwright predict` says
+    it; RMS of all joints and logs together."""
+    back = _read_back(found.corrected, catalogue)
+    predictions = [predict_motion(back, log) for log in found.logs]
+    squares = np.nan_to_num([np.square(prediction.rms) for prediction in predictions])
+    counts = np.array([prediction.samples for prediction in predictions], dtype=float)
+    whole = counts.sum(axis=0)
+    if not whole.any():
+        return found
+    each_joint = (squares * counts).sum(axis=0)[whole > 0.0] / whole[whole > 0.0]
+    return replace(found, written=WrittenArm(float(np.sqrt(each_joint.mean())), found.rms_after, ()))
 
 
 def with_written(found: Diagnosis, catalogue: Catalogue) -> Diagnosis:
@@ -151,30 +187,37 @@ def with_written(found: Diagnosis, catalogue: Catalogue) -> Diagnosis:
     return replace(found, recordings=tuple(_with_own(found, one, part, catalogue) for one, part in parts))
 
 
-def _with_own(found: Diagnosis, one: OfRecording, recording: Recording, catalogue: Catalogue) -> OfRecording:
+def _with_own(diagnosis: Diagnosis, one: OfRecording, recording: Recording, catalogue: Catalogue) -> OfRecording:
     """A recording with what the file of its own arm is worth on it."""
     if one.corrected is None:
         return one
     rms = _left(one.corrected, recording, catalogue)
-    return replace(one, written=WrittenArm(rms, one.rms_promised, _lacks(found, one.corrected, one.name)))
+    return replace(one, written=WrittenArm(rms, one.rms_promised, _lacks(diagnosis, one.corrected, one.name)))
 
 
 def _left(arm: Arm, recording: Recording, catalogue: Catalogue) -> float:
     """The RMS (m) that an arm leaves of a recording once it has been written and read back."""
-    text = Mapping(parse_yaml(arm_to_yaml(arm), file=DESIGN), file=DESIGN)
-    back = arm_from(text, catalogue, tip=arm.tip)
-    return rms_length(residual_under(back, recording))
+    return rms_length(residual_under(_read_back(arm, catalogue), recording))
 
 
-def _lacks(found: Diagnosis, corrected: Arm, own: str = "") -> tuple[str, ...]:
+def _read_back(arm: Arm, catalogue: Catalogue) -> Arm:
+    """An arm once it has been written and read back."""
+    text = Reader(parse_yaml(arm_to_yaml(arm), file=DESIGN), file=DESIGN)
+    return arm_from(text, catalogue, tip=arm.tip)
+
+
+def _lacks(diagnosis: Diagnosis, corrected: Arm, name: str = "") -> tuple[str, ...]:
     """What an arm's file cannot carry of what was found in all recordings and in one that is its `own`, in words."""
     held = {(entry.effect, tuple(entry.at)) for entry in corrected.effects}
-    regained = found.arm.leave_out - corrected.leave_out
+    regained = diagnosis.arm.leave_out - corrected.leave_out
     lost = [
-        name_of(each.effect, each.at, each.recording)
-        for each in found.findings
-        if not (own and each.recording not in ("", own))
-        and ((each.recording and not own) or ((each.effect, each.at) not in held and each.effect not in regained))
+        name_of(finding.effect, finding.at, finding.recording)
+        for finding in diagnosis.findings
+        if not (name and finding.recording not in ("", name))
+        and (
+            (finding.recording and not name)
+            or ((finding.effect, finding.at) not in held and finding.effect not in regained)
+        )
     ]
     weightless = [
         str(number)
@@ -183,6 +226,6 @@ def _lacks(found: Diagnosis, corrected: Arm, own: str = "") -> tuple[str, ...]:
     ]
     if weightless and not unit_weights(corrected):
         lost.append(f"the weight of link{'s' if len(weightless) > 1 else ''} {', '.join(weightless)}, which is unknown")
-    if found.unknown is not None:
+    if diagnosis.unknown is not None:
         lost.append("what nothing in the library explains")
     return tuple(lost)

@@ -10,6 +10,7 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
+from linkwright.core.units.extras import not_installed
 from linkwright.core.units.quantities import InputError
 from linkwright.core.units.spreadsheet import defused
 
@@ -20,7 +21,6 @@ if TYPE_CHECKING:
 
 _DIGITS = 6
 """Of numbers in tables that people read."""
-_NO_PYARROW = "parquet needs pyarrow, which is not installed: pip install 'linkwright[parquet]'"
 _MARKDOWN = str.maketrans({"|": r"\|", "\n": " ", "<": "&lt;"})
 
 
@@ -38,7 +38,8 @@ def write_table(table: pd.DataFrame, file: Path | str) -> None:
     >>> import pathlib, tempfile
     >>> import linkwright as lw
     >>> file = pathlib.Path(tempfile.mkdtemp()) / "drives.md"
-    >>> lw.write_table(lw.actuators.table[["name", "mass_kg"]].head(1), file)
+    >>> table = lw.actuators.table[["name", "mass_kg"]]
+    >>> lw.write_table(table[table["name"] == "CSG-14-100-2UH"], file)
     >>> print(file.read_text(), end="")
     | name | mass_kg |
     | --- | ---: |
@@ -54,7 +55,7 @@ def write_table(table: pd.DataFrame, file: Path | str) -> None:
 def check_table(file: Path | None) -> None:
     """Refuse, before any work is done, parquet where pyarrow is not installed. Raises `InputError`."""
     if file is not None and WAYS.get(file.suffix.lower()) is _parquet and find_spec("pyarrow") is None:
-        raise InputError(file, "", _NO_PYARROW)
+        raise InputError(file, "", not_installed("parquet", "pyarrow", "parquet"))
 
 
 def rows_of(table: pd.DataFrame, names: Sequence[str]) -> pd.DataFrame:
@@ -72,7 +73,7 @@ def _parquet(table: pd.DataFrame) -> bytes:
     try:
         table.to_parquet(stream, index=False)
     except ImportError:
-        raise InputError("", "", _NO_PYARROW) from None
+        raise InputError("", "", not_installed("parquet", "pyarrow", "parquet")) from None
     return stream.getvalue()
 
 
@@ -84,7 +85,7 @@ def _cell(value: Any) -> str:
 
 def _markdown(table: pd.DataFrame) -> str:
     every = [list(table.columns), *table.itertuples(index=False, name=None)]
-    head, *rows = [[_cell(each).translate(_MARKDOWN) for each in row] for row in every]
+    head, *rows = [[_cell(item).translate(_MARKDOWN) for item in row] for row in every]
     marks = ["---:" if kind.kind in "iuf" else "---" for kind in table.dtypes]
     return "".join(f"| {' | '.join(row)} |\n" for row in (head, marks, *rows))
 

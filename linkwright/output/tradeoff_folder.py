@@ -26,8 +26,8 @@ COMMAND = "linkwright tradeoff"
 
 def _written(result: Tradeoff) -> list[tuple[str, str, float]]:
     """The figures that are told of a point: their names, those in the files, and what one SI unit is in their unit."""
-    found = [(each.name, each.key, each.factor) for each in result.asked.given.figures.values()]
-    return [found[0], ("upper_bound", "upper_bound_mm", 1e3), *found[1:]]
+    figures = [(figure.name, figure.key, figure.factor) for figure in result.asked.given.figures.values()]
+    return [figures[0], ("upper_bound", "upper_bound_mm", 1e3), *figures[1:]]
 
 
 def made_by() -> str:
@@ -41,11 +41,11 @@ def point_file(result: Tradeoff, point: Point) -> str:
 
 
 def _figures(result: Tradeoff, point: Point) -> dict[str, Any]:
-    found: dict[str, Any] = {}
+    figures: dict[str, Any] = {}
     for name, written, factor in _written(result):
-        value = point.figures[name]
-        found[written] = None if value is None else factor * value
-    return found
+        value = point.figures.get(name)
+        figures[written] = None if value is None else factor * value
+    return figures
 
 
 def _price(result: Tradeoff, point: Point) -> float | None:
@@ -61,7 +61,7 @@ def _front(result: Tradeoff, front: Front) -> dict[str, Any]:
     x, y = result.asked.x, result.asked.y
     points = result.of(front)
     best_x, best_y = (
-        {"point": each.number, x.name: x.factor * each.x, y.name: y.factor * each.y} for each in (points[0], points[-1])
+        {"point": item.number, x.name: x.factor * item.x, y.name: y.factor * item.y} for item in (points[0], points[-1])
     )
     return {
         **fields(front, "name", "points", "knee", "straight_line_error=error", "steps", "complete", "exhaustive"),

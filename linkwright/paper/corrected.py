@@ -12,14 +12,15 @@ import numpy as np
 
 from linkwright.core.arm.chain.chain import Arm, Joint, Link
 from linkwright.core.arm.errors.model import beam_values, beams_of, error_model
+from linkwright.core.arm.figures import limit_on
 from linkwright.core.arm.worst.refine import uphill
 from linkwright.core.arm.worst.search import WorstSearch
 from linkwright.core.arm.worst.workspace import Workspace
 from linkwright.core.materials.catalogue import load_catalogue
 from linkwright.core.materials.catalogue_entry import read_inline
 from linkwright.core.materials.material import Material
-from linkwright.core.optimize.limits import limit_on
 from linkwright.core.optimize.problem import Problem
+from linkwright.core.optimize.ranges import Ranges
 from linkwright.core.optimize.run import optimise
 from linkwright.core.sections import build
 from linkwright.core.sections.numeric import Array
@@ -47,9 +48,9 @@ class PaperArm:
     @cached_property
     def material(self) -> Material:
         """The aluminium of Table II."""
-        given = self.paper.parameters
+        parameters = self.paper.parameters
         aluminium = next(row for row in self.paper.material if row.name == "aluminium")
-        return material(given.elastic_modulus, given.density, aluminium.poisson_ratio)
+        return material(parameters.elastic_modulus, parameters.density, aluminium.poisson_ratio)
 
     def arm(
         self,
@@ -183,9 +184,7 @@ def shapes(arms: PaperArm, tell: Callable[[str, float], None], names: Sequence[s
             workspace=search_of(given)[0].workspace,
             load_cases=(given.payload,),
             limits=(limit_on("mass", "<=", _mass(given)),),
-            link_length=None,
-            section_size=SIZES,
-            thickness=WALLS,
+            ranges=(Ranges(section_size=SIZES, thickness=WALLS),) * len(given.links),
             shapes=(name,),
             materials=None,
             same=frozenset(),

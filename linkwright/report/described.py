@@ -70,8 +70,8 @@ def _items(items: Iterable[Item], figures: dict[str, Figure], level: int) -> lis
             made.append(_section(item, figures, level))
         elif isinstance(item, Paragraph):
             class_ = item.tone if item.tone in ("lead", "warning", "statement", "under") else None
-            said = element("strong", text(item.text)) if item.tone == "strong" else text(item.text)
-            made.append(element("p", said, class_=class_))
+            content = element("strong", text(item.text)) if item.tone == "strong" else text(item.text)
+            made.append(element("p", content, class_=class_))
         elif isinstance(item, Lines):
             lines = (element("li", text(line)) for line in item.lines)
             made.append(element("ul", *lines, class_="binding") if item.lines else "")
@@ -94,9 +94,9 @@ def _tiles(facts: Sequence[Fact]) -> str:
     made: list[str] = []
     for fact in facts:
         before = "" if fact.before is None else f"before {words(fact.before)}"
-        note = ", ".join(each for each in (before, fact.note) if each)
-        told = element("dd", text(words(fact.value)), element("small", text(note)))
-        made.append(element("div", element("dt", text(fact.name)), told, class_="tile"))
+        note = ", ".join(item for item in (before, fact.note) if item)
+        definition = element("dd", text(words(fact.value)), element("small", text(note)))
+        made.append(element("div", element("dt", text(fact.name)), definition, class_="tile"))
     return element("dl", *made, class_="tiles")
 
 
@@ -112,24 +112,24 @@ def table_html(given: Table) -> str:
     return _rows_html(given, first) + element("details", summary, _rows_html(given, folded), beyond)
 
 
-def _rows_html(given: Table, chosen: Iterable[int] | None) -> str:
+def _rows_html(table: Table, chosen: Iterable[int] | None) -> str:
     # The first column heads its rows, and stays left even where it is a number.
-    numbers = set(given.numbers) - {0}
+    numbers = set(table.numbers) - {0}
 
     def cell(tag: str, k: int, content: Cell, **more: str) -> str:
         inside = _bars(content) if isinstance(content, Bars) else text(words(content))
         class_ = "drawn" if isinstance(content, Bars) else "number" if k in numbers else None
         return element(tag, inside, class_=class_, **more)
 
-    drawn = any(isinstance(content, Bars) for row in given.rows for content in row)
+    drawn = any(isinstance(content, Bars) for row in table.rows for content in row)
     # Where rows with bars are taken apart on a phone, each figure tells its heading.
-    told = [{"data_head": plain(column.heading)} if drawn and column.heading else {} for column in given.columns]
-    heads = [cell("th", k, column.heading, scope="col") for k, column in enumerate(given.columns)]
-    head = element("thead", element("tr", *heads)) if given.headed else ""
+    attributes = [{"data_head": plain(column.heading)} if drawn and column.heading else {} for column in table.columns]
+    heads = [cell("th", k, column.heading, scope="col") for k, column in enumerate(table.columns)]
+    head = element("thead", element("tr", *heads)) if table.headed else ""
     lines: list[str] = []
-    for row in given.rows if chosen is None else [given.rows[k] for k in chosen]:
-        cells = [cell("td", k, content, **told[k]) for k, content in enumerate(row[1:], 1)]
-        head_too = told[0] if words(row[0]).isdigit() else {}
+    for row in table.rows if chosen is None else [table.rows[k] for k in chosen]:
+        cells = [cell("td", k, content, **attributes[k]) for k, content in enumerate(row[1:], 1)]
+        head_too = attributes[0] if words(row[0]).isdigit() else {}
         lines.append(element("tr", cell("th", 0, row[0], scope="row", **head_too), *cells))
     made = element("table", head, element("tbody", *lines), class_="bars" if drawn else None)
     return element("div", made, class_="scroll")

@@ -61,7 +61,7 @@ def page(title: str, summary: str, body: Sequence[str], figures: Mapping[str, Fi
     """
     folder = files("linkwright.report")
     styles = folder.joinpath("style.css").read_text(encoding="utf-8")
-    script = folder.joinpath("script.js").read_text(encoding="utf-8")
+    script = "".join(folder.joinpath(name).read_text(encoding="utf-8") for name in ("picture.js", "script.js"))
     data = packed(json.dumps(strict(figures), allow_nan=False, separators=(",", ":")))
     head = (
         '<meta charset="utf-8"><meta name="viewport" content="width=device-width, initial-scale=1">'
@@ -73,7 +73,7 @@ def page(title: str, summary: str, body: Sequence[str], figures: Mapping[str, Fi
         f'<script type="application/gzip" id="plotly">{packed(get_plotlyjs())}</script><script>{script}</script>'
     )
     missing = element("noscript", element("p", without, class_="lead"))
-    told = _unbroken(summary[:1].upper() + summary[1:])
-    opening = element("header", element("h1", text(title)), element("p", text(told), class_="headline"), missing)
+    title_text = _unbroken(summary[:1].upper() + summary[1:])
+    opening = element("header", element("h1", text(title)), element("p", text(title_text), class_="headline"), missing)
     main = element("main", opening, *body)
     return f'<!DOCTYPE html>\n<html lang="en"><head>{head}</head><body>{main}{scripts}</body></html>\n'

@@ -12,6 +12,7 @@
       autosize: true,
       paper_bgcolor: "rgba(0,0,0,0)",
       plot_bgcolor: "rgba(0,0,0,0)",
+      modebar: { bgcolor: "rgba(0,0,0,0)", color: colour("--muted") },
       colorway: [colour("--error"), colour("--after")],
       font: { color: ink, size: 12, family: getComputedStyle(document.body).fontFamily },
       xaxis: Object.assign({}, layout.xaxis, axis),
@@ -34,7 +35,7 @@
   function draw() {
     places.forEach(function (place) {
       var figure = whole(figures[place.dataset.figure]);
-      Plotly.react(place, figure.data, dressed(figure.layout), { responsive: true, displaylogo: false, displayModeBar: false });
+      Plotly.react(place, figure.data, dressed(figure.layout), { responsive: true, displaylogo: false, displayModeBar: true, modeBarButtons: [["toImage"]] });
     });
   }
   function unpacked(id) {
@@ -53,6 +54,14 @@
   function missing(words) {
     places.forEach(function (place) { place.textContent = words; });
   }
+  document.querySelectorAll("svg").forEach(function (drawing) {
+    var button = document.createElement("button");
+    button.className = "png";
+    button.textContent = "PNG";
+    button.setAttribute("aria-label", "PNG of " + (drawing.getAttribute("aria-label") || "this drawing"));
+    button.onclick = function () { savePicture(drawing); };
+    drawing.after(button);
+  });
   if (!places.length) { return; }
   if (!window.DecompressionStream) {
     missing("This browser is too old to draw it; the result file has the figures.");

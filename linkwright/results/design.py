@@ -10,12 +10,12 @@ from collections.abc import Mapping, Sequence
 from itertools import zip_longest
 
 from linkwright.core.arm.evaluation import Evaluation
-from linkwright.core.arm.limits.local_buckling import LinkBuckling
+from linkwright.core.arm.figures import FIGURES, Figure
+from linkwright.core.arm.figures.frequency import FIRST_FREQUENCY
+from linkwright.core.arm.figures.local_buckling import LinkBuckling
+from linkwright.core.arm.figures.sideways import SIDEWAYS_STIFFNESS
 from linkwright.core.arm.placed.heights import heights
 from linkwright.core.arm.worst.search import WorstPose
-from linkwright.core.optimize.limits import FIGURES, Figure
-from linkwright.core.optimize.limits.frequency import FIRST_FREQUENCY
-from linkwright.core.optimize.limits.sideways import SIDEWAYS_STIFFNESS
 from linkwright.core.optimize.worse import MUCH_LESS, Worse, softened_links
 
 from .document import Bars, Cell, Paragraph, Table, Value, amount, count, length, number, share, table
@@ -83,10 +83,10 @@ def seam_words(evaluation: Evaluation) -> list[Paragraph]:
     seam = evaluation.seam
     if seam is None:
         return []
-    across, along, whole = (mm(each.error, 5) for each in (seam.across, seam.along, seam.whole))
-    told = f"on the path at most {across} across it, {along} along it, {whole} in all"
+    across, along, whole = (mm(item.error, 5) for item in (seam.across, seam.along, seam.whole))
+    text = f"on the path at most {across} across it, {along} along it, {whole} in all"
     counted = evaluation.workspace.error
-    return [Paragraph(told if counted == "whole" else f"{told}; only the error {counted} it counts", "under")]
+    return [Paragraph(text if counted == "whole" else f"{text}; only the error {counted} it counts", "under")]
 
 
 def rigid_links_words(evaluation: Evaluation) -> list[Paragraph]:
@@ -98,8 +98,8 @@ def rigid_links_words(evaluation: Evaluation) -> list[Paragraph]:
     if rest is None or not _TOLD_OF_RIGID_LINKS * evaluation.max_error < rest <= evaluation.max_error:
         return []
     share, gain = percent(rest / evaluation.max_error), mm(evaluation.max_error - rest, 3)
-    told = f"rigid, weightless links would leave {mm(rest, 4)}, {share} of it: that is not the links'"
-    return [Paragraph(f"{told}, which can win {gain} at best", "under")]
+    text = f"rigid, weightless links would leave {mm(rest, 4)}, {share} of it: that is not the links'"
+    return [Paragraph(f"{text}, which can win {gain} at best", "under")]
 
 
 def relative_words(evaluation: Evaluation) -> list[Paragraph]:
@@ -112,40 +112,40 @@ def relative_words(evaluation: Evaluation) -> list[Paragraph]:
 
 def warnings(evaluation: Evaluation, which: str = "") -> list[Paragraph]:
     """Each warning as a paragraph of its own; `which` says of what design."""
-    said = f"{which}: " if which else ""
-    return [Paragraph(f"{said}{warning}", "warning") for warning in evaluation.warnings]
+    prefix = f"{which}: " if which else ""
+    return [Paragraph(f"{prefix}{warning}", "warning") for warning in evaluation.warnings]
 
 
 def notes(*evaluations: Evaluation) -> list[Paragraph]:
     """What is taken for granted, each once."""
-    said = dict.fromkeys(note for evaluation in evaluations for note in evaluation.notes)
-    return [Paragraph(f"note: {each}", "under") for each in said]
+    distinct = dict.fromkeys(note for evaluation in evaluations for note in evaluation.notes)
+    return [Paragraph(f"note: {item}", "under") for item in distinct]
 
 
 def figures(evaluation: Evaluation, known: Mapping[str, Figure] = FIGURES) -> list[tuple[str, Value, str]]:
     """All that can be limited but the error, which stands above: (name, value, what it counts)."""
-    found: list[tuple[str, Value, str]] = []
-    for each in known.values():
-        value = each.shown(each.value(evaluation))
-        if each.name == "max_error" or not each.told(evaluation):
+    rows: list[tuple[str, Value, str]] = []
+    for item in known.values():
+        value = item.shown(item.value(evaluation))
+        if item.name == "max_error" or not item.told(evaluation):
             continue
-        at = None if each.where is None else each.where(evaluation)
-        note = each.note_for(evaluation.arm)
+        at = None if item.where is None else item.pose(evaluation)
+        note = item.note_for(evaluation.arm)
         note = note if at is None else f"{note}, at {pose(evaluation.arm, at)}"
-        found.append((each.title_for(evaluation.arm), amount(value, each.unit), note))
-        if each.name == FIRST_FREQUENCY.name and evaluation.frequency_of_drives is not None:
-            drives = amount(evaluation.frequency_of_drives.value, each.unit)
-            found.append(("first frequency of the drives alone", drives, "least, were the links rigid"))
-    return found
+        rows.append((item.title_for(evaluation.arm), amount(value, item.unit), note))
+        if item.name == FIRST_FREQUENCY.name and evaluation.frequency_of_drives is not None:
+            drives = amount(evaluation.frequency_of_drives.value, item.unit)
+            rows.append(("first frequency of the drives alone", drives, "least, were the links rigid"))
+    return rows
 
 
 def poses_that_differ(evaluation: Evaluation) -> tuple[WorstPose, ...]:
     """The worst poses, worst first, without those that a reader would take for a repeat of one before them."""
-    kept: list[WorstPose] = []
-    for each in evaluation.worst.poses:
-        if not any(_alike(evaluation, each, other) for other in kept):
-            kept.append(each)
-    return tuple(kept)
+    distinct: list[WorstPose] = []
+    for item in evaluation.worst.poses:
+        if not any(_alike(evaluation, item, other) for other in distinct):
+            distinct.append(item)
+    return tuple(distinct)
 
 
 def _alike(evaluation: Evaluation, one: WorstPose, other: WorstPose) -> bool:
@@ -166,10 +166,10 @@ def worst_poses(evaluation: Evaluation, *, detail: bool = False) -> Table:
     cases = evaluation.load_cases
     several = len(cases) > 1
     rows: list[list[Cell]] = []
-    for each in poses_that_differ(evaluation)[:MOST_POSES]:
-        row: list[Cell] = [pose(evaluation.arm, each.q), length(each.error, 5)]
+    for item in poses_that_differ(evaluation)[:MOST_POSES]:
+        row: list[Cell] = [pose(evaluation.arm, item.q), length(item.error, 5)]
         if several:
-            row.append(f"{each.load_case + 1}: {load_case_words(cases[each.load_case])}")
+            row.append(f"{item.load_case + 1}: {load_case_words(cases[item.load_case])}")
         rows.append(row)
     return table(["worst poses", "error", *(["load case"] if several else [])], rows, detail=detail)
 
@@ -179,7 +179,7 @@ def effects(named: Named, *, detail: bool = False) -> Table:
     parts = [(when or "error", evaluation.by_effect) for when, evaluation in named]
     largest = max((value for _, by_effect in parts for value in by_effect.values()), default=0.0)
     names = {name for _, by_effect in parts for name in by_effect}
-    largest_first = sorted(names, key=lambda each: -max(by_effect.get(each, 0.0) for _, by_effect in parts))
+    largest_first = sorted(names, key=lambda item: -max(by_effect.get(item, 0.0) for _, by_effect in parts))
     colours = ["before" if when == "before" else "after" for when, _ in parts]
     rows: list[list[Cell]] = []
     for name in largest_first:
@@ -197,23 +197,23 @@ def _unless_nothing(value: float | None, largest: float) -> float | None:
 
 def _label(number_: int, when: str, *, again: bool) -> list[Cell]:
     """The first cells of a row about a link: its number, said once, and which design is meant."""
-    told = Value("" if again else str(number_))
-    return [told, when] if when else [told]
+    label = Value("" if again else str(number_))
+    return [label, when] if when else [label]
 
 
 def links(named: Named, digits: int = 5) -> Table:
     """What the links are, and where their sections' heights point with all joints at zero."""
     rows: list[list[Cell]] = []
     points = {when: heights(evaluation.arm) for when, evaluation in named}
-    with_heights = any(each is not None for own in points.values() for each in own)
+    with_heights = any(item is not None for own in points.values() for item in own)
     for at, row in enumerate(zip_longest(*(evaluation.arm.links for _, evaluation in named)), start=1):
         shown = [(when, evaluation, link) for (when, evaluation), link in zip(named, row, strict=True) if link]
         for k, (when, evaluation, link) in enumerate(shown):
             mass = amount(evaluation.link_masses[at - 1], "kg")
-            own = points[when][at - 1]
-            height: list[Cell] = ["–" if own is None else own.words] if with_heights else []
-            told: list[Cell] = [length(link.length, digits), section_words(link), *height, material_words(link), mass]
-            rows.append(_label(at, when, again=k > 0) + told)
+            point = points[when][at - 1]
+            height: list[Cell] = ["–" if point is None else point.words] if with_heights else []
+            cells: list[Cell] = [length(link.length, digits), section_words(link), *height, material_words(link), mass]
+            rows.append(_label(at, when, again=k > 0) + cells)
     height_head = ["height points"] if with_heights else []
     return table((*_link_heads(named), "length", "section", *height_head, "material", "mass"), rows)
 
@@ -228,25 +228,25 @@ def strength(named: Named) -> Table | Paragraph:
     for link in range(max(evaluation.arm.size for _, evaluation in named)):
         shown = [(when, evaluation) for when, evaluation in named if link in evaluation.strength.links]
         for k, (when, evaluation) in enumerate(shown):
-            found = evaluation.strength
-            at = found.links.index(link)
-            stress = amount(found.stress[at] / 1e6, "MPa", 3)
-            (walls,) = [each for each in evaluation.local_buckling.links if each.link == link]
-            factors = [number(found.safety_factor[at], 3), number(found.buckling[at], 4), _walls(walls)]
-            rows.append([*_label(link + 1, when, again=k > 0), stress, *factors, share(found.deflection[at])])
+            result = evaluation.strength
+            at = result.links.index(link)
+            stress = amount(result.stress[at] / 1e6, "MPa", 3)
+            (walls,) = [item for item in evaluation.local_buckling.links if item.link == link]
+            factors = [number(result.safety_factor[at], 3), number(result.buckling[at], 4), _walls(walls)]
+            rows.append([*_label(link + 1, when, again=k > 0), stress, *factors, share(result.deflection[at])])
     if not rows:
         return Paragraph("No link has a section, so there is no stress to tell.")
     headings = ("greatest stress", "safety factor", "buckling", "local buckling", "bends by, of its length")
     return table((*_link_heads(named), *headings), rows)
 
 
-def _walls(found: LinkBuckling) -> Cell:
+def _walls(buckling: LinkBuckling) -> Cell:
     """The factor of the wall that is nearest to buckling, and which it is."""
-    if found.factor is None:
+    if buckling.factor is None:
         return "not known"
-    if found.wall is None:
+    if buckling.wall is None:
         return "–"
-    return f"{figure(found.factor, 3)} ({found.wall})"
+    return f"{figure(buckling.factor, 3)} ({buckling.wall})"
 
 
 def stiffness(named: Named) -> Table:
@@ -273,8 +273,8 @@ def joints(evaluation: Evaluation) -> Table:
         backlash = amount(math.degrees(joint.backlash) * 60.0, "arcmin") if angle else length(joint.backlash)
         unit = "kN·m/rad" if angle else "kN/m"
         stiffness_ = Value("rigid") if joint.stiffness is None else amount(joint.stiffness / 1e3, unit)
-        given = [count(index + 1), joint.type, span, length(joint.clearance), backlash, stiffness_]
-        rows.append([*given, amount(joint.mass, "kg")])
+        cells = [count(index + 1), joint.type, span, length(joint.clearance), backlash, stiffness_]
+        rows.append([*cells, amount(joint.mass, "kg")])
     headings = ("joint", "type", "range", "clearance", "backlash", "drive", "mass")
     return table(headings, rows, detail=True)
 
@@ -284,7 +284,7 @@ def joint_loads(evaluation: Evaluation) -> Table | Paragraph:
     loads = evaluation.joint_loads
     if loads is None:
         return Paragraph(f"Not known: {evaluation.unknown['mass']}.")
-    forces, moments = ([math.hypot(*getattr(each, kind)) for each in loads] for kind in ("force", "moment"))
+    forces, moments = ([math.hypot(*getattr(load, kind)) for load in loads] for kind in ("force", "moment"))
 
     def told(value: float, unit: str) -> Value:
         # What a sum of many loads leaves where nothing is.
@@ -292,9 +292,9 @@ def joint_loads(evaluation: Evaluation) -> Table | Paragraph:
         return amount(0.0 if abs(value) <= least else abs(value), unit)
 
     rows: list[list[Cell]] = []
-    for number_, (each, force, moment) in enumerate(zip(loads, forces, moments, strict=True), start=1):
-        held = told(each.drive, "N·m" if each.revolute else "N")
-        bearing = [told(each.radial, "N"), told(each.along, "N"), told(each.tilting, "N·m")]
+    for number_, (item, force, moment) in enumerate(zip(loads, forces, moments, strict=True), start=1):
+        held = told(item.drive, "N·m" if item.revolute else "N")
+        bearing = [told(item.radial, "N"), told(item.along, "N"), told(item.tilting, "N·m")]
         rows.append([count(number_), told(force, "N"), told(moment, "N·m"), *bearing, held])
     headings = ("joint", "force", "moment", "radial", "along the axis", "tilting moment", "drive holds")
     return table(headings, rows, detail=True)
@@ -302,13 +302,13 @@ def joint_loads(evaluation: Evaluation) -> Table | Paragraph:
 
 def drives(evaluation: Evaluation, *, detail: bool = False) -> Table | None:
     """What each drive holds at most, against its actuator's rated torque; None where no joint has an actuator."""
-    found = evaluation.drives
-    if found is None:
+    loads = evaluation.drives
+    if loads is None:
         return None
     rows: list[list[Cell]] = []
     for index, joint in enumerate(evaluation.arm.joints):
-        use, (q, _) = found.use[index], found.poses[index]
-        held = amount(found.greatest[index], "N·m" if joint.revolute else "N")
+        use, (q, _) = loads.use[index], loads.poses[index]
+        held = amount(loads.greatest[index], "N·m" if joint.revolute else "N")
         actuator = joint.actuator
         rated = amount(None if actuator is None else actuator.rated_torque, "N·m")
         used = share(math.nan if use is None else use, 3)
@@ -336,10 +336,10 @@ def settings(rows: Sequence[tuple[str, str]]) -> Table:
 def worse_words(found: Sequence[Worse]) -> str:
     """What a design does worse than the arm as given, as a phrase; error and mass stand beside it, better or worse."""
     parts: list[str] = []
-    for each in found:
-        if each.figure.name not in _BESIDE:
-            before, after = (figure(each.figure.shown(value)) for value in (each.before, each.after))
-            parts.append(f"{each.figure.title} from {before} to {after} {each.figure.unit}".rstrip())
+    for item in found:
+        if item.figure.name not in _BESIDE:
+            before, after = (figure(item.figure.shown(value)) for value in (item.before, item.after))
+            parts.append(f"{item.figure.title} from {before} to {after} {item.figure.unit}".rstrip())
     return f"worse: {', '.join(parts)}" if parts else ""
 
 

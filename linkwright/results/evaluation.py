@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
+from linkwright.core.arm.chain.chain import Arm
 from linkwright.core.arm.evaluation import Evaluation
+from linkwright.core.arm.motion.loads import OfDrive
 from linkwright.core.optimize.robust.result import RobustFigure
 from linkwright.report.charts import designs
 from linkwright.report.pictures.loads import loads_picture
@@ -11,18 +15,37 @@ from linkwright.report.pictures.sections import sections_grid
 from linkwright.report.pictures.side_view import side_view
 
 from . import design
-from .document import Description, Fact, Facts, Item, Lines, Paragraph, Picture, Value, section, table
+from .document import (
+    Cell,
+    Description,
+    Fact,
+    Facts,
+    Item,
+    Lines,
+    Paragraph,
+    Picture,
+    Table,
+    Value,
+    amount,
+    count,
+    section,
+    table,
+)
 from .figures_in_words import figure, mm, pose, robust_words, workspace_words
 
 LOADS = (
     "Statics of the undeformed arm at its worst pose, without acceleration; across and along its axis and "
     "against tilting a joint's bearings hold it, the rest its drive."
 )
+_ASKED = "What the motion asks of the drives"
 _SCALE = "Drawn to scale, each link as it stands in this pose."
 
 
-def describe(evaluation: Evaluation, robust: RobustFigure | None = None) -> Description:
-    """All that is known of an arm as given; `robust`: over what is uncertain of it."""
+def describe(
+    evaluation: Evaluation, robust: RobustFigure | None = None, motion: Sequence[OfDrive] | None = None
+) -> Description:
+    """All that is known of an arm as given; `robust`: over what is uncertain of it, `motion`: what one asks of its
+    drives."""
     arm, named = evaluation.arm, (("", evaluation),)
     side = Picture(lambda: side_view(arm, evaluation.load_cases))
     over = Picture(lambda: designs.maps(named, (field_of(evaluation),)))
@@ -32,7 +55,7 @@ def describe(evaluation: Evaluation, robust: RobustFigure | None = None) -> Desc
     unknown = tuple(f"{name.replace('_', ' ')} is not known: {reason}" for name, reason in evaluation.unknown.items())
     given = design.settings(design.asked(evaluation))
     poses = design.worst_poses(evaluation)
-    facts = Facts(tuple(Fact(*each) for each in design.figures(evaluation)))
+    facts = Facts(tuple(Fact(*item) for item in design.figures(evaluation)))
     items: list[Item] = [
         Paragraph(design.bound_words(evaluation), "under"),
         Paragraph(design.first_order_words(evaluation), "under"),
@@ -52,6 +75,7 @@ def describe(evaluation: Evaluation, robust: RobustFigure | None = None) -> Desc
         section("Links", links, design.links(named)),
         section("Strength", design.strength(named)),
         *([section("Drives", drives)] if drives is not None else []),
+        *([] if motion is None else [section(_ASKED, _in_motion(evaluation.arm, motion))]),
         _compliance(evaluation),
         *([section("What is not known", Lines(unknown))] if unknown else []),
         section("What was asked", given, design.joints(evaluation), detail=True),
@@ -62,6 +86,24 @@ def describe(evaluation: Evaluation, robust: RobustFigure | None = None) -> Desc
     headline = f"Worst {what}  {mm(evaluation.max_error, 5)}"
     name = f"{arm.name}, tip of {arm.tip}" if arm.tip and not arm.every_tip else arm.name
     return Description(name, headline, tuple(items), brief, f"{name}\n")
+
+
+def _in_motion(arm: Arm, motion: Sequence[OfDrive]) -> Table:
+    """Torque, speed, power and energy of each drive."""
+    rows: list[list[Cell]] = [
+        [
+            count(number),
+            amount(item.torque, "N·m" if joint.revolute else "N"),
+            amount(item.rms_torque, "N·m" if joint.revolute else "N"),
+            amount(item.speed, "rad/s" if joint.revolute else "m/s"),
+            amount(item.power, "W"),
+            amount(item.energy, "J"),
+            amount(item.braked, "J"),
+        ]
+        for number, (joint, item) in enumerate(zip(arm.joints, motion, strict=True), start=1)
+    ]
+    headings = ("joint", "greatest torque", "RMS torque", "greatest speed", "greatest power", "energy", "braked off")
+    return table(headings, rows)
 
 
 def _compliance(evaluation: Evaluation) -> Item:

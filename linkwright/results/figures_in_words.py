@@ -73,7 +73,7 @@ def shape_words(shape: str | None, dimensions: Mapping[str, float]) -> str:
     if shape is None:
         return "rigid"
     parts = [
-        f"{name.replace('_', ' ')} {' to '.join(figure(1e3 * each, 5) for each in ends)}"
+        f"{name.replace('_', ' ')} {' to '.join(figure(1e3 * end, 5) for end in ends)}"
         for name, value in dimensions.items()
         if (ends := _ends(value))
     ]
@@ -83,7 +83,7 @@ def shape_words(shape: str | None, dimensions: Mapping[str, float]) -> str:
 def _ends(value: object) -> tuple[float, ...]:
     """One length, or those at both ends of a taper; none for the points of a polygon."""
     ends = cast(tuple[object, ...], value) if isinstance(value, tuple) else (value,)
-    return tuple(float(each) for each in ends if isinstance(each, float | int))
+    return tuple(float(end) for end in ends if isinstance(end, float | int))
 
 
 def section_words(link: Link) -> str:
@@ -126,10 +126,14 @@ def workspace_words(arm: Arm, workspace: Workspace) -> str:
             for index, (low, high) in enumerate(ranges)
         ]
         return f"all poses within the joint ranges: {'; '.join(spans)}"
+    if workspace.kind == "poses":
+        return f"{len(workspace.poses)} poses that the problem lists"
     used = 2 if workspace.in_plane else 3
     points = [f"({', '.join(figure(1e3 * value) for value in point[:used])})" for point in workspace.points]
     if workspace.kind == "box":
         return f"all poses whose tip lies in the box from {points[0]} mm to {points[1]} mm"
+    if workspace.apart:
+        return f"all poses whose tip stands at {', '.join(points)} mm"
     return f"all poses whose tip lies on the path {' – '.join(points)} mm"
 
 

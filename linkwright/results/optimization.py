@@ -97,17 +97,17 @@ def _robust(result: OptimizationResult) -> list[Item]:
     """The design and the nominal optimum over what is uncertain, and what the nominal one loses."""
     if result.robust is None:
         return []
-    found = result.robust
-    lost = percent(found.loses / found.design.value) if found.design.value > 0.0 else percent(0.0)
-    told = f"the nominal optimum has {mm(found.nominal_design.value)} there: it loses {mm(found.loses)} ({lost})"
-    if found.kept_nominal:
-        told = "no design was found that is better there than the nominal optimum, which stays"
-    one = len(found.scenarios) == 1, found.rounds == 1
-    how = f"{len(found.scenarios)} scenario{'' if one[0] else 's'} bind{'s' if one[0] else ''} it"
-    how = f"{how}, found in {found.rounds} round{'' if one[1] else 's'}"
-    sampled = f", of {found.samples} samples" if found.samples else ""
+    robust = result.robust
+    lost = percent(robust.loses / robust.design.value) if robust.design.value > 0.0 else percent(0.0)
+    text = f"the nominal optimum has {mm(robust.nominal_design.value)} there: it loses {mm(robust.loses)} ({lost})"
+    if robust.kept_nominal:
+        text = "no design was found that is better there than the nominal optimum, which stays"
+    one = len(robust.scenarios) == 1, robust.rounds == 1
+    how = f"{len(robust.scenarios)} scenario{'' if one[0] else 's'} bind{'s' if one[0] else ''} it"
+    how = f"{how}, found in {robust.rounds} round{'' if one[1] else 's'}"
+    sampled = f", of {robust.samples} samples" if robust.samples else ""
     rest = f"{how}{sampled}; judged by scenarios that it was not made with"
-    return [Paragraph(robust_words(found.design), "strong"), Paragraph(f"{told}; {rest}", "under")]
+    return [Paragraph(robust_words(robust.design), "strong"), Paragraph(f"{text}; {rest}", "under")]
 
 
 def _not_judged(result: OptimizationResult) -> list[Paragraph]:
@@ -124,30 +124,30 @@ def _not_asked_for(result: OptimizationResult) -> list[Paragraph]:
     binding = [limit for limit in result.binding if limit.assumed]
     return [
         Paragraph(
-            f"{each.text} was not asked for and binds: {price_words(each)}; {each.name}: off leaves it out", "under"
+            f"{item.text} was not asked for and binds: {price_words(item)}; {item.name}: off leaves it out", "under"
         )
-        for each in binding
+        for item in binding
     ]
 
 
 def _dropped(result: OptimizationResult) -> list[Paragraph]:
     """What nothing could be made of, and what stands in its way."""
     kinds = {"material": "material", "section": "shape"}
-    told = [(f"the {kinds[each.kind]} {each.name} drops out", " and ".join(each.limits)) for each in result.dropped]
-    return [Paragraph(f"{out}: what comes nearest of it breaks {broken}", "under") for out, broken in told]
+    rows = [(f"the {kinds[item.kind]} {item.name} drops out", " and ".join(item.limits)) for item in result.dropped]
+    return [Paragraph(f"{out}: what comes nearest of it breaks {broken}", "under") for out, broken in rows]
 
 
 def _facts(result: OptimizationResult) -> Facts:
     """The arm's figures before and after, each with how many times smaller or larger it became."""
     facts: list[Fact] = []
     both = (result.before, result.after)
-    for each in result.figures.values():
-        if not any(each.told(evaluation) for evaluation in both):
+    for item in result.figures.values():
+        if not any(item.told(evaluation) for evaluation in both):
             continue
-        one, other = (each.shown(each.value(evaluation)) for evaluation in both)
-        before, after = (amount(value, each.unit, each.digits) for value in (one, other))
+        one, other = (item.shown(item.value(evaluation)) for evaluation in both)
+        before, after = (amount(value, item.unit, item.digits) for value in (one, other))
         note = "" if one is None or other is None else factor_words(one, other)
-        facts.append(Fact(each.title_for(result.after.arm), after, note, before))
+        facts.append(Fact(item.title_for(result.after.arm), after, note, before))
     return Facts(tuple(facts))
 
 
@@ -177,18 +177,19 @@ def _candidates(result: OptimizationResult) -> Table | None:
     """The combinations tried, best first."""
     if len(result.candidates) < 2:
         return None
-    ranked = sorted(result.candidates, key=lambda each: float("inf") if each.objective is None else each.objective)
+    ranked = result.candidates
+    bound = "≤ " if result.minimised.more_is_better else "≥ "
     some = "" if result.exhaustive else _failed(result) or ", not all of them tried"
     if result.combinations > len(ranked):
         some = f" solved of {result.combinations:,}; {_others(result)}"
     rows = [
         (
-            names_words(each.shapes),
-            names_words(each.materials),
-            _objective(result, each.objective, mark="≥ " if each.outcome == "bounded out" else ""),
-            each.outcome,
+            names_words(item.shapes),
+            names_words(item.materials),
+            _objective(result, item.objective, mark=bound if item.outcome == "bounded out" else ""),
+            item.outcome,
         )
-        for each in ranked
+        for item in ranked
     ]
     title = f"{len(ranked)} combinations of shape and material{some}"
     rest = f"and {len(ranked) - MOST_CANDIDATES} more, in result.json, the best of them in the report"
@@ -202,29 +203,29 @@ def _near_ties(result: OptimizationResult) -> list[Section]:
         return []
     rows = [
         (
-            names_words(each.shapes),
-            names_words(each.materials),
-            *((names_words(each.actuators),) if result.drives else ()),
-            _objective(result, each.objective),
-            share(each.objective / result.objective - 1.0 if result.objective else 0.0),
-            Value(mm(each.max_error)),
-            amount(each.mass, "kg", 4),
-            amount(each.cost, "EUR", 4),
-            amount(each.first_frequency, "Hz", 4),
+            names_words(tie.shapes),
+            names_words(tie.materials),
+            *((names_words(tie.actuators),) if result.drives else ()),
+            _objective(result, tie.objective),
+            share(abs(tie.objective / result.objective - 1.0) if result.objective else 0.0),
+            Value(mm(tie.max_error)),
+            amount(tie.mass, "kg", 4),
+            amount(tie.cost, "EUR", 4),
+            amount(tie.first_frequency, "Hz", 4),
         )
-        for each in result.near_ties
+        for tie in result.near_ties
     ]
     drives = ("actuators",) if result.drives else ()
     headings = ("shapes", "materials", *drives, "objective", "worse by", "error", "mass", "cost", "first frequency")
     rest = f"and {len(rows) - MOST_CANDIDATES} more, in result.json, the best of them in the report"
-    found = table(headings, rows, first=MOST_CANDIDATES, rest=rest) if rows else None
-    told = None
+    ties = table(headings, rows, first=MOST_CANDIDATES, rest=rest) if rows else None
+    rest_text = None
     if result.near_ties_left:
-        told = Paragraph(
+        rest_text = Paragraph(
             f"Up to {result.near_ties_left:,} more combinations could come within 3 % by their bounds; "
             "these were not solved."
         )
-    return [section("Near ties", found, told, lead="Combinations within 3 % of the best, each solved to the end.")]
+    return [section("Near ties", ties, rest_text, lead="Combinations within 3 % of the best, each solved to the end.")]
 
 
 def _others(result: OptimizationResult) -> str:
@@ -249,12 +250,12 @@ def _balance(result: OptimizationResult) -> list[Section]:
         return []
     rows = [
         (
-            each.words,
-            Value(format_quantity(each.before, each.kind, digits=4)),
-            Value(format_quantity(each.value, each.kind, digits=4)),
-            "" if each.bound is None else f"the {each.bound} allowed",
+            item.words,
+            Value(format_quantity(item.before, item.kind, digits=4)),
+            Value(format_quantity(item.value, item.kind, digits=4)),
+            "" if item.bound is None else f"the {item.bound} allowed",
         )
-        for each in result.balance
+        for item in result.balance
     ]
     return [section("What balances the arm", table(("", "before", "after", ""), rows))]
 
@@ -263,10 +264,12 @@ def _motors(result: OptimizationResult) -> list[Section]:
     """The combinations of places for motors, best first."""
     if not result.motor_places:
         return []
-    rows = [(", ".join(each.places), _objective(result, each.objective), each.outcome) for each in result.motor_places]
+    rows = [
+        (", ".join(place.places), _objective(result, place.objective), place.outcome) for place in result.motor_places
+    ]
     rest = f"and {len(rows) - MOST_CANDIDATES} more, in result.json, the best of them in the report"
-    found = table(("motor", "objective", "outcome"), rows, first=MOST_CANDIDATES, rest=rest)
-    return [section("Where motors stand", found)]
+    motors = table(("motor", "objective", "outcome"), rows, first=MOST_CANDIDATES, rest=rest)
+    return [section("Where motors stand", motors)]
 
 
 def _drives(result: OptimizationResult) -> list[Section]:
@@ -277,7 +280,8 @@ def _drives(result: OptimizationResult) -> list[Section]:
     if len(result.drives) > 1:
         some = "" if result.drives_exhaustive else ", not all of them tried"
         rows = [
-            (names_words(each.actuators), _objective(result, each.objective), each.outcome) for each in result.drives
+            (names_words(drive.actuators), _objective(result, drive.objective), drive.outcome)
+            for drive in result.drives
         ]
         title = f"{len(rows)} choices of actuators{some}"
         rest = f"and {len(rows) - MOST_CANDIDATES} more, in result.json, the best of them in the report"
@@ -292,14 +296,14 @@ def _search(result: OptimizationResult) -> Section:
     """The log of the exchange, and the combinations tried."""
     rows: list[tuple[Cell, ...]] = [
         (
-            count(each.number),
-            _objective(result, each.objective, 6),
-            share(each.design_change),
-            count(each.poses),
-            Value(violation_words(each)),
-            "certified" if each.certified else "",
+            count(iteration.number),
+            _objective(result, iteration.objective, 6),
+            share(iteration.design_change),
+            count(iteration.poses),
+            Value(violation_words(iteration)),
+            "certified" if iteration.certified else "",
         )
-        for each in result.iterations
+        for iteration in result.iterations
     ]
     headings = ("iteration", "objective", "design change", "poses", "worst violation", "")
     log = table(headings, rows, detail=True)
@@ -313,7 +317,7 @@ def _problem(result: OptimizationResult) -> Table:
     after = result.after
     rows = [
         ("problem file", PurePath(result.problem_file).name),
-        ("minimise", f"the {result.minimised.title}"),
+        ("maximise" if result.minimised.more_is_better else "minimise", f"the {result.minimised.title}"),
         *design.asked(after),
         *(("subject to" if at == 0 else "", limit) for at, limit in enumerate(result.limits)),
         *(("choose" if at == 0 else "", choice) for at, choice in enumerate(result.choices)),
@@ -376,14 +380,15 @@ def bound_sentence(result: OptimizationResult) -> str:
     factor, unit = objective_unit(result.minimize, result.figures)
     if result.robust is not None and result.robust.design.share < 1.0 and result.minimize == "max_error":
         return "no lower bound is known: what a share does not exceed is sampled, and its optimum a local one"
-    bound = with_unit(factor * result.lower_bound, unit, 6)
+    side = "upper" if result.minimised.more_is_better else "lower"
+    bound = f"{side} bound {with_unit(factor * result.lower_bound, unit, 6)}"
     if result.bound_of == "all_designs":
         sizes = "" if result.listed else " and all sizes"
         whose = f"all {result.combinations:,} combinations{sizes}" if result.combinations > 1 else "all sizes"
         gap = percent(result.lower_bound_gap)
-        return f"lower bound {bound}: of {whose}, bounded at once; no design is more than {gap} better"
+        return f"{bound}: of {whose}, bounded at once; no design is more than {gap} better"
     reach = "no design does better" if result.optimum == "global" else "no design near this one does better"
-    return f"lower bound {bound}: the optimum over the binding poses alone; {reach}"
+    return f"{bound}: the optimum over the binding poses alone; {reach}"
 
 
 def price_words(limit: BindingLimit) -> str:
@@ -413,43 +418,47 @@ def headline(result: OptimizationResult) -> str:
 
 
 def better_words(result: OptimizationResult) -> str:
-    """Error and mass before and after, as a phrase."""
+    """Error and mass before and after, and what else was made as good as it can be, as a phrase."""
     before, after = result.before, result.after
     words = factor_words(before.max_error, after.max_error)
     error = f"worst error {mm(before.max_error)} before, {mm(after.max_error)} after ({words})"
     mass = f"links {with_unit(before.mass, 'kg')} before, {with_unit(after.mass, 'kg')} after"
+    figure = result.minimised
+    if not figure.summed:
+        was, new = (amount(figure.shown(figure.value(item)), figure.unit).text for item in (before, after))
+        return f"{figure.title} {was} before, {new} after; {error}; {mass}"
     return f"{mass}; {error}" if result.minimize in ("mass", "total_mass") else f"{error}; {mass}"
 
 
 def names_words(names: Sequence[str | None]) -> str:
-    """Shapes or materials from the base out; one name where all links have the same."""
-    shown = [name or "–" for name in names]
-    return f"all {shown[0]}" if len(shown) > 1 and len(set(shown)) == 1 else ", ".join(shown)
+    """Shapes or materials from the base out, of the links that have one; one name where all have the same."""
+    shown = [name for name in names if name]
+    return f"all {shown[0]}" if len(shown) > 1 and len(set(shown)) == 1 else ", ".join(shown) or "–"
 
 
 def describe_infeasible(found: Infeasibility) -> Description:
     """What stands in the way, limit by limit."""
-    joint = {each.limit.text: changed(each.limit, each.needed) for each in found.joint}
+    joint = {item.limit.text: changed(item.limit, item.needed) for item in found.joint}
     rows = [
         (
-            each.limit.text,
+            limit.limit.text,
             Value(
-                changed(each.limit, each.needed)
-                if each.needed is not None
+                changed(limit.limit, limit.needed)
+                if limit.needed is not None
                 else _NONE
-                if each.outcome == "none"
+                if limit.outcome == "none"
                 else _UNDECIDED
             ),
-            Value(joint.get(each.limit.text, "kept" if joint else "")),
+            Value(joint.get(limit.limit.text, "kept" if joint else "")),
         )
-        for each in found.limits
+        for limit in found.limits
     ]
-    items: list[Item] = [Paragraph(each.text, "warning") for each in found.out_of_reach]
+    items: list[Item] = [Paragraph(item.text, "warning") for item in found.out_of_reach]
     items += [Paragraph(f"{found.rests_on}; {found.kept} kept", "under")]
     if rows:
         items.append(table(("limit", "alone would have to be", "in the smallest joint change"), rows))
     if found.joint_sum is not None:
-        told = f"the joint change is {with_unit(100.0 * found.joint_sum, '%', 3)} in sum (logarithms of the ratios)"
-        items.append(Paragraph(told, "under"))
+        text = f"the joint change is {with_unit(100.0 * found.joint_sum, '%', 3)} in sum (logarithms of the ratios)"
+        items.append(Paragraph(text, "under"))
     head = "No design keeps all limits" if found.verdict == "infeasible" else "Could not be decided"
     return Description(head, head, tuple(items), head)

@@ -21,17 +21,17 @@ _SMALLER = 1.005
 
 def describe(found: Planned) -> Description:
     """The plan: figures, what will be seen, what is told from what, the visits."""
-    asked, promise = found.asked, found.promise
+    request, promise = found.asked, found.promise
     facts = Facts(
         (
-            Fact("visits", count(asked.poses), f"{found.recording.size} readings, {_returns(found)}"),
+            Fact("visits", count(request.poses), f"{found.recording.size} readings, {_returns(found)}"),
             *_noise(found),
             Fact("causes seen", count(len(promise.shown)), f"{len(promise.unseen)} not at all"),
             Fact("smaller than at random", number(found.smaller, 3), "times, on average"),
             *_apart(found),
         )
     )
-    seen = sorted(promise.shown, key=lambda each: each.smallest / each.usual)
+    seen = sorted(promise.shown, key=lambda item: item.smallest / item.usual)
     items: list[Item] = [facts]
     if seen:
         columns = (
@@ -41,7 +41,7 @@ def describe(found: Planned) -> Description:
             Column("usual, at most", detail=True),
             "told from others",
         )
-        rows = [_row(found, each) for each in seen]
+        rows = [_row(found, item) for item in seen]
         more = max(0, len(rows) - _FIRST)
         items.append(
             section(
@@ -62,65 +62,65 @@ def describe(found: Planned) -> Description:
     return Description(f"{name}: what to record", f"{headline}.", tuple(items), headline, f"{name}: ")
 
 
-def _apart(found: Planned) -> tuple[Fact, ...]:
+def _apart(planned: Planned) -> tuple[Fact, ...]:
     """Of what could be mistaken for something else how much is decided, and how much poses at random would decide; each
     of its own number of pairs, for causes that a plan does not see have none."""
-    told, pairs = found.promise.told, found.promise.pairs
-    by_chance, possible = found.told_at_random
+    told, pairs = planned.promise.told, planned.promise.pairs
+    by_chance, possible = planned.told_at_random
     facts = [Fact("pairs told apart", count(told), f"of {pairs} (a cause, one to mistake it for), at usual sizes")]
     if possible:
-        said = f"of the {possible} pairs of causes that such poses see, for comparison"
-        facts.append(Fact("told apart at random", count(by_chance), said))
+        text = f"of the {possible} pairs of causes that such poses see, for comparison"
+        facts.append(Fact("told apart at random", count(by_chance), text))
     return tuple(facts)
 
 
-def _noise(found: Planned) -> tuple[Fact, ...]:
+def _noise(planned: Planned) -> tuple[Fact, ...]:
     """What the numbers scatter by; of a camera depths and turns by themselves."""
-    asked, turns = found.asked, [axis for axis in found.axes if axis.startswith("turn")]
+    request, turns = planned.asked, [axis for axis in planned.axes if axis.startswith("turn")]
     if not turns:
-        own = Value(_scatter(found)) if asked.instrument == "tilt" else length(asked.sigma, 3)
-        return (Fact("noise", own, f"each of {', '.join(found.axes)}"),)
-    deep, turned = asked.camera_noise
+        noise = Value(_scatter(planned)) if request.instrument == "tilt" else length(request.sigma, 3)
+        return (Fact("noise", noise, f"each of {', '.join(planned.axes)}"),)
+    deep, turned = request.camera_noise
     return (
-        Fact("noise across", length(asked.sigma, 3), "each of camera x, camera y"),
+        Fact("noise across", length(request.sigma, 3), "each of camera x, camera y"),
         Fact("noise in depth", length(deep, 3), "camera depth"),
         Fact("noise of turns", Value(format_quantity(turned, "angle", digits=3)), f"each of {', '.join(turns)}"),
     )
 
 
-def _headline(found: Planned) -> str:
+def _headline(planned: Planned) -> str:
     """What it tells apart and shows, and whether that is more than poses at random do."""
-    promise, smaller = found.promise, found.smaller
-    told = f"{found.asked.poses} visits tell {promise.told} of {promise.pairs} pairs of causes apart"
-    if not found.random:
-        return told
+    promise, smaller = planned.promise, planned.smaller
+    text = f"{planned.asked.poses} visits tell {promise.told} of {promise.pairs} pairs of causes apart"
+    if not planned.random:
+        return text
     if smaller > _SMALLER:
-        more = "" if found.tells_more else ", no more than poses at random,"
-        return f"{told}{more} and show sizes {figure(smaller, 3)} times smaller than poses at random"
-    if found.tells_more:
-        return f"{told}, more than poses at random, and show sizes no smaller than those"
-    return f"{told} and are no better than poses at random"
+        more = "" if planned.tells_more else ", no more than poses at random,"
+        return f"{text}{more} and show sizes {figure(smaller, 3)} times smaller than poses at random"
+    if planned.tells_more:
+        return f"{text}, more than poses at random, and show sizes no smaller than those"
+    return f"{text} and are no better than poses at random"
 
 
-def _returns(found: Planned) -> str:
-    if not found.returns:
+def _returns(planned: Planned) -> str:
+    if not planned.returns:
         return "none to one pose"
-    return f"{len(found.returns)} of the visits to one pose ({', '.join(map(str, found.returns))})"
+    return f"{len(planned.returns)} of the visits to one pose ({', '.join(map(str, planned.returns))})"
 
 
-def _torques(found: Planned) -> Item:
+def _torques(planned: Planned) -> Item:
     """What the drives' torques will tell, and what they would at random poses."""
     columns = ("drive", "links weigh", "at random", "payload weighs", "at random", "friction", "at random")
     rows: list[tuple[str | Value, ...]] = []
-    for each in found.promise.torques:
-        kind = "torque" if found.arm.joints[each.joint - 1].revolute else "force"
-        cells: list[str | Value] = [count(each.joint)]
+    for torque in planned.promise.torques:
+        kind = "torque" if planned.arm.joints[torque.joint - 1].revolute else "force"
+        cells: list[str | Value] = [count(torque.joint)]
         for name, of in (("links", ""), ("payload", ""), ("friction", kind)):
-            own, random = getattr(each, name), found.torques_at_random(each.joint, name)
-            cells += [_within(own, of), _within(random, of)]
+            value, random = getattr(torque, name), planned.torques_at_random(torque.joint, name)
+            cells += [_within(value, of), _within(random, of)]
         rows.append(tuple(cells))
     lead = "Within so much, with a probability of 95 %: weights of what the model says, friction of what it is."
-    if any(each.together for each in found.promise.torques):
+    if any(item.together for item in planned.promise.torques):
         lead += " The payload is always the same, and weighs with the links."
     return section("What torques will tell", table(columns, rows), lead=lead)
 
@@ -131,13 +131,13 @@ def _within(error: float | None, kind: str) -> Value:
     return Value(format_quantity(1.96 * error, kind, digits=3)) if kind else Value(f"{figure(196.0 * error, 3)} %")
 
 
-def _row(found: Planned, each: Shown) -> tuple[str | Value, ...]:
+def _row(planned: Planned, shown: Shown) -> tuple[str | Value, ...]:
     return (
-        f"{name_of(each.effect, each.at)}, {each.parameter}",
-        _size(each.smallest, each.kind),
-        _size(found.at_random(each), each.kind),
-        _size(each.usual, each.kind),
-        _size(each.told, each.kind) if len(each.not_told) < each.others else Value("–"),
+        f"{name_of(shown.effect, shown.at)}, {shown.parameter}",
+        _size(shown.smallest, shown.kind),
+        _size(planned.at_random(shown), shown.kind),
+        _size(shown.usual, shown.kind),
+        _size(shown.told, shown.kind) if len(shown.not_told) < shown.others else Value("–"),
     )
 
 
@@ -148,12 +148,12 @@ def _size(value: float, kind: str) -> Value:
 def _not_told(seen: Sequence[Shown], unseen: Sequence[tuple[str, tuple[int, ...]]]) -> tuple[str, ...]:
     """Sentences on what stays open: pairs (once each), and what is not seen."""
     lines: list[str] = []
-    for each in seen:
-        if not each.not_told:
+    for item in seen:
+        if not item.not_told:
             continue
-        names = [name_of(rival.effect, rival.at) for rival in each.not_told]
+        names = [name_of(rival.effect, rival.at) for rival in item.not_told]
         shown = f"{', '.join(names[:4])}{f' and {len(names) - 4} more' if len(names) > 4 else ''}"
-        lines.append(f"{name_of(each.effect, each.at)} is not told from {shown}.")
+        lines.append(f"{name_of(item.effect, item.at)} is not told from {shown}.")
     if len(lines) > _FIRST:
         lines = [
             *lines[:_FIRST],
@@ -171,25 +171,25 @@ def _not_told(seen: Sequence[Shown], unseen: Sequence[tuple[str, tuple[int, ...]
     return tuple(lines) or ("Every cause is told from every other at usual sizes.",)
 
 
-def _visits(found: Planned) -> Item:
-    visits = found.visits
+def _visits(planned: Planned) -> Item:
+    visits = planned.visits
     rows: list[tuple[str | Value, ...]] = []
     for row in range(visits.size):
         sides = "" if visits.sides is None else " ".join("+" if side > 0 else "-" for side in visits.sides[row])
         mass = 0.0 if visits.payload_mass is None else float(visits.payload_mass[row])
         at = () if visits.touches is None else (visits.instrument.labels[int(visits.touches[row])],)
-        rows.append((count(row + 1), pose(found.arm, visits.q[row].tolist()), sides, Value(f"{mass:g} kg"), *at))
+        rows.append((count(row + 1), pose(planned.arm, visits.q[row].tolist()), sides, Value(f"{mass:g} kg"), *at))
     touches = () if visits.touches is None else ("touches",)
     return table(("visit", "pose", "each joint comes upwards or downwards", "payload", *touches), rows)
 
 
-def _reading(found: Planned) -> tuple[str, ...]:
+def _reading(planned: Planned) -> tuple[str, ...]:
     """What is read, where that is not the tip's place."""
-    reads = found.asked.reads
+    reads = planned.asked.reads
     if reads.direction is not None:
         return (f"Read is the tip's height along {', '.join(f'{value:.4g}' for value in reads.direction)}.",)
-    if found.touched:
-        return _touching(found)
+    if planned.touched:
+        return _touching(planned)
     if reads.kinds == ("tilt",):
         where = f"link {reads.tilt_link}" if reads.tilt_link else "the base"
         return (f"Read is how a level on {where} is tilted; how exactly it sits there the recording tells.",)
@@ -204,19 +204,21 @@ def _reading(found: Planned) -> tuple[str, ...]:
     if reads.anchor is None:
         return ()
     where = ", ".join(mm(value) for value in reads.anchor)
-    known = "about there; the recording has to tell just where" if found.asked.anchor_free else "which is known"
+    known = "about there; the recording has to tell just where" if planned.asked.anchor_free else "which is known"
     return (f"Read is the tip's distance from {where}, {known}.",)
 
 
-def _touching(found: Planned) -> tuple[str, ...]:
+def _touching(planned: Planned) -> tuple[str, ...]:
     """What is touched, and about where that is."""
-    what = {"same_point": "point"}.get(found.asked.instrument, found.asked.instrument)
-    near = ", ".join(f"{each.label} at ({', '.join(mm(value) for value in each.at)})" for each in found.touched)
+    what = {"same_point": "point"}.get(planned.asked.instrument, planned.asked.instrument)
+    near = ", ".join(f"{item.label} at ({', '.join(mm(value) for value in item.at)})" for item in planned.touched)
     normals = [
-        f"{each.label} ({', '.join(f'{value:.2f}' for value in each.normal)})" for each in found.touched if each.normal
+        f"{item.label} ({', '.join(f'{value:.2f}' for value in item.normal)})"
+        for item in planned.touched
+        if item.normal
     ]
     across = f"; normals {', '.join(normals)}" if normals else ""
-    ways = [f"{each.label} ({', '.join(f'{value:.2f}' for value in each.way)})" for each in found.touched if each.way]
+    ways = [f"{item.label} ({', '.join(f'{value:.2f}' for value in item.way)})" for item in planned.touched if item.way]
     if ways:
         what, across = "bar", f"; along it {', '.join(ways)}"
     return (
@@ -225,25 +227,25 @@ def _touching(found: Planned) -> tuple[str, ...]:
     )
 
 
-def _compared(found: Planned) -> str:
-    if not found.random:
+def _compared(planned: Planned) -> str:
+    if not planned.random:
         return "It was stopped before poses at random were tried, so nothing is compared with them."
-    return f"At random: the middle of {len(found.random)} plans of the same kind."
+    return f"At random: the middle of {len(planned.random)} plans of the same kind."
 
 
-def _placed(found: Planned) -> str:
-    asked = found.asked
-    return "" if asked.instrument == "tilt" else f", frame {asked.frame}, tool {asked.tool}"
+def _placed(planned: Planned) -> str:
+    request = planned.asked
+    return "" if request.instrument == "tilt" else f", frame {request.frame}, tool {request.tool}"
 
 
-def _scatter(found: Planned) -> str:
-    asked = found.asked
-    return format_quantity(asked.sigma, "angle", digits=3) if asked.instrument == "tilt" else mm(asked.sigma, 3)
+def _scatter(planned: Planned) -> str:
+    request = planned.asked
+    return format_quantity(request.sigma, "angle", digits=3) if request.instrument == "tilt" else mm(request.sigma, 3)
 
 
-def _kept_to(found: Planned) -> str:
+def _kept_to(planned: Planned) -> str:
     """Where the arm may be put, and what nobody looked at."""
-    room, where = found.asked.room, "at each visit and where it is come from, not on the ways between visits"
+    room, where = planned.asked.room, "at each visit and where it is come from, not on the ways between visits"
     if room.avoid:
         return f"What is to be avoided is kept clear of by joints, links and tip, {where}; nothing else is checked."
     if room.within is not None:
@@ -257,21 +259,21 @@ def _kept_to(found: Planned) -> str:
     )
 
 
-def _how(found: Planned) -> tuple[str, ...]:
-    asked = found.asked
+def _how(planned: Planned) -> tuple[str, ...]:
+    request = planned.asked
     # Beyond it half of what a joint does may be drift.
-    apart = "drift is told from place" if found.with_time**2 < HALF else "drift is hardly told from place"
+    apart = "drift is told from place" if planned.with_time**2 < HALF else "drift is hardly told from place"
     lines = [
         "Come to each visit from some degrees before (dirN 1) or beyond (-1) in every joint, farther than any play.",
-        f"Time goes with no joint or side by more than a correlation of {percent(found.with_time)}: {apart}.",
-        *_reading(found),
-        f"Rests on a sound arm simulated at the plan's readings (noise {_scatter(found)}{_placed(found)}) "
-        f"and the diagnosis' own test; the choice is the best found of {found.tried} visits tried, not "
-        f"proven best. {_compared(found)}",
+        f"Time goes with no joint or side by more than a correlation of {percent(planned.with_time)}: {apart}.",
+        *_reading(planned),
+        f"Rests on a sound arm simulated at the plan's readings (noise {_scatter(planned)}{_placed(planned)}) "
+        f"and the diagnosis' own test; the choice is the best found of {planned.tried} visits tried, not "
+        f"proven best. {_compared(planned)}",
     ]
-    lines.append(_kept_to(found))
-    if found.after is not None:
-        lines.append(f"With what {found.after.file} shows already; sizes are those of both together.")
-        if not asked.effects:
+    lines.append(_kept_to(planned))
+    if planned.after is not None:
+        lines.append(f"With what {planned.after.file} shows already; sizes are those of both together.")
+        if not request.effects:
             lines.append("That recording leaves no names open, so this plan is for everything.")
     return tuple(lines)

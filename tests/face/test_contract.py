@@ -6,6 +6,7 @@ import importlib
 import json
 import subprocess
 import sys
+from importlib import metadata
 from pathlib import Path
 
 import numpy as np
@@ -22,11 +23,22 @@ WELDING = ROOT / "examples" / "welding-arm"
 
 PROMISED = {
     *("read_arm", "Arm", "Joint", "Link", "evaluate", "read_problem", "Problem", "optimize", "tradeoff"),
-    *("read_recording", "read_recordings", "diagnose", "predict", "compare", "compensate", "simulate", "redesign"),
+    *(
+        "read_recording",
+        "read_recordings",
+        "read_log",
+        "columns",
+        "diagnose",
+        "predict",
+        "compare",
+        "compensate",
+        "simulate",
+        "redesign",
+    ),
     *("shapes", "materials", "sections", "actuators", "effects", "limits", "inverse", "seam", "tables", "figures"),
-    *("import_arm", "export_arm", "budget", "plan", "watch", "write_table", "sweep"),
+    *("import_arm", "export_arm", "budget", "plan", "watch", "write_table", "sweep", "show"),
     *("Effect", "Parameter", "Settings", "Twist", "PoseState", "drive_motion", "Shape", "Dimension", "numeric"),
-    *("Figure", "OfDesign", "OfLinks"),
+    *("Figure", "OfDesign", "OfLinks", "at_poses"),
     *("InputError", "NoAnswer", "MissingProperty", "Processes", "Cluster"),
 }
 HEAVY = ("casadi", "pandas", "scipy", "plotly", "numpy", "pint", "rich", "typer")
@@ -68,6 +80,11 @@ def test_names_are_those_promised():
     assert lw.__all__ == sorted(lw.__all__)
     with pytest.raises(AttributeError):
         _ = lw.optimise
+
+
+def test_version_is_that_of_the_distribution():
+    """By the name that Python's modules have it by."""
+    assert lw.__version__ == metadata.version("linkwright")
 
 
 def test_import_alone_loads_nothing():
@@ -133,12 +150,12 @@ def test_replace_says_what_is_wrong(arm, key, value, words):
 
 def test_evaluation(arm, tmp_path):
     """Figures, tables with units, a picture, and the same JSON and files as the command."""
-    found = lw.evaluate(arm)
-    assert 0.0 < found.max_error_mm <= found.upper_bound_mm
-    assert found.worst_poses["error_mm"].iloc[0] == pytest.approx(found.max_error_mm)
-    assert {"q1_deg", "q2_deg", "load_case"} <= set(found.worst_poses.columns)
-    assert list(found.by_effect.columns) == ["effect", "title", "error_mm"]
-    assert found.mass_kg > 0.0
+    result = lw.evaluate(arm)
+    assert 0.0 < result.max_error_mm <= result.upper_bound_mm
+    assert result.worst_poses["error_mm"].iloc[0] == pytest.approx(result.max_error_mm)
+    assert {"q1_deg", "q2_deg", "load_case"} <= set(result.worst_poses.columns)
+    assert list(result.by_effect.columns) == ["effect", "title", "error_mm"]
+    assert result.mass_kg > 0.0
     given = tmp_path / "arm.yaml"
     arm.save(given)
     read = lw.evaluate(given)
@@ -222,13 +239,13 @@ def test_a_limit_that_nobody_can_keep_is_named(problem):
 
 def test_inverse_reaches_the_point(arm):
     """Both elbows."""
-    found = lw.inverse(arm, "450 mm", 0.3)
-    assert len(found.table) == 2
-    for pose in found.found:
+    result = lw.inverse(arm, "450 mm", 0.3)
+    assert len(result.table) == 2
+    for pose in result.found:
         first, second = pose.q
         tip = (0.4 * np.cos(first) + 0.3 * np.cos(first + second), 0.4 * np.sin(first) + 0.3 * np.sin(first + second))
         assert tip == pytest.approx((0.45, 0.3), abs=1e-8)
-    a_result(found)
+    a_result(result)
 
 
 def test_recording_from_a_data_frame(tmp_path):
@@ -262,11 +279,11 @@ def test_compensation_is_the_command_s(tmp_path):
     """The same table and JSON."""
     arguments = ["compensate", str(WELDING / "arm.yaml"), "--grid", "3", "--payload", "1 kg"]
     assert run([*arguments, "--out", str(tmp_path / "a.csv"), "--json", str(tmp_path / "a.json")]) == 0
-    found = lw.compensate(WELDING / "arm.yaml", grid=3, payload=1.0)
-    found.save(tmp_path / "b.csv")
+    result = lw.compensate(WELDING / "arm.yaml", grid=3, payload=1.0)
+    result.save(tmp_path / "b.csv")
     assert (tmp_path / "a.csv").read_bytes() == (tmp_path / "b.csv").read_bytes()
-    assert (tmp_path / "a.json").read_text(encoding="utf-8") == found.to_json()
-    a_result(found)
+    assert (tmp_path / "a.json").read_text(encoding="utf-8") == result.to_json()
+    a_result(result)
 
 
 def test_catalogues_are_mappings():

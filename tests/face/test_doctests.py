@@ -15,7 +15,7 @@ FACE = [
     *pkgutil.walk_packages(linkwright.face.__path__, "linkwright.face."),
     *pkgutil.walk_packages(linkwright.api.__path__, "linkwright.api."),
 ]
-MODULES = [*(each.name for each in FACE), "linkwright.output.table_file"]
+MODULES = [*(item.name for item in FACE), "linkwright.output.table_file"]
 
 
 def examples(name):
@@ -29,7 +29,7 @@ EXAMPLES = [test for name in MODULES for test in examples(name)]
 
 @pytest.mark.parametrize(
     "example",
-    [pytest.param(each, id=each.name, marks=[pytest.mark.slow] * each.name.startswith(DEAR)) for each in EXAMPLES],
+    [pytest.param(item, id=item.name, marks=[pytest.mark.slow] * item.name.startswith(DEAR)) for item in EXAMPLES],
 )
 def test_examples_hold(example, monkeypatch):
     """Run from the project's folder, whose examples they read."""

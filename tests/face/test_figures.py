@@ -10,7 +10,7 @@ from typing import Any
 import pytest
 
 import linkwright as lw
-from linkwright.core.optimize.limits import FIGURES
+from linkwright.core.arm.figures import FIGURES
 from tests.face.test_contract import a_result
 
 LIMITS = {"mass": "<= 30 kg", "max_error": "<= 0.5 mm", "section_size": ["40 mm", "120 mm"]}
@@ -28,17 +28,17 @@ def problem() -> lw.Problem:
 
 
 def test_an_evaluation_has_all_that_its_json_has(problem: lw.Problem) -> None:
-    found = lw.evaluate(problem.arm, problem)
-    written = json.loads(found.to_json())
-    table = found.figures
+    result = lw.evaluate(problem.arm, problem)
+    written = json.loads(result.to_json())
+    table = result.figures
     assert list(table.columns) == ["title", "value", "unit"]
     for name, figure in FIGURES.items():
         if written.get(figure.key) is not None:
             assert table.loc[name, "value"] == pytest.approx(written[figure.key], rel=1e-12), name
             assert table.loc[name, "unit"] == figure.unit
-    assert table.loc["max_error", "value"] == found.max_error_mm == written["max_error_mm"]
-    assert table.loc["upper_bound", "value"] == found.upper_bound_mm == written["upper_bound_mm"]
-    assert table.loc["mass", "value"] == found.mass_kg == written["mass_kg"]
+    assert table.loc["max_error", "value"] == result.max_error_mm == written["max_error_mm"]
+    assert table.loc["upper_bound", "value"] == result.upper_bound_mm == written["upper_bound_mm"]
+    assert table.loc["mass", "value"] == result.mass_kg == written["mass_kg"]
 
 
 @pytest.fixture(scope="module")

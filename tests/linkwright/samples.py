@@ -6,8 +6,8 @@ import json
 import math
 
 from linkwright.core.arm.chain.chain import Arm, Joint, Link, LoadCase
+from linkwright.core.arm.error_map import error_map
 from linkwright.core.arm.errors.model import beam_values, beams_of, error_model
-from linkwright.core.arm.evaluation import error_map
 from linkwright.core.arm.worst.search import WorstSearch
 from linkwright.core.materials.catalogue import load_catalogue
 

@@ -54,7 +54,7 @@ def sunk(q, mass):
 def test_error_of_a_drive_that_gives():
     """It turns until its spring carries the load where that has come to hang, and the tip goes round with it."""
     q = np.linspace(-1.4, 1.4, 11)
-    stands = q + np.array([sunk(each, 10.0) for each in q])
+    stands = q + np.array([sunk(item, 10.0) for item in q])
     expected = np.stack([np.cos(stands) - np.cos(q), np.sin(stands) - np.sin(q), 0.0 * q], axis=1)
     assert np.abs(model_error(rod(), q[:, None], 10.0) - expected).max() < 1e-10
 
@@ -152,8 +152,9 @@ def test_what_belongs_to_the_instrument_is_not_compensated():
 
 def test_what_the_instrument_brings_in_is_known():
     """What a corrected arm may carry without moving its tip."""
-    found = {effect.id for effect in EFFECTS.values() if effect.of_instrument}
-    assert found == {"frame_misalignment", "frame_drift", "instrument_scale", "latency", "stale_reading"}
+    results = {effect.id for effect in EFFECTS.values() if effect.of_instrument}
+    of_tips = {"frame_misalignment", "frame_drift", "instrument_scale", "latency", "stale_reading"}
+    assert results == of_tips | {"torque_constant", "torque_offset", "torque_delay"}
 
 
 def test_default_grid_stays_useful():
@@ -203,7 +204,7 @@ def test_command_takes_poses_and_payloads(linkwright, rod_file):
     assert "between them" not in out
     table = pd.read_csv(rod_file / "t.csv")
     q = [0.0, math.pi / 3]
-    expected = [1e3 * (math.sin(each + sunk(each, 20.0)) - math.sin(each)) for each in q]
+    expected = [1e3 * (math.sin(item + sunk(item, 20.0)) - math.sin(item)) for item in q]
     assert table.dy_mm.tolist() == pytest.approx([0.0, 0.0, *expected], rel=1e-6)
 
 
@@ -239,8 +240,8 @@ def test_what_a_product_cannot_say_of_another_payload_is_said():
     arm = replace(rod(stiffness=None), links=(Link(1.0, mass=None),), effects=(weight, sag))
     for payloads, missing in (((10.0,), []), ((10.0, 15.0), ["15 kg"])):
         table = table_at(arm, np.zeros((1, 1)), payloads)
-        found = Compensation(lw.Arm.of(arm), table)
-        said = json.loads(found.to_json())["warnings"]
+        result = Compensation(lw.Arm.of(arm), table)
+        said = json.loads(result.to_json())["warnings"]
         assert len(said) == len(missing)
-        assert all(part in each for part, each in zip(missing, said, strict=True))
-        assert ("Warning: " in markdown(found.description)) == bool(missing)
+        assert all(part in item for part, item in zip(missing, said, strict=True))
+        assert ("Warning: " in markdown(result.description)) == bool(missing)

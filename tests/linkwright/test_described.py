@@ -96,24 +96,24 @@ def tables(items):
 
 def _said(description):
     """Every cell of every table, and every sentence."""
-    cells = {words(cell) for each in tables(description.items) for row in each.rows for cell in row}
+    cells = {words(cell) for item in tables(description.items) for row in item.rows for cell in row}
     return {_one_line(text) for text in (description.headline, *_sentences(description.items, brief=False), *cells)}
 
 
 def _read(source):
     """Markdown read by a parser of its own: its headings, cells and sentences, and each table's rows."""
-    found, rows, row = [], [], []
+    result, rows, row = [], [], []
     for token in MarkdownIt("commonmark").enable("table").parse(source):
         if token.type == "inline":
             text = "".join(child.content for child in token.children or () if child.type in ("text", "text_special"))
-            found.append(_one_line(text))
-            row.append(found[-1])
+            result.append(_one_line(text))
+            row.append(result[-1])
         elif token.type == "tr_open":
             row = []
         elif token.type == "tr_close":
             rows.append(row)
             row = []
-    return found, rows
+    return result, rows
 
 
 def test_page_says_all_of_it(described):
@@ -128,9 +128,9 @@ def test_page_says_all_of_it(described):
 def test_markdown_says_all_of_it(described):
     """Read back by a parser: every sentence, and every table cell for cell."""
     _, description = described
-    found, rows = _read(written(description))
+    result, rows = _read(written(description))
     for text in _said(description):
-        assert not text or text in found or any(text in each for each in found), text
+        assert not text or text in result or any(text in item for item in result), text
     for each in tables(description.items):
         kept = [k for k in range(len(each.columns)) if not any(isinstance(row[k], Bars) for row in each.rows)]
         for row in each.rows:
@@ -143,11 +143,11 @@ def test_screen_says_what_is_no_detail(described):
     text = _one_line(_screen(description))
     for sentence in _sentences(description.items, brief=True):
         assert _one_line(sentence) in text, sentence
-    for each in tables(description.items):
-        shown = each.shortened()
-        for row in () if each.detail else shown.rows:
+    for item in tables(description.items):
+        shown = item.shortened()
+        for row in () if item.detail else shown.rows:
             for cell in row:
-                if not _inside_detail(description.items, each):
+                if not _inside_detail(description.items, item):
                     assert _one_line(words(cell)) in text, words(cell)
 
 
@@ -172,8 +172,8 @@ def test_odd_names_stay_text_everywhere():
     page = Page(page_of(description))
     assert page.text.count(_one_line(shown)) == 6  # the title, twice, and all four places of the body
     assert "i" not in {tag for tag, _ in page.tags}
-    found, cells = _read(written(description))
-    assert found.count(_one_line(shown)) == 6
+    result, cells = _read(written(description))
+    assert result.count(_one_line(shown)) == 6
     assert [_one_line(shown), "1 mm"] in cells
 
 
@@ -182,8 +182,8 @@ def test_no_line_opens_a_block(line):
     """A sentence is a sentence, whatever it begins with; a number is left as it is."""
     tokens = MarkdownIt("commonmark").enable("table").parse(f"before\n\n{escaped(line)}\n")
     assert [token.type for token in tokens if token.type.endswith("_open")] == ["paragraph_open"] * 2
-    said = "".join(child.content for child in tokens[-2].children)
-    assert said == line
+    text = "".join(child.content for child in tokens[-2].children)
+    assert text == line
     assert escaped("0.63 mm") == "0.63 mm"
 
 

@@ -20,7 +20,8 @@ from linkwright.core.diagnose.answer.sentences import said_of_no_weight
 from linkwright.core.diagnose.result import Alternative, Detectable, FittedParameter
 from linkwright.core.units.quantities import read_quantity
 from linkwright.core.units.units import kinds
-from linkwright.json.diagnosis import diagnosis_json, in_unit, minimum_detectable, unit_of
+from linkwright.json.diagnosis import diagnosis_json, minimum_detectable
+from linkwright.json.parameters import in_unit, unit_of
 from linkwright.output.diagnosis_folder import compensated, residuals
 from linkwright.output.files import json_text
 from linkwright.report.charts.bars import ladder_picture
@@ -75,7 +76,7 @@ def test_json_keeps_the_contract(diagnosis):
 def test_findings_in_json():
     """A finding as the contract's example writes it: places from 1, units beside values, alternatives as pairs."""
     content = diagnosis_json(made_diagnosis("alias_class"))["missing"]
-    assert [(each["effect"], each["at"], each["alternatives"]) for each in content] == [
+    assert [(item["effect"], item["at"], item["alternatives"]) for item in content] == [
         ("joint_compliance", [2], [["link_bending", [2]]])
     ]
     fitted = content[0]["parameters"]["compliance_2"]
@@ -208,8 +209,8 @@ def test_what_would_tell_is_named_by_its_column(effect, other, has, asked):
     """A drive that gives and a servo that droops differ by the command; a link that bends by a joint-side encoder."""
     made = made_diagnosis("alias_class")
     finding = replace(made.findings[0], effect=effect, alternatives=(Alternative(*other, 0.999, 0.3),))
-    found = replace(made, findings=(finding,), recording=replace(made.recording, **has))
-    logged = [line for line in to_do(found) if line.startswith("Log ")]
+    result = replace(made, findings=(finding,), recording=replace(made.recording, **has))
+    logged = [line for line in to_do(result) if line.startswith("Log ")]
     assert (asked in logged[0]) if asked else not logged
 
 
@@ -228,8 +229,8 @@ def test_the_ladder_is_drawn_to_scale():
     """A bar's length goes by what a model leaves, a line stands at the noise floor; more rungs than six are summed."""
     made = made_diagnosis("named")
     bars = [
-        float(each.attrib["width"])
-        for each in ET.fromstring(re.search("<svg.*?</svg>", ladder_picture(made)).group()).iter("rect")
+        float(item.attrib["width"])
+        for item in ET.fromstring(re.search("<svg.*?</svg>", ladder_picture(made)).group()).iter("rect")
     ]
     assert bars == pytest.approx([400.0, 400.0 * made.ladder[1].rms / made.ladder[0].rms], rel=1e-4)
     long = (made.ladder[0], *(replace(made.ladder[1], label=f"+ cause {k}") for k in range(9)))
@@ -271,7 +272,7 @@ def test_pictures_need_no_script():
     source = page_of(describe(diagnosis))
     for label in ("Residuals before over the workspace", "Residuals after over the workspace"):
         assert f'aria-label="{label}' in source
-    names = [each.name for each in covariates(diagnosis)]
+    names = [covariate.name for covariate in covariates(diagnosis)]
     assert names == ["q1", "q2", "q3", "dir1", "dir2", "dir3", "payload_kg", "temperature_degC", "time"]
     assert source.count('aria-label="Residuals against') == len(names)
 
@@ -285,9 +286,9 @@ def test_arrows_run_from_model_to_measured():
     paths = [e.attrib["d"] for e in ET.fromstring(svg).iter("path") if e.attrib["class"] == "arrows before"]
     strokes = [piece.split("L") for piece in paths[0][1:].split("M")]
     moved = [
-        np.subtract(*(np.array(point.split(","), dtype=float) for point in reversed(each)))
-        for each in strokes
-        if len(each) == 2
+        np.subtract(*(np.array(point.split(","), dtype=float) for point in reversed(stroke)))
+        for stroke in strokes
+        if len(stroke) == 2
     ]
     expected = diagnosis.residual_before * [1.0, -1.0]
     assert len(moved) == len(expected)
@@ -397,8 +398,8 @@ def test_command_end_to_end(linkwright, bench):
     }
     content = json.loads((bench / "d.json").read_text(encoding="utf-8"))
     assert content == json.loads((bench / "res" / "diagnosis.json").read_text(encoding="utf-8"))
-    found = content["missing"][0]
-    names = [[found["effect"], found["at"]], *found["alternatives"]]
+    result = content["missing"][0]
+    names = [[result["effect"], result["at"]], *result["alternatives"]]
     assert ["joint_compliance", [2]] in names
     assert content["sentence"] in out
     corrected = read_arm(bench / "res" / "arm.yaml")
@@ -423,8 +424,8 @@ def test_effects_can_be_taken_out(linkwright, bench):
     taken = ("--without-effect", "joint_compliance", "--without-effect", "servo_droop")
     assert linkwright("diagnose", "arm.yaml", "recording.csv", "--json", "d.json", *taken)[0] == 0
     content = json.loads((bench / "d.json").read_text(encoding="utf-8"))
-    named = {each["effect"] for each in content["missing"]}
-    named |= {name for each in content["missing"] for name, _ in each["alternatives"]}
+    named = {item["effect"] for item in content["missing"]}
+    named |= {name for item in content["missing"] for name, _ in item["alternatives"]}
     assert not named & {"joint_compliance", "servo_droop"}
 
 

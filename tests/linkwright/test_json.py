@@ -70,7 +70,7 @@ def test_evaluation_figures_are_those_of_the_evaluation(evaluation):
     pose = content["worst_poses"][0]
     assert [math.radians(q) for q in pose["q_deg"]] == pytest.approx(list(evaluation.worst.poses[0].q))
     assert pose["load_case"] == evaluation.worst.poses[0].load_case + 1
-    assert [each["link"] for each in content["strength"]] == [1, 2]
+    assert [item["link"] for item in content["strength"]] == [1, 2]
     for each in content["strength"]:
         limit = evaluation.arm.links[each["link"] - 1].material.need("yield_strength")
         assert 1e6 * each["stress_MPa"] * each["safety_factor"] == pytest.approx(limit)
@@ -110,9 +110,9 @@ def test_lists_are_written(linkwright, bench, command):
     assert status == 0
     content = strictly((bench / "list.json").read_text(encoding="utf-8"))
     if command == "materials":
-        found = {entry["name"]: entry for entry in content["materials"]}
-        assert found["steel-s355"]["properties"]["elastic_modulus"]["si"] == pytest.approx(210e9)
-        assert found["steel-s355"]["properties"]["elastic_modulus"]["source"]
+        results = {entry["name"]: entry for entry in content["materials"]}
+        assert results["steel-s355"]["properties"]["elastic_modulus"]["si"] == pytest.approx(210e9)
+        assert results["steel-s355"]["properties"]["elastic_modulus"]["source"]
     elif command == "sections":
         assert {"circle", "tube", "i_section"} <= {entry["name"] for entry in content["shapes"]}
     else:

@@ -37,12 +37,12 @@ def test_command_designs_anew(linkwright, bench):
         "diagnose", "arm.yaml", "recording.csv", "--problem", "problem.yaml", "--json", "d.json", "--out", "res"
     )
     assert status == 0
-    found = json.loads((bench / "d.json").read_text(encoding="utf-8"))["redesign"]
-    assert found["had_mm"] > 1.05 * found["promised_mm"]
-    assert found["has_mm"] <= found["had_mm"] * (1.0 + 1e-3)
-    assert [each["joint"] for each in found["stiffer_drives"]] == [2]
+    result = json.loads((bench / "d.json").read_text(encoding="utf-8"))["redesign"]
+    assert result["had_mm"] > 1.05 * result["promised_mm"]
+    assert result["has_mm"] <= result["had_mm"] * (1.0 + 1e-3)
+    assert [item["joint"] for item in result["stiffer_drives"]] == [2]
     text = Page((bench / "res" / "report.html").read_text(encoding="utf-8")).text
-    for sentence in found["sentences"]:
+    for sentence in result["sentences"]:
         assert sentence in " ".join(out.split())
         assert sentence in text
 
@@ -83,9 +83,9 @@ def test_stiffer_drive_is_the_arm_with_that_stiffness():
     arm = made_arm()
     space, cases = read_space(arm)
     before = worst_error(arm, space, cases)
-    found = stiffer_drives(arm, space, cases, before)
-    assert [each.joint for each in found] == [1, 2, 3]
-    for index, each in enumerate(found):
+    result = stiffer_drives(arm, space, cases, before)
+    assert [item.joint for item in result] == [1, 2, 3]
+    for index, each in enumerate(result):
         joints = list(arm.joints)
         joints[index] = replace(joints[index], stiffness=60e3 * (1.0 + STIFFER))
         after = worst_error(replace(arm, joints=tuple(joints)), space, cases)
@@ -104,7 +104,7 @@ def test_decisions_are_what_differs():
     link = arm.links[0]
     assert decisions(arm, replace(arm, links=(replace(link, length=0.4001), *arm.links[1:]))) == ()
     longer = replace(arm, links=(arm.links[0], replace(arm.links[1], length=0.5), arm.links[2]))
-    assert [(each.link, each.what, each.before, each.after) for each in decisions(arm, longer)] == [
+    assert [(decision.link, decision.what, decision.before, decision.after) for decision in decisions(arm, longer)] == [
         (2, "length", 0.42, 0.5)
     ]
 

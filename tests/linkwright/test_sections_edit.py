@@ -3,15 +3,15 @@
 import csv
 import json
 import math
-from concurrent.futures import ThreadPoolExecutor
 
+import numpy as np
 import pytest
 
 from linkwright.cli import run
-from linkwright.core.catalogues.stock_editor import STOCK, Row
 from linkwright.core.sections import load_stock
 from linkwright.core.sections.stock.tables import read_file
 from tests.costs import slow_but
+from tests.outcomes import ok, wrong
 
 COMMANDS = ("list", "show", "compare", "add", "edit", "remove", "rename", "undo", "check", "import", "export")
 TUBE = ("add", "TUBE 60x4", "shape=tube", "diameter=60 mm", "thickness=4 mm", "--source", "Offer 12")
@@ -39,20 +39,6 @@ def sections(tmp_path, tmp_path_factory, monkeypatch, capsys):
         return status, printed.out, printed.err
 
     return command
-
-
-def ok(result):
-    status, out, err = result
-    assert (status, err) == (0, "")
-    return out
-
-
-def wrong(result, words):
-    status, out, err = result
-    assert status == 2
-    assert words in err
-    assert err.count("\n") == 1
-    assert out == ""
 
 
 def rows_of(out):
@@ -135,9 +121,9 @@ def test_wrong_input_is_one_line_and_status_2(sections, tmp_path, own, arguments
 
 def test_a_life_of_a_size(sections, tmp_path, own):
     ok(sections(*TUBE))
-    found = load_stock().find("tube60x4")
-    assert (found.family, found.source) == ("TUBE", "Offer 12")
-    assert float(found.section.properties(0.3).area) == pytest.approx(math.pi / 4 * (0.06**2 - 0.052**2))
+    result = load_stock().find("tube60x4")
+    assert (result.family, result.source) == ("TUBE", "Offer 12")
+    assert float(result.section.properties(0.3).area) == pytest.approx(math.pi / 4 * (0.06**2 - 0.052**2))
     ok(sections("add", "TUBE 70x4", *TUBE[2:3], "diameter=70 mm", *TUBE[4:]))
     own.write_text(own.read_text().replace("      - [TUBE 70x4", "      # the large one\n      - [TUBE 70x4"))
     ok(sections("edit", "TUBE 60x4", "thickness", "5 mm"))
@@ -209,13 +195,13 @@ FAMILIES = (
 
 def test_families_are_all_that_are_shipped():
     """Those that are exported and imported below."""
-    assert {name for each in FAMILIES for name in each} == {size.family for size in load_stock(user=False)}
+    assert {name for item in FAMILIES for name in item} == {size.family for size in load_stock(user=False)}
 
 
 @pytest.mark.parametrize("families", slow_but(FAMILIES, FAMILIES[0]), ids=", ".join)
 @pytest.mark.parametrize("name", ["some.yaml", "some.csv"])
 def test_what_is_exported_can_be_imported(sections, own, name, families):
-    ok(sections("export", *(word for each in families for word in ("--family", each)), "--out", name))
+    ok(sections("export", *(word for family in families for word in ("--family", family)), "--out", name))
     ok(sections("import", name))
     shipped = {size.name: size for size in load_stock(user=False) if size.family in families}
     copies = {size.name: size for size in read_file(own)}
@@ -229,24 +215,90 @@ def test_what_is_exported_can_be_imported(sections, own, name, families):
     ok(sections("import", name, "--replace"))
 
 
-def test_a_table_with_a_wrong_row_brings_nothing(sections, tmp_path, own):
+def test_wrong_rows_of_a_table_are_all_named_and_the_others_land(sections, tmp_path, own):
     ok(sections("export", "--family", "CHS", "--out", "chs.csv"))
     with (tmp_path / "chs.csv").open(encoding="utf-8", newline="") as stream:
         rows = list(csv.DictReader(stream))
     rows[3]["area_cm2"] = rows[4]["area_cm2"]
+    rows[9]["thickness_mm"], rows[11]["diameter_mm"] = "3 mm", rows[11]["thickness_mm"]
     with (tmp_path / "chs.csv").open("w", encoding="utf-8", newline="") as stream:
         writer = csv.DictWriter(stream, list(rows[0]))
         writer.writeheader()
         writer.writerows(rows)
-    wrong(sections("import", "chs.csv"), f"{rows[3]['name']}: area_cm2")
+    status, out, err = sections("import", "chs.csv")
+    assert (status, err.count("chs.csv")) == (2, 4)
+    for words in (f"{rows[3]['name']}: area_cm2", "line 11: thickness_mm: needs a number", f"{rows[11]['name']}: "):
+        assert words in err
+    assert f"3 of {len(rows)} sizes were not taken" in err
+    assert f"added {len(rows) - 3} sizes" in out
+    landed = {size.name for size in read_file(own)}
+    assert landed == {row["name"] for row in rows} - {rows[at]["name"] for at in (3, 9, 11)}
+
+
+def test_a_table_without_a_right_row_brings_nothing(sections, tmp_path, own):
+    (tmp_path / "one.csv").write_text(
+        "name,family,shape,source,diameter_mm,thickness_mm,area_cm2\nC 1,C,tube,x,60.3,3.2,5.47\n", encoding="utf-8"
+    )
+    wrong(sections("import", "one.csv"), "C 1: area_cm2 is 5.47")
     assert not own.exists()
 
 
-def test_no_edit_is_lost_among_several_writers(own):
-    def write(writer):
-        for number in range(5):
-            STOCK.add(own, [Row(f"W{writer}-{number}", "W", "circle", "s", {"diameter_mm": 10 + writer})])
+WIDE = """AISC_Manual_Label,Type,W,A,d,bf,tf,tw,kdes,Ix,Iy,Sx
+W8X31,W,31,9.13,8.00,8.00,0.435,0.285,0.829,110,37.1,27.5
+W40X655,W,655,193,43.6,16.9,3.54,1.97,4.72,56500,2870,2590
+W44X335,W,335,98.5,44.0,15.9,1.77,1.03,2.56,31100,1200,1410
+"""  # AISC Shapes Database v15.0
 
-    with ThreadPoolExecutor(6) as pool:
-        list(pool.map(write, range(6)))
-    assert len(read_file(own)) == 30
+
+def rolled(d, bf, tf, tw, kdes):
+    """A, Ix and Iy of a rolled I from AISC's figures, the fillets summed in strips."""
+    r, web = kdes - tf, d - 2 * tf
+    x = (np.arange(2000) + 0.5) / 2000 * r
+    y = r - np.sqrt(
+        r**2 - (r - x) ** 2
+    )  # a fillet's height at x from the web, as well as its width at x from the flange
+    strips = y * r / 2000
+    area = 2 * bf * tf + web * tw + 4 * strips.sum()
+    along = 2 * (bf * tf**3 / 12 + bf * tf * (0.5 * (d - tf)) ** 2) + tw * web**3 / 12
+    return (
+        area,
+        along + 4 * (strips * (0.5 * web - x) ** 2).sum(),
+        tf * bf**3 / 6 + web * tw**3 / 12 + 4 * (strips * (0.5 * tw + x) ** 2).sum(),
+    )
+
+
+@pytest.mark.usefixtures("own")
+def test_a_table_in_inches_is_read_as_it_is_printed(sections, tmp_path):
+    """A and I are those of the sizes as printed, and the printed ones within what all were rounded by."""
+    (tmp_path / "wide.csv").write_text(WIDE, encoding="utf-8")
+    assert "added W8X31, W40X655, W44X335" in ok(sections("import", "wide.csv"))
+    for row in csv.DictReader(WIDE.splitlines()):
+        size = load_stock().find(row["AISC_Manual_Label"])
+        sizes = {key: float(row[key]) for key in ("d", "bf", "tf", "tw", "kdes")}
+        assert size.dimensions["root_radius"] == pytest.approx(0.0254 * (sizes["kdes"] - sizes["tf"]))
+        properties = size.section.properties(0.3)
+        results = [getattr(properties, name) for name in ("area", "second_moment_y", "second_moment_z")]
+        expected = np.array(rolled(**sizes))
+        assert np.array(results) / 0.0254 ** np.array([2, 4, 4]) == pytest.approx(expected, rel=1e-4)
+        printed = np.array([float(row[key]) for key in ("A", "Ix", "Iy")])
+        allowed = [0.5 * 10.0 ** (math.floor(math.log10(value)) - 2) for value in printed]
+        for key, value in sizes.items():
+            half = 0.5 * 10.0 ** -len(row[key].partition(".")[2])
+            allowed += abs(np.array(rolled(**{**sizes, key: value + half})) - expected)
+        assert np.all(abs(printed - expected) <= allowed)
+    assert "9.13 in²" in ok(sections("show", "W8X31"))
+    ok(sections("edit", "W8X31", "second_moment_y=110 in^4", "area=9.12 in^2"))
+    assert load_stock().find("W8X31").printed["area_in2"] == 9.12
+    wrong(sections("edit", "W8X31", "area", "9.2 in^2"), "area_in2 is 9.2")
+    ok(sections("export", "W40X655", "--out", "wide.yaml"))
+    assert read_file(tmp_path / "wide.yaml")[0].cells["height_in"] == 43.6
+
+
+def test_rows_in_inches_that_do_not_fit_or_are_of_another_kind_are_named(sections, tmp_path):
+    """The area of W18X192 in AISC's database is by more off than its sizes are rounded; a C shape's flanges slope."""
+    text = WIDE + "W18X192,W,192,56.2,20.4,11.5,1.75,0.960,2.15,3870,440,380\n"
+    (tmp_path / "wide.csv").write_text(text + "C15X50,C,50,14.7,15.0,3.72,0.650,0.716,1.44,404,11.0,53.8\n")
+    status, out, err = sections("import", "wide.csv")
+    assert (status, "W44X335" in out) == (2, True)
+    assert "W18X192: area_in2 is 56.2, its dimensions give 56.61" in err
+    assert "line 6: shape: there is no shape 'C'" in err

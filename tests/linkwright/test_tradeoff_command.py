@@ -13,8 +13,8 @@ import pytest
 
 import linkwright as lw
 from linkwright.core.arm.evaluation import evaluate
+from linkwright.core.arm.figures import FIGURES
 from linkwright.core.arm.files.read import read_arm
-from linkwright.core.optimize.limits import FIGURES
 from linkwright.core.optimize.tradeoff.journal import JOURNAL
 from linkwright.core.optimize.tradeoff.question import axes_of
 from linkwright.report.charts.fronts import ticks
@@ -76,7 +76,7 @@ def test_files_agree_and_arms_bear_their_figures_out(two, linkwright):
     picture = (two / "front/tradeoff.svg").read_text()
     drawing = ET.fromstring(picture)
     assert drawing.tag.endswith("svg")
-    circles = [each for each in drawing.iter() if each.tag.endswith("circle")]
+    circles = [item for item in drawing.iter() if item.tag.endswith("circle")]
     assert len(circles) >= len(result["points"])
     for circle in circles:
         assert 0.0 < float(circle.get("cx", "nan")) < 860.0
@@ -85,7 +85,7 @@ def test_files_agree_and_arms_bear_their_figures_out(two, linkwright):
     figures = unpacked(re.search(r'id="figures">(.*?)</script>', page)[1])
     hovered = [text for trace in figures["front"]["data"] for text in trace["hovertext"] if "<b>point" in text]
     assert len({re.search(r"point (\d+)", text)[1] for text in hovered}) == len(result["points"])
-    known = [each.title for each in FIGURES.values() if result["points"][0].get(each.key) is not None]
+    known = [item.title for item in FIGURES.values() if result["points"][0].get(item.key) is not None]
     assert len(known) > 6
     assert all(title in text for text in hovered for title in known)
     assert "http" not in re.sub(r"<script.*?</script>", "", page.replace("http://www.w3.org", ""), flags=re.DOTALL)

@@ -13,9 +13,8 @@ from linkwright.browser.server.drawings import at_pose, middle
 from linkwright.browser.server.folder import arm_from_text
 from linkwright.core.units.quantities import InputError
 
-from .editor import YamlEditor
 from .file_choice import FileChoice
-from .frame import Problem, framed, panel, picture, row, stack
+from .frame import Problem, framed, panel, picture, sides
 from .result_view import Asking
 
 
@@ -23,41 +22,38 @@ class ArmPage(Asking):
     """The page of one visitor."""
 
     def __init__(self, desk: Desk) -> None:
-        super().__init__(desk)
+        super().__init__(desk, "evaluate")
         self._arm: Any = None
         self._pose: list[float] = []
         self._ranges: list[tuple[float, float]] = []
-        with framed("Arm", "Edit an arm, see it to scale, and ask for its worst error."):
-            with ui.element("div").classes("lw-two"):
-                with stack():
-                    self._choice = FileChoice(desk, "arm", lambda: self._editor, self._check)
-                    with panel():
-                        self._editor = YamlEditor(self._check)
-                        self._choice.save_row()
-                with stack():
-                    self._problem = Problem()
-                    with panel():
-                        self._line = ui.label().classes("lw-done")
-                        self._picture = picture()
-                        self._sliders = stack()
-                    with row():
-                        self._ask = ui.button("Evaluate", on_click=self._evaluate).props("no-caps")
-            self._work()
-            self._answers()
+        with framed("Arm", "Edit an arm, see it to scale, and ask for its worst error."), sides() as (left, right):
+            with left:
+                self._choice = FileChoice(desk, "arm", self._check)
+            with right:
+                self._problem = Problem()
+                with panel():
+                    self._line = ui.label().classes("lw-done")
+                    self._picture = picture()
+                    self._sliders = ui.element("div").classes("lw-slides")
+                self._ask = ui.button("Evaluate", on_click=self._evaluate).props("no-caps")
+                self._answers()
 
     async def begin(self) -> None:
         """Open the first arm."""
         await self._choice.begin()
+        await self._runs.begin()
 
     async def _check(self) -> None:
-        name, text = self._editor.name, self._editor.text
+        name, text = self._choice.editor.name, self._choice.editor.text
         try:
             self._arm = await asyncio.to_thread(arm_from_text, name, text)
         except InputError as error:
             self._problem.say(str(error))
+            self._choice.editor.mark(error)
             self._ask.enabled = False
             return
         self._problem.say("")
+        self._choice.editor.mark(None)
         self._ask.enabled = True
         self._line.text = repr(self._arm)[1:-1]
         ranges = [joint.range for joint in self._arm.model.joints]
@@ -76,9 +72,9 @@ class ArmPage(Asking):
                 with ui.element("div").classes("lw-slide"):
                     ui.label(f"joint {index + 1}").classes("lw-note")
                     slider = ui.slider(min=0.0, max=1.0, step=0.01, value=0.5).props("dense")
-                    said = ui.label(_coordinate(0.5 * (low + high), joint.revolute)).classes("lw-note")
+                    label = ui.label(_coordinate(0.5 * (low + high), joint.revolute)).classes("lw-note")
 
-                    async def moved(index: int = index, slider: ui.slider = slider, said: ui.label = said) -> None:
+                    async def moved(index: int = index, slider: ui.slider = slider, said: ui.label = label) -> None:
                         joint = self._arm.model.joints[index]
                         low, high = joint.range
                         self._pose[index] = low + slider.value * (high - low)
@@ -91,12 +87,12 @@ class ArmPage(Asking):
         self._picture.content = await asyncio.to_thread(at_pose, self._arm.model, tuple(self._pose))
 
     async def _evaluate(self) -> None:
-        name = self._editor.name
+        name = self._choice.editor.name
         try:
             self._desk.folder.place(name)
-            self._begin("evaluate", self._arm.name, {name: self._editor.text.encode()}, {"arm": name})
+            self._begin(self._arm.name, {name: self._choice.editor.text.encode()}, {"arm": name})
         except InputError as error:
-            self._panel.refuse(str(error))
+            self._runs.refuse(str(error))
 
 
 def _coordinate(value: float, revolute: bool) -> str:

@@ -7,10 +7,12 @@ from collections.abc import Callable
 
 from nicegui import events, ui
 
+from linkwright.browser.server.answers import Desk
 from linkwright.browser.server.tables import ActuatorsTable, CatalogueTable, MaterialsTable, SectionsTable
 from linkwright.core.units.quantities import InputError
 
 from .frame import Problem, framed, row, stack
+from .runs import Runs
 
 _ROW_ID = "(params) => params.data.name"
 
@@ -18,9 +20,10 @@ _ROW_ID = "(params) => params.data.name"
 class CataloguesPage:
     """The page of one visitor: a tab for each catalogue."""
 
-    def __init__(self) -> None:
+    def __init__(self, desk: Desk) -> None:
         lead = "Click twice on a cell to change it, as the command line would; an empty one takes the figure away."
         with framed("Catalogues", lead):
+            Runs(desk.jobs)
             tables = (MaterialsTable(), SectionsTable(), ActuatorsTable())
             with ui.tabs().props("dense align=left") as tabs:
                 made = [ui.tab(table.title) for table in tables]
@@ -77,13 +80,13 @@ class TableView:
             return
         self._groups.set_options({name: name.replace("_", " ") for name in groups}, value=self._group or None)
         self._groups.set_visibility(bool(groups))
-        self._name.set_options([each["name"] for each in rows], value=None)
-        there = {key for each in rows for key in each if each[key]}
+        self._name.set_options([item["name"] for item in rows], value=None)
+        there = {key for item in rows for key in item if item[key]}
         columns = [name for name in self._table.columns(self._group) if name in there or name in self._table.always]
         definitions = [
             {"field": "name", "pinned": "left", "width": 165, "sortable": True, "tooltipField": "name"},
             {"field": "own", "width": 75, "sortable": True},
-            *({"field": each, "headerName": each.replace("_", " "), "editable": True} for each in columns),
+            *({"field": column, "headerName": column.replace("_", " "), "editable": True} for column in columns),
         ]
         if "unconfirmed" in there:
             definitions.append({"field": "unconfirmed", "headerName": "not confirmed", "tooltipField": "unconfirmed"})
@@ -127,14 +130,14 @@ class TableView:
     async def _done(self, edit: Callable[[], str], name: str = "") -> None:
         """Do an edit, tell of it, and show what there is now: a refused one is as it was."""
         try:
-            said = await asyncio.to_thread(edit)
+            message = await asyncio.to_thread(edit)
             doubts = await asyncio.to_thread(self._table.doubts, name) if name else []
         except InputError as error:
-            said, doubts = "", []
+            message, doubts = "", []
             self._problem.say(str(error))
         else:
             self._problem.say("")
-        self._said.text = " ".join([said, *(f"WARNING: {doubt}" for doubt in doubts)]).strip()
+        self._said.text = " ".join([message, *(f"WARNING: {doubt}" for doubt in doubts)]).strip()
         rows = await asyncio.to_thread(self._table.rows, self._group)
-        self._name.set_options([each["name"] for each in rows], value=None)
+        self._name.set_options([item["name"] for item in rows], value=None)
         self._grid.run_grid_method("setGridOption", "rowData", rows)

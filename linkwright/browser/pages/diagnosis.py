@@ -3,29 +3,22 @@
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Callable
+from collections.abc import Awaitable, Callable, Mapping
+from functools import partial
 from pathlib import PurePosixPath
 from typing import Any
 
 from nicegui import events, ui
 
 from linkwright.browser.server.answers import Desk
-from linkwright.browser.server.dropped import (
-    IGNORED,
-    OTHER,
-    Dropped,
-    Meaning,
-    known_names,
-    plain_name,
-    question,
-    units_of,
-    with_another,
-)
+from linkwright.browser.server.dropped import FURTHER, Dropped, plain_name, question, with_another
 from linkwright.browser.server.folder import arm_from_text
 from linkwright.browser.server.guard import MOST_UPLOADED
-from linkwright.core.units.quantities import InputError
+from linkwright.core.diagnose.reading.foreign.proposal import IGNORED, OTHER, Meaning, known_names, units_of
+from linkwright.core.units.quantities import InputError, read_number
+from linkwright.core.units.reading import yaml_line
 
-from .frame import Problem, framed, heading, panel, row, stack
+from .frame import Problem, framed, panel, row, sides, stack
 from .result_view import Asking
 
 _ENDINGS = (".csv", ".txt", ".tsv", ".dat", ".parquet", ".pq", ".xlsx")
@@ -35,35 +28,34 @@ class DiagnosisPage(Asking):
     """The page of one visitor; what they dropped is held until they leave."""
 
     def __init__(self, desk: Desk) -> None:
-        super().__init__(desk)
+        super().__init__(desk, "diagnose")
         self._arm: Any = None
         self._held: list[Dropped] = []
         self._shown: Dropped | None = None
-        self._fields: dict[str, ui.input | ui.select] = {}
-        with framed("Diagnosis", "Drop recordings of the real arm; what its model leaves out is looked for."):
-            with ui.element("div").classes("lw-two"):
-                with stack():
-                    with panel():
-                        self._choice = ui.select([], label="Arm file", on_change=self._arm_chosen)
-                        self._choice.props("dense outlined").classes("w-full")
-                        self._upload = ui.upload(
-                            label=f"Recordings: drop them here (at most {MOST_UPLOADED // 1024**2} MB)",
-                            multiple=True,
-                            auto_upload=True,
-                            max_file_size=MOST_UPLOADED,
-                            on_upload=self._dropped,
-                            on_rejected=self._too_large,
-                        ).props('flat bordered accept="' + ",".join(_ENDINGS) + '"')
-                        self._upload.on("finish", self._upload.reset)
-                    self._problem = Problem()
-                    with panel() as self._asked:
-                        self._ask()
-                with stack():
-                    self._work()
-                    with panel() as self._map_panel:
-                        self._map_heading = heading("What its columns are")
-                        self._map = stack()
-            self._answers()
+        self._fields: dict[str, ui.input | ui.select | ui.textarea] = {}
+        lead = "Drop recordings of the real arm; what its model leaves out is looked for."
+        with framed("Diagnosis", lead), sides() as (left, right):
+            with left:
+                with panel():
+                    self._choice = ui.select([], label="Arm file", on_change=self._arm_chosen)
+                    self._choice.props("dense outlined").classes("w-full")
+                    self._upload = ui.upload(
+                        label=f"Recordings: drop them here (at most {MOST_UPLOADED // 1024**2} MB)",
+                        multiple=True,
+                        auto_upload=True,
+                        max_file_size=MOST_UPLOADED,
+                        on_upload=self._dropped,
+                        on_rejected=self._too_large,
+                    ).props('flat bordered accept="' + ",".join(_ENDINGS) + '"')
+                    self._upload.on("finish", self._upload.reset)
+                self._problem = Problem()
+                self._offers = row()
+                with panel() as self._asked:
+                    self._ask()
+            with right:
+                with ui.expansion(_COLUMNS, value=True).classes("lw-panel") as self._map_panel:
+                    self._map = stack()
+                self._answers()
         self._asked.visible = self._map_panel.visible = False
 
     def _ask(self) -> None:
@@ -92,6 +84,9 @@ class DiagnosisPage(Asking):
                 field.on("blur", self._reread)
                 field.on("keydown.enter", self._reread)
                 self._fields[name] = field
+            further = ui.textarea("Further lines of recording.yaml", placeholder="gear_ratios: [100, 100]")
+            further.props("dense outlined autogrow").classes("lw-wide").on("blur", self._reread)
+            self._fields[FURTHER] = further
         with row():
             self._thorough = ui.checkbox("thorough: more draws, takes longer").props("dense")
             self._units = ui.checkbox("of several arms of one type: anything may differ").props("dense")
@@ -101,6 +96,7 @@ class DiagnosisPage(Asking):
         """List the arms."""
         names = await asyncio.to_thread(self._desk.folder.names, "arm")
         self._choice.set_options(names, value=names[0] if names else None)
+        await self._runs.begin()
 
     async def _arm_chosen(self) -> None:
         name = self._choice.value
@@ -114,8 +110,8 @@ class DiagnosisPage(Asking):
             self._problem.say(str(error))
             return
         self._problem.say("")
-        for each in self._held:
-            await self._propose(each)
+        for item in self._held:
+            await self._propose(item)
         self._show()
 
     def _too_large(self) -> None:
@@ -127,8 +123,8 @@ class DiagnosisPage(Asking):
             self._too_large()
             return
         # What is told of the one before is likely so of the next as well.
-        told = dict(self._shown.told) if self._shown is not None else {}
-        fresh = Dropped(name, await event.file.read(), told)
+        settings = dict(self._shown.told) if self._shown is not None else {}
+        fresh = Dropped(name, await event.file.read(), settings)
         try:
             self._held = with_another(self._held, fresh)
         except InputError as error:
@@ -139,12 +135,14 @@ class DiagnosisPage(Asking):
         self._shown = fresh
         self._show()
 
-    async def _propose(self, each: Dropped, like: Dropped | None = None) -> None:
+    async def _propose(self, recording: Dropped, like: Dropped | None = None) -> None:
         """Read a header anew, propose what its columns are, and read the recording so."""
-        if self._arm is not None:
-            await asyncio.to_thread(each.propose, self._arm, like)
-            if not each.problem:
-                await asyncio.to_thread(each.check, self._arm)
+        arm = None
+        while arm is not self._arm:  # another one may be chosen meanwhile
+            arm = self._arm
+            await asyncio.to_thread(recording.propose, arm, like)
+            if not recording.problem:
+                await asyncio.to_thread(recording.check, arm)
 
     def _show(self) -> None:
         """The recording that is looked at: its fields, its columns, and what is read of all."""
@@ -153,6 +151,7 @@ class DiagnosisPage(Asking):
         if shown is None:
             self._map_panel.visible = False
             self._problem.say("")
+            self._offers.clear()
             return
         if self._arm is None:
             self._problem.say("choose an arm file first; the Arm page can put an example into the folder")
@@ -165,84 +164,141 @@ class DiagnosisPage(Asking):
     def _tell(self) -> None:
         """What is read of all, and what is wrong with the first that anything is wrong with."""
         shown = self._shown
-        names = [each.name for each in self._held]
+        names = [item.name for item in self._held]
         self._which.set_options(names, value=None if shown is None else shown.name)
         self._several.visible = self._units.visible = len(self._held) > 1
-        wrong = [each.problem for each in self._held if each.problem]
-        own = shown.problem if shown is not None else ""
-        self._problem.say(own or next(iter(wrong), ""))
-        self._line.text = "\n".join(each.line for each in self._held if each.line)
+        wrong = [item.problem for item in self._held if item.problem]
+        problem = shown.problem if shown is not None else ""
+        self._problem.say(problem or next(iter(wrong), ""))
+        self._offers.clear()
+        with self._offers:
+            for remedy in () if shown is None else shown.remedies:
+                settings = ", ".join(f"{key}: {yaml_line(value)}" for key, value in remedy.items())
+                ui.button(f"Take {settings}", on_click=partial(self._take, remedy)).props("outline dense no-caps")
+        self._line.text = "\n".join(item.line for item in self._held if item.line)
         self._notes.text = "" if shown is None else shown.notes
         self._go.enabled = bool(self._held) and not wrong
 
     def _chosen(self) -> None:
-        found = next((each for each in self._held if each.name == self._which.value), None)
-        if found is not None and found is not self._shown:
-            self._shown = found
+        recording = next((item for item in self._held if item.name == self._which.value), None)
+        if recording is not None and recording is not self._shown:
+            self._shown = recording
             self._show()
 
     def _take_out(self) -> None:
-        self._held = [each for each in self._held if each is not self._shown]
+        self._held = [item for item in self._held if item is not self._shown]
         self._shown = self._held[-1] if self._held else None
         self._show()
 
     async def _reread(self) -> None:
         shown = self._shown
-        told = {name: str(field.value or "").strip() for name, field in self._fields.items()}
-        if shown is None or told == {name: shown.told.get(name, "") for name in told}:
+        settings = {name: str(field.value or "").strip() for name, field in self._fields.items()}
+        if shown is None or settings == {name: shown.told.get(name, "") for name in settings}:
             return
-        shown.told = told
+        shown.told = settings
         await self._propose(shown)
         self._show()
 
     def _show_map(self) -> None:
         self._map.clear()
+        self._map_panel.value = True
         shown = self._shown
         self._map_panel.visible = shown is not None and bool(shown.meanings)
         if shown is None:
             return
-        self._map_heading.text = f"What the columns of {shown.name} are" if len(self._held) > 1 else _COLUMNS
+        self._map_panel.text = f"What the columns of {shown.name} are" if len(self._held) > 1 else _COLUMNS
         model = self._arm.model
         names = {name: name for name in known_names(model)}
         choices = {OTHER: "of its own, a possible cause", IGNORED: "not used", **names}
         with self._map:
             for number, meaning in enumerate(shown.meanings):
                 with ui.element("div").classes("lw-map"):
-                    ui.label(meaning.header).tag = "span"
-                    what = ui.select(choices, value=meaning.what).props(f'dense outlined aria-label="{number + 1} is"')
-                    unit = ui.select([], value=None).props(f'dense outlined aria-label="unit of {number + 1}"')
-                    _offer_units(unit, meaning, units_of(meaning.what, model))
-                    what.on_value_change(self._changed(shown, number, what, unit))
-                    unit.on_value_change(self._changed(shown, number, what, unit))
+                    _ColumnRow(number, meaning, choices, model, partial(self._changed, shown, number))
 
-    def _changed(self, shown: Dropped, number: int, what: ui.select, unit: ui.select) -> Callable[[], Any]:
-        async def changed() -> None:
-            before = shown.meanings[number]
-            units = units_of(str(what.value), self._arm.model)
-            chosen = str(unit.value) if unit.value in units else units[0] if units else ""
-            if not shown.change(number, str(what.value), chosen):
-                return
-            if str(what.value) != before.what:
-                _offer_units(unit, shown.meanings[number], units)
+    async def _changed(self, shown: Dropped, number: int, what: str, unit: str, factor: float, zero: float) -> None:
+        if shown.change(number, what, unit, factor, zero):
             await asyncio.to_thread(shown.check, self._arm)
             self._tell()
 
-        return changed
+    async def _take(self, remedy: Mapping[str, Any]) -> None:
+        """Settle the recording that is looked at as its refusal proposes."""
+        shown = self._shown
+        if shown is None:
+            return
+        try:
+            shown.take(remedy)
+        except InputError as error:
+            self._problem.say(str(error))
+            return
+        await asyncio.to_thread(shown.check, self._arm)
+        self._show()
 
     async def _start(self) -> None:
         arm = str(self._choice.value)
         try:
             text = await asyncio.to_thread(self._desk.folder.read, arm)
             several = len(self._held) > 1 and bool(self._units.value)
-            title, inputs, asked = question(arm, text, self._held, thorough=bool(self._thorough.value), units=several)
-            self._begin("diagnose", title, inputs, asked)
+            title, inputs, request = question(arm, text, self._held, thorough=bool(self._thorough.value), units=several)
+            self._begin(title, inputs, request)
+            self._map_panel.value = False  # the answer takes its place
         except InputError as error:
-            self._panel.refuse(str(error))
+            self._runs.refuse(str(error))
 
 
 _COLUMNS = "What its columns are"
 
 
-def _offer_units(select: ui.select, meaning: Meaning, units: tuple[str, ...]) -> None:
-    select.set_options(list(units), value=meaning.unit if meaning.unit in units else None)
-    select.visible = bool(units)
+class _ColumnRow:
+    """A column: what it is, in which unit, by which factor and zero; `changed` is awaited with all of it."""
+
+    def __init__(
+        self, number: int, meaning: Meaning, choices: dict[str, str], arm: Any, changed: Callable[..., Awaitable[None]]
+    ) -> None:
+        self._arm, self._changed = arm, changed
+        with ui.element("span"):
+            ui.label(meaning.header)
+            if meaning.formula:
+                ui.label(f"= {meaning.made_of}").classes("lw-note")
+        self._what = ui.select(choices, value=meaning.what, with_input=True)
+        self._what.props(f'dense outlined aria-label="{number + 1} is"')
+        self._unit = ui.select([], value=None).props(f'dense outlined aria-label="unit of {number + 1}"')
+        self._factor = self._number(f"factor of {number + 1}", "×", meaning.factor)
+        self._zero = self._number(f"zero of {number + 1}", "+", meaning.zero)
+        self._sign = ui.button("±", on_click=self._turned).props(f'flat dense aria-label="other sign of {number + 1}"')
+        self._offer(meaning.what, meaning.unit)
+        self._what.on_value_change(self._told)
+        self._unit.on_value_change(self._told)
+
+    def _number(self, label: str, prefix: str, value: float) -> ui.input:
+        field = ui.input(value=f"{value:.12g}").props(f'dense outlined prefix="{prefix}" aria-label="{label}"')
+        field.on("blur", self._told)
+        field.on("keydown.enter", self._told)
+        return field
+
+    def _offer(self, what: str, unit: str) -> str:
+        """The units that it can be in; gives the one that is chosen."""
+        units = units_of(what, self._arm)
+        chosen = unit if unit in units else units[0] if units else ""
+        self._unit.set_options(list(units), value=chosen or None)
+        self._unit.visible = bool(units)
+        for item in (self._factor, self._zero, self._sign):
+            item.visible = what not in (OTHER, IGNORED)
+        return chosen
+
+    async def _turned(self) -> None:
+        factor = str(self._factor.value or "").strip()
+        self._factor.value = factor.removeprefix("-") if factor.startswith("-") else f"-{factor}"
+        await self._told()
+
+    async def _told(self) -> None:
+        what = str(self._what.value or OTHER)
+        unit = self._offer(what, str(self._unit.value or ""))
+        numbers: list[float] = []
+        for field in (self._factor, self._zero):
+            try:
+                numbers.append(read_number(float(str(field.value or "").replace(",", ".")), file="", key=""))
+                field.error = None
+            except (ValueError, InputError):
+                field.error = "needs a number"
+        if len(numbers) == 2:
+            await self._changed(what, unit, *numbers)

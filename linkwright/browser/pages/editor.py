@@ -5,11 +5,14 @@ from __future__ import annotations
 import asyncio
 import copy
 import re
-from collections.abc import Awaitable, Callable, Iterator
+from collections.abc import Awaitable, Callable, Iterator, Sequence
+from contextlib import suppress
 from typing import Any, cast
 
 from nicegui import ui
 
+from linkwright.browser.server.folder import Kind
+from linkwright.browser.server.keys import Place, known_keys, meaning, to_choose
 from linkwright.core.catalogues.yaml_edit import YamlText
 from linkwright.core.units.quantities import InputError
 from linkwright.core.units.reading import parse_yaml, yaml_line
@@ -17,9 +20,9 @@ from linkwright.face.plain_input import steps_of
 
 from .frame import Problem, heading, row, stack
 
-Place = tuple[str | int, ...]
 _PAUSE = 0.35
 """Seconds without a further change after which a text is checked."""
+_VALUE = "Value; empty takes it out"
 _LONG = 20
 """Letters of a value that need a wide field."""
 
@@ -27,9 +30,11 @@ _LONG = 20
 class YamlEditor:
     """Shows a text; `changed` is awaited with every new one."""
 
-    def __init__(self, changed: Callable[[], Awaitable[None]]) -> None:
+    def __init__(self, kind: Kind, changed: Callable[[], Awaitable[None]]) -> None:
         self.name, self.text = "", ""
+        self._kind: Kind = kind
         self._changed, self._version = changed, 0
+        self._shown: dict[Place, ui.input | ui.select] = {}
         with ui.tabs().props("dense align=left inline-label") as tabs:
             fields, text = ui.tab("Fields"), ui.tab("Text")
         with ui.tab_panels(tabs, value=fields, animated=False, on_change=self._turned).classes("w-full"):
@@ -45,6 +50,17 @@ class YamlEditor:
         self.name, self.text = name, text
         self._area.value = text
         self._show_fields()
+
+    def mark(self, wrong: InputError | None) -> None:
+        """Say what is wrong with the text at the field that it is of, where it is of one."""
+        place: Place = ()
+        if wrong is not None and wrong.key:
+            with suppress(InputError):
+                place = _place_of(wrong.key, self.name)
+        while place and place not in self._shown:
+            place = place[:-1]
+        for key, field in self._shown.items():
+            field.error = wrong.message if wrong is not None and key == place else None
 
     async def _typed(self) -> None:
         if self._area.value == self.text:
@@ -65,6 +81,7 @@ class YamlEditor:
 
     def _show_fields(self) -> None:
         self._fields.clear()
+        self._shown.clear()
         self._problem.say("")
         try:
             content = YamlText(self.text, file=self.name).data
@@ -79,28 +96,58 @@ class YamlEditor:
                 heading(name)
                 with ui.element("div").classes("lw-fields"):
                     for place, value in leaves:
-                        self._field(place, value)
+                        self._field(place, value, content)
             with row():
                 if isinstance(content.get("chain"), list):
                     ui.button("Add a joint and link", on_click=self._add_link).props("outline dense no-caps")
                     ui.button("Take the last one out", on_click=self._drop_link).props("outline dense no-caps")
+            chain = content.get("chain")
+            keys = known_keys(self._kind, len(cast(list[Any], chain)) if isinstance(chain, list) else 0)
             with row():
-                key = ui.input("Any key", placeholder="chain[1].joint.backlash").props("dense outlined")
-                value = ui.input("Value; empty takes it out", placeholder="3 arcmin").props("dense outlined")
-                ui.button("Set", on_click=lambda: self._set_key(key.value or "", value.value or "")).props(
-                    "outline dense no-caps"
-                )
+                key = ui.select(keys, label="Any key", with_input=True, new_value_mode="add-unique")
+                key.props("dense outlined use-input hide-selected fill-input").classes("grow min-w-40")
+                beside = ui.element("div").classes("grow min-w-40")
+                set_it = ui.button("Set").props("outline dense no-caps")
+            note = ui.label().classes("lw-note")
+            value: list[ui.input | ui.select] = []
 
-    def _field(self, place: Place, value: Any) -> None:
+            def chosen() -> None:
+                beside.clear()
+                place: Place = ()
+                with suppress(InputError):
+                    place = _place_of(str(key.value or ""), self.name)
+                note.text = meaning(self._kind, place) if place else ""
+                names = to_choose(place) if place else []
+                with beside:
+                    value[:] = [_input(_VALUE, [] if names and place[:1] == ("choose",) else "", names)]
+
+            chosen()
+            key.on_value_change(chosen)
+            set_it.on_click(lambda: self._set_key(str(key.value or ""), value[0].value or ""))
+
+    def _field(self, place: Place, value: Any, content: Any) -> None:
         below = place[3:] if place[0] == "chain" else place[1:] or place
-        words = _shown(value)
-        field = ui.input(".".join(map(str, below)), value=words).props("dense outlined")
+        words, names = _shown(value), to_choose(place)
+        listed: list[Any] = value if isinstance(value, list) else [value]
+        label = ".".join(map(str, below))
+        known = bool(names) and all(item in names for item in listed)
+        field = _input(label, value, names) if known else _input(label, words, [])
+        self._shown[place] = field
+        beside = content
+        for step in place[:-1]:
+            beside = beside[step]
+        if explanation := meaning(self._kind, place, str(beside.get("shape", "")) if isinstance(beside, dict) else ""):
+            field.props["title"] = explanation
         if len(words) > _LONG:
             field.classes("lw-wide")
 
         async def commit() -> None:
-            await self._edit(lambda text: text.set(place, _meant(field.value or "", value)), place, field.value)
+            now: Any = "" if field.value is None else field.value
+            await self._edit(lambda text: text.set(place, _meant(now, value)), place, _shown(now))
 
+        if isinstance(field, ui.select):
+            field.on_value_change(commit)
+            return
         field.on("blur", commit)
         field.on("keydown.enter", commit)
 
@@ -138,10 +185,10 @@ class YamlEditor:
         if await self._edit(drop):
             self._show_fields()
 
-    async def _set_key(self, key: str, value: str) -> None:
+    async def _set_key(self, key: str, value: Any) -> None:
         def change(text: YamlText) -> None:
             place = _place_of(key, self.name)
-            if value.strip():
+            if str(value).strip() not in ("", "[]"):
                 text.set(place, _meant(value, text.get(place)))
             else:
                 text.remove(place)
@@ -150,12 +197,21 @@ class YamlEditor:
             self._show_fields()
 
 
+def _input(label: str, value: Any, names: Sequence[str]) -> ui.input | ui.select:
+    """A field for words, or for one of `names` (for several, where the value is a list), sought by a part of it."""
+    if not names:
+        return ui.input(label, value=value).props("dense outlined").classes("w-full")
+    several = isinstance(value, list)
+    chosen = ui.select(list(names), label=label, value=value or None, with_input=True, multiple=several)
+    return chosen.props("dense outlined" + " use-chips" * several).classes("w-full lw-names")
+
+
 def _leaves(content: Any, place: Place) -> Iterator[tuple[Place, Any]]:
     """What a field can show: words, numbers, lists of them."""
     if isinstance(content, dict):
         for key, value in cast(dict[str, Any], content).items():
             yield from _leaves(value, (*place, str(key)))
-    elif isinstance(content, list) and any(isinstance(each, dict) for each in cast(list[Any], content)):
+    elif isinstance(content, list) and any(isinstance(item, dict) for item in cast(list[Any], content)):
         for number, value in enumerate(cast(list[Any], content)):
             yield from _leaves(value, (*place, number))
     elif place:
@@ -172,15 +228,17 @@ def _shown(value: Any) -> str:
     return value if isinstance(value, str) else "" if value is None else yaml_line(value)
 
 
-def _meant(text: str, before: Any) -> Any:
-    """A field's words as YAML has them: words stay words, lists are lists, numbers what they were."""
-    words = text.strip()
+def _meant(value: Any, before: Any) -> Any:
+    """What a field says as YAML has it: words stay words, lists are lists, numbers what they were."""
+    if isinstance(value, list):
+        return cast(list[Any], value)
+    words = str(value).strip()
     if words.startswith(("[", "{")) or not isinstance(before, str | None):
         try:
-            found = parse_yaml(f"[{words}]", file="the field")
+            parsed = parse_yaml(f"[{words}]", file="the field")
         except InputError:
             return words
-        entries = cast(list[Any], found) if isinstance(found, list) else []
+        entries = cast(list[Any], parsed) if isinstance(parsed, list) else []
         return entries[0] if len(entries) == 1 else entries if isinstance(before, list) else words
     if before is None and re.fullmatch(r"true|false|-?[0-9]+(\.[0-9]+)?", words):
         return cast(list[Any], parse_yaml(f"[{words}]", file="the field"))[0]

@@ -20,10 +20,10 @@ PAGES = (
 
 def styles() -> str:
     """The pages' own styles; those of the reports hold within pictures only."""
-    own = files("linkwright.browser.pages").joinpath("page.css").read_text(encoding="utf-8")
+    css = files("linkwright.browser.pages").joinpath("page.css").read_text(encoding="utf-8")
     report = files("linkwright.report").joinpath("style.css").read_text(encoding="utf-8")
     before, _, _ = report.partition("@page")
-    return f"{own}\n.lw-picture {{\n{before.replace(':root', '&')}\n}}\n"
+    return f"{css}\n.lw-picture {{\n{before.replace(':root', '&')}\n}}\n"
 
 
 @contextmanager
@@ -31,6 +31,8 @@ def framed(title: str, lead: str = "") -> Generator[None]:
     """A page with its heading; what is made within stands below."""
     ui.page_title(f"{title} – Linkwright")
     ui.add_css(styles())
+    drawing = files("linkwright.report").joinpath("picture.js").read_text(encoding="utf-8")
+    ui.add_head_html(f"<script>{drawing}</script>")
     ui.colors(primary="#1b62d1", negative="#b42318")
     with ui.element("nav").classes("lw-bar"):
         ui.label("Linkwright").tag = "strong"
@@ -39,10 +41,18 @@ def framed(title: str, lead: str = "") -> Generator[None]:
             if name == title:
                 link.props("aria-current=page")
     with ui.element("main").classes("lw-page"):
-        heading(title, 1)
-        if lead:
-            ui.label(lead).classes("lw-lead")
+        with ui.element("header").classes("lw-head"):
+            heading(title, 1)
+            if lead:
+                ui.label(lead).classes("lw-lead")
         yield
+
+
+@contextmanager
+def sides() -> Generator[tuple[ui.element, ui.element]]:
+    """Two columns, a form and what comes of it; on a narrow screen the one below the other."""
+    with ui.element("div").classes("lw-two"):
+        yield stack(), stack().classes("lw-right")
 
 
 def heading(text: str, level: int = 2) -> ui.label:
@@ -67,9 +77,19 @@ def panel() -> ui.element:
     return ui.element("div").classes("lw-panel lw-stack")
 
 
+def bring_into_view(element: ui.element) -> None:
+    """Scroll to the first thing in an element where it is not in view."""
+    ui.run_javascript(f"getHtmlElement({element.id}).firstElementChild.scrollIntoView({{block: 'nearest'}})")
+
+
 def picture(svg: str = "") -> ui.html:
-    """A picture of the reports; whatever could run in it is taken out, for it may come from a file."""
-    return ui.html(svg, sanitize=True).classes("lw-picture")
+    """A picture of the reports, to be saved as PNG; whatever could run in it is taken out, for it may come from a
+    file."""
+    made = ui.html(svg, sanitize=True).classes("lw-picture")
+    save = f"() => savePicture(getHtmlElement({made.id}).querySelector('svg'))"
+    button = ui.button("PNG").props('flat dense no-caps size=sm aria-label="PNG of this drawing"').classes("self-end")
+    button.on("click", js_handler=save)
+    return made
 
 
 class Problem:

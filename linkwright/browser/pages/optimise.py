@@ -9,9 +9,8 @@ from typing import Any
 from nicegui import ui
 
 import linkwright as lw
-from linkwright.browser.pages.editor import YamlEditor
 from linkwright.browser.pages.file_choice import FileChoice
-from linkwright.browser.pages.frame import Problem, framed, panel, row, stack
+from linkwright.browser.pages.frame import Problem, framed, panel, row, sides
 from linkwright.browser.pages.result_view import Asking
 from linkwright.browser.server.answers import Desk
 from linkwright.browser.server.folder import staged
@@ -21,22 +20,17 @@ from linkwright.core.units.quantities import InputError
 class ProblemPage(Asking):
     """A problem under edit and what is asked of it; the pages of one visitor build on it."""
 
-    def __init__(self, desk: Desk, title: str, lead: str) -> None:
-        super().__init__(desk)
-        with framed(title, lead):
-            with ui.element("div").classes("lw-two"):
-                with stack():
-                    self._choice = FileChoice(desk, "problem", lambda: self._editor, self._check)
-                    with panel():
-                        self._editor = YamlEditor(self._check)
-                        self._choice.save_row()
-                with stack():
-                    self._problem = Problem()
-                    with panel():
-                        self._line = ui.label().classes("lw-done")
-                        self._asked()
-                    self._work()
-            self._answers()
+    def __init__(self, desk: Desk, kind: str, title: str, lead: str) -> None:
+        super().__init__(desk, kind)
+        with framed(title, lead), sides() as (left, right):
+            with left:
+                self._choice = FileChoice(desk, "problem", self._check)
+            with right:
+                self._problem = Problem()
+                with panel():
+                    self._line = ui.label().classes("lw-done")
+                    self._asked()
+                self._answers()
 
     def _asked(self) -> None:
         """What stands under the problem: the question's own settings and its button."""
@@ -45,37 +39,39 @@ class ProblemPage(Asking):
             self._round.props('dense outlined label="Sizes"').classes("grow min-w-40")
             self._ask = ui.button("Optimise", on_click=self._start).props("no-caps")
 
-    def _question(self) -> tuple[str, dict[str, Any]]:
-        """The kind of work, and its settings."""
-        return "optimize", {"round_to": self._round.value or None}
+    def _question(self) -> dict[str, Any]:
+        """The settings of the work."""
+        return {"round_to": self._round.value or None}
 
     async def begin(self) -> None:
         """Open the first problem."""
         await self._choice.begin()
+        await self._runs.begin()
 
     async def _check(self) -> None:
         try:
-            found = await asyncio.to_thread(_read, self._desk, self._editor.name, self._editor.text)
+            checked = await asyncio.to_thread(_read, self._desk, self._choice.editor.name, self._choice.editor.text)
         except InputError as error:
             self._problem.say(str(error))
+            self._choice.editor.mark(error)
             self._ask.enabled = False
             return
         self._problem.say("")
+        self._choice.editor.mark(None)
         self._ask.enabled = True
-        self._line.text = repr(found)[1:-1]
+        self._line.text = repr(checked)[1:-1]
 
     async def _start(self) -> None:
-        name, text = self._editor.name, self._editor.text
-        kind, settings = self._question()
+        name, text = self._choice.editor.name, self._choice.editor.text
         try:
-            inputs = await asyncio.to_thread(self._desk.folder.with_arm, name, text)
-            self._begin(kind, name, inputs, {**settings, "problem": name})
+            inputs = await asyncio.to_thread(self._desk.folder.with_named, name, text)
+            self._begin(name, inputs, {**self._question(), "problem": name})
         except InputError as error:
-            self._panel.refuse(str(error))
+            self._runs.refuse(str(error))
 
 
 def _read(desk: Desk, name: str, text: str) -> Any:
-    with staged(desk.folder.with_arm(name, text)) as root:
+    with staged(desk.folder.with_named(name, text)) as root:
         return lw.read_problem(root / name)
 
 
@@ -87,7 +83,7 @@ class TradeoffPage(ProblemPage):
 
     def __init__(self, desk: Desk) -> None:
         lead = "The designs that none beats in both of two figures. Stop leaves the points so far."
-        super().__init__(desk, "Trade-off", lead)
+        super().__init__(desk, "tradeoff", "Trade-off", lead)
 
     def _asked(self) -> None:
         traded = sorted(name for name in lw.limits if lw.limits[name].traded)
@@ -99,9 +95,8 @@ class TradeoffPage(ProblemPage):
             self._accuracy = _choice(dict(_ACCURACIES), 0.1, "Accuracy")
             self._ask = ui.button("Trace", on_click=self._start).props("no-caps")
 
-    def _question(self) -> tuple[str, dict[str, Any]]:
-        asked = {"x": self._x.value, "y": self._y.value, "by": self._by.value, "accuracy": self._accuracy.value}
-        return "tradeoff", asked
+    def _question(self) -> dict[str, Any]:
+        return {"x": self._x.value, "y": self._y.value, "by": self._by.value, "accuracy": self._accuracy.value}
 
 
 def _choice(options: dict[Any, str], value: object, label: str) -> ui.select:

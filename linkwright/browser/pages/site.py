@@ -8,7 +8,7 @@ from typing import Protocol
 from nicegui import ui
 
 from linkwright.browser.pages.optimise import TradeoffPage
-from linkwright.browser.pages.result_view import ResultPage, ResultsPage
+from linkwright.browser.pages.results import ResultPage, ResultsPage
 from linkwright.browser.server.answers import Desk
 
 from .arm import ArmPage
@@ -36,10 +36,10 @@ def add_pages(desk: Desk) -> None:
     """Add every page of a server. NiceGUI keeps pages for the whole process, so there is one server in each."""
     lead = "The best design within a problem's limits. Stop leaves the best so far."
     _add("/", lambda: ArmPage(desk))
-    _add("/optimise", lambda: ProblemPage(desk, "Optimise", lead))
+    _add("/optimise", lambda: ProblemPage(desk, "optimize", "Optimise", lead))
     _add("/tradeoff", lambda: TradeoffPage(desk))
     _add("/diagnosis", lambda: DiagnosisPage(desk))
-    _add("/catalogues", CataloguesPage)
+    _add("/catalogues", lambda: CataloguesPage(desk))
     _add("/results", lambda: ResultsPage(desk))
 
     async def result(number: int) -> None:

@@ -1,8 +1,10 @@
-"""Answers with their files wherever they are, what pages share, and files as a browser gets them."""
+"""Results with their files for the pages, running or stored, and the content of files as a browser gets it."""
 
 from __future__ import annotations
 
 import asyncio
+import io
+import zipfile
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
@@ -38,8 +40,8 @@ class Desk:
 
 @dataclass(frozen=True)
 class Answer:
-    """What came of a piece of work; `names` gives its files, `file` the content of one (None where there is none).
-    Both look at the disk, and raise `InputError`."""
+    """The result of a job; `names` lists its files, `file` gives the content of one (None where there is none). Both
+    read the disk, and raise `InputError`."""
 
     place: str
     number: int
@@ -81,15 +83,15 @@ def as_kept(job: Job) -> Kept:
 
 
 _SANDBOX = (
-    "sandbox allow-scripts; default-src 'none'; script-src 'unsafe-inline' blob:; style-src 'unsafe-inline'; "
-    "img-src data: blob:"
+    "sandbox allow-scripts allow-downloads; default-src 'none'; script-src 'unsafe-inline' blob:; "
+    "style-src 'unsafe-inline'; img-src data: blob:"
 )
-"""A report runs its own script and reaches nothing: neither these pages nor the network."""
+"""A report runs its own script and reaches nothing, neither these pages nor the network; it may hand pictures over."""
 
 
 def add_files(app: FastAPI, desk: Desk) -> None:
-    """Add the addresses of files: /kept/NUMBER/NAME, and with ?view to look at; /left/NUMBER/NAME of what could not be
-    kept."""
+    """Add the addresses of files: /kept/NUMBER/NAME, and with ?view to look at; /kept/NUMBER/ of all of them, packed;
+    /left/NUMBER/NAME of what could not be kept."""
 
     def kept(number: int, name: str, view: bool = False) -> Response:
         return _sent(number, name, on_shelf(desk.shelf, number).file, view)
@@ -98,6 +100,18 @@ def add_files(app: FastAPI, desk: Desk) -> None:
         job = desk.jobs.find(number)
         return _sent(number, name, lambda name: None if job is None else left_behind(job).file(name), view)
 
+    def bundle(number: int) -> Response:
+        """All files of a result."""
+        answer, packed = on_shelf(desk.shelf, number), io.BytesIO()
+        try:
+            with zipfile.ZipFile(packed, "w", zipfile.ZIP_DEFLATED) as made:
+                for name in answer.names():
+                    made.writestr(name, answer.file(name) or b"")
+        except InputError as error:
+            return Response(f"{error}\n", 503, media_type="text/plain")
+        return _sent(number, "linkwright.zip", lambda _: packed.getvalue(), view=False)
+
+    app.add_api_route("/kept/{number}/", bundle, methods=["GET"])
     app.add_api_route("/kept/{number}/{name:path}", kept, methods=["GET"])
     app.add_api_route("/left/{number}/{name:path}", left, methods=["GET"])
 
@@ -111,7 +125,7 @@ def _sent(number: int, name: str, read: Callable[[str], bytes | None], view: boo
         return Response("there is no such file\n", 404, media_type="text/plain")
     if view and name.endswith(".html"):
         return Response(content, media_type="text/html", headers={"content-security-policy": _SANDBOX})
-    plain = "".join(each if each.isascii() and (each.isalnum() or each in "._-") else "-" for each in name)
+    plain = "".join(item if item.isascii() and (item.isalnum() or item in "._-") else "-" for item in name)
     headers = {
         "content-disposition": f'attachment; filename="{number}-{plain}"',
         "content-security-policy": _SANDBOX,

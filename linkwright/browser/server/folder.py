@@ -19,6 +19,7 @@ from linkwright.core.units.reading import parse_yaml, read_text
 
 Kind = Literal["arm", "problem"]
 _ARM = re.compile(r"^chain\s*:", re.MULTILINE)
+_NAME = re.compile(r"^name\s*:\s*(.*?)\s*$", re.MULTILINE)
 _PROBLEM = re.compile(r"^arm\s*:", re.MULTILINE)
 _LARGEST = 1024 * 1024
 """Bytes of an arm or a problem that can be edited here."""
@@ -46,13 +47,13 @@ class Folder:
         """Where a file of the folder stands, links followed."""
         parts = PurePosixPath(name.replace("\\", "/"))
         try:
-            found = (self.root / parts).resolve()
+            path = (self.root / parts).resolve()
         except (OSError, ValueError, RuntimeError):  # a NUL, or links in a circle
-            found = None
-        outside = len(name) > _LONGEST or found is None or found == self.root or not found.is_relative_to(self.root)
-        if found is None or outside or parts.is_absolute() or any(part.startswith(".") for part in parts.parts):
+            path = None
+        outside = len(name) > _LONGEST or path is None or path == self.root or not path.is_relative_to(self.root)
+        if path is None or outside or parts.is_absolute() or any(part.startswith(".") for part in parts.parts):
             raise InputError("", shown(name), "is not in the folder that is served; name a file within it")
-        return found
+        return path
 
     def names(self, kind: Kind) -> list[str]:
         """The files of a kind, at most so many, folders first looked into to a few levels."""
@@ -61,8 +62,8 @@ class Folder:
         for at, folders, names in os.walk(self.root):
             here = Path(at)
             deep = len(here.relative_to(self.root).parts)
-            folders[:] = sorted(each for each in folders if not each.startswith(".") and deep < _DEEPEST)
-            for name in sorted(each for each in names if each.endswith(_ENDINGS) and not each.startswith(".")):
+            folders[:] = sorted(folder for folder in folders if not folder.startswith(".") and deep < _DEEPEST)
+            for name in sorted(item for item in names if item.endswith(_ENDINGS) and not item.startswith(".")):
                 seen += 1
                 if seen > _MOST:
                     return found
@@ -99,34 +100,55 @@ class Folder:
         if path.suffix not in _ENDINGS:
             raise InputError("", shown(name), "needs a name that ends in .yaml")
         if not whatever and path.exists() and (there := self.read(name)) not in (known, text):
-            told = "is there already" if known is None else f"was changed by another program{_lines(known, there)}"
-            raise Occupied(name, "", f"{told}; save under another name, or write over it")
+            reason = "is there already" if known is None else f"was changed by another program{_lines(known, there)}"
+            raise Occupied(name, "", f"{reason}; save under another name, or write over it")
         try:
             write_whole(path, text, flush=True)
         except OSError as error:
             raise InputError(name, "", f"cannot be written: {error.strerror or error}") from None
 
-    def with_arm(self, name: str, text: str) -> dict[str, bytes]:
-        """A problem's text and the arm file that it names, both by their names in the folder."""
-        found = {name: text.encode()}
+    def with_named(self, name: str, text: str) -> dict[str, bytes]:
+        """A problem's text and the files that it names, its arm and its table of poses, by their names in the
+        folder."""
+        result = {name: text.encode()}
         self.place(name)
         content = cast("dict[str, Any]", parsed) if isinstance(parsed := parse_yaml(text, file=name), dict) else {}
-        arm = content.get("arm")
-        if isinstance(arm, str):
-            within = os.path.normpath(PurePosixPath(name).parent / arm.replace("\\", "/"))
-            if Path(arm).is_absolute() or within.startswith(".."):
-                raise InputError(name, "arm", f"{shown(arm)} is not in the folder that is served; put it there")
-            found[Path(within).as_posix()] = self.read(Path(within).as_posix()).encode()
-        return found
+        space = content.get("workspace")
+        for key, file in (
+            ("arm", content.get("arm")),
+            ("workspace.poses", cast("dict[str, Any]", space).get("poses") if isinstance(space, dict) else None),
+        ):
+            if isinstance(file, str):
+                within = os.path.normpath(PurePosixPath(name).parent / file.replace("\\", "/"))
+                if Path(file).is_absolute() or within.startswith(".."):
+                    raise InputError(name, key, f"{shown(file)} is not in the folder that is served; put it there")
+                result[Path(within).as_posix()] = self.read(Path(within).as_posix()).encode()
+        return result
 
     def add_examples(self) -> list[str]:
         """Put the examples that are not there yet into the folder; gives the names of all."""
         names: list[str] = []
-        for starter in sorted(files("linkwright.browser").joinpath("starters").iterdir(), key=lambda each: each.name):
+        for starter in sorted(files("linkwright.browser").joinpath("starters").iterdir(), key=lambda item: item.name):
             names.append(starter.name)
             if not self.place(starter.name).exists():
                 self.write(starter.name, starter.read_text(encoding="utf-8"))
         return names
+
+
+def templates() -> dict[str, str]:
+    """The shipped arms that a new one can begin as: their texts by name."""
+    texts = (item.read_text(encoding="utf-8") for item in files("linkwright.browser").joinpath("templates").iterdir())
+    return dict(sorted((named[1], text) for text in texts if (named := _NAME.search(text))))
+
+
+def arm_of_urdf(name: str, content: bytes, tip: str) -> tuple[str, str]:
+    """The arm file that a URDF makes, to a `tip` (empty: its only one), and what was found in a line. Raises
+    `InputError`."""
+    with staged({name: content}) as root:
+        imported = lw.import_arm(root / name, tip=tip or None)
+        (root / "made").mkdir()
+        imported.save(root / "made" / "arm.yaml")
+        return (root / "made" / "arm.yaml").read_text(encoding="utf-8"), repr(imported)[1:-1]
 
 
 def _lines(before: str, after: str) -> str:
@@ -164,5 +186,5 @@ def put(root: Path, inputs: Mapping[str, bytes]) -> None:
 
 def called_plainly(error: InputError, root: Path) -> InputError:
     """The error with files of a passing folder by their names alone."""
-    own = f"{root}{os.sep}"
-    return InputError(error.file.replace(own, ""), error.key, error.message.replace(own, ""))
+    prefix = f"{root}{os.sep}"
+    return InputError(error.file.replace(prefix, ""), error.key, error.message.replace(prefix, ""), *error.remedies)

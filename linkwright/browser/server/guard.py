@@ -30,8 +30,8 @@ def policy(scripts: Iterable[bytes] = ()) -> bytes:
     NiceGUI's pages compile their components in the browser (`unsafe-eval`) and carry styles in attributes; neither lets
     markup run anything.
     """
-    digests = (base64.b64encode(hashlib.sha256(each).digest()).decode() for each in scripts)
-    own = " ".join(["'self'", *(f"'sha256-{each}'" for each in digests), "'unsafe-eval'", "blob:"])
+    digests = (base64.b64encode(hashlib.sha256(script).digest()).decode() for script in scripts)
+    own = " ".join(["'self'", *(f"'sha256-{digest}'" for digest in digests), "'unsafe-eval'", "blob:"])
     return (
         f"default-src 'self'; script-src {own}; style-src 'self' 'unsafe-inline'; img-src 'self' data: blob:; "
         "font-src 'self' data:; worker-src 'self' blob:; connect-src 'self'; frame-src 'self'; object-src 'none'; "
@@ -139,10 +139,10 @@ class Guard:
         return ""
 
     def _own(self, host: str) -> bool:
-        found = _HOST.fullmatch(host)
-        if found is None:
+        host_match = _HOST.fullmatch(host)
+        if host_match is None:
             return False
-        name, port = found["name"].lower().strip("[]"), int(found["port"] or 80)
+        name, port = host_match["name"].lower().strip("[]"), int(host_match["port"] or 80)
         if name in self.names:
             return port == self.port
         # A name that somebody else may point here (DNS rebinding) is none; an address is what it says.
@@ -160,10 +160,10 @@ class Guard:
     async def _ask(self, scope: Message, receive: Receive, send: Send) -> None:
         """Take the token, from the address at first or from the form that asks for it, and give a cookie for it."""
         if scope["type"] == "http":
-            given = parse_qs(bytes(scope.get("query_string", b"")).decode("latin-1")).get("token", [""])[0]
+            token = parse_qs(bytes(scope.get("query_string", b"")).decode("latin-1")).get("token", [""])[0]
             if scope["method"] == "POST" and scope["path"] == "/enter":
-                given = parse_qs((await _body(receive, 4096)).decode("latin-1")).get("token", [""])[0]
-            if given and hmac.compare_digest(given.encode(), self.token.encode()):
+                token = parse_qs((await _body(receive, 4096)).decode("latin-1")).get("token", [""])[0]
+            if token and hmac.compare_digest(token.encode(), self.token.encode()):
                 cookie = f"{self.cookie}={self._session}; Path=/; HttpOnly; SameSite=Strict"
                 await _answer(send, 303, "", [(b"location", b"/"), (b"set-cookie", cookie.encode())])
                 return
@@ -213,13 +213,13 @@ def _address(name: str) -> bool:
 
 
 def _has(headers: list[tuple[bytes, bytes]], name: bytes) -> bool:
-    return any(each == name for each, _ in headers)
+    return any(item == name for item, _ in headers)
 
 
 def _one(headers: list[tuple[bytes, bytes]], name: bytes) -> str | None:
     """A header that stands there once."""
-    found = [value for each, value in headers if each == name]
-    return found[0].decode("latin-1") if len(found) == 1 else None
+    values = [value for item, value in headers if item == name]
+    return values[0].decode("latin-1") if len(values) == 1 else None
 
 
 async def _body(receive: Receive, most: int) -> bytes:

@@ -1,4 +1,4 @@
-"""Long work in processes of its own, off the server's loop: told of, stopped, and kept once it is done."""
+"""Jobs: long computations in processes of their own, with progress, a stop and stored results."""
 
 from __future__ import annotations
 
@@ -79,6 +79,8 @@ class Jobs:
     def __init__(self, shelf: Shelf) -> None:
         self._shelf = shelf
         self._all: dict[int, Job] = {}
+        self.ended: list[Job] = []
+        """What is at its end, the last one last."""
         self._tasks: set[asyncio.Task[None]] = set()
         self._name = f"{os.getpid()} on {socket.gethostname()}"
 
@@ -98,8 +100,8 @@ class Jobs:
 
     def cut_off(self) -> list[Run]:
         """What was begun, here or by another server of this folder, and ended with its server. Raises `InputError`."""
-        own = {job.run for job in self._all.values()}
-        return [each for each in self._shelf.runs() if each.id not in own and not _alive(each.server)]
+        runs = {job.run for job in self._all.values()}
+        return [run for run in self._shelf.runs() if run.id not in runs and not _alive(run.server)]
 
     def start(self, kind: str, title: str, inputs: Mapping[str, bytes], asked: Mapping[str, Any]) -> Job:
         """Begin; `inputs` are the files that it reads, by name. Raises `InputError` where too much is at work."""
@@ -133,7 +135,7 @@ class Jobs:
         job.message, job.share, job.state = job.answer, 1.0, "done"
         self._cleared(job)
 
-    async def _done(self, job: Job, inputs: Mapping[str, bytes], asked: Mapping[str, Any]) -> None:
+    async def _done(self, job: Job, inputs: Mapping[str, bytes], request: Mapping[str, Any]) -> None:
         with suppress(InputError):  # a base that cannot be written to now may be by the end
             job.run = await asyncio.to_thread(self._shelf.begin, job.kind, job.title, self._name)
         try:
@@ -141,7 +143,7 @@ class Jobs:
             root, out = job.left / "in", job.left / "out"
             root.mkdir()
             await asyncio.to_thread(put, root, inputs)
-            wrong = await self._told(job, {**asked, "kind": job.kind, "root": str(root), "out": str(out)})
+            wrong = await self._told(job, {**request, "kind": job.kind, "root": str(root), "out": str(out)})
         except (InputError, OSError) as error:
             wrong = _said(error)
         job.took = job.seconds
@@ -150,17 +152,19 @@ class Jobs:
         elif job.answer:
             job.message, job.state = wrong, "unkept"
         else:
-            job.message, job.state = wrong, "refused"
-            self._cleared(job)
+            # Who sees a job at its end may end the server, which should then not be told that it was cut off.
             with suppress(InputError):
                 await asyncio.to_thread(self._shelf.end, job.run or 0)
+            job.message, job.state = wrong, "refused"
+            self._cleared(job)
+        self.ended.append(job)
 
     def _cleared(self, job: Job) -> None:
         if job.left is not None:
             shutil.rmtree(job.left, ignore_errors=True)
             job.left = None
 
-    async def _told(self, job: Job, asked: Mapping[str, Any]) -> str:
+    async def _told(self, job: Job, request: Mapping[str, Any]) -> str:
         """Run the process and hear it; gives what went wrong, empty where nothing did."""
         # A session of its own: Ctrl-C at the terminal is the server's, which passes it on.
         job.process = process = await asyncio.create_subprocess_exec(
@@ -176,7 +180,7 @@ class Jobs:
         assert process.stderr is not None
         errors = asyncio.create_task(process.stderr.read())
         with suppress(BrokenPipeError, ConnectionResetError):
-            process.stdin.write(json.dumps(asked).encode())
+            process.stdin.write(json.dumps(request).encode())
             await process.stdin.drain()
             process.stdin.close()
         last: dict[str, Any] = {}
@@ -185,7 +189,7 @@ class Jobs:
                 last = json.loads(line)
                 _hear(job, last)
         await process.wait()
-        said = (await errors).decode(errors="replace").strip()
+        message = (await errors).decode(errors="replace").strip()
         if "done" in last:
             return ""
         if "refused" in last:
@@ -194,7 +198,7 @@ class Jobs:
             return "stopped before anything was finished, so there is nothing to keep"
         if process.returncode == -signal.SIGKILL:
             return "was killed by the system, most likely for want of memory; ask for less at once, or give it more"
-        return said.splitlines()[-1] if said else f"ended with status {process.returncode}"
+        return message.splitlines()[-1] if message else f"ended with status {process.returncode}"
 
     async def end(self) -> None:
         """End all that is at work, with what it has."""
@@ -208,14 +212,14 @@ class Jobs:
             await asyncio.wait(set(self._tasks), timeout=_PATIENCE)
 
 
-def _hear(job: Job, told: Mapping[str, Any]) -> None:
-    if "text" in told and not job.stopping:
-        job.text, job.share = str(told["text"]), float(told["share"])
-    if "line" in told:
-        job.lines.append(str(told["line"]))
+def _hear(job: Job, event: Mapping[str, Any]) -> None:
+    if "text" in event and not job.stopping:
+        job.text, job.share = str(event["text"]), float(event["share"])
+    if "line" in event:
+        job.lines.append(str(event["line"]))
         del job.lines[:-_LINES]
-    if "answer" in told:
-        job.answer, job.complete = str(told["answer"]), bool(told["complete"])
+    if "answer" in event:
+        job.answer, job.complete = str(event["answer"]), bool(event["complete"])
 
 
 def _alive(server: str) -> bool:

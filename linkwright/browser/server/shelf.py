@@ -31,9 +31,14 @@ CREATE TABLE IF NOT EXISTS inserted (
 CREATE TABLE IF NOT EXISTS runs (
     id INTEGER PRIMARY KEY AUTOINCREMENT, began TEXT NOT NULL, kind TEXT NOT NULL, title TEXT NOT NULL,
     server TEXT NOT NULL);
+CREATE TABLE IF NOT EXISTS labels (
+    result INTEGER PRIMARY KEY REFERENCES results(id) ON DELETE CASCADE, name TEXT NOT NULL, note TEXT NOT NULL);
 """
 _TABLE_NAMES = frozenset(re.findall(r"EXISTS (\w+)", _TABLES))
-_RESULT = "id, made, kind, title, line, complete, seconds"
+_RESULT = (
+    "SELECT id, made, kind, title, line, complete, seconds, coalesce(name, ''), coalesce(note, '') "
+    "FROM results LEFT JOIN labels ON result = id"
+)
 _UNUSED = "DELETE FROM scripts WHERE digest NOT IN (SELECT digest FROM inserted)"
 _SCRIPT = re.compile(rb"(?<=>)[^<]{100000,}(?=</script>)")
 """A script that is worth keeping once for all reports: plotly, packed."""
@@ -59,7 +64,7 @@ _WHAT_TO_DO: Mapping[int, str] = MappingProxyType(
 @dataclass(frozen=True)
 class Kept:
     """A result that is kept: when it was `made` (UTC), of which kind, from what (`title`), what was found (`line`),
-    whether it is `complete` or the best until it was stopped, and how long it took."""
+    whether it is `complete` or the best until it was stopped, how long it took, and what people call it and noted."""
 
     id: int
     made: str
@@ -68,6 +73,8 @@ class Kept:
     line: str
     complete: bool
     seconds: float
+    name: str = ""
+    note: str = ""
 
 
 @dataclass(frozen=True)
@@ -128,18 +135,18 @@ class Shelf:
                 scripts = list(_SCRIPT.finditer(content)) if name.endswith(".html") else []
                 rest = _SCRIPT.sub(b"", content) if scripts else content
                 base.execute("INSERT INTO files VALUES (?, ?, ?)", (number, name, zlib.compress(rest, 6)))
-                for found in scripts:
-                    digest = hashlib.sha256(found[0]).hexdigest()
+                for script in scripts:
+                    digest = hashlib.sha256(script[0]).hexdigest()
                     if not base.execute("SELECT 1 FROM scripts WHERE digest = ?", (digest,)).fetchone():
-                        base.execute("INSERT INTO scripts VALUES (?, ?)", (digest, zlib.compress(found[0], 6)))
-                    base.execute("INSERT INTO inserted VALUES (?, ?, ?, ?)", (number, name, found.start(), digest))
+                        base.execute("INSERT INTO scripts VALUES (?, ?)", (digest, zlib.compress(script[0], 6)))
+                    base.execute("INSERT INTO inserted VALUES (?, ?, ?, ?)", (number, name, script.start(), digest))
             base.execute("DELETE FROM runs WHERE id = ?", (run,))
         return int(number or 0)
 
     def all(self) -> list[Kept]:
         """The results, the newest first."""
         with self._open() as base:
-            rows = base.execute(f"SELECT {_RESULT} FROM results ORDER BY id DESC").fetchall()
+            rows = base.execute(f"{_RESULT} ORDER BY id DESC").fetchall()
         return [_kept(row) for row in rows]
 
     def find(self, number: int) -> Kept | None:
@@ -147,7 +154,7 @@ class Shelf:
         if not 0 <= number < _NUMBERS:
             return None
         with self._open() as base:
-            row = base.execute(f"SELECT {_RESULT} FROM results WHERE id = ?", (number,)).fetchone()
+            row = base.execute(f"{_RESULT} WHERE id = ?", (number,)).fetchone()
         return None if row is None else _kept(row)
 
     def names(self, number: int) -> list[str]:
@@ -187,6 +194,13 @@ class Shelf:
             return self.path.stat().st_size
         except OSError:
             return 0
+
+    def label(self, number: int, name: str, note: str) -> None:
+        """Say how a result is called, and what is to be remembered of it."""
+        if self.find(number) is None:
+            raise InputError("", f"result {number}", "is not there; it may have been removed")
+        with self._open(_PATIENCE_TO_KEEP) as base:
+            base.execute("INSERT OR REPLACE INTO labels VALUES (?, ?, ?)", (number, name, note))
 
     def remove(self, number: int) -> None:
         """Take a result away, with its files."""
@@ -231,6 +245,8 @@ def _text(content: bytes) -> str:
 
 def _kept(row: tuple[object, ...]) -> Kept:
     """A row as it is shown, whatever stands in it: SQLite holds no column to its type."""
-    number, made, kind, title, line, complete, seconds = row
+    number, made, kind, title, line, complete, seconds, name, note = row
     took = float(seconds) if isinstance(seconds, int | float) else float("nan")
-    return Kept(int(str(number)), str(made), str(kind), str(title), str(line), bool(complete), took)
+    return Kept(
+        int(str(number)), str(made), str(kind), str(title), str(line), bool(complete), took, str(name), str(note)
+    )

@@ -55,10 +55,12 @@ class CatalogueTable(ABC):
 
     def rows(self, group: str) -> list[Row]:
         """All entries of a group, as a file has their figures."""
-        own = self.names() if self.there else frozenset[str]()
-        cells = {name: self.cells(each, group) for name, each in self.kind.known(None).items()}
+        user_names = self.names() if self.there else frozenset[str]()
+        cells = {name: self.cells(item, group) for name, item in self.kind.known(None).items()}
         return [
-            {"name": name, "own": "yes" if name in own else "", **row} for name, row in cells.items() if row is not None
+            {"name": name, "own": "yes" if name in user_names else "", **row}
+            for name, row in cells.items()
+            if row is not None
         ]
 
     @abstractmethod
@@ -90,7 +92,7 @@ class CatalogueTable(ABC):
 
     def doubts(self, name: str) -> list[str]:
         """What is hardly believable of an entry of the user's own, as the command line questions it."""
-        return [each for each in self.kind.doubts(self.path) if each.startswith(f"{name}:")]
+        return [doubt for doubt in self.kind.doubts(self.path) if doubt.startswith(f"{name}:")]
 
     def undo(self) -> str:
         """Take the last edit back."""
@@ -152,8 +154,8 @@ class SectionsTable(CatalogueTable):
         if not text:
             return STOCK.remove_cell(self.path, name, column)
         unit = {"mm": "mm", "cm2": "cm^2", "cm4": "cm^4"}.get(column.rpartition("_")[2])
-        told = f"{text} {unit}" if unit and _bare(text) else text
-        return STOCK.change_cells(self.path, name, {column: told}, source=source)
+        text_with_unit = f"{text} {unit}" if unit and _bare(text) else text
+        return STOCK.change_cells(self.path, name, {column: text_with_unit}, source=source)
 
 
 class ActuatorsTable(CatalogueTable):
@@ -213,14 +215,14 @@ _DRIVE: Mapping[str, str] = MappingProxyType(
 """The figures of an actuator and their kinds."""
 
 
-def _drive_figure(each: Actuator, name: str) -> str:
+def _drive_figure(actuator: Actuator, name: str) -> str:
     """A figure as a file has it; those of zones as a list."""
     kind = _DRIVE[name]
     if name in ("stiffness", "zone_torques"):
-        zones = each.stiffnesses if name == "stiffness" else each.zone_torques
+        zones = actuator.stiffnesses if name == "stiffness" else actuator.zone_torques
         written = [format_quantity(value, kind, digits=6) for value in zones]
-        return f"[{', '.join(written)}]" if len(each.stiffnesses) > 1 else "".join(written)
-    value: float | None = getattr(each, name)
+        return f"[{', '.join(written)}]" if len(actuator.stiffnesses) > 1 else "".join(written)
+    value: float | None = getattr(actuator, name)
     return "" if value is None else format_quantity(value, kind, "arcmin" if kind == "angle" else None, digits=6)
 
 

@@ -1,4 +1,4 @@
-"""What a process of its own does for a page: one question of the public face, progress told line by line.
+"""The process of a job: one call of the public functions for a page, its progress reported line by line.
 
 Started as `python -m linkwright.browser.server.work`; the question comes as JSON on standard input, what happens goes
 as a JSON object a line to standard output. An interrupt leaves the best so far, as everywhere.
@@ -58,24 +58,27 @@ def answered(kind: str, root: Path, out: Path, asked: Mapping[str, Any]) -> None
     """Call the function of that name with what is asked, by its parameters, files below `root`; tell what was found and
     whether workers lost cut it short, then save it with what its page shows: a full disk does not take it along."""
     function = getattr(lw, kind)
-    own = [each for each in parameters_of(function) if asked.get(each.name) not in (None, "", [])]
-    words = {each.name: _placed(asked[each.name], root) if each.kind is Path else asked[each.name] for each in own}
+    parameters = [parameter for parameter in parameters_of(function) if asked.get(parameter.name) not in (None, "", [])]
+    words = {
+        parameter.name: _placed(asked[parameter.name], root) if parameter.kind is Path else asked[parameter.name]
+        for parameter in parameters
+    }
     reads: dict[str, Callable[[Any], Any]] = {"arm": lw.read_arm, "problem": lw.read_problem, "": lambda word: word}
-    given = {each.name: reads[each.option.reads](words[each.name]) for each in own}
-    named = [path for each in own for path in paths_in(words[each.name])]
-    problem: lw.Problem | None = given.get("problem")
+    arguments = {parameter.name: reads[parameter.option.reads](words[parameter.name]) for parameter in parameters}
+    named = [path for parameter in parameters for path in paths_in(words[parameter.name])]
+    problem: lw.Problem | None = arguments.get("problem")
     with lw.Processes() as crew:
         hears = {**_heard(problem), "progress": _Told(), "executor": crew}
         takes = inspect.signature(function).parameters
-        found = function(**given, **{name: heard for name, heard in hears.items() if name in takes})
+        result = function(**arguments, **{name: heard for name, heard in hears.items() if name in takes})
     for name in ("SIGINT", "SIGTERM", "SIGHUP"):  # an interrupt comes too late
         if hasattr(signal, name):
             signal.signal(getattr(signal, name), signal.SIG_IGN)
     lost = "" if crew.lost is None else f"; {crew.lost}"
-    say(answer=repr(found)[1:-1] + lost, complete=not getattr(found, "interrupted", False))
+    say(answer=repr(result)[1:-1] + lost, complete=not getattr(result, "interrupted", False))
     arm = None if problem is None else problem.arm_file
-    found.save(out, made_from=[*named, *([] if arm is None else [arm])])
-    _beside(found, out, words.get("settings", ()))
+    result.save(out, made_from=[*named, *([] if arm is None else [arm])])
+    _beside(result, out, words.get("settings", ()))
 
 
 def _placed(names: str | list[str], root: Path) -> Path | list[Path]:
@@ -88,8 +91,8 @@ def _heard(problem: lw.Problem | None) -> dict[str, Any]:
         return {}
     from linkwright.results.optimization import iteration_line
 
-    def log(each: Iteration) -> None:
-        say(line=iteration_line(each, problem.model.minimize))
+    def log(iteration: Iteration) -> None:
+        say(line=iteration_line(iteration, problem.model.minimize))
 
     def out_of_reach(text: str) -> None:
         say(line=f"{text}; now looking for what the limits would have to be")
@@ -97,14 +100,14 @@ def _heard(problem: lw.Problem | None) -> dict[str, Any]:
     return {"log": log, "out_of_reach": out_of_reach}
 
 
-def _beside(found: Any, out: Path, settings: Sequence[Path]) -> None:
+def _beside(result: Any, out: Path, settings: Sequence[Path]) -> None:
     """What only the pages show: worst poses and fronts to click on; and the settings as they were told."""
     from linkwright.browser.server.drawings import front_to_click, worst_poses
 
-    if isinstance(found, Evaluation):
-        (out / "poses.json").write_text(json.dumps(worst_poses(found.found)), encoding="utf-8")
-    if isinstance(found, Tradeoff):
-        (out / "front.json").write_text(json.dumps(front_to_click(found)), encoding="utf-8")
+    if isinstance(result, Evaluation):
+        (out / "poses.json").write_text(json.dumps(worst_poses(result.found)), encoding="utf-8")
+    if isinstance(result, Tradeoff):
+        (out / "front.json").write_text(json.dumps(front_to_click(result)), encoding="utf-8")
     for number, own in enumerate(settings, start=1):
         name = own.name if len(settings) == 1 else f"{own.stem}-{number}{own.suffix}"
         (out / name).write_bytes(own.read_bytes())
@@ -113,10 +116,10 @@ def _beside(found: Any, out: Path, settings: Sequence[Path]) -> None:
 def main() -> int:
     """Answer the question on standard input; gives the exit status."""
     end_as_by_ctrl_c()
-    asked: dict[str, Any] = json.loads(sys.stdin.read())
-    root, out = Path(asked["root"]), Path(asked["out"])
+    request: dict[str, Any] = json.loads(sys.stdin.read())
+    root, out = Path(request["root"]), Path(request["out"])
     try:
-        answered(asked["kind"], root, out, asked)
+        answered(request["kind"], root, out, request)
     except WorkersLost as error:
         say(refused=str(error))
         return 1

@@ -30,20 +30,20 @@ if TYPE_CHECKING:
 def _inherited(data: Mapping[str, Any], stem: str, content: Mapping[str, Any]) -> Mapping[str, Any]:
     """With what the file says of all: the maker, and where the figures were found or not."""
     del stem
-    told = [key for key in ("maker", "unconfirmed", "found_in") if data.get(key) and key not in content]
-    return {**{key: data[key] for key in told}, **content}
+    keys = [key for key in ("maker", "unconfirmed", "found_in") if data.get(key) and key not in content]
+    return {**{key: data[key] for key in keys}, **content}
 
 
 def _listed(text: str, path: Path | str, where: str) -> list[str]:
     """Several values: `14 N*m; 48 N*m`."""
     del path, where
-    return [each.strip() for each in text.split(";") if each.strip()]
+    return [item.strip() for item in text.split(";") if item.strip()]
 
 
 def _stiffness(text: str, path: Path | str, where: str) -> str | list[str]:
     """One value, or those of zones: `31 kN*m/rad; 50 kN*m/rad`."""
-    found = _listed(text, path, where)
-    return found if len(found) > 1 else text
+    stiffness = _listed(text, path, where)
+    return stiffness if len(stiffness) > 1 else text
 
 
 def _cost(text: str, path: Path | str, where: str) -> str | dict[str, Any]:
@@ -71,14 +71,13 @@ ACTUATORS = KeyedEditor(
         columns=lambda: (
             *(Column(name, needed=True) for name in ("name", "maker", "gear")),
             Column("ratio", _number),
-            Column("rated_torque", needed=True),
+            Column("rated_torque"),
             Column("peak_torque"),
-            Column("stiffness", _stiffness, needed=True),
+            Column("stiffness", _stiffness),
             Column("zone_torques", _listed),
-            *(Column(name, needed=True) for name in ("backlash", "mass")),
-            Column("tilting_stiffness"),
+            *(Column(name) for name in ("backlash", "mass", "tilting_stiffness")),
             Column("cost", _cost),
-            *(Column(name) for name in ("source", "found_in", "unconfirmed")),
+            *(Column(name) for name in ("note", "source", "found_in", "unconfirmed")),
         ),
     )
 )
@@ -91,10 +90,10 @@ def write_table(entries: Sequence[Entry]) -> str:
     for entry in entries:
         cells = {key: _cell(entry.content[key]) for key in columns[:-1] if key in entry.content}
         marks = entry.content.get("unconfirmed", {})
-        each = cast(dict[str, str], marks)
-        said = each if isinstance(marks, dict) else dict.fromkeys(list[str](CONFIRMABLE), str(marks))
+        marks_by_name = cast(dict[str, str], marks)
+        marks_here = marks_by_name if isinstance(marks, dict) else dict.fromkeys(list[str](CONFIRMABLE), str(marks))
         source = entry.references.get(str(cells.get("source", "")), "")
-        rows.append({"name": entry.name, **cells, "source": source, "unconfirmed": marks_text(said)})
+        rows.append({"name": entry.name, **cells, "source": source, "unconfirmed": marks_text(marks_here)})
     return table_text(columns, rows)
 
 
@@ -124,7 +123,7 @@ Example: linkwright actuators edit RV-20E mass='4.9 kg' --source 'weighed, 3 Mar
 
 Example: linkwright actuators price RV-20E '900 EUR' --source 'Offer 12'
 """,
-        "import": """Put actuators from a .yaml, .csv or .xlsx file into yours; all of it or nothing.
+        "import": """Put actuators from a .yaml, .csv or .xlsx file into yours; each wrong row is named.
 
 Example: linkwright actuators import supplier.yaml
 """,
@@ -133,10 +132,10 @@ Example: linkwright actuators import supplier.yaml
 )
 
 
-def _made(name: str, given: dict[str, str], source: str) -> Entry:
+def _made(name: str, values: dict[str, str], source: str) -> Entry:
     if not source:
         raise InputError("", "--source", "is missing: say where the figures are from")
-    content = {key: value_of_text(value, key) for key, value in given.items()}
+    content = {key: value_of_text(value, key) for key, value in values.items()}
     return Entry(name, {**content, "source": "own"}, {"own": source})
 
 
@@ -173,8 +172,8 @@ def export_actuators(
     Example: linkwright actuators export RV-20E --out drives.yaml
     """
     known = OWN.known(catalogue)
-    found = [known[name].name for name in names or known]
-    OWN.write(out, found, catalogue, {".yaml": ACTUATORS.text, ".csv": write_table})
+    chosen_names = [known[name].name for name in names or known]
+    OWN.write(out, chosen_names, catalogue, {".yaml": ACTUATORS.text, ".csv": write_table})
 
 
 def list_actuators(
@@ -193,19 +192,19 @@ def list_actuators(
 
     check_target(json, catalogue)
     least = 0.0 if least_torque is None else read_quantity(least_torque, "torque", file="", key="--least-torque")
-    found = [each for each in lw.actuators.with_file(catalogue).values() if each.rated_torque >= least]
-    write_content(json, "actuators", {"actuators": [_as_json(each) for each in found]})
-    if not found:
+    actuators = [item for item in lw.actuators.with_file(catalogue).values() if (item.rated_torque or 0.0) >= least]
+    write_content(json, "actuators", {"actuators": [_as_json(actuator) for actuator in actuators]})
+    if not actuators:
         console().print("no actuator is rated for that")
         return
     units = ("rated N·m", "peak N·m", "stiffness kN·m/rad", "backlash arcmin", "mass kg", "cost EUR")
     shown = table("actuator", "gear", *units, numbers=(2, 3, 4, 5, 6, 7))
     shown.columns[0].no_wrap = True
-    for each in found:
+    for each in actuators:
         figures = {
             "rated_torque": each.rated_torque,
             "peak_torque": each.peak_torque,
-            "stiffness": each.stiffness / 1e3,
+            "stiffness": None if each.stiffness is None else each.stiffness / 1e3,
             "backlash": _arcmin(each.backlash),
             "mass": each.mass,
             "cost": each.cost,
@@ -213,10 +212,10 @@ def list_actuators(
         marked = (figure(value, 5) + _mark(each, name) for name, value in figures.items())
         shown.add_row(each.name, each.gear, *marked)
     console().print(shown)
-    makers = ", ".join(dict.fromkeys(each.maker for each in found))
-    told = "stiffness: of the softest zone; a dash: not known"
-    console().print(f"{makers}: figures of the makers' catalogues; {told}", soft_wrap=True)
-    if any(each.unconfirmed for each in found):
+    makers = ", ".join(dict.fromkeys(actuator.maker for actuator in actuators))
+    note = "stiffness: of the softest zone; a dash: not known"
+    console().print(f"{makers}: figures of the makers' catalogues; {note}", soft_wrap=True)
+    if any(actuator.unconfirmed for actuator in actuators):
         console().print("?: could not be found in its source; `actuators show NAME` says more", soft_wrap=True)
 
 
@@ -232,68 +231,72 @@ def show_actuator(
     from linkwright.screen.console import console, table
 
     check_target(json, catalogue)
-    found = lw.actuators.with_file(catalogue)[name]
-    write_content(json, "actuators", _as_json(found))
+    actuator = lw.actuators.with_file(catalogue)[name]
+    write_content(json, "actuators", _as_json(actuator))
     screen = console()
-    screen.print(f"{found.name}: {found.maker}, {found.gear}", style="bold")
+    screen.print(f"{actuator.name}: {actuator.maker}, {actuator.gear}", style="bold")
     shown = table("what", "value", numbers=(1,))
-    if found.ratio is not None:
-        shown.add_row("ratio", figure(found.ratio, 5))
-    shown.add_row("rated torque", with_unit(found.rated_torque, "N·m", 5) + _mark(found, "rated_torque"))
-    shown.add_row("peak torque", with_unit(found.peak_torque, "N·m", 5) + _mark(found, "peak_torque"))
-    for label, stiffness in zip(_zones(found), found.stiffnesses, strict=True):
-        shown.add_row(f"stiffness{label}", with_unit(stiffness / 1e3, "kN·m/rad", 5) + _mark(found, "stiffness"))
-    wound = 1e3 * found.wind_up(found.rated_torque)
-    shown.add_row("gives under its rated torque", with_unit(wound, "mrad", 3))
+    if actuator.ratio is not None:
+        shown.add_row("ratio", figure(actuator.ratio, 5))
+    shown.add_row("rated torque", with_unit(actuator.rated_torque, "N·m", 5) + _mark(actuator, "rated_torque"))
+    shown.add_row("peak torque", with_unit(actuator.peak_torque, "N·m", 5) + _mark(actuator, "peak_torque"))
+    for label, stiffness in zip(_zones(actuator), actuator.stiffnesses, strict=True):
+        shown.add_row(f"stiffness{label}", with_unit(stiffness / 1e3, "kN·m/rad", 5) + _mark(actuator, "stiffness"))
+    if not actuator.stiffnesses:
+        shown.add_row("stiffness", "not known")
+    elif actuator.rated_torque is not None:
+        wound = 1e3 * actuator.wind_up(actuator.rated_torque)
+        shown.add_row("gives under its rated torque", with_unit(wound, "mrad", 3))
     shown.add_row(
-        "backlash (total lost motion)", with_unit(_arcmin(found.backlash), "arcmin", 3) + _mark(found, "backlash")
+        "backlash (total lost motion)", with_unit(_arcmin(actuator.backlash), "arcmin", 3) + _mark(actuator, "backlash")
     )
-    shown.add_row("mass, without motor", with_unit(found.mass, "kg", 5) + _mark(found, "mass"))
+    weighed = "mass" if actuator.gear == "servo" else "mass, without motor"
+    shown.add_row(weighed, with_unit(actuator.mass, "kg", 5) + _mark(actuator, "mass"))
     tilting = "not known"
-    if found.tilting_stiffness is not None:
-        tilting = with_unit(found.tilting_stiffness / 1e3, "kN·m/rad", 5) + _mark(found, "tilting_stiffness")
+    if actuator.tilting_stiffness is not None:
+        tilting = with_unit(actuator.tilting_stiffness / 1e3, "kN·m/rad", 5) + _mark(actuator, "tilting_stiffness")
     shown.add_row("tilting stiffness of its bearing", tilting)
-    shown.add_row("cost", _cost_words(found))
+    shown.add_row("cost", _cost_words(actuator))
     screen.print(shown)
-    note = f"{found.note}; " if found.note else ""
-    screen.print(f"{note}{found.source}; from {found.file}", soft_wrap=True)
-    if found.found_in:
-        screen.print(f"found in: {found.found_in}", soft_wrap=True)
-    for key, text in found.unconfirmed:
+    note = f"{actuator.note}; " if actuator.note else ""
+    screen.print(f"{note}{actuator.source}; from {actuator.file}", soft_wrap=True)
+    if actuator.found_in:
+        screen.print(f"found in: {actuator.found_in}", soft_wrap=True)
+    for key, text in actuator.unconfirmed:
         screen.print(f"? {key.replace('_', ' ')}, not confirmed: {text}", soft_wrap=True)
 
 
-def _mark(each: Actuator, name: str) -> str:
-    return " ?" if each.is_unconfirmed(name) else ""
+def _mark(actuator: Actuator, name: str) -> str:
+    return " ?" if actuator.is_unconfirmed(name) else ""
 
 
-def _arcmin(radians: float) -> float:
-    return math.degrees(radians) * 60.0
+def _arcmin(radians: float | None) -> float | None:
+    return None if radians is None else math.degrees(radians) * 60.0
 
 
-def _zones(found: Actuator) -> list[str]:
+def _zones(actuator: Actuator) -> list[str]:
     """Which torques each stiffness is for, in words."""
-    if not found.zone_torques:
-        return [""]
-    ends = [figure(end, 5) for end in found.zone_torques]
+    if not actuator.zone_torques:
+        return [""] * len(actuator.stiffnesses)
+    ends = [figure(end, 5) for end in actuator.zone_torques]
     between = [f", {low} to {high} N·m" for low, high in itertools.pairwise(ends)]
     return [f", up to {ends[0]} N·m", *between, f", beyond {ends[-1]} N·m"]
 
 
-def _cost_words(found: Actuator) -> str:
-    if found.cost is None or found.cost_spread is None:
+def _cost_words(actuator: Actuator) -> str:
+    if actuator.cost is None or actuator.cost_spread is None:
         return "not known"
-    low, high = (figure(value) for value in found.cost_spread)
+    low, high = (figure(value) for value in actuator.cost_spread)
     spread = "" if low == high else f"{low} to {high}, "
-    return f"{figure(found.cost)} EUR ({spread}{found.cost_date})"
+    return f"{figure(actuator.cost)} EUR ({spread}{actuator.cost_date})"
 
 
-def _as_json(each: Actuator) -> dict[str, Any]:
+def _as_json(actuator: Actuator) -> dict[str, Any]:
     figures = ("rated_torque_Nm", "peak_torque_Nm", "stiffness_Nm_per_rad", "stiffness_zones_Nm_per_rad=stiffnesses")
     figures += ("zone_torques_Nm", "backlash_arcmin", "tilting_stiffness_Nm_per_rad", "mass_kg")
     cost = ("cost_EUR", "cost_spread_EUR", "cost_date", "source", "note")
-    found = {"found_in": each.found_in or None, "unconfirmed": dict(each.unconfirmed) or None}
-    return {**fields(each, "name", "maker", "gear", "ratio", *figures, *cost), **found, **fields(each, "file")}
+    found = {"found_in": actuator.found_in or None, "unconfirmed": dict(actuator.unconfirmed) or None}
+    return {**fields(actuator, "name", "maker", "gear", "ratio", *figures, *cost), **found, **fields(actuator, "file")}
 
 
 def group() -> Commands:

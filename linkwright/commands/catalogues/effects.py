@@ -22,6 +22,7 @@ _ROLES: Mapping[str, str] = MappingProxyType(
         "size": "a size: without it nothing moves",
         "shape": "a shape: it changes the pattern, and a diagnosis searches it",
         "given": "given, not fitted",
+        "torque": "a size of the torque: no tip shows it, a motion does",
     }
 )
 
@@ -58,7 +59,7 @@ def show_effect(
     screen.print(f"{effect.id}: {effect.title}", style="bold")
     shown = table("", "")
     shown.show_header = False
-    shown.add_row("moves the tip by", effect.formula)
+    shown.add_row("moves the tip by" if effect.moves_tip else "adds to the torque", effect.formula)
     shown.add_row("acts at", effect.place)
     in_model = "where the arm has its data" if effect.automatic else "where `effects` names it"
     shown.add_row("in the model", in_model)
@@ -94,8 +95,8 @@ def _span(low: float, high: float, kind: str) -> str:
     """Both ends of a range, each in the unit that suits it; where the lower is 0 or the upper's negative, in one
     unit."""
     upper = format_quantity(high, kind, digits=3)
-    alike = upper.partition(" ")[2] if low in (0.0, -high) else ""
-    return f"{format_quantity(low, kind, alike or None, digits=3)} to {upper}"
+    common_unit = upper.partition(" ")[2] if low in (0.0, -high) else ""
+    return f"{format_quantity(low, kind, common_unit or None, digits=3)} to {upper}"
 
 
 def _grid(values: tuple[float, ...], kind: str) -> str:
@@ -111,7 +112,7 @@ def _grid(values: tuple[float, ...], kind: str) -> str:
 
 
 def _fitted(effect: Effect) -> str:
-    sizes = ", ".join(parameter.name for parameter in effect.sizes)
+    sizes = ", ".join(parameter.name for parameter in effect.parameters if parameter.role in ("size", "torque"))
     shapes = ", ".join(parameter.name for parameter in effect.shapes)
     return f"{sizes} ({shapes})" if shapes else sizes or "–"
 
@@ -121,20 +122,22 @@ def _when(effect: Effect) -> str:
 
 
 def _as_json(effect: Effect) -> dict[str, Any]:
-    told = ("id", "title", "formula", "place", "automatic", "together", "before_encoder", "requires", "only", "needs")
+    names = ("id", "title", "formula", "place", "automatic", "together", "before_encoder", "requires", "only", "needs")
     return {
-        **fields(effect, *told, "aliases", "source"),
-        "parameters": [_parameter(each) for each in effect.parameters],
+        **fields(effect, *names, "aliases", "source"),
+        "parameters": [_parameter(parameter) for parameter in effect.parameters],
     }
 
 
-def _parameter(each: Parameter) -> dict[str, Any]:
-    lower, upper, *typical = (format_quantity(value, each.kind) for value in (each.lower, each.upper, *each.typical))
+def _parameter(parameter: Parameter) -> dict[str, Any]:
+    lower, upper, *typical = (
+        format_quantity(value, parameter.kind) for value in (parameter.lower, parameter.upper, *parameter.typical)
+    )
     bounds = {"lower": lower, "upper": upper, "typical": typical}
     return {
-        **fields(each, "name", "kind", "meaning"),
+        **fields(parameter, "name", "kind", "meaning"),
         **bounds,
-        **fields(each, "source", "role", "grid", "relative_to_load"),
+        **fields(parameter, "source", "role", "grid", "relative_to_load"),
     }
 
 

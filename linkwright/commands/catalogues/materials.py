@@ -104,7 +104,7 @@ Example: linkwright materials edit steel-s355 cost '1.30 EUR/kg' --source 'Offer
 
 Example: linkwright materials price steel-s355 '1.3 EUR/kg' --source 'Offer of 3 March'
 """,
-        "import": """Put materials from a file in your catalogue: .yaml, .FCMat (FreeCAD), .csv, .xlsx; all or nothing.
+        "import": """Put materials from a .yaml, .FCMat, .csv or .xlsx file into your catalogue; names wrong rows.
 
 Example: linkwright materials import Steel-S235JR.FCMat --name steel-freecad
 """,
@@ -114,8 +114,8 @@ Example: linkwright materials import Steel-S235JR.FCMat --name steel-freecad
 )
 
 
-def _made(name: str, given: dict[str, str], source: str) -> Entry:
-    content = {key: value_of_text(value, key) for key, value in given.items()}
+def _made(name: str, values: dict[str, str], source: str) -> Entry:
+    content = {key: value_of_text(value, key) for key, value in values.items()}
     return Entry(name, {**content, "source": "own"}, {"own": source}) if source else Entry(name, content)
 
 
@@ -162,16 +162,16 @@ def export_materials(
     """
     known = lw.materials.with_file(catalogue).catalogue
 
-    def materials(found: Sequence[Entry]) -> list[Material]:
-        return [known.find(each.name) for each in found]
+    def materials(entries: Sequence[Entry]) -> list[Material]:
+        return [known.find(entry.name) for entry in entries]
 
-    def card(found: Sequence[Entry]) -> str:
-        if len(found) != 1:
-            raise InputError(out, "", f"a card holds one material, not {len(found)}; name one")
-        return write_card(materials(found)[0], "ini" if old else "yaml")
+    def card(entries: Sequence[Entry]) -> str:
+        if len(entries) != 1:
+            raise InputError(out, "", f"a card holds one material, not {len(entries)}; name one")
+        return write_card(materials(entries)[0], "ini" if old else "yaml")
 
-    def table(found: Sequence[Entry]) -> str:
-        return write_table(materials(found))
+    def table(entries: Sequence[Entry]) -> str:
+        return write_table(materials(entries))
 
     ways = {".yaml": MATERIALS.text, ".FCMat": card, ".csv": table}
     OWN.write(out, [known.find(name).name for name in names] if names else list(known.names), catalogue, ways)
@@ -211,17 +211,17 @@ def list_materials(
     for each in family or ():
         if each not in families:
             raise InputError("", "--family", f"there is no family '{each}'{nearest(each, families)}")
-    found = QUERY.chosen((item for item in known if not family or item.family in family), where, sort)
-    write_content(json, "materials", {"materials": [_as_json(known, material) for material in found]})
-    if not found:
+    materials = QUERY.chosen((item for item in known if not family or item.family in family), where, sort)
+    write_content(json, "materials", {"materials": [_as_json(known, material) for material in materials]})
+    if not materials:
         console().print("no material of the catalogue is so")
         return
     headings = (SHORT.get(name, name.replace("_", " ")) for name in names)
     shown = table("material", "family", *headings, numbers=tuple(range(2, 2 + len(names))))
-    for material in found:
+    for material in materials:
         shown.add_row(material.name, material.family, *(marked(material, name) for name in names))
     console().print(shown)
-    if any(is_unconfirmed(material, name) for material in found for name in names):
+    if any(is_unconfirmed(material, name) for material in materials for name in names):
         console().print(_UNCONFIRMED, soft_wrap=True)
 
 
@@ -269,21 +269,21 @@ def show_material(
 def _property_rows(material: Material) -> Iterator[tuple[str, ...]]:
     """A row for each property, and one for what is said of it beside."""
     for name in property_kinds():
-        found = material.properties.get(name)
-        if found is None:
+        prop = material.properties.get(name)
+        if prop is None:
             continue
-        spread = "" if found.spread is None else " to ".join(written(x, name) for x in found.spread)
-        yield name.replace("_", " "), value_of(material, name), _valid(found.valid), spread, found.source
-        said = "; ".join(text for text in (found.date and f"price of {found.date}", found.note) if text)
-        yield from _beside(said, found.unconfirmed)
+        spread = "" if prop.spread is None else " to ".join(written(x, name) for x in prop.spread)
+        yield name.replace("_", " "), value_of(material, name), _valid(prop.valid), spread, prop.source
+        note = "; ".join(text for text in (prop.date and f"price of {prop.date}", prop.note) if text)
+        yield from _beside(note, prop.unconfirmed)
     if material.magnetic is not None:
         yield "magnetic", "yes" if material.magnetic else "no", "", "", material.magnetic_source
         yield from _beside("", material.magnetic_unconfirmed)
 
 
-def _beside(said: str, unconfirmed: str) -> Iterator[tuple[str, ...]]:
-    if said:
-        yield "", "", "", "", said
+def _beside(note: str, unconfirmed: str) -> Iterator[tuple[str, ...]]:
+    if note:
+        yield "", "", "", "", note
     if unconfirmed:
         yield "", "", "", "", f"not confirmed: {unconfirmed}"
 
@@ -303,19 +303,19 @@ def compare_materials(
     if len(names) < 2:
         raise InputError("", "NAME", "needs two materials or more to compare")
     known = lw.materials.with_file(catalogue).catalogue
-    found = [known.find(name) for name in names]
-    write_content(json, "materials", {"materials": [_as_json(known, material) for material in found]})
+    materials = [known.find(name) for name in names]
+    write_content(json, "materials", {"materials": [_as_json(known, material) for material in materials]})
     shown = table("property", *names, numbers=tuple(range(1, len(names) + 1)))
     for name in property_kinds():
-        if any(material.has(name) for material in found):
-            shown.add_row(name.replace("_", " "), *(marked(material, name) for material in found))
-    if any(material.magnetic is not None for material in found):
-        shown.add_row("magnetic", *(marked(material, "magnetic") for material in found))
-    if all(material.has("elastic_modulus") and material.has("density") for material in found):
-        ratios = (material.need("elastic_modulus") / material.need("density") / 1e6 for material in found)
+        if any(material.has(name) for material in materials):
+            shown.add_row(name.replace("_", " "), *(marked(material, name) for material in materials))
+    if any(material.magnetic is not None for material in materials):
+        shown.add_row("magnetic", *(marked(material, "magnetic") for material in materials))
+    if all(material.has("elastic_modulus") and material.has("density") for material in materials):
+        ratios = (material.need("elastic_modulus") / material.need("density") / 1e6 for material in materials)
         shown.add_row("E / density", *(f"{ratio:.4g} MN*m/kg" for ratio in ratios))
     console().print(shown)
-    if any(is_unconfirmed(material, name) for material in found for name in QUERY.every):
+    if any(is_unconfirmed(material, name) for material in materials for name in QUERY.every):
         console().print(_UNCONFIRMED, soft_wrap=True)
 
 

@@ -17,6 +17,7 @@ import typer
 
 from linkwright.commands.options import Commands
 from linkwright.core.catalogues import store
+from linkwright.core.catalogues.csv_table import WrongRows
 from linkwright.core.catalogues.editor import Editor
 from linkwright.core.catalogues.keyed import KeyedEditor
 from linkwright.core.units.quantities import InputError
@@ -102,10 +103,10 @@ class OwnCatalogue:
 
     def in_full(self, given: Mapping[str, str]) -> dict[str, str]:
         """Values by whole keys. Raises `InputError` where two names of a key are given."""
-        found = {self.whole(key): value for key, value in given.items()}
-        if len(found) < len(given):
+        values_in_full = {self.whole(key): value for key, value in given.items()}
+        if len(values_in_full) < len(given):
             raise InputError("", next(key for key in given if key != self.whole(key)), "is given by both its names")
-        return found
+        return values_in_full
 
     def path(self, catalogue: Path | None) -> Path:
         """The file to change."""
@@ -169,7 +170,7 @@ class OwnCatalogue:
         with tempfile.TemporaryDirectory() as folder:
             held = Path(folder) / "read.yaml"
             self.editor.add(held, entries)
-            read = rows_of(self.known(held).table, [each.name for each in entries])
+            read = rows_of(self.known(held).table, [entry.name for entry in entries])
         if len(read) != len(meant):
             yield f"it had {len(meant)} entries and reads {len(read)}"
             return
@@ -185,6 +186,26 @@ class OwnCatalogue:
         for doubt in self.doubts(path):
             if not names or any(doubt.startswith(f"{name}:") for name in names):
                 typer.echo(f"WARNING: {doubt}", err=True)
+
+    def _sound(self, file: Path) -> tuple[Sequence[Any], Sequence[InputError]]:
+        """The entries of a file that may stand in a catalogue, and what is wrong with the others, which is said.
+
+        Raises `InputError` where there is none.
+        """
+        faults: list[InputError] = []
+        try:
+            entries = _by_ending(file, self.read)(file)
+        except WrongRows as wrong:
+            entries, faults = wrong.good, [*wrong.faults]
+        try:
+            self.editor.check_each(file, entries)
+        except WrongRows as wrong:
+            entries, faults = wrong.good, [*faults, *wrong.faults]
+        if faults and not entries:
+            raise WrongRows((), faults)
+        for fault in faults:
+            typer.echo(str(fault), err=True)
+        return entries, faults
 
     def _warn(self, name: str, files: list[Path] | None) -> None:
         for file in files or ():
@@ -213,14 +234,18 @@ class OwnCatalogue:
             replace: Replace = False,
             catalogue: OwnFile = None,
         ) -> None:
-            entries, path = _by_ending(file, self.read)(file), self.path(catalogue)
+            entries, faults = self._sound(file)
+            path = self.path(catalogue)
             if name:
                 if len(entries) != 1:
                     raise InputError(file, "", f"has {len(entries)} {editor.what}s; --name is for one")
                 entries = [renamed(entries[0], name=name)]
             done = editor.add(path, entries, replace=replace)
             say(done if len(entries) <= 5 else f"added {len(entries)} {editor.what}s", path)
-            self.question(path, *(each.name for each in entries))
+            self.question(path, *(entry.name for entry in entries))
+            if faults:
+                count = len(entries) + len(faults)
+                raise InputError(file, "", f"{len(faults)} of {count} {editor.what}s were not taken, as said above")
 
         def remove(name: Name, used_in: _UsedIn = None, catalogue: OwnFile = None) -> None:
             path = self.path(catalogue)
@@ -248,12 +273,15 @@ class OwnCatalogue:
                 Path | None, typer.Option("--catalogue", metavar="FILE", help="One more file to check.")
             ] = None,
         ) -> None:
-            given = [*(files or ()), *([catalogue] if catalogue is not None else [])]
-            found = [(str(path), self.count(path)) for path in given]
-            if not given:
-                own = self.own()
-                found = [*self.shipped(), *([(str(own), self.count(own))] if os.path.exists(own) else [])]
-            for file, count in found:
+            paths = [*(files or ()), *([catalogue] if catalogue is not None else [])]
+            counts = [(str(path), self.count(path)) for path in paths]
+            if not paths:
+                user_file = self.own()
+                counts = [
+                    *self.shipped(),
+                    *([(str(user_file), self.count(user_file))] if os.path.exists(user_file) else []),
+                ]
+            for file, count in counts:
                 typer.echo(f"{file}: {count} {editor.what}{'' if count == 1 else 's'}, all sound")
                 if Path(file).exists():
                     self.question(Path(file))
@@ -294,8 +322,8 @@ class OwnCatalogue:
                     raise InputError("", "--unset", "takes one KEY and no value")
                 say(editor.remove_key(path, name, self.whole(changes[0])), path)
                 return
-            asked = changes_of(changes, self.such_as)
-            values = {key: value_of_text(text, key) for key, text in self.in_full(asked).items()}
+            edits = changes_of(changes, self.such_as)
+            values = {key: value_of_text(text, key) for key, text in self.in_full(edits).items()}
             say(editor.set_keys(path, name, values, source=source), path)
             self.question(path, name)
 
@@ -345,19 +373,19 @@ class OwnCatalogue:
         spread: Sequence[str] | None = None,
     ) -> str:
         """Give an entry a price; says what was done. Raises `InputError`."""
-        told: dict[str, Any] = {"value": value, "date": date or datetime.now(UTC).strftime("%Y-%m"), "source": source}
-        told |= {"spread": list(spread)} if spread else {}
-        return self.editor.set_price(path, name, told, [] if self.priced is None else self.priced())
+        price: dict[str, Any] = {"value": value, "date": date or datetime.now(UTC).strftime("%Y-%m"), "source": source}
+        price |= {"spread": list(spread)} if spread else {}
+        return self.editor.set_price(path, name, price, [] if self.priced is None else self.priced())
 
 
 def value_of_text(text: str, key: str) -> Any:
     """A value as YAML reads it: `71 GPa`, `0.3`, `[1 EUR/kg, 2 EUR/kg]`, `{value: 71 GPa, source: x}`."""
     if text.lstrip().startswith(("[", "{")):
         return parse_yaml(text, file=f"the value of {key}")
-    found = (
+    parsed = (
         parse_yaml(f"[{text}]", file="") if not set(text) & set(",[]{}#&*!|>%@`'\"\n") and ": " not in text else None
     )
-    return found[0] if isinstance(found, list) and len(found) == 1 and found[0] is not None else text
+    return parsed[0] if isinstance(parsed, list) and len(parsed) == 1 and parsed[0] is not None else text
 
 
 def say(text: str, path: Path) -> None:
@@ -367,15 +395,15 @@ def say(text: str, path: Path) -> None:
 
 def key_values(texts: list[str], such_as: str) -> dict[str, str]:
     """`KEY=VALUE` words by key. Raises `InputError`."""
-    found: dict[str, str] = {}
+    values: dict[str, str] = {}
     for text in texts:
         key, equals, value = (part.strip() for part in text.partition("="))
         if not equals or not key or not value:
             raise InputError("", text, f"is not KEY=VALUE, such as {such_as}")
-        if key in found:
+        if key in values:
             raise InputError("", key, "is given twice")
-        found[key] = value
-    return found
+        values[key] = value
+    return values
 
 
 def changes_of(words: list[str], such_as: str) -> dict[str, str]:

@@ -108,7 +108,9 @@ def heading(name: str) -> str:
 
 
 def _names() -> tuple[str, ...]:
-    dimensions = (each.name for kind in SHAPES.values() for each in kind.dimensions if each.kind != "points")
+    dimensions = (
+        dimension.name for kind in SHAPES.values() for dimension in kind.dimensions if dimension.kind != "points"
+    )
     return tuple(dict.fromkeys([*FIGURES, "width", "height", *dimensions]))
 
 
@@ -134,7 +136,7 @@ _HELPS = MappingProxyType(
 
 Example: linkwright sections add 'TUBE 60x4' shape=tube diameter='60 mm' thickness='4 mm' --source 'Offer 12'
 """,
-        "import": """Put stock sizes from a .yaml, .csv or .xlsx file into your tables; all of it or nothing.
+        "import": """Put stock sizes from a .yaml, .csv or .xlsx file into your tables; each wrong row is named.
 
 Example: linkwright sections import supplier.csv
 """,
@@ -143,16 +145,16 @@ Example: linkwright sections import supplier.csv
 )
 
 
-def _made(name: str, given: dict[str, str], source: str) -> Row:
-    if "shape" not in given:
+def _made(name: str, values: dict[str, str], source: str) -> Row:
+    if "shape" not in values:
         raise InputError("", "shape", "is missing; write shape=tube, say")
     if not source:
         raise InputError("", "--source", "is missing: say where the size is from")
-    shape = given.pop("shape")
+    shape = values.pop("shape")
     columns_of(shape)
-    found = re.match(r"[^\d]*[^\d\s]", name)
-    family = given.pop("family", found[0] if found else name)
-    return Row(name, family, shape, source, dict(cell(shape, key, value) for key, value in given.items()))
+    designation = re.match(r"[^\d]*[^\d\s]", name)
+    family = values.pop("family", designation[0] if designation else name)
+    return Row(name, family, shape, source, dict(cell(shape, key, value) for key, value in values.items()))
 
 
 def _found(catalogue: Path | None) -> Callable[[str], Row]:
@@ -216,8 +218,8 @@ def export_sections(
     Example: linkwright sections export --family IPE --out ipe.csv
     """
     known = lw.sections.with_file(catalogue)
-    found = [*(known[name] for name in names or ()), *known.of_family(*family or ())]
-    chosen = found if names or family else known.values()
+    sizes = [*(known[name] for name in names or ()), *known.of_family(*family or ())]
+    chosen = sizes if names or family else known.values()
     OWN.write(
         out, list(dict.fromkeys(size.name for size in chosen)), catalogue, {".yaml": rows_text, ".csv": write_table}
     )
@@ -378,8 +380,7 @@ def _print_size(size: StockSize) -> None:
     for name, value in size.dimensions.items():
         shown.add_row(name.replace("_", " "), f"{figure(1e3 * value, 5)} mm", "")
     for name, (label, power) in FIGURES.items():
-        printed = size.printed.get(f"{name}_cm{power}")
-        shown.add_row(label, f"{written(size, name)} {unit_of(name)}", "" if printed is None else f"{printed:g}")
+        shown.add_row(label, f"{written(size, name)} {unit_of(name)}", _printed(size, name, power))
     screen.print(shown)
     figures = "printed figures checked against the dimensions" if size.printed else "figures computed"
     screen.print(f"{size.source}; {figures}; from {size.file}", soft_wrap=True)
@@ -387,6 +388,14 @@ def _print_size(size: StockSize) -> None:
         screen.print(f"found in: {size.found_in}", soft_wrap=True)
     if size.unconfirmed:
         screen.print(f"not confirmed: {size.unconfirmed}", soft_wrap=True)
+
+
+def _printed(size: StockSize, name: str, power: int) -> str:
+    """A figure as its source prints it, with its unit where that is in inches."""
+    if (metric := size.printed.get(f"{name}_cm{power}")) is not None:
+        return f"{metric:g}"
+    inches = size.printed.get(f"{name}_in{power}")
+    return "" if inches is None else f"{inches:g} in{_POWERS[power - 2]}"
 
 
 def _print_shape(kind: type[Section]) -> None:
@@ -400,9 +409,10 @@ def _print_shape(kind: type[Section]) -> None:
 
 
 def _stock_json(size: StockSize) -> dict[str, Any]:
-    found = properties_of(size)
+    properties = properties_of(size)
     figures = {
-        f"{name}_cm{power}": float(f"{getattr(found, name) * 100.0**power:.6g}") for name, (_, power) in FIGURES.items()
+        f"{name}_cm{power}": float(f"{getattr(properties, name) * 100.0**power:.6g}")
+        for name, (_, power) in FIGURES.items()
     }
     return {
         **fields(size, "name", "family", "shape"),
@@ -417,11 +427,11 @@ def _stock_json(size: StockSize) -> dict[str, Any]:
 
 
 def _dimension_words(kind: type[Section]) -> list[str]:
-    return [f"[{each.name}]" if each.optional else each.name for each in kind.dimensions]
+    return [f"[{dimension.name}]" if dimension.optional else dimension.name for dimension in kind.dimensions]
 
 
 def _shape_json(kind: type[Section]) -> dict[str, Any]:
-    dimensions = [fields(each, "name", "meaning", "kind", "optional") for each in kind.dimensions]
+    dimensions = [fields(dimension, "name", "meaning", "kind", "optional") for dimension in kind.dimensions]
     return {"name": kind.shape, "dimensions": dimensions, "can_be_optimised": bool(kind.variables)}
 
 

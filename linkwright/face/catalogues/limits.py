@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from linkwright.core.optimize.limits import FIGURES, Figure
+from linkwright.core.arm.figures import FIGURES, Figure
 from linkwright.face.catalogues.catalogue_lists import Open
 from linkwright.output.table_file import frame
 
@@ -27,7 +27,7 @@ class Limits(Open[Figure]):
     @property
     def table(self) -> pd.DataFrame:
         """All of them: name, title, unit, the relations that a limit may have, and whether one is assumed unasked."""
-        rows = [(each.name, each.title, each.unit, each.senses, each.assumed is not None) for each in self.values()]
+        rows = [(item.name, item.title, item.unit, item.senses, item.assumed is not None) for item in self.values()]
         return frame(rows, ["name", "title", "unit", "senses", "assumed"])
 
 

@@ -81,21 +81,21 @@ def describe(found: Found) -> Description:
         loads = f" at {tip}'s tip{loads}"
     items.append(Paragraph(f"Most at {where}{loads}: {mm(found.at_worst, 3)} for {kept} of arms."))
     rows = [
-        (cause_title(each.name), length(each.at_worst, 3), length(each.average, 3), share(each.share))
-        for each in found.causes
+        (cause_title(cause.name), length(cause.at_worst, 3), length(cause.average, 3), share(cause.share))
+        for cause in found.causes
     ]
     bars = Picture(lambda: causes_picture([(cause_title(x.name), x.at_worst, x.average) for x in found.causes]))
     columns = ("each cause alone", "at the worst pose", "average", "share of the square")
     items.append(section("Causes", bars, table(columns, rows)))
     if found.options:
         priced = [
-            (each.name, _euro(each.price), length(each.worst, 3), length(each.average, 3), _per_euro(each))
-            for each in found.options
+            (option.name, _euro(option.price), length(option.worst, 3), length(option.average, 3), _per_euro(option))
+            for option in found.options
         ]
         headings = ("better part", "price", "worst less by", "average less by", "mm per EUR")
         items.append(section("What to buy better first", table(headings, priced)))
     if found.halved:
-        rows_ = [(each.name, length(each.worst, 3), length(each.average, 3)) for each in found.halved]
+        rows_ = [(item.name, length(item.worst, 3), length(item.average, 3)) for item in found.halved]
         lead = "All figures of one joint or link half as bad: stiffness twice, play and tolerances half."
         headings_ = ("twice as good", "worst less by", "average less by")
         items.append(section("What it would bring to make a part better", table(headings_, rows_), lead=lead))
@@ -173,23 +173,23 @@ class Budget(Reported):
         return drawn(names, {name: values.tolist() for name, values in bars.items()}, "", "mm", mode="bar")
 
     def _content(self) -> Mapping[str, Any]:
-        found, arm = self.found, self.found.arm
-        tip = found.load_cases[found.load_case - 1].tip or arm.tip
+        result, arm = self.found, self.found.arm
+        tip = result.load_cases[result.load_case - 1].tip or arm.tip
         figures = ("worst_mm", "worst_upper_mm", "median_mm", "average_mm", "nominal_mm")
         return {
-            **fields(found, "arm=arm.name", "share=sheet.share", *figures),
+            **fields(result, "arm=arm.name", "share=sheet.share", *figures),
             "worst_pose": {
-                "q": [in_joint_unit(arm, index, value) for index, value in enumerate(found.pose)],
-                "load_case": found.load_case,
+                "q": [in_joint_unit(arm, index, value) for index, value in enumerate(result.pose)],
+                "load_case": result.load_case,
                 **({"tip": tip} if tip else {}),
-                "error_mm": in_mm(found.at_worst),
+                "error_mm": in_mm(result.at_worst),
             },
-            "causes": [fields(each, "cause=name", "at_worst_mm", "average_mm", "share") for each in found.causes],
-            "twice_as_good": [_gain(each) for each in found.halved],
-            "better": [_gain(each) for each in found.options],
-            **fields(found, "play=arm.play", "poses", "draws=sheet.draws", "seed=sheet.seed"),
-            "links_of_unknown_growth": [k + 1 for k in found.unwarmed],
-            "samples_mm": in_mm(found.samples),
+            "causes": [fields(cause, "cause=name", "at_worst_mm", "average_mm", "share") for cause in result.causes],
+            "twice_as_good": [_gain(item) for item in result.halved],
+            "better": [_gain(option) for option in result.options],
+            **fields(result, "play=arm.play", "poses", "draws=sheet.draws", "seed=sheet.seed"),
+            "links_of_unknown_growth": [k + 1 for k in result.unwarmed],
+            "samples_mm": in_mm(result.samples),
         }
 
     def _tables(self) -> Mapping[str, pd.DataFrame]:
@@ -198,10 +198,10 @@ class Budget(Reported):
 
 
 def _gain(gain: Gain) -> dict[str, Any]:
-    own = fields(gain, "part=name", "worst_less_mm=worst", "average_less_mm=average")
+    row = fields(gain, "part=name", "worst_less_mm=worst", "average_less_mm=average")
     if gain.owner is None:
-        own |= {"price_EUR": gain.price, "mm_per_EUR": in_mm(gain.per_euro)}
-    return own
+        row |= {"price_EUR": gain.price, "mm_per_EUR": in_mm(gain.per_euro)}
+    return row
 
 
 def sheet_of(given: Arm, sheet: Mapping[str, object] | File | None) -> Sheet:

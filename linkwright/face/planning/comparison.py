@@ -18,8 +18,9 @@ from linkwright.face.arm import Arm
 from linkwright.face.progress import Progress
 from linkwright.face.recording import Recording
 from linkwright.face.result import Result, drawn
-from linkwright.json.diagnosis import covered_json, in_unit, parameter_json, unit_of
+from linkwright.json.diagnosis import covered_json
 from linkwright.json.fields import fields, in_mm
+from linkwright.json.parameters import in_unit, parameter_json, unit_of
 from linkwright.output.table_file import frame
 from linkwright.results.diagnoses.words import (
     covered,
@@ -44,37 +45,39 @@ def describe(comparison: Found) -> Description:
     sentence = comparison_sentence(comparison)
     regions = [
         (
-            region_words(each),
-            Value(f"{each.counts[0]}, {each.counts[1]}"),
-            length(each.first, 3),
-            length(each.second, 3),
+            region_words(region),
+            Value(f"{region.counts[0]}, {region.counts[1]}"),
+            length(region.first, 3),
+            length(region.second, 3),
         )
-        for each in comparison.regions
+        for region in comparison.regions
     ]
     figures = [(one.symbol, covered(one), covered(other), one.standard, one.name) for one, other in comparison.figures]
     headings = ("region", "readings", "RMS, first", "RMS, second")
     standards = ("figure", "first", "second", "standard", "")
-    found: list[Section] = [section("Both recordings", _both(comparison))]
+    sections: list[Section] = [section("Both recordings", _both(comparison))]
     if comparison.changes:
-        found.append(section("What was fitted", _changes(comparison)))
+        sections.append(section("What was fitted", changes_table(comparison.changes)))
     if regions:
-        found.append(section("By region of the workspace", table(headings, regions)))
+        sections.append(section("By region of the workspace", table(headings, regions)))
     if figures:
-        found.append(section("In the words of the standards", table(standards, figures)))
+        sections.append(section("In the words of the standards", table(standards, figures)))
     if comparison.notes:
-        found.append(section("Notes", Lines(comparison.notes)))
+        sections.append(section("Notes", Lines(comparison.notes)))
     name = comparison.first.arm.name
-    return Description(f"{name}: what changed between two recordings", sentence, tuple(found), sentence.split(". ")[0])
+    return Description(
+        f"{name}: what changed between two recordings", sentence, tuple(sections), sentence.split(". ")[0]
+    )
 
 
 def _both(comparison: Found) -> Table:
     pair = (comparison.first, comparison.second)
     rows: list[tuple[str | Value, ...]] = [
-        ("verdict", *(verdict_words(each.verdict, short=True) for each in pair)),
-        ("readings", *(count(each.recording.size) for each in pair)),
-        ("noise floor", *(length(each.noise_floor, 3) for each in pair)),
-        ("RMS of the mismatch", *(length(each.rms_before, 3) for each in pair)),
-        ("left by the common model", *(length(each, 3) for each in comparison.unexplained)),
+        ("verdict", *(verdict_words(item.verdict, short=True) for item in pair)),
+        ("readings", *(count(item.recording.size) for item in pair)),
+        ("noise floor", *(length(item.noise_floor, 3) for item in pair)),
+        ("RMS of the mismatch", *(length(item.rms_before, 3) for item in pair)),
+        ("left by the common model", *(length(item, 3) for item in comparison.unexplained)),
     ]
     shared = comparison.shared
     if shared is not None:
@@ -82,17 +85,18 @@ def _both(comparison: Found) -> Table:
     return table(("", "first", "second"), rows)
 
 
-def _changes(comparison: Found) -> Table:
+def changes_table(changes: Sequence[Change]) -> Table:
+    """Each size in both recordings, and whether it changed."""
     rows = [
         (
-            f"{effect_words(each.effect, each.first.at)}: {each.first.parameter.replace('_', ' ')}",
-            measured(each.first),
-            measured(each.second),
-            Value(difference_words(each)),
-            probability(each.adjusted),
-            "changed" if each.changed else "",
+            f"{effect_words(change.effect, change.first.at)}: {change.first.parameter.replace('_', ' ')}",
+            measured(change.first),
+            measured(change.second),
+            Value(difference_words(change)),
+            probability(change.adjusted),
+            "changed" if change.changed else "",
         )
-        for each in comparison.changes
+        for change in changes
     ]
     return table(("what", "first (95 % interval)", "second", "change", "p, adjusted", ""), rows)
 
@@ -112,19 +116,14 @@ def difference_words(change: Change) -> str:
 
 def comparison_sentence(comparison: Found) -> str:
     """What changed, plainly."""
-    changed = [change_words(each) for each in comparison.changes if each.changed]
     verdicts = (comparison.first.verdict, comparison.second.verdict)
-    if changed:
-        parts = [f"Changed: {listed(changed)}."]
-        if len(changed) < len(comparison.changes):
-            parts.append("Nothing else that was fitted changed beyond doubt.")
-    elif comparison.changes:
-        parts = ["Nothing that was fitted changed beyond doubt."]
+    if comparison.changes:
+        parts = changed_sentences(comparison.changes)
     elif "insufficient_data" in verdicts:
         parts = ["The recordings cannot say whether anything changed."]
     else:
         parts = ["Nothing in the library was named in either recording."]
-    open_ = [each.unexplained for each in (comparison.first, comparison.second)]
+    open_ = [item.unexplained for item in (comparison.first, comparison.second)]
     if any(open_):
         which = "Both hold" if all(open_) else "The first held" if open_[0] else "The second holds"
         other = f"; the {'second' if open_[0] else 'first'} does not"
@@ -138,6 +137,15 @@ def comparison_sentence(comparison: Found) -> str:
         chance = "" if shared.by_chance is None else f"; noise alone would make that {mm(shared.by_chance, 3)}"
         parts.append(f"{moved}{chance}.")
     return " ".join(parts)
+
+
+def changed_sentences(changes: Sequence[Change]) -> list[str]:
+    """Which of the sizes that were fitted changed."""
+    changed = [change_words(change) for change in changes if change.changed]
+    if not changed:
+        return ["Nothing that was fitted changed beyond doubt."]
+    rest = ["Nothing else that was fitted changed beyond doubt."] if len(changed) < len(changes) else []
+    return [f"Changed: {listed(changed)}.", *rest]
 
 
 def region_words(region: Region) -> str:
@@ -167,40 +175,33 @@ class Comparison(Result):
     @property
     def changes(self) -> pd.DataFrame:
         """A row for each parameter of the common model in both recordings, in `unit`; `changed` where beyond doubt."""
-        columns = ["effect", "at", "parameter", "before", "after", "difference", "low", "high", "unit", "changed"]
-        rows: list[tuple[Any, ...]] = []
-        for each in self.found.changes:
-            kind = each.first.kind
-            figures = (each.first.value, each.second.value, each.difference, *each.interval)
-            shown = [in_unit(value, kind) for value in figures]
-            rows.append((each.effect, each.first.at, each.first.parameter, *shown, unit_of(kind), each.changed))
-        return frame(rows, columns)
+        return changes_frame(self.found.changes)
 
     def plot(self) -> go.Figure:
         """The RMS mismatch of both recordings, before anything is explained and after, mm."""
         pair = (self.found.first, self.found.second)
         bars = {
-            "mismatch": in_mm([each.rms_before for each in pair]),
+            "mismatch": in_mm([item.rms_before for item in pair]),
             "not explained": in_mm(self.found.unexplained),
         }
         return drawn(["before", "after"], bars, "", "RMS in mm", mode="bar")
 
     def _content(self) -> Mapping[str, Any]:
-        found, pair = self.found, (self.found.first, self.found.second)
-        shared, told = found.shared, ("verdict", "sentence", "noise_floor_mm", "rms_before_mm", "rms_after_mm")
+        comparison, pair = self.found, (self.found.first, self.found.second)
+        shared, told = comparison.shared, ("verdict", "sentence", "noise_floor_mm", "rms_before_mm", "rms_after_mm")
         recordings = [
             {
-                "file": PurePath(each.recording.file).name,
-                **fields(each, "rows=recording.size", *told),
+                "file": PurePath(item.recording.file).name,
+                **fields(item, "rows=recording.size", *told),
                 "rms_common_model_mm": in_mm(left),
             }
-            for each, left in zip(pair, found.unexplained, strict=True)
+            for item, left in zip(pair, comparison.unexplained, strict=True)
         ]
         return {
-            "arm": found.first.arm.name,
+            "arm": comparison.first.arm.name,
             "sentence": self.sentence,
             "recordings": recordings,
-            "changes": [_change(each) for each in found.changes],
+            "changes": [change_json(change) for change in comparison.changes],
             "shared_poses": None
             if shared is None
             else {
@@ -208,18 +209,34 @@ class Comparison(Result):
                 "rms_mm": in_mm((shared.first, shared.second)),
             },
             "regions": [
-                {**fields(each, "lower_mm", "upper_mm", "rows=counts"), "rms_mm": in_mm((each.first, each.second))}
-                for each in found.regions
+                {
+                    **fields(region, "lower_mm", "upper_mm", "rows=counts"),
+                    "rms_mm": in_mm((region.first, region.second)),
+                }
+                for region in comparison.regions
             ],
-            "iso_figures": [[covered_json(one), covered_json(other)] for one, other in found.figures],
-            **fields(found, "notes"),
+            "iso_figures": [[covered_json(one), covered_json(other)] for one, other in comparison.figures],
+            **fields(comparison, "notes"),
         }
 
     def _tables(self) -> Mapping[str, pd.DataFrame]:
         return {"Changes": self.changes}
 
 
-def _change(change: Change) -> dict[str, Any]:
+def changes_frame(changes: Sequence[Change]) -> pd.DataFrame:
+    """A row for each size in both recordings."""
+    columns = ["effect", "at", "parameter", "before", "after", "difference", "low", "high", "unit", "changed"]
+    rows: list[tuple[Any, ...]] = []
+    for change in changes:
+        kind = change.first.kind
+        figures = (change.first.value, change.second.value, change.difference, *change.interval)
+        shown = [in_unit(value, kind) for value in figures]
+        rows.append((change.effect, change.first.at, change.first.parameter, *shown, unit_of(kind), change.changed))
+    return frame(rows, columns)
+
+
+def change_json(change: Change) -> dict[str, Any]:
+    """A size in both recordings for machines."""
     kind = change.first.kind
     return {
         **fields(change, "effect", "p_value", "p_adjusted=adjusted", "changed"),
@@ -234,10 +251,10 @@ def _change(change: Change) -> dict[str, Any]:
 
 def compared(arm: Arm, both: Sequence[Recording], options: Options, tell: Progress) -> Comparison:
     """Both recordings diagnosed, then fitted with one common model. Raises `InputError` for those of two tips."""
-    tips = [each.found.branch for each in both]
+    tips = [item.found.branch for item in both]
     if tips[0] != tips[1]:
-        said = f"are of different tips ({' and '.join(tips)}); compare two recordings of one, diagnose takes both"
-        raise InputError("", "recordings", said)
+        message = f"are of different tips ({' and '.join(tips)}); compare two recordings of one, diagnose takes both"
+        raise InputError("", "recordings", message)
     diagnoses: list[Diagnosis] = []
     for number, read in enumerate(both):
 

@@ -20,8 +20,9 @@ from linkwright.face.arm import Arm
 from linkwright.face.plain_input import File
 from linkwright.face.recording import recording_columns, settings_beside
 from linkwright.face.result import Field, Result, drawn
-from linkwright.json.diagnosis import in_unit, joint_coordinates, unit_of
+from linkwright.json.diagnosis import joint_coordinates
 from linkwright.json.fields import fields
+from linkwright.json.parameters import in_unit, unit_of
 from linkwright.output.files import write_file
 from linkwright.output.read_back import ReadBack
 from linkwright.output.table_file import frame
@@ -60,7 +61,7 @@ class Plan(Result):
         """The smallest size of each cause that will be seen, in `unit`, and what poses at random show (nan: nothing);
         from which size on it is told from other causes, and how many it is not told from."""
         keys = ("effect", "at", "parameter", "unit", "usual", "smallest", "random", "told_from", "not_told")
-        rows = [{**each, "not_told": len(each["not_told"])} for each in self._content()["shown"]]
+        rows = [{**item, "not_told": len(item["not_told"])} for item in self._content()["shown"]]
         return frame(rows, keys)
 
     def text(self) -> str:
@@ -91,52 +92,52 @@ class Plan(Result):
 
     def plot(self) -> go.Figure:
         """The smallest size of each cause over what is usual at most: this plan, and poses at random."""
-        found = self.found.promise.shown
-        random = [self.found.at_random(each) / each.usual for each in found]
+        shown = self.found.promise.shown
+        random = [self.found.at_random(item) / item.usual for item in shown]
         bars = {
-            "planned": [each.smallest / each.usual for each in found],
+            "planned": [item.smallest / item.usual for item in shown],
             "at random": [share if math.isfinite(share) else None for share in random],
         }
-        names = [name_of(each.effect, each.at) for each in found]
+        names = [name_of(item.effect, item.at) for item in shown]
         return drawn(names, bars, "", "smallest size over what is usual", mode="bar", type="log")
 
     def _content(self) -> Mapping[str, Any]:
-        found, promise = self.found, self.found.promise
-        asked, arm = found.asked, found.arm
+        planned, promise = self.found, self.found.promise
+        request, arm = planned.asked, planned.arm
         return {
             "arm": arm.name,
             **({"tip": arm.tip} if arm.branches else {}),
-            "readings": found.recording.size,
-            **fields(asked, "poses", "repeats", "instrument", "frame", "tool", "seed"),
-            **_scatter(found),
-            "sees": list(found.axes),
-            "payloads_kg": list(asked.payloads),
-            "after": None if found.after is None else found.after.file,
-            "torque_noise": list(asked.torque_noise),
-            "torques": [_torque(found, each) for each in promise.torques],
-            "shown": [_shown(found, each) for each in promise.shown],
+            "readings": planned.recording.size,
+            **fields(request, "poses", "repeats", "instrument", "frame", "tool", "seed"),
+            **_scatter(planned),
+            "sees": list(planned.axes),
+            "payloads_kg": list(request.payloads),
+            "after": None if planned.after is None else planned.after.file,
+            "torque_noise": list(request.torque_noise),
+            "torques": [_torque(planned, torque) for torque in promise.torques],
+            "shown": [_shown(planned, item) for item in promise.shown],
             "unseen": [{"effect": effect, "at": list(at)} for effect, at in promise.unseen],
             **fields(promise, "pairs", "pairs_told=told"),
-            "pairs_random": found.told_at_random[1],
-            "pairs_told_random": found.told_at_random[0],
-            "random_plans": len(found.random),
-            "interrupted": found.interrupted,
+            "pairs_random": planned.told_at_random[1],
+            "pairs_told_random": planned.told_at_random[0],
+            "random_plans": len(planned.random),
+            "interrupted": planned.interrupted,
             "touches": [
-                {**fields(each, "label", "at_mm", "normal"), **({} if each.way is None else fields(each, "way"))}
-                for each in found.touched
+                {**fields(item, "label", "at_mm", "normal"), **({} if item.way is None else fields(item, "way"))}
+                for item in planned.touched
             ],
-            **fields(found, "returns", "correlation_with_time=with_time", "tried"),
-            "visits": [_visit(found, row) for row in range(found.visits.size)],
+            **fields(planned, "returns", "correlation_with_time=with_time", "tried"),
+            "visits": [_visit(planned, row) for row in range(planned.visits.size)],
         }
 
     def _tables(self) -> Mapping[str, pd.DataFrame]:
         return {"Shown": self.shown, "Visits": self.visits}
 
 
-def _visit(found: Planned, row: int) -> dict[str, Any]:
-    visits = found.visits
+def _visit(planned: Planned, row: int) -> dict[str, Any]:
+    visits = planned.visits
     return {
-        "q": joint_coordinates(found.arm, visits.q[row].tolist()),
+        "q": joint_coordinates(planned.arm, visits.q[row].tolist()),
         "dir": [] if visits.sides is None else [int(side) for side in visits.sides[row]],
         "payload_kg": None if visits.payload_mass is None else float(visits.payload_mass[row]),
         **({} if visits.touches is None else {"touches": visits.instrument.labels[int(visits.touches[row])]}),
@@ -144,42 +145,42 @@ def _visit(found: Planned, row: int) -> dict[str, Any]:
     }
 
 
-def _scatter(found: Planned) -> dict[str, Any]:
+def _scatter(planned: Planned) -> dict[str, Any]:
     """What is read scatters by: a length, of a level an angle, of a camera both."""
-    asked = found.asked
-    if asked.instrument == "tilt":
-        return fields(asked, "sigma_deg")
-    if asked.instrument != "camera":
-        return fields(asked, "sigma_mm")
-    deep, turns = asked.camera_noise
-    return {**fields(asked, "sigma_mm"), "sigma_depth_mm": 1e3 * deep, "sigma_angle_deg": math.degrees(turns)}
+    request = planned.asked
+    if request.instrument == "tilt":
+        return fields(request, "sigma_deg")
+    if request.instrument != "camera":
+        return fields(request, "sigma_mm")
+    deep, turns = request.camera_noise
+    return {**fields(request, "sigma_mm"), "sigma_depth_mm": 1e3 * deep, "sigma_angle_deg": math.degrees(turns)}
 
 
-def _torque(found: Planned, each: TorqueTold) -> dict[str, Any]:
+def _torque(planned: Planned, torque: TorqueTold) -> dict[str, Any]:
     """What a drive's torque will tell, half the width of 95 % intervals: shares of the weights, N*m (of slides N)."""
     names = ("links", "payload", "friction")
-    own = {f"{name}_within": _within(getattr(each, name)) for name in names}
-    random = {f"{name}_within_random": _within(found.torques_at_random(each.joint, name)) for name in names}
-    return {**fields(each, "joint", "together"), **own, **random}
+    bounds = {f"{name}_within": _within(getattr(torque, name)) for name in names}
+    random = {f"{name}_within_random": _within(planned.torques_at_random(torque.joint, name)) for name in names}
+    return {**fields(torque, "joint", "together"), **bounds, **random}
 
 
 def _within(error: float | None) -> float | None:
     return None if error is None or not math.isfinite(error) else 1.96 * error
 
 
-def _shown(found: Planned, each: Shown) -> dict[str, Any]:
+def _shown(planned: Planned, shown: Shown) -> dict[str, Any]:
     def size(value: float) -> float | None:
-        return in_unit(value, each.kind)
+        return in_unit(value, shown.kind)
 
     return {
-        **fields(each, "effect", "at", "parameter", "rms_mm"),
-        "unit": unit_of(each.kind),
-        "usual": size(each.usual),
-        "smallest": size(each.smallest),
-        "random": size(found.at_random(each)),
-        "told_from": size(each.told),
-        "others": each.others,
+        **fields(shown, "effect", "at", "parameter", "rms_mm"),
+        "unit": unit_of(shown.kind),
+        "usual": size(shown.usual),
+        "smallest": size(shown.smallest),
+        "random": size(planned.at_random(shown)),
+        "told_from": size(shown.told),
+        "others": shown.others,
         "not_told": [
-            {**fields(rival, "effect", "at", "likeness"), "told_from": size(rival.told)} for rival in each.not_told
+            {**fields(rival, "effect", "at", "likeness"), "told_from": size(rival.told)} for rival in shown.not_told
         ],
     }

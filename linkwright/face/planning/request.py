@@ -1,4 +1,4 @@
-"""What a plan is asked for, in a caller's words, and as the choice of visits takes it."""
+"""The request of a plan: by the names of its parameters, and as the selection of visits takes it."""
 
 from __future__ import annotations
 
@@ -31,10 +31,14 @@ from linkwright.core.units.quantities import InputError, NoAnswer, shown
 from linkwright.core.units.reading import Mapping as Reader
 from linkwright.face.arm import Arm
 from linkwright.face.diagnosis import Diagnosis, recordings_of
+from linkwright.face.motion.diagnosis import MotionDiagnosis
+from linkwright.face.motion.log import Log
 from linkwright.face.plain_input import File, Quantity, in_si, plain
 from linkwright.face.progress import Progress, interrupts, told
 from linkwright.face.recording import Recording
 
+After = Recording | Log | Diagnosis | MotionDiagnosis | File | Sequence[Recording | Log | File] | None
+"""What a plan goes on from."""
 _NOISE = 15e-6
 _MOST_POSES, _MOST_READINGS = 500, 5000
 
@@ -66,8 +70,8 @@ class Request:
         if not least <= poses <= _MOST_POSES:
             raise InputError("", "poses", f"is from {least} (fewer tell nothing) to {_MOST_POSES}, not {poses}")
         if repeats < 1 or poses * repeats > _MOST_READINGS:
-            said = f"is at least 1, and {_MOST_READINGS} readings in all at most, not {repeats}"
-            raise InputError("", "repeats", said)
+            message = f"is at least 1, and {_MOST_READINGS} readings in all at most, not {repeats}"
+            raise InputError("", "repeats", message)
         if instrument not in INSTRUMENTS:
             hint = nearest(instrument, list(INSTRUMENTS))
             raise InputError("", "instrument", f"{shown(instrument)} is not one of {', '.join(INSTRUMENTS)}{hint}")
@@ -83,22 +87,22 @@ class Request:
 
     def reading(self, arm: Arm, there: Readings | None) -> Reads:
         """What is read, after the readings that are there. Raises `InputError`."""
-        found = _reading(self.reads, arm, there)
-        _refuse_free(found.instrument, self.frame, self.tool)
-        return _with_noise(found, there, self.sigma, self.sigma_depth, self.sigma_angle)
+        result = _reading(self.reads, arm, there)
+        _refuse_free(result.instrument, self.frame, self.tool)
+        return _with_noise(result, there, self.sigma, self.sigma_depth, self.sigma_angle)
 
 
 def planned_for(
     arm: Arm,
     request: Request,
-    after: Recording | Diagnosis | File | Sequence[Recording | File] | None,
+    after: After,
     progress: Progress | None,
 ) -> Planned:
     """The visits that are worth making, `after` what is there already. Raises `InputError`, and `NoAnswer` where
     nothing of what is asked for can be seen."""
-    effects = tuple(_place(name, arm) for name in request.for_)
+    effects = tuple(place_of(name, arm) for name in request.for_)
     request.check(arm)
-    regions, masses = _avoid(request.avoid), _payloads(request.payloads, arm)
+    regions, masses = regions_of(request.avoid), _payloads(request.payloads, arm)
     if after is None:
         request.reading(arm, None)
     before = _diagnosed(after, arm, progress, lambda there: request.reading(arm, there))
@@ -161,56 +165,61 @@ _OWN = (("direction", "along"), ("anchor", "distance"), ("tilt_link", "tilt"), (
 _TOUCHES = ("same_point", "plane")
 
 
-def _reading(said: Reads, arm: Arm, before: Readings | None) -> Reads:
+def _reading(reads: Reads, arm: Arm, before: Readings | None) -> Reads:
     """The instrument, and what says how it reads: as asked, or as the recording before did."""
-    there = None if before is None else _instrument_of(before, said.instrument)
+    there = None if before is None else _instrument_of(before, reads.instrument)
     if before is not None and there is not None:
-        said = _of_before(said, there, before)
-    instrument = said.instrument
+        reads = _of_before(reads, there, before)
+    instrument = reads.instrument
     for name, kind in _OWN:
-        if getattr(said, name) is not None and instrument != kind:
+        if getattr(reads, name) is not None and instrument != kind:
             raise InputError("", name, f"goes with the instrument {kind}, not {shown(instrument)}")
-    if said.anchor_free and instrument != "distance":
+    if reads.anchor_free and instrument != "distance":
         raise InputError("", "anchor_free", f"goes with the instrument distance, not {shown(instrument)}")
     if instrument not in (*dict(_OWN).values(), *_TOUCHES):
-        return said
+        return reads
     seen_axes(instrument, arm.model)
-    at = None if said.anchor is None else [in_si(each, "length", "anchor") for each in said.anchor]
-    found = observed_by(
+    at = None if reads.anchor is None else [in_si(item, "length", "anchor") for item in reads.anchor]
+    settings = observed_by(
         instrument,
-        said.direction,
+        reads.direction,
         at,
         arm.model,
-        anchor_free=said.anchor_free,
-        tilt_link=said.tilt_link,
-        camera=said.camera,
-        bar=None if said.bar is None else [in_si(each, "length", "bar") for each in said.bar],
+        anchor_free=reads.anchor_free,
+        tilt_link=reads.tilt_link,
+        camera=reads.camera,
+        bar=None if reads.bar is None else [in_si(item, "length", "bar") for item in reads.bar],
     )
-    own: Instrument = found["instrument"]
+    own: Instrument = settings["instrument"]
     if arm.model.planar() and own.direction is not None and not any(own.direction[:2]):
         raise InputError("", "direction", "is out of the plane in which the arm moves; name one within it")
-    request = {"slots": found["slots"], "reads": own, "anchor_free": said.anchor_free, "bar": found.get("bar", ())}
-    return replace(said, request=request)
+    request = {
+        "slots": settings["slots"],
+        "reads": own,
+        "anchor_free": reads.anchor_free,
+        "bar": settings.get("bar", ()),
+    }
+    return replace(reads, request=request)
 
 
-def _of_before(said: Reads, there: Instrument, before: Readings) -> Reads:
+def _of_before(reads: Reads, there: Instrument, before: Readings) -> Reads:
     """What is said, and otherwise what the instrument that is there already tells."""
     kind = there.kinds[0]
-    if kind == "distance" and said.anchor is None and there.anchor is None:
+    if kind == "distance" and reads.anchor is None and there.anchor is None:
         raise InputError("", "anchor", "is missing: the recording does not tell where it is; say about where")
     link, camera = there.tilt_link or "base", there.camera
-    for name, given, own in (("tilt_link", said.tilt_link, link), ("camera", said.camera, camera)):
+    for name, given, own in (("tilt_link", reads.tilt_link, link), ("camera", reads.camera, camera)):
         if given is not None and kind == dict(_OWN)[name] and str(given) != str(own):
             raise InputError("", name, f"is {own} in the recording to go on from, not {shown(given)}")
     return replace(
-        said,
+        reads,
         instrument=kind,
-        direction=said.direction or there.direction,
-        anchor=said.anchor or there.anchor,
-        anchor_free=said.anchor_free or (kind == "distance" and there.anchor is None),
-        tilt_link=link if kind == "tilt" else said.tilt_link,
-        camera=camera if kind == "camera" else said.camera,
-        bar=said.bar if kind != "bar" or said.bar is not None else _places_along(before),
+        direction=reads.direction or there.direction,
+        anchor=reads.anchor or there.anchor,
+        anchor_free=reads.anchor_free or (kind == "distance" and there.anchor is None),
+        tilt_link=link if kind == "tilt" else reads.tilt_link,
+        camera=camera if kind == "camera" else reads.camera,
+        bar=reads.bar if kind != "bar" or reads.bar is not None else _places_along(before),
     )
 
 
@@ -232,28 +241,28 @@ def _bars(given: int | None, instrument: str, poses: int) -> int:
 
 
 def _with_noise(
-    said: Reads, before: Readings | None, sigma: Quantity | None, deep: Quantity | None, turns: Quantity | None
+    reads: Reads, before: Readings | None, sigma: Quantity | None, deep: Quantity | None, turns: Quantity | None
 ) -> Reads:
     """The same with what it scatters by, as far as anybody said."""
-    camera = said.instrument == "camera"
-    kind = "angle" if said.instrument == "tilt" else "length"
-    found: dict[str, float | None] = {}
+    camera = reads.instrument == "camera"
+    kind = "angle" if reads.instrument == "tilt" else "length"
+    noise: dict[str, float | None] = {}
     for name, given, of in (("sigma", sigma, kind), ("sigma_depth", deep, "length"), ("sigma_angle", turns, "angle")):
         if given is not None and name != "sigma" and not camera:
-            raise InputError("", name, f"goes with the instrument camera, not {shown(said.instrument)}")
-        found[name] = value = None if given is None else in_si(given, of, name)
+            raise InputError("", name, f"goes with the instrument camera, not {shown(reads.instrument)}")
+        noise[name] = value = None if given is None else in_si(given, of, name)
         if value is not None and value <= 0.0:
             raise InputError("", name, "must be positive")
-    across, depth, angle = found["sigma"], found["sigma_depth"], found["sigma_angle"]
+    across, depth, angle = noise["sigma"], noise["sigma_depth"], noise["sigma_angle"]
     if camera and before is not None:
-        each = before.each[0] if isinstance(before, Several) else before
+        first = before.each[0] if isinstance(before, Several) else before
         if before.orientation is None:
             raise InputError("", "after", f"{before.file} holds no orientations; a plan for a camera needs them")
-        axes, angle = each.sigma_axes, angle or each.sigma_angle
+        axes, angle = first.sigma_axes, angle or first.sigma_angle
         across, depth = across or (axes[0] if axes else None), depth or (axes[2] if axes else None)
         if across is None:
             raise InputError("", "sigma", f"is missing: {before.file} does not declare what its camera scatters by")
-    return replace(said, sigma=across, deep=depth, turns=angle)
+    return replace(reads, sigma=across, deep=depth, turns=angle)
 
 
 def _refuse_unknown_weights(torques: Sequence[float], arm: Arm) -> None:
@@ -261,8 +270,8 @@ def _refuse_unknown_weights(torques: Sequence[float], arm: Arm) -> None:
     links = enumerate(arm.model.links, start=1)
     none = [str(number) for number, link in links if link.section is None and link.mass is None]
     if torques and none:
-        said = f"needs the mass of each link; give one to link{'s' * (len(none) > 1)} {', '.join(none)}"
-        raise InputError("", "torques", said)
+        message = f"needs the mass of each link; give one to link{'s' * (len(none) > 1)} {', '.join(none)}"
+        raise InputError("", "torques", message)
 
 
 def _refuse_free(instrument: str, frame: str, tool: str) -> None:
@@ -278,22 +287,25 @@ def _instrument_of(recording: Readings, instrument: str) -> Instrument | None:
     """The instrument of heights, distances, tilts, touches or a camera that a recording was made with, None of the
     tip's place.
     Raises `InputError` for others, and where another one is asked for."""
-    each = recording.each if isinstance(recording, Several) else (recording,)
+    parts = recording.each if isinstance(recording, Several) else (recording,)
     if recording.slots is None:
         if instrument in (*dict(_OWN).values(), *_TOUCHES):
             raise InputError("", "after", f"{recording.file} holds the tip's place; its own instrument goes on from it")
         return None
-    kinds = {one.instrument.kinds for one in each}
+    kinds = {one.instrument.kinds for one in parts}
     if not kinds <= {(kind,) for kind in (*dict(_OWN).values(), *_TOUCHES)} or len(kinds) > 1:
-        said = "is not of one instrument that a plan goes on from: the tip's place, heights, distances, tilts, a camera"
-        said += ", touches of points, planes or bars"
-        raise InputError("", "after", f"{recording.file} {said}")
-    if instrument not in ("tracker", each[0].instrument.kinds[0]):
-        raise InputError("", "after", f"{recording.file} holds its {each[0].instrument.kinds[0]}, not {instrument}")
-    return each[0].instrument
+        message = (
+            "is not of one instrument that a plan goes on from: the tip's place, heights, distances, tilts, a camera"
+        )
+        message += ", touches of points, planes or bars"
+        raise InputError("", "after", f"{recording.file} {message}")
+    if instrument not in ("tracker", parts[0].instrument.kinds[0]):
+        raise InputError("", "after", f"{recording.file} holds its {parts[0].instrument.kinds[0]}, not {instrument}")
+    return parts[0].instrument
 
 
-def _place(name: str, arm: Arm) -> Place:
+def place_of(name: str, arm: Arm) -> Place:
+    """An effect and where it acts (from 0), of `backlash:2`; everywhere without a number. Raises `InputError`."""
     effect, _, number = str(name).strip().partition(":")
     if effect not in EFFECTS:
         raise InputError("", "for_", f"there is no effect {shown(effect)}{nearest(effect, list(EFFECTS))}")
@@ -304,42 +316,50 @@ def _place(name: str, arm: Arm) -> Place:
     return effect, (int(number) - 1,)
 
 
-def _avoid(given: Sequence[Mapping[str, Any] | tuple[Sequence[Quantity], Sequence[Quantity]]]) -> tuple[Region, ...]:
+def regions_of(
+    given: Sequence[Mapping[str, Any] | tuple[Sequence[Quantity], Sequence[Quantity]]],
+) -> tuple[Region, ...]:
     """Regions as an arm file holds them; a pair of corners is a box."""
-    entries = [each if isinstance(each, Mapping) else {"box": [list(corner) for corner in each]} for each in given]
+    entries = [item if isinstance(item, Mapping) else {"box": [list(corner) for corner in item]} for item in given]
     try:
         return read_avoid(Reader({"avoid": plain(entries)}, file=""))
     except InputError as error:
         raise InputError("", "avoid", f"{error.key.removeprefix('avoid')}: {error.message}") from None
 
 
-def _payloads(given: Sequence[Quantity] | None, arm: Arm) -> tuple[float, ...]:
-    if given is None:
+def _payloads(quantities: Sequence[Quantity] | None, arm: Arm) -> tuple[float, ...]:
+    if quantities is None:
         return tuple(dict.fromkeys((0.0, arm.model.payload.mass)))
-    masses = tuple(dict.fromkeys(in_si(each, "mass", "payloads") for each in given))
+    masses = tuple(dict.fromkeys(in_si(quantity, "mass", "payloads") for quantity in quantities))
     if not masses or any(mass < 0.0 for mass in masses):
         raise InputError("", "payloads", "needs masses that are not negative, e.g. '0 kg'")
     return masses
 
 
 def _diagnosed(
-    after: Recording | Diagnosis | File | Sequence[Recording | File] | None,
+    after: After,
     arm: Arm,
     progress: Progress | None,
     check: Callable[[Readings], object],
 ) -> Found | None:
     if after is None:
         return None
+    if isinstance(after, MotionDiagnosis):
+        raise InputError("", "after", "is of motion logs; a plan goes on from it with the instrument motion")
     read = after if isinstance(after, Diagnosis) else recordings_of(after, arm)
     there = read.found.recording if isinstance(read, Diagnosis) else read.found
     check(there)
-    return read.found if isinstance(read, Diagnosis) else lw.diagnose(arm, read, progress=progress).found
+    found = read.found if isinstance(read, Diagnosis) else lw.diagnose(arm, read, progress=progress).found
+    assert isinstance(found, Found)
+    return found
 
 
 def _undecided(before: Found) -> tuple[Place, ...]:
     """The findings that have other names, and those; nothing where all is decided."""
-    open_ = [each for each in before.findings if each.alternatives]
-    places = [(each.effect, each.at) for finding in open_ for each in (finding, *finding.alternatives)]
+    open_ = [finding for finding in before.findings if finding.alternatives]
+    places = [
+        (alternative.effect, alternative.at) for finding in open_ for alternative in (finding, *finding.alternatives)
+    ]
     return tuple(dict.fromkeys((effect, tuple(number - 1 for number in at)) for effect, at in places))
 
 

@@ -12,7 +12,7 @@ import numpy as np
 from linkwright.core.arm.chain.chain import Arm as Model
 from linkwright.core.arm.chain.chain import Link
 from linkwright.core.arm.errors.structure import Identity, entries, link_entries
-from linkwright.core.optimize.limits import FIGURES, Figure
+from linkwright.core.arm.figures import FIGURES, Figure
 from linkwright.core.optimize.sweep.designs import Sweep
 from linkwright.core.units.names import nearest
 from linkwright.core.units.quantities import InputError
@@ -98,7 +98,7 @@ def _rows(values: Values | pd.DataFrame, *, zipped: bool) -> tuple[list[str], li
     import pandas as pd
 
     zipped = zipped or isinstance(values, pd.DataFrame)
-    columns = {str(key): list(each) for key, each in values.items()}
+    columns = {str(key): list(value) for key, value in values.items()}
     for key, own in columns.items():
         if not own:
             raise InputError("sweep", key, "has no values")
@@ -106,8 +106,8 @@ def _rows(values: Values | pd.DataFrame, *, zipped: bool) -> tuple[list[str], li
         raise InputError("sweep", "values", "names no key; write e.g. {'chain[1].link.length': ['400 mm', '450 mm']}")
     counts = {key: len(own) for key, own in columns.items()}
     if zipped and len(set(counts.values())) > 1:
-        each = ", ".join(f"{key} {count}" for key, count in counts.items())
-        raise InputError("sweep", "values", f"zipped, all keys need as many values, and they have: {each}")
+        counts_text = ", ".join(f"{key} {count}" for key, count in counts.items())
+        raise InputError("sweep", "values", f"zipped, all keys need as many values, and they have: {counts_text}")
     rows = zip(*columns.values(), strict=True) if zipped else itertools.product(*columns.values())
     return list(columns), list(rows)
 
@@ -154,7 +154,7 @@ class _Variants:
                 columns = (*columns, *self._others)
             own, chosen[:, link] = self._distinct(columns, partial(self._link, link))
             options.append(own)
-        kinds = [[link_entries(each) for each in own] for own in options]
+        kinds = [[link_entries(item) for item in own] for own in options]
         groups: dict[tuple[object, ...], list[int]] = {}
         for number, row in enumerate(chosen.tolist()):
             kind = (int(which[number]), *(own[option] for own, option in zip(kinds, row, strict=True)))

@@ -16,8 +16,7 @@ import numpy as np
 from linkwright.core.arm.chain.chain import LoadCase
 from linkwright.core.arm.chain.kinematics import tip_position
 from linkwright.core.arm.errors.model import BEAM_FIELDS
-from linkwright.core.arm.evaluation import strength_over
-from linkwright.core.arm.limits.strength import LARGEST_DEFLECTION, StrengthResult
+from linkwright.core.arm.figures.strength import LARGEST_DEFLECTION, StrengthResult, strength_over
 from linkwright.core.arm.worst.search import WorstSearch
 from linkwright.core.arm.worst.workspace import spread
 from linkwright.core.materials.catalogue import load_catalogue
@@ -258,5 +257,5 @@ def _crossing(value: Callable[[float], float]) -> float:
 def _figure(
     number: str, title: str, columns: Mapping[str, list[float]], marks: Mapping[str, float], *remarks: str
 ) -> Figure:
-    kept = MappingProxyType({name: tuple(values) for name, values in columns.items()})
-    return Figure(number, title, kept, MappingProxyType(dict(marks)), remarks)
+    frozen = MappingProxyType({name: tuple(values) for name, values in columns.items()})
+    return Figure(number, title, frozen, MappingProxyType(dict(marks)), remarks)

@@ -28,10 +28,10 @@ def tables_json(book: Book, verdicts: Sequence[Verdict], proofs: Sequence[Proof]
     content["figures_reproduced"] = {"met": counted.met, "printed": counted.printed}
     content["fitted_to_the_paper_mm"] = {"weight": 1e3 * book.paper.weight_sag, "tool": 1e3 * book.paper.tool_sag}
     content["verdicts"] = [
-        {"conclusion": each.number, "claim": each.claim, "judgement": each.judgement, "reason": each.reason}
-        for each in verdicts
+        {"conclusion": verdict.number, "claim": verdict.claim, "judgement": verdict.judgement, "reason": verdict.reason}
+        for verdict in verdicts
     ]
-    content["reach"] = [_proof_json(each) for each in proofs]
+    content["reach"] = [_proof_json(proof) for proof in proofs]
     return content
 
 
@@ -70,13 +70,13 @@ def figures_json(figures: Sequence[Figure]) -> dict[str, Any]:
     return {
         "figures": [
             {
-                "number": each.number,
-                "title": each.title,
-                "marks": dict(each.marks),
-                "remarks": list(each.remarks),
-                "columns": {name: [plain(value) for value in values] for name, values in each.columns.items()},
+                "number": figure.number,
+                "title": figure.title,
+                "marks": dict(figure.marks),
+                "remarks": list(figure.remarks),
+                "columns": {name: [plain(value) for value in values] for name, values in figure.columns.items()},
             }
-            for each in figures
+            for figure in figures
         ],
     }
 
@@ -129,10 +129,10 @@ def _millimetres(values: Sequence[float]) -> str:
 
 def notes(table: Table) -> list[tuple[str, str]]:
     """The rows' notes, each with the labels of the rows that it holds for."""
-    found: dict[str, list[str]] = {}
+    labels_by_note: dict[str, list[str]] = {}
     for row in table.rows:
-        found.setdefault(row.note, []).append(row.label)
-    return [("; ".join(labels), note) for note, labels in found.items() if note]
+        labels_by_note.setdefault(row.note, []).append(row.label)
+    return [("; ".join(labels), note) for note, labels in labels_by_note.items() if note]
 
 
 def heading(table: Table) -> str:
@@ -153,12 +153,12 @@ def tally_words(book: Book) -> str:
 def describe(book: Book, verdicts: Sequence[Verdict], proofs: Sequence[Proof]) -> Description:
     """All tables, the verdicts and the statements on reach."""
     counted = tally(book.tables)
-    judged = [f"{each.number}. “{each.claim}”: {each.judgement}. {each.reason}" for each in verdicts]
-    reach = [f"{each.statement} {'Holds' if each.holds else 'Does not hold'}. {each.shown_by}" for each in proofs]
+    judged = [f"{verdict.number}. “{verdict.claim}”: {verdict.judgement}. {verdict.reason}" for verdict in verdicts]
+    reach = [f"{proof.statement} {'Holds' if proof.holds else 'Does not hold'}. {proof.shown_by}" for proof in proofs]
     items = (
         Paragraph(tally_words(book)),
         Lines(book.tables[0].remarks[1:]),
-        *(_section(each) for each in book.tables),
+        *(_section(table) for table in book.tables),
         section("The paper's four conclusions", Lines(tuple(judged)), opened=True),
         section("What it says about reach", Lines(tuple(reach)), opened=True),
     )
@@ -170,8 +170,8 @@ def describe(book: Book, verdicts: Sequence[Verdict], proofs: Sequence[Proof]) -
 def _section(table: Table) -> Section:
     columns = ("", "paper, “mm”", "reproduced, mm²", "equations, mm", "corrected, mm")
     rows = [(row.label, *map(Value, cells(row))) for row in table.rows]
-    told = tuple(f"{labels}: {note}" for labels, note in notes(table))
-    return section(heading(table), Paragraph(table.remarks[0]), shown(columns, rows), Lines(told), opened=True)
+    notes_here = tuple(f"{labels}: {note}" for labels, note in notes(table))
+    return section(heading(table), Paragraph(table.remarks[0]), shown(columns, rows), Lines(notes_here), opened=True)
 
 
 def into(document: str, block: str, begin: str = BEGIN, end: str = END) -> str:

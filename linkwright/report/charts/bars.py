@@ -20,10 +20,10 @@ def _bars(
     words: str,
     about: str,
     size: tuple[float, float, float],
-    mark: float | None = None,
+    marks: Sequence[float] = (),
 ) -> str:
     """Rows with what stands to the left and to the right above them, and their bars (value, kind) to one scale; `size`
-    is the width, and the heights of a row and of a bar; a `mark` stands at that value in each row."""
+    is the width, and the heights of a row and of a bar; `marks` stand at their values, one in each row."""
     width, step, high = size
     largest = max((value for *_, bars in rows for value, _ in bars), default=0.0) or 1.0
     parts: list[str] = []
@@ -34,9 +34,9 @@ def _bars(
         for row, (value, kind) in enumerate(bars):
             place = {"x": 0.0, "y": top + 14.0 + gap + row * (high + 1.0), "width": max(1.0, width * value / largest)}
             parts.append(element("rect", **place, height=high, rx=2.0, class_=f"fill {kind}"))
-        if mark is not None:
-            across = width * mark / largest
-            parts.append(line((across, top + 17.0), (across, top + 23.0 + high), "error-line", 2.0))
+        if marks and math.isfinite(marks[index]):
+            across, foot = width * marks[index] / largest, top + 23.0 + len(bars) * (high + 1.0) - 1.0
+            parts.append(line((across, top + 17.0), (across, foot), "error-line", 2.0))
     picture = drawing(0.0, 0.0, width, len(rows) * step, f"{words} {about}", *parts)
     return element("figure", picture, element("figcaption", text(words)))
 
@@ -52,13 +52,21 @@ def causes_picture(causes: Sequence[tuple[str, float, float]]) -> str:
     return _bars(rows, words, about, (520.0, 44.0, 9.0))
 
 
+def joints_picture(rows: Sequence[tuple[str, str, tuple[float, float, float], float]], words: str, about: str) -> str:
+    """Three bars for each joint: what is left before, after and on motion held out; a mark stands at the floor. A row
+    is what the joint is called, what stands to the right, the three, and the floor."""
+    kinds = ("before", "after", "held")
+    drawn = [(name, told, tuple(zip(bars, kinds, strict=True))) for name, told, bars, _ in rows]
+    return _bars(drawn, words, about, (520.0, 52.0, 9.0), [floor for *_, floor in rows])
+
+
 def ladder_picture(diagnosis: Diagnosis) -> str:
     """A bar for each model, with a mark at the noise floor; nothing where there is only the model as given."""
     rungs = _climbed(diagnosis)
     if len(rungs) < 2:
         return ""
     floor = diagnosis.noise_floor
-    shown = floor is not None and 0.0 < floor <= (max(each.rms for each in rungs) or 1.0)
+    shown = floor is not None and 0.0 < floor <= (max(rung.rms for rung in rungs) or 1.0)
     rows = [
         (
             rung.label if len(rung.label) <= _MOST_LETTERS else f"{rung.label[: _MOST_LETTERS - 1]}…",
@@ -67,16 +75,16 @@ def ladder_picture(diagnosis: Diagnosis) -> str:
         )
         for index, rung in enumerate(rungs)
     ]
-    told = f" The red marks are the noise floor, {mm(floor, 3)}." if shown else ""
-    about = "; ".join(f"{each.label}: {mm(each.rms, 3)}" for each in rungs)
-    words = f"What each model leaves of the mismatch (RMS).{told}"
-    return _bars(rows, words, about, (400.0, 40.0, 14.0), floor if shown else None)
+    legend = f" The red marks are the noise floor, {mm(floor, 3)}." if shown else ""
+    about = "; ".join(f"{rung.label}: {mm(rung.rms, 3)}" for rung in rungs)
+    words = f"What each model leaves of the mismatch (RMS).{legend}"
+    return _bars(rows, words, about, (400.0, 40.0, 14.0), [floor] * len(rows) if floor is not None and shown else ())
 
 
 def _climbed(diagnosis: Diagnosis) -> list[Rung]:
     """The model as given and what was added to it step by step; the last rung stands for all that did not fit."""
-    rungs = [each for each in diagnosis.ladder if not each.label.startswith("without ")]
-    rungs = [each for each in rungs if math.isfinite(each.rms)]
+    rungs = [item for item in diagnosis.ladder if not item.label.startswith("without ")]
+    rungs = [rung for rung in rungs if math.isfinite(rung.rms)]
     if len(rungs) <= _MOST_RUNGS:
         return rungs
     last = rungs[-1]

@@ -46,10 +46,10 @@ def chart(found: Watch, each: Watched, title: str, changes: Sequence[str], *, la
         parts.append(line((x_, plot.top), (x_, foot), "axis", 1.0))
         parts.append(label(x_, foot + 15.0, _TEXT, _day(found, tick)))
     for change in each.changes:
-        own = when[change.first] if change.kind != "step" else 0.5 * (when[change.last] + when[change.first])
+        time = when[change.first] if change.kind != "step" else 0.5 * (when[change.last] + when[change.first])
         early = when[max(change.earliest - 1, 0)] if change.kind == "step" else when[change.earliest]
         ends = [float(plot.x(np.array(v))) for v in (early, when[change.latest])]
-        x_ = float(plot.x(np.array(own)))
+        x_ = float(plot.x(np.array(time)))
         parts.append(line((x_, plot.top), (x_, foot), "error-line", 1.6))
         parts.append(line((ends[0], foot - 4.0), (ends[1], foot - 4.0), "error-line", 5.0))
     for k in np.flatnonzero(shown).tolist():
@@ -75,14 +75,16 @@ def _after(title: str, said: str) -> str:
     return "" if not said else f": {said.removeprefix(title).replace('; ' + title, '; ').strip()}"
 
 
-def _width(each: Watched) -> float:
-    return float(np.nanmax(each.limits[:, 1] - each.limits[:, 0])) if np.isfinite(each.limits).any() else math.inf
+def _width(watched: Watched) -> float:
+    return (
+        float(np.nanmax(watched.limits[:, 1] - watched.limits[:, 0])) if np.isfinite(watched.limits).any() else math.inf
+    )
 
 
-def _drawn(plot: Plot, each: Watched, level: Array, when: Array) -> tuple[Array, Array]:
+def _drawn(plot: Plot, watched: Watched, level: Array, when: Array) -> tuple[Array, Array]:
     """The level as a line, upright where it steps."""
     known = np.flatnonzero(np.isfinite(level))
-    jumps = {change.first for change in each.changes if change.kind == "step"}
+    jumps = {change.first for change in watched.changes if change.kind == "step"}
     x: list[float] = []
     y: list[float] = []
     for before, k in zip([-1, *known[:-1].tolist()], known.tolist(), strict=True):
@@ -94,13 +96,13 @@ def _drawn(plot: Plot, each: Watched, level: Array, when: Array) -> tuple[Array,
     return plot.x(np.array(x)), plot.y(np.array(y))
 
 
-def _day(found: Watch, days: int) -> str:
-    return (found.recordings[0].date + timedelta(days=days)).isoformat()
+def _day(result: Watch, days: int) -> str:
+    return (result.recordings[0].date + timedelta(days=days)).isoformat()
 
 
-def _unit(each: Watched) -> tuple[float, str]:
+def _unit(watched: Watched) -> tuple[float, str]:
     """What turns SI into the unit of the chart, and the unit."""
-    like = float(np.nanmax(np.abs(each.values))) or 1.0
-    unit = format_quantity(like, each.parameter.kind).partition(" ")[2]
-    one = format_quantity(1.0, each.parameter.kind, unit or None, 12).partition(" ")[0]
+    like = float(np.nanmax(np.abs(watched.values))) or 1.0
+    unit = format_quantity(like, watched.parameter.kind).partition(" ")[2]
+    one = format_quantity(1.0, watched.parameter.kind, unit or None, 12).partition(" ")[0]
     return float(one), unit.replace("*", "·").replace("^2", "²")

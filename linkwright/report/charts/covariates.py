@@ -33,26 +33,26 @@ class Covariate:
 def covariates(diagnosis: Diagnosis) -> list[Covariate]:
     """All that the recording holds and that varies."""
     recording, arm = diagnosis.recording, diagnosis.arm
-    found: list[Covariate] = []
+    list_: list[Covariate] = []
     for index, joint in enumerate(arm.joints):
         values = np.degrees(recording.q[:, index]) if joint.revolute else 1e3 * recording.q[:, index]
         unit = "degrees" if joint.revolute else "mm"
-        found.append(Covariate(f"q{index + 1}", f"joint {index + 1} in {unit}", values))
+        list_.append(Covariate(f"q{index + 1}", f"joint {index + 1} in {unit}", values))
     if recording.sides is not None:
         for index in range(arm.size):
             label = f"side of joint {index + 1} (+1 from below)"
-            found.append(Covariate(f"dir{index + 1}", label, recording.sides[:, index]))
+            list_.append(Covariate(f"dir{index + 1}", label, recording.sides[:, index]))
     if recording.payload_mass is not None:
-        found.append(Covariate("payload_kg", "payload in kg", recording.payload_mass))
+        list_.append(Covariate("payload_kg", "payload in kg", recording.payload_mass))
     if recording.force is not None:
-        found.append(Covariate("force", "force at the tip in N", np.linalg.norm(recording.force, axis=1)))
+        list_.append(Covariate("force", "force at the tip in N", np.linalg.norm(recording.force, axis=1)))
     if recording.temperature is not None:
-        found.append(Covariate("temperature_degC", "temperature in °C", recording.temperature - ZERO_CELSIUS))
+        list_.append(Covariate("temperature_degC", "temperature in °C", recording.temperature - ZERO_CELSIUS))
     if recording.time is not None:
         span = float(np.ptp(recording.time))
         factor, unit = (3600.0, "h") if span > 7200.0 else (60.0, "min") if span > 300.0 else (1.0, "s")
-        found.append(Covariate("time", f"time in {unit}", recording.time / factor))
-    return [each for each in found if np.ptp(each.values) > 0.0]
+        list_.append(Covariate("time", f"time in {unit}", recording.time / factor))
+    return [item for item in list_ if np.ptp(item.values) > 0.0]
 
 
 def shown_component(diagnosis: Diagnosis) -> tuple[Array, str]:
@@ -82,7 +82,7 @@ def small_multiples(diagnosis: Diagnosis) -> str:
     noise = None
     if diagnosis.noise_floor is not None:
         noise = 1e3 * diagnosis.noise_floor / np.sqrt(diagnosis.recording.tip.shape[1])
-    drawn = [_panel(diagnosis, each, parts, up, noise) for each in covariates(diagnosis)]
+    drawn = [_panel(diagnosis, covariate, parts, up, noise) for covariate in covariates(diagnosis)]
     keys = "".join(element("span", class_=f"key {when}") + text(when) for when, _ in parts)
     lead = f"Each dot is a reading: the residual {words}, in mm. Lines are means; the band is the noise, ±1 σ."
     return element("p", text(lead), keys, class_="lead") + element("div", *drawn, class_="multiples")
@@ -116,7 +116,7 @@ def _panel(
     for when, values in parts:
         means = binned(x, values)
         children.append(course(plot.x(means[0]), plot.y(means[1]), when))
-    tested = next((each for each in diagnosis.where.dependences if each.on == covariate.name), None)
+    tested = next((dependence for dependence in diagnosis.where.dependences if dependence.on == covariate.name), None)
     depends = covariate.name in diagnosis.where.depends_on
     said = "" if tested is None else f", p {probability(tested.p_value).text}".replace("p < ", "p\u00a0<\u00a0")
     verdict = f"Depends on {covariate_words(covariate.name)}" if depends else "No dependence shown"
@@ -131,9 +131,9 @@ _CURVE_HEIGHT, _POINTS = 130.0, 400
 
 def joint_curves(diagnosis: Diagnosis) -> str:
     """A small plot for each joint whose angle errs by a curve; nothing where none does."""
-    single = [each for each in diagnosis.findings if each.effect in EFFECTS and len(each.at) == 1]
-    curves = [(each, EFFECTS[each.effect].curve) for each in single]
-    panels = [_curve_panel(diagnosis, each, curve) for each, curve in curves if curve is not None]
+    single = [finding for finding in diagnosis.findings if finding.effect in EFFECTS and len(finding.at) == 1]
+    curves = [(item, EFFECTS[item.effect].curve) for item in single]
+    panels = [_curve_panel(diagnosis, item, curve) for item, curve in curves if curve is not None]
     if not panels:
         return ""
     heading = element("h3", text("How joints err over their travel"))

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from linkwright.core.arm.evaluation import ErrorMap
+from linkwright.core.arm.error_map import ErrorMap
 from linkwright.core.arm.worst.search import WorstPose
 from linkwright.core.diagnose.result import Diagnosis
 from linkwright.core.optimize.result import OptimizationResult
@@ -36,11 +36,11 @@ def arms(named: Named) -> str:
     drawn = [skeleton(evaluation) for _, evaluation in named]
     window = shared_window(drawn)
     figures: list[str] = []
-    for (when, evaluation), each in zip(named, drawn, strict=True):
+    for (when, evaluation), item in zip(named, drawn, strict=True):
         heading = element("h3", text(when.capitalize())) if when else ""
-        caption = element("figcaption", text(arm_caption(evaluation.arm, each, window)))
-        picture = arm_picture(evaluation.arm, each, window, when or "after").removesuffix("</svg>")
-        figures.append(element("figure", heading, picture + numbered(each, window) + "</svg>", caption))
+        caption = element("figcaption", text(arm_caption(evaluation.arm, item, window)))
+        picture = arm_picture(evaluation.arm, item, window, when or "after").removesuffix("</svg>")
+        figures.append(element("figure", heading, picture + numbered(item, window) + "</svg>", caption))
     return side_by_side(*figures)
 
 

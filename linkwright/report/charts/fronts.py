@@ -62,11 +62,11 @@ def ticks(low: float, high: float, *, log: bool) -> list[float]:
     if log:
         powers = range(math.floor(math.log10(low)), math.ceil(math.log10(high)) + 1)
         steps = (1.0, 2.0, 5.0) if math.log10(high / low) < 2.5 else (1.0,)
-        found = [step * 10.0**power for power in powers for step in steps]
+        values = [step * 10.0**power for power in powers for step in steps]
     else:
         step = nice_below((high - low) / 5.0)
-        found = [step * k for k in range(math.ceil(low / step - 1e-9), math.floor(high / step + 1e-9) + 1)]
-    return [value for value in found if low * (1.0 - 1e-9) <= value <= high * (1.0 + 1e-9)]
+        values = [step * k for k in range(math.ceil(low / step - 1e-9), math.floor(high / step + 1e-9) + 1)]
+    return [value for value in values if low * (1.0 - 1e-9) <= value <= high * (1.0 + 1e-9)]
 
 
 def span(axis: Axis, values: Sequence[float], *, log: bool) -> tuple[float, float]:
@@ -117,7 +117,7 @@ def tradeoff_picture(result: Tradeoff) -> str:
 
 
 def _scale(values: tuple[float, float], places: tuple[float, float], *, log: bool) -> Place:
-    low, high = (math.log(each) for each in values) if log else values
+    low, high = (math.log(value) for value in values) if log else values
 
     def place(value: float) -> float:
         share = ((math.log(value) if log else value) - low) / (high - low)
@@ -204,13 +204,13 @@ def _ends(result: Tradeoff, at: Callable[[Point], tuple[float, float]]) -> list[
     parts: list[str] = []
     points = result.of(result.envelope)
     for number in dict.fromkeys((points[0].number, points[-1].number)):
-        given = result.points[number - 1]
-        across, up = at(given)
+        point = result.points[number - 1]
+        across, up = at(point)
         late = across > 0.5 * WIDTH
         # Beyond the end itself, where no front goes on: above the highest point, below the lowest.
         first = number == points[0].number
         height = up - 11.0 if first != result.asked.y.more_is_better else up + 20.0
-        words = f"{shown(result.asked.x, given.x, 4)}, {shown(result.asked.y, given.y, 4)}"
+        words = f"{shown(result.asked.x, point.x, 4)}, {shown(result.asked.y, point.y, 4)}"
         parts.append(element("circle", cx=across, cy=up, r=5.0, fill="none", stroke=INK, stroke_width=1.6))
         start = (across + 9.0, "end") if late else (across - 9.0, "start")
         parts.append(_words(start[0], height, words, size=12.0, anchor=start[1]))
@@ -273,8 +273,8 @@ def _hover(result: Tradeoff, point: Point, *, brief: bool) -> str:
     ]
     if brief:
         return "<br>".join(lines)
-    known = [each for each in result.asked.given.figures.values() if each.name not in (x.name, y.name)]
-    shown_of = [(each.title, each.shown(point.figures[each.name]), each.unit) for each in known]
+    known = [item for item in result.asked.given.figures.values() if item.name not in (x.name, y.name)]
+    shown_of = [(item.title, item.shown(point.figures.get(item.name)), item.unit) for item in known]
     others = [f"{title} {with_unit(value, unit)}".strip() for title, value, unit in shown_of if value is not None]
     lines += [", ".join(others[k : k + 3]) for k in range(0, len(others), 3)]
     lines += [

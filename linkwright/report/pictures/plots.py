@@ -8,9 +8,10 @@ from typing import Any
 import numpy as np
 
 from linkwright.core.arm.chain.kinematics import tip_position
+from linkwright.core.arm.error_map import ErrorMap, error_map
 from linkwright.core.arm.errors.model import beam_values, beams_of, error_model
 from linkwright.core.arm.errors.unknown_mass import unknown_taken_out
-from linkwright.core.arm.evaluation import ErrorMap, Evaluation, error_map
+from linkwright.core.arm.evaluation import Evaluation
 from linkwright.core.arm.worst.search import WorstSearch
 from linkwright.core.optimize.result import Iteration
 from linkwright.json.design import objective_unit
@@ -32,14 +33,14 @@ def field_of(evaluation: Evaluation) -> ErrorMap:
 
 def colour_range(maps: Sequence[ErrorMap], evaluations: Sequence[Evaluation]) -> tuple[float, float]:
     """Least and greatest error (mm) on all maps, so that they share one scale."""
-    least = min((float(np.nanmin(each.worst)) for each in maps if np.isfinite(each.worst).any()), default=0.0)
-    return 1e3 * least, 1e3 * max(each.max_error for each in evaluations)
+    least = min((float(np.nanmin(item.worst)) for item in maps if np.isfinite(item.worst).any()), default=0.0)
+    return 1e3 * least, 1e3 * max(evaluation.max_error for evaluation in evaluations)
 
 
 def shared_spans(maps: Sequence[ErrorMap]) -> tuple[list[float], list[float]]:
     """The spans (mm) of both axes that hold every map, with a little air."""
     spans: list[list[float]] = []
-    for edges in ([each.horizontal for each in maps], [each.vertical for each in maps]):
+    for edges in ([item.horizontal for item in maps], [item.vertical for item in maps]):
         low, high = 1e3 * min(float(x[0]) for x in edges), 1e3 * max(float(x[-1]) for x in edges)
         spans.append([low - 0.06 * (high - low), high + 0.06 * (high - low)])
     return spans[0], spans[1]
@@ -105,7 +106,7 @@ def _rounded(values: Any) -> list[float]:
 
 def _marks(field: ErrorMap, evaluation: Evaluation) -> Figure:
     poses = poses_that_differ(evaluation)[:MOST_MARKS]
-    tips = 1e3 * tip_position(evaluation.arm, [each.q for each in poses])
+    tips = 1e3 * tip_position(evaluation.arm, [item.q for item in poses])
     across = tips[:, 0] if field.planar else np.hypot(tips[:, 0], tips[:, 1])
     up = tips[:, 1] if field.planar else tips[:, 2]
     return {
@@ -143,11 +144,11 @@ def error_map_words(field: ErrorMap, evaluation: Evaluation) -> str:
 def exchange_figure(iterations: Sequence[Iteration], minimize: str) -> Figure:
     """The objective round by round; for errors also the worst found afterwards: where both meet, the exchange ends."""
     factor, unit = objective_unit(minimize)
-    numbers = [each.number for each in iterations]
-    series = [("over the poses so far", [factor * each.objective for each in iterations])]
+    numbers = [iteration.number for iteration in iterations]
+    series = [("over the poses so far", [factor * iteration.objective for iteration in iterations])]
     if minimize == "max_error":
-        found = [factor * each.objective * (1.0 + max(each.worst_violation, 0.0)) for each in iterations]
-        series.insert(0, ("worst pose found afterwards", found))
+        upper = [factor * iteration.objective * (1.0 + max(iteration.worst_violation, 0.0)) for iteration in iterations]
+        series.insert(0, ("worst pose found afterwards", upper))
     data = [
         {"type": "scatter", "mode": "lines+markers", "name": name, "x": numbers, "y": values} for name, values in series
     ]

@@ -65,7 +65,7 @@ class _Steps:
 
 def _drawn(arm: Arm, payload: float, steps: _Steps) -> tuple[float, float, float, list[str]]:
     drawn = [_seen(side, link) for side, link in zip(sides(arm), arm.links, strict=True)]
-    tallest = max((2.0 * abs(edge) for each in drawn for end in each.ends for edge in end), default=0.0)
+    tallest = max((2.0 * abs(edge) for item in drawn for end in item.ends for edge in end), default=0.0)
     scale = min((_WIDTH - 2 * _MARGIN) / max(steps.end, 1e-9), _TALLEST / max(tallest, 1e-9))
     half = max(0.5 * scale * tallest, _BALLOON)
     room = (-_MARGIN, _WIDTH - _MARGIN)
@@ -140,15 +140,15 @@ def _sizes(
 ) -> tuple[list[str], float]:
     """What stands above the links, each in the lowest row where it is free, and how far up that goes."""
     notes = [
-        (0.5 * scale * (start + end), -scale * each.top, _words(number, link, height))
-        for number, (link, each, height, (start, end)) in enumerate(
+        (0.5 * scale * (start + end), -scale * item.top, _words(number, link, height))
+        for number, (link, item, height, (start, end)) in enumerate(
             zip(arm.links, drawn, heights(arm), steps.links, strict=True), start=1
         )
     ]
     notes.append((scale * steps.end, 0.0, [f"payload {with_unit(payload, 'kg')}"]))
     rows, placed = Levels(), list[tuple[float, float, float, int, list[str]]]()
     for x, begin, told in notes:
-        wide = max(width_of(each, _SIZE) for each in told)
+        wide = max(width_of(item, _SIZE) for item in told)
         middle = min(max(x, room[0] + 0.5 * wide + 2.0), room[1] - 0.5 * wide - 2.0)
         placed.append((x, begin, middle, rows.placed(middle - 0.5 * wide - 4.0, middle + 0.5 * wide + 4.0), told))
     tall = [max(len(told) for *_, row, told in placed if row == k) * _ROW + 6.0 for k in range(len(rows.rows))]
@@ -157,8 +157,8 @@ def _sizes(
     for x, begin, middle, row, told in placed:
         parts.append(line((x, begin), (x, foot[row] + 2.0), "axis", 1.0))
         parts += [
-            label(middle, foot[row] - 3.0 - (len(told) - 1 - k) * _ROW, _SIZE, each, class_="figures")
-            for k, each in enumerate(told)
+            label(middle, foot[row] - 3.0 - (len(told) - 1 - k) * _ROW, _SIZE, item, class_="figures")
+            for k, item in enumerate(told)
         ]
     # The words stand over the lines that lead to those above them.
     parts.sort(key=lambda part: not part.startswith("<line"))
@@ -194,17 +194,17 @@ def _words(number: int, link: Link, height: HeightPoints | None) -> list[str]:
         return [f"link {number}", "rigid"]
     given = section.given()
     walls = [_figures(value) for name, value in given.items() if "thickness" in name]
-    sizes = [each for each in (_figures(value) for name, value in given.items() if name == "diameter") if each]
+    sizes = [item for item in (_figures(value) for name, value in given.items() if name == "diameter") if item]
     near = 1e3 * np.asarray(_ends(section)[0].outline()[0])
     across, high = (figure(float(np.ptp(near[:, k])), 4) for k in (0, 1))
     outer = f"⌀ {sizes[0]}" if sizes else f"{high} × {across}"
-    told = [f"link {number}", outer, *([] if height is None else [f"height {height.words}"])]
-    return [*told, f"walls {', '.join(walls)}" if len(walls) > 1 else f"wall {walls[0]}"] if walls else told
+    lines = [f"link {number}", outer, *([] if height is None else [f"height {height.words}"])]
+    return [*lines, f"walls {', '.join(walls)}" if len(walls) > 1 else f"wall {walls[0]}"] if walls else lines
 
 
 def _figures(value: object) -> str:
     ends = value if isinstance(value, tuple) else (value,)
-    return " to ".join(figure(1e3 * float(each), 4) for each in ends if isinstance(each, float | int))
+    return " to ".join(figure(1e3 * float(end), 4) for end in ends if isinstance(end, float | int))
 
 
 def _ends(section: Section) -> tuple[Section, ...]:

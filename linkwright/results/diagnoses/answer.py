@@ -39,14 +39,19 @@ def answer(diagnosis: Diagnosis) -> str:
     clauses = _clauses(diagnosis)
     if said_of_no_weight(diagnosis.arm, diagnosis.verdict):
         clauses = [WEIGHTLESS, *(clause if clause[:1] in ";," else f"; {clause}" for clause in clauses)]
-    said = clauses[0]
+    return briefly(clauses)
+
+
+def briefly(clauses: Sequence[str]) -> str:
+    """What must be said first, and of what may follow as much as there is room for in `MOST_WORDS` words."""
+    sentence = clauses[0]
     for clause in clauses[1:]:
         # What follows belongs to what stands before it: after a clause without room there is no further one.
-        if len((said + clause).split()) > MOST_WORDS:
+        if len((sentence + clause).split()) > MOST_WORDS:
             break
-        said += clause
-    words = said.split()
-    cut = said if len(words) <= MOST_WORDS else " ".join(words[: MOST_WORDS - 1]).rstrip(",;") + " …"
+        sentence += clause
+    words = sentence.split()
+    cut = sentence if len(words) <= MOST_WORDS else " ".join(words[: MOST_WORDS - 1]).rstrip(",;") + " …"
     return f"{cut[:1].upper()}{cut[1:]}."
 
 
@@ -68,8 +73,8 @@ def _clauses(diagnosis: Diagnosis) -> list[str]:
     if diagnosis.unknown is not None:
         on = [covariate_words(name) for name in diagnosis.unknown.depends_on[:3]]
         opening = f"nothing in the library explains {mm(diagnosis.unknown.amplitude, 3)} of the {mismatch} mismatch"
-        found = "" if largest is None else f"; {name_words(largest)} describes part of the rest"
-        return [opening, f"; it depends on {listed(on)}" if on else "", found]
+        explained = "" if largest is None else f"; {name_words(largest)} describes part of the rest"
+        return [opening, f"; it depends on {listed(on)}" if on else "", explained]
     if largest is None:
         return [diagnosis.sentence]
     return _cause(diagnosis, largest, mismatch, left)
@@ -91,7 +96,7 @@ def _nothing(diagnosis: Diagnosis, mismatch: str) -> str:
 def _cause(diagnosis: Diagnosis, largest: Finding, mismatch: str, left: str) -> list[str]:
     """The largest cause with its share, and what remains."""
     name = name_words(largest)
-    others = [name_words(each) for each in largest.alternatives[:1]]
+    others = [name_words(alternative) for alternative in largest.alternatives[:1]]
     more = len(largest.alternatives) - 1
     either = f" or {others[0]}{f' or {more} more' if more > 0 else ''}" if others else ""
     size = "" if others or not largest.parameters else f", {_size(chief(largest.parameters))}"
@@ -120,7 +125,7 @@ def _over(left: Left) -> str:
 
 
 def _largest(diagnosis: Diagnosis) -> Finding | None:
-    return max(diagnosis.findings, key=lambda each: each.rms_explained, default=None)
+    return max(diagnosis.findings, key=lambda finding: finding.rms_explained, default=None)
 
 
 def _share_of_first(diagnosis: Diagnosis) -> float | None:
@@ -133,9 +138,9 @@ def _share_of_first(diagnosis: Diagnosis) -> float | None:
 
 def main_and_small(findings: Sequence[Finding]) -> tuple[tuple[Finding, ...], tuple[Finding, ...]]:
     """The findings that move the tip most, and those small beside the largest."""
-    largest = max((each.rms_explained for each in findings), default=0.0)
-    small = tuple(each for each in findings if each.rms_explained < SMALL * largest)
-    return tuple(each for each in findings if each not in small), small
+    largest = max((finding.rms_explained for finding in findings), default=0.0)
+    small = tuple(finding for finding in findings if finding.rms_explained < SMALL * largest)
+    return tuple(finding for finding in findings if finding not in small), small
 
 
 def to_do(diagnosis: Diagnosis) -> tuple[str, ...]:
@@ -149,7 +154,7 @@ def to_do(diagnosis: Diagnosis) -> tuple[str, ...]:
         return ("Diagnose each recording by itself; several arms of one type together, with --units.",)
     logged = _to_log(diagnosis)
     if logged:
-        named = listed([_with_meaning(each) for each in logged])
+        named = listed([_with_meaning(item) for item in logged])
         lines.append(f"Log {named}: that may tell apart what this recording cannot.")
     if diagnosis.noise_floor is None:
         lines.append("Read some poses twice in a row: repeats say how much of the mismatch is noise.")
@@ -157,10 +162,10 @@ def to_do(diagnosis: Diagnosis) -> tuple[str, ...]:
         lines.append(f"To find the cause, {diagnosis.unknown.decide}.")
     if diagnosis.next_poses:
         number = len(diagnosis.next_poses)
-        told = "which tell" if diagnosis.next_poses_enough else "each several times, which helps to tell"
-        lines.append(f"Record the {number} poses listed below, {told} the names apart, and diagnose again.")
+        purpose = "which tell" if diagnosis.next_poses_enough else "each several times, which helps to tell"
+        lines.append(f"Record the {number} poses listed below, {purpose} the names apart, and diagnose again.")
     helps = diagnosis.written is None or diagnosis.written.rms < diagnosis.rms_before
-    sure = any(not each.may_be_nothing for each in diagnosis.findings)
+    sure = any(not finding.may_be_nothing for finding in diagnosis.findings)
     if diagnosis.unknown is None and sure and helps:
         whose = "these recordings" if diagnosis.recordings else "this recording"
         promised = "" if diagnosis.written is None else f" (it leaves {mm(diagnosis.written.rms, 3)} of {whose})"
@@ -170,14 +175,14 @@ def to_do(diagnosis: Diagnosis) -> tuple[str, ...]:
 
 def _to_log(diagnosis: Diagnosis) -> list[str]:
     """The columns that would tell a finding from what the data cannot tell it from, as this recording lacks them."""
-    found: dict[str, None] = {}
+    names: dict[str, None] = {}
     for finding in diagnosis.findings:
         for other in finding.alternatives:
             for column in _telling(diagnosis.recording, (finding.effect, finding.at), (other.effect, other.at)):
-                found.setdefault(column)
+                names.setdefault(column)
     if diagnosis.unknown is not None and "time" in diagnosis.unknown.depends_on:
-        found.update(dict.fromkeys(_lacking(diagnosis.recording, "warming", ())))
-    return list(found)
+        names.update(dict.fromkeys(_lacking(diagnosis.recording, "warming", ())))
+    return list(names)
 
 
 def _with_meaning(column: str) -> str:

@@ -8,7 +8,7 @@ from types import MappingProxyType
 
 from linkwright.core.arm.effects import EFFECTS
 from linkwright.core.diagnose.answer.sentences import about_of, name_of
-from linkwright.core.diagnose.result import Diagnosis, Finding, FittedParameter, LackOfFit, Unknown
+from linkwright.core.diagnose.result import Diagnosis, Finding, LackOfFit, Unknown
 from linkwright.core.diagnose.rules.rules import RULES
 from linkwright.redesigning import Redesign, redesign_section
 from linkwright.report.charts.bars import ladder_picture
@@ -45,6 +45,7 @@ from .evidence import (
     ladder,
     next_readings,
     rejected,
+    set_aside,
     standards,
     where_it_sits,
 )
@@ -52,18 +53,15 @@ from .words import (
     alias_sentence,
     covariate_words,
     explained_share,
-    interval,
     listed,
-    main_parameters,
     name_words,
-    parameter_title,
+    parameter_rows,
     place_words,
     portion,
     probability,
     row_words,
     spoken,
     time_words,
-    value,
     verdict_words,
     whole_sentence,
 )
@@ -114,8 +112,8 @@ def _brief(diagnosis: Diagnosis) -> str:
         return f"more than noise, not explained, mismatch {mm(diagnosis.rms_before, 3)}"
     if not diagnosis.findings:
         return f"{verdict_words(diagnosis.verdict)}, mismatch {mm(diagnosis.rms_before, 3)}"
-    places = [place_words(each.effect, each.at) for each in diagnosis.findings]
-    ids = [each.effect.replace("_", " ") for each in diagnosis.findings]
+    places = [place_words(finding.effect, finding.at) for finding in diagnosis.findings]
+    ids = [finding.effect.replace("_", " ") for finding in diagnosis.findings]
     names = [f"{name} at {place}" if place else name for name, place in zip(ids, places, strict=True)]
     more = f" and {len(names) - 1} more" if len(names) > 1 else ""
     explained = explained_share(diagnosis)
@@ -190,22 +188,26 @@ def _broken_promise(diagnosis: Diagnosis) -> Paragraph | None:
     )
 
 
-def _lack_of_fit(found: LackOfFit) -> tuple[Value, str]:
+def _lack_of_fit(lack_of_fit: LackOfFit) -> tuple[Value, str]:
     """The test of what is left against readings of one pose, with what stands behind it."""
-    pure = {"repeats": "repeats of a visit", "returns": "visits of one pose"}[found.against]
-    left = f"{figure(found.times, 3)} times what {pure} differ by is left"
-    held = f"{figure(found.held_out_times, 3)} times what noise leaves on readings not fitted"
-    return Value(f"p {probability(found.p_value).text}"), f"{left}; {held}"
+    pure = {"repeats": "repeats of a visit", "returns": "visits of one pose"}[lack_of_fit.against]
+    left = f"{figure(lack_of_fit.times, 3)} times what {pure} differ by is left"
+    held = f"{figure(lack_of_fit.held_out_times, 3)} times what noise leaves on readings not fitted"
+    return Value(f"p {probability(lack_of_fit.p_value).text}"), f"{left}; {held}"
 
 
 def _origins(diagnosis: Diagnosis) -> Section:
     """The fixed transforms that the arm file leaves free, as they were found."""
-    rows = [(f"joint {each.joint}", about_of(parameter)) for each in diagnosis.origins for parameter in each.parameters]
+    rows = [
+        (f"joint {origin.joint}", about_of(parameter))
+        for origin in diagnosis.origins
+        for parameter in origin.parameters
+    ]
     swallowed = [
-        f"In front of joint {each.joint} it takes up, and cannot be told from: "
-        f"{listed([name_of(effect, at) for effect, at in each.swallowed])}."
-        for each in diagnosis.origins
-        if each.swallowed
+        f"In front of joint {origin.joint} it takes up, and cannot be told from: "
+        f"{listed([name_of(effect, at) for effect, at in origin.swallowed])}."
+        for origin in diagnosis.origins
+        if origin.swallowed
     ]
     return section(
         "Fixed transforms that were free",
@@ -216,7 +218,9 @@ def _origins(diagnosis: Diagnosis) -> Section:
 
 def _findings(diagnosis: Diagnosis) -> Section:
     """What is missing, each parameter with its interval, and what the data cannot tell from it."""
-    readings = [Paragraph(spoken(each.reading), "statement", True) for each in diagnosis.findings if each.reading]
+    readings = [
+        Paragraph(spoken(finding.reading), "statement", True) for finding in diagnosis.findings if finding.reading
+    ]
     main, small = main_and_small(diagnosis.findings)
     rows = [row for finding in main for row in _finding_rows(finding)]
     small_rows = [row for finding in small for row in _finding_rows(finding)]
@@ -230,15 +234,15 @@ def _findings(diagnosis: Diagnosis) -> Section:
         Column("RMS without it", detail=True),
         "p",
     )
-    alike = [
+    similar = [
         (
-            name_words(each),
+            name_words(finding),
             name_words(other),
             amount(other.likeness),
             amount(round(other.worse, 3), digits=2),
         )
-        for each in diagnosis.findings
-        for other in each.alternatives
+        for finding in diagnosis.findings
+        for other in finding.alternatives
     ]
     columns = ("named", "may as well be", "likeness of the patterns", "criterion (BIC) worse by")
     title = "What the data cannot tell apart"
@@ -250,9 +254,9 @@ def _findings(diagnosis: Diagnosis) -> Section:
         table(headings, small_rows, title="The small ones", detail=True, folded=len(small) > MOST_SMALL)
         if small
         else None,
-        *(Paragraph(said) for each in diagnosis.findings if (said := alias_sentence(each))),
+        *(Paragraph(sentence) for finding in diagnosis.findings if (sentence := alias_sentence(finding))),
         Picture(lambda: joint_curves(diagnosis)),
-        table(columns, alike, title=title, detail=True) if alike else None,
+        table(columns, similar, title=title, detail=True) if similar else None,
     )
 
 
@@ -263,33 +267,16 @@ MOST_SMALL = 4
 def _small_words(small: Sequence[Finding]) -> str:
     """What is small beside the largest, by its cause."""
     causes: dict[str, list[str]] = {}
-    for each in small:
-        cause = EFFECTS[each.effect].cause if each.effect in EFFECTS else "other"
-        causes.setdefault(cause, []).append(f"{name_words(each)} {mm(each.rms_explained, 2)}")
-    told = "; ".join(f"{cause}: {', '.join(names)}" for cause, names in causes.items())
-    return f"Small beside that: {told}."
+    for item in small:
+        cause = EFFECTS[item.effect].cause if item.effect in EFFECTS else "other"
+        causes.setdefault(cause, []).append(f"{name_words(item)} {mm(item.rms_explained, 2)}")
+    text = "; ".join(f"{cause}: {', '.join(names)}" for cause, names in causes.items())
+    return f"Small beside that: {text}."
 
 
 def _finding_rows(finding: Finding) -> list[list[Cell]]:
-    name = name_words(finding)
     rest: list[Cell] = [length(finding.rms_explained, 3), length(finding.rms_without, 3), probability(finding.p_value)]
-    if not finding.parameters:
-        return [[name, "", "", "", "", *rest]]
-    parameters, further = main_parameters(finding)
-    rows: list[list[Cell]] = []
-    for index, fitted in enumerate(parameters):
-        place = place_words(finding.effect, fitted.at) if fitted.at != finding.at else ""
-        title = f"{fitted.parameter.replace('_', ' ')} {place}".strip()
-        meaning = parameter_title(fitted, finding.effect)
-        first: list[Cell] = [name if index == 0 else "", title, meaning, _held(fitted), interval(fitted)]
-        rows.append([*first, *(rest if index == 0 else ["", "", ""])])
-    return [*rows, ["", further, "", "", "", "", "", ""]] if further else rows
-
-
-def _held(fitted: FittedParameter) -> Value:
-    """A fitted value, told when it stands at its bound."""
-    found = value(fitted)
-    return Value(f"{found.text} (at its bound)") if fitted.at_bound else found
+    return parameter_rows(finding, name_words(finding), rest)
 
 
 def _unknown(unknown: Unknown) -> Section:
@@ -306,8 +293,8 @@ def _unknown(unknown: Unknown) -> Section:
             f"that it has not seen. {good if _tells(unknown) else 'That is nothing to compensate by.'}"
         )
     forms = [
-        (each.name.replace("_", " "), portion(each.share), portion(each.share_held_out), each.sentence)
-        for each in unknown.forms
+        (form.name.replace("_", " "), portion(form.share), portion(form.share_held_out), form.sentence)
+        for form in unknown.forms
     ]
     headings = ("forms that describe it", "share", "held out", "")
     decide = Paragraph(f"What would decide: {whole_sentence(unknown.decide)}") if unknown.decide else None
@@ -324,7 +311,7 @@ def _unknown(unknown: Unknown) -> Section:
 
 def _tells(unknown: Unknown) -> bool:
     """Whether the smooth model predicts of readings that it has not seen what a form must to describe them."""
-    return unknown.held_out_share is not None and unknown.held_out_share > RULES.answer.form_tells
+    return unknown.held_out_share is not None and unknown.held_out_share > RULES.answer.refuted
 
 
 def _to_do(diagnosis: Diagnosis) -> tuple[str, ...]:
@@ -347,17 +334,7 @@ def _to_do(diagnosis: Diagnosis) -> tuple[str, ...]:
 
 def _set_aside(diagnosis: Diagnosis) -> Section:
     """The rows that were not used, and why."""
-    rejected = diagnosis.rejected_rows
-    if not rejected:
-        return section("Rows set aside", Paragraph("Every row was used.", detail=True), detail=True)
-    words = [row_words(diagnosis.recording, each.row) for each in rejected]
-    lines = [f"R{name[1:]} is set aside: {each.reason}." for name, each in zip(words, rejected, strict=True)]
-    told = Lines(tuple(lines[:MOST_REJECTED]))
-    left = len(lines) - MOST_REJECTED
-    more = Paragraph(f"{left} more rows are set aside; the report and the JSON name them.") if left > 0 else None
-    rows = [(Value(name.removeprefix("row ")), each.reason) for name, each in zip(words, rejected, strict=True)]
-    every = table(("row", "why"), rows, detail=True) if left > 0 else None
-    return section("Rows set aside", told, more, every)
+    return set_aside([(row_words(diagnosis.recording, row.row), row.reason) for row in diagnosis.rejected_rows])
 
 
 def _notes(diagnosis: Diagnosis) -> Section | None:

@@ -1,4 +1,4 @@
-"""What stands behind a diagnosis: where it sits, models tried, what could have shown; what comes of each recording."""
+"""The evidence of a diagnosis: localisation, models compared, detectable causes, and each recording by itself."""
 
 from __future__ import annotations
 
@@ -31,6 +31,7 @@ from linkwright.results.document import (
     Paragraph,
     Section,
     Table,
+    Value,
     count,
     length,
     section,
@@ -60,12 +61,12 @@ def where_it_sits(diagnosis: Diagnosis) -> Section:
     overlap = "Each joint alone; the shares overlap, and do not add up to the whole."
     tested = [
         (
-            covariate_words(each.on),
-            portion(each.share),
-            probability(each.p_value),
-            "it depends on this" if each.on in where.depends_on else "",
+            covariate_words(dependence.on),
+            portion(dependence.share),
+            probability(dependence.p_value),
+            "it depends on this" if dependence.on in where.depends_on else "",
         )
-        for each in where.dependences
+        for dependence in where.dependences
     ]
     headings = ("tested against", "could describe", "p", "")
     columns = ("joint", "could describe", "")
@@ -103,8 +104,20 @@ def ladder(diagnosis: Diagnosis) -> Section:
 
 def rejected(forms: Sequence[RejectedForm]) -> Table:
     """What was considered and not taken, and why."""
-    rows = [(effect_words(each.effect, each.at), portion(each.share), each.reason) for each in forms]
+    rows = [(effect_words(form.effect, form.at), portion(form.share), form.reason) for form in forms]
     return table(("considered and rejected", "explains", "why not"), rows, first=MOST_REJECTED)
+
+
+def set_aside(rows: Sequence[tuple[str, str]]) -> Section:
+    """The rows that were not used (`row 5`, or of several recordings `row 5 of august.csv`), each with why."""
+    if not rows:
+        return section("Rows set aside", Paragraph("Every row was used.", detail=True), detail=True)
+    lines = [f"{name[:1].upper()}{name[1:]} is set aside: {why}." for name, why in rows]
+    left = len(lines) - MOST_REJECTED
+    more = Paragraph(f"{left} more rows are set aside; the report and the JSON name them.") if left > 0 else None
+    numbered = [(Value(name.removeprefix("row ")), why) for name, why in rows]
+    every = table(("row", "why"), numbered, detail=True) if left > 0 else None
+    return section("Rows set aside", Lines(tuple(lines[:MOST_REJECTED])), more, every)
 
 
 def considered(diagnosis: Diagnosis) -> Section:
@@ -118,14 +131,14 @@ def detectable(diagnosis: Diagnosis, *, detail: bool) -> Section | None:
     """The smallest sizes that would have been found, and what cannot be seen at all."""
     if not (diagnosis.detectable or diagnosis.invisible):
         return None
-    visible = [each for each in diagnosis.detectable if each.visible > 0.0]
+    visible = [item for item in diagnosis.detectable if item.visible > 0.0]
     worst = least_visible(diagnosis)
     hidden = [effect_words(effect, at) for effect, at in diagnosis.invisible]
     every = "Every one, at every joint and link"
     return section(
         "What this recording could have shown",
-        table(_SEEN, [_seen(each) for each in worst]) if visible else None,
-        table(_SEEN, [_seen(each) for each in visible], title=every, detail=True, folded=True)
+        table(_SEEN, [_seen(item) for item in worst]) if visible else None,
+        table(_SEEN, [_seen(item) for item in visible], title=every, detail=True, folded=True)
         if len(visible) > len(worst)
         else None,
         Paragraph(f"Not to be seen in this recording at all: {', '.join(hidden)}.", detail=True) if hidden else None,
@@ -144,7 +157,10 @@ def _seen(each: Detectable) -> tuple[Cell, ...]:
 
 def standards(diagnosis: Diagnosis) -> Section:
     """Figures of ISO 9283 and ISO 230-2."""
-    rows = [(each.symbol, covered(each), count(each.count), each.standard, each.name) for each in diagnosis.figures]
+    rows = [
+        (figure.symbol, covered(figure), count(figure.count), figure.standard, figure.name)
+        for figure in diagnosis.figures
+    ]
     lead = "Where the recording has enough visits; the standards ask for thirty (ISO 9283) and five (ISO 230-2)."
     shown = table(("figure", "value", "readings", "standard", ""), rows)
     return section("In the words of the standards", shown, lead=lead)
@@ -153,9 +169,9 @@ def standards(diagnosis: Diagnosis) -> Section:
 def next_readings(diagnosis: Diagnosis) -> Section:
     """Readings that would decide more."""
     rows: list[list[Cell]] = []
-    for each in diagnosis.next_poses:
-        payload, side = next_pose_words(each)
-        rows.append([pose(diagnosis.arm, each.q), payload, side, each.decides])
+    for next_pose in diagnosis.next_poses:
+        payload, side = next_pose_words(next_pose)
+        rows.append([pose(diagnosis.arm, next_pose.q), payload, side, next_pose.decides])
     headings = ("poses worth recording next", "payload", "side", "to decide")
     note = Paragraph(diagnosis.next_poses_note) if diagnosis.next_poses_note else None
     shown = table(headings, rows, first=MOST_NEXT) if rows else None
@@ -165,15 +181,15 @@ def next_readings(diagnosis: Diagnosis) -> Section:
 def unit_files(each: Sequence[OfRecording]) -> tuple[str, ...]:
     """The names of the files of several arms' own corrected arms, by what each recording is called (`unit:` in its
     settings); none where they are of one arm."""
-    found: list[str] = []
+    names: list[str] = []
     for number, one in enumerate(each, start=1):
         if one.corrected is None:
             return ()
         plain = unicodedata.normalize("NFKD", one.name.lower().removesuffix(".csv")).encode("ascii", "ignore").decode()
         slug = re.sub(r"[^a-z0-9]+", "-", plain).strip("-")[:60].strip("-")
         name = f"arm-{slug or number}.yaml"
-        found.append(f"arm-{slug or 'unit'}-{number}.yaml" if name in found else name)
-    return tuple(found)
+        names.append(f"arm-{slug or 'unit'}-{number}.yaml" if name in names else name)
+    return tuple(names)
 
 
 def own_arms(diagnosis: Diagnosis) -> Section:
@@ -185,8 +201,8 @@ def own_arms(diagnosis: Diagnosis) -> Section:
         rows.append([one.name, file, length(rms, 3), length(one.rms_promised, 3)])
         if one.written is not None and not one.written.keeps(RULES.answer.promise):
             lacks = f": the file lacks {listed(one.written.lacks)}" if one.written.lacks else ""
-            said = f"leaves {mm(one.written.rms, 3)} RMS where the fit promises {mm(one.rms_promised, 3)}"
-            broken.append(Paragraph(f"Warning: {file}, read back and applied to its recording, {said}{lacks}."))
+            text = f"leaves {mm(one.written.rms, 3)} RMS where the fit promises {mm(one.rms_promised, 3)}"
+            broken.append(Paragraph(f"Warning: {file}, read back and applied to its recording, {text}{lacks}."))
     headings = ("unit", "file", "leaves of its recording", "the fit promises")
     lead = "What belongs to the type and each one's own differences, read back and applied to its own recording; RMS. "
     return section("Each unit's arm", table(headings, rows), *broken, lead=f"{lead}arm.yaml is the type's.")
@@ -196,17 +212,17 @@ def recordings(diagnosis: Diagnosis) -> Section:
     """Every recording with its own noise, its mismatch, and what is left of it by what all of them say."""
     rows: list[list[Cell]] = [
         [
-            each.name,
-            count(each.rows),
-            length(each.noise_floor, 3),
-            length(each.rms_before, 3),
-            length(each.rms_after, 3),
-            length(each.rms_held_out, 3),
-            length(each.rms_from_others, 3),
-            length(each.rms_own, 3),
-            _free(each.frame, each.tool),
+            recording.name,
+            count(recording.rows),
+            length(recording.noise_floor, 3),
+            length(recording.rms_before, 3),
+            length(recording.rms_after, 3),
+            length(recording.rms_held_out, 3),
+            length(recording.rms_from_others, 3),
+            length(recording.rms_own, 3),
+            _free(recording.frame, recording.tool),
         ]
-        for each in diagnosis.recordings
+        for recording in diagnosis.recordings
     ]
     headings = (
         "recording",
@@ -227,14 +243,14 @@ def differing(diagnosis: Diagnosis) -> Section:
     """What is not the same in all recordings, with its value in each."""
     rows: list[list[Cell]] = [
         [
-            effect_words(each.effect, each.at),
-            each.each[0].parameter.replace("_", " "),
-            *(measured(fitted) for fitted in each.each),
-            probability(each.p_value),
+            effect_words(difference.effect, difference.at),
+            difference.each[0].parameter.replace("_", " "),
+            *(measured(fitted) for fitted in difference.each),
+            probability(difference.p_value),
         ]
-        for each in diagnosis.differences
+        for difference in diagnosis.differences
     ]
-    names = [f"{each.name} (95 % interval)" for each in diagnosis.recordings]
+    names = [f"{recording.name} (95 % interval)" for recording in diagnosis.recordings]
     lead = "All else is common to them."
     return section("What differs", table(("what", "parameter", *names, "p"), rows), lead=lead)
 

@@ -6,6 +6,7 @@ import math
 import re
 from collections.abc import Sequence
 from types import MappingProxyType
+from typing import Protocol
 
 from linkwright.core.arm.effects import EFFECTS
 from linkwright.core.diagnose.recording import Recording
@@ -21,10 +22,30 @@ from linkwright.core.diagnose.result import (
 )
 from linkwright.core.diagnose.several.recordings import Several
 from linkwright.core.units.quantities import format_quantity
-from linkwright.results.document import Value, amount, share
+from linkwright.results.document import Cell, Value, amount, share
 from linkwright.results.figures_in_words import effect_title, figure, percent, with_unit
 
 MOST_PARAMETERS = 6
+
+
+class Fitted(Protocol):
+    """What was identified: an effect by its id, the joints or links where it acts (from 1), and its parameters."""
+
+    @property
+    def effect(self) -> str:
+        """Its id."""
+        ...
+
+    @property
+    def at(self) -> tuple[int, ...]:
+        """Joints or links."""
+        ...
+
+    @property
+    def parameters(self) -> tuple[FittedParameter, ...]:
+        """Their values."""
+        ...
+
 
 VERDICTS = (
     ("none", "nothing missing", "nothing missing that this recording could show"),
@@ -56,7 +77,7 @@ def place_words(effect: str, at: Sequence[int]) -> str:
 
 def effect_words(effect: str, at: Sequence[int], recording: str = "") -> str:
     """An effect with its place: `compliance of the drives (joint 2)`; of several recordings, in which alone."""
-    place = ", ".join(each for each in (place_words(effect, at), f"in {recording} alone" if recording else "") if each)
+    place = ", ".join(item for item in (place_words(effect, at), f"in {recording} alone" if recording else "") if item)
     return f"{effect_title(effect)} ({place})" if place else effect_title(effect)
 
 
@@ -65,7 +86,7 @@ def name_words(found: Finding | Alternative) -> str:
     return effect_words(found.effect, found.at, found.recording)
 
 
-def main_parameters(finding: Finding) -> tuple[tuple[FittedParameter, ...], str]:
+def main_parameters(finding: Fitted) -> tuple[tuple[FittedParameter, ...], str]:
     """The parameters of a finding to show (of many coefficients the clearest), and words for those left out."""
     if len(finding.parameters) <= MOST_PARAMETERS:
         return finding.parameters, ""
@@ -91,14 +112,14 @@ def quantity(value: float, kind: str, digits: int = 3, like: float | None = None
 
 def value(fitted: FittedParameter) -> Value:
     """A fitted value with its unit."""
-    return Value(quantity(fitted.value, fitted.kind, _digits(fitted), _largest(fitted)))
+    return Value(quantity(fitted.value, fitted.kind, fitted.digits, fitted.largest))
 
 
 def interval(fitted: FittedParameter) -> Value:
     """The 95 % interval, in the unit of the value."""
     if not all(math.isfinite(end) for end in fitted.interval):
         return Value("–")
-    low, high = (quantity(end, fitted.kind, _digits(fitted), _largest(fitted)) for end in fitted.alone)
+    low, high = (quantity(end, fitted.kind, fitted.digits, fitted.largest) for end in fitted.alone)
     number, _, unit = low.partition(" ")
     return Value(f"{number} to {high}" if high.partition(" ")[2] == unit else f"{low} to {high}")
 
@@ -132,33 +153,40 @@ def next_pose_words(each: NextPose) -> tuple[str, str]:
     return payload, side
 
 
-def _largest(fitted: FittedParameter) -> float:
-    return max((abs(value) for value in (fitted.value, *fitted.interval) if math.isfinite(value)), default=0.0)
-
-
-def _digits(fitted: FittedParameter) -> int:
-    """As many digits as the interval's width supports."""
-    half = 0.5 * (fitted.interval[1] - fitted.interval[0])
-    size = _largest(fitted)
-    if not (math.isfinite(half) and half > 0.0 and size > 0.0):
-        return 3
-    return min(7, max(2, 1 + math.floor(math.log10(size)) - math.floor(math.log10(half))))
-
-
 def parameter_title(fitted: FittedParameter, effect: str) -> str:
     """A parameter's meaning and where it acts."""
     known = EFFECTS[effect].parameters if effect in EFFECTS else ()
-    own = fitted.parameter.replace("_", " ")
-    meaning = next((each.meaning for each in known if each.name == fitted.parameter), own)
+    name = fitted.parameter.replace("_", " ")
+    meaning = next((item.meaning for item in known if item.name == fitted.parameter), name)
     place = place_words(effect, fitted.at)
     return f"{meaning}, {place}" if place else meaning
+
+
+def parameter_rows(finding: Fitted, name: str, rest: Sequence[Cell]) -> list[list[Cell]]:
+    """The rows of a finding in a table: its `name`, parameter, meaning, value and 95 % interval, and the `rest`; of
+    several parameters the first row alone has name and rest."""
+    blank: list[Cell] = [""] * len(rest)
+    if not finding.parameters:
+        return [[name, "", "", "", "", *rest]]
+    parameters, further = main_parameters(finding)
+    rows: list[list[Cell]] = []
+    for index, fitted in enumerate(parameters):
+        place = place_words(finding.effect, fitted.at) if fitted.at != finding.at else ""
+        title = f"{fitted.parameter.replace('_', ' ')} {place}".strip()
+        shown = Value(f"{value(fitted).text} (at its bound)") if fitted.at_bound else value(fitted)
+        first: list[Cell] = ["" if index else name, title, parameter_title(fitted, finding.effect)]
+        rows.append([*first, shown, interval(fitted), *(blank if index else rest)])
+    return [*rows, ["", further, "", "", "", *blank]] if further else rows
 
 
 def alias_sentence(finding: Finding) -> str:
     """What the data cannot tell from a finding; empty where there is nothing."""
     if not finding.alternatives:
         return ""
-    others = [f"{name_words(each)} (patterns alike to {figure(each.likeness, 4)})" for each in finding.alternatives]
+    others = [
+        f"{name_words(alternative)} (patterns alike to {figure(alternative.likeness, 4)})"
+        for alternative in finding.alternatives
+    ]
     return f"The data cannot tell {name_words(finding)} from {listed(others, 'or')}."
 
 
@@ -199,10 +227,10 @@ DIRECTIONS = (
 def where_sentences(diagnosis: Diagnosis) -> list[str]:
     """Where the mismatch sits: joint, direction, what it depends on, since when."""
     where = diagnosis.where
-    found: list[str] = []
+    sentences: list[str] = []
     if where.joint is not None and (share := where.share) is not None:
         could = f"could describe {percent(share)} of it"
-        found.append(
+        sentences.append(
             f"The mismatch sits at joint {where.joint}: its motion alone {could}."
             if share >= HALF
             else f"The mismatch sits at no single joint: motion of joint {where.joint} alone, where most of what is "
@@ -210,12 +238,12 @@ def where_sentences(diagnosis: Diagnosis) -> list[str]:
         )
     if where.direction and diagnosis.describes_most:
         words = dict(DIRECTIONS).get(where.direction, f"mostly {where.direction}")
-        found.append(f"The tip is displaced {words}.")
+        sentences.append(f"The tip is displaced {words}.")
     if where.depends_on:
-        found.append(f"The mismatch depends on {listed([covariate_words(name) for name in where.depends_on])}.")
+        sentences.append(f"The mismatch depends on {listed([covariate_words(name) for name in where.depends_on])}.")
     if where.since is not None:
-        found.append(f"It is there since {time_words(where.since)} into the recording.")
-    return found
+        sentences.append(f"It is there since {time_words(where.since)} into the recording.")
+    return sentences
 
 
 def time_words(seconds: float) -> str:
@@ -240,13 +268,13 @@ def detectable_words(detectable: Detectable) -> str:
 
 def least_visible(diagnosis: Diagnosis) -> list[Detectable]:
     """Of each effect that can be seen at all, the place where its parameter must be largest to be found."""
-    found: dict[str, Detectable] = {}
-    for each in diagnosis.detectable:
-        known = found.get(each.effect)
-        more = known is None or (each.kind == known.kind and each.value > known.value)
-        if each.visible > 0.0 and more:
-            found[each.effect] = each
-    return list(found.values())
+    by_effect: dict[str, Detectable] = {}
+    for item in diagnosis.detectable:
+        known = by_effect.get(item.effect)
+        more = known is None or (item.kind == known.kind and item.value > known.value)
+        if item.visible > 0.0 and more:
+            by_effect[item.effect] = item
+    return list(by_effect.values())
 
 
 def spoken(sentence: str) -> str:
@@ -258,8 +286,8 @@ def row_words(recording: Recording, row: int) -> str:
     """A reading by its number in `row`: `row 5`, or of several recordings `row 5 of august.csv`."""
     if not isinstance(recording, Several):
         return f"row {row}"
-    index, own = recording.place_of(row)
-    return f"row {own} of {recording.names[index]}"
+    index, place = recording.place_of(row)
+    return f"row {place} of {recording.names[index]}"
 
 
 def whole_sentence(words: str) -> str:

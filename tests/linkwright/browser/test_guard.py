@@ -11,9 +11,11 @@ import sqlite3
 
 import pytest
 
-from linkwright.browser.server.folder import Folder
+import linkwright as lw
+from linkwright.browser.server.folder import Folder, staged
 from linkwright.browser.server.guard import MOST_UPLOADED, Guard
 from linkwright.core.units.quantities import InputError
+from tests.linkwright.conftest import ROOT
 
 from .conftest import Server
 
@@ -27,13 +29,13 @@ def ask(server, path="/", method="GET", body=None, **headers):
     made = http.client.HTTPConnection("127.0.0.1", server.port, timeout=30)
     made.request(method, path, body=body, headers={name.replace("_", "-"): value for name, value in headers.items()})
     answer = made.getresponse()
-    found = (
+    result = (
         answer.status,
         dict(answer.getheaders()),
         answer.read().decode(errors="replace") if answer.status != 101 else "",
     )
     made.close()
-    return found
+    return result
 
 
 @pytest.mark.parametrize(
@@ -164,15 +166,28 @@ def test_no_name_leaves_the_folder(tmp_path, name, how):
     assert held.names("arm") == []
 
 
-@pytest.mark.parametrize("arm", ["../secret.yaml", "{root}/secret.yaml", "link.yaml", "a/../../secret.yaml"])
-def test_no_problem_names_an_arm_outside(tmp_path, arm):
+@pytest.mark.parametrize("file", ["../secret.yaml", "{root}/secret.yaml", "link.yaml", "a/../../secret.yaml"])
+@pytest.mark.parametrize("key", ["arm: {}", "workspace: {{poses: {}}}"])
+def test_no_problem_names_a_file_outside(tmp_path, key, file):
     """A problem file is a way to other files too."""
     folder = tmp_path / "designs"
     folder.mkdir()
     (tmp_path / "secret.yaml").write_text("chain: secret", encoding="utf-8")
     (folder / "link.yaml").symlink_to(tmp_path / "secret.yaml")
     with pytest.raises(InputError, match="is not in the folder that is served"):
-        Folder(folder).with_arm("problem.yaml", f"arm: {arm.format(root=tmp_path)}\n")
+        Folder(folder).with_named("problem.yaml", key.format(file.format(root=tmp_path)) + "\n")
+
+
+def test_what_a_problem_names_comes_with_it(tmp_path):
+    """Its arm and its table of poses, from where it stands."""
+    for name in ("arm.yaml", "by-link.yaml", "poses.csv"):
+        (tmp_path / "bench" / name).parent.mkdir(exist_ok=True)
+        (tmp_path / "bench" / name).write_bytes((ROOT / "examples" / "bench-arm" / name).read_bytes())
+    held = Folder(tmp_path)
+    inputs = held.with_named("bench/by-link.yaml", held.read("bench/by-link.yaml"))
+    assert sorted(inputs) == ["bench/arm.yaml", "bench/by-link.yaml", "bench/poses.csv"]
+    with staged(inputs) as root:
+        assert len(lw.read_problem(root / "bench" / "by-link.yaml").model.workspace.poses) == 3
 
 
 def test_kept_files_are_by_name_alone(server):
@@ -218,17 +233,17 @@ def test_a_taken_port_is_one_line(server, process):
         ("--host no.such.host.invalid --port 0", "--host: there is no host"),
         ("--token short", "--token: needs 8 letters"),
     ):
-        found = process(f"$PYTHON -m linkwright serve {line}")
-        assert found.returncode == 2
-        assert found.stderr.count("\n") == 1
-        assert said in found.stderr
+        result = process(f"$PYTHON -m linkwright serve {line}")
+        assert result.returncode == 2
+        assert result.stderr.count("\n") == 1
+        assert said in result.stderr
 
 
 def test_what_is_no_shelf_is_one_line(process, tmp_path):
     """A file of that name that is something else."""
     (tmp_path / "linkwright-results.sqlite").write_text("something else, long enough to be looked at" * 40)
-    found = process("$PYTHON -m linkwright serve --port 0")
-    assert found.returncode == 2
-    assert "linkwright-results.sqlite: cannot be used" in found.stderr
+    result = process("$PYTHON -m linkwright serve --port 0")
+    assert result.returncode == 2
+    assert "linkwright-results.sqlite: cannot be used" in result.stderr
     with pytest.raises(sqlite3.DatabaseError):
         sqlite3.connect(tmp_path / "linkwright-results.sqlite").execute("SELECT * FROM results")

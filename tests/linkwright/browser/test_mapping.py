@@ -1,11 +1,14 @@
 """What foreign headers are taken for, and that the settings say so to the reader."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
 import linkwright as lw
-from linkwright.browser.server.dropped import IGNORED, OTHER, Dropped, Meaning, proposed, settings_text
-from linkwright.core.diagnose.reading.table import table_of
+from linkwright.browser.server.dropped import Dropped
+from linkwright.core.diagnose.reading.files import table_of
+from linkwright.core.diagnose.reading.foreign.proposal import IGNORED, OTHER, Meaning, proposed, settings_text
 from linkwright.core.units.reading import parse_yaml
 
 ARM = "examples/hidden-backlash/arm.yaml"
@@ -15,7 +18,7 @@ def meant(**columns):
     import pandas as pd
 
     arm = lw.read_arm(ARM).model
-    return {each.header: each for each in proposed(table_of(pd.DataFrame(columns), "x"), arm)}
+    return {item.header: item for item in proposed(table_of(pd.DataFrame(columns), "x"), arm)}
 
 
 @pytest.mark.parametrize(
@@ -36,6 +39,11 @@ def meant(**columns):
         ("dir2", "dir2", ""),
         ("direction 3", "dir3", ""),
         ("torque_1 [N*m]", "tau1", "Nm"),
+        ("t_s", "time", "s"),
+        ("dq2_radps", "v2", "rad_s"),
+        ("velocity 2 [rad/s]", "v2", "rad_s"),
+        ("current3_A", "current3", "A"),
+        ("Current 1 (A)", "current1", "A"),
         ("Joint 7 [deg]", OTHER, ""),
         ("operator", OTHER, ""),
         ("humidity", OTHER, ""),
@@ -43,25 +51,27 @@ def meant(**columns):
 )
 def test_headers_as_people_write_them(header, what, unit):
     """Numbers of hundreds: no radians, no metres."""
-    found = meant(**{header: [120.0, -90.0, 210.0]})[header]
-    assert (found.what, found.unit) == (what, unit)
+    result = meant(**{header: [120.0, -90.0, 210.0]})[header]
+    assert (result.what, result.unit) == (what, unit)
 
 
 def test_units_are_guessed_by_size_and_said_to_be():
-    """Radians stay within a turn, metres within a machine hall."""
-    found = meant(**{"joint 1": [1.2, -3.1], "joint 2": [1.2, -90.0], "x": [0.4, 1.1], "y": [400.0, 1100.0]})
-    assert [(each.unit, each.guessed) for each in found.values()] == [
+    """Radians stay within a turn, metres within a machine hall; joints of one file are in one unit."""
+    result = meant(**{"joint 1": [1.2, -3.1], "joint 2": [1.2, -0.9], "x": [0.4, 1.1], "y": [400.0, 1100.0]})
+    assert [(item.unit, item.guessed) for item in result.values()] == [
         ("rad", True),
-        ("deg", True),
+        ("rad", True),
         ("m", True),
         ("mm", True),
     ]
+    result = meant(**{"joint 1": [1.2, -3.1], "joint 2": [1.2, -90.0]})
+    assert [(item.unit, item.guessed) for item in result.values()] == [("deg", True)] * 2
 
 
 def test_nothing_is_meant_twice():
     """The first of two is taken, the other is somebody's own."""
-    found = meant(**{"q1_deg": [10.0, 20.0], "Joint 1 [deg]": [10.0, 20.0]})
-    assert [each.what for each in found.values()] == ["q1", OTHER]
+    result = meant(**{"q1_deg": [10.0, 20.0], "Joint 1 [deg]": [10.0, 20.0]})
+    assert [item.what for item in result.values()] == ["q1", OTHER]
 
 
 def test_the_settings_are_read_as_they_were_meant(tmp_path):
@@ -73,7 +83,7 @@ def test_the_settings_are_read_as_they_were_meant(tmp_path):
     foreign["scrap"] = 1.0
     foreign.to_csv(tmp_path / "odd.csv", index=False)
     said = [Meaning(odd.get(name, name), *name.partition("_")[::2]) for name in given.columns]
-    said = [Meaning(each.header, each.what, "rad" if each.what == "q2" else each.unit) for each in said]
+    said = [Meaning(item.header, item.what, "rad" if item.what == "q2" else item.unit) for item in said]
     text = settings_text([*said, Meaning("scrap", IGNORED)], {"frame": "free", "sigma": "15 um", "tool": ""})
     assert parse_yaml(text, file="x")["ignore"] == ["scrap"]
     (tmp_path / "recording.yaml").write_text(text, encoding="utf-8")
@@ -100,3 +110,19 @@ def test_decimal_commas_are_seen_in_the_numbers(told, decimal):
     pointed = Dropped("own.csv", content.replace(b",", b"."))
     pointed.propose(lw.read_arm(ARM))
     assert "decimal" not in pointed.told
+
+
+def test_a_motion_log_is_read_as_one():
+    """As its header stands, and under headers as people write them; the line is that of `lw.read_log`."""
+    arm = lw.read_arm("examples/motion-log/robot.urdf")
+    place = Path("examples/motion-log/log.csv")
+    dropped = Dropped("log.csv", place.read_bytes())
+    dropped.propose(arm)
+    dropped.check(arm)
+    assert not dropped.problem
+    assert dropped.line == repr(lw.read_log(place, arm))[1:-1]
+    renamed = place.read_text().replace("t_s", "Time [s]").replace("_rad", " [rad]").replace("tau", "torque ")
+    again = Dropped("log.csv", renamed.replace("_Nm", " (Nm)").encode())
+    again.propose(arm)
+    again.check(arm)
+    assert again.line == dropped.line

@@ -18,12 +18,12 @@ def test_the_hobby_arm(linkwright, tmp_path):
     arguments = ("budget", str(HOBBY / "arm.yaml"), "--sheet", str(sheet), "--out", str(out))
     status, said, err = linkwright(*arguments, "--markdown", str(tmp_path / "said.md"))
     assert (status, err) == (0, "")
-    found = lw.budget(HOBBY / "arm.yaml", sheet=sheet)
-    assert (out / "result.json").read_text(encoding="utf-8") == found.to_json()
-    content = json.loads(found.to_json())
+    result = lw.budget(HOBBY / "arm.yaml", sheet=sheet)
+    assert (out / "result.json").read_text(encoding="utf-8") == result.to_json()
+    content = json.loads(result.to_json())
     assert content["nominal_mm"] == pytest.approx(lw.evaluate(HOBBY / "arm.yaml").max_error_mm, rel=1e-6)
     assert content["nominal_mm"] < content["median_mm"] < content["worst_mm"] <= max(content["samples_mm"])
-    gains = {each["part"]: each["worst_less_mm"] for each in content["better"]}
+    gains = {item["part"]: item["worst_less_mm"] for item in content["better"]}
     assert gains["second servo at the shoulder"] > gains["second servo at the pan"]
     words = " ".join(said.split())
     for each in ("worst error, 95 % of arms", "compliance of the drives", "jig for the zeros", "mm per EUR"):
@@ -32,11 +32,11 @@ def test_the_hobby_arm(linkwright, tmp_path):
     assert "<svg" in page
     assert "at the worst pose (above)" in page
     assert "What to buy better first" in (tmp_path / "said.md").read_text(encoding="utf-8")
-    assert len(repr(found)) < 200
-    assert len(found.plot().data) == 2
-    found.save(out)
+    assert len(repr(result)) < 200
+    assert len(result.plot().data) == 2
+    result.save(out)
     with pytest.raises(lw.InputError, match="holds other files"):
-        found.save(tmp_path)
+        result.save(tmp_path)
 
 
 def test_without_a_sheet_all_arms_are_alike(linkwright):

@@ -31,8 +31,10 @@ def test_plan_record_plan_the_deciding_poses_record_named(linkwright, tmp_path):
     )
     assert (status, err) == (0, "")
     content = json.loads((tmp_path / "p.json").read_text(encoding="utf-8"))
-    names = {each.effect for finding in before.found.findings for each in (finding, *finding.alternatives)}
-    assert {each["effect"] for each in content["shown"]} == names
+    names = {
+        alternative.effect for finding in before.found.findings for alternative in (finding, *finding.alternatives)
+    }
+    assert {item["effect"] for item in content["shown"]} == names
     assert content["pairs_told"] == content["pairs"] > content["pairs_told_random"]
     assert "first.csv" in " ".join(said.split())
     assert "Every cause is told from every other" in " ".join(said.split())
@@ -43,7 +45,7 @@ def test_plan_record_plan_the_deciding_poses_record_named(linkwright, tmp_path):
     assert second.found.size == 30
     after = lw.diagnose(ARM, [lw.read_recording(first, ARM), second])
     assert after.verdict == "named"
-    assert [(each.effect, each.at) for each in after.found.findings] == [("backlash", (2,))]
+    assert [(finding.effect, finding.at) for finding in after.found.findings] == [("backlash", (2,))]
     again = lw.plan(ARM, poses=10, after=before, payloads=["0 kg", 3.0])
     assert again.text() == plan.read_text(encoding="utf-8")
 
@@ -73,7 +75,7 @@ def test_the_loop_goes_by_planes_that_are_touched(linkwright):
     assert linkwright("simulate", arm, "--at", "next.csv", *made, "--seed", "3", "--out", "second.csv")[0] == 0
     after = lw.diagnose(arm, ["first.csv", "second.csv"])
     assert after.verdict == "named"
-    assert [(each.effect, each.at) for each in after.found.findings] == [("backlash", (2,))]
+    assert [(finding.effect, finding.at) for finding in after.found.findings] == [("backlash", (2,))]
 
 
 @pytest.mark.slow
@@ -85,9 +87,9 @@ def test_an_offset_is_named_where_few_touches_tell_where_a_point_is(instrument):
     extra = {"bar": ["0 mm", "300 mm"]} if instrument == "bar" else {}
     lw.plan(arm, poses=30, instrument=instrument, for_=["joint_compliance", "backlash"], **extra).save("plan.csv")
     offset = {"effect": "encoder_offset", "at": 2, "offset": "0.05 deg"}
-    found = lw.diagnose(arm, lw.simulate(arm, at="plan.csv", with_=[offset], declare_sigma=True))
-    assert found.verdict == "named"
-    assert [(each.effect, each.at) for each in found.found.findings] == [("encoder_offset", (2,))]
+    result = lw.diagnose(arm, lw.simulate(arm, at="plan.csv", with_=[offset], declare_sigma=True))
+    assert result.verdict == "named"
+    assert [(finding.effect, finding.at) for finding in result.found.findings] == [("encoder_offset", (2,))]
 
 
 @pytest.mark.slow
@@ -104,24 +106,24 @@ def test_after_two_recordings_what_neither_tells_is_planned(linkwright, tmp_path
     both = json.loads((tmp_path / "both.json").read_text(encoding="utf-8"))
     assert "first.csv + second.csv" in " ".join(said.split())
     assert both["pairs_told"] == both["pairs"] > 0
-    assert {"backlash"} < {each["effect"] for each in both["shown"]}
+    assert {"backlash"} < {item["effect"] for item in both["shown"]}
 
 
 @pytest.mark.slow
 def test_figures_are_those_of_the_plan(tmp_path):
     """The same seed, the same plan; tables, picture and file agree."""
-    found = lw.plan(ARM, poses=9, for_=["encoder_offset"], repeats=2, payloads=["1 kg"], seed=3)
+    result = lw.plan(ARM, poses=9, for_=["encoder_offset"], repeats=2, payloads=["1 kg"], seed=3)
     assert (
-        found.to_json() == lw.plan(ARM, poses=9, for_=["encoder_offset"], repeats=2, payloads=[1.0], seed=3).to_json()
+        result.to_json() == lw.plan(ARM, poses=9, for_=["encoder_offset"], repeats=2, payloads=[1.0], seed=3).to_json()
     )
-    assert list(found.shown["unit"]) == ["mrad"] * 3
-    assert list(found.visits.columns) == [
+    assert list(result.shown["unit"]) == ["mrad"] * 3
+    assert list(result.visits.columns) == [
         "time_s", "q1_deg", "q2_deg", "q3_deg", "dir1", "dir2", "dir3", "payload_kg"
     ]  # fmt: skip
-    assert len(found.visits) == 9
-    assert len(repr(found)) < 250
-    assert len(found.plot().data) == 2
-    found.save(tmp_path / "plan.csv")
+    assert len(result.visits) == 9
+    assert len(repr(result)) < 250
+    assert len(result.plot().data) == 2
+    result.save(tmp_path / "plan.csv")
     assert len((tmp_path / "plan.csv").read_text(encoding="utf-8").splitlines()) == 19
 
 
@@ -153,10 +155,10 @@ def test_after_a_recording_in_a_free_frame_that_leaves_nothing_open(tmp_path):
     """The frame stays free, everything is asked, and it is said."""
     first = tmp_path / "first.csv"
     lw.simulate(ARM, poses=12, frame_free=True).save(first)
-    found = lw.plan(ARM, poses=8, repeats=1, after=first)
-    assert (found.found.asked.frame, found.found.asked.tool) == ("free", "known")
-    assert not found.found.asked.effects
-    assert "leaves no names open" in repr(describe(found.found))
+    result = lw.plan(ARM, poses=8, repeats=1, after=first)
+    assert (result.found.asked.frame, result.found.asked.tool) == ("free", "known")
+    assert not result.found.asked.effects
+    assert "leaves no names open" in repr(describe(result.found))
 
 
 def test_what_nothing_shows_has_no_answer(linkwright):
@@ -196,19 +198,19 @@ def headline_of(found, random):
 
 def test_a_plan_that_is_no_better_than_random_poses_says_so():
     """Of causes told apart and of sizes by themselves; 629 of 819 is not more than 630 of them."""
-    found = lw.plan(ARM, poses=9, for_=["encoder_offset"], repeats=2, payloads=["1 kg"], seed=3).found
-    own = found.promise
-    coarse = replace(own, shown=tuple(replace(each, smallest=2.0 * each.smallest) for each in own.shown))
-    hard = [replace(each, rivals=tuple(replace(r, told=math.inf) for r in each.rivals)) for each in own.shown]
+    result = lw.plan(ARM, poses=9, for_=["encoder_offset"], repeats=2, payloads=["1 kg"], seed=3).found
+    own = result.promise
+    coarse = replace(own, shown=tuple(replace(item, smallest=2.0 * item.smallest) for item in own.shown))
+    hard = [replace(item, rivals=tuple(replace(r, told=math.inf) for r in item.rivals)) for item in own.shown]
     worse = replace(own, shown=tuple(hard))
     assert 0 < worse.told < own.told
-    assert headline_of(found, [own] * 3).endswith("and are no better than poses at random.")
-    assert headline_of(found, [worse, own, worse]).endswith("and are no better than poses at random.")
-    assert ", more than poses at random, and show sizes no smaller" in headline_of(found, [worse] * 3)
-    both = replace(own, shown=tuple(replace(each, smallest=2.0 * each.smallest) for each in hard))
-    assert headline_of(found, [both] * 3).endswith("apart and show sizes 2 times smaller than poses at random.")
-    assert ", no more than poses at random, and show sizes 2 times smaller" in headline_of(found, [coarse] * 3)
-    assert "random" not in headline_of(found, [])
+    assert headline_of(result, [own] * 3).endswith("and are no better than poses at random.")
+    assert headline_of(result, [worse, own, worse]).endswith("and are no better than poses at random.")
+    assert ", more than poses at random, and show sizes no smaller" in headline_of(result, [worse] * 3)
+    both = replace(own, shown=tuple(replace(item, smallest=2.0 * item.smallest) for item in hard))
+    assert headline_of(result, [both] * 3).endswith("apart and show sizes 2 times smaller than poses at random.")
+    assert ", no more than poses at random, and show sizes 2 times smaller" in headline_of(result, [coarse] * 3)
+    assert "random" not in headline_of(result, [])
 
 
 @pytest.mark.slow

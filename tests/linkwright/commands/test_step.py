@@ -57,7 +57,7 @@ def bodies(arm, tmp_path_factory):
     file = tmp_path_factory.mktemp("step") / "arm.step"
     lw.export_arm(lw.Arm.of(arm), to="step").save(file)
     assert "AUTOMOTIVE_DESIGN" in file.read_text(encoding="ascii")  # AP214
-    return {each.label.replace("_", " "): each.solids()[0] for each in import_step(file).children}
+    return {child.label.replace("_", " "): child.solids()[0] for child in import_step(file).children}
 
 
 def test_volumes_and_boxes_are_those_of_the_links(bodies):
@@ -84,7 +84,7 @@ def test_masses_centres_and_inertias_are_those_of_the_list_of_parts(arm, bodies)
         assert row["center_along_mm"] == pytest.approx(center, rel=1e-5)
         # Along, height and width of an arm in the x-y plane are x, y and z.
         inertia = density * 1e-15 * np.array(solid.matrix_of_inertia)
-        said = [row[f"I_{each}_{each}_kg_m2"] for each in ("along", "height", "width")]
+        said = [row[f"I_{item}_{item}_kg_m2"] for item in ("along", "height", "width")]
         assert said == pytest.approx(list(np.diag(inertia)), rel=1e-4)
 
 
@@ -106,9 +106,9 @@ def test_every_taper_is_the_body_of_its_formulas(arm):
     """Areas at 2,000 cuts, added up."""
     del arm
     share = (np.arange(2000) + 0.5) / 2000
-    tapers = [build_tapered(*each) for each in TAPERS]
-    found = step.solids(arm_of(tapers, [0.3] * len(tapers)))
-    for solid, section in zip(found.values(), tapers, strict=True):
+    tapers = [build_tapered(*item) for item in TAPERS]
+    result = step.solids(arm_of(tapers, [0.3] * len(tapers)))
+    for solid, section in zip(result.values(), tapers, strict=True):
         assert solid.is_valid
         assert solid.volume / 300e6 == pytest.approx(float(np.mean(section.along(share, 0.3).area)), rel=2e-5)
 
@@ -129,15 +129,15 @@ def step_contours(section):
 
 def test_rigid_links_are_told(arm):
     model = Arm("two", (Joint(), Joint()), (Link(0.4, mass=1.0), arm.links[1]))
-    found = lw.export_arm(lw.Arm.of(model), to="step").found
-    assert found.lost[0] == "link 1 is rigid and has no section to make a body of"
-    assert "'link 2'" in found.text
+    result = lw.export_arm(lw.Arm.of(model), to="step").found
+    assert result.lost[0] == "link 1 is rigid and has no section to make a body of"
+    assert "'link 2'" in result.text
     with pytest.raises(InputError, match="no link of the arm has a section"):
         lw.export_arm(lw.Arm.of(Arm("one", (Joint(),), (Link(0.4, mass=1.0),))), to="step")
 
 
 def test_without_build123d_one_line_says_what_to_install(monkeypatch):
     monkeypatch.setitem(sys.modules, "build123d", None)
-    with pytest.raises(InputError, match=r"pip install 'linkwright\[step\]'") as error:
+    with pytest.raises(InputError, match=r"pip install 'build123d>=[0-9.]+'") as error:
         lw.export_arm(lw.Arm.of(arm_of(SECTIONS[:1], LENGTHS[:1])), to="step")
     assert "\n" not in str(error.value)

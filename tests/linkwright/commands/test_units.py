@@ -38,7 +38,7 @@ def test_each_unit_has_an_arm_file_that_holds_on_its_other_recordings(linkwright
     status, out, _ = linkwright("diagnose", "arm.yaml", "a.csv", "b.csv", "--units", "--out", "found")
     assert status == 0
     told = json.loads((two_units / "found" / "diagnosis.json").read_text())
-    files = [each["arm_file"] for each in told["recordings"]]
+    files = [item["arm_file"] for item in told["recordings"]]
     assert files == ["arm-serial-7.yaml", "arm-nr-12-a.yaml"]
     page = (two_units / "found" / "report.html").read_text()
     for name, each in zip(files, told["recordings"], strict=True):
@@ -49,10 +49,10 @@ def test_each_unit_has_an_arm_file_that_holds_on_its_other_recordings(linkwright
     # What belongs to the type is in both files; the lengths of the second arm in its own alone.
     drawn, other = (read_arm(two_units / "found" / name) for name in files)
     for own in (drawn, other):
-        (gives,) = [each for each in own.effects if each.effect == "joint_compliance"]
+        (gives,) = [effect for effect in own.effects if effect.effect == "joint_compliance"]
         assert gives.parameters["compliance"] == pytest.approx(SOFT, rel=0.02)
-    assert [each.effect for each in drawn.effects] == ["joint_compliance"]
-    lengths = {each.at: each.parameters for each in other.effects if each.effect == "link_length"}
+    assert [effect.effect for effect in drawn.effects] == ["joint_compliance"]
+    lengths = {effect.at: effect.parameters for effect in other.effects if effect.effect == "link_length"}
     assert sorted(lengths) == [(1,), (2,)]
     # On another recording of the second arm its own file leaves the noise, the first one's does not.
     left = {}

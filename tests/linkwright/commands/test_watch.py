@@ -31,15 +31,15 @@ def test_a_drive_that_softened(linkwright, weeks, tmp_path):
     given = ("watch", str(weeks / "arm.yaml"), *map(str, files), "--no-search", "--for", "joint_compliance")
     status, said, err = linkwright(*given, "--out", str(out), "--markdown", str(tmp_path / "said.md"))
     assert (status, err) == (0, "")
-    found = lw.watch(weeks / "arm.yaml", files[::-1], for_=["joint_compliance"], search=False)
-    assert (out / "result.json").read_text(encoding="utf-8") == found.to_json()
-    content = json.loads(found.to_json())
+    result = lw.watch(weeks / "arm.yaml", files[::-1], for_=["joint_compliance"], search=False)
+    assert (out / "result.json").read_text(encoding="utf-8") == result.to_json()
+    content = json.loads(result.to_json())
     (alarm,) = content["alarms"]
     assert (alarm["effect"], alarm["at"], alarm["kind"]) == ("joint_compliance", [2], "step")
     assert (alarm["from"], alarm["to"]) == ("2026-02-09", "2026-02-16")
     assert alarm["ci95"][0] < 30e-6 < alarm["ci95"][1]
     assert alarm["unit"] == "rad/(N*m)"
-    series = next(each for each in content["parameters"] if each["at"] == [2])
+    series = next(item for item in content["parameters"] if item["at"] == [2])
     first, last = series["values"][0], series["values"][-1]
     assert first["limits"][0] < first["value"] < first["limits"][1] < last["value"]
     words = " ".join(said.split())
@@ -48,11 +48,11 @@ def test_a_drive_that_softened(linkwright, weeks, tmp_path):
     page = (out / "report.html").read_text(encoding="utf-8")
     assert page.count("<svg") == len(content["parameters"]) + 1
     assert "What moved" in (tmp_path / "said.md").read_text(encoding="utf-8")
-    assert found.moved
-    assert list(found.alarms["kind"]) == ["step"]
-    assert len(found.values) == 10 * (len(content["parameters"]) + 1)
-    assert len(found.plot().data) == len(content["parameters"]) + 1
-    assert len(repr(found)) < 250
+    assert result.moved
+    assert list(result.alarms["kind"]) == ["step"]
+    assert len(result.values) == 10 * (len(content["parameters"]) + 1)
+    assert len(result.plot().data) == len(content["parameters"]) + 1
+    assert len(repr(result)) < 250
 
 
 def _changed(weeks, tmp_path, replaced):
@@ -79,8 +79,8 @@ def test_dates_that_tell_no_order(linkwright, weeks, tmp_path, replaced, said):
     status, _, err = linkwright("watch", *_changed(weeks, tmp_path, replaced))
     assert status == 2
     assert err.count("\n") == 1
-    for each in said:
-        assert each in err
+    for item in said:
+        assert item in err
 
 
 def test_other_wrong_input(linkwright, weeks, tmp_path):

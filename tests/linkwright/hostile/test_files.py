@@ -14,6 +14,7 @@ INPUTS = [
     "evaluate {}",
     "evaluate arm.yaml --problem {}",
     "evaluate arm.yaml --catalogue {}",
+    "evaluate arm.yaml --motion {}",
     "optimize {}",
     "optimize problem.yaml --catalogue {}",
     "optimize problem.yaml --resume {}",
@@ -32,6 +33,8 @@ INPUTS = [
     "diagnose arm.yaml r.csv --recording-yaml {}",
     "diagnose arm.yaml r.csv --problem {}",
     "diagnose arm.yaml r.csv --catalogue {}",
+    "columns {}",
+    "columns r.csv --arm {}",
     "compare {} r.csv r.csv",
     "compare arm.yaml {} r.csv",
     "compare arm.yaml r.csv {}",
@@ -131,9 +134,9 @@ def test_every_file_of_every_command_is_tried():
     for name in COMMANDS:
         for path, command in commands_of(typer.main.get_command(command_line(name)), ()):
             own = [line for line in INPUTS if line.startswith(" ".join(path))]
-            for each in command.params:
-                option = each.opts[-1]
-                if "Path" not in repr(each.type_descriptor) or option in WRITTEN or edits(path):
+            for param in command.params:
+                option = param.opts[-1]
+                if "Path" not in repr(param.type_descriptor) or option in WRITTEN or edits(path):
                     continue
                 named = f"{option} {{}}" if option.startswith("--") else "{}"
                 assert any(named in line for line in own), (path, option)
@@ -145,8 +148,8 @@ def commands_of(command, path):
     if below is None:
         yield path, command
     else:
-        for name, each in below.items():
-            yield from commands_of(each, (*path, name))
+        for name, item in below.items():
+            yield from commands_of(item, (*path, name))
 
 
 def edits(path):

@@ -61,22 +61,22 @@ def test_the_side_view_is_to_scale_and_says_the_sizes():
         np.array([[float(x) for x in point.split(",")] for point in found.split("L")])
         for found in re.findall(r'<path d="M([^Z]+)Z" class="link after"', picture)
     ]
-    (first, high), (second, low) = (np.ptp(each, axis=0) for each in outlines)
+    (first, high), (second, low) = (np.ptp(outline, axis=0) for outline in outlines)
     assert first / second == pytest.approx(4.0 / 3.0, rel=1e-4)
     assert (high / first, low / second) == pytest.approx((0.08 / 0.4, 0.06 / 0.3), rel=1e-3)
     assert picture.count('class="hidden"') == 4
     told = re.findall(r">([^<>]+)</text>", picture)
-    for each in ("400", "300", "700", "1", "2", "⌀ 80", "60 × 40", "wall 3", "walls 2, 2", "payload 2.5 kg"):
-        assert each in told
+    for item in ("400", "300", "700", "1", "2", "⌀ 80", "60 × 40", "wall 3", "walls 2, 2", "payload 2.5 kg"):
+        assert item in told
 
 
 def test_the_report_holds_loads_and_the_bent_shape(evaluation):
     assert 'class="bent"' in loads_picture(evaluation)
     unweighed = replace(evaluation.arm.links[0], section=None, material=None, mass=None)
     arm = replace(evaluation.arm, links=(unweighed, *evaluation.arm.links[1:]))
-    found = evaluate(arm)
-    assert found.joint_loads is None
-    assert loads_picture(found) == ""
+    result = evaluate(arm)
+    assert result.joint_loads is None
+    assert loads_picture(result) == ""
 
 
 def test_a_pose_turned_with_its_base_is_shown_once(evaluation):
@@ -87,16 +87,16 @@ def test_a_pose_turned_with_its_base_is_shown_once(evaluation):
     other = replace(top, q=(*top.q[:-1], top.q[-1] + 0.5))
     loaded = replace(turned, load_case=top.load_case + 1)
     worse = replace(turned, error=0.9 * top.error)
-    found = replace(evaluation, worst=replace(evaluation.worst, poses=(top, turned, near, other, loaded, worse)))
-    assert poses_that_differ(found) == (top, other, loaded, worse)
+    result = replace(evaluation, worst=replace(evaluation.worst, poses=(top, turned, near, other, loaded, worse)))
+    assert poses_that_differ(result) == (top, other, loaded, worse)
 
 
 def test_full_turns_are_one_pose(evaluation):
     """A wrist at -180 and at 180 degrees stands where it stood."""
     top = evaluation.worst.poses[0]
     one, other = (replace(top, q=(*top.q[:-1], turn)) for turn in (-math.pi, math.pi))
-    found = replace(evaluation, worst=replace(evaluation.worst, poses=(one, other)))
-    assert poses_that_differ(found) == (one,)
+    result = replace(evaluation, worst=replace(evaluation.worst, poses=(one, other)))
+    assert poses_that_differ(result) == (one,)
 
 
 def test_what_rounding_leaves_is_no_load():

@@ -31,7 +31,7 @@ SECTIONS = (
 def arm_with(axis, up=None):
     """Three links along x one after another under gravity along -z, whose joints turn about parallel axes."""
     steel = load_catalogue().find("steel-s355")
-    links = tuple(Link(0.3, section=each, material=steel, height_direction=up) for each in SECTIONS)
+    links = tuple(Link(0.3, section=item, material=steel, height_direction=up) for item in SECTIONS)
     joints = tuple(Joint(axis=axis, range=(-1.0, 1.0)) for _ in SECTIONS)
     return Arm("sampled", joints, links, gravity=(0.0, 0.0, -9.81), payload=LoadCase(1.0))
 
@@ -41,8 +41,8 @@ def boxes(arm):
     pytest.importorskip("build123d")
     from linkwright.drawings.step import solids
 
-    found = [each.bounding_box() for each in solids(arm).values()]
-    return [(np.array(tuple(box.min)), np.array(tuple(box.max))) for box in found]
+    results = [solid.bounding_box() for solid in solids(arm).values()]
+    return [(np.array(tuple(box.min)), np.array(tuple(box.max))) for box in results]
 
 
 def paths(picture):
@@ -67,8 +67,8 @@ def test_silhouettes_are_those_of_the_solids(arm, points):
     drawn = skeleton_at(arm, WorstPose((0.0,) * 3, 0, 0.0, (0.0, 0.0, 0.0), (), ()))
     in_line, cuts = paths(side_view(arm, arm.cases)), paths(sections_grid((("", arm),)))
     sheet = ezdxf.read(io.StringIO(lw.export_arm(lw.Arm.of(arm), to="dxf").text)).modelspace()
-    outlines = [np.array([p[:2] for p in each.get_points()]) for each in sheet.query("LWPOLYLINE[layer=='OUTLINE']")]
-    views = [each for each in outlines if each[:, 0].min() == pytest.approx(0.0)]
+    outlines = [np.array([p[:2] for p in item.get_points()]) for item in sheet.query("LWPOLYLINE[layer=='OUTLINE']")]
+    views = [outline for outline in outlines if outline[:, 0].min() == pytest.approx(0.0)]
     scale = np.ptp(in_line[0][:, 0]) / 300.0
     for number, ((low, high), link) in enumerate(zip(bodies, drawn.links, strict=True)):
         corners = np.array(link.corners) * (1.0, -1.0)
@@ -78,7 +78,7 @@ def test_silhouettes_are_those_of_the_solids(arm, points):
         assert in_line[number][:, 1].max() / scale == pytest.approx(high[2], abs=0.01)
         assert np.ptp(views[number], axis=0) == pytest.approx((high - low)[[0, 2]], abs=1e-3)
         assert np.ptp(cuts[number], axis=0) == pytest.approx((high - low)[1:], abs=0.01)
-    assert [each.words for each in heights(arm)] == points
+    assert [height.words for height in heights(arm)] == points
 
 
 @pytest.mark.parametrize(("arm", "points"), ARMS)
@@ -87,14 +87,14 @@ def test_tables_and_drawings_say_where_heights_point(arm, points):
     table = pd.read_csv(io.StringIO(lw.export_arm(lw.Arm.of(arm), to="bom").text))
     assert table.loc[table["part"].str.startswith("link"), "height_at_zero"].tolist() == points
     sheet = ezdxf.read(io.StringIO(lw.export_arm(lw.Arm.of(arm), to="dxf").text)).modelspace()
-    words = [each.dxf.text for each in sheet.query("TEXT")]
+    words = [item.dxf.text for item in sheet.query("TEXT")]
     picture = side_view(arm, arm.cases)
-    for each in points:
-        assert any(f"height points {each} with all joints at zero" in line for line in words)
-        assert f"height {each}" in picture
+    for point in points:
+        assert any(f"height points {point} with all joints at zero" in line for line in words)
+        assert f"height {point}" in picture
 
 
 def test_sizes_on_the_drawing_are_the_sections_own_however_it_leans():
     sheet = ezdxf.read(io.StringIO(lw.export_arm(lw.Arm.of(arm_with(LEANING)), to="dxf").text)).modelspace()
-    said = sorted(each.get_measurement() for each in sheet.query("DIMENSION"))
+    said = sorted(item.get_measurement() for item in sheet.query("DIMENSION"))
     assert said == pytest.approx(sorted([300.0] * 3 + [65.8, 20, 50, 90, 60, 100, 30, 40]))

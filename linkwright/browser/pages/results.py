@@ -1,0 +1,134 @@
+"""The list of all results that are kept, and a page for each."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import partial
+
+from nicegui import ui
+
+from linkwright.browser.server.answers import Desk, on_shelf
+from linkwright.browser.server.jobs import Job
+from linkwright.browser.server.shelf import NAME, Kept, Run
+from linkwright.core.units.quantities import InputError
+
+from .frame import Problem, framed, heading, row, stack
+from .result_view import Naming, show_result, show_unkept
+from .runs import Runs
+
+
+class ResultsPage:
+    """The list."""
+
+    def __init__(self, desk: Desk) -> None:
+        self._desk = desk
+        with framed("Results", f"All that was computed here; kept in {NAME} in the folder."):
+            Runs(desk.jobs, ended=self._ended)
+            with row():
+                self._size = ui.label().classes("lw-note grow")
+                self._all = ui.button("Remove all", on_click=self._ask).props("outline dense no-caps color=negative")
+            self._problem = Problem()
+            self._unkept, self._listed = stack(), stack()
+            with ui.dialog() as self._sure, ui.card():
+                self._question = ui.label()
+                with row():
+                    ui.button("Remove them", on_click=self._remove_all).props("dense no-caps color=negative")
+                    ui.button("Leave them", on_click=self._sure.close).props("outline dense no-caps")
+            self._naming = Naming(desk, self.begin)
+        self._all.visible = False
+
+    async def begin(self) -> None:
+        """Show what there is."""
+        desk = self._desk
+        self._unkept.clear()
+        with self._unkept:
+            for job in desk.jobs.unkept:
+                await show_unkept(desk, job)
+        try:
+            results, cut = await desk.looked_up(lambda: (desk.shelf.all(), desk.jobs.cut_off()))
+            size = await desk.looked_up(desk.shelf.size)
+        except InputError as error:
+            self._problem.say(str(error))
+            return
+        self._problem.say("")
+        self._size.text = f"{len(results)} results, {size / 1024**2:.1f} MB on the disk" if results else ""
+        self._question.text = f"Remove all {len(results)} results and their files from the disk?"
+        self._all.visible = bool(results)
+        self._listed.clear()
+        with self._listed:
+            for run in cut:
+                self._show_cut(run)
+            for result in results:
+                self._show_kept(result)
+            if not results and not cut:
+                nothing = ui.label("Nothing yet: evaluate an arm, optimise a problem, or diagnose a recording.")
+                nothing.classes("lw-note")
+
+    async def _ended(self, job: Job, late: bool) -> None:
+        del job, late
+        await self.begin()
+
+    def _show_kept(self, result: Kept) -> None:
+        with ui.element("div").classes("lw-kept"):
+            ui.label(result.made).classes("lw-note")
+            ui.label(result.kind if result.complete else f"{result.kind} (stopped)").classes("lw-note")
+            with ui.element("p").classes("lw-found"):
+                ui.link(result.name or result.line, f"/results/{result.id}")
+                for more in (result.line if result.name else "", result.note, result.title):
+                    if more:
+                        ui.label(more).classes("lw-note")
+            with ui.element("div").classes("lw-buttons"):
+                _button("edit", f"name result {result.id}", partial(self._naming.ask, result))
+                address = on_shelf(self._desk.shelf, result.id).address("")
+                _button("download", f"download result {result.id}", lambda: ui.download(address))
+                _button(
+                    "delete",
+                    f"remove result {result.id}",
+                    lambda: self._done(lambda: self._desk.shelf.remove(result.id)),
+                )
+
+    def _show_cut(self, run: Run) -> None:
+        with ui.element("div").classes("lw-kept"):
+            ui.label(run.began).classes("lw-note")
+            ui.label(f"{run.kind} (cut off)").classes("lw-note")
+            with ui.element("p").classes("lw-found"):
+                ui.label("Its server ended before it did, so nothing of it is kept; begin it again.")
+                ui.label(f"{run.title} (server: process {run.server})").classes("lw-note")
+            _button("delete", f"forget run {run.id}", lambda: self._done(lambda: self._desk.shelf.end(run.id)))
+
+    async def _done(self, change: Callable[[], None]) -> None:
+        try:
+            await self._desk.looked_up(change)
+        except InputError as error:
+            self._problem.say(str(error))
+            return
+        await self.begin()
+
+    def _ask(self) -> None:
+        self._sure.open()
+
+    async def _remove_all(self) -> None:
+        self._sure.close()
+        await self._done(self._desk.shelf.remove_all)
+
+
+def _button(icon: str, label: str, clicked: Callable[[], object]) -> None:
+    ui.button(icon=icon, on_click=clicked).props(f'flat dense aria-label="{label}" title="{label}"')
+
+
+class ResultPage:
+    """One of them."""
+
+    def __init__(self, desk: Desk, number: int) -> None:
+        self._desk, self._number = desk, number
+        with framed("Results"):
+            with row():
+                ui.link("all results", "/results")
+            heading(f"Result {number}")
+            Runs(desk.jobs)
+            self._shown = stack()
+
+    async def begin(self) -> None:
+        """Show it."""
+        with self._shown:
+            await show_result(self._desk, self._number)

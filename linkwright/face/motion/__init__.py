@@ -1,0 +1,1 @@
+"""Motion logs for programs: what a model leaves out of the torques of a moving arm."""

@@ -1,0 +1,106 @@
+"""Motion logs for programs: read from files or data frames."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path, PurePath
+from typing import TYPE_CHECKING, Any, cast
+
+from linkwright.core.diagnose.motion.log import MotionLog
+from linkwright.core.diagnose.motion.reading.read import holds_motion, is_motion_log, log_from
+from linkwright.core.diagnose.motion.reading.read import read_log as read_file
+from linkwright.core.diagnose.motion.written import log_columns
+from linkwright.core.diagnose.reading.files import table_of
+from linkwright.core.diagnose.reading.settings import read_settings
+from linkwright.core.units.quantities import InputError
+from linkwright.face.arm import Arm, arm_of
+from linkwright.face.plain_input import File
+from linkwright.face.readings import Readings, paired
+from linkwright.results.figures_in_words import figure
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+
+@dataclass(frozen=True, repr=False)
+class Log(Readings):
+    """A motion log of a real arm: joint coordinates and drive torques against time, less the samples that were set
+    aside; `found` holds everything in SI."""
+
+    arm: Arm
+    found: MotionLog
+
+    @property
+    def table(self) -> pd.DataFrame:
+        """The samples by the columns of a log's file (`t_s`, `q1_rad`, `tau1_Nm`, ...); the index is the row there."""
+        import pandas as pd
+
+        return pd.DataFrame(log_columns(self.found, self.arm.model), index=pd.Index(self.found.row, name="row"))
+
+    def _line(self) -> str:
+        log = self.found
+        name = PurePath(log.file).name or "made by a model"
+        seconds = float(log.time[-1] - log.time[0]) if log.size else 0.0
+        what = f"{'currents' if log.torque_constants_free else 'torques'} of {log.q.shape[1]} joints"
+        return f"{name}, {log.size} samples in {figure(seconds, 3)} s{self._aside()}, {what}"
+
+
+def read_log(log: File | pd.DataFrame, arm: Arm | File, *, settings: File | None = None) -> Log:
+    """The motion log that a file holds (.csv, .xlsx, .parquet, .mcap, a ROS 2 bag), or a data frame of the same
+    columns, checked against the arm.
+
+    `settings` is its recording.yaml; beside a file one of its name, or recording.yaml, counts by default. Samples that
+    cannot be used are set aside with the reason. Raises `InputError` where nothing sensible can follow.
+
+    >>> import linkwright as lw
+    >>> arm = lw.read_arm("examples/motion-log/robot.urdf")
+    >>> lw.read_log("examples/motion-log/log.csv", arm)
+    <Log: log.csv, 2500 samples in 25 s, torques of 4 joints>
+    """
+    given = arm_of(arm, tips="first")
+    if not _is_frame(log):
+        place = Path(str(log))
+        return Log(given, read_file(place, given.model, None if settings is None else Path(settings)))
+    held = read_settings(None if settings is None else Path(settings))
+    return Log(given, log_from(table_of(cast(Any, log), "DataFrame"), given.model, held))
+
+
+def logs_of(given: object, arm: Arm, settings: File | Sequence[File] | None = None) -> tuple[Log, ...]:
+    """The motion logs that are given or named; none where these are recordings of a tip. Raises `InputError` for logs
+    beside recordings, and for a log that is named twice."""
+    several = list(cast("Sequence[object]", given)) if isinstance(given, list | tuple) else [given]
+    if not several or arm.model.unknown_origins:
+        return ()
+    pairs = paired(several, settings)
+    kinds = [_is_motion(one, arm, held) for one, held in pairs]
+    if not any(kinds):
+        return ()
+    if not all(kinds):
+        message = "are motion logs and recordings of a tip; diagnose each kind by itself"
+        raise InputError("", "recording", message)
+    logs = tuple(one if isinstance(one, Log) else read_log(cast(Any, one), arm, settings=held) for one, held in pairs)
+    files = [Path(log.found.file).absolute() for log in logs if log.found.file and Path(log.found.file).exists()]
+    twice = next((file for k, file in enumerate(files) if file in files[:k]), None)
+    if twice is not None:
+        raise InputError(twice, "", "is named twice; each log counts once")
+    return logs
+
+
+def of_tips_alone(**said: bool) -> None:
+    """Refuse what is asked of recordings of a tip alone. Raises `InputError`."""
+    for name in (name for name, given in said.items() if given):
+        raise InputError("", name, "goes with recordings of a tip; a motion log has none")
+
+
+def _is_motion(given: object, arm: Arm, settings: File | None) -> bool:
+    if isinstance(given, Log):
+        return True
+    held = None if settings is None else Path(settings)
+    if isinstance(given, str | Path):
+        return is_motion_log(Path(given), arm.model, held)
+    return _is_frame(given) and holds_motion(table_of(cast(Any, given), "DataFrame"), arm.model, read_settings(held))
+
+
+def _is_frame(given: object) -> bool:
+    return not isinstance(given, str) and hasattr(given, "columns")

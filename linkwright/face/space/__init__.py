@@ -1,0 +1,1 @@
+"""Arms and results in space, to be looked at from all sides."""

@@ -1,0 +1,27 @@
+// A drawing as a PNG file, in the colours that it has here, on its page's ground, at three times its size.
+function savePicture(svg) {
+  "use strict";
+  var kept = ["fill", "stroke", "stroke-width", "stroke-dasharray", "stroke-linecap", "stroke-linejoin", "opacity",
+    "vector-effect", "font-family", "font-size", "font-weight"];
+  var copy = svg.cloneNode(true), box = svg.getBoundingClientRect(), copies = copy.querySelectorAll("*");
+  svg.querySelectorAll("*").forEach(function (each, number) {
+    var style = getComputedStyle(each);
+    kept.forEach(function (name) { copies[number].style.setProperty(name, style.getPropertyValue(name)); });
+  });
+  copy.setAttribute("width", box.width);
+  copy.setAttribute("height", box.height);
+  var image = new Image();
+  image.onload = function () {
+    var canvas = document.createElement("canvas"), link = document.createElement("a");
+    canvas.width = 3 * box.width;
+    canvas.height = 3 * box.height;
+    var pen = canvas.getContext("2d");
+    pen.fillStyle = getComputedStyle(svg).getPropertyValue("--paper") || "#fff";
+    pen.fillRect(0, 0, canvas.width, canvas.height);
+    pen.drawImage(image, 0, 0, canvas.width, canvas.height);
+    link.href = canvas.toDataURL("image/png");
+    link.download = (svg.getAttribute("aria-label") || "picture").replace(/[^\w.]+/g, "-").slice(0, 60) + ".png";
+    link.click();
+  };
+  image.src = "data:image/svg+xml;charset=utf-8," + encodeURIComponent(new XMLSerializer().serializeToString(copy));
+}

@@ -1,0 +1,91 @@
+"""The answer to motion logs on one screen: a sentence of at most thirty words, and what to do."""
+
+from __future__ import annotations
+
+from linkwright.core.diagnose.motion.result import MotionDiagnosis, MotionFinding
+from linkwright.core.diagnose.result import HALF
+from linkwright.results.diagnoses.answer import briefly
+from linkwright.results.diagnoses.words import portion, value
+from linkwright.results.figures_in_words import figure
+
+from .words import alternative_words, dependence_words, finding_words, of_all_joints, torque, torque_unit
+
+_NOISE = 1.15
+"""Times the floor up to which what is left on motion that was not fitted counts as the floor."""
+
+
+def answer(diagnosis: MotionDiagnosis) -> str:
+    """The answer: the largest cause and where it sits, how many others, their share of the mismatch, what remains."""
+    return briefly(_clauses(diagnosis))
+
+
+def _clauses(diagnosis: MotionDiagnosis) -> list[str]:
+    """What must be said first, and what may follow as far as there is room."""
+    mismatch = torque(diagnosis.rms_before).text
+    if diagnosis.verdict == "insufficient_data":
+        return [diagnosis.sentence.removesuffix(".")]
+    if diagnosis.verdict == "none":
+        return [f"nothing is missing that this log could show; {mismatch} remain"]
+    largest, part, unknown = largest_of(diagnosis), explained_share(diagnosis), diagnosis.unknown
+    open_at, on = "", ""
+    if unknown is not None:
+        joint = unknown.joints[0]
+        more = f" and {len(unknown.joints) - 1} more" if len(unknown.joints) > 1 else ""
+        open_at = f"{torque(unknown.amplitude, torque_unit(diagnosis.arm, joint)).text} at joint {joint}{more}"
+        depends = dependence_words(unknown.depends_on[:3])
+        on = f"; it depends on {depends}" if depends else ""
+        if part is None or part < HALF:
+            explained = "" if largest is None else f"; {finding_words(largest)} explains part of the rest"
+            return [f"nothing in the library explains {open_at}", on, explained]
+    if largest is None:
+        return [diagnosis.sentence.removesuffix(".")]
+    either = f" or {alternative_words(largest.alternatives[0])}" if largest.alternatives and not open_at else ""
+    alone = not largest.alternatives and not open_at and len(largest.parameters) == 1
+    size = f", {value(largest.parameters[0]).text}" if alone else ""
+    rest = len(diagnosis.findings) - 1
+    more = f" and {rest} {'other' if rest == 1 else 'others'}" if rest else ""
+    does = "" if part is None else f": {portion(part).text} of the {mismatch} mismatch"
+    opening = f"left out: {finding_words(largest)}{either}{size}{more}{does}"
+    if open_at:
+        return [f"{opening}; nothing explains {open_at}", on]
+    return [opening, f"; {torque(diagnosis.rms_held_out).text} remain", f", {over(diagnosis)}"]
+
+
+def over(diagnosis: MotionDiagnosis) -> str:
+    """What is left on motion that was not fitted, beside the floor."""
+    times = diagnosis.rms_held_out / diagnosis.noise_floor if diagnosis.noise_floor > 0.0 else 1.0
+    return "the noise floor" if times <= _NOISE else f"{figure(times, 2)} times the noise floor"
+
+
+def largest_of(diagnosis: MotionDiagnosis) -> MotionFinding | None:
+    """The finding that adds most to the torques of all joints together."""
+    return max(diagnosis.findings, key=lambda finding: of_all_joints(finding.rms_explained), default=None)
+
+
+def explained_share(diagnosis: MotionDiagnosis) -> float | None:
+    """The share of the mismatch's sum of squares that the findings explain; None where there was nothing."""
+    if not diagnosis.findings or diagnosis.rms_before <= 0.0:
+        return None
+    return max(0.0, 1.0 - (diagnosis.rms_after / diagnosis.rms_before) ** 2)
+
+
+def to_do(diagnosis: MotionDiagnosis) -> tuple[str, ...]:
+    """What to do next, the most useful first."""
+    lines: list[str] = []
+    if any(log.torque_constants_free for log in diagnosis.logs):
+        lines.append(
+            "Write the torque constants into recording.yaml (`torque_constants: [14.9, ...]`, N m/A), diagnose again."
+        )
+    if diagnosis.unknown is not None and diagnosis.unknown.decide:
+        lines.append(f"To find the cause, {diagnosis.unknown.decide}.")
+    if any(finding.alternatives for finding in diagnosis.findings):
+        lines.append("linkwright plan --instrument motion --after LOG says how far another motion tells names apart.")
+    helps = diagnosis.written is None or diagnosis.written.rms < diagnosis.rms_before
+    if diagnosis.findings and helps:
+        whose = "this log" if len(diagnosis.logs) == 1 else "these logs"
+        leaves = "" if diagnosis.written is None else f" (it leaves {torque(diagnosis.written.rms).text} of {whose})"
+        lines.append(
+            f"Use arm.yaml, the arm with what was found in it{leaves}: linkwright predict says what it leaves of other "
+            "logs, linkwright export --to mjcf, or --into your own file, takes it to a simulator."
+        )
+    return tuple(lines)

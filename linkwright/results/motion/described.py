@@ -1,0 +1,279 @@
+"""A diagnosis of motion logs described: what is missing from the drives' torques, joint by joint, and what is left."""
+
+from __future__ import annotations
+
+import math
+from pathlib import PurePath
+
+from linkwright.core.diagnose.motion.result import MotionDiagnosis, MotionFinding, MotionUnknown
+from linkwright.report.charts.motion import left_against, per_joint_picture, torque_against_time
+from linkwright.results.design import settings
+from linkwright.results.diagnoses.evidence import set_aside
+from linkwright.results.diagnoses.words import (
+    listed,
+    parameter_rows,
+    place_words,
+    portion,
+    probability,
+    spoken,
+    verdict_words,
+    whole_sentence,
+)
+from linkwright.results.document import (
+    Cell,
+    Column,
+    Description,
+    Fact,
+    Facts,
+    Item,
+    Lines,
+    Paragraph,
+    Picture,
+    Section,
+    count,
+    number,
+    section,
+    share,
+    table,
+)
+from linkwright.results.figures_in_words import effect_title, figure, lasted, with_unit
+
+from .answer import answer, explained_share, largest_of, over, to_do
+from .words import (
+    alias_sentence,
+    dependence_words,
+    finding_words,
+    logs_words,
+    sample_words,
+    torque,
+    torque_unit,
+)
+
+_WITHOUT = "Without JavaScript the torques against time are missing; all else is here. diagnosis.json has the figures."
+MOST_READINGS = 6
+"""Findings up to which a page has a sentence for each."""
+_PROMISE = 0.1
+"""The share of the promised RMS by which the written arm may leave more: a fit may count reversals too."""
+MOST_FINDINGS = 12
+"""Findings whose rows a screen shows."""
+
+
+def describe(diagnosis: MotionDiagnosis) -> Description:
+    """A diagnosis of one motion log or several."""
+    # Of logs that do not suffice no joint's figures are known.
+    known = any(math.isfinite(item.before) for item in diagnosis.per_joint)
+    items: list[Item | None] = [
+        _currents(diagnosis),
+        Lines(to_do(diagnosis)) if to_do(diagnosis) else None,
+        Picture(lambda: per_joint_picture(diagnosis)) if known else None,
+        Paragraph(spoken(diagnosis.sentence)),
+        _facts(diagnosis),
+        _broken_promise(diagnosis),
+        _joints(diagnosis) if known else None,
+        _logs(diagnosis) if len(diagnosis.of_logs) > 1 else None,
+        _findings(diagnosis) if diagnosis.findings else None,
+        None if diagnosis.unknown is None else _unknown(diagnosis, diagnosis.unknown),
+        _pictures(diagnosis) if diagnosis.traces else None,
+        _set_aside(diagnosis),
+        _notes(diagnosis),
+        section("What was asked", settings(_asked(diagnosis)), detail=True),
+    ]
+    title = f"{diagnosis.arm.name}: what the model leaves out of the torques"
+    held = tuple(item for item in items if item is not None)
+    return Description(title, answer(diagnosis), held, brief(diagnosis), without=_WITHOUT)
+
+
+def _currents(diagnosis: MotionDiagnosis) -> Paragraph | None:
+    """A warning where nobody says the torque constants, and which the arm's weights make."""
+    free = [log for log in diagnosis.logs if log.torque_constants_free]
+    if not free:
+        return None
+    sentence = f"Nobody says the torque constants of {listed([PurePath(log.file).name for log in free])}"
+    weighed = list(enumerate(free[0].weighed or (), start=1))
+    values = [f"{value:.3g} at joint {joint}" for joint, value in weighed if not math.isnan(value)]
+    lacking = [str(joint) for joint, value in weighed if math.isnan(value)]
+    by = f": the arm's weights make them {listed(values)} (N·m/A), as wrong as its masses are" if values else ""
+    those = "that of joint" if len(lacking) == 1 else "those of joints"
+    without = f"; no weight tells {those} {listed(lacking)}, whose drives count as not logged" if lacking else ""
+    return Paragraph(f"{sentence}{by}{without}.", "warning")
+
+
+def brief(diagnosis: MotionDiagnosis) -> str:
+    """The answer in a few words."""
+    mismatch = torque(diagnosis.rms_before).text
+    first, rest = largest_of(diagnosis), len(diagnosis.findings) - 1
+    if first is None:
+        return f"{verdict_words(diagnosis.verdict)}, mismatch {mismatch}"
+    more = f" and {rest} more" if rest else ""
+    part = explained_share(diagnosis)
+    explained = "" if part is None else f", {portion(part).text} of {mismatch} explained"
+    unknown = ", the rest not explained" if diagnosis.verdict == "unknown" else ""
+    return f"{finding_words(first)}{more}{explained}{unknown}"
+
+
+def _facts(diagnosis: MotionDiagnosis) -> Facts:
+    """The verdict and the sizes of mismatch and noise, of all joints together."""
+    gate = f"any mismatch at all: p {probability(diagnosis.gate_p).text}"
+    facts = [
+        Fact("verdict", verdict_words(diagnosis.verdict, short=True), gate),
+        Fact("noise floor", torque(diagnosis.noise_floor), "what the whole library leaves"),
+        Fact(
+            "RMS of the mismatch",
+            torque(diagnosis.rms_before),
+            f"all joints where they move; {sample_words(diagnosis)}",
+        ),
+    ]
+    if diagnosis.findings:
+        part = explained_share(diagnosis)
+        note = "" if part is None else f"{portion(part).text} of the mismatch explained"
+        facts.append(Fact("with what was found", torque(diagnosis.rms_after), note))
+        said = f"{over(diagnosis)}; {diagnosis.split}" if diagnosis.split else over(diagnosis)
+        facts.append(Fact("on motion not fitted", torque(diagnosis.rms_held_out), said))
+    if diagnosis.written is not None and diagnosis.findings:
+        promised = torque(diagnosis.written.promised).text
+        said = f"read back and applied to the same motion; the fit promises {promised}"
+        facts.append(Fact("the written arm.yaml", torque(diagnosis.written.rms), said))
+    return Facts(tuple(facts), headed=False)
+
+
+def _broken_promise(diagnosis: MotionDiagnosis) -> Paragraph | None:
+    """A warning where the written file is not what the fit promises."""
+    written = diagnosis.written
+    if written is None or not diagnosis.findings or written.rms <= (1.0 + _PROMISE) * written.promised:
+        return None
+    leaves, promised = torque(written.rms).text, torque(written.promised).text
+    return Paragraph(
+        f"Warning: arm.yaml, read back and applied to the same motion, leaves {leaves} RMS where the fit promises "
+        f"{promised}."
+    )
+
+
+def _joints(diagnosis: MotionDiagnosis) -> Section:
+    """What is left of each joint's torque."""
+    rows: list[list[Cell]] = []
+    for item in diagnosis.per_joint:
+        unit = torque_unit(diagnosis.arm, item.joint)
+        figures = (item.before, item.after, item.held_out, item.floor)
+        depends = dependence_words(item.depends_on)
+        text = f"{depends} (p {probability(item.p_unknown).text})" if depends else ""
+        if math.isnan(item.before):
+            text = "stood still"
+        rows.append([count(item.joint), *(torque(value, unit) for value in figures), share(item.share), text])
+    headings = ("joint", "before", "after", "held out", "floor", "of its torque", "what is left depends on")
+    lead = "What the model leaves of each joint's torque (RMS, where the joint moves); held out: on motion not fitted."
+    return section("Each joint", table(headings, rows), lead=lead)
+
+
+def _logs(diagnosis: MotionDiagnosis) -> Section:
+    """What comes of each of several logs."""
+    dated = any(log.date for log in diagnosis.of_logs)
+    rows: list[list[Cell]] = [
+        [
+            log.name,
+            *([log.date] if dated else []),
+            count(log.samples),
+            *(torque(value) for value in (log.rms_before, log.rms_after, log.rms_held_out)),
+            count(len(log.rejected)),
+        ]
+        for log in diagnosis.of_logs
+    ]
+    told = ("samples", "before", "after", "held out", Column("rows set aside", detail=True))
+    headings = ("log", *(["date"] if dated else []), *told)
+    return section("Each log", table(headings, rows), lead="The physics is shared; RMS of all joints together.")
+
+
+def _findings(diagnosis: MotionDiagnosis) -> Section:
+    """What is missing, each parameter with its interval, and what the logs cannot tell from it."""
+    few = diagnosis.findings if len(diagnosis.findings) <= MOST_READINGS else ()
+    readings = [Paragraph(spoken(item.reading), "statement", True) for item in few if item.reading]
+    rows: list[list[Cell]] = []
+    shown = 0
+    for finding in diagnosis.findings:
+        where = place_words(finding.effect, finding.at).replace(" ", "\u00a0", 1)  # a number stays with its joint
+        made = parameter_rows(finding, effect_title(finding.effect), _rest(diagnosis, finding))
+        # An arm has many findings, of which what the parameters mean would take the room.
+        rows += [[row[0], where if row[0] else "", row[1], *row[3:]] for row in made]
+        shown = len(rows) if finding in diagnosis.findings[:MOST_FINDINGS] else shown
+    headings = (
+        "left out",
+        "at",
+        "parameter",
+        "value",
+        "95 % interval",
+        "adds at most (RMS)",
+        Column("evidence in nats", detail=True),
+        "p",
+    )
+    left = len(diagnosis.findings) - MOST_FINDINGS
+    more = f"and {left} more findings; the report and the JSON have them" if left > 0 else ""
+    return section(
+        "What describes part of it" if diagnosis.verdict == "unknown" else "What is missing",
+        *readings,
+        table(headings, rows, first=shown, rest=more),
+        *(Paragraph(sentence) for item in diagnosis.findings if (sentence := alias_sentence(item))),
+    )
+
+
+def _rest(diagnosis: MotionDiagnosis, finding: MotionFinding) -> list[Cell]:
+    """What a finding adds, at the joint where that is most, and what speaks for it."""
+    known = [k for k, item in enumerate(finding.rms_explained) if math.isfinite(item)]
+    most = max(known, key=lambda k: finding.rms_explained[k])
+    adds = torque(finding.rms_explained[most], torque_unit(diagnosis.arm, most + 1)).text
+    where = "" if finding.at == (most + 1,) else f" at joint {most + 1}"
+    return [f"{adds}{where}", number(finding.evidence, 3), probability(finding.p_value)]
+
+
+def _unknown(diagnosis: MotionDiagnosis, unknown: MotionUnknown) -> Section:
+    """What nothing in the library explains."""
+    worst = unknown.joints[0]
+    joints = f"joint{'s' if len(unknown.joints) > 1 else ''} {listed([str(joint) for joint in unknown.joints])}"
+    amplitude = torque(unknown.amplitude, torque_unit(diagnosis.arm, worst)).text
+    text = f"Not explained, at {joints}: {unknown.shape}; RMS {amplitude} at joint {worst}."
+    depends = dependence_words(unknown.depends_on)
+    return section(
+        "What nothing in the library explains",
+        Paragraph(text),
+        Paragraph(f"It depends on {depends}.") if depends else None,
+        Paragraph(f"What would decide: {whole_sentence(unknown.decide)}") if unknown.decide else None,
+        lead="What remains, and what it depends on; nothing here is a cause.",
+    )
+
+
+def _pictures(diagnosis: MotionDiagnosis) -> Section:
+    """Torques against time, and what the model leaves of them against angle and speed."""
+    about = "Torques as measured, by the model as given, and with what was found; all filtered alike."
+    beside = "Measured less modelled where the joint moves, before (grey) and after (blue); lines are means."
+    time = section("Torque against time", Picture(lambda: torque_against_time(diagnosis)), lead=about)
+    against = Picture(lambda: left_against(diagnosis))
+    left = section("What is left against each joint's angle and speed", against, lead=beside)
+    return section("Torques", time, left, detail=True)
+
+
+def _set_aside(diagnosis: MotionDiagnosis) -> Section:
+    """The rows that were not used, and why."""
+    several = len(diagnosis.logs) > 1
+    return set_aside(
+        [
+            (f"row {item.row} of {PurePath(log.file).name}" if several else f"row {item.row}", item.reason)
+            for log in diagnosis.logs
+            for item in log.rejected
+        ]
+    )
+
+
+def _notes(diagnosis: MotionDiagnosis) -> Section | None:
+    lines = tuple(dict.fromkeys((*diagnosis.notes, *(warning for log in diagnosis.logs for warning in log.warnings))))
+    return section("Notes", Lines(lines)) if lines else None
+
+
+def _asked(diagnosis: MotionDiagnosis) -> list[tuple[str, str]]:
+    rates = sorted({figure(rate, 3) for rate in diagnosis.rates})
+    rows = [
+        ("logs" if len(diagnosis.logs) > 1 else "log", logs_words(diagnosis.logs)),
+        ("samples", sample_words(diagnosis)),
+        ("sampled at", f"{listed(rates)} Hz"),
+        ("low-pass on both sides, without phase", with_unit(diagnosis.cutoff, "Hz", 3)),
+        ("held out", diagnosis.split),
+    ]
+    took = lasted(diagnosis.seconds, "")
+    return [*rows, ("time taken", took)] if took else rows

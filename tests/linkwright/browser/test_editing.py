@@ -1,0 +1,148 @@
+"""How files are edited: nothing that is not saved is lost without a word."""
+
+import pytest
+
+import linkwright as lw
+from linkwright.browser.server.folder import Folder
+
+from .conftest import ROOT
+
+pytestmark = [pytest.mark.slow, pytest.mark.xdist_group("browser")]
+
+
+@pytest.fixture(autouse=True)
+def examples(server):
+    """The example arm as it was, and another."""
+    Folder(server.folder).add_examples()
+    text = (server.folder / "example-arm.yaml").read_text(encoding="utf-8")
+    (server.folder / "other.yaml").write_text(text.replace("example arm", "other arm"), encoding="utf-8")
+    yield
+    (server.folder / "example-arm.yaml").unlink()
+    (server.folder / "other.yaml").unlink()
+
+
+def choose(page, label, option):
+    page.get_by_label(label, exact=True).first.click()
+    page.get_by_role("option", name=option, exact=True).click()
+
+
+def test_what_is_not_saved_is_said_before_it_is_lost(server, page):
+    """By a line, before another file is opened, and by the browser before another page is."""
+    page.goto(server.url)
+    page.get_by_text("reach 900 mm").wait_for()
+    unsaved = page.get_by_text("Changes are not saved.")
+    length = page.get_by_label("length", exact=True).first
+    length.fill("650 mm")
+    length.press("Enter")
+    unsaved.wait_for()
+    choose(page, "Arm file", "other.yaml")
+    page.get_by_text("The changes of example-arm.yaml are not saved.").wait_for()
+    page.get_by_role("button", name="Stay here").click()
+    page.get_by_text("Arm: example arm, 2 joints, reach 1050 mm").wait_for()
+    asked = []
+
+    def stay(dialog):
+        asked.append(dialog.type)
+        dialog.dismiss()
+
+    page.once("dialog", stay)
+    page.get_by_role("link", name="Catalogues").click()
+    page.get_by_text("reach 1050 mm").wait_for()
+    assert asked == ["beforeunload"]
+    choose(page, "Arm file", "other.yaml")
+    page.get_by_role("dialog").get_by_role("button", name="Save", exact=True).click()
+    page.get_by_text("Arm: other arm, 2 joints, reach 900 mm").wait_for()
+    unsaved.wait_for(state="hidden")
+    assert "650 mm" in (server.folder / "example-arm.yaml").read_text(encoding="utf-8")
+    length.fill("700 mm")
+    length.press("Enter")
+    unsaved.wait_for()
+    choose(page, "Arm file", "example-arm.yaml")
+    page.get_by_role("button", name="Discard them").click()
+    page.get_by_text("Arm: example arm, 2 joints, reach 1050 mm").wait_for()
+    assert "700 mm" not in (server.folder / "other.yaml").read_text(encoding="utf-8")
+    page.get_by_role("link", name="Catalogues").click()
+    page.get_by_role("heading", name="Catalogues").wait_for()
+    assert asked == ["beforeunload"]
+
+
+def test_names_and_keys_are_chosen_by_a_part_of_them(server, page):
+    """Of materials, sizes and drives; keys with what they mean; what is wrong is said at its field."""
+    page.goto(server.url)
+    page.get_by_text("reach 900 mm").wait_for()
+    material = page.get_by_label("material", exact=True).first
+    material.click()
+    material.fill("s355")
+    page.get_by_role("option", name="steel-s355", exact=True).click()
+    page.get_by_text("Changes are not saved.").wait_for()
+    key = page.get_by_label("Any key")
+    key.click()
+    key.fill("chain[2].joint.actu")
+    page.get_by_role("option", name="chain[2].joint.actuator", exact=True).click()
+    page.get_by_text("a name of linkwright actuators list").wait_for()
+    value = page.get_by_label("Value; empty takes it out")
+    value.click()
+    value.fill("RV-20E")
+    page.get_by_role("option", name="RV-20E", exact=True).click()
+    page.get_by_role("button", name="Set", exact=True).click()
+    page.get_by_label("actuator", exact=True).wait_for()
+    page.get_by_text("reach 900 mm").wait_for()
+    page.get_by_label("length", exact=True).first.fill("65 kg")
+    page.get_by_label("length", exact=True).first.press("Enter")
+    page.locator(".q-field--error", has=page.get_by_label("length", exact=True)).get_by_text("is a mass").wait_for()
+    page.get_by_label("length", exact=True).first.fill("650 mm")
+    page.get_by_label("length", exact=True).first.press("Enter")
+    page.locator(".q-field--error").wait_for(state="detached")
+    page.get_by_role("button", name="Save", exact=True).click()
+    page.get_by_text("Changes are not saved.").wait_for(state="hidden")
+    arm = lw.read_arm(server.folder / "example-arm.yaml").model
+    assert (arm.links[0].material.name, arm.links[0].length, arm.joints[1].actuator.name) == (
+        "steel-s355",
+        pytest.approx(0.65),
+        "RV-20E",
+    )
+
+
+def test_lists_of_a_problem_are_chosen_one_by_one(server, page):
+    """Names that are there stand as chips; the file has the list."""
+    page.goto(server.url + "optimise")
+    page.get_by_text("least worst error of example arm").wait_for()
+    material = page.get_by_label("material", exact=True)
+    material.click()
+    material.fill("steel-s355")
+    page.get_by_role("option", name="steel-s355", exact=True).click()
+    page.get_by_text("Changes are not saved.").wait_for()
+    page.keyboard.press("Escape")
+    page.get_by_role("button", name="Save", exact=True).click()
+    page.get_by_text("Changes are not saved.").wait_for(state="hidden")
+    text = (server.folder / "example-problem.yaml").read_text(encoding="utf-8")
+    assert "material: [aluminium-6061-t6, steel-s355]" in text
+    (server.folder / "example-problem.yaml").unlink()
+
+
+def test_a_new_arm_begins_as_a_shipped_one_or_a_urdf(server, page):
+    """Under a name that none has; a URDF with several ends asks for one; nothing is written before Save."""
+    page.goto(server.url)
+    page.get_by_text("reach 900 mm").wait_for()
+    before = {item.name for item in server.folder.iterdir()}
+    page.get_by_role("button", name="New arm").click()
+    choose(page, "One that is shipped", "six-axis arm")
+    page.get_by_text("Arm: six-axis arm, 6 joints").wait_for()
+    page.get_by_text("Changes are not saved.").wait_for()
+    page.get_by_role("button", name="New arm").click()
+    page.set_input_files("input[type=file]", ROOT / "examples" / "urdf" / "tabletop.urdf")
+    page.get_by_role("alert").filter(has_text="tip").wait_for()
+    page.get_by_label("Link at the tip").fill("tip")
+    page.get_by_role("button", name="Take it").click()
+    page.get_by_role("button", name="Discard them").click()
+    # The question fades, and has a Save as well.
+    page.get_by_role("button", name="Discard them").wait_for(state="hidden")
+    page.get_by_text(", 3 joints, ").wait_for()
+    assert {item.name for item in server.folder.iterdir()} == before
+    page.get_by_role("button", name="Save", exact=True).click()
+    page.get_by_text("saved as tabletop.yaml").wait_for()
+    made = lw.read_arm(server.folder / "tabletop.yaml").model
+    (server.folder / "tabletop.yaml").unlink()
+    given = lw.import_arm(ROOT / "examples" / "urdf" / "tabletop.urdf", tip="tip").arm.model
+    assert [joint.name for joint in made.joints] == [joint.name for joint in given.joints]
+    assert [link.length for link in made.links] == pytest.approx([link.length for link in given.links], abs=1e-9)

@@ -1,0 +1,47 @@
+"""Every picture comes as PNG: drawings of the pages, drawings and charts of a report."""
+
+import pytest
+
+import linkwright as lw
+from linkwright.browser.server.folder import Folder
+from linkwright.browser.server.shelf import Shelf
+
+pytestmark = [pytest.mark.slow, pytest.mark.xdist_group("browser")]
+
+
+def saved(page, button):
+    """Width, height and colours of what a button saves."""
+    from PIL import Image
+
+    with page.expect_download() as download:
+        button.click()
+    assert download.value.suggested_filename.endswith(".png")
+    with Image.open(download.value.path()) as picture:
+        assert picture.format == "PNG"
+        return (*picture.size, len(picture.convert("RGB").getcolors(1 << 24)))
+
+
+def test_drawings_and_charts_are_saved(server, page):
+    """In colours, and three times as large as they are seen; charts by their own button."""
+    Folder(server.folder).add_examples()
+    page.goto(server.url)
+    drawing = page.locator(".lw-picture svg").first
+    drawing.locator(".joint").first.wait_for()
+    box = drawing.bounding_box()
+    width, height, colours = saved(page, page.get_by_role("button", name="PNG of ").first)
+    assert (width, height) == (pytest.approx(3 * box["width"], abs=3), pytest.approx(3 * box["height"], abs=3))
+    assert colours > 3
+    result = lw.evaluate(server.folder / "example-arm.yaml")
+    result.save(server.folder / "made")
+    report = (server.folder / "made" / "report.html").read_bytes()
+    number = Shelf(server.folder).keep("evaluate", "t", "l", {"report.html": report}, complete=True, seconds=1.0)
+    page.goto(f"{server.url}results/{number}")
+    inside = page.frame_locator("iframe")
+    assert saved(page, inside.get_by_role("button", name="PNG of ").first)[2] > 3
+    chart = inside.locator(".js-plotly-plot").first
+    chart.wait_for()
+    assert saved(page, chart.locator(".modebar-btn").first)[2] > 3
+    Shelf(server.folder).remove(number)
+    for item in (server.folder / "made").iterdir():
+        item.unlink()
+    (server.folder / "made").rmdir()

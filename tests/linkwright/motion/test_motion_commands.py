@@ -1,0 +1,180 @@
+"""Motion logs through the same commands and functions as recordings of a tip, from a URDF to what is written."""
+
+import json
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import linkwright as lw
+from linkwright.cli import run
+from linkwright.face.motion.diagnosis import MotionDiagnosis
+from tests.linkwright.motion.made_motion import made_motion
+
+EXAMPLE = Path(__file__).resolve().parents[3] / "examples" / "motion-log"
+URDF, LOG, OTHER = (str(EXAMPLE / name) for name in ("robot.urdf", "log.csv", "other.csv"))
+COULOMB, VISCOUS = (7.0, 9.0, 4.0, 1.2), (5.0, 6.0, 2.5, 0.4)
+
+
+@pytest.fixture(scope="module")
+def found(tmp_path_factory):
+    """The folder that `diagnose` leaves of the example, whose logs are MuJoCo's."""
+    folder = tmp_path_factory.mktemp("motion") / "found"
+    assert run(["diagnose", URDF, LOG, "--out", str(folder), "--quiet"]) == 0
+    return folder
+
+
+@pytest.fixture(scope="module")
+def content(found):
+    """Its diagnosis.json."""
+    return json.loads((found / "diagnosis.json").read_text(encoding="utf-8"))
+
+
+def test_the_folder_is_that_of_a_diagnosis(found):
+    """A page, the corrected arm, the figures."""
+    assert {item.name for item in found.iterdir()} == {"report.html", "arm.yaml", "diagnosis.json"}
+
+
+def test_what_was_concealed_is_named(content):
+    """Dry and viscous friction at every joint with their sizes, the gripper, the rotor."""
+    assert content["observes"] == "motion"
+    assert content["verdict"] in ("named", "alias_class")
+    named = {(item["effect"], tuple(item["at"])): item for item in content["missing"]}
+    for joint in range(1, 5):
+        for effect, name, sizes in (("coulomb", "torque", COULOMB), ("viscous", "coefficient", VISCOUS)):
+            value = named[f"friction_{effect}", (joint,)]["parameters"][f"{name}_{joint}"]["value"]
+            assert value == pytest.approx(sizes[joint - 1], rel=0.05)
+    load = named["payload", ()]["parameters"]["mass"]
+    assert load["ci95"][0] - 0.02 < 1.6 < load["ci95"][1] + 0.02
+    assert named["armature", (2,)]["parameters"]["inertia_2"]["value"] == pytest.approx(0.9, rel=0.05)
+
+
+def test_what_is_left_is_noise_on_motion_that_was_not_fitted(content, found):
+    """Joint by joint, and as the written arm says on another log, where the model as given leaves a hundred times as
+    much."""
+    for item in content["per_joint"]:
+        assert item["rms_after_held_out"] < 0.05 * item["rms_before"]
+    written = content["written_arm"]
+    assert written["rms"] <= 1.1 * written["promised"]
+    arm = lw.read_arm(found / "arm.yaml")
+    assert lw.predict(arm, OTHER).rms < 0.01 * lw.predict(URDF, OTHER).rms
+
+
+def test_predict_says_what_is_left_of_each_joint(found, tmp_path, capsys):
+    """On the screen and in JSON, by the contract."""
+    assert run(["predict", str(found / "arm.yaml"), OTHER, "--json", str(tmp_path / "p.json")]) == 0
+    assert "RMS of all joints together, nothing fitted" in capsys.readouterr().out
+    told = json.loads((tmp_path / "p.json").read_text(encoding="utf-8"))
+    assert [item["joint"] for item in told["per_joint"]] == [1, 2, 3, 4]
+    assert all(0.0 < item["share_of_torque"] < 0.02 for item in told["per_joint"])
+    assert told["rms"] == pytest.approx(np.sqrt(np.mean([item["rms"] ** 2 for item in told["per_joint"]])))
+
+
+def test_a_diagnosis_in_python(content):
+    """The same as the command's: tables with units, a line, the corrected arm."""
+    arm = lw.read_arm(URDF)
+    log = lw.read_log(LOG, arm)
+    dia = lw.diagnose(arm, log)
+    assert repr(dia).startswith("<MotionDiagnosis: ")
+    assert dia.verdict == content["verdict"]
+    assert dia.rms_held_out == pytest.approx(content["rms_after_held_out"])
+    row = dia.findings[(dia.findings["effect"] == "friction_coulomb") & (dia.findings["at"] == (2,))].iloc[0]
+    assert (row["parameter"], row["unit"]) == ("torque_2", "N*m")
+    assert row["low"] < row["value"] < row["high"]
+    assert list(dia.per_joint["joint"]) == [1, 2, 3, 4]
+    assert lw.predict(dia.corrected, log).rms == pytest.approx(dia.found.written.rms, rel=1e-3)
+    assert {"t_s", "before2_Nm", "after2_Nm"} <= set(dia.residuals.columns)
+
+
+def test_questions_of_a_tip_are_one_line(capsys, found):
+    """Frame, units and designs go with recordings of a tip; kinds do not mix; a file counts once."""
+    tip = str(EXAMPLE.parent / "hidden-backlash" / "recording.csv")
+    for words, said in (
+        (["diagnose", URDF, LOG, OTHER, "--units"], "--units: goes with recordings of a tip"),
+        (["diagnose", URDF, LOG, LOG], "is named twice"),
+        (["simulate", URDF, "--motion", "10 s", "--poses", "3", "--out", str(found / "x.csv")], "goes without poses"),
+    ):
+        assert run(words) == 2, words
+        assert said in capsys.readouterr().err, words
+    arm = lw.read_arm(EXAMPLE.parent / "hidden-backlash" / "arm.yaml")
+    with pytest.raises(lw.InputError, match="frame: goes with recordings of a tip"):
+        lw.predict(URDF, OTHER, frame="free")
+    currents = lw.read_log(LOG, URDF).table.rename(
+        columns=lambda name: name.replace("tau", "current").replace("Nm", "A")
+    )
+    with pytest.raises(lw.InputError, match="torque_constants: is missing"):
+        lw.predict(URDF, currents)
+    with pytest.raises(lw.InputError, match="holds nothing of the tip"):
+        lw.plan(arm, poses=10, after=lw.read_log(LOG, URDF))
+    assert run(["diagnose", str(EXAMPLE.parent / "hidden-backlash" / "arm.yaml"), tip, LOG]) == 2
+
+
+def test_a_design_that_friction_does_not_change_is_no_answer():
+    """What loads the drives alone moves no tip."""
+    rubs = made_motion()
+    dia = MotionDiagnosis(lw.Arm.of(rubs.arm), (), rubs)
+    problem = lw.Problem(lw.read_arm(EXAMPLE.parent / "welding-arm" / "arm.yaml"), choose={"same": ["size"]})
+    with pytest.raises(lw.NoAnswer, match="moves no tip"):
+        lw.redesign(problem, dia)
+
+
+def dated(arm, folder, months, joint, before, after, change):
+    """Logs of a joint whose dry friction is `before`, from the `change`th on `after`."""
+    files = []
+    for number in range(months):
+        friction = {"effect": "friction_coulomb", "at": joint, "torque": f"{after if number >= change else before} N*m"}
+        log = lw.simulate(arm, motion="8 s", with_=[friction], torques="0.1 N*m", seed=number + 1)
+        file = folder / f"month-{number + 1:02d}.csv"
+        _, settings = log.save(file)
+        with settings.open("a", encoding="utf-8") as stream:
+            stream.write(f"date: 2026-{number + 1:02d}-05\n")
+        files.append(str(file))
+    return files
+
+
+@pytest.fixture(scope="module")
+def months(tmp_path_factory):
+    """Ten months of a joint whose friction rises by 30 % in the seventh."""
+    return dated(lw.read_arm(URDF), tmp_path_factory.mktemp("months"), 10, 3, 4.0, 5.2, 6)
+
+
+def test_compare_says_what_changed(months, capsys):
+    """The friction that rose, with sizes in both; what was there before is the same."""
+    assert run(["compare", URDF, months[0], months[-1]]) == 0
+    said = capsys.readouterr().out
+    assert said.startswith("Changed: dry (Coulomb) friction (joint 3), torque from 4 N·m to 5.2 N·m.")
+    same = lw.compare(URDF, months[0], months[1])
+    assert "Nothing that was fitted changed beyond doubt." in same.sentence
+
+
+def test_watch_says_since_when(months, tmp_path, capsys):
+    """By how much, as a share, and between which dates; the page has its chart."""
+    assert run(["watch", URDF, *months, "--out", str(tmp_path / "watched")]) == 0
+    said = capsys.readouterr().out
+    by = r"torque by \+1\.[12]\d* N·m \(\+(29|30|31) %\) between 2026-06-05 and 2026-07-05"
+    assert re.search(rf"dry \(Coulomb\) friction \(joint 3\): {by}", said)
+    told = json.loads((tmp_path / "watched" / "result.json").read_text(encoding="utf-8"))
+    assert told["observes"] == "motion"
+    assert told["alarms"][0]["change"] == pytest.approx(1.2, abs=0.05)
+    with pytest.raises(lw.InputError, match="date"):
+        lw.watch(URDF, [LOG, OTHER, months[0]])
+
+
+def test_a_planned_motion_tells_apart_more_than_one_at_random(tmp_path, capsys):
+    """Written, simulated, and read again; nothing to tell apart is no answer."""
+    plan, log = tmp_path / "plan.csv", tmp_path / "log.csv"
+    words = ["plan", URDF, "--instrument", "motion", "--for", "friction_load:2,friction_place:2", "--seconds", "10"]
+    assert run([*words, "--out", str(plan), "--json", str(tmp_path / "plan.json")]) == 0
+    told = json.loads((tmp_path / "plan.json").read_text(encoding="utf-8"))
+    worst = told["apart"][0]
+    assert {worst["effect"], worst["other"]} == {"friction_load", "friction_place"}
+    assert worst["share"] > worst["random"]
+    for joint in told["joints"]:
+        assert joint["fastest_radps"] <= 1.001 * joint["limit_radps"]
+    friction = "{effect: friction_load, at: 2, share: 0.08}"
+    assert run(["simulate", URDF, "--motion", str(plan), "--with", friction, "--out", str(log)]) == 0
+    assert lw.read_log(log, URDF).found.size == told["samples"]
+    capsys.readouterr()
+    assert run(["plan", URDF, "--instrument", "motion", "--for", "link_bending"]) == 1
+    assert "no two causes" in capsys.readouterr().err

@@ -1,0 +1,206 @@
+"""What is said of motion logs: one description for page, screen and Markdown, and JSON by the contract."""
+
+import json
+import re
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from linkwright.core.diagnose.result import WrittenArm
+from linkwright.face.motion.read_back import unlike_arrays
+from linkwright.json.motion import motion_json
+from linkwright.markdown.described import markdown
+from linkwright.output.files import json_text
+from linkwright.report.described import page_of
+from linkwright.results.diagnoses.answer import MOST_WORDS
+from linkwright.results.motion.answer import answer, to_do
+from linkwright.results.motion.described import describe
+from linkwright.screen.console import console
+from linkwright.screen.described import show
+from tests.diagnose.made_diagnosis import made_arm
+from tests.linkwright.motion.made_motion import made_log, made_motion
+from tests.linkwright.reports.test_report import Page
+
+VERDICTS = ("none", "named", "alias_class", "unknown", "insufficient_data")
+
+
+def on_screen(diagnosis, capsys):
+    show(console(), describe(diagnosis))
+    return " ".join(capsys.readouterr().out.split())
+
+
+@pytest.mark.parametrize("verdict", VERDICTS)
+def test_answer_is_short(verdict):
+    """A sentence, whatever the verdict."""
+    said = answer(made_motion(verdict))
+    assert len(said.split()) <= MOST_WORDS
+    assert said.endswith(".")
+
+
+def test_answer_names_the_largest():
+    """By what it adds to all joints together, with its size, its share and what remains."""
+    said = answer(made_motion())
+    assert said.startswith("Left out: ")
+    assert "(joint 2), 13 N·m and 5 others: 100 % of the 12.5 N·m mismatch; 0.2 N·m remain, the noise floor." in said
+
+
+def test_answer_says_what_is_not_explained():
+    """First where names explain less than half of the mismatch: where, on what it depends; else beside the names."""
+    result = made_motion("unknown")
+    said = answer(result)
+    assert said.startswith("Left out: dry (Coulomb) friction (joint 2) and 5 others: 100 % of the 12.5 N·m mismatch; ")
+    assert "; nothing explains 0.9 N·m at joint 3" in said
+    said = answer(replace(result, rms_after=0.8 * result.rms_before))
+    assert said.startswith("Nothing in the library explains 0.9 N·m at joint 3; it depends on the coordinate of joint")
+    assert to_do(made_motion("unknown"))[0] == "To find the cause, turn joint 3 slowly both ways."
+
+
+@pytest.mark.parametrize("verdict", VERDICTS)
+def test_page(verdict):
+    """Well-formed, small enough to be mailed, with a figure for each joint, and every finding's sentence."""
+    diagnosis = made_motion(verdict)
+    made = page_of(describe(diagnosis))
+    page = Page(made)
+    assert page.open == []
+    assert len(made) <= 2_000_000
+    assert [name for name in page.figures if name.startswith("torque-1-")] == [f"torque-1-{k}" for k in (1, 2, 3)]
+    assert all(finding.reading in page.text for finding in diagnosis.findings)
+    assert answer(diagnosis) in page.text
+
+
+def test_page_of_many_joints_and_logs_stays_small():
+    """Twelve joints in three logs, all noise, which packs worst."""
+    diagnosis = made_motion()
+    rng, trace = np.random.default_rng(1), diagnosis.traces[0]
+    arm = replace(diagnosis.arm, joints=diagnosis.arm.joints * 4, links=diagnosis.arm.links * 4)
+    noise = {name: rng.standard_normal((1500, 12)) for name in ("q", "velocity", "measured", "before", "after")}
+    wide = replace(trace, **noise, moves=np.ones((1500, 12), dtype=bool))
+    made = page_of(describe(replace(diagnosis, arm=arm, traces=(wide, wide, wide))))
+    assert len(made) <= 2_000_000
+    assert "2 more logs are not drawn" in Page(made).text
+
+
+def test_figures_hold_what_was_measured():
+    """Measured, before and after over the same time, in N·m."""
+    diagnosis = made_motion()
+    figure = Page(page_of(describe(diagnosis))).figures["torque-1-2"]
+    named = {line["name"]: line for line in figure["data"]}
+    assert list(named) == ["measured", "before", "after"]
+    time = np.array(named["measured"]["x"])
+    trace = diagnosis.traces[0]
+    for name in named:
+        expected = np.interp(time, trace.time, getattr(trace, name)[:, 1])
+        np.testing.assert_allclose(named[name]["y"], expected, atol=0.01)
+    assert figure["layout"]["yaxis"]["title"]["text"] == "N·m"
+
+
+def test_slides_are_told_in_newtons(capsys):
+    """A slide's drive gives a force."""
+    arm = made_arm()
+    arm = replace(arm, joints=(*arm.joints[:2], replace(arm.joints[2], type="prismatic", range=(0.0, 0.5))))
+    diagnosis = made_motion(arm=arm)
+    assert "5.8 N 0.2 N" in on_screen(diagnosis, capsys)
+    assert [item["unit"] for item in motion_json(diagnosis)["per_joint"]] == ["N*m", "N*m", "N"]
+
+
+def test_screen_and_markdown_say_the_same(capsys):
+    """The same figures stand on both; what is detail stands in Markdown alone."""
+    diagnosis = made_motion("alias_class")
+    screen, page = on_screen(diagnosis, capsys), markdown(describe(diagnosis))
+    for said in ("12.5 N·m", "12.3 to 13.7 N·m", "every third stretch of 5 s"):
+        assert said in screen
+        assert said in page
+    assert "exactly alike" in screen
+    assert "2.5 nats less" in screen
+    assert "evidence in nats" in page
+    assert "evidence in nats" not in screen
+
+
+def test_json_by_the_contract():
+    """Figures in N·m by joint; alternatives are what the logs cannot tell, each once and never the finding itself."""
+    diagnosis = made_motion("alias_class")
+    content = json.loads(json_text(motion_json(diagnosis)))
+    assert (content["observes"], content["rms_unit"], content["verdict"]) == ("motion", "N*m", "alias_class")
+    first = content["per_joint"][0]
+    keys = {"joint", "rms_before", "rms_after", "rms_after_held_out", "noise_floor", "share_of_torque"}
+    assert keys <= first.keys()
+    assert first["rms_before"] == pytest.approx(diagnosis.per_joint[0].before)
+    finding = content["missing"][0]
+    assert finding["effect"] == "friction_coulomb"
+    assert finding["at"] == [1]
+    assert finding["parameters"]["torque_1"]["value"] == pytest.approx(9.0)
+    assert finding["parameters"]["torque_1"]["unit"] == "N*m"
+    assert finding["parameters"]["torque_1"]["ci95"] == pytest.approx([8.55, 9.45])
+    assert finding["alternatives"] == [["torque_offset", [1]], ["friction_asymmetry", [1]], ["friction_load", [1]]]
+    assert finding["alternatives_detail"][0]["worse_nats"] == 0.0
+    assert finding["evidence_nats"] == 420.0
+    assert content["unknown"] is None
+    assert content["rejected_rows"] == [7]
+
+
+def test_json_of_the_unknown():
+    """Where it sits and on what it depends."""
+    content = motion_json(made_motion("unknown"))
+    assert content["unknown"]["joints"] == [3]
+    assert content["unknown"]["depends_on"] == ["q3", "speed"]
+    assert content["where"]["depends_on"] == ["q3", "speed"]
+    assert content["where"]["joint"] == 2
+
+
+def test_a_broken_promise_is_told(capsys):
+    """A written arm that leaves more than the fit promises."""
+    kept = made_motion(written=WrittenArm(0.2, 0.2, ()))
+    assert "Warning" not in on_screen(kept, capsys)
+    broken = made_motion(written=WrittenArm(1.4, 0.2, ()))
+    text = "leaves 1.4 N·m RMS where the fit promises 0.2 N·m."
+    assert text in on_screen(broken, capsys)
+
+
+def test_several_logs_are_told_apart(capsys):
+    """Each log's own figures; rows with the file they stand in."""
+    made = made_motion()
+    other = replace(made.logs[0], file="loaded.csv", rejected=())
+    of_logs = (made.of_logs[0], replace(made.of_logs[0], name="loaded.csv", file="loaded.csv", rejected=()))
+    diagnosis = replace(made, logs=(made.logs[0], other), of_logs=of_logs)
+    screen = on_screen(diagnosis, capsys)
+    assert "Row 7 of log.csv is set aside" in screen
+    content = motion_json(diagnosis)
+    assert [item["name"] for item in content["logs"]] == ["log.csv", "loaded.csv"]
+    assert content["rejected_rows_detail"] == [{"log": "log.csv", "row": 7, "reason": "torque 2 is 1e282 N*m"}]
+
+
+def test_currents_without_constants_are_a_warning(capsys):
+    """What is given in N·m is in A then; the first thing to do is to write them down."""
+    made = made_motion()
+    currents = replace(made, logs=(replace(made.logs[0], torque_constants_free=True),))
+    assert "WARNING: Nobody says the torque constants of log.csv" in on_screen(currents, capsys)
+    assert to_do(currents)[0].startswith("Write the torque constants into recording.yaml")
+    assert "WARNING" not in on_screen(made, capsys)
+
+
+def test_a_joint_that_stood_still_is_told(capsys):
+    """No figure is given of it on the page, the screen or in JSON, and the joint where most is left is another."""
+    made, nan = made_motion(), float("nan")
+    still = replace(made.per_joint[0], before=nan, after=nan, held_out=nan, floor=nan, share=nan)
+    diagnosis = replace(made, per_joint=(still, *made.per_joint[1:]))
+    assert re.search(r"1 (– ){5}stood still", on_screen(diagnosis, capsys))
+    assert "joint 1: stood still" in page_of(describe(diagnosis))
+    assert not re.search(r"\bnan\b", markdown(describe(diagnosis)))
+    content = json.loads(json_text(motion_json(diagnosis)))
+    assert content["per_joint"][0]["rms_before"] is None
+    assert content["where"]["joint"] == 2
+    too_little = replace(made, per_joint=tuple(replace(still, joint=item.joint) for item in made.per_joint))
+    assert "still" not in on_screen(too_little, capsys)
+
+
+def test_a_motion_that_reads_back_otherwise_is_told():
+    """Digits that a file does not hold are no difference; a figure that is lost is one, as is another number of
+    samples."""
+    meant = made_log()
+    rounded = replace(meant, torque=meant.torque * (1.0 + 1e-7))
+    assert not list(unlike_arrays(meant, rounded, "time", "q", "torque"))
+    torque = meant.torque.copy()
+    torque[3, 1] = np.nan
+    assert list(unlike_arrays(meant, replace(meant, torque=torque), "q", "torque")) == ["another torque"]
+    assert list(unlike_arrays(meant, replace(meant, time=meant.time[1:]), "time", "q")) == ["another time"]
