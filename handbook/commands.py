@@ -27,26 +27,28 @@ def command_pages() -> dict[str, str]:
 
 def _page(name: str, command: Any) -> str:
     lines = [f"# {PROGRAM} {name}", "", *_described(f"{PROGRAM} {name}", command)]
-    for each in getattr(command, "commands", {}).values():
-        lines += [f"## {PROGRAM} {name} {each.name}", "", *_described(f"{PROGRAM} {name} {each.name}", each)]
+    for item in getattr(command, "commands", {}).values():
+        lines += [f"## {PROGRAM} {name} {item.name}", "", *_described(f"{PROGRAM} {name} {item.name}", item)]
     return "\n".join(lines)
 
 
 def _described(called: str, command: Any) -> list[str]:
     """Help, how it is called, arguments and options."""
     lines = [*_help(command.help or ""), ""]
-    arguments = [each for each in command.params if each.param_type_name == "argument"]
-    options = [each for each in command.params if each.param_type_name == "option" and not each.hidden]
+    arguments = [param for param in command.params if param.param_type_name == "argument"]
+    options = [param for param in command.params if param.param_type_name == "option" and not param.hidden]
     if getattr(command, "commands", None):
         return [*lines, "```", f"{called} COMMAND ...", "```", ""]
-    words = [_argument(each) for each in arguments]
+    words = [_argument(argument) for argument in arguments]
     lines += ["```", " ".join([called, *words, *(["[OPTIONS]"] if options else [])]), "```", ""]
     if arguments:
         lines += ["| argument | |", "|---|---|"]
-        lines += [f"| `{_cell(_argument(each))}` | {_cell(each.help or '')} |" for each in arguments] + [""]
+        lines += [f"| `{_cell(_argument(argument))}` | {_cell(argument.help or '')} |" for argument in arguments] + [""]
     if options:
         lines += ["| option | | default |", "|---|---|---|"]
-        lines += [f"| `{_cell(_option(each))}` | {_cell(each.help or '')} | {_default(each)} |" for each in options]
+        lines += [
+            f"| `{_cell(_option(option))}` | {_cell(option.help or '')} | {_default(option)} |" for option in options
+        ]
         lines.append("")
     return lines
 

@@ -22,7 +22,8 @@ of the displacement and not its size.
 
 With u_i along link i, n_i along its section's height, o_i joint i, p the tip, J_i = axis_i x (p - o_i) (along a slide:
 its axis), tau_i the load on drive i, F, M, w a link's end force, end moment and weight per length, s_i the side that
-the joint came from, dT_i the warming above 20 degC.
+the joint came from, dT_i the warming above 20 degC; of a motion q_i, q'_i, q''_i, and tau_i the torque of drive i,
+positive towards increasing q_i. What is said "of a motion" shows in the torques of a moving arm, and in no tip.
 """
 
 
@@ -30,8 +31,10 @@ def effect_page() -> str:
     """The page, Markdown: a part for each cause, its effects with their formulas and parameters."""
     lines = [START]
     for cause in dict.fromkeys(effect.cause for effect in lw.effects.values()):
-        lines += [f"## {cause.capitalize()}", "", "| effect | moves the tip by | parameters |", "|---|---|---|"]
-        lines += [_row(effect) for effect in lw.effects.values() if effect.cause == cause]
+        those = [effect for effect in lw.effects.values() if effect.cause == cause]
+        does = "moves the tip by" if any(effect.moves_tip for effect in those) else "adds to the torque of a motion"
+        lines += [f"## {cause.capitalize()}", "", f"| effect | {does} | parameters |", "|---|---|---|"]
+        lines += [_row(effect) for effect in those]
         lines.append("")
     return "\n".join(lines)
 
@@ -43,7 +46,7 @@ def _row(effect: Effect) -> str:
         effect.formula,
         "<br>".join(_parameters(effect)),
     ]
-    return f"| {' | '.join(_cell(each) for each in text)} |"
+    return f"| {' | '.join(_cell(item) for item in text)} |"
 
 
 def _cell(text: str) -> str:

@@ -12,6 +12,7 @@ from mkdocs.structure.pages import Page
 
 from handbook.commands import command_pages
 from handbook.examples import example_pages
+from handbook.gallery import page as gallery_page
 from handbook.links import relinked
 from handbook.notebooks import notebook_pages
 from handbook.python_face import python_pages
@@ -35,6 +36,7 @@ def on_files(files: Files, config: MkDocsConfig) -> Files:
     """Add the pages that are made, the files to download and the style."""
     sources = sources_here()
     pages = {**command_pages(), **python_pages(), **example_pages(sources), **notebook_pages(sources.notebooks)}
+    pages["gallery.md"] = gallery_page()
     for source, page in sources.pages.items():
         if not source.startswith((f"{DOCS}/", "examples/")):
             pages[page] = relinked((ROOT / source).read_text(encoding="utf-8"), source, page, sources.place)

@@ -20,12 +20,14 @@ def relinked(text: str, source: str, page: str, place: Callable[[str], str | Non
     """
     home, target_home = posixpath.dirname(source), posixpath.dirname(page)
 
-    def target(found: re.Match[str]) -> str:
-        path = posixpath.normpath(posixpath.join(home, found[2]))
+    def target(result: re.Match[str]) -> str:
+        path = posixpath.normpath(posixpath.join(home, result[2]))
         there = place(path)
         if there is None:
-            return found[0]
-        return found[1] + os.path.relpath(there, target_home or ".").replace(os.sep, "/") + (found[3] or "") + found[4]
+            return result[0]
+        return (
+            result[1] + os.path.relpath(there, target_home or ".").replace(os.sep, "/") + (result[3] or "") + result[4]
+        )
 
     lines: list[str] = []
     inside = False

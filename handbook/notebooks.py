@@ -10,6 +10,8 @@ import base64
 import io
 import re
 import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -24,7 +26,8 @@ from .sources import NOTEBOOKS, ROOT
 
 MOST_SECONDS = 900
 WIDTH, HEIGHT = 900, 480
-DRAW = "([data, layout]) => Plotly.newPlot('plot', data, layout, {staticPlot: true})"
+DRAW = "([data, layout]) => Plotly.newPlot('plot', data, layout, {displayModeBar: false})"
+"""A static plot would leave out what is drawn in space."""
 _PLOT = "application/vnd.plotly.v1+json"
 _TAGS = re.compile(r"<[^>]*>")
 _STYLE = re.compile(r"<style.*?</style>", re.DOTALL)
@@ -44,7 +47,11 @@ def executed(path: Path, *further: str) -> Any:
 
 def shown(outputs: list[Any]) -> list[Any]:
     """What of a cell's outputs is for readers: neither bars of progress nor complaints."""
-    return [each for each in outputs if each.get("name") != "stderr" and _says(each.get("data", {"text/plain": "-"}))]
+    return [
+        output
+        for output in outputs
+        if output.get("name") != "stderr" and _says(output.get("data", {"text/plain": "-"}))
+    ]
 
 
 def _says(data: dict[str, Any]) -> bool:
@@ -91,23 +98,33 @@ def _output(output: Any) -> str:
 
 def with_pictures(notebook: Any) -> Any:
     """The notebook with a picture in the place of each plot."""
-    own = next((path for path in CHROMIUM if Path(path).exists()), None)
-    with sync_playwright() as play:
-        browser = play.chromium.launch(executable_path=own, args=["--no-sandbox"])
-        page = browser.new_page(viewport={"width": WIDTH, "height": HEIGHT})
-        page.set_content("<body style='margin:0'><div id='plot'></div></body>")
-        page.add_script_tag(content=get_plotlyjs())
+    with photographer(WIDTH, HEIGHT) as photograph:
         for cell in notebook.cells:
             if cell.cell_type == "code":
                 cell.outputs = shown(cell.outputs)
             for output in cell.get("outputs", ()):
                 plot = output.get("data", {}).pop(_PLOT, None)
                 if plot:
-                    layout = {**plot["layout"], "width": WIDTH, "height": HEIGHT}
-                    page.evaluate(DRAW, [plot["data"], layout])
-                    output.data = {"image/png": _small(page.locator("#plot").screenshot()), "text/plain": "<Figure>"}
-        browser.close()
+                    output.data = {"image/png": _small(photograph(plot)), "text/plain": "<Figure>"}
     return notebook
+
+
+@contextmanager
+def photographer(width: int, height: int) -> Iterator[Callable[[Any], bytes]]:
+    """What makes a PNG of `width` by `height` pixels of a plotly figure (`data`, `layout`), with Chromium."""
+    own = next((path for path in CHROMIUM if Path(path).exists()), None)
+    with sync_playwright() as play:
+        browser = play.chromium.launch(executable_path=own, args=["--no-sandbox"])
+        page = browser.new_page(viewport={"width": width, "height": height})
+        page.set_content("<body style='margin:0'><div id='plot'></div></body>")
+        page.add_script_tag(content=get_plotlyjs())
+
+        def photograph(plot: Any) -> bytes:
+            page.evaluate(DRAW, [plot["data"], {**plot["layout"], "width": width, "height": height}])
+            return page.locator("#plot").screenshot()
+
+        yield photograph
+        browser.close()
 
 
 def _small(png: bytes) -> str:

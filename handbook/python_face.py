@@ -19,25 +19,25 @@ def homes() -> dict[str, list[str]]:
     for name in lw.__all__:
         home = next(module for module, names in lw.HOMES.items() if name in names)
         found.setdefault(home, []).append(name)
-    return dict(sorted(found.items(), key=lambda each: each[1][0].lower()))
+    return dict(sorted(found.items(), key=lambda item: item[1][0].lower()))
 
 
 def results(names: list[str]) -> Iterator[str]:
     """Where the results stand that functions of these names give."""
     for package in (linkwright.face, linkwright.paper):
-        for each in pkgutil.walk_packages(package.__path__, f"{package.__name__}."):
-            import_module(each.name)
+        for walk_package in pkgutil.walk_packages(package.__path__, f"{package.__name__}."):
+            import_module(walk_package.name)
     known = {kind.__name__: f"{kind.__module__}.{kind.__name__}" for kind in _kinds(Result)}
     for name in names:
         given = getattr(getattr(lw, name), "__annotations__", {}).get("return")
-        if given in known:
-            yield known[given]
+        if isinstance(given, str):
+            yield from (known[item] for item in given.split(" | ") if item in known)
 
 
 def _kinds(kind: type) -> Iterator[type]:
-    for each in kind.__subclasses__():
-        yield each
-        yield from _kinds(each)
+    for subclass in kind.__subclasses__():
+        yield subclass
+        yield from _kinds(subclass)
 
 
 def python_pages() -> dict[str, str]:
@@ -51,7 +51,7 @@ def python_pages() -> dict[str, str]:
             parts += [f"::: {place}", ""]
         pages[f"python/{page}"] = "\n".join(parts)
         rows += [f"| [`lw.{name}`]({page}) | {first_sentence(getattr(lw, name))} |" for name in names]
-    common = [f"::: {each.__module__}.{each.__name__}" for each in (Result, Reported)]
+    common = [f"::: {item.__module__}.{item.__name__}" for item in (Result, Reported)]
     pages["python/results.md"] = "\n\n".join(["# What results have in common", *common, ""])
     start = [
         "# The Python face",

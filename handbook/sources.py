@@ -9,7 +9,7 @@ from functools import cache
 from pathlib import Path, PurePosixPath
 
 ROOT = Path(__file__).resolve().parents[1]
-DOCS, EXAMPLES, NOTEBOOKS = "docs", "examples", "examples/notebooks"
+DOCS, EXAMPLES, NOTEBOOKS, GALLERY = "docs", "examples", "examples/notebooks", "examples/gallery"
 SINGLE = (
     ("README.md", "index.md"),
     ("CHANGELOG.md", "changelog.md"),
@@ -66,6 +66,9 @@ def read_sources(files: list[str]) -> Sources:
         elif path.is_relative_to(NOTEBOOKS):
             if path.suffix == ".ipynb":
                 notebooks[name] = f"notebooks/{path.stem}.md"
+        elif path.is_relative_to(GALLERY):
+            beside = str(path.relative_to(EXAMPLES))
+            (pages if path.suffix == ".md" else downloads)[name] = "gallery.md" if path.suffix == ".md" else beside
         elif path.is_relative_to(EXAMPLES):
             folder = "/".join(path.parts[:2])
             examples[folder] = f"{folder}.md"

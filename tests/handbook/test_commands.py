@@ -21,11 +21,11 @@ from linkwright.command_line import COMMANDS, command_line
 from tests.costs import slow_but
 from tests.handbook.pages import PAGES, Shown, shown, spoken, told
 
-ALL = [each for page in PAGES for each in shown(page)]
+ALL = [item for page in PAGES for item in shown(page)]
 
 
 OPTIONS = {
-    option for each in typer.main.get_command(command_line()).params for option in (*each.opts, *each.secondary_opts)
+    option for param in typer.main.get_command(command_line()).params for option in (*param.opts, *param.secondary_opts)
 }
 """What stands before any command."""
 
@@ -41,7 +41,7 @@ def parsed(words):
 def test_commands_are_found():
     """The checks below would pass on none."""
     assert len(ALL) > 50
-    assert {each.words[0] for each in ALL} > {"evaluate", "optimize", "diagnose", "materials", "sections", "simulate"}
+    assert {item.words[0] for item in ALL} > {"evaluate", "optimize", "diagnose", "materials", "sections", "simulate"}
 
 
 @pytest.mark.parametrize("each", ALL, ids=str)
@@ -57,8 +57,8 @@ def test_shown_command_parses(each):
 def test_examples_of_the_help_parse(name):
     """They are what `--help` and the reference show."""
     command = command_named(name)
-    for each in [command, *getattr(command, "commands", {}).values()]:
-        text = " ".join((each.help or "").split())
+    for item in [command, *getattr(command, "commands", {}).values()]:
+        text = " ".join((item.help or "").split())
         for example in text.split("Example: linkwright ")[1:]:
             parsed(shlex.split(example))
 
@@ -123,12 +123,12 @@ def followed(page, folder, patch, capsys):
     patch.setenv("XDG_CONFIG_HOME", str(folder))
     own = f"{folder}/linkwright/"  # pages name the files there by themselves
     wrong = []
-    for each in shown(ROOT / page):
-        status = run(each.words)
+    for item in shown(ROOT / page):
+        status = run(item.words)
         printed = capsys.readouterr()
-        assert status in (0, 2), each
-        said = agree(each.printed, status, printed.out.replace(own, ""), printed.err.replace(own, ""))
-        wrong += [f"{each}\n{said}"] if said else []
+        assert status in (0, 2), item
+        said = agree(item.printed, status, printed.out.replace(own, ""), printed.err.replace(own, ""))
+        wrong += [f"{item}\n{said}"] if said else []
     return wrong
 
 
@@ -169,7 +169,9 @@ FOLLOWED = {
     "docs/how-to/recordings.md": "hidden-backlash",
     "docs/start/tutorial.md": "bench-arm",
     "docs/start/six-axis.md": "six-axis",
+    "docs/start/printed-arm.md": "printed-arm",
     "docs/how-to/exchange.md": "",
+    "docs/how-to/motion.md": "motion-log",
     "docs/how-to/design.md": "bench-arm",
     "examples/hobby-arm/README.md": "",
 }
@@ -188,9 +190,9 @@ ELSEWHERE = {
 
 def test_every_shown_command_runs_or_is_left_out_by_name():
     """A new page is followed, run elsewhere, or its commands stand above with why; what is gone goes from there too."""
-    pages = {str(each.page.relative_to(ROOT)) for each in ALL if str(each) not in NOT_RUN}
+    pages = {str(item.page.relative_to(ROOT)) for item in ALL if str(item) not in NOT_RUN}
     assert pages == {*FOLLOWED, *ELSEWHERE}
-    assert set(NOT_RUN) <= {str(each) for each in ALL}
+    assert set(NOT_RUN) <= {str(item) for item in ALL}
     assert len(NOT_RUN) == 5
     assert all((ROOT / test).exists() for test in ELSEWHERE.values())
     assert "not part of the project" in (ROOT / "docs" / "real-machines.md").read_text(encoding="utf-8")
@@ -219,24 +221,24 @@ def test_pages_print_what_they_show(page, tmp_path, monkeypatch, capsys):
     for name in ("LINKWRIGHT_CATALOGUE", "LINKWRIGHT_SECTIONS", "LINKWRIGHT_ACTUATORS"):
         monkeypatch.delenv(name, raising=False)
     wrong = []
-    for each in shown(ROOT / page):
-        if str(each) in NOT_RUN:
+    for item in shown(ROOT / page):
+        if str(item) in NOT_RUN:
             continue
-        if each.words[0] == "watch":
-            dated([word for word in each.words if word.endswith(".csv")])
-        if "jumped.csv" in each.words:
+        if item.words[0] == "watch":
+            dated([word for word in item.words if word.endswith(".csv")])
+        if "jumped.csv" in item.words:
             jumped()
-        assert run(each.words) == 0, each
+        assert run(item.words) == 0, item
         printed = capsys.readouterr()
-        shown_lines = [line.removeprefix("# ") for line in each.printed]
+        shown_lines = [line.removeprefix("# ") for line in item.printed]
         out = (printed.err + printed.out).replace(f"{tmp_path}/linkwright/", "")  # pages name files there as they are
-        wrong += [f"{each}: {part}" for part in told(shown_lines, out)]
+        wrong += [f"{item}: {part}" for part in told(shown_lines, out)]
     assert wrong == []
 
 
 def test_what_stays_is_run_until_it_is_told_to_end(tmp_path):
     """`serve ... --open` of the page, at a free port: the browser that is opened finds the pages there."""
-    typed = next(each for each in shown(ROOT / "docs" / "how-to" / "browser.md") if each.words[0] == "serve")
+    typed = next(item for item in shown(ROOT / "docs" / "how-to" / "browser.md") if item.words[0] == "serve")
     assert str(typed) in NOT_RUN
     (tmp_path / "designs").mkdir()
     browser = tmp_path / "browser"
