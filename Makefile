@@ -12,7 +12,7 @@ PIP_INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-check
 PIP_COMPILE := $(BIN)/python -m piptools compile --quiet --generate-hashes --allow-unsafe --strip-extras \
 	--no-header --no-emit-index-url --no-emit-trusted-host --no-emit-find-links
 
-.PHONY: help demo pictures picture-reports test test-fast test-all lint benchmark results problems proof proof-sample proof-docs proof-multibody rules-docs effects-docs fuzz docs notebooks lock clean
+.PHONY: help demo pictures picture-reports test test-fast test-all lint benchmark results problems proof proof-sample proof-docs proof-multibody motion-proof motion-proof-sample motion-real rules-docs effects-docs fuzz docs notebooks gallery lock clean
 .DELETE_ON_ERROR:
 
 help:
@@ -30,11 +30,15 @@ help:
 	@echo "make proof-sample  a seeded sample of it, with bounds that must hold"
 	@echo "make proof-docs docs/proof.md from what make proof left (PROOF_DISCLOSED=... PROOF_SEALED=...: folders of cases)"
 	@echo "make proof-multibody  the diagnosis on arms of a multibody engine (PROOF_CASES=600 PROOF_HALF=development or proof; hours)"
+	@echo "make motion-proof  the diagnosis on motion logs of MuJoCo arms (PROOF_CASES=300 PROOF_HALF=development or proof; hours)"
+	@echo "make motion-proof-sample  twenty of them, some minutes"
+	@echo "make motion-real  a UR10e and a Panda, where their logs are (LINKWRIGHT_DATA=..., MOTION_URDF=folder of ur10e.urdf and panda.urdf)"
 	@echo "make rules-docs docs/rules.md from the rules of the diagnosis"
 	@echo "make effects-docs docs/effects.md from the effects"
 	@echo "make fuzz       odd files of every kind, each read or refused in one line (FUZZ_INPUTS=100000 FUZZ_SEED=1; an hour)"
 	@echo "make docs       the site of the docs, commands and Python face, in build/handbook; fails on a broken link"
 	@echo "make notebooks  run examples/notebooks and store what they print and draw, with Chromium"
+	@echo "make gallery    run examples/gallery and store what its scripts draw and print, with Chromium"
 	@echo "make lock       pin the dependencies anew (LOCK_ARGS=--upgrade takes the newest)"
 	@echo "make clean      remove what these targets made, the virtual environment included"
 
@@ -172,6 +176,20 @@ proof-multibody: $(DEV)
 	$(ONE_THREAD) $(BIN)/python -m benchmarks.multibody run $(PROOF_OUT) --answers $(PROOF_OUT)-answers --jobs $(PROOF_JOBS)
 	$(BIN)/python -m benchmarks.multibody score $(PROOF_OUT) --answers $(PROOF_OUT)-answers --json $(PROOF_OUT).json
 
+# Motion logs: the same order of things, with a generator of their own.
+motion-proof: PROOF_CASES = 300
+motion-proof-sample: PROOF_CASES = 20
+motion-proof motion-proof-sample: PROOF_HALF = development
+motion-proof motion-proof-sample: PROOF_OUT = proof-out-motion-$(PROOF_CASES)-$(PROOF_HALF)-$(PROOF_SEED)
+motion-proof motion-proof-sample: $(DEV)
+	test -f $(PROOF_OUT)/seal.txt || $(BIN)/python -m benchmarks.motion make --cases $(PROOF_CASES) --seed $(PROOF_SEED) --half $(PROOF_HALF) --out $(PROOF_OUT) --jobs $(PROOF_JOBS)
+	$(ONE_THREAD) $(BIN)/python -m benchmarks.motion run $(PROOF_OUT) --answers $(PROOF_OUT)-answers --jobs $(PROOF_JOBS)
+	$(BIN)/python -m benchmarks.motion score $(PROOF_OUT) --answers $(PROOF_OUT)-answers --json $(PROOF_OUT).json
+
+MOTION_URDF ?=
+motion-real: $(DEV)
+	@$(ONE_THREAD) $(BIN)/python -m benchmarks.real.logs $(if $(MOTION_URDF),--urdf $(MOTION_URDF))
+
 rules-docs: $(DEV)
 	$(BIN)/python -m benchmarks.rules docs/rules.md
 
@@ -188,6 +206,9 @@ fuzz: $(DEV)
 notebooks: $(DEV)
 	@PLOTLY_RENDERER=plotly_mimetype $(ONE_THREAD) $(BIN)/python -m handbook.notebooks
 
+gallery: $(DEV)
+	$(ONE_THREAD) $(BIN)/python -m handbook.gallery
+
 # Fetches nothing; a warning fails it (told to be quiet it would count none). The pages and their search work from the disk.
 docs: $(DEV)
 	@NO_MKDOCS_2_WARNING=1 $(ONE_THREAD) $(BIN)/python -m mkdocs build --strict
@@ -200,7 +221,7 @@ lock:
 		|| { echo "make lock needs pip-tools: run make test first, or $(BIN)/pip install pip-tools" >&2; exit 1; }
 	$(PIP_COMPILE) $(LOCK_ARGS) --all-build-deps --extra browser --extra dxf --output-file requirements.lock pyproject.toml
 	$(BIN)/python -c 'import tomllib; print(*tomllib.load(open("pyproject.toml", "rb"))["dependency-groups"]["dev"], sep="\n")' \
-		| $(PIP_COMPILE) $(LOCK_ARGS) --extra browser --extra dxf --extra parquet --extra step --constraint requirements.lock \
+		| $(PIP_COMPILE) $(LOCK_ARGS) --extra browser --extra dxf --extra logs --extra parquet --extra step --constraint requirements.lock \
 			--output-file requirements-dev.lock pyproject.toml -
 	@touch requirements.lock requirements-dev.lock
 

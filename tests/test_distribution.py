@@ -76,7 +76,7 @@ def built(tmp_path_factory: pytest.TempPathFactory) -> Built:
         copy = tree / path.relative_to(ROOT)
         copy.parent.mkdir(parents=True, exist_ok=True)
         copy.write_bytes(path.read_bytes())
-    for link in (each for each in CORE.iterdir() if each.is_symlink()):
+    for link in (item for item in CORE.iterdir() if item.is_symlink()):
         (tree / link.relative_to(ROOT)).symlink_to(link.readlink())
     # Told of neither, `build` makes the wheel from the sdist: a file missing there is missing in both.
     must([sys.executable, "-m", "build", "--no-isolation", "--outdir", str(place / "dist"), str(tree)], place)
@@ -141,12 +141,13 @@ def test_sdist_holds_what_a_build_needs(built):
 
 
 def test_what_is_an_extra_says_the_line_to_type(tmp_path):
-    """Without NiceGUI and ezdxf all else works, and their commands say how to get them."""
+    """Without NiceGUI and ezdxf all else works, and their commands say how to get them: by the packages' own names,
+    which an index has wherever this program came from."""
     arm = tmp_path / "arm.yaml"
     arm.write_text(ARM, encoding="utf-8")
     for missing, command, line in (
-        ("nicegui", ["serve", "."], "pip install 'linkwright[browser]'"),
-        ("ezdxf", ["export", str(arm), "--to", "dxf", "--out", "a.dxf"], "pip install 'linkwright[dxf]'"),
+        ("nicegui", ["serve", "."], "pip install 'nicegui<4,>=3.5'"),
+        ("ezdxf", ["export", str(arm), "--to", "dxf", "--out", "a.dxf"], "pip install 'ezdxf<2,>=1.3'"),
     ):
         ask = f"import sys; sys.modules[{missing!r}] = None; from linkwright.cli import main; main({command!r})"
         environment = {**os.environ, "PYTHONPATH": str(ROOT)}
@@ -294,7 +295,7 @@ def with_cable_drag(installed: Installed, tmp_path_factory: pytest.TempPathFacto
 def test_an_installed_package_brings_its_effect(installed, tmp_path):
     """It is listed with those that are shipped, and keeps their contract."""
     answer(installed, tmp_path, "linkwright", "effects", "list", "--json", "effects.json")
-    listed = [each["id"] for each in json.loads((tmp_path / "effects.json").read_text(encoding="utf-8"))["effects"]]
+    listed = [load["id"] for load in json.loads((tmp_path / "effects.json").read_text(encoding="utf-8"))["effects"]]
     assert "joint_compliance" in listed
     assert listed[-1] == "cable_drag"
     ask = "import linkwright as lw; lw.effects.check(lw.effects['cable_drag'])"
@@ -312,6 +313,6 @@ def test_an_installed_effect_is_simulated_and_named(installed, with_cable_drag, 
     answer(installed, tmp_path, "linkwright", "diagnose", arm, str(recording), "--json", "result.json")
     result = (tmp_path / "result.json").read_text(encoding="utf-8")
     missing = json.loads(result)["missing"]
-    assert [(each["effect"], each["at"]) for each in missing] == [("cable_drag", [3])]
+    assert [(item["effect"], item["at"]) for item in missing] == [("cable_drag", [3])]
     low, high = missing[0]["parameters"]["pull_3"]["ci95"]
     assert low < 60.0 < high

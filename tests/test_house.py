@@ -89,7 +89,7 @@ def syntax(source: str) -> ast.Module:
 
 def imported(name: str, source: str, is_package: bool, modules: set[str], *, at_load: bool) -> set[str]:
     """Those of `modules` that the module imports; with `at_load`, only while it is loaded itself."""
-    found: set[str] = set()
+    results: set[str] = set()
     for node in _import_statements(syntax(source), at_load=at_load):
         if isinstance(node, ast.Import):
             candidates = [alias.name for alias in node.names]
@@ -107,8 +107,8 @@ def imported(name: str, source: str, is_package: bool, modules: set[str], *, at_
             while candidate and candidate not in modules:
                 candidate = candidate.rpartition(".")[0]
             if candidate:
-                found.add(candidate)
-    return found - {name}
+                results.add(candidate)
+    return results - {name}
 
 
 def _import_statements(tree: ast.AST, *, at_load: bool) -> Iterator[ast.Import | ast.ImportFrom]:
@@ -176,7 +176,7 @@ def mutable_state(source: str) -> list[str]:
     a `registries.Registry`, which owns its entries and says what may be added. `__all__` is what the language asks for.
     """
     tree = syntax(source)
-    found = []
+    results = []
     for node in tree.body:
         if isinstance(node, ast.Assign):
             targets, value = node.targets, node.value
@@ -187,11 +187,11 @@ def mutable_state(source: str) -> list[str]:
         names = ", ".join(ast.unparse(target) for target in targets)
         makes = isinstance(value, ast.Call) and ast.unparse(value.func).rpartition(".")[2] in MUTABLE_MAKERS
         if names != "__all__" and (isinstance(value, MUTABLE_DISPLAYS) or makes):
-            found.append(f"line {node.lineno}: {names} can be changed")
-    found += [
+            results.append(f"line {node.lineno}: {names} can be changed")
+    results += [
         f"line {node.lineno}: global {', '.join(node.names)}" for node in ast.walk(tree) if isinstance(node, ast.Global)
     ]
-    return found
+    return results
 
 
 def swallowed_errors(source: str) -> list[int]:
@@ -207,7 +207,16 @@ def swallowed_errors(source: str) -> list[int]:
 
 
 # Words that name other things too: keys of joints and arms, ranges of a problem, a material's figure.
-OTHER_MEANINGS = {"backlash", "clearance", "payload", "link_length", "thermal_expansion"}
+OTHER_MEANINGS = {
+    "armature",
+    "backlash",
+    "clearance",
+    "link_length",
+    "payload",
+    "spring",
+    "thermal_expansion",
+    "torque_constant",
+}
 SPEAKS_OF_EFFECTS = re.compile(r"effect|candidate|leave_out|signature", re.IGNORECASE)
 
 
@@ -217,14 +226,14 @@ def named_effects(source: str, ids: set[str]) -> list[str]:
     A word with other meanings counts where the line's expression speaks of effects.
     """
     tree = syntax(source)
-    found = []
+    results = []
     for node in ast.walk(tree):
         for child in ast.iter_child_nodes(node):
             if isinstance(child, ast.Constant) and isinstance(child.value, str) and child.value in ids:
                 about = ast.unparse(node).replace(f"'{child.value}'", "")
                 if child.value not in OTHER_MEANINGS or SPEAKS_OF_EFFECTS.search(about):
-                    found.append(f"line {child.lineno}: {child.value}")
-    return found
+                    results.append(f"line {child.lineno}: {child.value}")
+    return results
 
 
 # The paper's own model leaves effects out and adds others, as anybody's arm file does.
@@ -308,53 +317,53 @@ def test_no_cycle_between_modules():
 def test_package_code_imports_nothing_of_tests_or_benchmarks():
     """They are not installed."""
     strangers = {"tests", "benchmarks"}
-    found = {
+    results = {
         name: used
         for name, path in MODULES.items()
         if (used := imported(name, path.read_text(encoding="utf-8"), False, strangers, at_load=False))
     }
-    assert found == {}
+    assert results == {}
 
 
 def test_no_module_keeps_state():
     """What a run learns belongs to its objects; a module-level container is shared by all."""
-    found = {
+    results = {
         name: lines for name, path in MODULES.items() if (lines := mutable_state(path.read_text(encoding="utf-8")))
     }
-    assert found == {}
+    assert results == {}
 
 
 def test_no_handler_takes_any_error():
     """Also in tests and benchmarks: an error that nobody expected must be seen."""
-    found = {
+    results = {
         str(path.relative_to(ROOT)): lines
         for path in tracked_files()
         if path.suffix == ".py" and (lines := swallowed_errors(path.read_text(encoding="utf-8")))
     }
-    assert found == {}
+    assert results == {}
 
 
 def test_no_code_names_an_effect():
     """But for the effect's own file; `aliases` there name others."""
     shipped = {effect.id for effect in EFFECTS.values()}
-    found = {
+    results = {
         name: lines
         for name, path in MODULES.items()
         if path.stem not in shipped
         and not path.is_relative_to(NAMES_EFFECTS)
         and (lines := named_effects(path.read_text(encoding="utf-8"), shipped))
     }
-    assert found == {}
+    assert results == {}
 
 
 def test_no_file_names_a_machine_or_a_registry():
     """A clone works anywhere; where packages come from is for whoever installs to say."""
-    found = {
+    results = {
         str(path.relative_to(ROOT)): hits
         for path in tracked_files()
         if path.suffix not in NOT_TEXT and (hits := machine_names(path.read_text(encoding="utf-8")))
     }
-    assert found == {}
+    assert results == {}
 
 
 # The checks checked: each must find what it is there to find.
@@ -407,13 +416,13 @@ def test_upward_uses_are_found():
 def test_the_rooms_are_imported_by_one_name():
     """As `linkwright.core.arm`, never as `arm`: anybody's `arm.py` may stand beside a script."""
     rooms = set(MAY_USE) - {"linkwright"}
-    assert {each.name for each in CORE.iterdir() if (each / "__init__.py").is_file()} == rooms
-    found = {
+    assert {item.name for item in CORE.iterdir() if (item / "__init__.py").is_file()} == rooms
+    results = {
         str(path.relative_to(ROOT)): bare
         for path in tracked_files()
         if path.suffix == ".py" and (bare := imported(*asked(path), rooms, at_load=False))
     }
-    assert found == {}
+    assert results == {}
 
 
 def test_cycles_are_found():
