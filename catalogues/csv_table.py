@@ -73,7 +73,7 @@ class Cells:
 
 def read_cells(path: Path | str) -> Cells:
     """The cells of a table. Raises `InputError`."""
-    text = workbook_text(path) if is_workbook(path) else read_text(path)
+    text = workbook_text(path, None) if is_workbook(path) else read_text(path)
     reader = csv.DictReader(io.StringIO(text, newline=""), strict=True)
     found: list[tuple[str, dict[str, str] | None]] = []
     try:

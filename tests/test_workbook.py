@@ -55,10 +55,16 @@ def test_cells_as_text(tmp_path: Path):
 def test_which_sheet(tmp_path: Path):
     path = saved(tmp_path / "a.xlsx", ["a", 1], sheets=("May", "June"))
     assert workbook_text(path, "June") == "a,1\n"
-    with pytest.raises(InputError, match=r"has 2 sheets \('?May'?, '?June'?\); `sheet: May` reads one"):
+    with pytest.raises(InputError, match=r"has 2 sheets \('May', 'June'\); write `sheet: May` or `sheet: June` in"):
         workbook_text(path)
     with pytest.raises(InputError, match=r"there is no sheet .*Jun.*June"):
         workbook_text(path, "Jun")
+
+
+def test_a_catalogue_of_several_sheets_asks_for_no_setting(tmp_path: Path):
+    path = saved(tmp_path / "m.xlsx", ["name"], ["our-alloy"], sheets=("May", "June"))
+    with pytest.raises(InputError, match=r"has 2 sheets \('May', 'June'\); leave only the one to be read$"):
+        MATERIALS.read_table(path)
 
 
 def test_materials_from_a_workbook(tmp_path: Path):

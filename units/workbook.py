@@ -50,10 +50,11 @@ def is_workbook(path: Path | str) -> bool:
     return Path(path).suffix.lower() in WORKBOOKS
 
 
-def workbook_text(path: Path | str, sheet: str = "", decimal: str = ".") -> str:
+def workbook_text(path: Path | str, sheet: str | None = "", decimal: str = ".") -> str:
     """The cells of a sheet as comma-separated text, without the blank rows and columns after the last that is filled.
 
-    `sheet` names it; it may be left out where one sheet alone holds anything. Numbers are written with `decimal`, to
+    `sheet` names it; it may be left out where one sheet alone holds anything, and is None where nobody could name it:
+    a table without settings. Numbers are written with `decimal`, to
     the last digit; dates as ISO 8601; a formula counts as what was last computed of it. Raises `InputError`, one line.
     """
     content = read_bytes(path)
@@ -73,7 +74,7 @@ def workbook_text(path: Path | str, sheet: str = "", decimal: str = ".") -> str:
         raise InputError(path, "", f"is no Excel workbook that can be read: {shown(str(error))}") from None
 
 
-def _text_of(path: Path | str, content: bytes, sheet: str, decimal: str) -> str:
+def _text_of(path: Path | str, content: bytes, sheet: str | None, decimal: str) -> str:
     from openpyxl import load_workbook
 
     book: Workbook = load_workbook(io.BytesIO(content), read_only=True, data_only=True)
@@ -84,7 +85,10 @@ def _text_of(path: Path | str, content: bytes, sheet: str, decimal: str) -> str:
     filled = [name for name, rows in tables.items() if rows]
     if len(filled) > 1:
         listed = ", ".join(shown(name, 30) for name in filled[:5])
-        raise refusal(path, "", f"has {len(filled)} sheets ({listed})", *({"sheet": name} for name in filled[:5]))
+        message = f"has {len(filled)} sheets ({listed})"
+        if sheet is None:
+            raise InputError(path, "", f"{message}; leave only the one to be read")
+        raise refusal(path, "", message, *({"sheet": name} for name in filled[:5]))
     if not filled:
         raise InputError(path, "", "has no filled cell")
     stream = io.StringIO(newline="")
