@@ -54,8 +54,8 @@ def workbook_text(path: Path | str, sheet: str | None = "", decimal: str = ".") 
     """The cells of a sheet as comma-separated text, without the blank rows and columns after the last that is filled.
 
     `sheet` names it; it may be left out where one sheet alone holds anything, and is None where nobody could name it:
-    a table without settings. Numbers are written with `decimal`, to
-    the last digit; dates as ISO 8601; a formula counts as what was last computed of it. Raises `InputError`, one line.
+    a table without settings. Numbers are written with `decimal`, to the last digit; dates as ISO 8601; a formula counts
+    as what was last computed of it. Raises `InputError`, one line.
     """
     content = read_bytes(path)
     from openpyxl.utils.exceptions import InvalidFileException
