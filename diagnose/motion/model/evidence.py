@@ -26,8 +26,14 @@ SCALES = (16.0, 4.0, 1.0, 0.25, 0.0625, 0.015625)
 """How large causes are beside the greatest usual size, each as likely as the others: usual sizes are of usual robots,
 and tails are long."""
 
-_MULTIPLES = (1.0, 2.0, 4.0, 8.0, 16.0, 32.0)
-"""How many times the least discrepancy of a joint is tried."""
+_MULTIPLES = (0.0, 1.0, 2.0, 4.0, 8.0, 16.0, 32.0, 64.0)
+"""How many times the least discrepancies are tried for what has no name."""
+
+_SPARING = 1.0
+"""Nats that anything but nothing must gain, as any number does by Akaike's criterion."""
+
+_FREE = 1e3
+"""Usual sizes in a standard deviation of a number that logs alone tell."""
 
 
 @dataclass(frozen=True)
@@ -210,22 +216,41 @@ def unnamed(pool: Candidates, products: Products, weights: Array, named: Array, 
     """The standard deviation (W,) of each column's size beyond the discrepancies of torques `least` (n,) N*m: random
     effects, for causes too small for a name and for what no form of a pattern holds.
 
-    Each joint's torque is the multiple of greatest marginal likelihood (Rasmussen & Williams, sec. 5.4.1), joint after
-    joint. `named` (W, k) are the columns' sizes by a standard deviation of the prior of each number that is named.
+    What each effect does at each place has a variance of its own, for most of them none: that of greatest likelihood
+    (M. E. Tipping & A. C. Faul, Fast marginal likelihood maximisation for sparse Bayesian models, AISTATS 2003),
+    restricted to what the columns `named` (W, k) of the numbers that are fitted leave (H. D. Patterson & R. Thompson,
+    Biometrika 58 (1971) 545, doi:10.1093/biomet/58.3.545).
     """
-    gram, against, _ = products.whole(weights)
+    whole, against, _ = products.whole(weights)
+    unit = discrepancies(pool, products, least)
+    known = np.column_stack((np.diag(unit), _FREE * named))
+    lower = np.linalg.cholesky(known.T @ whole @ known + np.eye(known.shape[1]))
+    mixed = solve_triangular(lower, known.T @ np.column_stack((whole * unit, against)), lower=True)
+    gram = unit[:, None] * whole * unit - mixed[:, :-1].T @ mixed[:, :-1]
+    left = unit * against - mixed[:, :-1].T @ mixed[:, -1]
+    families: dict[tuple[str, tuple[int, ...]], list[int]] = {}
+    for source in pool.sources:
+        families.setdefault((source.effect.id, source.at), []).extend(source.columns.tolist())
+    variance = np.zeros(pool.width)
+    while True:
+        offers = [(*_likelier(gram, left, variance, at), at) for at in families.values()]
+        gain, more, at = max(offers)
+        if gain < 1e-6:  # what rounding leaves
+            return unit * np.sqrt(variance)
+        taken = more * np.linalg.solve(np.eye(len(at)) + more * gram[np.ix_(at, at)], gram[at])
+        gram, left = gram - gram[:, at] @ taken, left - taken.T @ left[at]
+        variance[at] += more
 
-    def likelihood(torque: Array) -> float:
-        spread = np.column_stack((np.diag(discrepancies(pool, products, torque)), named))
-        lower = np.linalg.cholesky(spread.T @ gram @ spread + np.eye(spread.shape[1]))
-        whitened = solve_triangular(lower, spread.T @ against, lower=True)
-        return float(0.5 * whitened @ whitened - np.log(np.diagonal(lower)).sum())
 
-    torque = least
-    for at_joint in np.eye(products.joints, dtype=bool):
-        torque = max((np.where(at_joint, factor * least, torque) for factor in _MULTIPLES), key=likelihood)
-    whole, allowed = (discrepancies(pool, products, each) for each in (torque, least))
-    return np.sqrt(np.maximum(whole**2 - allowed**2, 0.0))
+def _likelier(gram: Array, left: Array, variance: Array, at: Sequence[int]) -> tuple[float, float]:
+    """By how many nats the columns `at` are likelier with the best other variance, and how much more that is."""
+    values, vectors = np.linalg.eigh(gram[np.ix_(at, at)])
+    more = np.square(_MULTIPLES) - variance[at[0]]
+    scaled = 1.0 + more[:, None] * values
+    gains = 0.5 * (more[:, None] * (vectors.T @ left[at]) ** 2 / scaled - np.log(scaled)).sum(axis=1)
+    gains -= np.where(more == 0.0, np.inf, _SPARING * (np.sign(_MULTIPLES) - np.sign(variance[at[0]])))
+    best = int(np.argmax(gains))
+    return float(gains[best]), float(more[best])
 
 
 def system(

@@ -137,7 +137,7 @@ def identify(
         if joints == {joint for m in members if turning[m.group] for joint in _joints(pool, m)}:
             break
     fitted = [*members, *final.system.nuisances]
-    named = final.system.spread[:, final.system.places(fitted)] / np.sqrt(final.system.precision(fitted))
+    named = final.system.spread[:, final.system.places(fitted)]
     return Identified(
         pool,
         tuple(current),
