@@ -97,7 +97,8 @@ def _diagnosed(arm: Arm, recording: Recording, options: Options, hear: Progress)
     searched = _thinned(arm, cleaned, options)
     enough = noise.degrees_of_freedom >= rules.answer.enough_repeats
     known = noise.rms_m if noise.source == "repeats" and enough else None
-    prepared = prepare(about_geometry(observe(arm, searched, rules=rules), options.without), options, known)
+    about_zeros = about_geometry(observe(arm, searched, rules=rules), options.without, known)
+    prepared = prepare(about_zeros, options, known)
     if not isinstance(searched, Several):
         refuse_another_zero(arm, searched, prepared, options, known)
     if not floors and len(prepared.rejected) > rules.fitting.most_outliers * searched.size:

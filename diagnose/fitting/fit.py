@@ -147,16 +147,16 @@ def why_impossible(prepared: Prepared, candidate: Candidate, sizes: Array, error
 def unlikely(prepared: Prepared, fitted: Fit) -> float:
     """By how much sizes beyond the usual make a fit less likely, in units of the criterion: minus twice the log of a
     density that is even up to the largest usual sizes and has a Cauchy's tail beyond, over that of usual ones. Forms,
-    shares and products with unknown weights have no usual size; nor have zeros and lengths, which a file may have wrong
-    by any amount."""
+    shares and products with unknown weights have no usual size; nor have zeros and lengths, frames and tools, which a
+    file may have wrong by any amount."""
     total = 0.0
     for member, sizes in zip(fitted.members, fitted.sizes, strict=True):
         candidate = prepared.pool.groups[member].candidate
         if candidate.outside or candidate.share or len(sizes) != len(candidate.sizes):
             continue
-        if of_one_number(EFFECTS[candidate.effect]):
-            continue
         effect, found = EFFECTS[candidate.effect], candidate.from_slopes(sizes.tolist())
+        if of_one_number(effect) or effect.free_with is not None:
+            continue
         usual = (max(map(abs, parameter_of(effect, name).typical)) for name in candidate.sizes)
         times = sum((value / most) ** 2 for value, most in zip(found, usual, strict=True))
         total += (1.0 + len(sizes)) * math.log(max(1.0, times))

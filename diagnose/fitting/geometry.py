@@ -26,16 +26,20 @@ _STEPS = 12
 _REWEIGHTED = 8
 
 
-def about_geometry(observed: Observed, without: frozenset[str] = frozenset()) -> Observed:
+def about_geometry(
+    observed: Observed, without: frozenset[str] = frozenset(), noise_floor: float | None = None
+) -> Observed:
     """The readings set against the arm with its zeros and lengths as they fit best.
 
     Args:
         observed: The readings against the arm file.
         without: Ids of effects that are out of the question.
+        noise_floor: What repeats of a pose differ by, m; None where there are none.
 
     Returns:
         The same readings, first order taken about those zeros and lengths (`Observed.about`); as they came where first
-        order about the arm file is off by no more than a small part of what zeros and lengths leave.
+        order about the arm file is off by no more than a small part of the noise: of what repeats differ by, or where
+        that is less or there are none, of what zeros and lengths leave.
     """
     others = frozenset(effect.id for effect in EFFECTS.values() if not of_one_number(effect))
     single = [item for item, _ in candidates(observed, without | others) if len(item.at) == 1 and item.only is None]
@@ -43,7 +47,8 @@ def about_geometry(observed: Observed, without: frozenset[str] = frozenset()) ->
     for _ in range(_STEPS if single else 0):
         entries, left = _fitted(now, single)
         change = beyond_first_order(now, entries) - beyond_first_order(now, now.about)
-        if rms_length(change) <= observed.rules.search.motion_matters * left:
+        noise = left if noise_floor is None else min(left, noise_floor)
+        if rms_length(change) <= observed.rules.search.motion_matters * noise:
             break
         now = observed_about(observed, entries, ())
     return now
