@@ -71,16 +71,16 @@ def diagnose(
     Raises `arm.bodies.beams.PropertyNeeded` and the materials' errors where the model lacks a figure that it needs.
     """
     request, tell = options or Options(), progress or silent
-    rules = request.rules.fitting
-    shown = weighed_by_torque(arm, recording, rules=request.rules.residual)
+    rules = request.rules
+    shown = weighed_by_torque(arm, recording, rules=rules.residual)
     arm = arm if shown is None else shown.arm
     if arm.unknown_origins:
         tell("finding the fixed transforms that are free", 0.0)
-    placed = located(arm, recording, rules=request.rules)
+    placed = located(arm, recording, rules=rules)
     diagnosis = _diagnosed(placed, recording, request, tell)
     for _ in range(2 if arm.unknown_origins else 0):
         again = with_origins_of(placed, diagnosis.corrected)
-        if turned_by(placed, again) ** 2 * sum(arm.lengths) <= rules.origin_beyond * diagnosis.rms_after:
+        if turned_by(placed, again) ** 2 * sum(arm.lengths) <= rules.search.motion_matters * diagnosis.rms_after:
             break
         placed = again
         diagnosis = _diagnosed(placed, recording, request, tell)
@@ -95,7 +95,7 @@ def _diagnosed(arm: Arm, recording: Recording, options: Options, hear: Progress)
     recording, noise, cleaned, floors = cleaned_of(arm, recording, rules)
     tell("setting the recording against the model", 0.05)
     searched = _thinned(arm, cleaned, options)
-    enough = noise.degrees_of_freedom >= rules.answer.enough_repeats
+    enough = noise.degrees_of_freedom >= rules.fitting.enough
     known = noise.rms_m if noise.source == "repeats" and enough else None
     about_zeros = about_geometry(observe(arm, searched, rules=rules), options.without, known)
     prepared = prepare(about_zeros, options, known)

@@ -143,7 +143,7 @@ class Conclusion:
             where=Location(
                 joint=self._joint(shares, rows),
                 joint_shares=shares,
-                depends_on=depends_on(depends, rules=self.rules.answer),
+                depends_on=depends_on(depends, rules=self.rules.residual),
                 direction=direction(self.observed, moved),
                 since=None if unknown is None else unknown.since,
                 dependences=depends,

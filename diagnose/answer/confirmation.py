@@ -208,7 +208,7 @@ class Confirmed:
         all is where the workspace has too few parts to judge by."""
         rules, part = self.rules.answer, parts_of_workspace(self.observed)
         kept, held_out = list(range(len(self.members))), hardest(self.held_out)
-        if len(kept) < 2 or int(part.max()) + 1 < rules.least_parts:
+        if len(kept) < 2 or int(part.max()) + 1 < self.rules.fitting.least_parts:
             return []
         most = rules.kept_anyway * self.left(())
         judged = [place for place in kept if self.moved([place]) <= most]

@@ -11,7 +11,7 @@ from linkwright.core.diagnose.patterns.basis import interactions, tip_axes, tip_
 from linkwright.core.diagnose.patterns.pool import orthonormal
 from linkwright.core.diagnose.residual.observed import Observed
 from linkwright.core.diagnose.result import Dependence
-from linkwright.core.diagnose.rules.answer_rules import AnswerRules
+from linkwright.core.diagnose.rules.residual_rules import ResidualRules
 from linkwright.core.diagnose.rules.rules import RULES
 from linkwright.core.diagnose.search.calibrate import p_value, shuffled
 from linkwright.core.sections.numeric import Array
@@ -86,7 +86,7 @@ def dependences(prepared: Prepared, joint: int, rng: np.random.Generator) -> tup
     return tuple(sorted(results, key=lambda result: -result.share)) if total > 0.0 else ()
 
 
-def depends_on(found: Sequence[Dependence], *, rules: AnswerRules = RULES.answer) -> tuple[str, ...]:
+def depends_on(found: Sequence[Dependence], *, rules: ResidualRules = RULES.residual) -> tuple[str, ...]:
     """The covariates beyond doubt, strongest first."""
     return tuple(item.on for item in found if item.p_value <= rules.level and item.share > 0.0)
 

@@ -60,12 +60,12 @@ class Remainder:
         left = rms_length(remainder)
         floor = self.noise.rms_m * looks_quieter(self.observed)
         limit = (self.rules.fitting.far_above if self.names.members else rules.farther) * floor
-        if self.noise.degrees_of_freedom < rules.enough_repeats or left <= limit:
+        if self.noise.degrees_of_freedom < self.rules.fitting.enough or left <= limit:
             return False
-        if self.noise.drift_m is not None and self.noise.drift_degrees_of_freedom >= rules.least_parts:
+        if self.noise.drift_m is not None and self.noise.drift_degrees_of_freedom >= self.rules.fitting.least_parts:
             # As large as scatter may be that came out so small by chance.
             freedom = width * self.noise.drift_degrees_of_freedom
-            scatter = self.noise.drift_m**2 * freedom / float(chi2.ppf(rules.level, freedom))
+            scatter = self.noise.drift_m**2 * freedom / float(chi2.ppf(self.rules.residual.level, freedom))
             lasting = scatter < (1.0 - rules.lasting) * (left**2 - floor**2)
         else:
             # Scatter is everywhere; what sits at a few visits alone is something that happened there.
@@ -97,7 +97,7 @@ class Remainder:
             held_out,
             self.names.prepared.pool.nuisance.shape[1] + shapes + sizes + forms,
             seed=self.names.options.seed,
-            rules=self.rules.answer,
+            rules=self.rules,
             small=small,
         )
 
@@ -183,7 +183,7 @@ class Remainder:
         forms = [self.names.prepared.columns[m] for m in self.names.outside]
         columns = [self.names.prepared.beside, *(term.columns for term in self.names.refit.terms), *forms]
         left, fitted = self.observed.still(self.names.after()), np.concatenate(columns, axis=2)
-        return follows(self.observed, left, fitted, seed=self.names.options.seed, rules=self.rules.answer)
+        return follows(self.observed, left, fitted, seed=self.names.options.seed, rules=self.rules)
 
     def scatter(self) -> float | None:
         """How many times the noise floor what is left scatters by, where that is more than noise and no fault of the

@@ -16,7 +16,7 @@ from linkwright.core.diagnose.recording import Recording
 from linkwright.core.diagnose.residual.observed import rms_length
 from linkwright.core.diagnose.residual.visits import looks_quieter
 from linkwright.core.diagnose.result import Dependence, Form, RejectedForm, Unknown
-from linkwright.core.diagnose.rules.answer_rules import AnswerRules
+from linkwright.core.diagnose.rules.residual_rules import ResidualRules
 from linkwright.core.diagnose.search.naming import Namer
 from linkwright.core.sections.numeric import Array
 
@@ -55,14 +55,16 @@ def describe(
     telling = {form.name: form.share_held_out for form in ranked if form.share_held_out > rules.refuted}
     candidates = [namer.pool.groups[m].candidate for m in largest_first(prepared, whole, outside)]
     # Two that balance each other are large, and one of them alone predicts little.
-    enough = rules.form_leads * max((telling.get(candidate.effect, 0.0) for candidate in candidates), default=0.0)
+    enough = observed.rules.search.rivalling * max(
+        (telling.get(candidate.effect, 0.0) for candidate in candidates), default=0.0
+    )
     won = next(
         (candidate for candidate in candidates if candidate.effect in telling and telling[candidate.effect] >= enough),
         None,
     )
     # Forms that tell nothing of readings they have not seen say neither what it depends on nor since when.
     leading = outside if won is not None else ()
-    on = _depends(namer, leading, dependences, rules)
+    on = _depends(namer, leading, dependences, observed.rules.residual)
     predicted, share = _smooth(namer, known, folds, at)
     return Unknown(
         depends_on=on,
@@ -102,8 +104,8 @@ def _shape(
         left = residual_held_out(observed, [*beside, *(prepared.columns[m] for m in together)], folds, nuisances=1)
         share = 1.0 - float(np.sum(left**2)) / max(total, 1e-300)
     noise = 0.0 if noise_floor is None else observed.rows * (noise_floor * looks_quieter(observed)) ** 2
-    share *= total / max(total - noise, rules.form_leads * total)
-    if share >= rules.form_leads:
+    share *= total / max(total - noise, observed.rules.search.rivalling * total)
+    if share >= observed.rules.search.rivalling:
         return words
     if share < rules.refuted:
         return "nothing simple"
@@ -165,7 +167,7 @@ def since(namer: Namer, outside: Sequence[int]) -> float | None:
 
 
 def _depends(
-    namer: Namer, outside: Sequence[int], dependences: Sequence[Dependence], rules: AnswerRules
+    namer: Namer, outside: Sequence[int], dependences: Sequence[Dependence], rules: ResidualRules
 ) -> tuple[str, ...]:
     names = [name for member in outside for name in followed_by(namer.pool.groups[member].candidate)]
     return tuple(dict.fromkeys([*names, *depends_on(dependences, rules=rules)]))

@@ -226,7 +226,7 @@ def _columns(observed: Observed, term: Candidate) -> Array:
 def _clustered(design: Array, left: Array, inverse: Array, observed: Observed) -> Array:
     """Variances of the sizes where the readings of a visit share an error; zeros where visits are too few to tell."""
     visits = blocks_of(observed.block)
-    if len(visits) < observed.rules.answer.least_parts or design.shape[1] == 0:
+    if len(visits) < observed.rules.fitting.least_parts or design.shape[1] == 0:
         return np.zeros(design.shape[1])
     scores = (design * left[:, None]).reshape(-1, observed.components, design.shape[1]).sum(axis=1)
     sums = np.stack([scores[rows].sum(axis=0) for rows in visits])

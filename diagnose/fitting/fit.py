@@ -127,17 +127,17 @@ def _of_all(common: Mapping[Family, Array], candidate: Candidate, sizes: Array) 
 def why_impossible(prepared: Prepared, candidate: Candidate, sizes: Array, errors: Array, moved: float) -> str | None:
     """Why sizes (SI) with these standard errors cannot be physics, as a clause; None where they can. `moved` is the sum
     of squares of what they move beyond the nuisances, in whitened units."""
-    rules = prepared.observed.rules.fitting
-    if moved > rules.cancelling * float(prepared.vector @ prepared.vector):
+    rules = prepared.observed.rules
+    if moved > rules.fitting.cancelling * float(prepared.vector @ prepared.vector):
         return "only a displacement far larger than the mismatch would fit, balanced against others"
     if len(sizes) != len(candidate.sizes):
         return None
     for name, value, error in zip(candidate.sizes, sizes.tolist(), errors.tolist(), strict=False):
         low, high = bounds(candidate, name, prepared)
         width = high - low
-        if value < low - rules.beyond_bounds * error or value < low - width:
+        if value < low - rules.residual.beyond_chance * error or value < low - width:
             return f"only a {'negative size' if low == 0.0 else 'size below what is possible'} would fit"
-        if value > high + rules.beyond_bounds * error or value > high + width:
+        if value > high + rules.residual.beyond_chance * error or value > high + width:
             return "only a size beyond what is possible would fit"
         if value > _most_on_a_link(candidate, name, prepared):
             return "only more than hangs on a link of that mass would fit"

@@ -296,7 +296,7 @@ def _wandering(prepared: Prepared) -> tuple[Observed | None, int]:
     recordings = 1 if which is None else 1 + int(which.max())
     _, first, visit = np.unique(observed.block, return_index=True, return_inverse=True)
     visit = visit.reshape(-1)
-    if len(first) < rules.least_pairs or kinds > recordings:
+    if len(first) < rules.enough or kinds > recordings:
         return None, 1  # several kinds of numbers wander each in its own way
     told_by = time_vs_path(observed.recording, observed.arm, poses(observed), first, rules=rules)
     judged_by = told_by or Told(np.arange(len(first)), None)
@@ -523,7 +523,7 @@ def _warming_up(tip: Array, far: NDArray[np.bool_], observed: Observed) -> NDArr
     if run == 0:
         return warming
     first = tip[: run + 1]
-    if len(first) < 2 or np.linalg.norm(first[-1]) < observed.rules.residual.settles:
+    if len(first) < 2 or np.linalg.norm(first[-1]) < observed.rules.residual.beyond_chance:
         return warming
     unit = first / np.linalg.norm(first, axis=1)[:, None]
     same_way = np.sum(unit[1:] * unit[:-1], axis=1) > observed.rules.fitting.same_way
@@ -541,10 +541,10 @@ def _memory(scaled: Array, observed: Observed) -> float:
     """The correlation of each reading's noise with the one before, from the tip's components at neighbours of different
     visits (what a visit's readings share may be the pose's own); 0 where it is not beyond doubt."""
     across, rules = np.flatnonzero(np.diff(observed.block) != 0), observed.rules.fitting
-    if len(across) < rules.least_pairs or _mixed(observed):
+    if len(across) < rules.enough or _mixed(observed):
         return 0.0
     clipped = np.clip(scaled[:, : observed.components], -HUBER, HUBER)
     before, after = clipped[across], clipped[across + 1]
     size = np.sqrt(np.sum(before**2) * np.sum(after**2))
     rho = float(np.sum(before * after) / size) if size > 0.0 else 0.0
-    return min(rho, rules.most_memory) if rho > rules.beyond_bounds / np.sqrt(before.size) else 0.0
+    return min(rho, rules.most_memory) if rho > observed.rules.residual.beyond_chance / np.sqrt(before.size) else 0.0

@@ -156,7 +156,7 @@ def _within_bounds(prepared: Prepared, term: Term, errors: Array) -> Term:
     if term.shared or candidate.outside or len(term.sizes) != len(candidate.sizes):
         return term
     low, high = np.array([bounds(candidate, name, prepared) for name in candidate.sizes]).T
-    unsure = np.minimum(prepared.observed.rules.fitting.beyond_bounds * errors, high - low)
+    unsure = np.minimum(prepared.observed.rules.residual.beyond_chance * errors, high - low)
     inside = np.clip(term.sizes, low, high)
     sizes = np.where(np.abs(inside - term.sizes) <= unsure, inside, term.sizes)
     return term if (sizes == term.sizes).all() else _term(prepared, candidate, sizes, term.columns)

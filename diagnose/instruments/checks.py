@@ -33,7 +33,7 @@ def sights_checked(recording: Recording, arm: Arm, *, rules: Rules = RULES) -> R
     tips, axes = nominal(arm, recording.q, 3)
     _refuse_lines(recording, tips, slots, flat=arm.planar(), share=rules.residual.level_places)
     _refuse_any_anchor(recording, tips, slots, flat=arm.planar(), share=rules.residual.level_places)
-    if recording.size < rules.mistakes.fewest or not np.ptp(recording.q, axis=0).any():
+    if recording.size < rules.residual.enough_freedom or not np.ptp(recording.q, axis=0).any():
         return recording
 
     stand = stand_of(recording, arm)

@@ -15,7 +15,7 @@ from linkwright.core.arm.chain.arrays import nominal
 from linkwright.core.arm.chain.chain import Arm
 from linkwright.core.diagnose.recording import Recording
 from linkwright.core.diagnose.residual.placement import Placement, placed, turn_of
-from linkwright.core.diagnose.rules.mistake_rules import MistakeRules
+from linkwright.core.diagnose.rules.rules import Rules
 from linkwright.core.sections.numeric import Array
 from linkwright.core.units.quantities import InputError, format_quantity
 from linkwright.core.units.reading import refusal, written
@@ -27,7 +27,7 @@ Mask = NDArray[np.bool_]
 
 
 def contradictions(
-    recording: Recording, arm: Arm, place: Placement, reach: float, headers: Mapping[str, str], rules: MistakeRules
+    recording: Recording, arm: Arm, place: Placement, reach: float, headers: Mapping[str, str], rules: Rules
 ) -> list[str]:
     """Sentences about the recording as a whole; `place` sets it against the arm as declared, `reach` is the arm's, m.
 
@@ -40,9 +40,9 @@ def contradictions(
     return _frame_sentences(recording, arm, place, reach, headers, rules)
 
 
-def _much(place: Placement, reach: float, rules: MistakeRules) -> float:
+def _much(place: Placement, reach: float, rules: Rules) -> float:
     """How far off the middle reading must be before the recording as a whole contradicts the arm, m."""
-    return max(rules.whole * _spread(place.modelled), rules.least_whole * reach)
+    return max(rules.mistakes.whole * _spread(place.modelled), rules.mistakes.least_whole * reach)
 
 
 def _spread(points: Array) -> float:
@@ -50,7 +50,7 @@ def _spread(points: Array) -> float:
 
 
 def _refuse_units(
-    recording: Recording, arm: Arm, place: Placement, reach: float, headers: Mapping[str, str], rules: MistakeRules
+    recording: Recording, arm: Arm, place: Placement, reach: float, headers: Mapping[str, str], rules: Rules
 ) -> None:
     """Raise where another unit of a column makes joints and tip agree."""
     best: tuple[float, float, UnitChange] | None = None
@@ -64,10 +64,10 @@ def _refuse_units(
         )
         # Relative to the motion: in units that are small enough, everything is close to everything.
         share = tried.misfit / max(_spread(tried.modelled), 1e-3 * reach)
-        good = share < rules.whole and tried.misfit < rules.better * place.misfit
+        good = share < rules.mistakes.whole and tried.misfit < rules.mistakes.better * place.misfit
         if recording.frame == "free" or recording.tool == "free":
             # What is free takes a point to anywhere: a unit that shrinks the data to one explains nothing.
-            good &= tried.misfit < rules.whole * _spread(recording.tip * change.tip)
+            good &= tried.misfit < rules.mistakes.whole * _spread(recording.tip * change.tip)
         if good and (best is None or share < 0.999 * best[0]):
             best = (share, tried.misfit, change)
     if best is None:
@@ -81,24 +81,24 @@ def _refuse_units(
 
 
 def _refuse_still_joint(
-    recording: Recording, arm: Arm, place: Placement, reach: float, headers: Mapping[str, str], rules: MistakeRules
+    recording: Recording, arm: Arm, place: Placement, reach: float, headers: Mapping[str, str], rules: Rules
 ) -> None:
     """Raise where a joint that never changes would have to move for the tip to be where it is."""
     for index in range(arm.size):
-        if np.ptp(recording.q[:, index]) > rules.standing or recording.frame == "free":
+        if np.ptp(recording.q[:, index]) > rules.mistakes.standing or recording.frame == "free":
             continue
         left = distance_with_joint_free(recording, arm, place, np.ones(recording.size, dtype=bool), index)
-        if np.median(left) < rules.better * place.misfit and np.median(left) < _much(place, reach, rules):
+        if np.median(left) < rules.mistakes.better * place.misfit and np.median(left) < _much(place, reach, rules):
             name = headers.get(f"q{index + 1}", f"q{index + 1}")
             message = "never changes, but the tip moves as if the joint did: its encoder stands still or was not logged"
             raise InputError(recording.file, name, message)
 
 
 def _refuse_conventions(
-    recording: Recording, arm: Arm, place: Placement, reach: float, headers: Mapping[str, str], rules: MistakeRules
+    recording: Recording, arm: Arm, place: Placement, reach: float, headers: Mapping[str, str], rules: Rules
 ) -> None:
     """Raise where a joint that counts the other way, another zero, mirrored axes and the like make them agree."""
-    if place.misfit < rules.noticed * reach or recording.size < rules.fewest_for_conventions:
+    if place.misfit < rules.mistakes.noticed * reach or recording.size < rules.search.least_observations:
         return
     gross = place.misfit > _much(place, reach, rules)
     frame, tool = recording.frame == "free", recording.tool == "free"
@@ -114,17 +114,17 @@ def _refuse_conventions(
         both = placed(arm, recording.q, recording.tip, frame=True, tool=True)
         free = both.misfit
         turned = placed(arm, recording.q, recording.tip, frame=True, tool=tool).misfit
-        if cause is None and gross and free >= rules.better * place.misfit:
+        if cause is None and gross and free >= rules.mistakes.better * place.misfit:
             cause, further = explained(frame=True, tool=True), {"frame": "free", "tool": "free"}
-        elif cause is not None and turned <= rules.simpler * cause.misfit:
+        elif cause is not None and turned <= rules.mistakes.simpler * cause.misfit:
             return  # a frame that was turned says as much, and is commoner
-        elif cause is not None and free <= rules.simpler * cause.misfit:
+        elif cause is not None and free <= rules.mistakes.simpler * cause.misfit:
             # A tool says as much: what is commoner with both free beside the convention too, the smaller tool says.
             beside = placed(
                 cause.slip.read(arm), *cause.slip.applied(recording.q, recording.tip), frame=True, tool=True
             )
-            smaller = np.linalg.norm(beside.tool) < rules.better * np.linalg.norm(both.tool)
-            if beside.misfit > rules.simpler * free or not smaller:
+            smaller = np.linalg.norm(beside.tool) < rules.mistakes.better * np.linalg.norm(both.tool)
+            if beside.misfit > rules.mistakes.simpler * free or not smaller:
                 return
     if cause is not None:
         message = (
@@ -137,10 +137,10 @@ def _refuse_conventions(
 
 
 def _frame_sentences(
-    recording: Recording, arm: Arm, place: Placement, reach: float, headers: Mapping[str, str], rules: MistakeRules
+    recording: Recording, arm: Arm, place: Placement, reach: float, headers: Mapping[str, str], rules: Rules
 ) -> list[str]:
     """Say, or raise where the error is no small one, that another frame or tool makes joints and tip agree."""
-    if place.misfit < rules.least_whole * reach or recording.size < 2 * rules.fewest:
+    if place.misfit < rules.mistakes.least_whole * reach or recording.size < 2 * rules.residual.enough_freedom:
         return []
     known_frame, known_tool = recording.frame == "known", recording.tool == "known"
     tries: list[tuple[dict[str, str], Placement]] = []
@@ -155,7 +155,7 @@ def _frame_sentences(
             tool=tool or not known_tool,
         )
         tries.append(({name: "free" for name, is_free in (("frame", frame), ("tool", tool)) if is_free}, free))
-    good = [(remedy, free) for remedy, free in tries if free.misfit < rules.better * place.misfit]
+    good = [(remedy, free) for remedy, free in tries if free.misfit < rules.mistakes.better * place.misfit]
     if not good:
         if place.misfit > _much(place, reach, rules):
             text = f"the middle reading is {shown_length(place.misfit)} away from the nominal tip"
@@ -170,7 +170,7 @@ def _frame_sentences(
             return [f"{text[0].upper()}{text[1:]}"]
         return []
     least = min(free.misfit for _, free in good)
-    remedy, free = next((remedy, free) for remedy, free in good if free.misfit <= rules.simpler * least + 1e-6)
+    remedy, free = next((remedy, free) for remedy, free in good if free.misfit <= rules.mistakes.simpler * least + 1e-6)
     shift, turn = float(np.linalg.norm(free.translation)), turn_of(free.rotation)
     parts: list[str] = []
     if "frame" in remedy:
@@ -180,7 +180,7 @@ def _frame_sentences(
         parts.append(f"a tool that reaches {shown_length(float(np.linalg.norm(free.tool)))} further")
     falls = f"from {shown_length(place.misfit)} to {shown_length(free.misfit)}"
     change = f"{' and '.join(parts)} would bring the middle reading {falls}"
-    large = turn > rules.another_frame or place.misfit > rules.whole * reach
+    large = turn > rules.residual.turned or place.misfit > rules.mistakes.whole * reach
     if large:
         message = (
             "is measured in another frame than the arm's" if "frame" in remedy else "does not hold the arm file's tip"

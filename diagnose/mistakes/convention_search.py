@@ -16,8 +16,7 @@ import numpy as np
 from linkwright.core.arm.chain.arrays import nominal
 from linkwright.core.arm.chain.chain import Arm
 from linkwright.core.diagnose.residual.placement import placed
-from linkwright.core.diagnose.rules.mistake_rules import MistakeRules
-from linkwright.core.diagnose.rules.rules import RULES
+from linkwright.core.diagnose.rules.rules import RULES, Rules
 from linkwright.core.sections.numeric import Array
 
 from .conventions import Slip, no_slip, single_slips, zero_slip
@@ -57,7 +56,7 @@ class _Search:
     tip: Array
     frame: bool
     tool: bool
-    rules: MistakeRules
+    rules: Rules
 
     def misfit(self, slip: Slip) -> float:
         """The middle distance (m) with a mistake mended; where frame or tool is free, about what they leave at best."""
@@ -102,7 +101,7 @@ def explained_by_convention(
     frame: bool,
     tool: bool,
     gross: bool,
-    rules: MistakeRules = RULES.mistakes,
+    rules: Rules = RULES,
 ) -> Explained | None:
     """The mistake that explains why the middle reading is `misfit` (m) off, None where none does.
 
@@ -111,12 +110,12 @@ def explained_by_convention(
     """
     whole = _Search(arm, q, tip, frame, tool, rules)
     spread = float(np.median(np.linalg.norm(tip - np.median(tip, axis=0), axis=1)))
-    limit = min(rules.better * misfit, rules.whole * spread)
+    limit = min(rules.mistakes.better * misfit, rules.mistakes.whole * spread)
     # Readings taken on the move lag by a row or two as well; what they are off by is small beside the motion.
     if gross and (late := _late_rows(whole, limit)) is not None:
         return late
     poses = np.sort(np.unique(np.round(q, 3), axis=0, return_index=True)[1])
-    if len(poses) < rules.fewest_for_conventions:
+    if len(poses) < rules.search.least_observations:
         return None  # frame, tool and a wrong convention together fit a few points by chance
     picked = poses[np.unique(np.linspace(0, len(poses) - 1, _POSES).astype(int))]
     search = replace(whole, q=q[picked], tip=tip[picked])
@@ -146,7 +145,7 @@ def _deepening(search: _Search, whole: _Search, singles: list[Slip], limit: floa
         left = {number: whole.confirmed(tried[number]) for number in likely}
         least = min(left.values(), default=math.inf)
         if least < limit:
-            number = next(number for number in likely if left[number] <= search.rules.as_well * least)
+            number = next(number for number in likely if left[number] <= search.rules.mistakes.as_well * least)
             return Explained(tried[number], left[number])
         beam = [tried[number] for number in (order if len(beam) == 1 else order[:_BEAM])]
     return None
@@ -175,7 +174,7 @@ def _late_rows(search: _Search, limit: float) -> Explained | None:
     nearest = KDTree(tips).query(search.tip)[0]
     left = float(np.median(nearest))
     # By chance the nearest of N tips is about N^(-1/D) of their spread away.
-    if left < min(limit, search.rules.better * _by_chance(tips)):
+    if left < min(limit, search.rules.mistakes.better * _by_chance(tips)):
         return Explained(replace(none, said=("the tips stand in another order than the joints",)), left)
     return None
 

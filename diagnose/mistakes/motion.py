@@ -17,8 +17,7 @@ from linkwright.core.arm.chain.arrays import nominal
 from linkwright.core.arm.chain.chain import Arm
 from linkwright.core.diagnose.recording import Recording, RejectedRow
 from linkwright.core.diagnose.residual.placement import Placement, placed
-from linkwright.core.diagnose.rules.mistake_rules import MistakeRules
-from linkwright.core.diagnose.rules.rules import RULES
+from linkwright.core.diagnose.rules.rules import RULES, Rules
 from linkwright.core.sections.numeric import Array
 
 from .contradictions import contradictions, distance_with_joint_free, shown_length
@@ -28,13 +27,11 @@ from .units import IN_A_ROW, unit_changes, widest
 Mask = NDArray[np.bool_]
 
 
-def motion_checked(
-    recording: Recording, arm: Arm, headers: Mapping[str, str], *, rules: MistakeRules = RULES.mistakes
-) -> Recording:
+def motion_checked(recording: Recording, arm: Arm, headers: Mapping[str, str], *, rules: Rules = RULES) -> Recording:
     """The recording less rows in which joints and tip contradict each other grossly. Raises `InputError`."""
     if recording.slots is not None:
         return recording  # whatever was measured in part is looked at by `instruments.checks`
-    if recording.size < rules.fewest or not np.ptp(recording.q, axis=0).any():
+    if recording.size < rules.residual.enough_freedom or not np.ptp(recording.q, axis=0).any():
         return recording  # where no joint moves there is no motion to tell of
     reach = sum(arm.lengths) + sum(math.dist(joint.origin_translation, (0, 0, 0)) for joint in arm.joints)
     reach += sum(joint.range[1] - joint.range[0] for joint in arm.joints if not joint.revolute)
@@ -42,7 +39,7 @@ def motion_checked(
         return recording
     place = _placed(recording, arm)
     warnings = contradictions(recording, arm, place, reach, headers, rules)
-    limit = max(rules.far * place.misfit, rules.gross * reach)
+    limit = max(rules.mistakes.far * place.misfit, rules.mistakes.gross * reach)
     gross = place.distance > limit
     rejected: dict[int, str] = {}
     for reasons in (
@@ -65,18 +62,18 @@ def _placed(recording: Recording, arm: Arm) -> Placement:
     return placed(arm, recording.q, recording.tip, frame=free, tool=tool)
 
 
-def _frozen_tip(recording: Recording, arm: Arm, reach: float, rules: MistakeRules) -> dict[int, str]:
+def _frozen_tip(recording: Recording, arm: Arm, reach: float, rules: Rules) -> dict[int, str]:
     """Rows that hold the same tip as the row before, to the last digit, although the joints moved."""
     tips, _ = nominal(arm, recording.q, recording.tip.shape[1])
     still = (np.diff(recording.tip, axis=0) == 0.0).all(axis=1)
     reasons: dict[int, str] = {}
-    if still.mean() > rules.few_rows:
+    if still.mean() > rules.mistakes.few_rows:
         return reasons  # an instrument that is this coarse repeats itself anyway
     source = 0
     for index in range(1, recording.size):
         if not still[index - 1]:
             source = index
-        elif float(np.linalg.norm(tips[index] - tips[source])) > rules.still * reach:
+        elif float(np.linalg.norm(tips[index] - tips[source])) > rules.mistakes.still * reach:
             reasons[index] = (
                 f"the tip is that of row {recording.row[source]} to the last digit although the joints moved"
             )
@@ -90,7 +87,7 @@ def _stuck(
     gross: Mask,
     limit: float,
     headers: Mapping[str, str],
-    rules: MistakeRules,
+    rules: Rules,
 ) -> dict[int, str]:
     """Rows in which a joint's reading stands still while the tip moves as if the joint did."""
     reasons: dict[int, str] = {}
@@ -103,7 +100,10 @@ def _stuck(
             mask = np.zeros(recording.size, dtype=bool)
             mask[bad] = True
             left = distance_with_joint_free(recording, arm, place, mask, index)
-            if np.mean(left < np.maximum(rules.better * place.distance[bad], 2.0 * place.misfit)) < rules.stuck:
+            if (
+                np.mean(left < np.maximum(rules.mistakes.better * place.distance[bad], 2.0 * place.misfit))
+                < rules.mistakes.stuck
+            ):
                 continue
             first, last = recording.row[bad[0]], recording.row[bad[-1]]
             reason = f"{name} stands still while the tip moves (rows {first} to {last})"
@@ -133,7 +133,7 @@ def _slipped(
     limit: float,
     reach: float,
     headers: Mapping[str, str],
-    rules: MistakeRules,
+    rules: Rules,
 ) -> dict[int, str]:
     """Rows that fit as soon as a column is read in another unit."""
     reasons: dict[int, str] = {}
@@ -141,7 +141,7 @@ def _slipped(
     if not len(bad):
         return reasons
     near = max(0.5 * limit, 3.0 * place.misfit)
-    closest = np.minimum(near, rules.agree * place.distance[bad])
+    closest = np.minimum(near, rules.mistakes.agree * place.distance[bad])
     for change in unit_changes(arm, recording.tip.shape[1], headers):
         if not all(factor in IN_A_ROW for factor in change.factors):
             continue
@@ -159,9 +159,7 @@ def _slipped(
     return reasons
 
 
-def _jumps(
-    recording: Recording, place: Placement, gross: Mask, rules: MistakeRules
-) -> tuple[dict[int, str], list[str]]:
+def _jumps(recording: Recording, place: Placement, gross: Mask, rules: Rules) -> tuple[dict[int, str], list[str]]:
     """Short, solitary contradictions are jumps and set aside; what lasts or comes back in repeats is only said."""
     reasons: dict[int, str] = {}
     bad = np.flatnonzero(gross)
@@ -170,15 +168,15 @@ def _jumps(
     lasting: list[int] = []
     for run in np.split(bad, np.flatnonzero(np.diff(bad) > 1) + 1):
         agree = len(run) > 1 and bool(
-            (np.ptp(place.residual[run], axis=0) < rules.agree * place.distance[run].min()).all()
+            (np.ptp(place.residual[run], axis=0) < rules.mistakes.agree * place.distance[run].min()).all()
         )
-        if len(run) > rules.short_run or agree:
+        if len(run) > rules.mistakes.short_run or agree:
             lasting += run.tolist()
             continue
         for index in run.tolist():
             far, middle = shown_length(float(place.distance[index])), shown_length(place.misfit)
             reasons[index] = f"jumps: the tip is {far} from the nominal one, the middle reading {middle}"
-    if len(reasons) > rules.few_rows * recording.size:
+    if len(reasons) > rules.mistakes.few_rows * recording.size:
         lasting, reasons = sorted([*lasting, *reasons]), {}
     if not lasting:
         return reasons, []

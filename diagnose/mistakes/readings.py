@@ -17,7 +17,6 @@ from numpy.typing import NDArray
 from linkwright.core.arm.chain.chain import Arm
 from linkwright.core.diagnose.recording import Recording, RejectedRow
 from linkwright.core.diagnose.residual.robust_scale import resolution
-from linkwright.core.diagnose.rules.mistake_rules import MistakeRules
 from linkwright.core.diagnose.rules.rules import RULES, Rules
 from linkwright.core.sections.numeric import Array
 from linkwright.core.units.quantities import InputError, format_quantity
@@ -33,9 +32,9 @@ def checked(recording: Recording, arm: Arm, headers: Mapping[str, str], *, rules
     contradicts its header or the frame is another than the base's.
     """
     for check in (_sides, _covariates, _pasted, _time, _duplicates):
-        recording = check(recording, headers, rules.mistakes)
+        recording = check(recording, headers, rules)
     recording = _whole_turns(recording, arm, headers)
-    recording = motion_checked(recording, arm, headers, rules=rules.mistakes)
+    recording = motion_checked(recording, arm, headers, rules=rules)
     for check in (_beyond_range, _constant):
         recording = replace(recording, warnings=(*recording.warnings, *check(recording, arm, headers)))
     return recording
@@ -49,7 +48,7 @@ def _saying(recording: Recording, sentence: str) -> Recording:
     return replace(recording, warnings=(*recording.warnings, sentence))
 
 
-def _sides(recording: Recording, headers: Mapping[str, str], rules: MistakeRules) -> Recording:
+def _sides(recording: Recording, headers: Mapping[str, str], rules: Rules) -> Recording:
     del rules
     if recording.sides is None:
         return recording
@@ -72,7 +71,7 @@ def _sides(recording: Recording, headers: Mapping[str, str], rules: MistakeRules
     return recording
 
 
-def _covariates(recording: Recording, headers: Mapping[str, str], rules: MistakeRules) -> Recording:
+def _covariates(recording: Recording, headers: Mapping[str, str], rules: Rules) -> Recording:
     if recording.payload_mass is not None:
         name = headers.get("payload", "payload_kg")
         negative = recording.payload_mass < 0.0
@@ -90,8 +89,8 @@ def _covariates(recording: Recording, headers: Mapping[str, str], rules: Mistake
     return recording
 
 
-def _temperature(recording: Recording, kelvin: Array, name: str, rules: MistakeRules) -> Recording:
-    coldest, hottest = rules.surroundings
+def _temperature(recording: Recording, kelvin: Array, name: str, rules: Rules) -> Recording:
+    coldest, hottest = rules.mistakes.surroundings
     wrong = (kelvin < coldest) | (kelvin > hottest)
     if not wrong.any():
         return recording
@@ -104,7 +103,7 @@ def _temperature(recording: Recording, kelvin: Array, name: str, rules: MistakeR
     return _rejecting(recording, wrong, f"{name} says {first}")
 
 
-def _time(recording: Recording, headers: Mapping[str, str], rules: MistakeRules) -> Recording:
+def _time(recording: Recording, headers: Mapping[str, str], rules: Rules) -> Recording:
     """Time runs from the first reading on; a stray stamp costs its row, a clock that was set back costs the times."""
     if recording.time is None:
         return recording
@@ -113,9 +112,9 @@ def _time(recording: Recording, headers: Mapping[str, str], rules: MistakeRules)
     back = np.flatnonzero(np.diff(time) < 0.0) + 1
     if len(back):
         stray = ~longest_run(time)
-        if stray.sum() <= max(1.0, rules.few_stray * len(time)):
+        if stray.sum() <= max(1.0, rules.mistakes.few_stray * len(time)):
             recording = _rejecting(recording, stray, f"{name} runs backwards against the rows around it")
-        elif len(back) <= max(1.0, 0.5 * rules.few_stray * len(time)):
+        elif len(back) <= max(1.0, 0.5 * rules.mistakes.few_stray * len(time)):
             rows = rows_text(recording.row[back])
             sentence = f"{name} starts again in {rows}: times before and after do not compare"
             recording = _saying(recording, f"{sentence}, so it is not used.")
@@ -149,14 +148,14 @@ def longest_run(time: Array) -> NDArray[np.bool_]:
     return member
 
 
-def _pasted(recording: Recording, headers: Mapping[str, str], rules: MistakeRules) -> Recording:
+def _pasted(recording: Recording, headers: Mapping[str, str], rules: Rules) -> Recording:
     """Rows that stand in the file twice, in the same order: a part of it pasted in again.
 
     An instrument of few steps may say the same again of the same poses, so only a fine one is believed to have not.
     """
     del headers
     spread = [(float(np.ptp(column)), resolution(column)) for column in recording.tip.T]
-    if not any(reach > rules.fine_steps * (step or 0.0) for reach, step in spread):
+    if not any(reach > rules.mistakes.fine_steps * (step or 0.0) for reach, step in spread):
         return recording
     table = np.ascontiguousarray(np.column_stack([part.reshape(recording.size, -1) for part in _read(recording)]))
     first: dict[bytes, int] = {}
@@ -174,7 +173,7 @@ def _pasted(recording: Recording, headers: Mapping[str, str], rules: MistakeRule
             and (earlier[start + length] == earlier[start] + length)
         ):
             length += 1
-        if length >= rules.pasted_rows:
+        if length >= rules.mistakes.pasted_rows:
             rejected += [
                 RejectedRow(int(recording.row[k]), f"stands in the file already, as row {recording.row[earlier[k]]}")
                 for k in range(start, start + length)
@@ -189,7 +188,7 @@ def _read(recording: Recording) -> list[Array]:
     return [*parts, *recording.other.values()]
 
 
-def _duplicates(recording: Recording, headers: Mapping[str, str], rules: MistakeRules) -> Recording:
+def _duplicates(recording: Recording, headers: Mapping[str, str], rules: Rules) -> Recording:
     """Rows that say again what the row before said, to the last digit: a logger's copies, or readings too coarse."""
     del headers
     if recording.size < 2:
@@ -211,7 +210,7 @@ def _duplicates(recording: Recording, headers: Mapping[str, str], rules: Mistake
         same[:] = copied
         copied[:] = False
     if same.any():
-        few = same.mean() <= rules.few_rows or same.sum() <= 0.5 * same_q.sum()
+        few = same.mean() <= rules.mistakes.few_rows or same.sum() <= 0.5 * same_q.sum()
         if few and not _coarse(recording, same_q, rules):
             copied |= same
         else:
@@ -224,7 +223,7 @@ def _duplicates(recording: Recording, headers: Mapping[str, str], rules: Mistake
     return recording.without(rejected)
 
 
-def _coarse(recording: Recording, same_q: NDArray[np.bool_], rules: MistakeRules) -> bool:
+def _coarse(recording: Recording, same_q: NDArray[np.bool_], rules: Rules) -> bool:
     """Whether repeats differ by so few of the instrument's steps that some must be alike."""
     steps = [resolution(recording.tip[:, axis]) for axis in range(recording.tip.shape[1])]
     counts = [
@@ -234,7 +233,7 @@ def _coarse(recording: Recording, same_q: NDArray[np.bool_], rules: MistakeRules
         return False
     largest = np.max(counts, axis=0)
     moved = largest[largest > 0.5]
-    return bool(len(moved)) and float(np.median(moved)) <= rules.coarse
+    return bool(len(moved)) and float(np.median(moved)) <= rules.mistakes.coarse
 
 
 def _whole_turns(recording: Recording, arm: Arm, headers: Mapping[str, str]) -> Recording:

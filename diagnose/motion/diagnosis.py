@@ -13,7 +13,6 @@ from linkwright.core.arm.effects import EFFECTS
 from linkwright.core.arm.effects.effect import Effect
 from linkwright.core.arm.motion.rigid import link_parameters
 from linkwright.core.diagnose.options import Options, Progress, silent
-from linkwright.core.diagnose.rules.motion_rules import MotionRules
 from linkwright.core.diagnose.rules.rules import Rules
 from linkwright.core.sections.numeric import Array
 from linkwright.core.units.quantities import InputError
@@ -67,7 +66,7 @@ def diagnosed(
     """The same beside what it rests on: what was identified and its sizes; None where the logs hold too little."""
     begun = time.perf_counter()
     request, tell = options or Options(), progress or silent
-    rules = request.rules.motion
+    rules = request.rules
     tell("preparing logs", 0.0)
     prepared = [_prepared(arm, log, request.rules) for log in logs]
     if not prepared:
@@ -75,11 +74,11 @@ def diagnosed(
     if any(log.torque_constants_free for log in logs):
         logs = weighed(arm, prepared, rules=rules)
         prepared = [_prepared(arm, log, request.rules) for log in logs]
-    if max(float(item.moving.sum(axis=0).max()) * _spacing(item) for item in prepared) < rules.least_moving:
+    if max(float(item.moving.sum(axis=0).max()) * _spacing(item) for item in prepared) < rules.motion.least_moving:
         return _too_little(arm, logs, prepared, begun), None
     masses = link_parameters(arm)
     pool = candidates(
-        arm, _effects(request), prepared[0].motion, masses, rules.of_a_sample / max(_rates(logs)), rules=rules
+        arm, _effects(request), prepared[0].motion, masses, rules.motion.of_a_sample / max(_rates(logs)), rules=rules
     )
     rows = []
     for number, each in enumerate(prepared):
@@ -98,7 +97,7 @@ def diagnosed(
     swift = [
         (effect, item)
         for effect, item in _ripples(identified.rows, identified.noise.sizes, scans, request, fast=True)
-        if item.rms > rules.turning * identified.torque[item.joint]
+        if item.rms > rules.motion.turning * identified.torque[item.joint]
     ]
     sizes = estimates(
         identified.system,
@@ -128,7 +127,7 @@ def _ripples(
         for effect, orders in scans
         for joint, axis in enumerate(arm.joints)
         if effect.can_act(joint, revolute=axis.revolute, passive=axis.passive)
-        for ripple in ripples(rows, sizes, orders, joint, options.seed, fast=fast, rules=options.rules.motion)
+        for ripple in ripples(rows, sizes, orders, joint, options.seed, fast=fast, rules=options.rules)
     ]
 
 
@@ -173,9 +172,7 @@ def _structure(identified: Identified, joint: int, options: Options) -> Structur
     names = set.intersection(*(set(part) for part in parts))
     joined = {name: np.concatenate([part[name] for part in parts]) for name in parts[0] if name in names}
     way = np.sign(joined["speed"])
-    return structure(
-        np.concatenate(residual), way, np.concatenate(number), joined, options.seed, rules=options.rules.motion
-    )
+    return structure(np.concatenate(residual), way, np.concatenate(number), joined, options.seed, rules=options.rules)
 
 
 def _result(
@@ -186,7 +183,7 @@ def _result(
     sizes: Estimates,
     seen: Sequence[Structure],
     swift: Sequence[tuple[Effect, Ripple]],
-    rules: MotionRules,
+    rules: Rules,
     begun: float,
 ) -> MotionDiagnosis:
     made, nothing = identified.products, np.zeros(identified.pool.width)
@@ -209,17 +206,19 @@ def _result(
             float(held[joint]),
             float(floor[joint]),
             float(held[joint] / identified.torque[joint]),
-            seen[joint].names if seen[joint].p_value <= rules.false_alarm else (),
+            seen[joint].names if seen[joint].p_value <= rules.residual.level else (),
             seen[joint].p_value,
         )
         for joint in range(arm.size)
     )
     share = floor / identified.torque
-    beyond = (share > rules.unexplained) & (share > np.minimum(rules.uneven * np.nanmedian(share), rules.never_noise))
+    beyond = (share > rules.motion.unexplained) & (
+        share > np.minimum(rules.motion.uneven * np.nanmedian(share), rules.motion.never_noise)
+    )
     open_joints = [
         item.joint
         for item, what, large in zip(per_joint, seen, beyond.tolist(), strict=True)
-        if large or (item.depends_on and share[item.joint - 1] * max(what.shares) ** 0.5 > rules.unexplained)
+        if large or (item.depends_on and share[item.joint - 1] * max(what.shares) ** 0.5 > rules.motion.unexplained)
     ]
     named = (
         *findings(identified, sizes, arm, rules=rules),

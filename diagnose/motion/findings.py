@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from linkwright.core.arm.chain.chain import Arm
 from linkwright.core.arm.effects.effect import Effect, kind_at
 from linkwright.core.diagnose.result import FittedParameter
-from linkwright.core.diagnose.rules.motion_rules import MotionRules
+from linkwright.core.diagnose.rules.rules import Rules
 from linkwright.core.sections.numeric import Array
 from linkwright.core.units.quantities import format_quantity
 
@@ -23,7 +23,7 @@ from .model.ripple import Ripple
 from .result import Alternative, MotionFinding
 
 
-def findings(found: Identified, sizes: Estimates, arm: Arm, *, rules: MotionRules) -> tuple[MotionFinding, ...]:
+def findings(found: Identified, sizes: Estimates, arm: Arm, *, rules: Rules) -> tuple[MotionFinding, ...]:
     """The findings, the one that explains most of the torque first.
 
     Args:
@@ -126,7 +126,7 @@ def _between(grid: Sequence[float], value: float) -> tuple[float, float]:
 
 
 def alternatives(
-    found: Identified, number: int, offered: Array, beside: Array, rules: MotionRules
+    found: Identified, number: int, offered: Array, beside: Array, rules: Rules
 ) -> tuple[Alternative, ...]:
     """Other names for a member (its number) that the logs do not tell from it, the likeliest first.
 
@@ -139,12 +139,12 @@ def alternatives(
     best: dict[tuple[str, tuple[int, ...]], float] = {}
     evidence = float(offered[member.group])
     rest = [m for m in found.fitted if m is not member]
-    for one in np.flatnonzero(np.abs(evidence - offered) <= rules.odds).tolist():
+    for one in np.flatnonzero(np.abs(evidence - offered) <= rules.search.log_odds).tolist():
         family = found.pool.groups[one].family
         if family in taken or offered[one] - max(float(beside[one]), 0.0) < 0.5 * evidence:
             continue
         worse = evidence - float(offered[one]) + _holds(found, rest, [member], one, rules)
-        if worse <= rules.odds:
+        if worse <= rules.search.log_odds:
             best[family] = min(best.get(family, np.inf), worse)
     for family, worse in _for_two(found, member, number, rules).items():
         best[family] = min(best.get(family, np.inf), worse)
@@ -153,7 +153,7 @@ def alternatives(
 
 
 def _for_two(
-    identified: Identified, member: Member, number: int, rules: MotionRules
+    identified: Identified, member: Member, number: int, rules: Rules
 ) -> dict[tuple[str, tuple[int, ...]], float]:
     """One other name for a member and another together, where that is as likely: how much worse, by its family."""
     made: dict[tuple[str, tuple[int, ...]], float] = {}
@@ -171,16 +171,16 @@ def _for_two(
         value = np.where(allowed, offer.evidence, -np.inf)
         one = int(np.argmax(value))
         worse = both - float(value[one])
-        if abs(worse) <= rules.odds:
+        if abs(worse) <= rules.search.log_odds:
             worse += _holds(identified, rest, [member, other], one, rules)
-        if abs(worse) <= rules.odds:
+        if abs(worse) <= rules.search.log_odds:
             family = identified.pool.groups[one].family
             made[family] = min(made.get(family, np.inf), worse)
     return made
 
 
 def _holds(
-    identified: Identified, rest: Sequence[Member], instead_of: Sequence[Member], one: int, rules: MotionRules
+    identified: Identified, rest: Sequence[Member], instead_of: Sequence[Member], one: int, rules: Rules
 ) -> float:
     """How many nats a group's name in place of members loses where it must be some body's as they must; infinitely
     many where it passes its bounds, or foretells motion that was not fitted worse."""
@@ -188,7 +188,7 @@ def _holds(
     other = [*rest, Member(one, scale)]
     if not identified.system.within(other)[-1]:
         return np.inf
-    if (identified.held.rms(other) > (1.0 + rules.gain) * identified.held.rms([*rest, *instead_of])).any():
+    if (identified.held.rms(other) > (1.0 + rules.motion.gain) * identified.held.rms([*rest, *instead_of])).any():
         return np.inf
     return feasible(identified.system, other).worse - feasible(identified.system, [*rest, *instead_of]).worse
 

@@ -15,7 +15,6 @@ from scipy.signal import butter, sosfiltfilt
 
 from linkwright.core.arm.chain.chain import Arm
 from linkwright.core.arm.motion.motion import Motion
-from linkwright.core.diagnose.rules.motion_rules import MotionRules
 from linkwright.core.diagnose.rules.rules import Rules
 from linkwright.core.sections.numeric import Array
 
@@ -119,9 +118,8 @@ def prepare(arm: Arm, log: MotionLog, *, rules: Rules) -> PreparedLog:
     """
     step = float(np.median(np.diff(log.time)))
     rate = 1.0 / step
-    motion_rules = rules.motion
-    held = _HELD * rate >= min(log.cutoff or np.inf, motion_rules.low_pass[0])
-    times = _clocks(log, max(motion_rules.gap, rules.log.gap * step), step if held else None)
+    held = _HELD * rate >= min(log.cutoff or np.inf, rules.motion.low_pass[0])
+    times = _clocks(log, max(rules.motion.gap, rules.log.gap * step), step if held else None)
     n = arm.size
 
     def even(values: Array | None) -> list[Array] | None:
@@ -139,15 +137,13 @@ def prepare(arm: Arm, log: MotionLog, *, rules: Rules) -> PreparedLog:
     q = thinned(_need(even(log.q)))
     measured = thinned(_need(even(log.torque)))
     logged = even(log.velocity)
-    cutoff = log.cutoff or _cutoff(q, working, motion_rules) if held else np.inf
-    smooth = min(motion_rules.bands * cutoff, _HELD * working)
+    cutoff = log.cutoff or _cutoff(q, working, rules) if held else np.inf
+    smooth = min(rules.motion.bands * cutoff, _HELD * working)
     clock = [t[::divide] for t in times]
     since = [np.arange(len(t)) / working if held else t for t in clock]
     share = 1.0 if held else _told(q, since)
     around = min(cutoff, _HELD * working)
-    speeds = _speeds(
-        q, None if logged is None else thinned(logged), since, share, smooth, around, working, motion_rules
-    )
+    speeds = _speeds(q, None if logged is None else thinned(logged), since, share, smooth, around, working, rules)
     sampled = 1.0 if held else share * _told(speeds, since)
     accelerations = [sampled * slope(v, t) for v, t in zip(speeds, since, strict=True)]
 
@@ -174,9 +170,9 @@ def prepare(arm: Arm, log: MotionLog, *, rules: Rules) -> PreparedLog:
     )
     edges = np.cumsum([0, *(len(t) for t in clock)])
     stretches = tuple(Stretch(int(a), int(b)) for a, b in pairwise(edges))
-    apart = max(1, int(working / (motion_rules.bands * cutoff)), int(np.ceil(motion.size / _MOST)))
+    apart = max(1, int(working / (rules.motion.bands * cutoff)), int(np.ceil(motion.size / _MOST)))
     indices = np.concatenate([np.arange(stretch.start + apart // 2, stretch.stop, apart) for stretch in stretches])
-    moving, near = _counting(motion, stretches, working, cutoff, motion_rules)
+    moving, near = _counting(motion, stretches, working, cutoff, rules)
     known = np.isfinite(np.concatenate(measured))
     moving, near = moving & known, near & known
     near &= moving.any(axis=0)  # friction is told by steady motion first: a joint that only trembles tells none
@@ -212,7 +208,7 @@ def _speeds(
     smooth: float,
     cutoff: float,
     rate: float,
-    rules: MotionRules,
+    rules: Rules,
 ) -> list[Array]:
     """Speeds: as logged where they agree with the coordinates' own, so far as samples tell these (`told`), and are
     quieter around the low-pass, else those."""
@@ -226,7 +222,9 @@ def _speeds(
     for joint in range(q[0].shape[1]):
         a, b = (np.concatenate([item[:, joint] for item in many]) for many in (slopes, read))
         size = float(a @ a)
-        agrees = size > 0.0 and np.isfinite(b).all() and told * float((a - b) @ (a - b)) < rules.speeds_agree * size
+        agrees = (
+            size > 0.0 and np.isfinite(b).all() and told * float((a - b) @ (a - b)) < rules.motion.speeds_agree * size
+        )
         for into, mine, theirs in zip(speeds, slopes, read, strict=True):
             into[:, joint] = theirs[:, joint] if agrees and quieter[joint] else told * mine[:, joint]
     return speeds
@@ -263,12 +261,12 @@ def _spectrum(parts: list[Array], rate: float) -> tuple[Array, Array]:
     return np.asarray(np.fft.rfftfreq(len(longest), 1.0 / rate), dtype=float), spectrum
 
 
-def _cutoff(q: list[Array], rate: float, rules: MotionRules) -> float:
+def _cutoff(q: list[Array], rate: float, rules: Rules) -> float:
     """The low-pass that motion asks for: twice the frequency below which 99 % of the accelerations' power lies."""
     frequency, spectrum = _spectrum(q, rate)
     noise = _noise(q, rate)
-    least, most = rules.low_pass
-    motion = np.where(spectrum > rules.stands_out * noise, spectrum, 0.0)
+    least, most = rules.motion.low_pass
+    motion = np.where(spectrum > rules.motion.stands_out * noise, spectrum, 0.0)
     weight = np.where(frequency < most, frequency, 0.0)[:, None] ** 4 * motion
     total = weight.sum(axis=0)
     wanted = float(least)
@@ -279,12 +277,12 @@ def _cutoff(q: list[Array], rate: float, rules: MotionRules) -> float:
 
 
 def _counting(
-    motion: Motion, stretches: tuple[Stretch, ...], rate: float, cutoff: float, rules: MotionRules
+    motion: Motion, stretches: tuple[Stretch, ...], rate: float, cutoff: float, rules: Rules
 ) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
     """Where each joint moves steadily, and where it moves or has just turned round."""
-    fast = np.abs(motion.velocity) > rules.slow
+    fast = np.abs(motion.velocity) > rules.motion.slow
     moving, near = np.zeros_like(fast), np.zeros_like(fast)
-    reach = round((rules.reversal + 0.25 / cutoff) * rate)
+    reach = round((rules.motion.reversal + 0.25 / cutoff) * rate)
     settle = round(rate / 8.0)
     for stretch in stretches:
         part = slice(stretch.start, stretch.stop)
@@ -296,8 +294,8 @@ def _counting(
             moving[part, joint] = quick & inner
             if reach:  # else no sample is known to be so near a turn
                 moving[part, joint] &= ~_around(turns, reach, len(v))
-            near[part, joint] = _around(np.flatnonzero(quick), int(2 * rules.reversal * rate), len(v)) & inner
-            near[part, joint] &= ~_at_rest(v, rate, cutoff, rules.still)
+            near[part, joint] = _around(np.flatnonzero(quick), int(2 * rules.motion.reversal * rate), len(v)) & inner
+            near[part, joint] &= ~_at_rest(v, rate, cutoff, rules.motion.still)
     return moving, near
 
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from linkwright.core.diagnose.rules.motion_rules import MotionRules
+from linkwright.core.diagnose.rules.rules import Rules
 from linkwright.core.sections.numeric import Array
 
 from .result import MotionUnknown, OfJoint
@@ -35,7 +35,7 @@ def structure(
     variables: Mapping[str, Array],
     seed: int,
     *,
-    rules: MotionRules,
+    rules: Rules,
 ) -> Structure:
     """What a residual (M,) depends on: itself, against the motion (as friction is), or its size.
 
@@ -49,7 +49,7 @@ def structure(
 
     Circular shifts keep how rows hang together, and break what they depend on.
     """
-    if len(residual) < rules.fewest:
+    if len(residual) < rules.fitting.least_parts * rules.fitting.enough:
         return Structure((), (), 1.0)
     shifted = np.stack([residual, *(residual[order] for order in _shifts(log, seed))])
     names: list[str] = []
@@ -74,7 +74,7 @@ def structure(
     best: dict[str, float] = {}
     for name, share in zip(names, beyond.tolist(), strict=True):
         best[name] = max(best.get(name, 0.0), share)
-    kept = sorted((name for name in best if best[name] > rules.dependence), key=lambda name: -best[name])
+    kept = sorted((name for name in best if best[name] > rules.motion.dependence), key=lambda name: -best[name])
     return Structure(tuple(kept), tuple(best[name] for name in kept), p_value)
 
 

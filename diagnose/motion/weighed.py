@@ -11,7 +11,7 @@ import numpy as np
 from linkwright.core.arm.chain.chain import Arm
 from linkwright.core.arm.effects.torques import direction
 from linkwright.core.arm.motion.rigid import inverse_dynamics
-from linkwright.core.diagnose.rules.motion_rules import MotionRules
+from linkwright.core.diagnose.rules.rules import Rules
 from linkwright.core.sections.numeric import Array
 from linkwright.core.units.quantities import InputError
 
@@ -19,7 +19,7 @@ from .log import MotionLog
 from .preparation import PreparedLog
 
 
-def weighed(arm: Arm, prepared: Sequence[PreparedLog], *, rules: MotionRules) -> list[MotionLog]:
+def weighed(arm: Arm, prepared: Sequence[PreparedLog], *, rules: Rules) -> list[MotionLog]:
     """The logs with currents of unknown torque constants as torques, by the constants that the arm's weights make.
 
     Drives by whose currents the weights tell nothing count as not logged: their friction alone tells no constant.
@@ -36,7 +36,7 @@ def weighed(arm: Arm, prepared: Sequence[PreparedLog], *, rules: MotionRules) ->
     if not free:
         return [item.log for item in prepared]
     constants, weights = np.array([_constant(free, joint, rules) for joint in range(arm.size)]).T
-    constants[weights < rules.weighs * weights.max()] = math.nan
+    constants[weights < rules.motion.weighs * weights.max()] = math.nan
     if not np.isfinite(constants).any():
         message = (
             "is missing, and the arm's weights tell none: write `torque_constants: [14.9, ...]` (N m/A, one a joint)"
@@ -50,7 +50,7 @@ def weighed(arm: Arm, prepared: Sequence[PreparedLog], *, rules: MotionRules) ->
     ]
 
 
-def _constant(free: Sequence[PreparedLog], joint: int, rules: MotionRules) -> tuple[float, float]:
+def _constant(free: Sequence[PreparedLog], joint: int, rules: Rules) -> tuple[float, float]:
     """N*m/A of a joint, by what weights make beyond friction, a drive's own inertia and a constant (nan: not told), and
     how much (N*m RMS) that is."""
     weights, current, own = (np.concatenate(item) for item in zip(*(_rows(item, joint) for item in free), strict=True))
@@ -59,7 +59,7 @@ def _constant(free: Sequence[PreparedLog], joint: int, rules: MotionRules) -> tu
     basis = np.linalg.qr(own)[0]
     m, y = (item - basis @ (basis.T @ item) for item in (weights, current))
     size = math.sqrt(float(m @ m) * float(y @ y))
-    enough = size > 0.0 and float(y @ m) > rules.tells_constant * size
+    enough = size > 0.0 and float(y @ m) > rules.motion.tells_constant * size
     return float(m @ m) / float(y @ m) if enough else math.nan, math.sqrt(float(m @ m) / len(m))
 
 

@@ -76,7 +76,7 @@ def _unchecked(
     columns, sentences = with_others_at_rest(columns, table, arm)
     warnings += sentences
     columns = with_followers(columns, table, arm, rules.residual)
-    partly = in_part(columns, table, held, rules.reading.some_blank)
+    partly = in_part(columns, table, held, rules.mistakes.few_rows)
     _refuse_torques_alone(columns, table)
     _require(columns, table, arm, held, whole=not partly)
     sights, seen = None, columns

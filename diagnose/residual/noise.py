@@ -106,7 +106,7 @@ def noise_floor(recording: Recording, arm: Arm, *, rules: ResidualRules = RULES.
         measured is not None
         and declared is not None
         and not coarse
-        and _differ(cleaned, own_of(recording, declared, width), width, rules.false_outlier)
+        and _differ(cleaned, own_of(recording, declared, width), width, rules.level)
     )
     if disagree and measured is not None and declared is not None:
         warnings.append(
@@ -289,7 +289,7 @@ def _without_outliers(
     count = sum(len(group) for group in groups)
     # The scale is an estimate itself, Qn's worth 0.8 of its degrees of freedom: hence F, not chi-square.
     width = scaled.shape[1]
-    limit = width * float(f_distribution.isf(rules.false_outlier / count, width, 0.8 * (count - len(groups))))
+    limit = width * float(f_distribution.isf(rules.level / count, width, 0.8 * (count - len(groups))))
     groups_kept: list[Rows] = []
     outliers: list[RejectedRow] = []
     doubtful: list[int] = []
@@ -327,7 +327,7 @@ def _settles(scaled: Array, rules: ResidualRules) -> bool:
     way the first does: an arm or an instrument that warms up."""
     later = scaled[2:].mean(axis=0)
     way = (scaled[0] - later) / np.linalg.norm(scaled[0] - later)
-    return float((scaled[1] - later) @ way) > rules.settles * np.sqrt(1.0 + 1.0 / (len(scaled) - 2))
+    return float((scaled[1] - later) @ way) > rules.beyond_chance * np.sqrt(1.0 + 1.0 / (len(scaled) - 2))
 
 
 def _pooled(residual: Array, groups: Sequence[Rows]) -> tuple[Array, int]:
@@ -382,7 +382,7 @@ def _drift(
         return None, 0
     over = squares - expected
     # Noise alone exceeds its expectation by about this much, which is then no drift.
-    chance = rules.settles * expected * np.sqrt(2.0 / (dof * residual.shape[1]))
+    chance = rules.beyond_chance * expected * np.sqrt(2.0 / (dof * residual.shape[1]))
     return (float(np.sqrt(over / dof)) if over > chance else 0.0), dof
 
 

@@ -43,7 +43,7 @@ def time_vs_path(
     """The visits that tell, None where time and pose go together. `pose` (N,) numbers the poses of all readings,
     `first` (V,) is each visit's first."""
     at = places(recording.q[first], arm)
-    if len(first) < rules.least_pairs:
+    if len(first) < rules.enough:
         return None
     if _shuffled(at, rules):
         return Told(np.arange(len(first)), None)
@@ -60,7 +60,7 @@ def come_back_to(
     again = np.flatnonzero(np.bincount(back)[back] > 1)
     number = np.unique(back[again], return_inverse=True)[1].reshape(-1) if len(again) else again
     count = int(number.max()) + 1 if len(again) else 0
-    if count < rules.poses_come_back_to or len(again) - count < rules.least_pairs:
+    if count < rules.poses_come_back_to or len(again) - count < rules.enough:
         return None
     return Told(again, number.astype(np.int64))
 
@@ -81,7 +81,7 @@ def rather_with_time(values: Array, at: Array, *, rules: FittingRules) -> bool:
         return False
     values = values - values.mean(axis=0)
     in_time = float(np.mean(np.sum(values[1:] * values[:-1], axis=1)[far]))
-    later = max(1, len(at) // rules.far_in_time)
+    later = max(1, len(at) // rules.least_parts)
     distance, near = map(np.asarray, KDTree(at).query(at, k=min(len(at), 2 * later + 2)))
     number = np.arange(len(at))
     allowed = np.abs(near - number[:, None]) > later

@@ -122,7 +122,7 @@ def _drifts(values: Array, rules: ResidualRules) -> bool:
     if within <= 0.0:
         return between > 0.0
     ratio = between / of_between / (within / of_within)
-    return float(f_distribution.sf(ratio, of_between, of_within)) < rules.drift_false_alarm
+    return float(f_distribution.sf(ratio, of_between, of_within)) < rules.surely
 
 
 def differences_of_revisits(residual: Array, visits: Sequence[Rows]) -> Array:

@@ -81,7 +81,7 @@ def wander_in(
     within = steps[(steps > 0.0) & np.isfinite(steps)]
     usual = float(np.median(within)) if len(within) else 0.0
     none = still(values, beside)
-    if usual <= 0.0 or len(values) < rules.least_pairs:
+    if usual <= 0.0 or len(values) < rules.enough:
         return none
     tried = np.geomspace(*rules.wander, 15) ** 2 / usual
     walks_tried = (_walk(values, growth(time, rate, which), rate, beside) for rate in tried.tolist())

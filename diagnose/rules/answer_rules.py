@@ -11,13 +11,6 @@ from .rule import PROOF, rule
 class AnswerRules:
     """What a search's findings are held to before they are said."""
 
-    enough_repeats: int = rule(
-        20,
-        "degrees of freedom",
-        "From here on repeats are trusted to tell noise from physics.",
-        PROOF,
-        rows="A noise floor from fewer is off by a sixth and more, which is what it is to judge.",
-    )
     farther: float = rule(
         2.0,
         "times the noise floor",
@@ -53,12 +46,6 @@ class AnswerRules:
         "share of the mismatch",
         "A finding that moves the tip by as much (RMS) is never dropped for that: others may take its place.",
     )
-    least_parts: int = rule(
-        10,
-        "parts of the workspace, visits",
-        "From so many on their scatter tells what carries over, or lasts, from what does not, and what visits share.",
-        rows="The scatter of fewer is off by a quarter and more.",
-    )
     takes_over: float = rule(
         0.3,
         "share of what it moves",
@@ -85,9 +72,6 @@ class AnswerRules:
         "of an arm that returns badly.",
         "judged on the development half of the second proof, seeds 2026112801 and 2026112802",
     )
-    lack_of_fit: float = rule(
-        0.001, "p-value", "Of the lack-of-fit test: below it readings of one pose refute what was named."
-    )
     promise: float = rule(
         0.02,
         "share of the promised RMS",
@@ -102,12 +86,6 @@ class AnswerRules:
     )
     most_memory: float = rule(0.8, "correlation", "No more is granted to noise before a fit is held to its repeats.")
     local: float = rule(0.25, "median over RMS", "A remainder below this sits at a few visits.", PROOF)
-    level: float = rule(
-        0.01,
-        "p-value",
-        "Below which a mismatch depends on a covariate, and visits differ by more than their readings do: then "
-        "intervals and refusals rest on how visits differ.",
-    )
     one_direction: float = rule(0.6, "share of the mismatch", "Along one direction, or it is mixed.")
     told: float = rule(
         13.0, "non-centrality", "A wrong name is refused with high power (one coefficient, odds of 20 to 1).", "odds"
@@ -118,8 +96,3 @@ class AnswerRules:
         "Sizes of its own that leave so much less in one of several recordings say that they are not of one arm.",
     )
     hopeless: float = rule(0.02, "non-centrality a reading", "Below this no number of poses is reasonable.")
-    form_leads: float = rule(
-        0.5,
-        "share of what is left and no noise",
-        "Forms that predict less of it on readings held out are no description: the unknown is nothing simple.",
-    )

@@ -26,13 +26,27 @@ class FittingRules:
         "So many may lie far off where others of their own visit do not: that is the readings, not the pose.",
     )
     same_way: float = rule(
-        0.8, "cosine", "Readings that begin a recording far off and point the same way settle: no outliers."
+        0.8,
+        "cosine",
+        "Readings that begin a recording far off and point the same way settle: no outliers. Torques, or speeds, of a "
+        "log that go so much the same way are one another's multiple.",
     )
-    least_pairs: int = rule(
+    enough: int = rule(
         20,
-        "pairs of readings",
-        "From so many on the noise's memory is looked for.",
-        rows="The correlation of fewer is chance; below this none is beyond doubt anyway.",
+        "degrees of freedom",
+        "From here on a scatter is trusted to tell noise from physics, the noise's memory is looked for, and a log "
+        "tells of gravity, friction and inertia.",
+        PROOF,
+        rows="A noise floor from fewer is off by a sixth and more, which is what it is to judge; a correlation of "
+        "fewer is chance; and the five numbers of one joint are fitted to anything.",
+    )
+    least_parts: int = rule(
+        10,
+        "parts of the workspace, of a recording, visits",
+        "From so many on their scatter tells what carries over, or lasts, from what does not, and what visits share; "
+        "into so many time is cut: visits a part apart are far from each other in it. What is told from `enough` "
+        "numbers of each part is not sought in fewer.",
+        rows="The scatter of fewer is off by a quarter and more.",
     )
     most_memory: float = rule(0.95, "correlation", "No more is taken out of readings, whatever is found.")
     much_memory: float = rule(
@@ -76,9 +90,6 @@ class FittingRules:
         "Come back to so many, and a wander can be told by them where each pose is near the one before.",
         rows="A walk below fewer series, each less its mean, is mixed with what just one pose does.",
     )
-    far_in_time: int = rule(
-        10, "parts of the recording", "Visits of one place that lie a part apart are far from each other in time."
-    )
     own_scatter: float = rule(
         40.0,
         "readings",
@@ -121,17 +132,11 @@ class FittingRules:
     cancelling: float = rule(
         4.0, "times the mismatch", "A displacement whose sum of squares is more can only cancel another.", PROOF
     )
-    beyond_bounds: float = rule(
-        2.5,
-        "standard errors",
-        "A size so far outside its bounds is impossible, not just badly known; so far from nought a correlation of "
-        "neighbours is allowed for.",
-        PROOF,
-    )
     usual: float = rule(
         3.0,
         "times",
-        "Beyond its typical limits a size is still of a usual magnitude; and what a link may expand by of what its "
+        "Beyond its typical limits a size is still of a usual magnitude, and may well be (on small and large robots "
+        "alike); and what a link may expand by of what its "
         "material declares, or twice the most that is usual: what seems to expand by more is another length.",
         "judged: steel taken for what was aluminium is off by 2",
     )
@@ -164,10 +169,4 @@ class FittingRules:
         "third of the noise among forty candidates. Of 24 unknowns of the development half's classes, which leave "
         "1.5 times the noise and more, none comes to so little.",
         "development half of the second proof, seed 2026112501",
-    )
-    origin_beyond: float = rule(
-        0.1,
-        "times what is left",
-        "A turn found beside the findings whose square moves the tip by more makes the diagnosis begin again about it.",
-        "a tenth adds half a percent to what is left",
     )

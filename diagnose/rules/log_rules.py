@@ -80,7 +80,6 @@ class LogRules:
     convention_window: float = rule(
         0.1, "s", "Speeds and accelerations are means over this; poses further apart are taken at rest."
     )
-    alike: float = rule(0.8, "correlation", "Torques, or speeds, that are one another's multiple.")
     least_gear: float = rule(
         12.0,
         "1",
@@ -92,10 +91,4 @@ class LogRules:
     )
     heavy: float = rule(
         0.3, "share of the largest torque", "Gears and units are told by the joints that carry at least so much."
-    )
-    fewest: int = rule(
-        20,
-        "samples",
-        "A shorter log tells nothing: gravity, friction and inertia of one joint are five numbers.",
-        rows="a log is refused below it",
     )

@@ -28,12 +28,6 @@ class MistakeRules:
     surroundings: tuple[float, float] = rule(
         (193.15, 523.15), "K", "-80 to 250 degC: what stands around an arm is neither colder nor hotter."
     )
-    fewest: int = rule(
-        5,
-        "readings",
-        "So many must tell of one motion before rows are judged by it.",
-        rows="A median of fewer says nothing of each.",
-    )
     far: float = rule(
         10.0,
         "times the middle distance",
@@ -56,7 +50,8 @@ class MistakeRules:
         0.1,
         "share of the rows",
         "Up to so many jumps, copies to the last digit, tips that repeat the one before and joints beyond their range "
-        "are slips, which are set aside; more tell of the instrument, or of another zero.",
+        "are slips, which are set aside, and so many blanks were forgotten; more tell of the instrument, of another "
+        "zero, or of what was not measured.",
     )
     whole: float = rule(
         0.1,
@@ -75,14 +70,7 @@ class MistakeRules:
     simpler: float = rule(
         2.0, "times the least distance", "Frame or tool alone is enough where both together leave no less."
     )
-    another_frame: float = rule(0.1, "rad", "A frame turned by more is another one, not a mount that has shifted.")
     noticed: float = rule(2e-3, "share of the reach", "From here on a wrong convention is looked for.", PROOF)
-    fewest_for_conventions: int = rule(
-        12,
-        "readings",
-        "A wrong convention is looked for in so many, of different poses, at least.",
-        rows="Frame, tool and a convention together fit fewer by chance.",
-    )
     as_well: float = rule(
         1.05,
         "times the least distance",

@@ -54,32 +54,12 @@ class MotionRules:
     block: float = rule(
         5.0, "s", "What is left of torques is correlated within a block, and nearly independent between blocks.", _LOGS
     )
-    blocks: int = rule(10, "blocks", "A short log is cut into so many, or there are no signs to draw.")
-    fewest: int = rule(
-        200,
-        "samples",
-        "Of fewer that count neither an order nor a dependence is sought.",
-        rows="Ten bins of twenty samples; a joint that moves for two seconds has them.",
-    )
     of_a_sample: float = rule(
         0.75,
         "sampling intervals",
         "Three standard deviations of how late torques are to coordinates without a delay: how a log was written.",
     )
-    most_usual: float = rule(
-        3.0,
-        "times the greatest usual size",
-        "More is something else, of what is alike on small and large robots; and what a named size may well have.",
-    )
     scaled: float = rule(0.15, "share", "By which all masses may be off alike, as torque constants are.")
-    odds: float = rule(
-        3.0,
-        "nats",
-        "A name must be so much likelier than none, the choice among all candidates paid for; names within it are not "
-        "told apart.",
-        "odds of 20 to 1",
-    )
-    false_alarm: float = rule(0.01, "p-value", "Of each test: of a name, of an order, of a dependence.")
     gain: float = rule(
         0.03, "share of a joint's RMS", "By which a name must lower it on motion that was not fitted.", _LOGS
     )

@@ -11,11 +11,6 @@ from .rule import rule
 class ReadingRules:
     """What a file may lack."""
 
-    some_blank: float = rule(
-        0.1,
-        "share of the rows",
-        "Where x, y or z is blank beside others in more rows than this, nobody forgot it: it was not measured.",
-    )
     elsewhere: float = rule(
         0.2,
         "share of the workspace reached",

@@ -76,24 +76,34 @@ class ResidualRules:
         1.0, "K", "Temperatures of a recording that lie further apart are conditions of their own."
     )
     other_speed: float = rule(1e-2, "share", "A speed that changes by more from one reading to the next is another.")
-    false_outlier: float = rule(
-        0.01,
-        "chance a recording",
-        "That any row of a clean Gaussian recording is called an outlier, or its repeats held to disagree with the "
-        "declared sigma.",
-    )
     enough_freedom: int = rule(
         5,
         "degrees of freedom",
-        "From here on repeats are trusted more than a declared sigma.",
+        "From here on repeats are trusted more than a declared sigma, and rows are judged by what most of them say.",
         PROOF,
-        rows="A standard deviation from fewer is off by a third and more.",
+        rows="A standard deviation from fewer is off by a third and more, and a median says nothing of each.",
     )
-    settles: float = rule(
+    beyond_chance: float = rule(
         2.5,
-        "standard deviations",
-        "A visit's second reading that lies so far off the later ones, the way the first does, still settles; what "
-        "visits of one pose differ by is drift beyond this much noise.",
+        "standard errors",
+        "Nearer than this two numbers may be one: a visit's second reading that lies further off the later ones, the "
+        "way the first does, still settles; visits of one pose that differ by more drift; a size further outside its "
+        "bounds is impossible, not just badly known; so far from nought a correlation of neighbours is allowed for.",
+        PROOF,
+    )
+    level: float = rule(
+        0.01,
+        "p-value",
+        "Of a test made of a recording or a log as a whole: that rows are outliers, that repeats disagree with the "
+        "declared sigma, that visits differ by more than their readings do (intervals and refusals then rest on how "
+        "visits differ), that a mismatch depends on a covariate, that a log's torques hold a name, an order or a "
+        "dependence.",
+    )
+    surely: float = rule(
+        0.001,
+        "p-value",
+        "Of a test made over and over: that a stay drifts, and that readings of one pose refute what was named (lack "
+        "of fit).",
     )
     short_stay: int = rule(
         6,
@@ -108,13 +118,13 @@ class ResidualRules:
         "A stay that drifts is cut into runs of so many repeats.",
         rows="It counts the readings of one stay, not of the recording.",
     )
-    drift_false_alarm: float = rule(1e-3, "chance", "That a stay without drift is taken for one that drifts.")
     named_part: float = rule(0.1, "share", "Of a direction that is not told: parts that have more are named.")
     turned: float = rule(
         0.1,
         "rad",
         "Poses that differ by no more tell nothing of how orientations are written; measured and modelled turns that "
-        "differ by more (median) are not of one convention.",
+        "differ by more (median) are not of one convention, and a frame turned by more is another one, no mount that "
+        "has shifted.",
     )
 
     def same_coordinate(self, revolute: bool) -> float:

@@ -28,9 +28,9 @@ class SearchRules:
     least_observations: int = rule(
         12,
         "observations",
-        "Beyond the nuisances; with fewer the data do not suffice.",
+        "Beyond the nuisances; with fewer the data do not suffice, nor do fewer readings tell a wrong convention.",
         PROOF,
-        rows="Three findings and their criterion need about as many.",
+        rows="Three findings and their criterion need about as many; frame, tool and a convention fit fewer by chance.",
     )
     false_alarm: float = rule(
         0.003, "p-value", "Of each test; where nothing is missing two are made (library and forms).", PROOF
@@ -79,7 +79,8 @@ class SearchRules:
     confident: float = rule(
         6.0,
         "criterion",
-        "A name no worse than this (odds of 20 to 1) could be it too; a form beside names must better them by more.",
+        "A name no worse than this (odds of 20 to 1) could be it too; a form beside names must better them by more, "
+        "and a log's name none.",
         "odds",
     )
     refuted: float = rule(
@@ -88,7 +89,12 @@ class SearchRules:
     tied: float = rule(
         2.0, "criterion", "Names no worse than this fit equally well: the simpler and commoner goes first.", PROOF
     )
-    rivalling: float = rule(0.5, "share of what the member explains", "What explains less can be no other name for it.")
+    rivalling: float = rule(
+        0.5,
+        "share of what the other explains",
+        "What explains less can be no other name for it. Forms that predict less on readings held out than this of "
+        "the best, or of what is left and no noise, are no description: the unknown is nothing simple.",
+    )
     coupling_matters: float = rule(
         0.02,
         "share",
@@ -104,7 +110,11 @@ class SearchRules:
         "small causes one by one, so that there is less and less to make room for.",
     )
     motion_matters: float = rule(
-        0.1, "share of the scatter", "What lies beyond first order is looked at again where it changes by more.", PROOF
+        0.1,
+        "share of the scatter",
+        "What lies beyond first order, or turns out turned, is looked at again where the tip changes by more: a tenth "
+        "adds half a percent to what is left.",
+        PROOF,
     )
     balanced: float = rule(
         1.2,
@@ -112,3 +122,8 @@ class SearchRules:
         "What gives under unknown weights and moves the tip by more (RMS) can only balance others: the search is made "
         "again without it.",
     )
+
+    @property
+    def log_odds(self) -> float:
+        """What the odds of `confident`, twice a logarithm, are in nats."""
+        return 0.5 * self.confident

@@ -25,7 +25,6 @@ from linkwright.core.diagnose.residual.robust_scale import resolution
 from linkwright.core.diagnose.residual.visits import poses
 from linkwright.core.diagnose.residual.wander import walks
 from linkwright.core.diagnose.result import LackOfFit
-from linkwright.core.diagnose.rules.answer_rules import AnswerRules
 from linkwright.core.diagnose.rules.rules import Rules
 from linkwright.core.sections.numeric import Array
 
@@ -113,7 +112,7 @@ def refuted_by(
     parameters: int,
     *,
     seed: int,
-    rules: AnswerRules,
+    rules: Rules,
     small: SmallCauses | None = None,
 ) -> LackOfFit | None:
     """Whether readings of one pose refute what a fit of so many parameters leaves of the tip (N, D), m; None where too
@@ -127,11 +126,11 @@ def refuted_by(
     visit = np.unique(observed.block, return_inverse=True)[1].reshape(-1).astype(np.int64)
     memory = memory_at_most(left, visit, rules=rules)
     repeats = split(left, visit, memory)
-    enough = repeats.freedom[0] >= rules.enough_repeats
+    enough = repeats.freedom[0] >= rules.fitting.enough
     means = np.stack([np.bincount(visit, weights=column) / np.bincount(visit) for column in left.T], axis=1)
     conditions = np.unique(_conditions(observed)[_first(visit)], return_inverse=True)[1].reshape(-1).astype(np.int64)
     returns = split(means, conditions)
-    come_back = returns.freedom[0] >= rules.least_parts
+    come_back = returns.freedom[0] >= rules.fitting.least_parts
     least = _rounding(observed, left.shape[1])
     # Readings of a visit are rounded alike: of all of them together no less is off than of one.
     repeats = _no_finer(repeats, least**2 * observed.rows / (visit[-1] + 1))
@@ -169,7 +168,7 @@ def refuted_by(
 def refutes(found: LackOfFit, rules: Rules) -> bool:
     """Whether readings of one pose refute a fit, or those held out do."""
     # Of thousands of readings the least blemish is beyond chance: it must be above the floor besides.
-    misfit = found.p_value < rules.answer.lack_of_fit and found.times > rules.fitting.at_the_floor
+    misfit = found.p_value < rules.residual.surely and found.times > rules.fitting.at_the_floor
     return misfit or (found.held_out_p <= 0.0 and found.held_out_times > rules.answer.held_out_beyond)
 
 
@@ -185,7 +184,7 @@ def _no_finer(parts: Split, variance: Array) -> Split:
     return replace(parts, within=np.maximum(parts.within, parts.expected[0] * variance))
 
 
-def memory_at_most(left: Array, visit: Groups, *, rules: AnswerRules) -> float:
+def memory_at_most(left: Array, visit: Groups, *, rules: Rules) -> float:
     """The greatest correlation of each reading's noise with the one before that what is left (N, D) allows.
 
     Two signs must agree: readings next to each other of different visits, less what those of the visits after share as
@@ -198,11 +197,11 @@ def memory_at_most(left: Array, visit: Groups, *, rules: AnswerRules) -> float:
     pairs = left.shape[1] * int(visit[-1])
     found = (next_to - lasting + _ONE_SIDED / np.sqrt(max(pairs, 1))) / (1.0 - lasting) if pairs else 0.0
     near, far = (np.flatnonzero(visit[lag:] == visit[:-lag]) for lag in (1, 2))
-    if left.shape[1] * len(far) >= rules.enough_repeats:
+    if left.shape[1] * len(far) >= rules.fitting.enough:
         one, two = (float(np.mean((scaled[at + lag] - scaled[at]) ** 2)) for lag, at in ((1, near), (2, far)))
         error = np.sqrt(2.0 / (left.shape[1] * len(far)))
         found = min(found, two / max(one, 1e-300) * (1.0 + _ONE_SIDED * error) - 1.0)
-    return min(max(found, 0.0), rules.most_memory)
+    return min(max(found, 0.0), rules.answer.most_memory)
 
 
 def _alike(scaled: Array, visit: Groups) -> tuple[float, float]:
@@ -244,13 +243,15 @@ def _first(visit: Groups) -> NDArray[np.int64]:
     return np.unique(visit, return_index=True)[1].astype(np.int64)
 
 
-def _returns_worse(returns: Split, repeats: Split, visit: Groups, rules: AnswerRules) -> bool:
+def _returns_worse(returns: Split, repeats: Split, visit: Groups, rules: Rules) -> bool:
     """Whether visits of one pose differ by more than their readings' own noise explains."""
     means = float(np.mean(1.0 / np.bincount(visit))) * repeats.expected[1] / repeats.freedom[1]
     noise = float(np.sum(repeats.within)) / repeats.expected[0] * means
     width = len(repeats.within)
     ratio = float(np.sum(returns.within)) / returns.expected[0] / max(noise, 1e-300)
-    return float(f_distribution.sf(ratio, width * returns.freedom[0], width * repeats.freedom[0])) < rules.level
+    return (
+        float(f_distribution.sf(ratio, width * returns.freedom[0], width * repeats.freedom[0])) < rules.residual.level
+    )
 
 
 def remembering(rng: np.random.Generator, shape: tuple[int, ...], memory: float) -> Array:

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from linkwright.core.diagnose.fitting.fit import solved
 from linkwright.core.diagnose.residual.observed import Observed
-from linkwright.core.diagnose.rules.answer_rules import AnswerRules
+from linkwright.core.diagnose.rules.rules import Rules
 from linkwright.core.sections.numeric import Array
 
 from .lack_of_fit import memory_at_most, remembering, split
@@ -23,7 +23,7 @@ _AT_ONCE = 3_000_000
 """Numbers that are drawn at once."""
 
 
-def follows(observed: Observed, left: Array, columns: Array, *, seed: int, rules: AnswerRules) -> float:
+def follows(observed: Observed, left: Array, columns: Array, *, seed: int, rules: Rules) -> float:
     """The p-value that visits which scatter by chance are as much like the visits before as what is left of the tip
     (N, D), m; `columns` (N, C, K) are what was fitted."""
     visit = np.unique(observed.block, return_inverse=True)[1].reshape(-1)

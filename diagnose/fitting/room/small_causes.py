@@ -162,7 +162,7 @@ def noise_of_visits(prepared: Prepared) -> float | None:
     values = prepared.vector.reshape(observed.rows, -1)
     count = np.bincount(visit)
     freedom = values.shape[1] * (len(visit) - len(count))
-    if freedom < observed.rules.answer.enough_repeats:
+    if freedom < observed.rules.fitting.enough:
         return None
     means = np.stack([np.bincount(visit, weights=column) / count for column in values.T], axis=1)
     return float(np.sum((values - means[visit]) ** 2)) / freedom

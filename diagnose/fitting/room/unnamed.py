@@ -112,7 +112,7 @@ def _within_visits(prepared: Prepared, remainder: Array, left: float, freedom: i
     if within <= 0.0 or apart <= 0:
         return 0.0, 0
     ratio = between / apart / (within / repeated)
-    beyond = float(f_distribution.sf(ratio, apart, repeated)) < observed.rules.answer.level
+    beyond = float(f_distribution.sf(ratio, apart, repeated)) < observed.rules.residual.level
     return (within, repeated) if beyond else (0.0, 0)
 
 

@@ -16,7 +16,7 @@ from linkwright.core.arm.effects.loads.inertial import OfInertia
 from linkwright.core.arm.effects.torques import OfEachDrive, direction
 from linkwright.core.arm.motion.motion import Motion
 from linkwright.core.arm.motion.rigid import PARAMETERS, regressor
-from linkwright.core.diagnose.rules.motion_rules import MotionRules
+from linkwright.core.diagnose.rules.rules import Rules
 from linkwright.core.sections.numeric import Array
 
 _MOST_VARIANTS = 12
@@ -149,7 +149,7 @@ class Candidates:
 
 
 def candidates(
-    arm: Arm, effects: Sequence[Effect], motion: Motion, masses: Array, clock: float, *, rules: MotionRules
+    arm: Arm, effects: Sequence[Effect], motion: Motion, masses: Array, clock: float, *, rules: Rules
 ) -> Candidates:
     """The candidates that can act on an arm in a motion.
 
@@ -166,7 +166,7 @@ def candidates(
     sources: list[Source] = []
     at_column = 0
     for effect in (*effects, SHARPER):
-        variants = _grid(effect, rules.slow)
+        variants = _grid(effect, rules.motion.slow)
         if effect.torques is None or not _shown(effect, motion) or len(variants) > _MOST_VARIANTS:
             continue
         for at in _places(arm, effect):
@@ -201,7 +201,7 @@ def scanned(effects: Sequence[Effect]) -> list[tuple[Effect, tuple[float, ...]]]
 
 
 def with_variants(
-    pool: Candidates, arm: Arm, masses: Array, more: Sequence[tuple[Effect, int, float]], *, rules: MotionRules
+    pool: Candidates, arm: Arm, masses: Array, more: Sequence[tuple[Effect, int, float]], *, rules: Rules
 ) -> Candidates:
     """The candidates with some values of the shape of scanned effects at joints (from 0)."""
     sources = list(pool.sources)
@@ -265,7 +265,7 @@ def _probe(motion: Motion) -> tuple[Motion, Motion]:
     return short, replace(short, torque=2.0 * wave[::-1] + 1.0)
 
 
-def _groups(sources: Sequence[Source], arm: Arm, masses: Array, clock: float, rules: MotionRules) -> list[Group]:
+def _groups(sources: Sequence[Source], arm: Arm, masses: Array, clock: float, rules: Rules) -> list[Group]:
     groups: list[Group] = []
     by_effect: dict[tuple[str, tuple[tuple[str, float], ...]], list[Source]] = {}
     for source in sources:
@@ -286,7 +286,7 @@ def _groups(sources: Sequence[Source], arm: Arm, masses: Array, clock: float, ru
                 source.columns,
                 np.eye(len(source.sizes)),
                 usual,
-                _bounds(source, arm, rules.most_usual, alone=True),
+                _bounds(source, arm, rules.fitting.usual, alone=True),
                 source.sizes,
                 tuple((at, size.name) for size in source.sizes),
                 (source.effect.id, at),
@@ -323,7 +323,7 @@ def _groups(sources: Sequence[Source], arm: Arm, masses: Array, clock: float, ru
         at = tuple(source.at[0] + 1 for source in alike)
         columns = np.concatenate([source.columns for source in alike])
         shared = variants[(effect.id, alike[0].at)]
-        bounds = _bounds(alike[0], arm, rules.most_usual)
+        bounds = _bounds(alike[0], arm, rules.fitting.usual)
         if effect.together or (effect.of_instrument and alike[0].by_load):
             usual = np.array([max(map(abs, size.typical)) for size in alike[0].sizes])
             mixing = np.tile(np.eye(len(alike[0].sizes)), (len(alike), 1))
@@ -332,9 +332,9 @@ def _groups(sources: Sequence[Source], arm: Arm, masses: Array, clock: float, ru
             # All that the arm weighs by one factor: what nobody tells from all torque constants.
             held = [dict(zip(PARAMETERS, row.tolist(), strict=True)) for row in masses]
             mixing = np.array([[held[source.at[0]][size.name]] for source in alike for size in source.sizes])
-            usual, shapes, many = np.array([rules.scaled]), {}, 1
-            sizes = (Parameter("share", "dimensionless", "of all masses", -1.0, 1.0, (0.0, rules.scaled), ""),)
-            bounds = np.array([[-1.0], [1.0]]) * rules.most_usual * rules.scaled
+            usual, shapes, many = np.array([rules.motion.scaled]), {}, 1
+            sizes = (Parameter("share", "dimensionless", "of all masses", -1.0, 1.0, (0.0, rules.motion.scaled), ""),)
+            bounds = np.array([[-1.0], [1.0]]) * rules.fitting.usual * rules.motion.scaled
         else:
             continue
         labels = tuple(((source.at[0] + 1,), size.name) for source in alike for size in source.sizes)

@@ -9,7 +9,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from linkwright.core.diagnose.rules.motion_rules import MotionRules
+from linkwright.core.diagnose.rules.rules import Rules
 from linkwright.core.sections.numeric import Array
 
 from .candidates import Candidates
@@ -96,13 +96,13 @@ def identify(
     seed: int,
     progress: Callable[[str, float], None],
     *,
-    rules: MotionRules,
+    rules: Rules,
 ) -> Identified:
     """The causes that logs name among candidates."""
     progress("naming what is missing", 0.4)
     current = list(rows)
     torque = _torque(current)
-    certain, uncertain = (0.25 * share * torque for share in (rules.filters, rules.turning))
+    certain, uncertain = (0.25 * share * torque for share in (rules.motion.filters, rules.motion.turning))
     steady = _fit(pool, products(joint_rows(current), pool.width, near=False), certain, seed)
     members = stepwise(steady.system, rules=rules)
     for turn in range(1, _ROUNDS):
@@ -116,7 +116,7 @@ def identify(
     gate_p = min(1.0, 2.0 * min(item.gate() for item in (steady, near)))
     split, folds = _folds(steady.products)
     turning = _at_reversals(pool, steady.products, near.products)
-    if gate_p > rules.false_alarm:
+    if gate_p > rules.residual.level:
         members = []
     else:
         members = _kept(pool, steady, folds, members, torque, rules=rules)
@@ -162,7 +162,7 @@ def _kept(
     members: Sequence[Member],
     torque: Array,
     *,
-    rules: MotionRules,
+    rules: Rules,
 ) -> list[Member]:
     """The members that are no trifle of the torque, gain on motion that was not fitted, and that chance does not make
     as evident."""
@@ -173,10 +173,10 @@ def _kept(
         rank = pool.groups[member.group].rank
         alone = fit.system.spread[:, fit.system.places([member])] @ sizes[start : start + rank]
         start += rank
-        if float(np.max(fit.products.explained(alone) / torque)) > rules.turning:
+        if float(np.max(fit.products.explained(alone) / torque)) > rules.motion.turning:
             large.append(member)
     useful = pruned(fit.system, fit.held_out(pool, folds), large, rules=rules)
-    return _beyond_chance(fit.system, fit.chance, useful, rules.false_alarm)
+    return _beyond_chance(fit.system, fit.chance, useful, rules.residual.level)
 
 
 def _torque(rows: Sequence[LogRows]) -> Array:

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from scipy.stats import t as student
 
 from linkwright.core.arm.effects.drives.torque_constant import TORQUE_CONSTANT
-from linkwright.core.diagnose.rules.motion_rules import MotionRules
+from linkwright.core.diagnose.rules.rules import Rules
 from linkwright.core.sections.numeric import Array
 
 from .evidence import Member, System
@@ -33,7 +33,7 @@ class Estimates:
 
 
 def estimates(
-    system: System, products: Products, weights: Array, members: Sequence[Member], unnamed: Array, *, rules: MotionRules
+    system: System, products: Products, weights: Array, members: Sequence[Member], unnamed: Array, *, rules: Rules
 ) -> Estimates:
     """Sizes of a set with intervals: once causes are named, the logs say how large they are, not their prior.
 
@@ -45,7 +45,7 @@ def estimates(
     if not len(at):
         empty = np.zeros(0)
         return Estimates(empty, np.zeros((2, 0)), empty.astype(bool), empty, np.zeros(products.width))
-    wide = [Member(member.group, rules.most_usual * max(member.scale, 1.0)) for member in members]
+    wide = [Member(member.group, rules.fitting.usual * max(member.scale, 1.0)) for member in members]
     inverse = np.linalg.inv(system.gram[np.ix_(at, at)] + np.diag(system.precision(wide)))
     numbers = feasible(system, wide).numbers
     sizes = system.spread[:, at] @ numbers
@@ -56,7 +56,7 @@ def estimates(
     model = np.sqrt(np.diagonal(inverse) + (pulled**2).sum(axis=1)) * 1.96
     robust = np.sqrt(np.maximum(np.diagonal(by_blocks), 0.0)) * float(student.ppf(0.975, blocks - 1))
     unit = np.concatenate([system.groups[m.group].usual for m in members])
-    shown = np.sqrt(np.diagonal(inverse)) < rules.shown
+    shown = np.sqrt(np.diagonal(inverse)) < rules.motion.shown
     half = np.hypot(np.maximum(model, robust), _by_shapes(system, wide, numbers)) * unit
     gain = _gain(system, members, numbers * unit)
     return Estimates(numbers * unit / gain, half / gain, shown, gain, np.asarray(sizes))

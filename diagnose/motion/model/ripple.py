@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from linkwright.core.diagnose.motion.preparation import low_pass
-from linkwright.core.diagnose.rules.motion_rules import MotionRules
+from linkwright.core.diagnose.rules.rules import Rules
 from linkwright.core.sections.numeric import Array
 
 from .rows import LogRows
@@ -65,7 +65,7 @@ def ripples(
     seed: int,
     *,
     fast: bool,
-    rules: MotionRules,
+    rules: Rules,
 ) -> list[Ripple]:
     """Orders that stand out of what sizes (W,) of the model's columns leave of a joint's torque, the strongest first.
 
@@ -78,17 +78,18 @@ def ripples(
         fast: Orders beyond the low-pass, in torque that is not filtered.
         rules: What stands out.
     """
+    fewest = rules.fitting.least_parts * rules.fitting.enough
     signal = _joined([_fast(row, sizes, joint, rules) if fast else _slow(row, sizes, joint) for row in rows])
-    if len(signal.left) < rules.fewest:
+    if len(signal.left) < fewest:
         return []
     top = min(0.4 * min(row.prepared.rate for row in rows), 1e9)
     cutoff = min(row.prepared.cutoff for row in rows)
-    band = (rules.ripple_band, top) if fast else (0.0, 0.5 * cutoff)
+    band = (rules.motion.ripple_band, top) if fast else (0.0, 0.5 * cutoff)
     ripples_: list[Ripple] = []
     left = signal.left.copy()
     rng = np.random.default_rng(seed)
     for _ in range(_EACH):
-        table = _scores(_Signal(left, signal.phase, signal.speed, signal.block), orders, band, rules.fewest)
+        table = _scores(_Signal(left, signal.phase, signal.speed, signal.block), orders, band, fewest)
         best = _strongest(table, rng, rules)
         if best is None:
             break
@@ -128,7 +129,7 @@ def _slow(rows: LogRows, sizes: Array, joint: int) -> _Signal:
     )
 
 
-def _fast(rows: LogRows, sizes: Array, joint: int, rules: MotionRules) -> _Signal:
+def _fast(rows: LogRows, sizes: Array, joint: int, rules: Rules) -> _Signal:
     prepared = rows.prepared
     motion = prepared.motion
     explained = rows.design[joint] @ sizes[rows.columns[joint]]
@@ -138,10 +139,10 @@ def _fast(rows: LogRows, sizes: Array, joint: int, rules: MotionRules) -> _Signa
     margin = round(prepared.rate)
     for stretch in prepared.stretches:
         part = slice(stretch.start, stretch.stop)
-        left[part] = left[part] - low_pass(left[part], rules.ripple_band / 1.5, prepared.rate)
+        left[part] = left[part] - low_pass(left[part], rules.motion.ripple_band / 1.5, prepared.rate)
         inner[stretch.start + margin : max(stretch.stop - margin, stretch.start + margin)] = True
     speed = motion.velocity[:, joint]
-    use = inner & (np.abs(speed) > rules.slow) & (np.abs(speed) < rules.ripple_speed)
+    use = inner & (np.abs(speed) > rules.motion.slow) & (np.abs(speed) < rules.motion.ripple_speed)
     turn = _turn(rows, joint)
     block = np.unique(np.floor(motion.time[use] / rows.length), return_inverse=True)[1].astype(np.int64)
     return _Signal(left[use], turn * motion.q[use, joint], turn * speed[use], block)
@@ -174,7 +175,7 @@ def _power(whole: NDArray[np.complex128], rows: Array, fewest: int) -> Array:
 
 
 def _strongest(
-    table: tuple[NDArray[np.complex128], Array, Array], rng: np.random.Generator, rules: MotionRules
+    table: tuple[NDArray[np.complex128], Array, Array], rng: np.random.Generator, rules: Rules
 ) -> tuple[int, float] | None:
     """The order that stands out most of its neighbours, with the p-value of that; None where chance does as much."""
     sums, count, power = table
@@ -184,14 +185,14 @@ def _strongest(
     middle = _beside(power, seen)
     standing = np.where(seen, power / np.maximum(middle, 1e-300), 0.0)
     at = int(np.argmax(standing))
-    if standing[at] < rules.stands_out:
+    if standing[at] < rules.motion.stands_out:
         return None
     signs = rng.choice((-1.0, 1.0), size=(_DRAWS, len(sums)))
     rows = count.sum(axis=0)
     drawn = np.abs(signs @ sums) ** 2 / np.maximum(rows, 1.0)
     drawn = np.where(seen, drawn / np.maximum(middle, 1e-300), 0.0).max(axis=1)
     p_value = float((1 + np.sum(drawn >= standing[at])) / (_DRAWS + 1))
-    return (at, p_value) if p_value <= rules.false_alarm else None
+    return (at, p_value) if p_value <= rules.residual.level else None
 
 
 def _beside(power: Array, seen: NDArray[np.bool_]) -> Array:

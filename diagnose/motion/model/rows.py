@@ -14,7 +14,7 @@ from linkwright.core.arm.motion.dynamics import model_torque
 from linkwright.core.arm.motion.motion import Motion
 from linkwright.core.arm.motion.rigid import inverse_dynamics, regressor
 from linkwright.core.diagnose.motion.preparation import PreparedLog
-from linkwright.core.diagnose.rules.motion_rules import MotionRules
+from linkwright.core.diagnose.rules.rules import Rules
 from linkwright.core.sections.numeric import Array
 
 from .candidates import Candidates, Source, of_arm
@@ -45,7 +45,7 @@ class LogRows:
         return np.column_stack([x @ sizes[at] for x, at in zip(self.design, self.columns, strict=True)])
 
 
-def log_rows(prepared: PreparedLog, pool: Candidates, *, rules: MotionRules) -> LogRows:
+def log_rows(prepared: PreparedLog, pool: Candidates, *, rules: Rules) -> LogRows:
     """The rows of a log, by the torque of the model as given."""
     n, kept = prepared.measured.shape[1], prepared.kept
     columns = _columns_of(pool.sources, n)
@@ -61,7 +61,7 @@ def log_rows(prepared: PreparedLog, pool: Candidates, *, rules: MotionRules) -> 
         filtered[numbers] = prepared.filtered(given)[within]
         _fill(design, place, prepared, pool.sources, replace(motion, torque=bare), numbers, within)
     clock = prepared.motion.time
-    length = min(rules.block, float(clock[-1] - clock[0]) / rules.blocks)
+    length = min(rules.motion.block, float(clock[-1] - clock[0]) / rules.fitting.least_parts)
     block = np.floor((clock[kept] - clock[0]) / length).astype(np.int64)
     block = np.unique(block, return_inverse=True)[1]
     target = measured[kept] - filtered

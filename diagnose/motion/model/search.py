@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from linkwright.core.diagnose.rules.motion_rules import MotionRules
+from linkwright.core.diagnose.rules.rules import Rules
 from linkwright.core.sections.numeric import Array
 
 from .evidence import Member, System
@@ -24,7 +24,7 @@ def stepwise(
     allowed: NDArray[np.bool_] | None = None,
     *,
     initial: Sequence[Member] = (),
-    rules: MotionRules,
+    rules: Rules,
 ) -> list[Member]:
     """The set of the greatest evidence that single additions, removals and exchanges reach, from `initial` members,
     beside the nuisances."""
@@ -32,19 +32,19 @@ def stepwise(
     chosen = list(initial)
     may = np.ones(len(system.groups), dtype=bool) if allowed is None else allowed.copy()
     if chosen:
-        chosen = _settled(system, fixed, chosen, may, rules.odds)
+        chosen = _settled(system, fixed, chosen, may, rules.search.log_odds)
     for _ in range(2 * _MOST):
         offer = system.offers([*fixed, *chosen])
         value = np.where(may & ~_taken(system, [*fixed, *chosen]), offer.evidence, -np.inf)
         best = int(np.argmax(value))
-        if value[best] < rules.odds:
+        if value[best] < rules.search.log_odds:
             break
         chosen.append(Member(best, float(offer.scale[best])))
         if not system.within([*fixed, *chosen])[-1]:
             may[best] = False
             chosen.pop()
             continue
-        settled = _settled(system, fixed, chosen, may, rules.odds)
+        settled = _settled(system, fixed, chosen, may, rules.search.log_odds)
         if all(m.group != best for m in settled):
             may[best] = False
         chosen = settled
@@ -116,7 +116,7 @@ def rms(left: Array, products: Products) -> Array:
     return np.asarray(np.sqrt(left.sum(axis=0) / np.maximum(products.rows.sum(axis=0), 1)))
 
 
-def pruned(system: System, held: HeldOut, members: Sequence[Member], *, rules: MotionRules) -> list[Member]:
+def pruned(system: System, held: HeldOut, members: Sequence[Member], *, rules: Rules) -> list[Member]:
     """The members that each gain on motion that was not fitted and cut some joint's RMS; the least goes first."""
     current, fixed = list(members), system.nuisances
     while current:
@@ -128,7 +128,7 @@ def pruned(system: System, held: HeldOut, members: Sequence[Member], *, rules: M
             gain = float(np.max(1.0 - whole / np.maximum(held.rms(others), 1e-12)))
             without = rms(held.products.left(system.solved(others)), held.products)
             cut = float(np.max(1.0 - fitted / np.maximum(without, 1e-12)))
-            worth.append(min(gain / rules.gain, cut / rules.cut))
+            worth.append(min(gain / rules.motion.gain, cut / rules.motion.cut))
         least = int(np.argmin(worth))
         if worth[least] >= 1.0:
             break

@@ -31,7 +31,7 @@ from linkwright.core.arm.motion.motion import Motion
 from linkwright.core.arm.motion.rigid import inverse_dynamics, link_parameters, parameters_of, regressor
 from linkwright.core.diagnose.motion.log import MotionLog
 from linkwright.core.diagnose.reading.columns import formulas
-from linkwright.core.diagnose.rules.log_rules import LogRules
+from linkwright.core.diagnose.rules.rules import Rules
 from linkwright.core.materials.material import MissingProperty
 from linkwright.core.sections.numeric import Array
 from linkwright.core.units.quantities import InputError
@@ -92,7 +92,7 @@ class Mistake:
         )
 
 
-def check_conventions(log: MotionLog, arm: Arm, headers: Mapping[str, str], rules: LogRules) -> None:
+def check_conventions(log: MotionLog, arm: Arm, headers: Mapping[str, str], rules: Rules) -> None:
     """Refuse a log whose torques are those of this arm under another convention.
 
     Args:
@@ -111,13 +111,13 @@ def check_conventions(log: MotionLog, arm: Arm, headers: Mapping[str, str], rule
         return
     _refuse_motor_torques(trial, log, arm, names, rules)
     (given,) = trial.fits([()], turned=False)
-    if given.total < rules.conventions_gain:
+    if given.total < rules.log.conventions_gain:
         return
     tried = _tried(trial, list(_mistakes(arm, names, log)), given)
-    best = [each for each in tried if each.total < given.total and (each.shares < rules.explains).all()]
+    best = [each for each in tried if each.total < given.total and (each.shares < rules.log.explains).all()]
     if not best:
         return
-    alike = [each.mistake for each in best if each.total - best[0].total < rules.conventions_alike]
+    alike = [each.mistake for each in best if each.total - best[0].total < rules.log.conventions_alike]
     told = sorted(alike, key=lambda each: each.gravity is not None)[:_TOLD]
     said = "; as well it could be that ".join(" and ".join(each.said) for each in told)
     remedies = [{"columns": columns} for each in told if (columns := each.columns(arm, names))]
@@ -185,10 +185,10 @@ class _Trial:
     bodies: Array
     expected: Array
     rigid: Array
-    rules: LogRules
+    rules: Rules
 
     @staticmethod
-    def of(log: MotionLog, arm: Arm, names: Mapping[str, str], rules: LogRules) -> _Trial | None:
+    def of(log: MotionLog, arm: Arm, names: Mapping[str, str], rules: Rules) -> _Trial | None:
         """Samples evenly spread over a log; None where the rigid arm's torques are not known, or are nothing."""
         velocity, acceleration = _derivatives(log, rules)
         picked = np.unique(np.linspace(0, log.size - 1, _SAMPLES).astype(int))
@@ -258,16 +258,16 @@ class _Trial:
                 whole[whole.index(turn.coordinate)] = turn.both
             else:
                 whole.append(turn.torque)
-        unlike = float(np.sum((mixture - self.expected) ** 2)) / rules.conventions_samples
-        logs = np.log(np.maximum(shares / rules.unexplained, 1.0))
-        total = float(logs.sum()) + unlike + rules.conventions_gain * len(whole)
+        unlike = float(np.sum((mixture - self.expected) ** 2)) / rules.log.conventions_samples
+        logs = np.log(np.maximum(shares / rules.log.unexplained, 1.0))
+        total = float(logs.sum()) + unlike + rules.log.conventions_gain * len(whole)
         return _Tried(parts, _together(whole, self.arm.size), shares, total)
 
     def _mixture(self, rows: _Rows, torque: Array, variance: Array) -> Array:
         """The likeliest mixture (g,), none of it negative, by torques (M, n) of a variance (n,)."""
         m, _, g = rows.mixed.shape
         of = rows.own.shape[2]
-        scale = np.sqrt(self.rules.conventions_samples / (m * self.rules.unexplained * variance))
+        scale = np.sqrt(self.rules.log.conventions_samples / (m * self.rules.log.unexplained * variance))
         design = np.zeros((len(self.joints), m, g + of * self.arm.size))
         for row, joint in zip(design, self.joints.tolist(), strict=True):
             row[:, :g] = rows.mixed[:, joint] * scale[joint]
@@ -291,7 +291,7 @@ class _Trial:
             size = np.where(size > 0.0, size, 1.0)
         forth, back = (np.maximum(rows.left(each, mixture), 1e-300) for each in (torque * size, -torque * size))
         turned = np.zeros(len(may), dtype=np.bool_)
-        turned[self.joints] = np.log(forth / back) > self.rules.conventions_gain
+        turned[self.joints] = np.log(forth / back) > self.rules.log.conventions_gain
         return np.where(turned & may, -size, size)
 
 
@@ -310,14 +310,14 @@ class _Rows(NamedTuple):
         return np.array([nnls(self.own[:, k], rest[:, k])[1] ** 2 / len(rest) for k in self.joints.tolist()])
 
 
-def _mixtures(arm: Arm, rules: LogRules) -> tuple[Array, Array]:
+def _mixtures(arm: Arm, rules: Rules) -> tuple[Array, Array]:
     """Bodies of which each link is mixed (n, 10, c), its own as the file has it and point masses about its ends, each
     as large as it may differ from the file's; and the mixture (n c,) that is the file's."""
     file = link_parameters(arm)
     steps = [np.array(link.direction, dtype=float) * link.length for link in arm.links]
-    around = rules.conventions_reach * sum(float(np.linalg.norm(each)) for each in steps)
+    around = rules.log.conventions_reach * sum(float(np.linalg.norm(each)) for each in steps)
     sides = around * np.vstack([np.eye(3), -np.eye(3)])
-    factor, more, any_ = rules.conventions_masses
+    factor, more, any_ = rules.log.conventions_masses
     bodies: list[Array] = []
     for step, own in zip(steps, file, strict=True):
         mass = more * own[0] + any_ * float(file[:, 0].sum())
@@ -330,13 +330,13 @@ def _together(parts: Sequence[Mistake], size: int) -> Mistake:
     return functools.reduce(Mistake.beside, parts, _none(size))
 
 
-def _derivatives(log: MotionLog, rules: LogRules) -> tuple[Array, Array]:
+def _derivatives(log: MotionLog, rules: Rules) -> tuple[Array, Array]:
     """Speeds and accelerations (N, n), smoothed over a tenth of a second; none of poses that are seconds apart."""
     interval = float(np.median(np.diff(log.time)))
-    if interval > rules.convention_window:
+    if interval > rules.log.convention_window:
         still = np.zeros(log.q.shape)
         return (still if log.velocity is None else log.velocity), still
-    width = max(1, round(rules.convention_window / interval))
+    width = max(1, round(rules.log.convention_window / interval))
     velocity = log.velocity if log.velocity is not None else np.gradient(_smoothed(log.q, width), log.time, axis=0)
     velocity = _smoothed(velocity, width)
     return velocity, np.gradient(velocity, log.time, axis=0)
@@ -438,7 +438,7 @@ def _swapped(none: Mistake, one: int, other: int, names: Mapping[str, str], base
         yield replace(none, matrix=matrix, torques=torques, said=said, acts_on=acts)
 
 
-def _refuse_motor_torques(trial: _Trial, log: MotionLog, arm: Arm, names: Mapping[str, str], rules: LogRules) -> None:
+def _refuse_motor_torques(trial: _Trial, log: MotionLog, arm: Arm, names: Mapping[str, str], rules: Rules) -> None:
     """Refuse torques that follow the arm's weights, all by a factor that is a gear's, or a unit's."""
     if trial.free:
         return
@@ -446,16 +446,16 @@ def _refuse_motor_torques(trial: _Trial, log: MotionLog, arm: Arm, names: Mappin
     factors: dict[int, float] = {}
     spread = np.std(rigid, axis=0)
     for k in trial.joints.tolist():
-        if spread[k] < rules.heavy * float(spread[trial.joints].max()):
+        if spread[k] < rules.log.heavy * float(spread[trial.joints].max()):
             continue
         y, m = (item - item.mean() for item in (trial.torque[:, k], rigid[:, k]))
         correlation = float(y @ m) / max(math.sqrt(float(y @ y) * float(m @ m)), 1e-300)
-        if abs(correlation) > rules.alike:
+        if abs(correlation) > rules.fitting.same_way:
             factors[k] = float(m @ m) / float(y @ m)
     sizes = [abs(factor) for factor in factors.values()]
-    if not sizes or (min(sizes) < rules.least_gear and max(sizes) * rules.least_gear > 1.0):
+    if not sizes or (min(sizes) < rules.log.least_gear and max(sizes) * rules.log.least_gear > 1.0):
         return
-    if min(sizes) >= rules.least_gear:
+    if min(sizes) >= rules.log.least_gear:
         # Nobody has gears at some joints alone: what bears too little to tell is taken for alike.
         usual = float(np.median(sizes))
         ratios = [float(f"{abs(factors.get(k, usual)):.3g}") for k in range(arm.size)]
@@ -468,20 +468,20 @@ def _refuse_motor_torques(trial: _Trial, log: MotionLog, arm: Arm, names: Mappin
     raise refusal(log.file, "", f"{message}; are they in another unit (N*mm)?", {"columns": columns})
 
 
-def _refuse_speeds(log: MotionLog, headers: Mapping[str, str], rules: LogRules) -> None:
+def _refuse_speeds(log: MotionLog, headers: Mapping[str, str], rules: Rules) -> None:
     """Refuse speeds that are not those of the coordinates: the other way, in another unit."""
     interval = float(np.median(np.diff(log.time)))
-    if log.velocity is None or interval > rules.convention_window:
+    if log.velocity is None or interval > rules.log.convention_window:
         return
-    width = max(1, round(rules.convention_window / interval))
+    width = max(1, round(rules.log.convention_window / interval))
     steps = np.gradient(_smoothed(log.q, width), log.time, axis=0)
     speeds = _smoothed(log.velocity, width)
     for k in range(log.q.shape[1]):
         size = math.sqrt(float(steps[:, k] @ steps[:, k]) * float(speeds[:, k] @ speeds[:, k]))
-        if size <= 0.0 or abs(float(steps[:, k] @ speeds[:, k])) / size < rules.alike:
+        if size <= 0.0 or abs(float(steps[:, k] @ speeds[:, k])) / size < rules.fitting.same_way:
             continue
         factor = float(speeds[:, k] @ steps[:, k]) / float(steps[:, k] @ steps[:, k])
-        if rules.slowest < factor < 1.0 / rules.slowest:
+        if rules.log.slowest < factor < 1.0 / rules.log.slowest:
             continue
         speed, place = headers.get(f"v{k + 1}", f"v{k + 1}"), headers.get(f"q{k + 1}", f"q{k + 1}")
         message = f"is {factor:.3g} times what {place} goes by in a second"

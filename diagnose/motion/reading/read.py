@@ -103,7 +103,7 @@ def log_from(table: Table, arm: Arm, held: ReadingSettings, *, rules: Rules = RU
     warnings += drives.warnings
     log = _assembled(columns, strangers, table, arm, held, drives, warnings)
     done = checked_samples(log, arm, columns, table.ragged, rules=rules)
-    check_conventions(done, arm, {name: column.header for name, column in columns.items()}, rules.log)
+    check_conventions(done, arm, {name: column.header for name, column in columns.items()}, rules)
     return done
 
 

@@ -15,7 +15,6 @@ from linkwright.core.diagnose.mistakes.row_lists import rows_text
 from linkwright.core.diagnose.motion.log import MotionLog
 from linkwright.core.diagnose.reading.read_column import ReadColumn
 from linkwright.core.diagnose.recording import RejectedRow
-from linkwright.core.diagnose.rules.log_rules import LogRules
 from linkwright.core.diagnose.rules.rules import RULES, Rules
 from linkwright.core.sections.numeric import Array
 from linkwright.core.units.quantities import InputError
@@ -36,14 +35,14 @@ def checked_samples(
     headers = {name: column.header for name, column in columns.items()}
     log = replace(log, rejected=tuple(ragged))
     log = _without_numbers(log, columns)
-    _enough(log, rules.log)
-    log = _in_order(log, headers.get("time", "t_s"), rules.log)
-    _refuse_two_robots(log, rules.log)
+    _enough(log, rules)
+    log = _in_order(log, headers.get("time", "t_s"), rules)
+    _refuse_two_robots(log, rules)
     log = _one_a_stamp(log, headers.get("time", "t_s"))
-    log = _without_spikes(log, arm, headers, rules.log)
-    _enough(log, rules.log)
-    log = _clock_said(log, headers.get("time", "t_s"), rules.log)
-    _refuse_rest(log, rules.log)
+    log = _without_spikes(log, arm, headers, rules)
+    _enough(log, rules)
+    log = _clock_said(log, headers.get("time", "t_s"), rules)
+    _refuse_rest(log, rules)
     return replace(log, rejected=tuple(sorted(log.rejected, key=lambda item: item.row)))
 
 
@@ -63,10 +62,12 @@ def _saying(log: MotionLog, sentence: str) -> MotionLog:
     return replace(log, warnings=(*log.warnings, sentence))
 
 
-def _enough(log: MotionLog, rules: LogRules) -> None:
-    if log.size < rules.fewest:
+def _enough(log: MotionLog, rules: Rules) -> None:
+    if log.size < rules.fitting.enough:
         why = f"; row {log.rejected[0].row}: {log.rejected[0].reason}" if log.rejected else ""
-        raise InputError(log.file, "", f"has {log.size} samples that can be used, and {rules.fewest} are needed{why}")
+        raise InputError(
+            log.file, "", f"has {log.size} samples that can be used, and {rules.fitting.enough} are needed{why}"
+        )
 
 
 def _without_numbers(log: MotionLog, columns: Mapping[str, ReadColumn]) -> MotionLog:
@@ -78,13 +79,13 @@ def _without_numbers(log: MotionLog, columns: Mapping[str, ReadColumn]) -> Motio
     return _rejecting(log, reasons)
 
 
-def _in_order(log: MotionLog, name: str, rules: LogRules) -> MotionLog:
+def _in_order(log: MotionLog, name: str, rules: Rules) -> MotionLog:
     """Stray stamps cost their samples; a clock that starts again, or runs backwards, is refused."""
     steps = np.diff(log.time)
     back = np.flatnonzero(steps < 0.0) + 1
     if len(back):
         stray = ~longest_run(log.time)
-        if stray.sum() > max(1.0, rules.few_stray * log.size):
+        if stray.sum() > max(1.0, rules.log.few_stray * log.size):
             first = back[0]
             where = f"row {log.row[first]}: {log.time[first]:.9g} s after {log.time[first - 1]:.9g} s"
             if (steps < 0.0).mean() > 0.5:
@@ -101,7 +102,7 @@ def _in_order(log: MotionLog, name: str, rules: LogRules) -> MotionLog:
     interval = float(np.median(np.diff(log.time)))
     if not interval and np.ptp(log.time):
         interval = float(np.ptp(log.time)) / log.size
-    if not rules.intervals[0] <= interval <= rules.intervals[1]:
+    if not rules.log.intervals[0] <= interval <= rules.log.intervals[1]:
         if not interval > 0.0:
             raise InputError(log.file, name, "stands still: the log has no clock")
         message = f"counts {interval:.4g} s from sample to sample; is it in another unit (ms, us, ns)?"
@@ -109,12 +110,12 @@ def _in_order(log: MotionLog, name: str, rules: LogRules) -> MotionLog:
     return log
 
 
-def _refuse_two_robots(log: MotionLog, rules: LogRules) -> None:
+def _refuse_two_robots(log: MotionLog, rules: Rules) -> None:
     """Refuse samples that come from two robots in turn: each lies by the one before the last, not by the last."""
     one, two = np.abs(np.diff(log.q, axis=0)), np.abs(log.q[2:] - log.q[:-2])
     joint = int(np.argmax(np.median(one, axis=0)))
     near, far = float(np.median(two[:, joint])), float(np.median(one[:, joint]))
-    if far > rules.at_rest and near < rules.alternates * far:
+    if far > rules.log.at_rest and near < rules.log.alternates * far:
         raise InputError(
             log.file,
             f"q{joint + 1}",
@@ -142,21 +143,21 @@ def _one_a_stamp(log: MotionLog, name: str) -> MotionLog:
     return _rejecting(log, reasons)
 
 
-def _without_spikes(log: MotionLog, arm: Arm, headers: Mapping[str, str], rules: LogRules) -> MotionLog:
+def _without_spikes(log: MotionLog, arm: Arm, headers: Mapping[str, str], rules: Rules) -> MotionLog:
     """Single samples that no motion makes: angles that jump there and back, spikes of torque."""
     reasons: dict[int, str] = {}
     base = "current" if log.from_current else "tau"
-    for values, share, of in ((log.q, rules.spike_of_angle, "q"), (log.torque, rules.spike_of_torque, base)):
+    for values, share, of in ((log.q, rules.log.spike_of_angle, "q"), (log.torque, rules.log.spike_of_torque, base)):
         for k in range(arm.size):
             name = headers.get(f"{of}{k + 1}", f"{of}{k + 1}")
             for index in np.flatnonzero(_spikes(values[:, k], share, rules)).tolist():
                 reasons.setdefault(index, f"{name} jumps for this one sample")
-    if len(reasons) > max(1.0, rules.few_stray * log.size):
+    if len(reasons) > max(1.0, rules.log.few_stray * log.size):
         return _saying(log, f"{len(reasons)} samples jump against those around them; they are kept.")
     return _rejecting(log, reasons)
 
 
-def _spikes(values: Array, share: float, rules: LogRules) -> Mask:
+def _spikes(values: Array, share: float, rules: Rules) -> Mask:
     """Samples far from the median of the five around them, by the noise of the column and by its spread (of which they
     are a `share`), between two that agree."""
     if not np.isfinite(values).all() or len(values) < 5:
@@ -168,15 +169,15 @@ def _spikes(values: Array, share: float, rules: LogRules) -> Mask:
     moving = off[off > 0.0]
     scatter = 1.4826 * float(np.median(moving)) if len(moving) else 0.0
     beside = np.abs(np.pad(values, 1, mode="edge")[2:] - np.pad(values, 1, mode="edge")[:-2])
-    return (off > rules.spike * scatter) & (off > share * (high - low)) & (beside < rules.agree * off)
+    return (off > rules.log.spike * scatter) & (off > share * (high - low)) & (beside < rules.log.agree * off)
 
 
-def _clock_said(log: MotionLog, name: str, rules: LogRules) -> MotionLog:
+def _clock_said(log: MotionLog, name: str, rules: Rules) -> MotionLog:
     """What is odd about the intervals is said; time counts from the first sample."""
     steps = np.diff(log.time)
     interval = float(np.median(steps))
     log = replace(log, time=log.time - log.time[0])
-    gaps = np.flatnonzero(steps > rules.gap * interval)
+    gaps = np.flatnonzero(steps > rules.log.gap * interval)
     if len(gaps):
         longest = int(gaps[np.argmax(steps[gaps])])
         log = _saying(
@@ -184,14 +185,14 @@ def _clock_said(log: MotionLog, name: str, rules: LogRules) -> MotionLog:
             f"{name} has {len(gaps)} gap{'s' if len(gaps) > 1 else ''}, the longest of {steps[longest]:.3g} s after "
             f"row {log.row[longest]}; nothing is made up for them.",
         )
-    usual = steps[steps <= rules.gap * interval]
+    usual = steps[steps <= rules.log.gap * interval]
     scatter = float(np.quantile(usual, 0.84) - np.quantile(usual, 0.16)) / 2.0
-    if scatter > rules.jitter * interval:
+    if scatter > rules.log.jitter * interval:
         log = _saying(log, f"{name} jitters: samples come every {interval:.4g} s, give or take {scatter:.2g} s.")
     return log
 
 
-def _refuse_rest(log: MotionLog, rules: LogRules) -> None:
+def _refuse_rest(log: MotionLog, rules: Rules) -> None:
     low, high = np.quantile(log.q, [0.01, 0.99], axis=0)
-    if (high - low < rules.at_rest).all():
+    if (high - low < rules.log.at_rest).all():
         raise InputError(log.file, "", "is a log at rest: no joint moves, so it tells nothing of friction or inertia")

@@ -66,7 +66,7 @@ def by_log(arm: Arm, logs: Sequence[MotionLog], options: Options, progress: Prog
         own = _of_log(found.products, number)
         system_ = system(found.pool, own, found.noise.weights, found.discrepancy)
         alike = np.zeros(found.pool.width)  # What has no name is the same in all logs.
-        fitted = estimates(system_, own, found.noise.weights, found.fitted, alike, rules=options.rules.motion)
+        fitted = estimates(system_, own, found.noise.weights, found.fitted, alike, rules=options.rules)
         pairs = _parameters(arm, found, fitted, np.ones(len(fitted.numbers), dtype=bool))
         each_log.append(tuple(item for effect, item in pairs if (effect, item.at, item.parameter) in chosen))
         freedom.append(max(own.blocks - 1, 1))

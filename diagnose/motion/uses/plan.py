@@ -135,7 +135,7 @@ class _Compared:
     def of(cls, arm: Arm, wanted: Sequence[Place], motion: Motion) -> _Compared:
         """What is asked for, on this arm. Raises `NothingToTell`."""
         effects = [effect for effect in (EFFECTS[name] for name in EFFECTS) if effect.torques is not None]
-        pool = candidates(arm, effects, motion, link_parameters(arm), _CLOCK, rules=RULES.motion)
+        pool = candidates(arm, effects, motion, link_parameters(arm), _CLOCK, rules=RULES)
         single = {_place(item): k for k, item in reversed(list(enumerate(pool.groups))) if len(item.at) < 2}
         places = wanted or [(effect.id, ()) for effect in effects]
         chosen, unseen = list[int](), list[Place]()

@@ -16,8 +16,7 @@ from typing import Any
 import numpy as np
 
 from linkwright.core.diagnose.reading.table import Table
-from linkwright.core.diagnose.rules.log_rules import LogRules
-from linkwright.core.diagnose.rules.rules import RULES
+from linkwright.core.diagnose.rules.rules import RULES, Rules
 from linkwright.core.sections.numeric import Array
 from linkwright.core.units.quantities import InputError, shown
 
@@ -73,7 +72,7 @@ def bag_table(path: Path, topics: Sequence[str] = ()) -> Table:
     columns: dict[str, Array] = {"time_s": clock, **{name: base.column(name) for name in base.cells}}
     for each in streams.values():
         if each is not base:
-            notes += _joined(each, base, columns, RULES.log)
+            notes += _joined(each, base, columns, RULES)
     return Table(str(path), MappingProxyType(columns), np.arange(1, len(clock) + 1), notes=tuple(notes))
 
 
@@ -119,7 +118,7 @@ class _Stream:
         return (2 * effort + position if self.joints else 0, len(self.stamps))
 
 
-def _joined(stream: _Stream, base: _Stream, columns: dict[str, Array], rules: LogRules) -> list[str]:
+def _joined(stream: _Stream, base: _Stream, columns: dict[str, Array], rules: Rules) -> list[str]:
     """Columns of another topic at the base's instants, into `columns`; sentences that say so."""
     if len(stream.stamps) < 2:
         return [f"{stream.topic} has one message and is not used."]
@@ -130,7 +129,7 @@ def _joined(stream: _Stream, base: _Stream, columns: dict[str, Array], rules: Lo
     own = own[order]
     period = float(np.median(np.diff(own)))
     after = np.clip(np.searchsorted(own, clock), 1, len(own) - 1)
-    known = np.minimum(np.abs(clock - own[after - 1]), np.abs(clock - own[after])) <= rules.gap * period
+    known = np.minimum(np.abs(clock - own[after - 1]), np.abs(clock - own[after])) <= rules.log.gap * period
     for name in stream.cells:
         if name not in columns:
             columns[name] = np.where(known, np.interp(clock, own, stream.column(name)[order]), np.nan)

@@ -171,10 +171,10 @@ def test_memory_is_granted_where_readings_of_a_visit_have_it_too():
     rng = np.random.default_rng(4)
     group = np.repeat(np.arange(120), 3)
     keeps = remembering(rng, (360, 2), 0.5)
-    assert 0.5 < memory_at_most(keeps, group, rules=RULES.answer) < 0.75
+    assert 0.5 < memory_at_most(keeps, group, rules=RULES) < 0.75
     smooth = 3.0 * np.sin(0.1 * group)[:, None] + rng.standard_normal((360, 2))
-    assert memory_at_most(smooth, group, rules=RULES.answer) < 0.3  # where its neighbours are alike to 0.8
-    assert memory_at_most(rng.standard_normal((360, 2)), group, rules=RULES.answer) < 0.3
+    assert memory_at_most(smooth, group, rules=RULES) < 0.3  # where its neighbours are alike to 0.8
+    assert memory_at_most(rng.standard_normal((360, 2)), group, rules=RULES) < 0.3
     assert lack_of_fit(split(smooth, group, 0.1), 4).p_value < 1e-12
 
 
@@ -185,9 +185,9 @@ def test_what_a_block_of_visits_has_in_common_is_no_memory():
     group = np.repeat(np.arange(48), 2)
     blocks = [np.where(group < 24, 1.2, -1.2)[:, None] + rng.standard_normal((96, 2)) for _ in range(20)]
     assert np.mean([np.sum(block[1:] * block[:-1]) / np.sum(block**2) for block in blocks]) > 0.5
-    assert np.mean([memory_at_most(block, group, rules=RULES.answer) for block in blocks]) < 0.45
+    assert np.mean([memory_at_most(block, group, rules=RULES) for block in blocks]) < 0.45
     for memory in (0.3, 0.6):
-        granted = [memory_at_most(remembering(rng, (96, 2), memory), group, rules=RULES.answer) for _ in range(40)]
+        granted = [memory_at_most(remembering(rng, (96, 2), memory), group, rules=RULES) for _ in range(40)]
         assert np.mean(np.array(granted) > memory) > 0.8
 
 

@@ -23,7 +23,7 @@ def p_value(seed: int, offsets: Array, *, straight: bool = False) -> float:
         columns[:, 0, 2] = columns[:, 1, 3] = np.linspace(-1.0, 1.0, len(q))
     design = columns.reshape(-1, 4)
     left = left - (design @ np.linalg.lstsq(design, left.reshape(-1), rcond=None)[0]).reshape(left.shape)
-    return follows(observed, left, columns, seed=0, rules=RULES.answer)
+    return follows(observed, left, columns, seed=0, rules=RULES)
 
 
 def scattered(seed: int) -> Array:

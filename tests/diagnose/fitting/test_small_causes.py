@@ -98,7 +98,7 @@ def refuted(prepared, members, small=None):
         held_out,
         parameters,
         seed=0,
-        rules=RULES.answer,
+        rules=RULES,
         small=small,
     )
     return refutes(result, RULES)

@@ -62,7 +62,7 @@ def test_drives_that_bear_no_weight_count_as_not_logged():
     """Their friction tells no constant; what masses swing to and fro does. Logs with torques stay as they are."""
     log = currents(mast(), np.array([9.0, 14.0, 4.0]), 2)
     known = replace(log, torque_constants_free=False)
-    got, same = weighed(mast(), [prepare(mast(), item, rules=RULES) for item in (log, known)], rules=RULES.motion)
+    got, same = weighed(mast(), [prepare(mast(), item, rules=RULES) for item in (log, known)], rules=RULES)
     assert got.weighed is not None
     assert got.weighed[:2] == pytest.approx((9.0, 14.0), rel=0.05)
     assert math.isnan(got.weighed[2])
