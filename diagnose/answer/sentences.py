@@ -27,7 +27,7 @@ from linkwright.core.diagnose.result import (
     Unknown,
     Verdict,
 )
-from linkwright.core.diagnose.rules.answer_rules import AnswerRules
+from linkwright.core.diagnose.rules.mistake_rules import MistakeRules
 from linkwright.core.diagnose.rules.rules import RULES
 from linkwright.core.diagnose.several.recordings import Several
 from linkwright.core.units.quantities import format_quantity
@@ -248,7 +248,7 @@ def _and(words: Sequence[str]) -> str:
 
 
 def what_differs(
-    found: Sequence[Difference], recordings: Sequence[OfRecording], *, rules: AnswerRules = RULES.answer
+    found: Sequence[Difference], recordings: Sequence[OfRecording], *, rules: MistakeRules = RULES.mistakes
 ) -> str:
     """What is not the same in several recordings, as sentences that go on; nothing where all is."""
     values = [f"{name_of(item.effect, item.at)}, {_values(item, recordings)}" for item in found]
@@ -256,7 +256,7 @@ def what_differs(
     worst = max(
         recordings, key=lambda recording: recording.rms_from_others / max(recording.rms_own, 1e-12), default=None
     )
-    if worst is not None and worst.rms_after > rules.apart * max(worst.rms_own, worst.noise_floor or 0.0):
+    if worst is not None and rules.label_leaves * worst.rms_after > max(worst.rms_own, worst.noise_floor or 0.0):
         sentences.append(
             f" The recordings do not agree: what is found in all of them leaves {mm(worst.rms_after)} in {worst.name}, "
             f"where sizes of its own would leave {mm(worst.rms_own)}. Either they are of different arms, or something "

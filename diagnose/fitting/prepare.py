@@ -272,9 +272,9 @@ def _with_memory(
     if memory != observed.correlation:
         del prepared
         prepared = set_up(replace(observed, correlation=memory), patterns, rejected)
-    rules = observed.rules.fitting
+    rules = observed.rules
     # A memory in a long recording is rather physics that the rough model lacks, and goes with the arm's path.
-    much = rules.much_memory * max(1.0, observed.rows / rules.memory_of_physics)
+    much = rules.fitting.much_memory * max(1.0, observed.rows * observed.components / rules.search.many)
     for _ in range(_PASSES if memory > much else 0):
         left = _left_by_rough_model(prepared, noise_floor)
         found = _memory(observed.scaled(left), observed)

@@ -42,7 +42,7 @@ def contradictions(
 
 def _much(place: Placement, reach: float, rules: Rules) -> float:
     """How far off the middle reading must be before the recording as a whole contradicts the arm, m."""
-    return max(rules.mistakes.whole * _spread(place.modelled), rules.mistakes.least_whole * reach)
+    return max(rules.mistakes.whole * _spread(place.modelled), rules.mistakes.gross * reach)
 
 
 def _spread(points: Array) -> float:
@@ -85,7 +85,10 @@ def _refuse_still_joint(
 ) -> None:
     """Raise where a joint that never changes would have to move for the tip to be where it is."""
     for index in range(arm.size):
-        if np.ptp(recording.q[:, index]) > rules.mistakes.standing or recording.frame == "free":
+        if (
+            np.ptp(recording.q[:, index]) > rules.residual.coarsest_count(arm.joints[index].revolute)
+            or recording.frame == "free"
+        ):
             continue
         left = distance_with_joint_free(recording, arm, place, np.ones(recording.size, dtype=bool), index)
         if np.median(left) < rules.mistakes.better * place.misfit and np.median(left) < _much(place, reach, rules):
@@ -140,7 +143,7 @@ def _frame_sentences(
     recording: Recording, arm: Arm, place: Placement, reach: float, headers: Mapping[str, str], rules: Rules
 ) -> list[str]:
     """Say, or raise where the error is no small one, that another frame or tool makes joints and tip agree."""
-    if place.misfit < rules.mistakes.least_whole * reach or recording.size < 2 * rules.residual.enough_freedom:
+    if place.misfit < rules.mistakes.gross * reach or recording.size < 2 * rules.residual.enough_freedom:
         return []
     known_frame, known_tool = recording.frame == "known", recording.tool == "known"
     tries: list[tuple[dict[str, str], Placement]] = []

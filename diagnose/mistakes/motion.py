@@ -141,7 +141,7 @@ def _slipped(
     if not len(bad):
         return reasons
     near = max(0.5 * limit, 3.0 * place.misfit)
-    closest = np.minimum(near, rules.mistakes.agree * place.distance[bad])
+    closest = np.minimum(near, rules.mistakes.better * place.distance[bad])
     for change in unit_changes(arm, recording.tip.shape[1], headers):
         if not all(factor in IN_A_ROW for factor in change.factors):
             continue
@@ -168,7 +168,7 @@ def _jumps(recording: Recording, place: Placement, gross: Mask, rules: Rules) ->
     lasting: list[int] = []
     for run in np.split(bad, np.flatnonzero(np.diff(bad) > 1) + 1):
         agree = len(run) > 1 and bool(
-            (np.ptp(place.residual[run], axis=0) < rules.mistakes.agree * place.distance[run].min()).all()
+            (np.ptp(place.residual[run], axis=0) < rules.mistakes.better * place.distance[run].min()).all()
         )
         if len(run) > rules.mistakes.short_run or agree:
             lasting += run.tolist()

@@ -36,7 +36,7 @@ def weighed(arm: Arm, prepared: Sequence[PreparedLog], *, rules: Rules) -> list[
     if not free:
         return [item.log for item in prepared]
     constants, weights = np.array([_constant(free, joint, rules) for joint in range(arm.size)]).T
-    constants[weights < rules.motion.weighs * weights.max()] = math.nan
+    constants[weights < rules.residual.torque_seen * weights.max()] = math.nan
     if not np.isfinite(constants).any():
         message = (
             "is missing, and the arm's weights tell none: write `torque_constants: [14.9, ...]` (N m/A, one a joint)"

@@ -15,15 +15,9 @@ class AnswerRules:
         2.0,
         "times the noise floor",
         "So much must be left, where nothing was found, to be called unknown: heavy tails and memory together make "
-        "repeats look up to twice too quiet.",
+        "repeats look up to twice too quiet. No more is taken for scatter of an arm that no visit came back to, beside "
+        "names or without: arms that return badly and are rightly named leave 1.95 at most.",
         PROOF,
-    )
-    too_far_to_scatter: float = rule(
-        2.2,
-        "times the noise floor",
-        "More is not taken for scatter of an arm that no visit came back to, beside names or without: `unknown`.",
-        "judged on the development half of the second proof, seeds 2026112801 to 2026112803: arms that return badly "
-        "and are rightly named leave 1.95 at most",
     )
     lasting: float = rule(
         0.2,
@@ -89,10 +83,5 @@ class AnswerRules:
     one_direction: float = rule(0.6, "share of the mismatch", "Along one direction, or it is mixed.")
     told: float = rule(
         13.0, "non-centrality", "A wrong name is refused with high power (one coefficient, odds of 20 to 1).", "odds"
-    )
-    apart: float = rule(
-        1.5,
-        "times",
-        "Sizes of its own that leave so much less in one of several recordings say that they are not of one arm.",
     )
     hopeless: float = rule(0.02, "non-centrality a reading", "Below this no number of poses is reasonable.")

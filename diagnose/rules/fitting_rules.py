@@ -52,14 +52,6 @@ class FittingRules:
     much_memory: float = rule(
         0.3, "correlation", "A memory beyond this makes the rough model worth another pass.", PROOF
     )
-    memory_of_physics: int = rule(
-        1000,
-        "readings",
-        "In longer recordings a memory is rather physics that the rough model lacks, and goes with the arm's path: "
-        "beyond these, the memory that is worth another pass grows in proportion.",
-        PROOF,
-        rows="The limit grows evenly with the readings; no reading by itself decides.",
-    )
     wander: tuple[float, float] = rule(
         (0.02, 2.0),
         "scatters from one visit to the next",

@@ -11,11 +11,6 @@ from .rule import rule
 class LogRules:
     """What is set aside from a motion log, and what is refused."""
 
-    few_stray: float = rule(
-        0.01,
-        "share of the samples",
-        "Fewer stamps than this that run backwards are stray and set aside; more, and the file holds several logs.",
-    )
     alternates: float = rule(
         0.1,
         "1",
@@ -42,12 +37,6 @@ class LogRules:
     spike_of_angle: float = rule(
         0.02, "share of the angle's spread", "A jump of a joint there and back is at least as large."
     )
-    agree: float = rule(
-        0.3, "of the spike", "The samples beside a spike differ by less; else it is a stop or a reversal."
-    )
-    at_rest: float = rule(
-        2e-3, "rad or m", "A joint that moves by less in the whole log is at rest: its encoder is noise."
-    )
     explains: float = rule(
         0.4,
         "share of the torque's square",
@@ -73,9 +62,6 @@ class LogRules:
         1.5,
         "logs of shares",
         "Each mistake of convention leaves less by more than this, over all joints: a fifth, say, at one of them.",
-    )
-    conventions_alike: float = rule(
-        0.1, "logs of shares", "Conventions that leave no more than this beyond the least are told beside it."
     )
     convention_window: float = rule(
         0.1, "s", "Speeds and accelerations are means over this; poses further apart are taken at rest."

@@ -14,16 +14,14 @@ class MistakeRules:
     few_stray: float = rule(
         0.02,
         "share of the rows",
-        "So many stamps that run backwards are strays and cost their rows; with more, the times are not used.",
+        "So many stamps that run backwards are strays and cost their rows; with more, the times are not used, and a "
+        "log is several. More samples of a log that jump by themselves are no faults of the logger.",
     )
     pasted_rows: int = rule(
         3, "rows in order", "So many that stand in the file already, in the same order, were pasted in again."
     )
     fine_steps: float = rule(
         1e4, "steps over the spread", "An instrument with more never says the same of so many poses again."
-    )
-    standing: float = rule(
-        1e-3, "rad, m", "A joint whose coordinate changes by no more has not moved by its encoder: counts jitter."
     )
     surroundings: tuple[float, float] = rule(
         (193.15, 523.15), "K", "-80 to 250 degC: what stands around an arm is neither colder nor hotter."
@@ -34,7 +32,12 @@ class MistakeRules:
         "A row further off than this contradicts its joints; a robust middle and no physics reaches as far.",
         PROOF,
     )
-    gross: float = rule(5e-3, "share of the reach", "Nothing nearer than this is called a contradiction.", PROOF)
+    gross: float = rule(
+        5e-3,
+        "share of the reach",
+        "No reading nearer than this is called a contradiction, nor is the middle one.",
+        PROOF,
+    )
     still: float = rule(
         1e-3,
         "share of the reach",
@@ -59,13 +62,11 @@ class MistakeRules:
         "The middle reading that is further off contradicts the arm, which no physics of one comes near; what a wrong "
         "convention that explains it leaves is less.",
     )
-    least_whole: float = rule(
-        0.01, "share of the reach", "The middle reading contradicts the arm from here on, at least."
-    )
     better: float = rule(
         0.2,
         "share of the distance",
-        "Another unit, frame, tool, joint, order or convention explains a contradiction if it leaves less of it.",
+        "Another unit, frame, tool, joint, order or convention explains a contradiction if it leaves less of it; "
+        "contradictions that differ by less agree, and so do the samples beside a spike.",
     )
     simpler: float = rule(
         2.0, "times the least distance", "Frame or tool alone is enough where both together leave no less."
@@ -74,16 +75,11 @@ class MistakeRules:
     as_well: float = rule(
         1.05,
         "times the least distance",
-        "Of conventions that leave no more than this, the one that is made most often goes first.",
+        "Of conventions that leave no more than this, the one that is made most often goes first; of a log's, all are "
+        "told.",
     )
     stuck: float = rule(
         0.8, "share of the rows", "Of a joint's reading that stands still, as many must fit with the joint free."
-    )
-    agree: float = rule(
-        0.1,
-        "share of the distance",
-        "Contradictions in a row that differ by less are no jumps: they agree. A row that fits in another unit comes "
-        "as near to the nominal tip.",
     )
     coarse: float = rule(
         3.0, "steps of the instrument", "Where repeats differ by no more (median) some are alike by rounding."
@@ -91,7 +87,8 @@ class MistakeRules:
     label_leaves: float = rule(
         0.7,
         "share of what was left",
-        "Labels are called wrong where, with them put right, what is named leaves no more, and the noise floor.",
+        "Labels are called wrong where, with them put right, what is named leaves no more, and the noise floor; arms "
+        "are called different where sizes of their own leave no more.",
     )
     zero_fits: float = rule(
         30.0,

@@ -20,11 +20,6 @@ class MotionRules:
         "Of a current with what the arm weighs at a joint, beyond friction and what goes by the acceleration: from it "
         "on, the weights tell a torque constant that nobody says.",
     )
-    weighs: float = rule(
-        0.01,
-        "share of the largest weight",
-        "A joint that bears less tells no torque constant: where a wrist's centre lies is not known so well.",
-    )
     low_pass: tuple[int, ...] = rule(
         (4, 8),
         "Hz",

@@ -37,7 +37,8 @@ class ResidualRules:
     torque_seen: float = rule(
         0.02,
         "share of the load's spread",
-        "What links or payload turn a drive by less, from pose to pose, its torque tells nothing of.",
+        "What links or payload turn a drive by less, from pose to pose, its torque tells nothing of; nor, of a log's "
+        "largest, its current of the torque constant.",
     )
     torque_least: float = rule(
         0.2,
@@ -65,7 +66,10 @@ class ResidualRules:
     )
     long_pause: float = rule(10.0, "usual intervals", "After a longer pause readings at one pose are no plain repeats.")
     coarsest: float = rule(
-        10.0, "times same_pose", "An encoder may count as coarsely as this, and one pose be as wide."
+        10.0,
+        "times same_pose",
+        "An encoder may count as coarsely as this, and one pose be as wide; a joint that moves by no more "
+        "stands still.",
     )
     one_pose: float = rule(
         4.0,
@@ -130,3 +134,7 @@ class ResidualRules:
     def same_coordinate(self, revolute: bool) -> float:
         """How close a joint's coordinates at one pose lie: rad, of a slide m."""
         return self.same_pose[0 if revolute else 1]
+
+    def coarsest_count(self, revolute: bool) -> float:
+        """By how much a joint that stands still may seem to move: rad, of a slide m."""
+        return self.coarsest * self.same_coordinate(revolute)

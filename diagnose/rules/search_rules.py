@@ -58,8 +58,9 @@ class SearchRules:
     many: int = rule(
         3000,
         "observations",
-        "With so many the least blemish is beyond chance: what one more finding must be worth falls from `worth` in "
-        "proportion to their number.",
+        "With so many the least blemish is beyond chance: what one more finding must be worth falls from `worth`, "
+        "and the memory worth another pass grows, in proportion to their number: a memory is rather physics that the "
+        "rough model lacks, and goes with the arm's path.",
         PROOF,
         rows="It changes evenly with the number of observations; none by itself decides.",
     )

@@ -117,7 +117,7 @@ def check_conventions(log: MotionLog, arm: Arm, headers: Mapping[str, str], rule
     best = [each for each in tried if each.total < given.total and (each.shares < rules.log.explains).all()]
     if not best:
         return
-    alike = [each.mistake for each in best if each.total - best[0].total < rules.log.conventions_alike]
+    alike = [each.mistake for each in best if each.total - best[0].total < 2.0 * math.log(rules.mistakes.as_well)]
     told = sorted(alike, key=lambda each: each.gravity is not None)[:_TOLD]
     said = "; as well it could be that ".join(" and ".join(each.said) for each in told)
     remedies = [{"columns": columns} for each in told if (columns := each.columns(arm, names))]

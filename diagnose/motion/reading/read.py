@@ -91,7 +91,7 @@ def log_from(table: Table, arm: Arm, held: ReadingSettings, *, rules: Rules = RU
     held, mapped = with_foreign(table, arm, replace(held, motion=motion))
     table, said = chosen_rows(table, held)
     columns, strangers, more = named_columns(table, held, arm)
-    if (others := _rows_of_others(columns, rules.log.few_stray)) is not None:
+    if (others := _rows_of_others(columns, rules.mistakes.few_stray)) is not None:
         said.append(f"{int(others.sum())} rows hold nothing of the joints; they are of other signals and not used.")
         table = table.kept(~others)
         columns, strangers, more = named_columns(table, held, arm)

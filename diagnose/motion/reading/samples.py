@@ -37,12 +37,12 @@ def checked_samples(
     log = _without_numbers(log, columns)
     _enough(log, rules)
     log = _in_order(log, headers.get("time", "t_s"), rules)
-    _refuse_two_robots(log, rules)
+    _refuse_two_robots(log, arm, rules)
     log = _one_a_stamp(log, headers.get("time", "t_s"))
     log = _without_spikes(log, arm, headers, rules)
     _enough(log, rules)
     log = _clock_said(log, headers.get("time", "t_s"), rules)
-    _refuse_rest(log, rules)
+    _refuse_rest(log, arm, rules)
     return replace(log, rejected=tuple(sorted(log.rejected, key=lambda item: item.row)))
 
 
@@ -85,7 +85,7 @@ def _in_order(log: MotionLog, name: str, rules: Rules) -> MotionLog:
     back = np.flatnonzero(steps < 0.0) + 1
     if len(back):
         stray = ~longest_run(log.time)
-        if stray.sum() > max(1.0, rules.log.few_stray * log.size):
+        if stray.sum() > max(1.0, rules.mistakes.few_stray * log.size):
             first = back[0]
             where = f"row {log.row[first]}: {log.time[first]:.9g} s after {log.time[first - 1]:.9g} s"
             if (steps < 0.0).mean() > 0.5:
@@ -110,12 +110,12 @@ def _in_order(log: MotionLog, name: str, rules: Rules) -> MotionLog:
     return log
 
 
-def _refuse_two_robots(log: MotionLog, rules: Rules) -> None:
+def _refuse_two_robots(log: MotionLog, arm: Arm, rules: Rules) -> None:
     """Refuse samples that come from two robots in turn: each lies by the one before the last, not by the last."""
     one, two = np.abs(np.diff(log.q, axis=0)), np.abs(log.q[2:] - log.q[:-2])
     joint = int(np.argmax(np.median(one, axis=0)))
     near, far = float(np.median(two[:, joint])), float(np.median(one[:, joint]))
-    if far > rules.log.at_rest and near < rules.log.alternates * far:
+    if far > rules.residual.coarsest_count(arm.joints[joint].revolute) and near < rules.log.alternates * far:
         raise InputError(
             log.file,
             f"q{joint + 1}",
@@ -152,7 +152,7 @@ def _without_spikes(log: MotionLog, arm: Arm, headers: Mapping[str, str], rules:
             name = headers.get(f"{of}{k + 1}", f"{of}{k + 1}")
             for index in np.flatnonzero(_spikes(values[:, k], share, rules)).tolist():
                 reasons.setdefault(index, f"{name} jumps for this one sample")
-    if len(reasons) > max(1.0, rules.log.few_stray * log.size):
+    if len(reasons) > max(1.0, rules.mistakes.few_stray * log.size):
         return _saying(log, f"{len(reasons)} samples jump against those around them; they are kept.")
     return _rejecting(log, reasons)
 
@@ -169,7 +169,7 @@ def _spikes(values: Array, share: float, rules: Rules) -> Mask:
     moving = off[off > 0.0]
     scatter = 1.4826 * float(np.median(moving)) if len(moving) else 0.0
     beside = np.abs(np.pad(values, 1, mode="edge")[2:] - np.pad(values, 1, mode="edge")[:-2])
-    return (off > rules.log.spike * scatter) & (off > share * (high - low)) & (beside < rules.log.agree * off)
+    return (off > rules.log.spike * scatter) & (off > share * (high - low)) & (beside < rules.mistakes.better * off)
 
 
 def _clock_said(log: MotionLog, name: str, rules: Rules) -> MotionLog:
@@ -192,7 +192,8 @@ def _clock_said(log: MotionLog, name: str, rules: Rules) -> MotionLog:
     return log
 
 
-def _refuse_rest(log: MotionLog, rules: Rules) -> None:
+def _refuse_rest(log: MotionLog, arm: Arm, rules: Rules) -> None:
+    counts = np.array([rules.residual.coarsest_count(joint.revolute) for joint in arm.joints])
     low, high = np.quantile(log.q, [0.01, 0.99], axis=0)
-    if (high - low < rules.log.at_rest).all():
+    if (high - low < counts).all():
         raise InputError(log.file, "", "is a log at rest: no joint moves, so it tells nothing of friction or inertia")

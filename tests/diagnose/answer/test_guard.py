@@ -234,7 +234,7 @@ def test_scatter_beside_a_name_is_little_of_the_mismatch(seed):
     result = diagnose(file(), read)
     assert [(finding.effect, finding.at) for finding in result.findings] == [("link_length", (1,))]
     assert result.verdict in ("named", "alias_class")
-    assert 1.5 < result.scatter < RULES.answer.too_far_to_scatter
+    assert 1.5 < result.scatter < RULES.answer.farther
     less = replace(RULES, answer=replace(RULES.answer, scatter_beside=0.03))
     assert diagnose(file(), read, Options(rules=less)).verdict == "unknown"
     assert diagnose(file(), returning_badly(seed, 2e-5, 6e-5)).verdict == "unknown"
