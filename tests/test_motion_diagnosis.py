@@ -262,6 +262,19 @@ def test_an_amplitude_that_goes_with_its_shape_has_a_sign() -> None:
     assert size.interval[0] < -15.0 < size.interval[1] < 0.0
 
 
+def test_a_shape_between_those_that_are_tried_is_held_with_its_amplitude() -> None:
+    """A decay of 25 s is nearer to 12 s than to 60 s by its logarithm; its pattern is nearer to that of 60 s."""
+    time, _, v, _ = swings(8)
+    fallen = np.zeros_like(v)
+    fallen[:, 1] = -6.0 * (1.0 - np.exp(-time / 25.0)) * np.sign(v[:, 1])
+    found = sizes(diagnose_motion(two_links(), [log_of(8, fallen)]))
+    assert found["friction_warmup.time_2"][0] == 60.0
+    for name, truth in (("time_2", 25.0), ("torque_2", -6.0)):
+        lower, upper = found[f"friction_warmup.{name}"][1]
+        assert lower < truth < upper
+    assert found["friction_warmup.torque_2"][1][1] < 0.0
+
+
 def test_a_trifle_is_no_name_however_long_the_log_is() -> None:
     """A torque constant that is off by 0.05 %, which no filter tells: beyond any doubt by its noise alone."""
     _, q, v, a = swings(21)

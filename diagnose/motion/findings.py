@@ -118,11 +118,9 @@ def parameters_of(
 
 
 def _between(grid: Sequence[float], value: float) -> tuple[float, float]:
-    """Half-way to the neighbours on a grid, which is all that trying its values tells."""
-    at = list(grid).index(value) if value in grid else 0
-    lower = grid[at - 1] if at > 0 else value
-    upper = grid[at + 1] if at + 1 < len(grid) else value
-    return (float(np.sqrt(abs(lower * value))) if lower * value > 0 else lower, 0.5 * (value + upper))
+    """The neighbours on a grid: of two values that the true one lies between, logs take either."""
+    at = grid.index(value)
+    return (grid[max(at - 1, 0)], grid[min(at + 1, len(grid) - 1)])
 
 
 def alternatives(

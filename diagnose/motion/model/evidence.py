@@ -231,10 +231,12 @@ def unnamed(pool: Candidates, products: Products, weights: Array, named: Array, 
     families: dict[tuple[str, tuple[int, ...]], list[int]] = {}
     for source in pool.sources:
         families.setdefault((source.effect.id, source.at), []).extend(source.columns.tolist())
+    # Other shapes of what is named are alternatives to it, not beside it.
+    others = [at for at in families.values() if not named[at].any()]
     variance = np.zeros(pool.width)
     while True:
-        offers = [(*_likelier(gram, left, variance, at), at) for at in families.values()]
-        gain, more, at = max(offers)
+        offers = [(*_likelier(gram, left, variance, at), at) for at in others]
+        gain, more, at = max(offers, default=(0.0, 0.0, []))
         if gain < 1e-6:  # what rounding leaves
             return unit * np.sqrt(variance)
         taken = more * np.linalg.solve(np.eye(len(at)) + more * gram[np.ix_(at, at)], gram[at])

@@ -13,6 +13,7 @@ from linkwright.core.arm.effects.drives.torque_constant import TORQUE_CONSTANT
 from linkwright.core.diagnose.rules.rules import Rules
 from linkwright.core.sections.numeric import Array
 
+from .candidates import Group
 from .evidence import Member, System
 from .feasible import feasible
 from .products import Products
@@ -39,7 +40,8 @@ def estimates(
 
     The covariance by blocks is the sandwich of K.-Y. Liang & S. L. Zeger, Biometrika 73 (1986) 13, with Student's t of
     the blocks' degrees of freedom. That by the model holds what random effects of the columns, of standard deviations
-    `unnamed` (W,), move sizes by. Beside them counts how sizes change half-way to the next shape that was tried.
+    `unnamed` (W,), move sizes by. Beside them counts how sizes change to the next shape that was tried: of two shapes
+    that the true one lies between, logs take either.
     """
     at = system.places(members)
     if not len(at):
@@ -78,17 +80,22 @@ def _gain(system: System, members: Sequence[Member], numbers: Array) -> Array:
 
 
 def _by_shapes(system: System, members: Sequence[Member], numbers: Array) -> Array:
-    """How much less and more (2, k) the numbers are half-way to the neighbours of the shapes that were taken: an
-    amplitude that goes with its shape is larger or smaller by that, and not of the other sign."""
+    """How much less and more (2, k) the numbers are by the neighbours of the shapes that were taken: an amplitude that
+    goes with its shape is larger or smaller by that, and not of the other sign."""
     half = np.zeros((2, len(numbers)))
     for place, member in enumerate(members):
         own = system.groups[member.group]
-        if own.variants < 2:
-            continue
-        variants = [k for k, group in enumerate(system.groups) if group.family == own.family]
-        here = variants.index(member.group)
-        for other in variants[max(here - 1, 0) : here + 2]:
-            changed = [*members[:place], Member(other, member.scale), *members[place + 1 :]]
-            change = 0.5 * (system.numbers(changed) - numbers)
-            half = np.maximum(half, [-change, change])
+        for other, group in enumerate(system.groups):
+            if group.family == own.family and _steps(own, group) == 1:
+                changed = [*members[:place], Member(other, member.scale), *members[place + 1 :]]
+                change = system.numbers(changed) - numbers
+                half = np.maximum(half, [-change, change])
     return half
+
+
+def _steps(one: Group, other: Group) -> int:
+    """How many steps of the grids on which shapes are tried are between two variants of a cause."""
+    return sum(
+        abs(shape.grid.index(one.shapes[shape.name]) - shape.grid.index(other.shapes[shape.name]))
+        for shape in one.effect.shapes
+    )
