@@ -39,9 +39,13 @@ def meant(name: str, known: Iterable[str], alike: float = _ALIKE) -> str | None:
 
 
 def nearest(name: str, known: Iterable[str], alike: float = _ALIKE) -> str:
-    """Return `; did you mean 'X'?` for what a name means (see `meant`), or a short list of what is known."""
+    """Return `; did you mean 'X'?` for what a name means (see `meant`), the names that hold it as a word
+    (`steel`), or a short list of what is known."""
     held: Mapping[str, Any] = known if isinstance(known, Mapping) else dict.fromkeys(known)
-    result = meant(name, held, alike)
+    family = [item for item in held if f"_{_plain(name)}_" in f"_{_plain(item)}_"]
+    if len(family) > 1 and meant(name, held, 1.0) is None:
+        return f"; did you mean one of {', '.join(family[:_MOST])}{', ...' if len(family) > _MOST else ''}?"
+    result = meant(name, family or held, alike if not family else 0.0)
     if result is not None:
         return f"; did you mean '{result}'?"
     return f"; known: {', '.join([*held][:_MOST])}{', ...' if len(held) > _MOST else ''}" if held else ""

@@ -40,7 +40,7 @@ _CURRENCY = re.compile(
     r"\b(USD|GBP|CHF|JPY|CNY|CAD|AUD|SEK|NOK|DKK|PLN|CZK|INR|KRW|dollars?|cents?)\b|[$£¥]", re.IGNORECASE
 )
 _WRITTEN_OTHERWISE = str.maketrans(
-    {"−": "-", "·": "*", "⋅": "*", "×": "*", "²": "^2", "³": "^3", "⁴": "^4", "\u00a0": " "}
+    {"−": "-", "–": "-", "·": "*", "⋅": "*", "×": "*", "²": "^2", "³": "^3", "⁴": "^4", "\u00a0": " "}
 )
 _SYMBOLS = (("°C", "degC"), ("°F", "degF"), ("°", "deg"), ("€", "EUR"))
 _ARITHMETIC = Context(prec=34)
@@ -370,8 +370,8 @@ def read_range(value: object, kind: str, *, file: object, key: str) -> tuple[flo
     """Return `[low, high]` in SI, low <= high; raises `InputError` for anything but two in that order."""
     due = kind_of(kind)
     if not isinstance(value, list | tuple) or len(cast(Sequence[object], value)) != 2:
-        would_do = f"e.g. [{due.example}, {due.example}]"
-        raise InputError(file, key, f"needs a range of two, {would_do}, not {shown(value)}")
+        would_do = f"e.g. [{f'0 {due.zero}'.strip()}, {due.example}]"
+        raise InputError(file, key, f"needs a range of two, lowest and highest, {would_do}, not {shown(value)}")
     pair = cast(Sequence[object], value)
     low = read_quantity(pair[0], kind, file=file, key=f"{key}[1]")
     high = read_quantity(pair[1], kind, file=file, key=f"{key}[2]")

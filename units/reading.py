@@ -29,6 +29,7 @@ from linkwright.core.units.quantities import (
     read_range,
     shown,
 )
+from linkwright.core.units.yaml_mistakes import comma_in_number, in_words
 
 _LARGEST_YAML = 8 * 1024 * 1024
 _DEEPEST = 60
@@ -70,7 +71,7 @@ class _Loader(yaml.SafeLoader):
     def construct_mapping(self, node: yaml.MappingNode, deep: bool = False) -> dict[Any, Any]:
         """Construct a mapping with distinct text keys."""
         seen: set[str] = set()
-        for key_node, _ in node.value:
+        for key_node, value_node in node.value:
             if not isinstance(key_node, yaml.ScalarNode):
                 raise _refusal("a key must be plain text", key_node.start_mark)
             if key_node.tag == "tag:yaml.org,2002:merge":
@@ -78,9 +79,19 @@ class _Loader(yaml.SafeLoader):
             if key_node.value in seen:
                 raise _refusal(f"the key '{key_node.value}' occurs twice", key_node.start_mark)
             seen.add(key_node.value)
+            if node.flow_style and value_node.value == "":
+                _refuse_comma(key_node)
             # `y`, `on`, `400` or `2024-01-01` as a key is that text, not a boolean, a number or a date.
             key_node.tag = "tag:yaml.org,2002:str"
         return super().construct_mapping(node, deep)
+
+    def construct_sequence(self, node: yaml.SequenceNode, deep: bool = False) -> list[Any]:
+        """Construct a list; `[0 mm, 2,5 mm]` is no list of three."""
+        for before, item in zip(node.value, node.value[1:], strict=False):
+            number = before.tag.endswith((":int", ":float")) and re.search("[1-9]", before.value)
+            if node.flow_style and number and item.tag.endswith(":str") and item.style is None:
+                _refuse_comma(item)
+        return super().construct_sequence(node, deep)
 
 
 for _tag, _pattern, _first in (
@@ -137,6 +148,14 @@ def written(settings: MappingLike[str, Any]) -> str:
     return " and ".join(f"`{name}: {yaml_line(value)}`" for name, value in settings.items())
 
 
+def _refuse_comma(node: yaml.Node) -> None:
+    if cut := comma_in_number(node):
+        raise _refusal(
+            f"the comma ends the number in {shown(cut)}; write a decimal point, and thousands without a mark",
+            node.start_mark,
+        )
+
+
 def _refusal(problem: str, mark: yaml.Mark) -> yaml.MarkedYAMLError:
     return yaml.MarkedYAMLError(problem=problem, problem_mark=mark)
 
@@ -147,7 +166,7 @@ def read_text(path: Path | str, most: int = LARGEST_FILE) -> str:
     try:
         return read_bytes(path, most).decode("utf-8-sig")
     except UnicodeDecodeError as error:
-        raise InputError(path, "", f"is not UTF-8 text (byte {error.start})") from None
+        raise InputError(path, "", f"is not UTF-8 text (byte {error.start}); save it as UTF-8") from None
 
 
 def load_json(path: Path | str) -> object:
@@ -163,9 +182,7 @@ def parse_yaml(text: str, *, file: object) -> object:
     try:
         return yaml.load(text, Loader=_Loader)
     except yaml.MarkedYAMLError as error:
-        mark = error.problem_mark or error.context_mark
-        line = f"line {mark.line + 1}: " if mark is not None else ""
-        raise InputError(file, "", f"{line}{error.problem or 'is not YAML'}") from None
+        raise InputError(file, "", in_words(error, text)) from None
     except (yaml.YAMLError, ValueError, RecursionError) as error:
         raise InputError(file, "", f"is not YAML: {shown(str(error))}") from None
 
@@ -208,7 +225,7 @@ class Mapping:
 
     def __init__(self, content: object, *, file: object, key: str = "") -> None:
         if not isinstance(content, dict):
-            raise InputError(file, key, f"needs keys with values, not {shown(content)}")
+            raise InputError(file, key, f"needs keys with values (key: value), not {shown(content)}")
         self.content = {str(name): value for name, value in cast(dict[object, object], content).items()}
         self.file = file
         self.key = key
@@ -235,8 +252,15 @@ class Mapping:
             others = (item for item in self.content if item not in self._asked)
             near = next((item for item in others if meant(item, known, _QUITE_ALIKE) == name), None)
             hint = "" if near is None else f" ('{near}' is not a key known here; did you mean '{name}'?)"
-            raise self.error(name, f"is missing; write {would_do}{hint}")
+            state = "is empty" if name in self.content else "is missing"
+            raise self.error(name, f"{state}; write {would_do}{hint or self._of_this_entry(name)}")
         return self.content[name]
+
+    def _of_this_entry(self, name: str) -> str:
+        """What an entry of a list holds, for a key that may stand in the next one."""
+        if not self.key.endswith("]") or name in self.content:
+            return ""
+        return f" (this entry holds {', '.join(self.content) or 'nothing'}; each '- ' begins another)"
 
     def also_called(self, synonyms: MappingLike[str, tuple[str, ...]]) -> None:
         """Say what people call the entries of some names as well, so that they are told the names known here."""
@@ -295,7 +319,8 @@ class Mapping:
             return default
         value = self.raw(name, "a text")
         if not isinstance(value, str) or not value.strip():
-            raise self.error(name, f"needs a text, not {shown(value)}")
+            quoted = f"; write '{value}' in quotes" if isinstance(value, int | float) else ""
+            raise self.error(name, f"needs a text, not {shown(value)}{quoted}")
         if result := _CONTROL.search(value):
             raise self.error(name, f"holds the control character {shown(result[0])}; take it out")
         return value
@@ -326,22 +351,24 @@ class Mapping:
             raise self.error(name, f"{shown(value)} is not one of {', '.join(choices)}{hint}")
         return value
 
-    def items(self, name: str, default: Sequence[object] | None = None) -> list[object]:
+    def items(
+        self, name: str, default: Sequence[object] | None = None, would_do: str = "a list, e.g. [a, b]"
+    ) -> list[object]:
         """Return a list; a single value in its place is refused."""
         if default is not None and not self.has(name):
             return list(default)
-        value = self.raw(name, "a list, e.g. [a, b]")
+        value = self.raw(name, would_do)
         if not isinstance(value, list):
-            raise self.error(name, f"needs a list, not {shown(value)}")
+            raise self.error(name, f"needs {would_do}, not {shown(value)}")
         return cast(list[object], value)
 
     def mapping(self, name: str) -> Mapping:
         """Return the mapping under `name`."""
-        return Mapping(self.raw(name, "keys with values"), file=self.file, key=self.path_of(name))
+        return Mapping(self.raw(name, f"{name}: with its own keys and values"), file=self.file, key=self.path_of(name))
 
     def mappings(self, name: str) -> list[Mapping]:
         """Return the list of mappings under `name`, their keys numbered from 1."""
-        entries = enumerate(self.items(name), start=1)
+        entries = enumerate(self.items(name, would_do="a list of entries that each begin with '- '"), start=1)
         path = self.path_of(name)
         return [Mapping(entry, file=self.file, key=f"{path}[{number}]") for number, entry in entries]
 
@@ -355,7 +382,8 @@ class Mapping:
 
     def vector(self, name: str, kind: str, length: int | None = None) -> tuple[float, ...]:
         """Return `length` quantities of one kind (None: however many), in SI."""
-        values = self.items(name)
+        example = kind_of(kind).example
+        values = self.items(name, would_do=f"a list, e.g. [{', '.join([example] * (length or 2))}]")
         if length not in (None, len(values)):
             raise self.error(name, f"needs {length} values, not {len(values)}")
         path = self.path_of(name)

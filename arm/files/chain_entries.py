@@ -12,9 +12,10 @@ from linkwright.core.arm.chain.balance import PointMass
 from linkwright.core.arm.chain.chain import FloatVector, Joint, JointType, Link, Zones
 from linkwright.core.arm.chain.vectors import ZERO, Rotation, compose, from_roll_pitch_yaw, norm, snap_vector, unit
 from linkwright.core.materials.catalogue import Catalogue
-from linkwright.core.sections import SectionError, load_stock
+from linkwright.core.sections import SHAPES, SectionError, load_stock
 from linkwright.core.sections.section import Section
 from linkwright.core.sections.taper import build_tapered
+from linkwright.core.units.names import meant
 from linkwright.core.units.quantities import InputError, read_number, read_quantity, shown
 from linkwright.core.units.reading import Mapping
 
@@ -298,6 +299,9 @@ def _inertia(mapping: Mapping) -> tuple[float, float, float, float, float, float
 def _section(mapping: Mapping) -> tuple[Section, str | None]:
     raw = mapping.raw("section")
     if isinstance(raw, str):
+        if shape := meant(raw, SHAPES, 1.0):
+            due = ", ".join(f"{item.name}: ..." for item in SHAPES[shape].dimensions if not item.optional)
+            raise mapping.error("section", f"lacks its dimensions; write {{shape: {shape}, {due}}}")
         size = load_stock().find(raw, file=mapping.file, key=mapping.path_of("section"))
         return size.section, size.name
     if not isinstance(raw, dict):

@@ -7,7 +7,7 @@ from typing import Any
 
 from linkwright.core.arm.chain.chain import FloatVector, Joint, OriginPart
 from linkwright.core.arm.chain.vectors import IDENTITY, ZERO, Rotation, from_roll_pitch_yaw, to_roll_pitch_yaw
-from linkwright.core.units.quantities import format_quantity, read_quantity
+from linkwright.core.units.quantities import format_quantity, kind_of, read_quantity
 from linkwright.core.units.reading import Mapping
 
 SHIFTS: tuple[OriginPart, ...] = ("x", "y", "z")
@@ -57,7 +57,9 @@ def read_vector(mapping: Mapping, name: str, kind: str, default: FloatVector) ->
     """Two or three quantities (SI; the third is 0 where it is left out), or the default where there are none."""
     if not mapping.has(name):
         return default
-    values = mapping.items(name)
+    example = default if any(default) else (0.0, 0.0, read_quantity(kind_of(kind).example, kind, file="", key=name))
+    written = ", ".join(format_quantity(value, kind, digits=4) for value in example)
+    values = mapping.items(name, would_do=f"a list of x, y and z, e.g. [{written}]")
     if len(values) not in (2, 3):
         raise mapping.error(name, f"needs two components (x, y) or three, not {len(values)}")
     path = mapping.path_of(name)

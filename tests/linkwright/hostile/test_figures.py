@@ -185,7 +185,7 @@ def test_odd_tables_of_sections_are_one_line(linkwright, bench, version, name, d
 def test_references_as_text_are_one_line(linkwright, bench):
     (bench / "own.yaml").write_text("format_version: 1\nreferences: a book\nmaterials: {}\n")
     status, _, err = linkwright("materials", "check", "own.yaml")
-    assert (status, err) == (2, "own.yaml: references: needs keys with values, not 'a book'\n")
+    assert (status, err) == (2, "own.yaml: references: needs keys with values (key: value), not 'a book'\n")
 
 
 def test_many_draws_of_play_need_no_memory_for_all_poses(bench):
