@@ -84,7 +84,10 @@ def notes(names: Confirmed, rest: Remainder) -> tuple[str, ...]:
     if names.named is not None and names.named.left is not None and not names.outside:
         p = min(test.p_value for test in names.named.left)
         if p <= names.rules.search.false_alarm:
-            results.append(f"What remains, {mm(rms_length(names.after()))} RMS, is more than chance (p = {p:.2g}).")
+            left, floor = rms_length(names.after()), names.noise.rms_m
+            small = floor is not None and left <= floor
+            within = ", though within the noise floor: something too small to be named may be in it" if small else ""
+            results.append(f"What remains, {mm(left)} RMS, is more than chance (p = {p:.2g}){within}.")
     return tuple(results)
 
 

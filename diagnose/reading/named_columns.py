@@ -57,7 +57,7 @@ def named_columns(
         if meaning is None:
             hint = nearest(header, _known_headers(arm))
             raise InputError(held.file, f"columns.{header}", f"is no column of a recording{hint}")
-        formula = read_formula(text, table.names, file=held.file, key=f"columns.{header}")
+        formula = read_formula(text, table.names, file=f"{held.file} (for {table.file})", key=f"columns.{header}")
         if meaning.name in columns:
             raise InputError(held.file, f"columns.{header}", f"is given twice; {columns[meaning.name].header} gives it")
         used.update(formula.columns)

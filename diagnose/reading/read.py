@@ -137,16 +137,17 @@ def _require(
         called = {f"q{k + 1}": arm.column("q", k) for k in range(arm.size)}
         (first, would_do), others = missing[0], [called.get(name, name) for name, _ in missing[1:]]
         also = f" (and {', '.join(others)})" if others else ""
-        where = f", or map it in recording.yaml: `columns: {{{would_do.split()[0]}: FORMULA}}`"
-        where += " (`linkwright columns FILE --arm ARM` proposes it)"
-        where = "" if held.columns else where
+        where = f", or map it in {Path(held.file).name if held.columns else 'recording.yaml'}: "
+        where += f"`columns: {{{would_do.split()[0]}: FORMULA}}`"
+        where += "" if held.columns else " (`linkwright columns FILE --arm ARM` proposes it)"
         part = ""
         if first in _PLACE:
             some = any(name in columns for name in _PLACE)
             part = (
-                "position` in recording.yaml if it was not" if some else "along`, distance, tilt or the like if it was"
+                "; `observes: position` in recording.yaml if it was not measured"
+                if some
+                else "; where something else was measured, `observes: along` (distance, tilt, ...) says so"
             )
-            part = f"; `observes: {part} measured"
         name_in_file = called.get(first, first)
         raise InputError(
             table.file, name_in_file, f"is missing{also}; the file has {there}; write {would_do}{where}{part}"

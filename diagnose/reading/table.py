@@ -38,6 +38,7 @@ _FEWEST_COLUMNS = 3
 _MOST_TITLES = 30
 _LOOKED_AT = 50
 """Rows that show how numbers are written."""
+_UNIT_ALONE = re.compile(r"\s*[\[(]?(?:deg|°|rad|mm|m|s|ms|kg|N\*?m|A)[\])]?\s*", re.IGNORECASE)
 _LINE = re.compile(r"[^\r\n]*(?:\r\n|\r|\n)|[^\r\n]+\Z")
 """A line with its end, whichever that is."""
 _THOUSANDS = MappingProxyType(
@@ -226,9 +227,15 @@ def text_table(path: Path, layout: Layout, text: str) -> Table:
         notes.append("Numbers have decimal commas.")
     header, body = list(layout.names), rows
     if not layout.names:
-        header, more = _header(path, rows[0], decimal)
+        names, body = rows[0], rows[1:]
+        if body and _of_two_lines(names, body[0]):
+            notes.append("The header has a second line, with units.")
+            names, body = (
+                [f"{name} [{unit.strip(' []()')}]" for name, unit in zip(names, body[0], strict=True)],
+                body[1:],
+            )
+        header, more = _header(path, names, decimal)
         notes += more
-        body = rows[1:]
     if not body:
         raise InputError(path, "", "has a header but no rows")
     if all(len(cells) == len(header) + 1 and not cells[-1].strip() for cells in body):
@@ -269,31 +276,47 @@ def _refuse_binary(path: Path, content: bytes) -> None:
 
 
 def _titles(text: str, layout: Layout) -> int:
-    """How many lines stand between those that are skipped and the header: that of our names, or the first line with as
-    many cells as those below it, which hold numbers."""
+    """How many lines stand between those that are skipped and the header: that of our names, or the line (or two, see
+    `_of_two_lines`) over the first numbers with as many cells, where what stands first has others or mostly blank ones.
+    """
     lines = [line for line, _ in zip(io.StringIO(text), range(layout.skip_rows + _MOST_TITLES), strict=False)]
     lines = lines[layout.skip_rows :]
     above = [number for number, line in enumerate(lines) if line.strip() and not _passed_over(line, layout)]
     named = next((number for number in above if _names_columns(lines[number], layout)), None)
     if named is not None or len(above) < _FEWEST_COLUMNS:
         return 0 if named is None or named == above[0] else named
-    rows = [_cells(lines[number], layout) for number in above]
-    for place in range(1, len(rows) - 1):
-        same_length = len(rows[0]) != len(rows[place]) == len(rows[place + 1]) >= _FEWEST_COLUMNS
-        if same_length and _numeric(rows[place + 1]) > 0.5 > _numeric(rows[place]):
-            return above[place]
+    for place in range(1, len(above) - 1):
+        separator = layout.separator or _parting(lines[above[place]])
+        first, before, header, below = (_cells(lines[above[k]], separator) for k in (0, place - 1, place, place + 1))
+        if not len(header) == len(below) >= _FEWEST_COLUMNS or not _numeric(below) > 0.5 > _numeric(header):
+            continue
+        if len(first) != len(header) or 2 * _filled(first) <= _filled(header):
+            return above[place - 1 if place > 1 and _of_two_lines(before, header) else place]
     return 0
 
 
 def _names_columns(line: str, layout: Layout) -> bool:
-    names = _cells(line, layout)
+    names = _cells(line, layout.separator or _parting(line))
     return sum(looks_like_ours(name) or otherwise_spelled(name) is not None for name in names) >= _FEWEST_COLUMNS
 
 
-def _cells(line: str, layout: Layout) -> list[str]:
-    """The cells of a line, parted by what parts it most."""
-    parted = [line.split(item) for item in ([layout.separator] if layout.separator else _SEPARATORS)]
-    return [" ".join(cell.strip().strip('"').split()) for cell in max(parted, key=len)]
+def _parting(line: str) -> str:
+    """What parts a line most."""
+    return max(_SEPARATORS, key=line.count)
+
+
+def _cells(line: str, separator: str) -> list[str]:
+    return [" ".join(cell.strip().strip('"').split()) for cell in line.split(separator)]
+
+
+def _filled(cells: Sequence[str]) -> int:
+    return sum(bool(cell) for cell in cells)
+
+
+def _of_two_lines(names: Sequence[str], units: Sequence[str]) -> bool:
+    """Whether a header goes on in a second line, that of the units: words alone, below names alone."""
+    same = len(names) == len(units) and all(names) and 2 * _filled(units) > len(units)
+    return same and _numeric(names) == _numeric(units) == 0.0 and any(map(_UNIT_ALONE.fullmatch, units))
 
 
 def _numeric(cells: Sequence[str]) -> float:

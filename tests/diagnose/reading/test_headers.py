@@ -85,6 +85,23 @@ def test_titles_above_a_foreign_header_are_passed_over(tmp_path):
         assert result.row.tolist() == list(range(1, 31))
 
 
+@pytest.mark.parametrize("units", [(), ("[deg]", "[°]", "mm", "(mm)")])
+def test_titles_as_a_spreadsheet_writes_them(tmp_path, units):
+    """It fills their lines with separators; and numbers with decimal commas hold more commas than semicolons."""
+    names = ["A1 [deg]", "A2 [°]", "X [mm]", "Y (mm)"]
+    if units:
+        names = [name.split()[0] for name in names]
+    numbers = text(";", "A1;A2;X;Y", decimal=",").splitlines()[1:]
+    lines = ["Log 12;;;", "Anna;12.03.2026;;", ";;;", ";".join(names), *([";".join(units)] if units else []), *numbers]
+    columns = "columns: {q1_deg: '`A1 [deg]`', q2_deg: '`A2 [°]`', x_mm: '`X [mm]`', y_mm: Y_MM}"
+    columns = columns.replace("Y_MM", "'`Y [mm]`'" if units else "'`Y (mm)`'")
+    result = read(tmp_path, "\n".join(lines), columns)
+    assert result.tip == pytest.approx(TIPS, abs=1e-7)
+    assert result.row.tolist() == list(range(1, 31))
+    assert "The header stands in line 4; what is above it is passed over." in result.warnings
+    assert ("The header has a second line, with units." in result.warnings) == bool(units)
+
+
 def test_a_row_that_lacks_cells_makes_no_titles(tmp_path):
     """A first reading that breaks off is one row set aside, with the header in its place."""
     lines = text(",").splitlines()

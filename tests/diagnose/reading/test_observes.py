@@ -281,7 +281,7 @@ def test_a_log_of_torques_alone_is_told_what_it_lacks_whatever_it_is_called(tmp_
 
 
 def test_what_was_measured_is_asked_for_where_no_coordinate_is_there(tmp_path):
-    with pytest.raises(InputError, match=r"x: is missing \(and y\).*`observes: along`, distance, tilt or the like"):
+    with pytest.raises(InputError, match=r"x: is missing \(and y\).*`observes: along` \(distance, tilt, ...\)"):
         _read(tmp_path, "frame: known", _only())
-    with pytest.raises(InputError, match=r"y: is missing.*`observes: position` in recording.yaml if it was not"):
+    with pytest.raises(InputError, match=r"y: is missing.*`observes: position` in recording.yaml if it was"):
         _read(tmp_path, "frame: known", _only("x_mm"))
