@@ -36,6 +36,7 @@ class ArmPage(Asking):
                     self._picture = picture()
                     self._sliders = ui.element("div").classes("lw-slides")
                 self._ask = ui.button("Evaluate", on_click=self._evaluate).props("no-caps")
+                self._ask.enabled = False  # until the file is read
                 self._answers()
 
     async def begin(self) -> None:

@@ -38,6 +38,7 @@ class ProblemPage(Asking):
             self._round = ui.select({"": "as computed", "stock": "to stock sizes", "1 mm": "to whole mm"}, value="")
             self._round.props('dense outlined label="Sizes"').classes("grow min-w-40")
             self._ask = ui.button("Optimise", on_click=self._start).props("no-caps")
+            self._ask.enabled = False  # until the file is read
 
     def _question(self) -> dict[str, Any]:
         """The settings of the work."""
@@ -94,6 +95,7 @@ class TradeoffPage(ProblemPage):
             self._by = _choice({"": "one front", "material": "each material", "shape": "each shape"}, "", "A front for")
             self._accuracy = _choice(dict(_ACCURACIES), 0.1, "Accuracy")
             self._ask = ui.button("Trace", on_click=self._start).props("no-caps")
+            self._ask.enabled = False  # until the file is read
 
     def _question(self) -> dict[str, Any]:
         return {"x": self._x.value, "y": self._y.value, "by": self._by.value, "accuracy": self._accuracy.value}
