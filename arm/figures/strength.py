@@ -304,7 +304,7 @@ class Strength(PoseFamily[StrengthResult]):
         """A safety factor needs a yield strength."""
         if found is not None and found.least_safety_factor is not None:
             return {}
-        return {"min_safety_factor": "a link's material has no yield strength, or no link has a section"}
+        return {SAFETY_FACTOR.name: "a link's material has no yield strength, or no link has a section"}
 
     def warnings(self, arm: Arm, found: StrengthResult) -> list[str]:
         """One line for each link that yields, buckles, or bends beyond a tenth of its length."""

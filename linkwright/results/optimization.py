@@ -138,15 +138,16 @@ def _dropped(result: OptimizationResult) -> list[Paragraph]:
 
 
 def _facts(result: OptimizationResult) -> Facts:
-    """The arm's figures before and after, each with how many times smaller or larger it became."""
+    """The arm's figures before and after, each with how many times smaller or larger it became, or why nobody knows."""
     facts: list[Fact] = []
     both = (result.before, result.after)
-    for item in result.figures.values():
+    for name, item in result.figures.items():
         if not any(item.told(evaluation) for evaluation in both):
             continue
         one, other = (item.shown(item.value(evaluation)) for evaluation in both)
         before, after = (amount(value, item.unit, item.digits) for value in (one, other))
-        note = "" if one is None or other is None else factor_words(one, other)
+        why = result.after.unknown.get(name, "")
+        note = f"not known: {why}" if why else "" if one is None or other is None else factor_words(one, other)
         facts.append(Fact(item.title_for(result.after.arm), after, note, before))
     return Facts(tuple(facts))
 

@@ -125,7 +125,9 @@ def test_slender_walls_are_limited_where_that_is_asked_for(tmp_path: Path) -> No
 def test_walls_that_nobody_can_judge_are_told_of_a_new_design(tmp_path: Path) -> None:
     in_place = "{elastic_modulus: 70 GPa, shear_modulus: 5 GPa, density: 1600 kg/m^3, isotropic: false}"
     result = optimise(problem_of(tmp_path, TUBES.replace("steel-s355", in_place), LIGHT + "}\n"))
-    assert "new design: local buckling is not known: link 1: the stiffness of" in markdown(describe(result))
+    said = markdown(describe(result))
+    assert "new design: local buckling is not known: link 1: the stiffness of" in said
+    assert "not known: a link's material has no yield strength" in said
 
 
 def test_price_of_slender_walls_is_what_optimising_anew_gives(tmp_path: Path) -> None:
