@@ -47,7 +47,9 @@ def noise(pool: Candidates, products: Products) -> Noise:
         weights = 1.0 / (sigma**2 * repeats)
         gram, against, _ = products.whole(weights)
         scaled = gram * usual[:, None] * usual + np.eye(pool.width)
-        inverse = np.asarray(np.linalg.inv(scaled), dtype=float)
+        # One joint's noise may be a ten-thousandth of another's: what is alike large is inverted exactly enough.
+        size = 1.0 / np.sqrt(np.diagonal(scaled))
+        inverse = np.asarray(np.linalg.inv(scaled * size[:, None] * size), dtype=float) * size[:, None] * size
         sizes = usual * (inverse @ (against * usual))
         left = products.left(sizes)
         used = _used(products, inverse, usual, weights)
