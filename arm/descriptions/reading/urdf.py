@@ -6,6 +6,7 @@ transmissions are counted and passed over.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from pathlib import Path
 from types import MappingProxyType
@@ -214,7 +215,10 @@ def _limits(joint: Element, kind: str) -> Limits | None:
         would_do = '<limit lower="-1.57" upper="1.57" .../>'
         also = ', or type="continuous"' if kind == "revolute" else ""
         raise joint.error(f"has no <limit>; write {would_do}{also}")
-    lower, upper = (element.number(name, 0.0, finite=False) for name in ("lower", "upper"))
+    # One that is left out is 0; where both are, efforts and speeds are all that was to be said.
+    ends = {"lower": -math.inf, "upper": math.inf}
+    said = any(name in element.attributes for name in ends)
+    lower, upper = (element.number(name, 0.0 if said else end, finite=False) for name, end in ends.items())
     if lower > upper:
         raise element.error("lower is above upper; turn them round")
     held = [element.number(name, finite=False) if name in element.attributes else None for name in _HELD]

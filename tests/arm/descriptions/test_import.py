@@ -1,5 +1,6 @@
 """Arms from URDF: kinematics and weights as products of matrices and MuJoCo have them; one line for what is wrong."""
 
+import math
 from pathlib import Path
 
 import numpy as np
@@ -229,3 +230,18 @@ def test_names_cannot_write_keys(tmp_path):
     text = import_robot(path, tip="tip").to_yaml()
     (tmp_path / "arm.yaml").write_text(text, encoding="utf-8")
     assert read_arm(tmp_path / "arm.yaml").gravity == (0.0, 0.0, -9.81)
+
+
+def test_a_joint_whose_limits_name_no_ends_turns(tmp_path):
+    """Where effort and speed are all that a <limit> says: as in MJCF, not held at 0; what slides says how far."""
+    path = tmp_path / "open.urdf"
+    open_ = '<limit effort="9" velocity="2"/>'
+    path.write_text(joined("revolute", open_), encoding="utf-8")
+    (joint,) = import_robot(path).arm.joints
+    assert joint.range == pytest.approx((-math.pi, math.pi))
+    assert (joint.effort, joint.velocity) == (9.0, 2.0)
+    path.write_text(joined("revolute", '<limit upper="1" effort="9" velocity="2"/>'), encoding="utf-8")
+    assert import_robot(path).arm.joints[0].range == (0.0, 1.0)
+    path.write_text(joined("prismatic", open_), encoding="utf-8")
+    with pytest.raises(InputError, match="no finite limits"):
+        import_robot(path)
