@@ -75,6 +75,11 @@ class LogRules:
     slowest: float = rule(
         0.5, "1", "Speeds between this and its inverse times the differences of angles are those of a filter."
     )
+    beyond_range: float = rule(
+        4.0,
+        "of the joint's range",
+        "A joint goes through less than this of what the file says of it; a motor does not.",
+    )
     heavy: float = rule(
         0.3, "share of the largest torque", "Gears and units are told by the joints that carry at least so much."
     )

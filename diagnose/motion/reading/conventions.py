@@ -18,6 +18,7 @@ import itertools
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from types import MappingProxyType
 from typing import NamedTuple
 
 import numpy as np
@@ -42,6 +43,7 @@ _DEGREE = math.degrees(1.0)
 _ANY_SIDE: tuple[FloatVector, ...] = tuple(
     tuple(sign * float(axis == k) for axis in range(3)) for k in (2, 1, 0) for sign in (-1.0, 1.0)
 )  # pyright: ignore[reportAssignmentType]
+_FINER = MappingProxyType({"ms": 1e3, "us": 1e6, "ns": 1e9})
 _NAMED = ("x", "y", "z")
 _BASES = ("q", "v", "tau", "current")
 _TOLD = 2
@@ -105,6 +107,12 @@ def check_conventions(log: MotionLog, arm: Arm, headers: Mapping[str, str], rule
         InputError: A convention is plainly another, with what to write.
     """
     _refuse_speeds(log, headers, rules)
+    _refuse_coordinates(log, arm, headers, rules)
+    _refuse_weights(log, arm, headers, rules)
+
+
+def _refuse_weights(log: MotionLog, arm: Arm, headers: Mapping[str, str], rules: Rules) -> None:
+    """Refuse torques that go against the arm's weights, and with them under another convention."""
     names = {f"{base}{k + 1}": headers.get(f"{base}{k + 1}", "") for base in _BASES for k in range(arm.size)}
     trial = _Trial.of(log, arm, names, rules)
     if trial is None:
@@ -470,9 +478,9 @@ def _refuse_motor_torques(trial: _Trial, log: MotionLog, arm: Arm, names: Mappin
 
 def _refuse_speeds(log: MotionLog, headers: Mapping[str, str], rules: Rules) -> None:
     """Refuse speeds that are not those of the coordinates: the other way, in another unit."""
-    interval = float(np.median(np.diff(log.time)))
-    if log.velocity is None or interval > rules.log.convention_window:
+    if log.velocity is None:
         return
+    interval = float(np.median(np.diff(log.time)))
     width = max(1, round(rules.log.convention_window / interval))
     steps = np.gradient(_smoothed(log.q, width), log.time, axis=0)
     speeds = _smoothed(log.velocity, width)
@@ -485,10 +493,32 @@ def _refuse_speeds(log: MotionLog, headers: Mapping[str, str], rules: Rules) -> 
             continue
         speed, place = headers.get(f"v{k + 1}", f"v{k + 1}"), headers.get(f"q{k + 1}", f"q{k + 1}")
         message = f"is {factor:.3g} times what {place} goes by in a second"
+        unit = next((unit for unit, by in _FINER.items() if math.isclose(factor, by, rel_tol=0.2)), "")
+        if interval > rules.log.convention_window and not unit:
+            continue  # poses, from which no speed follows
         if math.isclose(factor, _DEGREE, rel_tol=0.05):
             factor = _DEGREE
         remedies = [{speed: f"{speed}/{factor:.7g}" if factor > 0.0 else f"-{speed}"}]
+        if unit:
+            message += f", as by a clock that counts {unit}"
+            clock = headers.get("time", "time")
+            remedies.insert(0, {"t_s": f"{clock}/{_FINER[unit]:.0f}"})
         if math.isclose(abs(factor), 1.0 / _DEGREE, rel_tol=0.2):
             message += ", as of angles in degrees"
             remedies.insert(0, {place: f"{place}/{_DEGREE:.7g}"})
         raise refusal(log.file, speed, message, *({"columns": remedy} for remedy in remedies))
+
+
+def _refuse_coordinates(log: MotionLog, arm: Arm, headers: Mapping[str, str], rules: Rules) -> None:
+    """Refuse coordinates that go through several times what their joints can: of motors, or in another unit. What can
+    turn a whole turn may turn on."""
+    low, high = np.quantile(log.q, [0.01, 0.99], axis=0)
+    for k, joint in enumerate(arm.joints):
+        through, whole = float(high[k] - low[k]), joint.range[1] - joint.range[0]
+        if through < rules.log.beyond_range * whole or (joint.revolute and whole > 0.99 * math.tau):
+            continue
+        name, by = headers.get(f"q{k + 1}", f"q{k + 1}"), _DEGREE if joint.revolute else 1e3
+        unit = "rad" if joint.revolute else "m"
+        message = f"goes through {through:.3g} {unit}, and joint {k + 1} by {arm.name!r} through {whole:.3g} at most: "
+        message += f"is it in {'degrees' if joint.revolute else 'mm'} or of the motor? Write `columns: {{{name}: "
+        raise InputError(log.file, name, f"{message}{name}/{by:.7g}}}` in recording.yaml, or its gear's ratio there")

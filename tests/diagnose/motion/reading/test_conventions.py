@@ -152,3 +152,30 @@ def test_currents_of_unknown_constants(tmp_path):
         assert log.torque[:, 0] == pytest.approx(scaled["current1_A"], rel=1e-6)
     with pytest.raises(InputError, match="current1_A counts the other way"):
         read_log(written(tmp_path, columns | {"current1_A": -columns["current1_A"]}), arm())
+
+
+def test_a_clock_that_counts_milliseconds(tmp_path):
+    """Samples that seem seconds apart, with speeds a thousand times what the coordinates go by in a second."""
+    columns = motion()
+    log = read_log(written(tmp_path, columns), arm())
+    columns["t_s"] = 1000.0 * columns["t_s"]
+    with pytest.raises(InputError, match="clock that counts ms") as refused:
+        read_log(written(tmp_path, columns), arm())
+    remedy = re.search(r"write `(columns: {t_s: .*?})`", str(refused.value))
+    assert remedy is not None
+    assert read_log(written(tmp_path, columns, remedy[1]), arm()).time == pytest.approx(log.time)
+    poses = {name: column[::500] for name, column in columns.items()}  # that are no motion tell no clock
+    more = {name: np.tile(column, 6) for name, column in poses.items() if name != "t_s"}
+    still = {"t_s": 5.0 * np.arange(len(more["q1_rad"])), **more}
+    assert read_log(written(tmp_path, still), arm()).size == len(still["t_s"])
+
+
+def test_coordinates_of_motors_go_beyond_the_joints_ranges(tmp_path):
+    """To dynamics alone a gear of 50 looks like degrees. A range that the motion passes a little refuses nothing."""
+    narrow, wide = (replace(arm(), joints=tuple(Joint(range=(-0.4, 0.4 + by)) for _ in range(2))) for by in (0.0, 1.2))
+    columns = motion()
+    read_log(written(tmp_path, columns), narrow)
+    of_motors = {name: column * 50.0 if name[0] in "qd" else column / 50.0 for name, column in columns.items()}
+    of_motors["t_s"] = columns["t_s"]
+    with pytest.raises(InputError, match=r"q1_rad: goes through 1\d\d rad, and joint 1 .* 2 at most: .* of the motor"):
+        read_log(written(tmp_path, of_motors), wide)
