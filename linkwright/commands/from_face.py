@@ -410,7 +410,7 @@ def commands() -> Mapping[str, Made]:
         Made("watch", doing="beginning", out=watched, pdf=True, tip=True),
         Simulate("simulate", doing="simulating", out=recording, tip=True),
         Written("import", "import_arm", out=read, catalogue=False),
-        Made("columns", out=settings, catalogue=False),
+        Made("columns", out=settings, catalogue=False, tip=True),
         Export("export", "export_arm", out=exported),
         Tables("tables", also=TABLES, **plain),
         Made("figures", **drawing, **plain),

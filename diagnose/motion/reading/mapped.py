@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections import defaultdict
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from types import MappingProxyType
 
@@ -28,6 +28,7 @@ def with_foreign(table: Table, arm: Arm, held: ReadingSettings) -> tuple[Reading
             "`ignore:` in recording.yaml, of a bag by `topics:`"
         )
         raise InputError(table.file, rival.header, message)
+    held = replace(held, columns=_of_headers(held, meanings, table))
     foreign = [
         meaning
         for meaning in meanings
@@ -41,6 +42,14 @@ def with_foreign(table: Table, arm: Arm, held: ReadingSettings) -> tuple[Reading
         **{item.ours: item.formula or f"`{item.header}`" for item in foreign if "`" not in item.header},
     }
     return replace(held, columns=MappingProxyType(columns)), [_sentence(foreign)]
+
+
+def _of_headers(held: ReadingSettings, meanings: Sequence[Meaning], table: Table) -> Mapping[str, str]:
+    """The settings' formulas, in which our names for foreign headers, by which refusals call them, may stand."""
+    known = {item.ours: item.made_of for item in meanings if item.named and item.ours not in table.columns}
+    called = re.compile(rf"(?<![\w`])({'|'.join(map(re.escape, known))})(?![\w`])")
+    formulas = {ours: called.sub(lambda name: f"({known[name[1]]})", text) for ours, text in held.columns.items()}
+    return MappingProxyType(formulas) if known else held.columns
 
 
 def _sentence(foreign: Sequence[Meaning]) -> str:

@@ -272,6 +272,12 @@ def test_settings_for_some_columns_leave_the_others_known(tmp_path):
     is_the_motion(from_text(tmp_path, turned, settings))
 
 
+def test_settings_may_call_foreign_columns_by_our_names(tmp_path):
+    """As refusals do, whose remedies people copy."""
+    turned = EXPORTS["plotjuggler"] | {"/joint_states/elbow_joint/position": -Q[:, 1]}
+    is_the_motion(from_text(tmp_path, turned, "observes: motion\ncolumns: {q2_rad: -q2_rad}\n"))
+
+
 def test_a_controllers_own_place_of_the_tip_is_no_measurement(tmp_path):
     """It follows from the joint angles: such a log is one of motion."""
     is_the_motion(from_text(tmp_path, EXPORTS["ur"]))
