@@ -50,10 +50,10 @@ class MotionFinding:
 @dataclass(frozen=True)
 class OfJoint:
     """A joint (from 1): RMS of what the model leaves of its torque, N*m (N), on samples where it moves (nan: it never
-    does): `before` and `after` what was identified, `held_out` on motion to which sizes were not fitted, `floor` what
-    the whole library leaves, and `share` of the torque's own RMS that is left (held out). `p_unknown` is how often
-    chance leaves as much structure; `depends_on` what that depends on where it is more than chance (`q2`, `speed`,
-    `load`, `time`, `temperature_degC`).
+    does, or its drive was not logged): `before` and `after` what was identified, `held_out` on motion to which sizes
+    were not fitted, `floor` what the whole library leaves, and `share` of the torque's own RMS that is left (held out).
+    `p_unknown` is how often chance leaves as much structure; `depends_on` what that depends on where it is more than
+    chance (`q2`, `speed`, `load`, `time`, `temperature_degC`).
     """
 
     joint: int

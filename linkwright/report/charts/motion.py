@@ -35,7 +35,7 @@ def per_joint_picture(diagnosis: MotionDiagnosis) -> str:
     rows: list[tuple[str, str, tuple[float, float, float], float]] = []
     for item in diagnosis.per_joint:
         if math.isnan(item.before):
-            rows.append((f"joint {item.joint}", "stood still", (0.0, 0.0, 0.0), 0.0))
+            rows.append((f"joint {item.joint}", "stood still or not logged", (0.0, 0.0, 0.0), 0.0))
             continue
         # The torque's own RMS, of which `share` is left on motion held out.
         whole = item.held_out / item.share if item.share > 0.0 else math.nan

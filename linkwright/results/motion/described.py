@@ -157,7 +157,7 @@ def _joints(diagnosis: MotionDiagnosis) -> Section:
         depends = dependence_words(item.depends_on)
         text = f"{depends} (p {probability(item.p_unknown).text})" if depends else ""
         if math.isnan(item.before):
-            text = "stood still"
+            text = "stood still or not logged"
         rows.append([count(item.joint), *(torque(value, unit) for value in figures), share(item.share), text])
     headings = ("joint", "before", "after", "held out", "floor", "of its torque", "what is left depends on")
     lead = "What the model leaves of each joint's torque (RMS, where the joint moves); held out: on motion not fitted."
