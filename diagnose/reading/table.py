@@ -230,10 +230,8 @@ def text_table(path: Path, layout: Layout, text: str) -> Table:
         names, body = rows[0], rows[1:]
         if body and _of_two_lines(names, body[0]):
             notes.append("The header has a second line, with units.")
-            names, body = (
-                [f"{name} [{unit.strip(' []()')}]" for name, unit in zip(names, body[0], strict=True)],
-                body[1:],
-            )
+            units, body = [unit.strip(" []()") for unit in body[0]], body[1:]
+            names = [f"{name} [{unit}]" if unit else name for name, unit in zip(names, units, strict=True)]
         header, more = _header(path, names, decimal)
         notes += more
     if not body:
