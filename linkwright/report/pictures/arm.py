@@ -24,6 +24,9 @@ from .svg import drawing, element, label, line, nice_below, path, scale_bar
 
 Point = tuple[float, float]
 _ARROW = 0.16
+_WIDEST, _NARROWEST = 0.34, 1.4
+"""Least height of a window by its width, and least width by its height: letters are sized by the width, and what is
+tall is drawn small."""
 
 
 @dataclass(frozen=True)
@@ -150,9 +153,10 @@ def shared_window(skeletons: Sequence[Skeleton]) -> Window:
     xs, ys = [x for x, _ in points], [y for _, y in points]
     margin = 0.09 * reach
     width, height = max(xs) - min(xs) + 2 * margin, max(ys) - min(ys) + 2 * margin
-    missing = max(0.0, 0.34 * width - height)
-    below = 0.07 * width
-    return Window(min(xs) - margin, min(ys) - margin - missing / 2, width, height + missing + below, exaggeration)
+    beside, missing = max(0.0, _NARROWEST * height - width), max(0.0, _WIDEST * width - height)
+    left, top = min(xs) - margin - beside / 2, min(ys) - margin - missing / 2
+    width += beside
+    return Window(left, top, width, height + missing + 0.07 * width, exaggeration)
 
 
 def arm_picture(

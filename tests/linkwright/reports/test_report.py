@@ -12,9 +12,10 @@ import pytest
 
 from linkwright.core.arm.chain.chain import Joint
 from linkwright.core.arm.evaluation import evaluate
+from linkwright.core.arm.worst.search import WorstPose
 from linkwright.core.sections import Circle, Tube
 from linkwright.report.described import origin_of, page_of, signed
-from linkwright.report.pictures.arm import arm_picture, shared_window, skeleton
+from linkwright.report.pictures.arm import arm_picture, shared_window, skeleton, skeleton_at
 from linkwright.report.pictures.sections import sections_grid
 from linkwright.results import evaluation as evaluations
 from linkwright.results.diagnoses import described as diagnoses
@@ -219,6 +220,18 @@ def test_arm_is_drawn_to_scale(evaluation):
     line = re.search(r'<line x1="([-\d.e]+)" y1="([-\d.e]+)"[^>]*class="error-line"', picture)
     assert (float(line[1]), float(line[2])) == pytest.approx(drawn.tip, rel=1e-4, abs=1e-2)
     assert window.exaggeration * math.hypot(*drawn.error) < 0.2 * 700.0
+
+
+@pytest.mark.parametrize("turned", [0.0, 0.7, math.pi / 2, math.pi])
+def test_letters_are_read_however_the_arm_stands(evaluation, turned):
+    """Pictures are at most 320 pixels high (`.bounded.small` in style.css): none has letters below 9 pixels."""
+    pose = WorstPose((turned, *(0.0 for _ in evaluation.arm.joints[1:])), 0, 0.0, (0.0, 0.0, 0.0), (), ())
+    drawn = skeleton_at(evaluation.arm, pose)
+    window = shared_window([drawn])
+    picture = arm_picture(evaluation.arm, drawn, window, "before")
+    assert float(re.search(r'font-size="([\d.]+)"', picture)[1]) * 320.0 / window.height >= 9.0
+    assert all(window.left < x < window.left + window.width for x, _ in drawn.points)
+    assert all(window.top < y < window.top + window.height for _, y in drawn.points)
 
 
 def test_an_arm_in_space_is_drawn_upright_through_its_tip():
