@@ -168,7 +168,7 @@ def _jumps(recording: Recording, place: Placement, gross: Mask, rules: Rules) ->
     lasting: list[int] = []
     for run in np.split(bad, np.flatnonzero(np.diff(bad) > 1) + 1):
         agree = len(run) > 1 and bool(
-            (np.ptp(place.residual[run], axis=0) < rules.mistakes.better * place.distance[run].min()).all()
+            (np.ptp(place.residual[run], axis=0) < rules.mistakes.agree * place.distance[run].min()).all()
         )
         if len(run) > rules.mistakes.short_run or agree:
             lasting += run.tolist()

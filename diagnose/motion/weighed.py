@@ -59,7 +59,7 @@ def _constant(free: Sequence[PreparedLog], joint: int, rules: Rules) -> tuple[fl
     basis = np.linalg.qr(own)[0]
     m, y = (item - basis @ (basis.T @ item) for item in (weights, current))
     size = math.sqrt(float(m @ m) * float(y @ y))
-    enough = size > 0.0 and float(y @ m) > rules.motion.tells_constant * size
+    enough = size > 0.0 and float(y @ m) > rules.fitting.same_way * size
     return float(m @ m) / float(y @ m) if enough else math.nan, math.sqrt(float(m @ m) / len(m))
 
 

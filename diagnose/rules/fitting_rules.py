@@ -28,8 +28,8 @@ class FittingRules:
     same_way: float = rule(
         0.8,
         "cosine",
-        "Readings that begin a recording far off and point the same way settle: no outliers. Torques, or speeds, of a "
-        "log that go so much the same way are one another's multiple.",
+        "Readings that begin a recording far off and point the same way settle: no outliers. Torques, speeds or "
+        "currents of a log that go so much with what they should be are a multiple of it.",
     )
     enough: int = rule(
         20,

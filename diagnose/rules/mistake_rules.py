@@ -65,8 +65,8 @@ class MistakeRules:
     better: float = rule(
         0.2,
         "share of the distance",
-        "Another unit, frame, tool, joint, order or convention explains a contradiction if it leaves less of it; "
-        "contradictions that differ by less agree, and so do the samples beside a spike.",
+        "Another unit, frame, tool, joint, order or convention explains a contradiction if it leaves less of it, and "
+        "the samples beside it a spike.",
     )
     simpler: float = rule(
         2.0, "times the least distance", "Frame or tool alone is enough where both together leave no less."
@@ -80,6 +80,9 @@ class MistakeRules:
     )
     stuck: float = rule(
         0.8, "share of the rows", "Of a joint's reading that stands still, as many must fit with the joint free."
+    )
+    agree: float = rule(
+        0.1, "share of the distance", "Contradictions in a row that differ by less are no jumps: they agree."
     )
     coarse: float = rule(
         3.0, "steps of the instrument", "Where repeats differ by no more (median) some are alike by rounding."

@@ -14,12 +14,6 @@ class MotionRules:
     """Rows, evidence, gains on motion that was not fitted, and structure that nothing explains."""
 
     least_moving: float = rule(3.0, "s", "Some joint must move for so long, else the data do not suffice.")
-    tells_constant: float = rule(
-        0.75,
-        "correlation",
-        "Of a current with what the arm weighs at a joint, beyond friction and what goes by the acceleration: from it "
-        "on, the weights tell a torque constant that nobody says.",
-    )
     low_pass: tuple[int, ...] = rule(
         (4, 8),
         "Hz",

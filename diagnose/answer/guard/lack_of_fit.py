@@ -231,7 +231,7 @@ def _conditions(observed: Observed) -> Groups:
     """Which pose, payload, side and force (from 0) each reading is of."""
     recording = observed.recording
     held = [item for item in (recording.payload_mass, recording.sides, recording.force) if item is not None]
-    rounded = [np.round(item.reshape(recording.size, -1) / 1e-3) for item in held]
+    rounded = [np.round(item.reshape(recording.size, -1) / observed.rules.residual.same_payload) for item in held]
     return (
         np.unique(np.column_stack([poses(observed), *rounded]), axis=0, return_inverse=True)[1]
         .reshape(-1)
