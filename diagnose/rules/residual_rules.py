@@ -127,8 +127,8 @@ class ResidualRules:
         0.1,
         "rad",
         "Poses that differ by no more tell nothing of how orientations are written; measured and modelled turns that "
-        "differ by more (median) are not of one convention, and a frame turned by more is another one, no mount that "
-        "has shifted.",
+        "differ by more (median) are not of one convention, a frame turned by more is another one, no mount that has "
+        "shifted, and a range that lacks no more is a whole turn.",
     )
 
     def same_coordinate(self, revolute: bool) -> float:

@@ -91,6 +91,7 @@ NO_RULES = {
         "_BEST, _SAMPLES",
         "_ROUNDS, _AT_ONCE",
         "_DEGREE",
+        "_FINER",
         "_QUARTER",
         "_TOLD",
     },

@@ -515,7 +515,7 @@ def _refuse_coordinates(log: MotionLog, arm: Arm, headers: Mapping[str, str], ru
     low, high = np.quantile(log.q, [0.01, 0.99], axis=0)
     for k, joint in enumerate(arm.joints):
         through, whole = float(high[k] - low[k]), joint.range[1] - joint.range[0]
-        if through < rules.log.beyond_range * whole or (joint.revolute and whole > 0.99 * math.tau):
+        if through < rules.log.beyond_range * whole or (joint.revolute and whole > math.tau - rules.residual.turned):
             continue
         name, by = headers.get(f"q{k + 1}", f"q{k + 1}"), _DEGREE if joint.revolute else 1e3
         unit = "rad" if joint.revolute else "m"
