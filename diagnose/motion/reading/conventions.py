@@ -94,8 +94,10 @@ class Mistake:
         )
 
 
-def check_conventions(log: MotionLog, arm: Arm, headers: Mapping[str, str], rules: Rules) -> None:
+def check_conventions(log: MotionLog, arm: Arm, headers: Mapping[str, str], rules: Rules) -> MotionLog:
     """Refuse a log whose torques are those of this arm under another convention.
+
+    What no convention mends and is no torque of this arm for all that is said.
 
     Args:
         log: The log, its samples checked.
@@ -108,23 +110,24 @@ def check_conventions(log: MotionLog, arm: Arm, headers: Mapping[str, str], rule
     """
     _refuse_speeds(log, headers, rules)
     _refuse_coordinates(log, arm, headers, rules)
-    _refuse_weights(log, arm, headers, rules)
+    return _refuse_weights(log, arm, headers, rules)
 
 
-def _refuse_weights(log: MotionLog, arm: Arm, headers: Mapping[str, str], rules: Rules) -> None:
+def _refuse_weights(log: MotionLog, arm: Arm, headers: Mapping[str, str], rules: Rules) -> MotionLog:
     """Refuse torques that go against the arm's weights, and with them under another convention."""
     names = {f"{base}{k + 1}": headers.get(f"{base}{k + 1}", "") for base in _BASES for k in range(arm.size)}
     trial = _Trial.of(log, arm, names, rules)
     if trial is None:
-        return
+        return log
     _refuse_motor_torques(trial, log, arm, names, rules)
     (given,) = trial.fits([()], turned=False)
+    log = _of_little_torque(trial, log, names, rules)
     if given.total < rules.log.conventions_gain:
-        return
+        return log
     tried = _tried(trial, list(_mistakes(arm, names, log)), given)
     best = [each for each in tried if each.total < given.total and (each.shares < rules.log.explains).all()]
     if not best:
-        return
+        return log
     alike = [each.mistake for each in best if each.total - best[0].total < 2.0 * math.log(rules.mistakes.as_well)]
     told = sorted(alike, key=lambda each: each.gravity is not None)[:_TOLD]
     said = "; as well it could be that ".join(" and ".join(each.said) for each in told)
@@ -474,6 +477,20 @@ def _refuse_motor_torques(trial: _Trial, log: MotionLog, arm: Arm, names: Mappin
     message = f"torques are more than the arm's weights make by a factor of {1.0 / max(sizes):.3g}"
     columns = {name: f"{name}/1000" for k in range(arm.size) if (name := names[f"tau{k + 1}"])}
     raise refusal(log.file, "", f"{message}; are they in another unit (N*mm)?", {"columns": columns})
+
+
+def _of_little_torque(trial: _Trial, log: MotionLog, names: Mapping[str, str], rules: Rules) -> MotionLog:
+    """The log, with a sentence on torques that are next to nothing beside what the arm's weights make."""
+    logged, made = (np.sqrt(np.mean(np.square(each), axis=0)) for each in (trial.torque, trial.rigid))
+    little = [k for k in trial.joints.tolist() if logged[k] * rules.log.least_gear < made[k]]
+    if trial.free or not little:
+        return log
+    base = "current" if log.from_current else "tau"
+    each = ", ".join(f"{names[f'{base}{k + 1}']} {logged[k]:.2g} for {made[k]:.2g}" for k in little)
+    sentence = (
+        f"Torques are next to nothing beside those of the arm file's weights (RMS: {each}): not logged, or currents?"
+    )
+    return replace(log, warnings=(*log.warnings, sentence))
 
 
 def _refuse_speeds(log: MotionLog, headers: Mapping[str, str], rules: Rules) -> None:

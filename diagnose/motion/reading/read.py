@@ -103,8 +103,7 @@ def log_from(table: Table, arm: Arm, held: ReadingSettings, *, rules: Rules = RU
     warnings += drives.warnings
     log = _assembled(columns, strangers, table, arm, held, drives, warnings)
     done = checked_samples(log, arm, columns, table.ragged, rules=rules)
-    check_conventions(done, arm, {name: column.header for name, column in columns.items()}, rules)
-    return done
+    return check_conventions(done, arm, {name: column.header for name, column in columns.items()}, rules)
 
 
 def _rows_of_others(columns: dict[str, ReadColumn], few: float) -> NDArray[np.bool_] | None:

@@ -179,3 +179,12 @@ def test_coordinates_of_motors_go_beyond_the_joints_ranges(tmp_path):
     of_motors["t_s"] = columns["t_s"]
     with pytest.raises(InputError, match=r"q1_rad: goes through 1\d\d rad, and joint 1 .* 2 at most: .* of the motor"):
         read_log(written(tmp_path, of_motors), wide)
+
+
+def test_a_drive_that_bears_nothing_of_the_weights_is_said(tmp_path):
+    """A torque of noise, of a current's size or of a sensor that is dead: no name of physics without a word."""
+    columns = motion()
+    assert not any("next to nothing" in said for said in read_log(written(tmp_path, columns), arm()).warnings)
+    columns["tau2_Nm"] = np.random.default_rng(2).normal(0.0, 0.01, 2000)
+    (said,) = (each for each in read_log(written(tmp_path, columns), arm()).warnings if "next to nothing" in each)
+    assert re.search(r"\(RMS: tau2_Nm 0\.0\d+ for \d\)", said)
