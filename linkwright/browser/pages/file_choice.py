@@ -172,6 +172,8 @@ class FileChoice:
     async def _look(self) -> list[str]:
         names = await asyncio.to_thread(self._desk.folder.names, self._kind)
         self._list.set_options(names)
+        hint = 'hint="None yet: add the examples, or write one."'
+        self._list.props(remove="hint") if names else self._list.props(hint)
         return names
 
     async def _examples(self) -> None:
