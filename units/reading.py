@@ -257,10 +257,10 @@ class Mapping:
         return self.content[name]
 
     def _of_this_entry(self, name: str) -> str:
-        """What an entry of a list holds, for a key that may stand in the next one."""
-        if not self.key.endswith("]") or name in self.content:
+        """What an entry of a list holds alone, for a key that may stand in the one before or after."""
+        if not self.key.endswith("]") or name in self.content or len(self.content) > 1:
             return ""
-        return f" (this entry holds {', '.join(self.content) or 'nothing'}; each '- ' begins another)"
+        return f" (this entry holds {''.join(self.content) or 'nothing'} alone; each '- ' begins another)"
 
     def also_called(self, synonyms: MappingLike[str, tuple[str, ...]]) -> None:
         """Say what people call the entries of some names as well, so that they are told the names known here."""
@@ -351,15 +351,14 @@ class Mapping:
             raise self.error(name, f"{shown(value)} is not one of {', '.join(choices)}{hint}")
         return value
 
-    def items(
-        self, name: str, default: Sequence[object] | None = None, would_do: str = "a list, e.g. [a, b]"
-    ) -> list[object]:
+    def items(self, name: str, default: Sequence[object] | None = None, would_do: str = "") -> list[object]:
         """Return a list; a single value in its place is refused."""
         if default is not None and not self.has(name):
             return list(default)
-        value = self.raw(name, would_do)
+        value = self.raw(name, would_do or "a list, e.g. [a, b]")
         if not isinstance(value, list):
-            raise self.error(name, f"needs {would_do}, not {shown(value)}")
+            written = would_do or f"a list, e.g. [{value if isinstance(value, str) else 'a, b'}]"
+            raise self.error(name, f"needs {written}, not {shown(value)}")
         return cast(list[object], value)
 
     def mapping(self, name: str) -> Mapping:
