@@ -405,38 +405,23 @@ def _left_by_rough_model(prepared: Prepared, noise_floor: float | None) -> Array
 
 def _rough_model(prepared: Prepared, besides: Sequence[str]) -> _Rough:
     """The few patterns that explain most, one after the other and forms included but for some, by least squares with
-    bad rows weighed down."""
+    bad rows weighed down: each is chosen for what it explains of readings with such weights."""
     pool, criterion, observed = prepared.pool, prepared.criterion, prepared.observed
-    given, members = prepared.products, list[int]()
+    members, columns = list[int](), [prepared.beside]
     barred = np.array([group.candidate.effect in besides for group in pool.groups], dtype=bool)
+    stacked, values, weight = _bad_rows_down(observed, columns)
     for _ in range(_ROUGH if pool.groups else 0):
-        gained = given.gains()
-        left = np.where(barred, given.rss, np.maximum(given.rss - gained, 1e-12 * given.rss))
+        weighed = observed.whitened(np.sqrt(weight)[:, None] * (observed.residual - stacked @ values))
+        given = products(pool, pool.projected(weighed)).beside(pool.columns(members))
+        left = np.where(barred, given.rss, np.maximum(given.rss - given.gains(), 1e-12 * given.rss))
         left = np.maximum(left, 1e-300)
         best = int(np.argmin(criterion.count * np.log(np.maximum(left, 1e-300)) + criterion.price))
         if criterion(float(left[best]), [*members, best]) >= criterion(given.rss, members):
             break
         members.append(best)
-        given = given.beside(pool.columns([best]))
-    taken = [pool.groups[m].candidate for m in members]
-    columns = [prepared.beside, *at_best(observed, taken, [prepared.columns[m] for m in members], prepared.beside)]
-    stacked = np.concatenate(columns, axis=2)
-    design, target = observed.scaled(stacked), observed.scaled(observed.residual)
-    if design.shape[2] == 0:
-        nothing = np.zeros(observed.residual.shape)
-        return _Rough(observed.residual, nothing, prepared.beside, 0.0, drifts=False, wanders=False)
-    weight = np.ones(len(target))
-    values = np.zeros(design.shape[2])
-    for _ in range(6):
-        root = np.sqrt(weight)[:, None]
-        values = np.linalg.lstsq(
-            observed.without_memory(design * root[:, :, None]).reshape(-1, design.shape[2]),
-            observed.without_memory(target * root).reshape(-1),
-            rcond=1e-9,
-        )[0]
-        size = np.sqrt(np.sum((target - design @ values) ** 2, axis=1))
-        middle = float(np.median(size))
-        weight = np.minimum(1.0, HUBER * middle / np.maximum(size, 1e-300)) if middle > 0.0 else weight
+        taken = [pool.groups[m].candidate for m in members]
+        columns = [prepared.beside, *at_best(observed, taken, [prepared.columns[m] for m in members], prepared.beside)]
+        stacked, values, weight = _bad_rows_down(observed, columns)
     at = np.cumsum([part.shape[2] for part in columns])
     in_time, price, kinds = np.zeros(observed.residual.shape), 0.0, list[Candidate]()
     for member, end in zip(members, at[1:].tolist(), strict=True):
@@ -449,6 +434,26 @@ def _rough_model(prepared: Prepared, besides: Sequence[str]) -> _Rough:
     wanders = bool(kinds) and all(kind.outside and form_of(kind).wanders for kind in kinds)
     left = observed.residual - stacked @ values
     return _Rough(left, in_time, prepared.beside, price, drifts=drifts, wanders=wanders)
+
+
+def _bad_rows_down(observed: Observed, columns: Sequence[Array]) -> tuple[Array, Array, Array]:
+    """Patterns (N, C, d) as one (N, C, k), how much of each fits the readings best (k,), rows that lie far off weighed
+    down, and the rows' weights (N,)."""
+    stacked = np.concatenate(columns, axis=2)
+    design, target = observed.scaled(stacked), observed.scaled(observed.residual)
+    weight, values = np.ones(len(target)), np.zeros(design.shape[2])
+    for _ in range(6):
+        root = np.sqrt(weight)[:, None]
+        if len(values):
+            values = np.linalg.lstsq(
+                observed.without_memory(design * root[:, :, None]).reshape(-1, len(values)),
+                observed.without_memory(target * root).reshape(-1),
+                rcond=1e-9,
+            )[0]
+        size = np.sqrt(np.sum((target - design @ values) ** 2, axis=1))
+        middle = float(np.median(size))
+        weight = np.minimum(1.0, HUBER * middle / np.maximum(size, 1e-300)) if middle > 0.0 else weight
+    return stacked, values, weight
 
 
 def loudness(left: Array, observed: Observed) -> Array | None:

@@ -1,11 +1,13 @@
-"""A coarse column does not switch the check for outliers off, and what warms up is no outlier."""
+"""A coarse column does not switch the check for outliers off, what warms up is no outlier, an outlier no physics."""
 
 import numpy as np
 import pytest
 
 from linkwright.core.diagnose.diagnosis import diagnose
 from linkwright.core.diagnose.residual.noise import noise_floor
+from tests.diagnose.arm_of_drives import SIGMA, arm_of_drives
 from tests.diagnose.by_cosines import file, noise, poses, recording, tips
+from tests.diagnose.recorded import planar_tip
 
 FINE = 1.5e-6
 
@@ -47,3 +49,16 @@ def test_a_first_reading_that_is_wrong_is_an_outlier_still():
     tip = tips(q) + noise(2, len(q))
     tip[[0, 40]] += 3e-4
     assert [outlier.row for outlier in noise_floor(recording(q, tip), file()).outliers] == [1, 41]
+
+
+@pytest.mark.parametrize("seed", [0, 9, 14])
+def test_one_wrong_reading_is_set_aside_and_is_no_physics(seed):
+    """Thirty poses, each read once, and nothing wrong but one reading, by ten times the noise."""
+    rng = np.random.default_rng(seed)
+    q = rng.uniform(-1.6, 1.6, (30, 3))
+    tip = planar_tip(q) + SIGMA * rng.standard_normal((30, 2))
+    wrong = int(rng.integers(30))
+    tip[wrong] += 10.0 * SIGMA * np.array([np.cos(seed), np.sin(seed)])
+    result = diagnose(arm_of_drives(), recording(q, tip, frame="free"))
+    assert [item.row for item in result.rejected_rows] == [wrong + 1]
+    assert result.verdict == "none"
