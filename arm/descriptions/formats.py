@@ -272,9 +272,10 @@ def _mjcf(arm: Arm) -> Exported:
         carried.append("stiffness of the drives, as position servos: what is asked of a joint goes to `ctrl`")
     if any(piece.springs for piece in pieces.pieces):
         carried.append("flexibility of the links, as springs at their middles")
-    rotors = all("armature" in item for item in moving)
-    damped = f"springs and drives are damped by {DAMPING_TIME:g} s times their stiffness"
-    assumed = [*pieces.assumed, damped if rotors else f"{damped}; no armature is known"]
+    assumed = [*pieces.assumed, f"springs and drives are damped by {DAMPING_TIME:g} s times their stiffness"]
+    still = [name for name, item in zip(names.joints, moving, strict=True) if "armature" not in item]
+    if still:
+        assumed.append(f"no armature is known of {', '.join(still)}")
     if None in pieces.stiffness:
         assumed.append(f"rigid drives hold to {HELD:g} rad or m under the whole weight at full reach")
     assumed += _for_mujoco(pieces)[1]
