@@ -320,7 +320,8 @@ def of_small_causes(found: SmallBeside, alone: LackOfFit) -> str:
 def put_right(labels: Mislabelled) -> str:
     """What is named once labels are put right, and what that leaves."""
     names = " and ".join(name_of(effect, at) for effect, at in labels.named)
-    return f"{names} leave {mm(labels.rms)} RMS, the noise floor"
+    left = f"{names} leave" if names else "nothing is missing, and readings are off by"
+    return f"{left} {mm(labels.rms)} RMS, the noise floor"
 
 
 def _named(finding: Finding) -> str:

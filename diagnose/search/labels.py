@@ -1,10 +1,10 @@
 """Labels that stand beside the wrong readings: sides or payloads logged a visit late or early, turned round or swapped,
-the sides of two joints in each other's columns.
+the sides of two joints in each other's columns, payloads in another unit.
 
 Where nothing in the library explains a mismatch, or it is only scatter, each such mistake is tried: the recording is
 searched again with the labels put right, where a few of the library, taken one after the other, then explain most. A
-mistake is told only where the physics then named leaves the noise floor, and with the labels as they stand does not:
-else it is not the labels that explain anything.
+mistake is told only where the physics then named, if any, leaves the noise floor, and with the labels as they stand
+does not: else it is not the labels that explain anything.
 """
 
 from __future__ import annotations
@@ -38,6 +38,10 @@ _LEVELS, _SIDES, _TAKEN, _SEARCHED = 4, 3, 4, 3
 taken to see how promising labels put right are; and how many of these are searched as a whole."""
 
 
+_UNITS = (("lb", 0.45359237), ("N", 1.0 / 9.80665), ("g", 1e-3))
+"""In which a payload may have been written down, and what one of them is, kg."""
+
+
 @dataclass(frozen=True)
 class _Tried:
     said: str
@@ -66,14 +70,14 @@ def mislabelled(
         tell(0.6 + 0.1 * len(namers))
         prepared = prepare(observe(arm, tried[number].recording, rules=rules), asked, floor)
         namer = Namer(prepared, thorough=False, seed=asked.seed)
-        subsets = namer.best_of_library() if prepared.pool.groups else {}
-        if subsets:
-            namers.append((min(_left(namer, subset.members) for subset in subsets.values()), namer, tried[number]))
+        if prepared.pool.groups:
+            answers = [(), *(subset.members for subset in namer.best_of_library().values())]
+            namers.append((min(_left(namer, members) for members in answers), namer, tried[number]))
     rms, namer, each = min(namers, key=lambda found: found[0], default=(np.inf, None, None))
     if namer is None or each is None or rms > enough:
         return None
     named = name_missing(namer, lambda _: None)
-    if not named.members or named.outside:
+    if named.outside:
         return None
     rms = _left(namer, named.members)
     groups = [namer.pool.groups[member].candidate for member in named.members]
@@ -130,6 +134,11 @@ def _relabelled(arm: Arm, recording: Recording, rules: Rules) -> Iterator[_Tried
             for unit, source, keep in _sources(visit, late):
                 sentence = f"payload_kg was logged one {unit} {which}"
                 yield _Tried(sentence, replace(recording, payload_mass=payload[source]).kept(keep))
+        for unit, mass in _UNITS:
+            yield _Tried(f"payload_kg holds {unit}", replace(recording, payload_mass=payload * mass))
+            yield _Tried(
+                f"payload_kg was taken for {unit} and converted", replace(recording, payload_mass=payload / mass)
+            )
         if len(levels) <= _LEVELS:  # of more nobody confuses just two
             for one, other in itertools.combinations(levels.tolist(), 2):
                 sentence = f"payloads of {one:g} kg and {other:g} kg have changed places in payload_kg"

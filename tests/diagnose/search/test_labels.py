@@ -11,11 +11,12 @@ import pytest
 from linkwright.core.diagnose.diagnosis import diagnose
 from linkwright.core.diagnose.options import Options
 from linkwright.core.diagnose.reading.read import read_recording
+from linkwright.core.diagnose.recording import Recording
 from linkwright.core.diagnose.result import Diagnosis
 from linkwright.core.diagnose.search.labels import mislabelled
 from linkwright.core.sections.numeric import Array
 from tests.diagnose.arm_of_drives import COMPLIANCE, SIGMA, arm_of_drives
-from tests.diagnose.recorded import planar_tip, sagging_tip, table, written
+from tests.diagnose.recorded import LENGTHS, planar_tip, sagging_tip, table, written
 
 ARM = arm_of_drives()
 
@@ -153,3 +154,45 @@ def test_payloads_that_are_right_are_left_alone(tmp_path: Path) -> None:
     result = hung(tmp_path, "right")
     assert result.labels is None
     assert [finding.at for finding in result.findings] == [(2,)]
+
+
+MASSES = np.array([8.0, 5.0, 3.0])
+"""kg of the links, each in its middle: their weight tells a payload's unit from drives that give more or less."""
+
+
+def lifted(said: float, *, softens: float = 0.0) -> Diagnosis:
+    """One of three payloads at every visit, on drives as the file has them or, per N*m, softer by `softens`; the column
+    says so many times the payload's kilograms."""
+    rng = np.random.default_rng(1)
+    q = np.repeat(rng.uniform(-2.0, 2.0, (40, 3)), 2, axis=0)
+    payload = np.repeat(rng.choice([0.0, 2.0, 5.0], 40), 2)
+    turned = np.zeros_like(q)
+    for _ in range(20):
+        out = np.cos(np.cumsum(q + turned, axis=1)) * LENGTHS
+        end = np.cumsum(out, axis=1)
+        middle, begin = end - 0.5 * out, end - out
+        links = [(middle[:, k:] - begin[:, k : k + 1]) @ MASSES[k:] for k in range(3)]
+        torque = 9.81 * (np.stack(links, axis=1) + payload[:, None] * (end[:, 2:] - begin))
+        turned = -np.array(COMPLIANCE) * torque * (1.0 + softens * np.abs(torque))
+    tip = planar_tip(q + turned) + SIGMA * rng.standard_normal((80, 2))
+    links = tuple(replace(link, mass=float(mass)) for link, mass in zip(ARM.links, MASSES, strict=True))
+    arm = replace(ARM, links=links, gravity=(0.0, -9.81, 0.0))
+    return diagnose(arm, Recording("r.csv", q, tip, np.arange(1, 81), payload_mass=said * payload))
+
+
+@pytest.mark.parametrize(
+    ("said", "unit"),
+    [(1.0 / 0.45359237, "payload_kg holds lb"), (0.45359237, "payload_kg was taken for lb and converted")],
+)
+def test_payloads_in_another_unit_are_told(said: float, unit: str) -> None:
+    result = lifted(said)
+    assert result.labels is not None
+    assert result.labels.said == unit
+    assert result.labels.named == ()
+    assert f"It looks as if {unit}: with that put right, nothing is missing" in result.sentence
+
+
+def test_drives_that_soften_under_load_are_no_other_unit() -> None:
+    result = lifted(1.0, softens=0.01)
+    assert result.verdict == "unknown"
+    assert result.labels is None
