@@ -214,10 +214,11 @@ def _poses(arm: Arm, sheet: Sheet, workspace: Workspace, cases: Sequence[LoadCas
     worst = worst[room.allows(arm, worst)]
     spread = search.poses(p, _LOOKED_AT)
     spread = np.vstack([spread[room.allows(arm, spread)], worst])
-    evenly = search.poses(p, _POSES) if room.everywhere else spread[: len(spread) - len(worst)][:_POSES]
+    others = search.poses(p, _POSES) if room.everywhere else spread[: len(spread) - len(worst)][:_POSES]
+    evenly = others[:_POSES] if workspace.kind == "joints" else others  # the rest are corners
     if not len(evenly):
         raise NoRoom(f"what is to be avoided leaves none of {_LOOKED_AT} poses of the workspace")
     parts = parts_of(arm, sheet, spread, cases)
     found = errors(parts, Draws(sheet.seed, _ARMS, parts.states))
     of_arms = spread[np.unique(found.argmax(axis=1) % len(spread))]
-    return np.vstack([worst, of_arms, evenly]), min(len(evenly), _POSES)
+    return np.vstack([worst, of_arms, others[len(evenly) :], evenly]), len(evenly)

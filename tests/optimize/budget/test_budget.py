@@ -44,6 +44,15 @@ def test_a_uniform_angle_on_a_lever():
     assert result.worst < result.worst_upper < 0.5e-3
 
 
+def test_the_average_is_over_the_workspace_and_not_over_its_corners():
+    """Six equal links that turn all round are sqrt(6) links long in the mean square, and fold up at every corner."""
+    whole = {"range": ["-180 deg", "180 deg"]}
+    arm = lw.Arm(**{**LEVER, "chain": [{"joint": whole, "link": LEVER["chain"][0]["link"]}] * 6})
+    result = lw.budget(arm, sheet={"tolerances": [{**OFFSET, "at": 1}], "draws": 1000}).found
+    # Three standard deviations of the mean square of 64 poses, of which each has that of an exponential.
+    assert result.average == pytest.approx(0.5e-3 * math.sqrt(6.0 / 3.0), rel=0.5 * 3.0 / math.sqrt(64.0))
+
+
 def test_an_angle_drawn_anew_at_every_pose_meets_its_bound_somewhere():
     """Over N poses the worst of uniform draws has the quantile 0.95^(1/N)."""
     result = lw.budget(lever(), sheet={"tolerances": [{**OFFSET, "each_time": True}], "draws": 2000}).found
