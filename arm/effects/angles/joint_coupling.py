@@ -19,23 +19,25 @@ def _moved(state: PoseState, settings: Settings, index: int) -> Scalar:
 
 
 def _torques(motion: Motion, settings: Settings) -> Mapping[int, Array]:
-    """What gears that both joints turn ask of either drive, by the other's speed: one figure for both; nothing where
-    either has no drive."""
-    viscous, dry = settings.values.get("coefficient", 0.0), settings.values.get("torque", 0.0)
+    """What gears and a motor that both joints turn, by the sum or the difference of their speeds, ask of either drive:
+    friction takes power as a whole. Nothing where either has no drive."""
+    viscous, dry, apart = (settings.values.get(name, 0.0) for name in ("coefficient", "torque", "torque_apart"))
     torques: dict[int, Array] = {}
     drives = [joint.driven and not joint.passive for joint in motion.arm.joints]
     for index in range(1, motion.arm.size):
         if settings.acts_at(index) and drives[index - 1] and drives[index]:
             for own, other in ((index, index - 1), (index - 1, index)):
-                speed = motion.velocity[:, other]
-                torques[own] = torques.get(own, np.zeros(motion.size)) + viscous * speed + dry * direction(speed)
+                one, two = motion.velocity[:, own], motion.velocity[:, other]
+                more = viscous * two + dry * direction(one + two) + apart * direction(one - two)
+                torques[own] = torques.get(own, np.zeros(motion.size)) + more
     return torques
 
 
 JOINT_COUPLING = Effect(
     id="joint_coupling",
     title="coupling of a joint to the one before it",
-    formula="sum J_i k_i q_(i-1), i from 2; of a motion d_i q'_(i-1) + f_i sign(q'_(i-1)) at i, and likewise at i-1",
+    formula="sum J_i k_i q_(i-1), i from 2; of a motion d_i q'_(i-1) + f_i sign(q'_i + q'_(i-1)) "
+    "+ g_i sign(q'_i - q'_(i-1)) at i, and likewise at i-1",
     place="joint",
     needs_drive=True,
     cause="angle errors",
@@ -49,11 +51,14 @@ JOINT_COUPLING = Effect(
             "what is left of a wrist's or belt's coupling once the controller has taken out its nominal value",
         ),
         torque("torque", "torque", -1e4, 1e4, (0.05, 3.0)).means(
-            "dry friction by the direction of the joint before, and of that one by this one's",
+            "dry friction of a motor that turns by the sum of this joint's and the joint before's speeds, at both",
             "geared wrists: 0.1 to 2 N*m",
         ),
+        torque("torque_apart", "torque", -1e4, 1e4, (0.05, 3.0), optional=True).means(
+            "the same by the difference", "geared wrists: 0.1 to 2 N*m"
+        ),
         torque("coefficient", "viscous_friction", -1e5, 1e5, (0.05, 5.0)).means(
-            "the same over the speed", "geared wrists: 0.1 to 2 N*m*s/rad"
+            "viscous friction by the other's speed, at both", "geared wrists: 0.1 to 2 N*m*s/rad"
         ),
     ),
     twists=OfDrives(_moved),

@@ -109,12 +109,17 @@ def test_an_elastic_joint_swings_at_its_frequency():
     assert np.abs(result - exact)[5:-5].max() < 1e-5 * np.abs(exact).max()
 
 
-def test_a_coupled_wrist_asks_alike_of_both_drives():
-    result = of("joint_coupling", torque=0.5, coefficient=2.0)
-    for own, other in ((0, 1), (1, 0)):
-        speed = MOTION.velocity[:, other]
-        np.testing.assert_allclose(result[own], 2.0 * speed + 0.5 * np.tanh(speed / 0.01), rtol=1e-12)
-    assert set(result) == {0, 1}
+def test_a_motor_that_two_joints_turn_rubs_by_the_sum_or_the_difference_of_their_speeds():
+    """As a wrist's last motor does: its friction times its speed is the power that the two drives lose."""
+    one, two = MOTION.velocity[:, 0], MOTION.velocity[:, 1]
+    for name, speed in (("torque", one + two), ("torque_apart", two - one)):
+        result = of("joint_coupling", **{name: 0.5})
+        power = result[0] * one + result[1] * two
+        np.testing.assert_allclose(power, 0.5 * np.tanh(speed / 0.01) * speed, rtol=0, atol=1e-12)
+        assert set(result) == {0, 1}
+    result = of("joint_coupling", coefficient=2.0)
+    for own, speed in ((0, two), (1, one)):
+        np.testing.assert_allclose(result[own], 2.0 * speed, rtol=1e-12)
 
 
 def test_a_links_more_inertia_is_a_column_of_the_regressor():
