@@ -441,15 +441,14 @@ def _bad_rows_down(observed: Observed, columns: Sequence[Array]) -> tuple[Array,
     down, and the rows' weights (N,)."""
     stacked = np.concatenate(columns, axis=2)
     design, target = observed.scaled(stacked), observed.scaled(observed.residual)
-    weight, values = np.ones(len(target)), np.zeros(design.shape[2])
+    weight: Array = np.ones(len(target))
+    values: Array = np.zeros(design.shape[2])
     for _ in range(6):
         root = np.sqrt(weight)[:, None]
         if len(values):
-            values = np.linalg.lstsq(
-                observed.without_memory(design * root[:, :, None]).reshape(-1, len(values)),
-                observed.without_memory(target * root).reshape(-1),
-                rcond=1e-9,
-            )[0]
+            rows = observed.without_memory(design * root[:, :, None]).reshape(-1, len(values))
+            fitted = np.linalg.lstsq(rows, observed.without_memory(target * root).reshape(-1), rcond=1e-9)
+            values = np.asarray(fitted[0], dtype=float)
         size = np.sqrt(np.sum((target - design @ values) ** 2, axis=1))
         middle = float(np.median(size))
         weight = np.minimum(1.0, HUBER * middle / np.maximum(size, 1e-300)) if middle > 0.0 else weight
