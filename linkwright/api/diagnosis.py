@@ -43,7 +43,7 @@ def diagnose(
     arm: ArmFile,
     recording: Annotated[
         "Recording | Log | File | pd.DataFrame | Sequence[Recording | Log | File | pd.DataFrame]",
-        Argument(metavar="RECORDING...", kind=Path, many=True),
+        Argument(metavar="RECORDING", kind=Path, many=True),
     ],
     *,
     thorough: Annotated[bool, Option()] = False,
@@ -294,7 +294,7 @@ def compensate(
 def watch(
     arm: ArmFile,
     recordings: Annotated[
-        "Iterable[Recording | Log | File | pd.DataFrame]", Argument(metavar="RECORDING...", kind=Path, many=True)
+        "Iterable[Recording | Log | File | pd.DataFrame]", Argument(metavar="RECORDING", kind=Path, many=True)
     ],
     *,
     for_: Annotated[Collection[str] | None, Option("--for", "EFFECTS", kind=str, read=named)] = None,

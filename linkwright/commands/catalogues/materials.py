@@ -289,7 +289,7 @@ def _beside(note: str, unconfirmed: str) -> Iterator[tuple[str, ...]]:
 
 
 def compare_materials(
-    names: Annotated[list[str], typer.Argument(metavar="NAME...", help="The materials' names.")],
+    names: Annotated[list[str], typer.Argument(metavar="NAME", help="The materials' names.")],
     json: JsonFile = None,
     catalogue: CatalogueFile = None,
 ) -> None:

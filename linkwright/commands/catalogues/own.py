@@ -39,7 +39,7 @@ Changes = Annotated[
     typer.Argument(metavar="[KEY VALUE | KEY=VALUE...]", help="What to change; nothing opens the editor."),
 ]
 Name = Annotated[str, typer.Argument(metavar="NAME", help="Its name.")]
-Names = Annotated[list[str] | None, typer.Argument(metavar="[NAME...]", help="Which; all without a name.")]
+Names = Annotated[list[str] | None, typer.Argument(metavar="NAME", help="Which; all without a name.")]
 TableFile = Annotated[Path, typer.Option("--out", metavar="FILE", help="A .yaml, .csv, .parquet or .md file.")]
 _UsedIn = Annotated[
     list[Path] | None,
@@ -219,7 +219,7 @@ class OwnCatalogue:
 
         def add(
             name: Name,
-            values: Annotated[list[str], typer.Argument(metavar="KEY=VALUE...", help="What it has, by key.")],
+            values: Annotated[list[str], typer.Argument(metavar="KEY=VALUE", help="What it has, by key.")],
             source: Source = "",
             replace: Replace = False,
             catalogue: OwnFile = None,

@@ -297,7 +297,7 @@ def show_section(
 
 
 def compare_sections(
-    names: Annotated[list[str], typer.Argument(metavar="NAME...", help="The sizes' names.")],
+    names: Annotated[list[str], typer.Argument(metavar="NAME", help="The sizes' names.")],
     json: JsonFile = None,
     catalogue: StockFile = None,
 ) -> None:
