@@ -35,17 +35,22 @@ WORDS = (
 DESCRIBED = "product_of_joints"
 """The class of the proof half that a form of the tool has come to describe, since people asked for it."""
 
-NO_FORM = "No unknown class of any trial got a form of its own: each is a new draw of the same classes."
+NO_FORM = """
+    Earlier trials, each a new draw of the same classes, none of which got a form of its own (axes that wobble as they
+    turn were a class until the fourth):
+    """
 
 ENOUGH = 100
 """Cases from which on the fine tables say anything; the JSON of a score has them always."""
 FINE = ("by effect", "by arm", "by recording", "by parameter", "small causes")
 
 
-def trials() -> dict[int, str]:
-    """What the openings of the proof half said, by their seeds, in the order in which they were opened."""
-    _, *parts = Path(__file__).with_name("trials.md").read_text(encoding="utf-8").split("\n## ")
-    return {int(seed): text for seed, _, text in (part.partition("\n") for part in parts)}
+def trials() -> tuple[list[str], dict[int, str]]:
+    """The head of a table of what the openings of the proof half said, and its rows by their seeds, in the order in
+    which they were opened."""
+    lines = Path(__file__).with_name("trials.md").read_text(encoding="utf-8").splitlines()
+    title, rule, *rows = (line for line in lines if line.startswith("|"))
+    return [title, rule], {int(row.split("|")[2].partition(",")[0]): row for row in rows}
 
 
 def _wrapped(text: str) -> str:
@@ -105,10 +110,9 @@ def _trials(score: Score) -> list[str]:
     """Of a proof half what is proof of it, and what earlier trials found."""
     if _half(score) != "proof":
         return []
-    opened = trials()
+    head, opened = trials()
     earlier = [opened[seed] for seed in itertools.takewhile(lambda seed: seed not in score.seeds, opened)]
-    said = [_of_others(score), *earlier, *([NO_FORM] if earlier else [])]
-    return [line for item in said for line in ("", _wrapped(item))]
+    return ["", _wrapped(_of_others(score)), *(["", _wrapped(NO_FORM), "", *head, *earlier] if earlier else [])]
 
 
 def _figures(score: Score) -> list[str]:

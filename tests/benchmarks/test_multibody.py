@@ -521,16 +521,16 @@ def test_the_page_tells_which_class_of_the_proof_half_has_a_form():
 def test_the_page_of_a_later_trial_tells_of_those_before():
     truths = [truth("a", "null"), truth("b", "null")]
     answers = {item["case"]: said(item["case"], "none") for item in truths}
-    names = ("A first trial", "A second trial", "A third trial", "A fourth trial", "A fifth trial")
-    opened = trials()
+    names = ("| first |", "| second |", "| third |", "| fourth |", "| fifth |", "| sixth |")
+    _, opened = trials()
     last = min(opened) + 1  # whatever its number, it is opened after those
     assert last not in opened
     for index, seed in enumerate([*opened, last]):
         page = section(score([item | {"seed": [seed, 0]} for item in truths], answers, "sealed"))
         assert [name for name in names if name in page] == list(names[:index])
-        assert ("No unknown class of any trial" in page) is bool(index)
+        assert ("Earlier trials, each a new draw" in page) is bool(index)
     later = [item | {"seed": [last, 0]} for item in truths]
-    assert "A first trial" not in section(score(later, answers, "disclosed"))
+    assert "| first |" not in section(score(later, answers, "disclosed"))
 
 
 def test_the_page_keeps_its_other_parts_and_the_section_is_replaced(tmp_path):
