@@ -113,10 +113,15 @@ def refit(
         )
         residual, rss, freedom = _left(prepared, terms)
         spread = _spread(prepared, terms, rss / max(freedom, 1), unnamed)
-    within = [_within_bounds(prepared, *item) for item in zip(terms, spread.errors, strict=True)]
-    if any(one is not other for one, other in zip(within, terms, strict=True)):
-        # What made up for the rest of a size that stands at its bound now is fitted anew beside it.
-        still = [one.sizes != other.sizes for one, other in zip(within, terms, strict=True)]
+    still = [np.zeros(len(term.sizes), dtype=bool) for term in terms]
+    while True:
+        within = [_within_bounds(prepared, *item) for item in zip(terms, spread.errors, strict=True)]
+        beyond = [(one.sizes != other.sizes) & ~held for one, other, held in zip(within, terms, still, strict=True)]
+        if not any(np.any(sizes) for sizes in beyond):
+            break
+        # What made up for the rest of a size that stands at its bound now is fitted anew beside it, which may take that
+        # to a bound of its own.
+        still = [held | sizes for held, sizes in zip(still, beyond, strict=True)]
         prepared, terms = _solved(initial, within, fitted.unit, still)
         residual, rss, freedom = _left(prepared, terms)
     parameters = tuple(

@@ -200,3 +200,25 @@ def test_beside_a_size_at_its_bound_the_others_are_fitted_anew():
     apart = abs(float(free.sizes[1][0]) - wanted)
     assert apart > 0.2 * float(free.errors[1][0])
     assert parameter(result, "compliance", 1).value == pytest.approx(wanted, abs=0.1 * apart)
+
+
+def test_what_a_size_at_its_bound_takes_beyond_its_own_stands_there_too():
+    """Beside a drive that is held at rigid the next one would come out stiffer than rigid, where it did not before."""
+    null = prepared_null()
+    members = [group_of(null, "joint_compliance", (place,)) for place in (1, 2)]
+    one, other = (null.columns[m][:, :, 0] for m in members)
+    rigid = [-1.0 / float(null.observed.arm.joints[k].stiffness or 0.0) for k in (0, 1)]
+    noise, white = noise_of(null, np.random.default_rng(4)), null.observed.whitened
+    spread = fit(with_residual(null, noise), members)
+    first = rigid[0] - float(spread.sizes[0][0]) - 1.5 * float(spread.errors[0][0])
+    design = np.concatenate([white(null.beside), white(other)[:, None]], axis=1)
+    taken = float(
+        np.linalg.lstsq(design, white((first + float(spread.sizes[0][0]) - rigid[0]) * one), rcond=None)[0][-1]
+    )
+    assert taken < 0.0
+    second = rigid[1] - float(spread.sizes[1][0]) - 0.5 * taken
+    trial = with_residual(null, noise + first * one + second * other)
+    free, result = fit(trial, members), refitted(trial, members)
+    assert float(free.sizes[0][0]) < rigid[0]
+    assert float(free.sizes[1][0]) > rigid[1]
+    assert [parameter(result, "compliance", place).value for place in (0, 1)] == pytest.approx(rigid)
