@@ -441,13 +441,15 @@ def test_scores_by_hand():
 
     assert share("false alarms on nulls") == (1, 2)
     assert share("large causes named, from 0.9 on") == (3, 3)
+    assert share("of those the cause's own name comes first") == (2, 3)
+    assert share("names that are of no cause") == (2, 5)
     assert share("unknown classes called unknown") == (1, 2)
     assert share("unknown classes given a name") == (1, 2)
     assert share("answers with an impossible size") == (1, 4)
     assert share("95 % intervals that hold the truth") == (1, 1)
     assert share("mislabelled columns given a cause's name") == (0, 1)
     assert reached["written file's RMS over the oracle's"].median == pytest.approx(1.05)
-    assert [t.met for t in result.targets] == [False, True, False, False, False, True, False, True]
+    assert [t.met for t in result.targets] == [False, True, False, False, False, False, False, True, False, True]
     assert result.bias.median == pytest.approx(0.1)
     assert (result.false_discoveries.count, result.false_discoveries.total) == (2, 5)
     where = dict(result.localised)
