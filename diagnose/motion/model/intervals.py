@@ -55,28 +55,33 @@ def estimates(
     blocks = max(products.blocks, 2)
     by_blocks = inverse @ (scores.T @ scores) @ inverse * blocks / (blocks - 1)
     pulled = inverse @ system.seen[:, at].T @ products.whole(weights)[0] * unnamed
-    model = np.sqrt(np.diagonal(inverse) + (pulled**2).sum(axis=1)) * 1.96
-    robust = np.sqrt(np.maximum(np.diagonal(by_blocks), 0.0)) * float(student.ppf(0.975, blocks - 1))
     unit = np.concatenate([system.groups[m.group].usual for m in members])
+    gain, slopes = _gain(system, members, numbers * unit)
+    # Of what a constant multiplies nobody knows more than of the constant.
+    turned = (np.eye(len(at)) - (numbers * unit / gain)[:, None] * slopes) / gain[:, None] * unit
+    model = np.sqrt(np.diagonal(turned @ inverse @ turned.T) + ((turned @ pulled) ** 2).sum(axis=1)) * 1.96
+    robust = np.sqrt(np.maximum(np.diagonal(turned @ by_blocks @ turned.T), 0.0))
+    robust *= float(student.ppf(0.975, blocks - 1))
     shown = np.sqrt(np.diagonal(inverse)) < rules.motion.shown
-    half = np.hypot(np.maximum(model, robust), _by_shapes(system, wide, numbers)) * unit
-    gain = _gain(system, members, numbers * unit)
-    return Estimates(numbers * unit / gain, half / gain, shown, gain, np.asarray(sizes))
+    half = np.hypot(np.maximum(model, robust), _by_shapes(system, wide, numbers) * unit / gain)
+    return Estimates(numbers * unit / gain, half, shown, gain, np.asarray(sizes))
 
 
-def _gain(system: System, members: Sequence[Member], numbers: Array) -> Array:
-    """How many times the logged torque holds each number (k,): what acts at a joint goes by that joint's constant."""
-    excess, change = np.zeros(system.moved.shape[1]), np.ones(len(numbers))
+def _gain(system: System, members: Sequence[Member], numbers: Array) -> tuple[Array, Array]:
+    """How many times the logged torque holds each number (k,), and that by the numbers (k, k): what acts at a joint
+    goes by that joint's constant."""
+    joints = system.moved.shape[1]
+    excess, change = np.zeros((joints, len(numbers))), np.zeros((len(numbers), len(numbers)))
     groups = [system.groups[member.group] for member in members]
     ends = np.cumsum([group.rank for group in groups]).tolist()
     for group, end in zip(groups, ends, strict=True):
         if group.effect is TORQUE_CONSTANT:
-            for (at, _), more in zip(group.labels, group.values(numbers[end - group.rank : end]).tolist(), strict=True):
-                excess[at[0] - 1] += more
+            for (at, _), more in zip(group.labels, group.mixing, strict=True):
+                excess[at[0] - 1, end - group.rank : end] += more
     for group, end in zip(groups, ends, strict=True):
         if group.effect.place == "joint" and not group.effect.of_instrument and not group.tied:
             change[end - group.rank : end] += excess[group.at[0] - 1]
-    return change
+    return 1.0 + change @ numbers, change
 
 
 def _by_shapes(system: System, members: Sequence[Member], numbers: Array) -> Array:
