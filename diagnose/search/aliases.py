@@ -10,6 +10,7 @@ import numpy as np
 from linkwright.core.arm.effects import EFFECTS
 from linkwright.core.arm.effects.effect import LAST_RANK
 from linkwright.core.diagnose.fitting.fit import Fit, fit, typical
+from linkwright.core.diagnose.patterns.library import parameter_of
 from linkwright.core.sections.numeric import Array
 
 from .naming import Named, Namer
@@ -79,11 +80,12 @@ def stands(namer: Namer, number: int) -> bool:
 
 def preferred(namer: Namer, members: Sequence[int], member: int, others: Sequence[Rival]) -> int:
     """Which name of an alias class goes first: among those that fit equally well, one at a joint that moves before one
-    that only shares its pattern, then the one with fewest coefficients, of a usual size, and the commonest cause."""
+    that only shares its pattern, then the one with fewest coefficients, of a usual size, of one thing before one that
+    takes all places to be wrong alike, and the commonest cause."""
 
     whole = namer.prepared.observed.rules
 
-    def order(number: int) -> tuple[bool, int, bool, int]:
+    def order(number: int) -> tuple[bool, int, bool, bool, int]:
         candidate = namer.pool.groups[number].candidate
         trial = [number if m == member else m for m in members]
         fitted: Fit = fit(namer.prepared, trial)
@@ -94,7 +96,10 @@ def preferred(namer: Namer, members: Sequence[int], member: int, others: Sequenc
         # Links of unknown weight give a drive's sag many coefficients, but masses are no free choice.
         unknown = len(sizes) != len(candidate.sizes)
         coefficients = min(namer.pool.groups[number].rank, 2) if unknown else namer.pool.groups[number].rank
-        return (still, coefficients, not (unknown or usual), rank)
+        alike = not candidate.outside and any(
+            parameter_of(EFFECTS[candidate.effect], name).of_all for name in candidate.sizes
+        )
+        return (still, coefficients, not (unknown or usual), alike, rank)
 
     # A joint that never moves is not accused while one that does would do nearly as well.
     limit = namer.rules.refuted if order(member)[0] else namer.rules.tied
