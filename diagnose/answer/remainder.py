@@ -75,7 +75,7 @@ class Remainder:
             lasting = local or unexplained or self._predictable() > rules.lasting
             # Of a small remainder forms that are picked by what they predict tell more than that by chance.
             lasting = lasting and not (self.names.members and self._only_scatter())
-            if not (lasting or self.names.members) and left > rules.farther * floor:
+            if not (lasting or self.names.members) and left > rules.too_far_to_scatter * floor:
                 # So much is no scatter unless it is seen to scatter, and no pose was come back to.
                 self.may_scatter = lasting = True
         self.scattered = not lasting
@@ -168,7 +168,7 @@ class Remainder:
         if self._predictable() * left**2 > 0.5 * beyond:
             return False
         # So much is not believed unseen, with names as without.
-        self.may_scatter = left > rules.farther * quiet
+        self.may_scatter = left > rules.too_far_to_scatter * quiet
         return not self.may_scatter
 
     def _predictable(self) -> float:
