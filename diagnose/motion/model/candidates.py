@@ -213,6 +213,18 @@ def with_variants(
     return Candidates(tuple(sources), tuple(_groups(sources, arm, masses, pool.clock, rules)), width, pool.clock)
 
 
+def as_found(pool: Candidates, sizes: Array) -> Candidates:
+    """The candidates with one factor for all masses that holds what links are found to weigh, sizes (W,) of the model's
+    columns included, as torque constants do."""
+    groups = [
+        replace(group, mixing=group.mixing + sizes[group.columns][:, None])
+        if group.tied and isinstance(group.effect.torques, OfInertia)
+        else group
+        for group in pool.groups
+    ]
+    return replace(pool, groups=tuple(groups))
+
+
 def _shown(effect: Effect, motion: Motion) -> bool:
     held = {
         "commanded": motion.commanded is not None,

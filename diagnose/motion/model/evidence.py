@@ -134,6 +134,19 @@ class System:
         shared = mixed[:, :-1]
         return self.gram - shared.T @ shared, self.against - shared.T @ mixed[:, -1]
 
+    def evidence(self, members: Sequence[Member]) -> float:
+        """The evidence of a set in nats, its choice paid for."""
+        at, precision = self.places(members), self.precision(members)
+        factor = np.linalg.cholesky(self.gram[np.ix_(at, at)] + np.diag(precision))
+        explained = solve_triangular(factor, self.against[at], lower=True)
+        chosen = [self.prior[m.group] - math.log(len(SCALES)) for m in members if not self.groups[m.group].nuisance]
+        return float(
+            0.5 * explained @ explained
+            - np.log(np.diagonal(factor)).sum()
+            + 0.5 * np.log(precision).sum()
+            + sum(chosen)
+        )
+
     def offers(self, members: Sequence[Member]) -> Offer:
         """What each group would add beside a set."""
         gram, against = self.beside(members)

@@ -12,14 +12,14 @@ from numpy.typing import NDArray
 from linkwright.core.diagnose.rules.rules import Rules
 from linkwright.core.sections.numeric import Array
 
-from .candidates import Candidates
+from .candidates import Candidates, as_found
 from .chance import Chance, chance
 from .evidence import Member, System, discrepancies, system, unnamed
 from .feasible import lost
 from .noise import Noise, noise
 from .products import Products, products
 from .rows import LogRows, joint_rows, with_loads
-from .search import HeldOut, pruned, stepwise
+from .search import HeldOut, exchanged, pruned, stepwise
 
 _ROUNDS = 3
 """Times that what goes by the drives' torque is worked out anew for the model found."""
@@ -105,12 +105,15 @@ def identify(
     certain, uncertain = (0.25 * share * torque for share in (rules.motion.filters, rules.motion.turning))
     steady = _fit(pool, products(joint_rows(current), pool.width, near=False), certain, seed)
     members = stepwise(steady.system, rules=rules)
+    given = pool
     for turn in range(1, _ROUNDS):
         progress("naming what is missing", 0.4 + 0.15 * turn)
         sizes = steady.system.solved([*steady.system.nuisances, *members])
         current = [with_loads(item, pool, sizes) for item in current]
+        pool = as_found(given, _apart(steady.system, members))
         steady = _fit(pool, products(joint_rows(current), pool.width, near=False), certain, seed)
         members = stepwise(steady.system, initial=members, rules=rules)
+        members = exchanged(steady.system, members, rules=rules)
     progress("looking at reversals", 0.85)
     near = _fit(pool, products(joint_rows(current), pool.width, near=True), uncertain, seed)
     gate_p = min(1.0, 2.0 * min(item.gate() for item in (steady, near)))
@@ -153,6 +156,13 @@ def identify(
         split,
         torque,
     )
+
+
+def _apart(system: System, members: Sequence[Member]) -> Array:
+    """The sizes (W,) of the model's columns by what each place has of its own."""
+    together = [*system.nuisances, *members]
+    own = np.repeat([not system.groups[m.group].tied for m in together], [system.ranks[m.group] for m in together])
+    return np.asarray(system.spread[:, system.places(together)] @ (own * system.numbers(together)))
 
 
 def _kept(

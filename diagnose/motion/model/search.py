@@ -17,6 +17,10 @@ from .products import Products
 
 _MOST = 40
 """Names that are sought at most."""
+_MOST_FOR_ONE = 6
+"""Names that are put in the place of one at most, before all are settled anew."""
+_PROMISING = 10.0
+"""Odds that a set may be worse before it is settled, for its search to go on."""
 
 
 def stepwise(
@@ -49,6 +53,41 @@ def stepwise(
             may[best] = False
         chosen = settled
     return chosen
+
+
+def exchanged(system: System, members: Sequence[Member], *, rules: Rules) -> list[Member]:
+    """The set of the greatest evidence that a search reaches which each member in turn is kept out of.
+
+    A cause that was taken early may stand for several that only together explain more.
+    """
+    current, untried = list(members), list(members)
+    value = system.evidence([*system.nuisances, *current])
+    while untried:
+        member = untried.pop()
+        rest = [m for m in current if m is not member]
+        family = system.groups[member.group].family
+        allowed = np.array([group.family != family for group in system.groups])
+        first = _grown(system, allowed, rest, rules.search.log_odds)
+        if system.evidence([*system.nuisances, *first]) < value - _PROMISING * rules.search.log_odds:
+            continue
+        other = stepwise(system, allowed, initial=rest, rules=rules)
+        worth = system.evidence([*system.nuisances, *other])
+        if worth > value + rules.search.log_odds:
+            current, untried, value = other, list(other), worth
+    return current
+
+
+def _grown(system: System, may: NDArray[np.bool_], members: Sequence[Member], alarm: float) -> list[Member]:
+    """A set with what is most evident beside it, one by one, all else as it was."""
+    grown = list(members)
+    for _ in range(_MOST_FOR_ONE):
+        offer = system.offers([*system.nuisances, *grown])
+        value = np.where(may & ~_taken(system, grown), offer.evidence, -np.inf)
+        best = int(np.argmax(value))
+        if value[best] < alarm:
+            break
+        grown.append(Member(best, float(offer.scale[best])))
+    return grown
 
 
 def _taken(system: System, members: Sequence[Member]) -> NDArray[np.bool_]:

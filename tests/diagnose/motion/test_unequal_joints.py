@@ -58,7 +58,8 @@ def log_of_a_scara(seed: int) -> str:
     return "\n".join([",".join(names), *(",".join(f"{item:.7g}" for item in row) for row in rows)])
 
 
-@pytest.mark.parametrize("seed", [101, 102])
+# Of seed 2 the slide's friction and the load look like one asymmetric friction of twice the size.
+@pytest.mark.parametrize("seed", [101, 102, 2])
 def test_a_wrist_without_noise_does_not_drown_the_arm(tmp_path, seed):
     (tmp_path / "scara.xml").write_text(SCARA.format(""), encoding="utf-8")
     (tmp_path / "log.csv").write_text(log_of_a_scara(seed), encoding="utf-8")
