@@ -83,7 +83,7 @@ NO_RULES = {
     "motion/model/identify.py": {"_FOLDS", "_ROUNDS"},
     "motion/model/noise.py": {"_PASSES"},
     "motion/model/ripple.py": {"_DRAWS", "_EACH"},
-    "motion/model/search.py": {"_MOST"},
+    "motion/model/search.py": {"_MOST", "_MOST_FOR_ONE", "_PROMISING"},  # how far a search looks
     "motion/preparation.py": {"_HELD", "_MOST", "_PIECE", "_WORKING_RATE"},
     "motion/reading/read.py": {"_HEAD"},
     "motion/reading/conventions.py": {
