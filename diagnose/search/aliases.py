@@ -10,7 +10,6 @@ import numpy as np
 from linkwright.core.arm.effects import EFFECTS
 from linkwright.core.arm.effects.effect import LAST_RANK
 from linkwright.core.diagnose.fitting.fit import Fit, fit, typical
-from linkwright.core.diagnose.patterns.library import parameter_of
 from linkwright.core.sections.numeric import Array
 
 from .naming import Named, Namer
@@ -87,18 +86,17 @@ def preferred(namer: Namer, members: Sequence[int], member: int, others: Sequenc
 
     def order(number: int) -> tuple[bool, int, bool, bool, int]:
         candidate = namer.pool.groups[number].candidate
+        effect = None if candidate.outside else EFFECTS[candidate.effect]
         trial = [number if m == member else m for m in members]
         fitted: Fit = fit(namer.prepared, trial)
         sizes = fitted.sizes[trial.index(number)]
         usual = typical(candidate, np.array(candidate.from_slopes(sizes.tolist())), rules=whole.fitting)
-        rank = LAST_RANK if candidate.outside else EFFECTS[candidate.effect].rank
+        rank = LAST_RANK if effect is None else effect.rank
         still = stands(namer, number)
         # Links of unknown weight give a drive's sag many coefficients, but masses are no free choice.
         unknown = len(sizes) != len(candidate.sizes)
         coefficients = min(namer.pool.groups[number].rank, 2) if unknown else namer.pool.groups[number].rank
-        alike = not candidate.outside and any(
-            parameter_of(EFFECTS[candidate.effect], name).of_all for name in candidate.sizes
-        )
+        alike = effect is not None and any(size.of_all and size.name in candidate.sizes for size in effect.sizes)
         return (still, coefficients, not (unknown or usual), alike, rank)
 
     # A joint that never moves is not accused while one that does would do nearly as well.
