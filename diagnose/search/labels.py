@@ -13,6 +13,7 @@ import heapq
 import itertools
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from decimal import Decimal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -30,6 +31,7 @@ from linkwright.core.diagnose.residual.visits import visits
 from linkwright.core.diagnose.result import Mislabelled
 from linkwright.core.diagnose.rules.rules import Rules
 from linkwright.core.sections.numeric import Array
+from linkwright.core.units.units import registry
 
 from .naming import Namer, name_missing
 
@@ -37,9 +39,8 @@ _LEVELS, _SIDES, _TAKEN, _SEARCHED = 4, 3, 4, 3
 """Levels of payload of which every two are exchanged; pairs of joints whose sides are; causes of the library that are
 taken to see how promising labels put right are; and how many of these are searched as a whole."""
 
-
-_UNITS = (("lb", 0.45359237), ("N", 1.0 / 9.80665), ("g", 1e-3))
-"""In which a payload may have been written down, and what one of them is, kg."""
+_UNITS = (("lb", "lb"), ("N", "N/gn"), ("g", "g"))
+"""In which a payload may have been written down, and as masses."""
 
 
 @dataclass(frozen=True)
@@ -134,7 +135,8 @@ def _relabelled(arm: Arm, recording: Recording, rules: Rules) -> Iterator[_Tried
             for unit, source, keep in _sources(visit, late):
                 sentence = f"payload_kg was logged one {unit} {which}"
                 yield _Tried(sentence, replace(recording, payload_mass=payload[source]).kept(keep))
-        for unit, mass in _UNITS:
+        for unit, weighed in _UNITS:
+            mass = float(registry().convert(Decimal(1), weighed, "kg"))
             yield _Tried(f"payload_kg holds {unit}", replace(recording, payload_mass=payload * mass))
             yield _Tried(
                 f"payload_kg was taken for {unit} and converted", replace(recording, payload_mass=payload / mass)

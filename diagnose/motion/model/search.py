@@ -20,7 +20,7 @@ _MOST = 40
 _MOST_FOR_ONE = 6
 """Names that are put in the place of one at most, before all are settled anew."""
 _PROMISING = 10.0
-"""Odds that a set may be worse before it is settled, for its search to go on."""
+"""Times the log odds by which a set may be worse before it is settled, for its search to go on."""
 
 
 def stepwise(
@@ -56,7 +56,7 @@ def stepwise(
 
 
 def exchanged(system: System, members: Sequence[Member], *, rules: Rules) -> list[Member]:
-    """The set of the greatest evidence that a search reaches which each member in turn is kept out of.
+    """The set of greatest evidence among this one and those that a search reaches with one of its members kept out.
 
     A cause that was taken early may stand for several that only together explain more.
     """
