@@ -144,7 +144,7 @@ NO_RULES = {
     "search/calibrate.py": {"FEW_DRAWS", "_AT_ONCE", "_CHUNK", "_GONE", "_WORK"},
     "search/coupling.py": {"_ROUNDS"},
     "search/geometry.py": {"_ROUNDING"},  # of two that are one, what rounding leaves
-    "search/labels.py": {"_LEVELS, _SIDES, _TAKEN, _SEARCHED", "_UNITS"},  # how many are tried; units
+    "search/labels.py": {"_LEVELS, _SIDES, _TAKEN, _SEARCHED"},  # how many are tried
     "search/naming.py": {"_THOROUGH_DRAWS"},
     "search/large_motions.py": {"ROUNDS"},
     "search/mass_consistency.py": {"_SEARCHES"},
