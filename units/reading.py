@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Generator, Iterable, Iterator, Sequence
+from collections.abc import Collection, Generator, Iterator, Sequence
 from collections.abc import Mapping as MappingLike
 from contextlib import contextmanager
 from importlib.resources import files
@@ -343,11 +343,13 @@ class Mapping:
             raise self.error(name, f"needs true or false, not {shown(value)}")
         return value
 
-    def choice(self, name: str, choices: Iterable[str], default: str | None = None) -> str:
+    def choice(self, name: str, choices: Collection[str], default: str | None = None) -> str:
         """Return one of the names in `choices`: those, or what they stand for by name (see `units.names.meant`)."""
-        value = self.text(name, default) if default is not None else self.text(name)
-        if value not in choices:
-            hint = "" if meant(value, choices) is None else nearest(value, choices)
+        if default is not None and not self.has(name):
+            return default
+        value = self.raw(name, f"one of {', '.join(choices)}")
+        if not isinstance(value, str) or value not in choices:
+            hint = nearest(value, choices) if isinstance(value, str) and meant(value, choices) is not None else ""
             raise self.error(name, f"{shown(value)} is not one of {', '.join(choices)}{hint}")
         return value
 

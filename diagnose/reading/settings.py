@@ -83,6 +83,11 @@ def find_settings(recording: Path) -> Path | None:
     return common if os.path.isfile(common) else None
 
 
+def content_of(path: Path | None) -> MappingOf[str, object]:
+    """What a settings file holds, as YAML gives it; nothing without one."""
+    return {} if path is None or _says_nothing(path) else load_yaml(path).content
+
+
 def read_settings(path: Path | None) -> ReadingSettings:
     """The settings that a file holds, the defaults without one. Raises `InputError`."""
     if path is None:

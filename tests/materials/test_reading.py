@@ -139,6 +139,7 @@ def test_reads_each_kind_of_entry():
         (lambda m: m.items("name"), "needs a list"),
         (lambda m: m.mapping("name"), "needs keys"),
         (lambda m: m.choice("name", ["worst", "loaded"]), "did you mean 'worst'"),
+        (lambda m: m.choice("count", ["worst", "loaded"]), "link.count: 3 is not one of worst, loaded"),
         (lambda m: m.vector("three", "length", 2), "needs 2 values, not 3"),
     ],
 )

@@ -334,10 +334,10 @@ def _clock(table: Table, meanings: Mapping[str, Meaning]) -> list[Meaning]:
     return [Meaning(clock.header, "time", clock.unit, clock.guessed, clock.formula, clock.said)]
 
 
-def settings_text(meanings: Sequence[Meaning], extra: Mapping[str, str], *, comments: bool = False) -> str:
+def settings_text(meanings: Sequence[Meaning], extra: Mapping[str, object], *, comments: bool = False) -> str:
     """The recording.yaml that says so; `extra` are further keys, empty ones left out. `comments`: what is a guess is
     said beside it."""
-    lines = [f"{name}: {yaml_line(_number(name, value))}" for name, value in extra.items() if value]
+    lines = [f"{name}: {yaml_line(_number(name, value))}" for name, value in extra.items() if value != ""]
     if any(meaning.named and not meaning.as_it_is for meaning in meanings):
         lines.append("columns:")
         lines += [
@@ -356,9 +356,10 @@ def _comment(meaning: Meaning) -> str:
     return f"  # {' '.join(comment.split())}" if comment.isprintable() and comment else ""
 
 
-def _number(name: str, value: str) -> str | int:
+def _number(name: str, value: object) -> object:
     """A setting that is a number as one; what is none is left for the reader to refuse."""
-    return int(value) if name == "skip_rows" and value.isascii() and value.isdecimal() and len(value) < 10 else value
+    number = name == "skip_rows" and isinstance(value, str) and value.isascii() and value.isdecimal()
+    return int(str(value)) if number and len(str(value)) < 10 else value
 
 
 def _quoted(header: str) -> str:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -11,13 +11,15 @@ from typing import Any
 
 from linkwright.core.arm.chain.chain import Arm, Joint, Link
 from linkwright.core.diagnose.motion.reading.read import is_motion_log, read_log
+from linkwright.core.diagnose.reading.columns import canonical
 from linkwright.core.diagnose.reading.files import read_table
 from linkwright.core.diagnose.reading.read import read_recording
-from linkwright.core.diagnose.reading.table import Layout, Table
+from linkwright.core.diagnose.reading.settings import ReadingSettings, content_of, find_settings, read_settings
+from linkwright.core.diagnose.reading.table import Table
 from linkwright.core.diagnose.rules.rules import RULES, Rules
 from linkwright.core.units.quantities import InputError
 
-from .proposal import Meaning, is_motion, proposed, settings_text
+from .proposal import IGNORED, Meaning, is_motion, proposed, settings_text
 from .words import said_by
 
 SETTINGS = "recording.yaml"
@@ -42,15 +44,18 @@ class Proposal:
 
 
 def propose(file: Path, arm: Arm | None, *, rules: Rules = RULES) -> Proposal:
-    """What the columns of a file may mean, for an arm or for one with as many joints as the file. Raises `InputError`
-    where it is no table."""
-    table = read_table(file, Layout())
+    """What the columns of a file may mean, for an arm or for one with as many joints as the file; what the settings
+    beside it say stands. Raises `InputError` where it is no table."""
+    beside = find_settings(file)
+    held = read_settings(beside)
+    table = read_table(file, held.layout)
     arm_or_stand_in = arm if arm is not None else _stand_in(table)
-    meanings = proposed(table, arm_or_stand_in)
+    meanings = _completed(proposed(table, arm_or_stand_in), held)
     motion = is_motion(meanings)
-    extra = {"observes": "motion" if motion else ""}
+    extra: dict[str, object] = {"observes": "motion"} if motion else {}
     if motion and not any(re.fullmatch(r"tau[0-9]+", meaning.what) for meaning in meanings):
         extra["torque_constants"] = "free"
+    extra |= {name: value for name, value in content_of(beside).items() if name not in ("columns", "ignore")}
     head = f"# Proposed by `linkwright columns` for {file.name}; what is a guess says so.\n"
     settings = head + settings_text(meanings, extra, comments=True)
     reads, warnings, wrong = ("", (), None) if arm is None else _read(file, arm, settings, rules)
@@ -59,6 +64,17 @@ def propose(file: Path, arm: Arm | None, *, rules: Rules = RULES) -> Proposal:
     return Proposal(
         str(file), arm_or_stand_in.name, meanings, settings, table.notes, motion, reads, fresh, said, remedies
     )
+
+
+def _completed(meanings: Sequence[Meaning], held: ReadingSettings) -> tuple[Meaning, ...]:
+    """What is proposed, but for the columns of which the settings say what they are or that they are passed over."""
+    said: list[Meaning] = []
+    for name, formula in held.columns.items():
+        what, _, unit = canonical(name).partition("_")
+        said.append(Meaning(formula, what, unit, formula=formula))
+    said += [Meaning(header, IGNORED) for header in held.ignore]
+    known, whats = {item.header.strip("`") for item in said}, {item.what for item in said}
+    return (*said, *(item for item in meanings if item.header not in known and item.what not in whats))
 
 
 def _stand_in(table: Table) -> Arm:
@@ -88,6 +104,6 @@ def _read(
                 return f"{log.size} samples in {log.time[-1]:.4g} s", log.warnings, None
             recording = read_recording(file, arm, place, rules=rules)
         except InputError as error:
-            where = f"{error.key}: " if error.key else ""
+            where = f"{error.key or file.name}: "
             return "", (), (f"{where}{error.message}".replace(str(place), SETTINGS), error.remedies)
     return f"{recording.size} readings", recording.warnings, None

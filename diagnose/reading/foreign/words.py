@@ -26,7 +26,22 @@ _KINDS = MappingProxyType(
 )
 """Words by what they say, in the order in which they are believed: a `current position` is a position."""
 _JOINT_WORDS = frozenset(
-    {"joint", "joints", "axis", "axes", "achse", "gelenk", "enc", "encoder", "motor", "actuator", "robax", "rax"}
+    {
+        "joint",
+        "joints",
+        "axis",
+        "axes",
+        "achse",
+        "gelenk",
+        "enc",
+        "encoder",
+        "motor",
+        "actuator",
+        "servo",
+        "drive",
+        "robax",
+        "rax",
+    }
 )
 _PLAIN = frozenset(
     {"actual", "act", "ist", "measured", "meas", "state", "states", "observation", "feedback", "fb", "raw"}

@@ -93,3 +93,24 @@ def test_no_table_is_wrong_input(capsys):
     Path("log.mcap").write_bytes(b"nothing")
     assert run(["columns", "log.mcap"]) == 2
     assert capsys.readouterr().err.count("\n") == 1
+
+
+def test_what_the_settings_beside_a_file_say_stands(capsys):
+    """The sheet, a frame and a column that somebody wrote are read and kept, and the rest is proposed beside them."""
+    q = np.round(np.random.default_rng(5).uniform(-90.0, 90.0, (12, 2)), 3)
+    angles = np.radians(np.cumsum(q, axis=1))
+    x, y = (400.0 * np.sum(of(angles), axis=1) for of in (np.cos, np.sin))
+    table = pd.DataFrame(
+        {"Servo 1 [deg]": q[:, 0], "Servo 2 [deg]": q[:, 1] + 30.0, "X [mm]": x, "Y [mm]": y, "Note": "-"}
+    )
+    with pd.ExcelWriter("log.xlsx") as book:
+        table.to_excel(book, sheet_name="Messung", index=False)
+        pd.DataFrame({"remarks": ["none"]}).to_excel(book, sheet_name="Notes", index=False)
+    assert run(["columns", "log.xlsx", "--arm", "arm.yaml"]) == 2
+    assert "write `sheet: Messung`" in capsys.readouterr().err
+    told = "sheet: Messung\nframe: free\ncolumns: {q2_deg: '`Servo 2 [deg]` - 30'}\nignore: [Note]\n"
+    Path("recording.yaml").write_text(told, encoding="utf-8")
+    assert run(["columns", "log.xlsx", "--arm", "arm.yaml", "--out", "recording.yaml"]) == 0
+    recording = lw.read_recording("log.xlsx", "arm.yaml").found
+    assert recording.frame == "free"
+    assert np.degrees(recording.q) == pytest.approx(q, abs=1e-9)
