@@ -30,6 +30,7 @@ from .figures_in_words import (
     percent,
     pose,
     section_words,
+    unless_nothing,
     workspace_words,
 )
 
@@ -39,8 +40,7 @@ _APART = math.radians(10.0)
 _SLIDE = 0.05
 """The same for a slide, of its range."""
 _SAME_ERROR = 1e-4
-"""Poses that differ in the first joint alone and whose errors differ by less are one pose, turned with its base."""
-_NOTHING = 1e-9
+"""Poses that differ in the first joint alone and whose errors differ by less are one pose, moved with its base."""
 _BESIDE = frozenset({"max_error", "mass"})
 """The figures that a headline gives anyway."""
 Named = Sequence[tuple[str, Evaluation]]
@@ -157,8 +157,8 @@ def _alike(evaluation: Evaluation, one: WorstPose, other: WorstPose) -> bool:
         else abs(a - b) >= _SLIDE * (joint.range[1] - joint.range[0])
         for a, b, joint in zip(one.q, other.q, evaluation.arm.joints, strict=True)
     ]
-    turned = abs(one.error - other.error) <= _SAME_ERROR * other.error and evaluation.arm.joints[0].revolute
-    return not any(apart[1:] if turned else apart)
+    moved = abs(one.error - other.error) <= _SAME_ERROR * other.error
+    return not any(apart[1:] if moved else apart)
 
 
 def worst_poses(evaluation: Evaluation, *, detail: bool = False) -> Table:
@@ -183,16 +183,11 @@ def effects(named: Named, *, detail: bool = False) -> Table:
     colours = ["before" if when == "before" else "after" for when, _ in parts]
     rows: list[list[Cell]] = []
     for name in largest_first:
-        known = [_unless_nothing(by_effect.get(name), largest) for _, by_effect in parts]
-        cells = [Value("not in the model") if x is None else length(x) for x in known]
+        known = [by_effect.get(name) for _, by_effect in parts]
+        cells = [Value("not in the model") if x is None else length(unless_nothing(x, largest)) for x in known]
         shares = [(x or 0.0) / (largest or 1.0) for x in known]
         rows.append([effect_title(name), *cells, Bars(tuple(zip(colours, shares, strict=True)))])
     return table(["each effect alone, at the worst pose", *(when for when, _ in parts), ""], rows, detail=detail)
-
-
-def _unless_nothing(value: float | None, largest: float) -> float | None:
-    """A value, zero where it is what rounding leaves of nothing beside the largest."""
-    return 0.0 if value is not None and value < _NOTHING * largest else value
 
 
 def _label(number_: int, when: str, *, again: bool) -> list[Cell]:
@@ -287,9 +282,7 @@ def joint_loads(evaluation: Evaluation) -> Table | Paragraph:
     forces, moments = ([math.hypot(*getattr(load, kind)) for load in loads] for kind in ("force", "moment"))
 
     def told(value: float, unit: str) -> Value:
-        # What a sum of many loads leaves where nothing is.
-        least = _NOTHING * max(forces if unit == "N" else moments)
-        return amount(0.0 if abs(value) <= least else abs(value), unit)
+        return amount(unless_nothing(abs(value), max(forces if unit == "N" else moments)), unit)
 
     rows: list[list[Cell]] = []
     for number_, (item, force, moment) in enumerate(zip(loads, forces, moments, strict=True), start=1):
@@ -308,12 +301,13 @@ def drives(evaluation: Evaluation, *, detail: bool = False) -> Table | None:
     rows: list[list[Cell]] = []
     for index, joint in enumerate(evaluation.arm.joints):
         use, (q, _) = loads.use[index], loads.poses[index]
-        held = amount(loads.greatest[index], "N·m" if joint.revolute else "N")
+        load = unless_nothing(loads.greatest[index], max(loads.greatest))
+        held = amount(load, "N·m" if joint.revolute else "N")
         actuator = joint.actuator
         rated = amount(None if actuator is None else actuator.rated_torque, "N·m")
         used = share(math.nan if use is None else use, 3)
         name = "–" if actuator is None else actuator.name
-        rows.append([count(index + 1), name, held, rated, used, pose(evaluation.arm, q)])
+        rows.append([count(index + 1), name, held, rated, used, pose(evaluation.arm, q) if load else "–"])
     headings = ("joint", "actuator", "holds up to", "rated", "", "at")
     return table(headings, rows, detail=detail)
 

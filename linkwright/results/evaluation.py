@@ -31,7 +31,7 @@ from .document import (
     section,
     table,
 )
-from .figures_in_words import figure, mm, pose, robust_words, workspace_words
+from .figures_in_words import figure, mm, pose, robust_words, unless_nothing, workspace_words
 
 LOADS = (
     "Statics of the undeformed arm at its worst pose, without acceleration; across and along its axis and "
@@ -115,7 +115,7 @@ def _compliance(evaluation: Evaluation) -> Item:
     largest = max(compliance.principal, default=0.0)
 
     def entry(value: float) -> str:
-        return figure(0.0 if abs(value) < 1e-12 * largest else 1e3 * value)
+        return figure(1e3 * unless_nothing(value, largest))
 
     rows = [
         [f"tip moves along {axis}", *(Value(entry(x)) for x in row)]
@@ -125,6 +125,6 @@ def _compliance(evaluation: Evaluation) -> Item:
     matrix = table((f"mm/N at {at}", *(f"F{axis}" for axis in axes)), rows)
     ellipse: list[Item] = []
     for size, direction in zip(compliance.principal, compliance.directions, strict=True):
-        along = ", ".join(figure(0.0 if abs(x) < 1e-9 else x, 3) for x in direction)
+        along = ", ".join(figure(unless_nothing(x, 1.0), 3) for x in direction)
         ellipse.append(Paragraph(f"error ellipse: {entry(size)} mm per newton along ({along})", "under"))
     return section("Compliance", matrix, *ellipse)

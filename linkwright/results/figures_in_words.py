@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from linkwright.core.optimize.robust.result import RobustFigure
 
 MINUS = "−"
+_NOTHING = 1e-8
 
 
 def figure(value: float | None, digits: int = 4) -> str:
@@ -32,6 +33,11 @@ def figure(value: float | None, digits: int = 4) -> str:
     text = f"{value:.{max(0, digits - 1 - size)}f}"
     text = text.rstrip("0").rstrip(".") if "." in text else text
     return text.replace("-", MINUS) if text not in ("-0", "0") else "0"
+
+
+def unless_nothing(value: float, largest: float) -> float:
+    """A value, zero where it is what rounding, and the search for a pose, leave of nothing beside the largest."""
+    return 0.0 if abs(value) < _NOTHING * largest else value
 
 
 def percent(value: float, digits: int = 2) -> str:

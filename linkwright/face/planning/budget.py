@@ -38,7 +38,7 @@ from linkwright.results.document import (
     share,
     table,
 )
-from linkwright.results.figures_in_words import effect_title, mm, percent, pose
+from linkwright.results.figures_in_words import effect_title, mm, percent, pose, unless_nothing
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -81,7 +81,12 @@ def describe(found: Found) -> Description:
         loads = f" at {tip}'s tip{loads}"
     items.append(Paragraph(f"Most at {where}{loads}: {mm(found.at_worst, 3)} for {kept} of arms."))
     rows = [
-        (cause_title(cause.name), length(cause.at_worst, 3), length(cause.average, 3), share(cause.share))
+        (
+            cause_title(cause.name),
+            length(unless_nothing(cause.at_worst, found.at_worst), 3),
+            length(unless_nothing(cause.average, found.average), 3),
+            share(unless_nothing(cause.share, 1.0)),
+        )
         for cause in found.causes
     ]
     bars = Picture(lambda: causes_picture([(cause_title(x.name), x.at_worst, x.average) for x in found.causes]))

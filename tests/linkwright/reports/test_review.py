@@ -8,6 +8,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+import linkwright as lw
 from linkwright.core.arm.chain.chain import Joint, LoadCase
 from linkwright.core.arm.evaluation import evaluate
 from linkwright.core.arm.limits.joint_loads import JointLoad, joint_loads
@@ -16,8 +17,8 @@ from linkwright.report.described import MOST_FOLDED, MOST_ROWS, table_html
 from linkwright.report.pictures.loads import loads_picture
 from linkwright.report.pictures.sections import sections_grid
 from linkwright.report.pictures.side_view import side_view
+from linkwright.results.design import drives, poses_that_differ
 from linkwright.results.design import joint_loads as joint_loads_told
-from linkwright.results.design import poses_that_differ
 from linkwright.results.document import Bars, count, share, table, words
 from linkwright.results.figures_in_words import factor_words
 from tests.linkwright.samples import arm_of
@@ -89,6 +90,27 @@ def test_a_pose_turned_with_its_base_is_shown_once(evaluation):
     worse = replace(turned, error=0.9 * top.error)
     result = replace(evaluation, worst=replace(evaluation.worst, poses=(top, turned, near, other, loaded, worse)))
     assert poses_that_differ(result) == (top, other, loaded, worse)
+
+
+def test_a_gantry_is_as_bad_wherever_its_first_slide_stands():
+    """Its worst pose is told once, and what no weight lies on holds nothing, at no pose of its own."""
+    slide = lw.Joint(type="prismatic", axis="x", range=["0 m", "2 m"])
+    turn = lw.Joint(axis="y", range=["-20 deg", "60 deg"], actuator="RV-20E")
+    arm = lw.Arm(
+        [
+            (slide, lw.Link(length="300 mm", direction=[0, 0, 1], rigid=True, mass="5 kg")),
+            (turn, lw.Link(length="0.8 m", section="SHS 60x4", material="steel-s355")),
+        ],
+        payload={"mass": "10 kg"},
+        gravity=[0, 0, -9.81],
+    )
+    evaluation = lw.evaluate(arm).found
+    top = evaluation.worst.poses[0]
+    moved = replace(evaluation.worst, poses=(top, replace(top, q=(0.2, top.q[1]))))
+    assert poses_that_differ(replace(evaluation, worst=moved)) == (top,)
+    slide_row, joint_row = drives(evaluation).rows
+    assert [words(cell) for cell in slide_row[2:]] == ["0 N", "–", "–", "–"]
+    assert "0°" in words(joint_row[5])
 
 
 def test_full_turns_are_one_pose(evaluation):
