@@ -32,12 +32,12 @@ NO_ANSWER, WRONG_INPUT, READER_GONE = 1, 2, 141
 
 COMMANDS: Mapping[str, tuple[str, str]] = MappingProxyType(
     {
-        **dict.fromkeys(("evaluate", "optimize", "tradeoff", "inverse", "budget"), ("from_face", "Design")),
+        **dict.fromkeys(("evaluate", "optimize", "tradeoff", "inverse", "seam", "budget"), ("from_face", "Design")),
         **dict.fromkeys(("diagnose", "compare", "predict", "compensate"), ("from_face", "Diagnose")),
         **dict.fromkeys(("plan", "watch", "simulate"), ("from_face", "Diagnose")),
         **dict.fromkeys(("import", "export", "columns"), ("from_face", "Files")),
         **{name: (f"catalogues.{name}", "Catalogues") for name in ("materials", "sections", "actuators", "effects")},
-        **dict.fromkeys(("tables", "figures", "seam"), ("from_face", "Paper")),
+        **dict.fromkeys(("tables", "figures"), ("from_face", "Paper")),
         "serve": ("serve", "Program"),
         "doctor": ("doctor", "Program"),
     }

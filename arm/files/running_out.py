@@ -37,11 +37,10 @@ def running_out(body: Mapping, joint: Joint, link: Link, number: int) -> Link:
         raise body.error("bends_over", "needs a link that slides along itself: its direction must be the joint's axis")
     least, most = (end + joint.zero for end in joint.range)
     if least < -_HAIR or most > link.length + _HAIR:
-        length = format_quantity(link.length, "length")
-        range_text = (
-            f"the slide runs from {format_quantity(least, 'length')} to {format_quantity(most, 'length')} of {length}"
-        )
+        whole, low, high = (format_quantity(value, "length") for value in (link.length, least, most))
         raise body.error(
-            "bends_over", f"{range_text}: it must stay between nothing and the link's length as it is made"
+            "length",
+            f"slide {number} runs out from {low} to {high}, of a boom of {whole}; write the length of the whole boom, "
+            f"{high} or more, and a range of the slide from 0 mm on",
         )
     return replace(link, runs_out=True)

@@ -51,8 +51,9 @@ class ResultsPage:
             self._problem.say(str(error))
             return
         self._problem.say("")
-        self._size.text = f"{len(results)} results, {size / 1024**2:.1f} MB on the disk" if results else ""
-        self._question.text = f"Remove all {len(results)} results and their files from the disk?"
+        count = f"{len(results)} result{'s' if len(results) > 1 else ''}"
+        self._size.text = f"{count}, {size / 1024**2:.1f} MB on the disk" if results else ""
+        self._question.text = f"Remove {count} and all files of them from the disk?"
         self._all.visible = bool(results)
         self._listed.clear()
         with self._listed:
