@@ -149,7 +149,7 @@ def _of(header: str, table: Table, arm: Arm) -> Meaning:
             return Meaning(header, what, unit)
     if computed(header):
         return Meaning(header, OTHER, said="is computed by the controller of its joint angles, not measured")
-    name, unit = _name_and_unit(header)
+    name, unit = name_and_unit(header)
     what = _named(name.strip().lower(), arm)
     units = units_of(what, arm)
     if what == OTHER or not units:
@@ -163,7 +163,7 @@ def _of(header: str, table: Table, arm: Arm) -> Meaning:
     return Meaning(header, what, guess, guessed=True, said="by the size of its numbers")
 
 
-def _name_and_unit(header: str) -> tuple[str, str]:
+def name_and_unit(header: str) -> tuple[str, str]:
     """A header without its unit, and the unit, empty where there is none; a number in brackets counts something."""
     parsed = _IN_BRACKETS.match(header) or _AT_END.match(header)
     return (header, "") if parsed is None or parsed[2].isdecimal() else (parsed[1], parsed[2])
@@ -193,7 +193,7 @@ def _of_joints(headers: Sequence[str], table: Table, arm: Arm, taken: set[str]) 
     units: dict[str, str] = {}
     labels = {key: table.text(item, 0) for item in table.names if (key := message_name(item)) is not None}
     for header in headers:
-        name, unit = _name_and_unit(header)
+        name, unit = name_and_unit(header)
         meaning = said_by(name, names) if not computed(header) else None
         if meaning is not None:
             if meaning.number is not None and (meaning.of, meaning.number) in labels:

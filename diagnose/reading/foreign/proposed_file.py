@@ -19,7 +19,7 @@ from linkwright.core.diagnose.reading.table import Table
 from linkwright.core.diagnose.rules.rules import RULES, Rules
 from linkwright.core.units.quantities import InputError
 
-from .proposal import IGNORED, Meaning, is_motion, proposed, settings_text
+from .proposal import IGNORED, Meaning, is_motion, name_and_unit, proposed, settings_text
 from .words import said_by
 
 SETTINGS = "recording.yaml"
@@ -80,7 +80,9 @@ def _completed(meanings: Sequence[Meaning], held: ReadingSettings) -> tuple[Mean
 def _stand_in(table: Table) -> Arm:
     """An arm with as many joints that turn as the columns tell of."""
     meanings = [
-        meaning for name in table.names if (meaning := said_by(re.sub(r"_[A-Za-z]+$", "", name), ())) is not None
+        meaning
+        for name in table.names
+        if (meaning := said_by(re.sub(r"_[A-Za-z]+$", "", name_and_unit(name)[0]), ())) is not None
     ]
     labels = list(dict.fromkeys(item.label for item in meanings if item.label and item.base == "q"))
     first = 0 if any(item.number == 0 for item in meanings) else 1

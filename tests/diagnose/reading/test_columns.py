@@ -95,6 +95,22 @@ def test_no_table_is_wrong_input(capsys):
     assert capsys.readouterr().err.count("\n") == 1
 
 
+def test_without_an_arm_file_columns_tell_how_many_joints_there_are():
+    """Joints, the measured place and the tool's, as calibration programs export them; the second place is no tip's."""
+    names = [
+        *(f"J{k} (deg)" for k in range(1, 7)),
+        "X (mm)",
+        "Y (mm)",
+        "Z (mm)",
+        "TCP X (mm)",
+        "TCP Y (mm)",
+        "TCP Z (mm)",
+    ]
+    pd.DataFrame(np.arange(24.0).reshape(2, 12), columns=names).to_csv("readings.txt", sep="\t", index=False)
+    meant = list(lw.columns("readings.txt").table["is"])
+    assert meant == [*(f"q{k}_deg" for k in range(1, 7)), "x_mm", "y_mm", "z_mm", "", "", ""]
+
+
 def test_what_the_settings_beside_a_file_say_stands(capsys):
     """The sheet, a frame and a column that somebody wrote are read and kept, and the rest is proposed beside them."""
     q = np.round(np.random.default_rng(5).uniform(-90.0, 90.0, (12, 2)), 3)
