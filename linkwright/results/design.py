@@ -183,8 +183,8 @@ def effects(named: Named, *, detail: bool = False) -> Table:
     colours = ["before" if when == "before" else "after" for when, _ in parts]
     rows: list[list[Cell]] = []
     for name in largest_first:
-        known = [by_effect.get(name) for _, by_effect in parts]
-        cells = [Value("not in the model") if x is None else length(unless_nothing(x, largest)) for x in known]
+        known = [None if (x := by_effect.get(name)) is None else unless_nothing(x, largest) for _, by_effect in parts]
+        cells = [Value("not in the model") if x is None else length(x) for x in known]
         shares = [(x or 0.0) / (largest or 1.0) for x in known]
         rows.append([effect_title(name), *cells, Bars(tuple(zip(colours, shares, strict=True)))])
     return table(["each effect alone, at the worst pose", *(when for when, _ in parts), ""], rows, detail=detail)
