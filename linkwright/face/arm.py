@@ -22,7 +22,7 @@ from linkwright.output.files import write_file
 from linkwright.output.read_back import ReadBack
 from linkwright.results.figures_in_words import mm, section_words
 
-from .plain_input import File, edited, plain
+from .plain_input import File, edited, path_of, plain
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -254,13 +254,14 @@ def read_arm(path: File, *, catalogue: File | None = None, tip: str | None = Non
     >>> arm.replace("chain[1].link.length", "430 mm")
     <Arm: cathode-bus welding arm, 3 joints, reach 1270 mm>
     """
-    if Path(path).suffix.lower() in _XML:
+    path = path_of(path, "arm", "an Arm")
+    if path.suffix.lower() in _XML:
         from linkwright.core.arm.descriptions.imported import import_robot
 
         return Arm.of(import_robot(path, tip=tip or None).arm, catalogue=catalogue)
     mapping = load_yaml(path)
     model = arm_from(mapping, catalogue_of(catalogue), tip=tip)
-    return Arm.of(model, mapping.content, catalogue, _learned(Path(path), model))
+    return Arm.of(model, mapping.content, catalogue, _learned(path, model))
 
 
 def _learned(path: Path, model: Model) -> tuple[tuple[float, float], ...] | None:

@@ -52,6 +52,14 @@ def plain(value: object) -> Any:
     return value
 
 
+def path_of(given: object, name: str, kind: str) -> Path:
+    """The path of the file that is given for `name`. Raises `InputError`, which says that a `kind` or the path of its
+    file would do, for anything else."""
+    if not isinstance(given, str | PathLike):
+        raise InputError("", name, f"needs {kind} or the path of its file, not {type(given).__name__}")
+    return Path(cast(str, given))
+
+
 def in_si(value: Quantity, kind: str, key: str) -> float:
     """A quantity given as text or as a number in SI, in SI. Raises `InputError` with the key and what would do."""
     return read_quantity(plain(value), kind, file="", key=key)

@@ -15,7 +15,7 @@ from linkwright.core.units.reading import Mapping as Reader
 from linkwright.core.units.reading import load_yaml
 
 from .arm import Arm, arm_of, catalogue_of, read_arm
-from .plain_input import File, edited, plain
+from .plain_input import File, edited, path_of, plain
 
 
 @dataclass(frozen=True, init=False, repr=False)
@@ -95,7 +95,7 @@ def read_problem(path: File, *, catalogue: File | None = None) -> Problem:
     >>> problem.replace("subject_to.mass", "<= 20 kg").model.limits[0].text
     'mass <= 20 kg'
     """
-    mapping = load_yaml(path)
+    mapping = load_yaml(path_of(path, "problem", "a Problem"))
     return Problem.of(read_arm(arm_file(mapping), catalogue=catalogue), mapping)
 
 

@@ -42,7 +42,7 @@ from linkwright.results.document import Description, Item, Lines, Paragraph
 from linkwright.results.document import table as shown_table
 
 from .arm import Arm, arm_of, catalogue_of
-from .plain_input import File, Quantity, in_si, plain
+from .plain_input import File, Quantity, in_si, path_of, plain
 from .readings import Readings
 from .result import Result, figure_of
 
@@ -114,7 +114,7 @@ def read_recording(recording: File | pd.DataFrame, arm: Arm | File, *, settings:
     """
     given = arm_of(arm, tips="first", unknown_origins=True)
     if isinstance(recording, str) or not hasattr(recording, "columns"):
-        place = Path(str(recording))
+        place = path_of(recording, "recording", "a DataFrame")
         return Recording(given, read_file(place, given.model, None if settings is None else Path(settings)))
     held = read_settings(None if settings is None else Path(settings))
     return Recording(given, recording_from(table_of(recording, "DataFrame"), given.model, held))  # pyright: ignore[reportArgumentType]

@@ -310,3 +310,16 @@ def test_catalogues_are_mappings():
 def test_the_name_of_a_file_is_no_chain():
     with pytest.raises(lw.InputError, match=r"lw.read_arm\('arm.yaml'\)"):
         lw.Arm("arm.yaml")
+
+
+def test_what_is_no_file_is_told_by_the_name_of_its_argument():
+    """An arm where a problem is due, arguments the wrong way round, a number."""
+    arm = lw.read_arm("examples/bench-arm/arm.yaml")
+    for call, told in (
+        (lambda: lw.optimize(arm), "problem: needs a Problem or the path of its file, not Arm"),
+        (lambda: lw.diagnose(pd.DataFrame({"q1_deg": [1.0]}), arm), "arm: needs an Arm or the path of its file, not"),
+        (lambda: lw.read_recording(arm, arm), "recording: needs a DataFrame or the path of its file, not Arm"),
+        (lambda: lw.show(7), "arm: needs an Arm or the path of its file, not int"),
+    ):
+        with pytest.raises(lw.InputError, match=told):
+            call()
