@@ -1,8 +1,8 @@
 """The errors of the tip over the workspace and all load cases: the worst, and the average.
 
 The average is the root of the mean square, of the load case in which that is greatest. It is over the poses that a
-workspace lists, by their weights, and over poses spread evenly where it lists none. Play stands at each pose as it does
-for the worst error.
+workspace lists, by their weights, over its points or along its path, and over poses spread evenly elsewhere. Play
+stands at each pose as it does for the worst error.
 """
 
 from __future__ import annotations
@@ -18,6 +18,7 @@ from linkwright.core.arm.errors.lost_motion import played
 from linkwright.core.arm.errors.model import CaseModel, ErrorModel, beam_values, beams_of, error_model
 from linkwright.core.arm.worst.parts import worst_search
 from linkwright.core.arm.worst.search import WorstCase
+from linkwright.core.arm.worst.workspace import place_shares
 from linkwright.core.sections.numeric import Array
 
 from .design import DesignExpressions, Designs, DesignValues
@@ -66,6 +67,8 @@ def averaged_over(search: WorstSearch, p: Array) -> tuple[Array, Array]:
     if search.workspace.kind == "joints":
         poses = poses[:SPREAD]  # the rest are corners
     weights = np.array(search.workspace.weights) if search.workspace.weights else np.ones(len(poses))
+    if search.workspace.kind == "path":
+        weights = place_shares(search.workspace, search.tip(poses, p))
     return poses, weights / weights.sum()
 
 

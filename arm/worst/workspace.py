@@ -164,9 +164,27 @@ def _radical_inverses(base: int, count: int, seed: tuple[int, int]) -> Array:
 
 def path_points(workspace: Workspace) -> Array:
     """Points along a path, every vertex among them, (N, 3)."""
+    return np.unique(_along(workspace), axis=0)
+
+
+def place_shares(workspace: Workspace, tips: Array) -> Array:
+    """How much each pose of a path or of points (its tip is a row of (N, 3)) counts in an average, (N): points alike,
+    a path by its length, and a place as much however many poses reach it."""
+    lengths = np.linalg.norm(np.diff(workspace.pieces, axis=1)[:, 0], axis=1)
+    trapezoid = np.ones(PATH_POINTS)
+    trapezoid[[0, -1]] = 0.5
+    weights = np.outer(lengths if lengths.any() else np.ones(len(lengths)), trapezoid).ravel()
+    used = slice(0, 2) if workspace.in_plane else slice(0, 3)
+    places, place = np.unique(_along(workspace)[:, used].round(9), axis=0, return_inverse=True)
+    of_place = np.bincount(place.ravel(), weights)
+    at = np.argmin(np.linalg.norm(tips[:, None, used] - places, axis=2), axis=1)
+    return of_place[at] / np.bincount(at)[at]
+
+
+def _along(workspace: Workspace) -> Array:
+    """Points of each piece of a path, one after the other, (K, 3)."""
     share = np.linspace(0.0, 1.0, PATH_POINTS)[:, None]
-    pieces = [a + share * (b - a) for a, b in np.array(workspace.pieces)]
-    return np.unique(np.vstack(pieces), axis=0)
+    return np.vstack([a + share * (b - a) for a, b in np.array(workspace.pieces)])
 
 
 def by_differences(tip: Callable[[Array], Array], step: float = 1e-7) -> Motion:

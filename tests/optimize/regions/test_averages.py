@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from dataclasses import replace
 from pathlib import Path
 
@@ -59,6 +60,37 @@ def test_an_average_over_joint_ranges_is_the_integral(tmp_path: Path) -> None:
     every = search.errors(q, beam_values(beams_of(problem.arm)), 0).error
     result = AVERAGE_ERROR.value(evaluate(problem.arm, problem.workspace, problem.load_cases))
     assert result == pytest.approx(float(np.sqrt((every**2).mean())), rel=0.02)
+
+
+def elbow_down(places: np.ndarray) -> np.ndarray:
+    """The coordinates (rad) at which the tip of links of 400 and 300 mm stands at places (m), its second joint turned
+    to the left: the law of cosines."""
+    x, y = places.T
+    second = np.arccos((x**2 + y**2 - 0.4**2 - 0.3**2) / (2.0 * 0.4 * 0.3))
+    first = np.arctan2(y, x) - np.arctan2(0.3 * np.sin(second), 0.4 + 0.3 * np.cos(second))
+    return np.stack([first, second], axis=1)
+
+
+@pytest.mark.parametrize("kind", ["points", "path"])
+def test_places_count_alike_and_a_path_by_its_length(kind: str, tmp_path: Path) -> None:
+    """However many searches come to a place, and however long the legs of the path are."""
+    places = [[0.69, 0.05], [0.5, 0.2], [0.1, 0.45]]
+    written = f"workspace: {{{kind}: {[[f'{1e3 * value:.0f} mm' for value in place] for place in places]}}}\n"
+    one_elbow = jointed((400, 300), ranged("-90 120", "0 120", more=", mass: 2 kg, stiffness: 60 kN*m/rad"))
+    problem = problem_of(tmp_path, one_elbow, written + LIMITS)
+    corners = np.array(places)
+    if kind == "path":
+        share = (np.arange(400.0) + 0.5) / 400.0
+        legs = [a + share[:, None] * (b - a) for a, b in itertools.pairwise(corners)]
+        weights = np.repeat(np.linalg.norm(np.diff(corners, axis=0), axis=1), 400)
+        corners = np.vstack(legs)
+    else:
+        weights = np.ones(3)
+    search = WorstSearch(error_model(problem.arm, problem.load_cases), problem.workspace)
+    own = search.errors(elbow_down(corners), beam_values(beams_of(problem.arm)), 0).error
+    expected = np.sqrt(own**2 @ weights / weights.sum())
+    result = AVERAGE_ERROR.value(evaluate(problem.arm, problem.workspace, problem.load_cases))
+    assert result == pytest.approx(expected, rel=1e-9 if kind == "points" else 1e-3)
 
 
 def average_of(problem: Problem, first: float) -> float:
