@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy import stats
-from scipy.linalg import eigh
+from scipy.linalg import eigh, get_lapack_funcs
 
 from linkwright.core.arm.effects import EFFECTS
 from linkwright.core.arm.effects.elastic.joint_compliance import file_compliance
@@ -255,17 +255,22 @@ def typical(candidate: Candidate, sizes: Array, *, rules: FittingRules = RULES.f
 def solved(design: Array, target: Array) -> Array:
     """Least squares by the normal equations of scaled columns, of one target (n,) or several (n, k); directions below
     1e-6 of the largest stay at zero."""
-    size = np.linalg.norm(design, axis=0)
+    gram = design.T @ design  # scaled afterwards: a copy of a long recording's design is a hundred megabytes
+    size = np.sqrt(np.diag(gram))
     size = np.where(size > 0.0, size, 1.0)
-    scaled = design / size
-    inverse = np.linalg.pinv(scaled.T @ scaled, rcond=1e-12, hermitian=True)
-    first = inverse @ (scaled.T @ target)
-    first += inverse @ (scaled.T @ (target - scaled @ first))  # refined once
-    return (first.T / size).T
+    scale = np.outer(size, size)
+    inverse = np.linalg.pinv(gram / scale, rcond=1e-12, hermitian=True) / scale
+    first = inverse @ (design.T @ target)
+    return first + inverse @ (design.T @ (target - design @ first))  # refined once
 
 
 def normal_solution(gram: Array, against: Array) -> Array:
     """The solution of normal equations, whose directions below 1e-12 of the largest stay at zero."""
+    factored, condition, by_factor = get_lapack_funcs(("potrf", "pocon", "potrs"), (gram,))
+    factor, failed = factored(gram, lower=True)
+    # Where no direction is near that, a triangle says the same in a tenth of the time.
+    if not failed and condition(factor, np.linalg.norm(gram, 1), uplo="L")[0] > 1e-11:
+        return by_factor(factor, against, lower=True)[0]
     # Not numpy's: divide and conquer does not always converge where many eigenvalues are nearly one.
     values, vectors = eigh(gram, driver="evr")
     good = values > 1e-12 * values[-1]

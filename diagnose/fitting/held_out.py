@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Mapping, Sequence
 from typing import TypeVar
 
@@ -107,23 +108,29 @@ class HeldOut:
         nuisances: int = 0,
     ) -> None:
         self._observed = observed
-        parts = list(columns) or [np.zeros((*observed.residual.shape, 0))]
-        self._edges = np.cumsum([0, *(part.shape[2] for part in parts)])
-        design = np.concatenate(parts, axis=2)
-        tethers_ = list(tethers) if tethers is not None else [None] * len(parts)
-        held = [np.zeros(p.shape[2]) if t is None else t for p, t in zip(parts, tethers_, strict=True)]
+        self._parts = list(columns) or [np.zeros((*observed.residual.shape, 0))]
+        self._edges = np.cumsum([0, *(part.shape[2] for part in self._parts)])
+        tethers_ = list(tethers) if tethers is not None else [None] * len(self._parts)
+        held = [np.zeros(p.shape[2]) if t is None else t for p, t in zip(self._parts, tethers_, strict=True)]
         self._held = np.concatenate(held) ** 2
-        scaled, target = observed.scaled(design), observed.scaled(observed.residual)
-        size = np.sqrt(np.sum(scaled**2, axis=(0, 1)) + self._held)
+        scaled, target = self._scaled(), observed.scaled(observed.residual)
+        size = np.sqrt(np.einsum("nci,nci->i", scaled, scaled) + self._held)
         self._size = np.where(size > 0.0, size, 1.0)
         scaled /= self._size
-        # Fold by fold: every choice of parts goes through each of them.
-        self._rows = [folds == fold for fold in np.unique(folds).tolist()]
-        self._design, self._scaled = ([whole[rows] for rows in self._rows] for whole in (design, scaled))
-        self._products = [
-            self._product(part, target[rows]) for part, rows in zip(self._scaled, self._rows, strict=True)
-        ]
+        # Fold by fold: every choice of parts goes through each of them. Products are kept and no columns, which of a
+        # long recording are hundreds of megabytes.
+        self._fold = np.unique(folds, return_inverse=True)[1].reshape(-1)
+        self._rows = [self._fold == fold for fold in range(int(self._fold.max()) + 1)]
+        self._products = [self._product(scaled[rows], target[rows]) for rows in self._rows]
+        self._nuisances = scaled[:, :, : int(self._edges[nuisances])].copy()
         self._own = [self._told_by_none_but(gram, int(self._edges[nuisances])) for gram, _ in self._products]
+
+    def _scaled(self) -> Array:
+        """All columns (N, C, d) over the scatter, put together part by part."""
+        scaled = np.empty((*self._observed.residual.shape, int(self._edges[-1])))
+        for part, (a, b) in zip(self._parts, itertools.pairwise(self._edges.tolist()), strict=True):
+            scaled[:, :, a:b] = self._observed.scaled(part)
+        return scaled
 
     @staticmethod
     def _product(part: Array, target: Array) -> tuple[Array, Array]:
@@ -142,11 +149,25 @@ class HeldOut:
     def _of_its_own(self, left: Array, fold: int, own: Array) -> Array:
         """What of a fold's readings left, (n, C, k), the directions that it alone tells take up of the tip, m."""
         width, out = len(own), self._rows[fold]
-        seen = np.tensordot(self._scaled[fold][:, :, :width], own, 1)
+        seen = np.tensordot(self._nuisances[out], own, 1)
         flat = seen.reshape(-1, own.shape[1])
         target = self._observed.scaled(self._whole(left, out))[out].reshape(len(flat), -1)
         values = (own @ np.linalg.lstsq(flat, target, rcond=None)[0]) / self._size[:width, None]
-        return np.tensordot(self._design[fold][:, : self._observed.components, :width], values, 1)
+        nuisances = zip(self._parts, self._edges[1:].tolist(), strict=True)
+        beside = np.concatenate([part[out] for part, end in nuisances if end <= width], axis=2)
+        return np.tensordot(beside[:, : self._observed.components], values, 1)
+
+    def _moved(self, values: Array, rows: NDArray[np.bool_] | slice = slice(None)) -> Array:
+        """What sizes (d, k) of all columns move in some rows, (n, C, k)."""
+        spans = itertools.pairwise(self._edges.tolist())
+        used = ((part, values[a:b]) for part, (a, b) in zip(self._parts, spans, strict=True) if values[a:b].any())
+        count = self._observed.residual[rows].shape
+        return sum((np.tensordot(part[rows], own, 1) for part, own in used), np.zeros((*count, values.shape[1])))
+
+    def _along(self, target: Array, rows: NDArray[np.bool_]) -> Array:
+        """The products (d, k) of the columns in some rows with a target (n, C, k)."""
+        products = [np.tensordot(part[rows], target, ((0, 1), (0, 1))) for part in self._parts]
+        return np.concatenate(products) / self._size[:, None]
 
     def _whole(self, left: Array, out: NDArray[np.bool_]) -> Array:
         """A fold's readings in their places among all, nought elsewhere."""
@@ -158,23 +179,22 @@ class HeldOut:
         """The tip's residual (N, D), m, of each reading under a fit of some parts (all by default) that has not seen
         its fold."""
         width = self._observed.components
-        left = self._observed.residual[:, :width].copy()
         spans = [np.arange(*self._edges[k : k + 2]) for k in (range(len(self._edges) - 1) if which is None else which)]
         taken = np.concatenate([np.zeros(0, dtype=np.int64), *spans])
         if len(taken) == 0 or len(self._products) == 1:
-            return left
+            return self._observed.residual[:, :width].copy()
         at = np.ix_(taken, taken)
         whole = sum(gram[at] for gram, _ in self._products) + np.diag(self._held[taken] / self._size[taken] ** 2)
         against = sum(wanted[taken] for _, wanted in self._products)
-        for fold, ((gram, wanted), own, out) in enumerate(zip(self._products, self._own, self._rows, strict=True)):
-            values = np.zeros(len(self._size))
-            values[taken] = normal_solution(whole - gram[at], against - wanted[taken]) / self._size[taken]
-            moved = np.tensordot(self._design[fold], values, 1)
+        values = np.zeros((len(self._size), len(self._products)))
+        for fold, (gram, wanted) in enumerate(self._products):
+            values[taken, fold] = normal_solution(whole - gram[at], against - wanted[taken]) / self._size[taken]
+        moved = self._moved(values)
+        missed = self._observed.residual - moved[np.arange(len(moved)), :, self._fold]
+        left = missed[:, :width]
+        for fold, (own, out) in enumerate(zip(self._own, self._rows, strict=True)):
             if own.shape[1] and (taken[: len(own)] == np.arange(len(own))).all():
-                missed = self._observed.residual[out] - moved
-                left[out] = missed[:, :width] - self._of_its_own(missed[..., None], fold, own)[..., 0]
-            else:
-                left[out] -= moved[:, :width]
+                left[out] -= self._of_its_own(missed[out][..., None], fold, own)[..., 0]
         return left
 
     def rms_of(self, drawn: Array) -> Array:
@@ -183,16 +203,13 @@ class HeldOut:
         left = drawn[:, :width].copy()
         if len(self._size) == 0 or len(self._products) == 1:
             return np.sqrt(np.mean(np.sum(left**2, axis=1), axis=0))
-        target = self._observed.scaled(drawn)
-        against = [
-            np.tensordot(part, target[rows], ((0, 1), (0, 1)))
-            for part, rows in zip(self._scaled, self._rows, strict=True)
-        ]
+        target = self._observed.scaled(self._observed.scaled(drawn))
+        against = [self._along(target[rows], rows) for rows in self._rows]
         whole = sum(gram for gram, _ in self._products) + np.diag(self._held / self._size**2)
         each = zip(self._products, against, self._own, self._rows, strict=True)
         for fold, ((gram, _), wanted, own, out) in enumerate(each):
             values = normal_solution(whole - gram, sum(against) - wanted) / self._size[:, None]
-            missed = drawn[out] - np.tensordot(self._design[fold], values, 1)
+            missed = drawn[out] - self._moved(values, out)
             left[out] = missed[:, :width] - (self._of_its_own(missed, fold, own) if own.shape[1] else 0.0)
         return np.sqrt(np.mean(np.sum(left**2, axis=1), axis=0))
 

@@ -218,10 +218,14 @@ def _design(prepared: Prepared, terms: Sequence[Term], *, through: bool = False)
     """Whitened columns of the nuisances and of all terms, and where each term's are; with `through`, what flexibility
     does for the loads among the terms counts as its own."""
     columns = [term.columns if term.through is None or not through else term.columns + term.through for term in terms]
-    stacked = [prepared.beside, *columns]
-    edges = np.cumsum([0, *(part.shape[2] for part in stacked)]).tolist()
+    parts = [prepared.beside, *columns]
+    edges = np.cumsum([0, *(part.shape[2] for part in parts)]).tolist()
     spans = [slice(a, b) for a, b in itertools.pairwise(edges)]
-    return prepared.observed.whitened(np.concatenate(stacked, axis=2)), spans[1:]
+    # One after the other: copies of all columns of a long recording are hundreds of megabytes.
+    design = np.empty((prepared.observed.residual.size, edges[-1]))
+    for span, part in zip(spans, parts, strict=True):
+        design[:, span] = prepared.observed.whitened(part)
+    return design, spans[1:]
 
 
 def tether(term: Term, unit: float, *, rules: FittingRules = RULES.fitting) -> Array:
@@ -446,16 +450,16 @@ def _spread(prepared: Prepared, terms: Sequence[Term], variance: float, unnamed:
         held, _ = together.held(hold_of(prepared, terms, unit))
         design, rows = design @ slopes, np.vstack([rows @ slopes, held])
     full = np.column_stack([design, *further]) if further else design
-    full = np.vstack([full, np.hstack([rows, np.zeros((len(rows), full.shape[1] - rows.shape[1]))])])
-    size = np.linalg.norm(full, axis=0)
+    held = np.hstack([rows, np.zeros((len(rows), full.shape[1] - rows.shape[1]))])
+    triangle = np.linalg.qr(np.vstack([np.linalg.qr(full, mode="r"), held]), mode="r")
+    size = np.linalg.norm(triangle, axis=0)
     size = np.where(size > 0.0, size, 1.0)
-    u, singular, vt = np.linalg.svd(full / size, full_matrices=False)
+    _, singular, vt = np.linalg.svd(triangle / size, full_matrices=False)
     good = singular > 1e-9 * singular[0]
-    inverse = (vt[good].T / singular[good] ** 2) @ vt[good] / size / size[:, None]
-    plain = covariance = inverse * variance
+    turned = vt[good].T / singular[good] / size[:, None]
+    plain = covariance = (turned @ turned.T) * variance
     if unnamed is not None:
-        operator = ((vt[good].T / singular[good]) @ u[:, good].T / size[:, None])[:, : len(design)]
-        covariance = inverse * unnamed.variance + unnamed.beside(operator)
+        covariance = turned @ turned.T * unnamed.variance + unnamed.beside_fit(turned, full)
     count = slopes.shape[1]
     error, noise = (
         np.sqrt(np.einsum("ij,jk,ik->i", slopes, item[:count, :count], slopes)) for item in (covariance, plain)

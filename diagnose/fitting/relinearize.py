@@ -18,7 +18,7 @@ from linkwright.core.arm.chain.chain import EffectEntry
 from linkwright.core.diagnose.patterns.flexibility import entry
 from linkwright.core.diagnose.patterns.library import columns_of
 from linkwright.core.diagnose.patterns.packed import packed
-from linkwright.core.diagnose.patterns.pool import orthonormal
+from linkwright.core.diagnose.patterns.pool import length_along
 from linkwright.core.diagnose.residual.observe import observed_about
 from linkwright.core.diagnose.residual.observed import Observed
 from linkwright.core.sections.numeric import Array
@@ -122,8 +122,8 @@ def _step(relinearized_: Relinearized, about: Observed) -> float:
         *(term.columns for term in terms),
         *(prepared.columns[m] for m in relinearized_.outside),
     ]
-    along = orthonormal(prepared.observed.whitened(np.concatenate(columns, axis=2)))
-    return float(np.linalg.norm(along.T @ prepared.observed.whitened(beyond_nuisances(prepared, change))))
+    white = prepared.observed.whitened(np.concatenate(columns, axis=2))
+    return length_along(white, prepared.observed.whitened(beyond_nuisances(prepared, change)))
 
 
 def _moved(observed: Observed, term: Term) -> Array:

@@ -161,6 +161,17 @@ def orthonormal(columns: Array, tolerance: float = 1e-10) -> Array:
     return u[:, s > tolerance * s[0]] if len(s) else columns[:, :0]
 
 
+def length_along(columns: Array, vector: Array, tolerance: float = 1e-10) -> float:
+    """How long a vector (n,) is within the span of columns (n, d), by their triangle: `orthonormal` without a basis."""
+    if not columns.any():
+        return 0.0
+    size = np.linalg.norm(columns, axis=0)
+    size = np.where(size > 0.0, size, 1.0)
+    _, s, vt = np.linalg.svd(np.linalg.qr(columns, mode="r") / size, full_matrices=False)
+    seen = s > tolerance * s[0]
+    return float(np.linalg.norm((vt[seen] @ (columns.T @ vector / size)) / s[seen]))
+
+
 def _group(
     candidate: Candidate, columns: Array, limits: Array | None, beside: Array, at: int, rules: PatternRules
 ) -> tuple[Group, Array] | None:

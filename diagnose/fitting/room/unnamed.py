@@ -55,9 +55,17 @@ class Unnamed:
     def beside(self, operator: Array) -> Array:
         """How far unnamed physics may move some estimates: covariance (k, k) of what an operator (k, n) on all that is
         fitted makes of it, of which the rows searched are a fair sample."""
+        return self._of(operator[:, self.rows] @ self.basis, operator.shape[1])
+
+    def beside_fit(self, turned: Array, design: Array) -> Array:
+        """The same of a fit's sizes, whose covariance (k, k) under noise of one is `turned` (k, r) times itself and
+        whose whitened `design` is (n, k): the operator itself would be as large as that."""
+        searched = design if len(self.rows) == len(design) else design[self.rows]
+        return self._of(turned @ (turned.T @ (searched.T @ self.basis)), len(design))
+
+    def _of(self, along: Array, count: int) -> Array:
         # The whole basis, and columns of the outcome: those of the basis would be hundreds of megabytes once more.
-        along = (operator[:, self.rows] @ self.basis)[:, self.at]
-        moved = along * self.weight * self.deviation * (operator.shape[1] / len(self.rows))
+        moved = along[:, self.at] * self.weight * self.deviation * (count / len(self.rows))
         return moved @ moved.T
 
 

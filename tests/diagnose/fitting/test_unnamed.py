@@ -183,3 +183,12 @@ def test_a_second_finding_makes_room_and_one_alone_does_not():
     room = RULES.fitting.least_unnamed
     assert all(wide > 1.1 * narrow for wide, narrow in zip(widths_of(two, room), widths_of(two, 0.0), strict=True))
     assert widths_of((0.0, 2e-3, 0.0), room) == pytest.approx(widths_of((0.0, 2e-3, 0.0), 0.0), rel=1e-9)
+
+
+def test_a_fit_is_moved_as_its_operator_says():
+    null, rng = prepared_null(), np.random.default_rng(8)
+    room = room_of(null, [group_of(null, "encoder_offset", (1,))]).at_least(0.2)
+    design = rng.normal(size=(len(null.vector), 4)) * np.array([1.0, 1e3, 1e-3, 1.0])
+    inverse = np.linalg.inv(design.T @ design)
+    turned = np.linalg.cholesky(inverse)
+    assert room.beside_fit(turned, design) == pytest.approx(room.beside(inverse @ design.T), rel=1e-9)

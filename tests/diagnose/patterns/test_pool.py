@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from linkwright.core.diagnose.patterns.pool import exchanged, make_pool, orthonormal, with_group
+from linkwright.core.diagnose.patterns.pool import exchanged, length_along, make_pool, orthonormal, with_group
 from linkwright.core.diagnose.search.subsets import products
 from linkwright.core.executors.packing import packed, unpacked
 from tests.diagnose.core_cases import pattern, random_pool
@@ -81,6 +81,17 @@ def test_orthonormal_drops_what_repeats():
     columns = np.array([[1.0, 2.0, 0.0], [0.0, 0.0, 1e-9], [0.0, 0.0, 0.0]])
     assert orthonormal(columns).shape == (3, 2)
     assert orthonormal(np.zeros((3, 2))).shape == (3, 0)
+
+
+def test_length_along_is_that_on_an_orthonormal_basis():
+    rng = np.random.default_rng(4)
+    columns = rng.normal(size=(40, 6)) * np.array([1.0, 1e6, 1e-6, 1.0, 1.0, 0.0])
+    columns[:, 4] = columns[:, 0] + 1e-6 * columns[:, 1]
+    vector = rng.normal(size=40)
+    basis = orthonormal(columns)
+    assert basis.shape[1] == 4
+    assert length_along(columns, vector) == pytest.approx(np.linalg.norm(basis.T @ vector), rel=1e-9)
+    assert length_along(np.zeros((40, 2)), vector) == 0.0
     assert orthonormal(np.zeros((3, 0))).shape == (3, 0)
 
 
