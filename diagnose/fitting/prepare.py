@@ -77,6 +77,11 @@ class Prepared:
         """Which groups are of the library, and not mere forms."""
         return np.array([not group.candidate.outside for group in self.pool.groups], dtype=bool)
 
+    def told_apart(self, unit: float) -> float:
+        """The scatter `unit` of whitened residuals as it stands against what holds sizes near the usual: neighbours
+        that tell as much as one are counted once, or what many readings leave alike would pass for sizes."""
+        return unit * float(np.sqrt(self.together))
+
     @property
     def visits(self) -> NDArray[np.int64]:
         """Which visit each reading belongs to, numbered from 0."""

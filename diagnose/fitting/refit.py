@@ -97,20 +97,19 @@ def refit(
     if not terms:
         residual, rss, freedom = _left(prepared, terms)
         return Refit((), (), residual, rss, freedom)
-    terms, weights = under_one_set_of_weights(prepared, terms, fitted.unit)
-    terms = _shapes_found(prepared, terms, fitted.unit)
+    unit = fitted.unit if unnamed is None else prepared.told_apart(fitted.unit)
+    terms, weights = under_one_set_of_weights(prepared, terms, unit)
+    terms = _shapes_found(prepared, terms, unit)
     initial = prepared
-    prepared, terms = _solved(initial, terms, fitted.unit)
+    prepared, terms = _solved(initial, terms, unit)
     while any(_below_nought(prepared, term) for term in terms):
-        held = _shapes_found(initial, [_never_below_nought(prepared, term) for term in terms], fitted.unit)
-        prepared, terms = _solved(initial, held, fitted.unit)
+        held = _shapes_found(initial, [_never_below_nought(prepared, term) for term in terms], unit)
+        prepared, terms = _solved(initial, held, unit)
     residual, rss, freedom = _left(prepared, terms)
     spread = _spread(prepared, terms, rss / max(freedom, 1), unnamed)
     doubtful = not_under_known_loads(prepared, terms, spread.noise, spread.told, freedom)
     if doubtful:
-        prepared, terms = _solved(
-            initial, [less_known(t) if k in doubtful else t for k, t in enumerate(terms)], fitted.unit
-        )
+        prepared, terms = _solved(initial, [less_known(t) if k in doubtful else t for k, t in enumerate(terms)], unit)
         residual, rss, freedom = _left(prepared, terms)
         spread = _spread(prepared, terms, rss / max(freedom, 1), unnamed)
     still = [np.zeros(len(term.sizes), dtype=bool) for term in terms]
@@ -122,7 +121,7 @@ def refit(
         # What made up for the rest of a size that stands at its bound now is fitted anew beside it, which may take that
         # to a bound of its own.
         still = [held | sizes for held, sizes in zip(still, beyond, strict=True)]
-        prepared, terms = _solved(initial, within, fitted.unit, still)
+        prepared, terms = _solved(initial, within, unit, still)
         residual, rss, freedom = _left(prepared, terms)
     parameters = tuple(
         _parameters(prepared, terms, place, spread, residual, freedom, rss / max(freedom, 1), unnamed)

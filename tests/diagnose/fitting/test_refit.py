@@ -10,6 +10,7 @@ from linkwright.core.arm.effects import EFFECTS
 from linkwright.core.diagnose.fitting.fit import fit
 from linkwright.core.diagnose.fitting.prepare import prepare
 from linkwright.core.diagnose.fitting.refit import impossible_term, refit
+from linkwright.core.diagnose.fitting.room.unnamed import unnamed
 from linkwright.core.diagnose.options import Options
 from linkwright.core.diagnose.patterns.library import columns_of
 from linkwright.core.diagnose.patterns.pool import make_pool
@@ -73,6 +74,21 @@ def test_intervals_cover_beside_a_lag():
             inside[k] += low <= truth <= high
     assert within(inside[0], trials=trials)
     assert within(inside[1], trials=trials)
+
+
+def test_neighbours_that_tell_as_much_as_one_count_once_against_what_is_usual():
+    """By the normal equations, each size held to the largest that is usual as strongly as nine readings count for."""
+    null = replace(prepared_null(space=True), together=9)
+    member, rng = group_of(null, "axis_misalignment", (1,)), np.random.default_rng(13)
+    prepared = with_residual(null, 100.0 * noise_of(null, rng))
+    linear = fit(prepared, [member])
+    room = unnamed(prepared, [member], (), np.arange(len(prepared.vector)))
+    result = refit(prepared, [member], (), linear, room).terms[0]
+    usual = [max(map(abs, size.typical)) for size in EFFECTS["axis_misalignment"].sizes]
+    white = prepared.pool.projected(prepared.observed.whitened(prepared.columns[member]))
+    products = white.T @ white + 9.0 * np.diag((linear.unit / np.array(usual)) ** 2)
+    assert result.candidate.sizes == tuple(size.name for size in EFFECTS["axis_misalignment"].sizes)
+    assert result.sizes == pytest.approx(np.linalg.solve(products, white.T @ prepared.vector), rel=1e-6)
 
 
 def test_a_lag_between_the_grid_is_found():
