@@ -141,16 +141,17 @@ def _of_sums(problem: Problem, extremes: dict[int, _Extremes], limit: Limit) -> 
             heaviest = carried_mass(
                 replace(problem, arm=with_counterweights(problem.arm, problem.balances, least=False))
             )
-        beside = " with joints and payload" if carried else ""
+        named = [name for name, weighs in (("rigid links", rigid), ("joints and payload", carried)) if weighs]
+        beside = f" with {', '.join(named)}" if named else ""
         least = rigid + carried + _least_sum(problem, {k: extreme.lightest for k, extreme in extremes.items()})
         if limit.relation != ">=" and least > limit.value:
-            return OutOfReach(limit, least, f"the lightest sections and materials weigh{beside}")
+            return OutOfReach(limit, least, f"the lightest sections and materials{beside} weigh")
         if limit.relation != "<=" and problem.actuators is None:
             most = (
                 rigid + heaviest + sum(extreme.heaviest * problem.length_spans[k][1] for k, extreme in extremes.items())
             )
             if most < limit.value:
-                return OutOfReach(limit, most, f"the heaviest sections and materials weigh{beside}")
+                return OutOfReach(limit, most, f"the heaviest sections and materials{beside} weigh")
     if limit.name == "cost":
         drives = _cheapest_rest(problem)
         least = drives + _least_sum(problem, {k: extreme.cheapest for k, extreme in extremes.items()})
