@@ -182,10 +182,13 @@ def _passive(mapping: Mapping) -> bool:
 
 
 def _require_known(mapping: Mapping, actuator: Actuator | None) -> None:
-    """Refuse an actuator of which a figure is unknown that its joint does not give."""
-    for name in () if actuator is None else actuator.lacks("stiffness", "backlash", "mass"):
-        if not mapping.has(name):
-            raise mapping.error(name, f"is not known of {mapping.text('actuator')}; give it beside the actuator")
+    """Refuse an actuator of which figures are unknown that its joint does not give."""
+    units = {"stiffness": "N*m/rad", "backlash": "arcmin", "mass": "kg"}
+    lacking = [name for name in (() if actuator is None else actuator.lacks(*units)) if not mapping.has(name)]
+    if lacking:
+        would_do = ", ".join(f"{name}: ... {units[name]}" for name in lacking)
+        message = f"is not known of {mapping.text('actuator')}; write `{would_do}` beside the actuator"
+        raise mapping.error(lacking[0], message)
 
 
 def _tilting(mapping: Mapping, turns: bool, actuator: Actuator | None) -> float | None:

@@ -105,7 +105,9 @@ def test_a_servo_needs_beside_it_what_nobody_publishes(linkwright, bench):
     (bench / "servo.yaml").write_text(servo)
     status, _, error = linkwright("evaluate", "servo.yaml")
     assert status == 2
-    assert "stiffness: is not known of MX-64; give it beside the actuator" in error
+    assert "stiffness: is not known of MX-64; write `stiffness: ... N*m/rad` beside the actuator" in error
+    (bench / "servo.yaml").write_text(servo.replace("MX-64", "STS3250"))
+    assert "write `stiffness: ... N*m/rad, mass: ... kg` beside" in linkwright("evaluate", "servo.yaml")[2]
     (bench / "servo.yaml").write_text(servo.replace("actuator: MX-64", "actuator: MX-64, stiffness: 200 N*m/rad"))
     assert linkwright("evaluate", "servo.yaml", "--json", "servo.json")[0] == 0
     (drive,) = (load for load in json.loads((bench / "servo.json").read_text())["drives"] if load["actuator"])
