@@ -53,7 +53,7 @@ class ResultsPage:
         self._problem.say("")
         count = f"{len(results)} result{'s' if len(results) > 1 else ''}"
         self._size.text = f"{count}, {size / 1024**2:.1f} MB on the disk" if results else ""
-        self._question.text = f"Remove {count} and all files of them from the disk?"
+        self._question.text = f"Remove {count} with all files from the disk?"
         self._all.visible = bool(results)
         self._listed.clear()
         with self._listed:
