@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 from benchmarks.real.data import IRB120, nominal, read, recording_file
+from benchmarks.real.model import fitted, found, loose, moved, rms_mm
 from benchmarks.real.written import written
 from linkwright.core.diagnose.diagnosis import diagnose
 from linkwright.core.diagnose.predict import Prediction, predict
+from linkwright.core.diagnose.residual.observe import observe
 from linkwright.core.diagnose.result import Diagnosis
 
 LEARNED = 700
@@ -35,6 +37,24 @@ def learned(how: str, rows: int = LEARNED) -> Learned:
     return Learned(result, predict(written(result), recording.kept(~first)))
 
 
+def each_left_out(how: str, diagnosis: Diagnosis, tell: Callable[[str], None] = print) -> None:
+    """Print what the findings in the first rows leave of the others, frame and tool fitted there: all of them, and all
+    but each in turn, fitted to the first rows anew."""
+    observed = observe(nominal(IRB120), read(IRB120, recording_file(IRB120, "recording_both_angles.csv"), how))
+    residual, first = observed.residual[:, :3], observed.recording.row <= LEARNED
+    everything = [loose(observed), *found(observed, diagnosis)]
+
+    def left(places: Sequence[int]) -> float:
+        parts = [everything[place] for place in places]
+        rest = residual - moved(parts, fitted(residual, parts, first))
+        return rms_mm((rest - moved(parts[:1], fitted(rest, parts[:1], ~first)))[~first])
+
+    places = range(len(everything))
+    tell(f"\n| {how}, on the other poses | mm |\n|---|---|\n| all findings | {left(places):.4f} |")
+    for out in places[1:]:
+        tell(f"| without {everything[out].name} | {left([place for place in places if place != out]):.4f} |")
+
+
 def all_poses(how: str) -> Diagnosis:
     """Diagnose all rows by a mapping of the recording."""
     return diagnose(nominal(IRB120), read(IRB120, recording_file(IRB120, "recording_both_angles.csv"), how))
@@ -49,10 +69,12 @@ def evaluate(tell: Callable[[str], None] = print) -> None:
     for name, how in ANGLES.items():
         both, whole = learned(how), all_poses(how)
         figures = f"{1e3 * both.on_others.nominal_rms:.3f} | {1e3 * both.on_others.rms:.3f}"
-        blocks = f"{1e3 * whole.rms_after_held_out:.3f} | {len(whole.findings)}"
-        tell(f"| {name} | {figures} | {len(both.diagnosis.findings)} | {blocks} |")
+        blocks = f"{1e3 * whole.rms_after_held_out:.3f} | {_count(whole)}"
+        tell(f"| {name} | {figures} | {_count(both.diagnosis)} | {blocks} |")
         diagnosises += [both.diagnosis, whole]
     tell(f"| asked for, as commanded | | | | {TARGETS[0]:.3f} | fewer than {TARGETS[1]} |")
+    for how, diagnosis in zip(ANGLES.values(), diagnosises[::2], strict=True):
+        each_left_out(how, diagnosis, tell)
     for diagnosis in diagnosises:
         tell("")
         tell(f"{diagnosis.recording.size} poses: {diagnosis.sentence}")
@@ -60,3 +82,8 @@ def evaluate(tell: Callable[[str], None] = print) -> None:
             at = f" (joint or link {finding.at[0]})" if finding.at else ""
             sizes = ", ".join(f"{parameter.parameter} {parameter.value:.3g}" for parameter in finding.parameters)
             tell(f"- {finding.effect}{at}: {sizes}; {1e3 * finding.rms_explained:.3f} mm")
+
+
+def _count(diagnosis: Diagnosis) -> str:
+    """How many findings there are, and of how many effects."""
+    return f"{len(diagnosis.findings)} of {len({finding.effect for finding in diagnosis.findings})} effects"
