@@ -125,7 +125,7 @@ LINK_BENDING = Effect(
         unit_sag("the link's far end"),
     ),
     twists=_twists,
-    rank=70,
+    rank=90,
     linear=True,
     flexible=True,
     under_forces=True,

@@ -45,7 +45,7 @@ LINK_MODULUS = Effect(
     aliases=("joint_compliance", "link_bending", "slope_propagation"),
     source="Gere & Goodno, Mechanics of Materials: deflections go with 1/E (and 1/G, Poisson's ratio kept)",
     parameters=(
-        size("excess", "dimensionless", -0.9, 3.0, (-0.4, 0.4)).means(
+        size("excess", "dimensionless", -0.9, 3.0, (0.05, 0.4)).means(
             "true modulus over the one in the file, less one",
             "metals scatter by 5 %; castings, laminates and plastics by up to 40 %",
         ),
@@ -53,7 +53,7 @@ LINK_MODULUS = Effect(
     twists=_twists,
     along_the_link=True,
     together=True,
-    rank=90,
+    rank=70,
     flexible=True,
     size_from_slope=_size_from_slope,
 )

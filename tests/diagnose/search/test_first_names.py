@@ -9,7 +9,7 @@ from linkwright.core.diagnose.options import Options
 from linkwright.core.diagnose.residual.observe import observe
 from linkwright.core.diagnose.search.aliases import Rival, preferred
 from linkwright.core.diagnose.search.naming import Namer
-from tests.diagnose.core_cases import prepared_null, recorded, with_residual
+from tests.diagnose.core_cases import group_of, prepared_null, recorded, with_residual
 from tests.diagnose.made_diagnosis import made_arm
 
 
@@ -40,3 +40,22 @@ def test_what_takes_all_places_to_be_wrong_alike_comes_after_one_thing():
     signal = Namer(with_residual(null, null.observed.residual + 3e-4 * column), thorough=False, seed=0)
     for first, other in ((scale, lengths), (lengths, scale)):
         assert preferred(signal, [first], first, [Rival(other, 1.0, 0.0)]) == scale
+
+
+@pytest.mark.parametrize(
+    ("first", "other", "sizes"),
+    [
+        # What a file says of a link is off before it lacks a bending. The noise alone looks like a modulus off by 0.04.
+        ("link_modulus", "link_bending", (-0.3, -0.1, 0.2)),
+        # 1e3 N*m/rad is a small harmonic drive.
+        ("joint_compliance", "servo_droop", (1e-6, 1e-4, 1e-3)),
+    ],
+)
+def test_of_one_pattern_the_usual_and_commoner_cause_goes_first(first, other, sizes):
+    null = prepared_null()
+    names = [group_of(null, name, (1,)) for name in (first, other)]
+    for size in sizes:
+        moved = null.columns[names[0]][:, :, 0] * size
+        signal = Namer(with_residual(null, null.observed.residual + moved), thorough=False, seed=0)
+        for member, rival in (names, names[::-1]):
+            assert preferred(signal, [member], member, [Rival(rival, 1.0, 0.0)]) == names[0]
