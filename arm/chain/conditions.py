@@ -98,18 +98,15 @@ def _some(held: Any, rows: slice) -> Any:
 
 def first_order_response(time: NDArray[np.float64], drive: NDArray[np.float64], lag: float) -> NDArray[np.float64]:
     """Answer of lag * y' = drive - y to a drive that is piecewise linear in time (N), from rest at its first value."""
+    from scipy.linalg import solve_banded  # here, for a list of effects needs none of it
+
     order = np.argsort(time, kind="stable")
     t, u = np.asarray(time, dtype=float)[order], np.asarray(drive, dtype=float)[order]
-    y = np.empty_like(u)
-    y[0] = u[0]
-    for k in range(1, len(t)):
-        step = t[k] - t[k - 1]
-        if step <= 0.0:
-            y[k] = y[k - 1]
-            continue
-        slope, decay = (u[k] - u[k - 1]) / step, np.exp(-step / lag)
-        start = u[k - 1] - lag * slope  # the answer to a ramp runs `lag` behind it
-        y[k] = u[k] - lag * slope + (y[k - 1] - start) * decay
-    answer = np.empty_like(y)
-    answer[order] = y
+    # How far the answer is from the drive shrinks from one time to the next, and takes up what a ramp adds meanwhile;
+    # where no time goes by, all of a step.
+    step = np.diff(t) / lag
+    added = np.diff(u) * np.divide(np.expm1(-step), step, out=-np.ones_like(step), where=step > 0.0)
+    behind = np.stack([np.ones_like(u), np.append(-np.exp(-step), 0.0)])
+    answer = np.empty_like(u)
+    answer[order] = u + solve_banded((1, 0), behind, np.concatenate([[0.0], added]))
     return answer
