@@ -22,6 +22,7 @@ from linkwright.core.diagnose.residual.free_origins import turned_by, with_origi
 from linkwright.core.diagnose.residual.masses_from_torques import weighed_by_torque
 from linkwright.core.diagnose.residual.noise import NoiseFloor, noise_floor
 from linkwright.core.diagnose.residual.observe import observe
+from linkwright.core.diagnose.residual.observed import Observed
 from linkwright.core.diagnose.residual.orientation import with_sound_orientation
 from linkwright.core.diagnose.residual.visits import one_condition, visits
 from linkwright.core.diagnose.rules.rules import Rules
@@ -116,6 +117,7 @@ def _diagnosed(arm: Arm, recording: Recording, options: Options, hear: Progress)
     too_few |= prepared.criterion.count < rules.search.least_observations
     nothing = not prepared.pool.groups or one_condition(prepared.observed)
     # The namer goes on with pools of its own; of a long recording this one is hundreds of megabytes.
+    logged = prepared.observed
     del prepared
     if nothing or too_few:
         named = None
@@ -140,7 +142,7 @@ def _diagnosed(arm: Arm, recording: Recording, options: Options, hear: Progress)
     diagnosis = Conclusion(names).result(arm, recording, began)
     diagnosis = replace(diagnosis, sentence=diagnosis.sentence + of_branches(arm, diagnosis.findings))
     if not isinstance(searched, Several):
-        return _with_labels(diagnosis, arm, searched, options, known, tell)
+        return _with_labels(diagnosis, logged, searched, options, known, tell)
     if searched.units or diagnosis.unknown is None:
         return diagnosis
     other = of_different_arms(arm, searched, options, known, diagnosis.rms_promised)
@@ -174,13 +176,18 @@ def cleaned_of(
 
 
 def _with_labels(
-    diagnosis: Diagnosis, arm: Arm, recording: Recording, options: Options, known: float | None, tell: Progress
+    diagnosis: Diagnosis,
+    logged: Observed,
+    recording: Recording,
+    options: Options,
+    known: float | None,
+    tell: Progress,
 ) -> Diagnosis:
     """The result with what labels seem to be wrong, where it has no explanation of its own."""
     if known is None or (diagnosis.unknown is None and diagnosis.scatter is None):
         return diagnosis
     wrong = mislabelled(
-        arm,
+        logged,
         recording,
         options,
         known,

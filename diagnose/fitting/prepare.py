@@ -169,9 +169,11 @@ def packed_up(patterns: Iterable[tuple[Candidate, Array]]) -> Patterns:
     return [(candidate, packed(columns)) for candidate, columns in patterns]
 
 
-def patterns_of(observed: Observed, options: Options) -> Patterns:
-    """Everything that could be missing: each candidate and form with its columns."""
-    return [*packed_up(candidates(observed, options.without)), *packed_up(forms(observed))]
+def patterns_of(observed: Observed, options: Options, library: Patterns | None = None) -> Patterns:
+    """Everything that could be missing: each candidate (those of the `library`, where they are known already) and form
+    with its columns."""
+    known = packed_up(candidates(observed, options.without)) if library is None else library
+    return [*known, *packed_up(forms(observed))]
 
 
 def set_up(observed: Observed, patterns: Patterns, rejected: tuple[RejectedRow, ...] = ()) -> Prepared:
@@ -210,13 +212,16 @@ def _whitened(observed: Observed, patterns: Patterns) -> Iterator[tuple[Candidat
         yield candidate, observed.whitened(columns), limits(candidate, columns, rules=observed.rules.fitting)
 
 
-def prepare(observed: Observed, options: Options, noise_floor: float | None = None) -> Prepared:
+def prepare(
+    observed: Observed, options: Options, noise_floor: float | None = None, library: Patterns | None = None
+) -> Prepared:
     """Find weights, outliers and the noise's memory beside a first rough model, and set everything up with them.
 
-    `noise_floor` (m) is what repeats of a pose differ by, None where there are none.
+    `noise_floor` (m) is what repeats of a pose differ by, None where there are none; `library` are the patterns of the
+    candidates where they are known already.
     """
     rejected: list[RejectedRow] = []
-    patterns, left = patterns_of(observed, options), observed.residual
+    patterns, left = patterns_of(observed, options, library), observed.residual
     for _ in range(_PASSES):
         rough = replace(observed, scale=_first_scale(observed))
         left = _left_by_rough_model(set_up(rough, patterns), noise_floor)

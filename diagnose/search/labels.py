@@ -14,13 +14,14 @@ import itertools
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from decimal import Decimal
+from operator import itemgetter
 
 import numpy as np
 from numpy.typing import NDArray
 
 from linkwright.core.arm.chain.chain import Arm
 from linkwright.core.diagnose.fitting.fit import fit, impossible, remaining
-from linkwright.core.diagnose.fitting.prepare import Prepared, nuisances, packed_up, prepare, set_up
+from linkwright.core.diagnose.fitting.prepare import Patterns, nuisances, packed_up, prepare, set_up
 from linkwright.core.diagnose.options import Options
 from linkwright.core.diagnose.patterns.library import Candidate, candidates, columns_of
 from linkwright.core.diagnose.patterns.pool import orthonormal
@@ -50,32 +51,35 @@ class _Tried:
 
 
 def mislabelled(
-    arm: Arm, recording: Recording, asked: Options, floor: float, left: float, tell: Callable[[float], None]
+    logged: Observed, recording: Recording, asked: Options, floor: float, left: float, tell: Callable[[float], None]
 ) -> Mislabelled | None:
     """The mistake of labels that explains what is `left` (RMS, m) over a noise `floor` (RMS, m); None where none does.
 
-    The search is that of the diagnosis itself, by the same rules.
+    `logged` is the recording with its labels as they stand, bad rows set aside. The search is that of the diagnosis
+    itself, by the same rules.
     """
     rules = asked.rules
     enough = min(rules.mistakes.label_leaves * left, rules.fitting.at_the_floor * floor)
-    tried = [*_relabelled(arm, recording, rules), *_crossed(observe(arm, recording, rules=rules))]
-    if not tried:
-        return None
-    logged = prepare(observe(arm, recording, rules=rules), asked, floor)
-    promises: list[float] = []
-    for number, item in enumerate(tried):
-        tell(0.6 * number / len(tried))
-        promises.append(_promise(observe(arm, item.recording, scale=logged.observed.scale, rules=rules), asked))
-    namers: list[tuple[float, Namer, _Tried]] = []
-    for number in heapq.nsmallest(_SEARCHED, range(len(tried)), key=promises.__getitem__):
+    arm, about = logged.arm_given, logged.about
+    tried = [*_relabelled(arm, recording, rules), *_crossed(observe(arm, recording, about=about, rules=rules))]
+
+    def promises() -> Iterator[tuple[float, _Tried, Observed, Patterns]]:
+        for number, item in enumerate(tried):
+            tell(0.6 * number / len(tried))
+            observed = observe(arm, item.recording, scale=logged.scale, about=about, rules=rules)
+            patterns = packed_up(candidates(observed, asked.without))
+            yield _promise(observed, patterns), item, observed, patterns
+
+    namers: list[tuple[float, Namer, str]] = []
+    for _, item, observed, patterns in heapq.nsmallest(_SEARCHED, promises(), key=itemgetter(0)):
         tell(0.6 + 0.1 * len(namers))
-        prepared = prepare(observe(arm, tried[number].recording, rules=rules), asked, floor)
+        prepared = prepare(observed, asked, floor, patterns)
         namer = Namer(prepared, thorough=False, seed=asked.seed)
         if prepared.pool.groups:
             answers = [(), *(subset.members for subset in namer.best_of_library().values())]
-            namers.append((min(_left(namer, members) for members in answers), namer, tried[number]))
-    rms, namer, each = min(namers, key=lambda found: found[0], default=(np.inf, None, None))
-    if namer is None or each is None or rms > enough:
+            namers.append((min(_left(namer, members) for members in answers), namer, item.said))
+    rms, namer, said = min(namers, key=itemgetter(0), default=(np.inf, None, ""))
+    if namer is None or rms > enough:
         return None
     named = name_missing(namer, lambda _: None)
     if named.outside:
@@ -85,12 +89,12 @@ def mislabelled(
     if _left_as_logged(logged, groups) <= enough:
         return None
     findings = tuple((candidate.effect, candidate.numbers) for candidate in groups)
-    return Mislabelled(each.said, findings, rms) if rms <= enough else None
+    return Mislabelled(said, findings, rms) if rms <= enough else None
 
 
-def _promise(observed: Observed, options: Options) -> float:
+def _promise(observed: Observed, patterns: Patterns) -> float:
     """What a few of the library, taken one after the other, leave of a mismatch: mean square, weighed."""
-    alone = set_up(observed, packed_up(candidates(observed, options.without)))
+    alone = set_up(observed, patterns)
     products, members, criterion = alone.products, list[int](), alone.criterion
     barred = np.zeros(len(alone.pool.groups), dtype=bool)
     while len(members) < _TAKEN and not barred.all():
@@ -109,15 +113,14 @@ def _left(namer: Namer, members: tuple[int, ...]) -> float:
     return rms_length(remaining(namer.prepared, fit(namer.prepared, members))[:, :width])
 
 
-def _left_as_logged(logged: Prepared, named: Sequence[Candidate]) -> float:
+def _left_as_logged(logged: Observed, named: Sequence[Candidate]) -> float:
     """The RMS length (m) of what some candidates leave of the tip with the labels as they stand, at possible sizes."""
-    patterns = ((item, columns_of(logged.observed, item)) for item in named)
-    packed = packed_up((item, columns) for item, columns in patterns if columns is not None)
-    alone = set_up(logged.observed, packed, logged.rejected)
+    patterns = ((item, columns_of(logged, item)) for item in named)
+    alone = set_up(logged, packed_up((item, columns) for item, columns in patterns if columns is not None))
     fitted = fit(alone, range(len(alone.pool.groups)))
     if impossible(alone, fitted) is not None:
         return np.inf
-    return rms_length(remaining(alone, fitted)[:, : logged.observed.components])
+    return rms_length(remaining(alone, fitted)[:, : logged.components])
 
 
 def _relabelled(arm: Arm, recording: Recording, rules: Rules) -> Iterator[_Tried]:
