@@ -188,7 +188,8 @@ def columns_of(observed: Observed, candidate: Candidate) -> Array | None:
         parameter = parameter_of(effect, name)
         step = _STEP * max(abs(parameter.typical[0]), abs(parameter.typical[1]))
         parts.append(observed.signature(effect.id, candidate.settings({name: step})) / step)
-    columns = of_one(observed, np.stack(parts, axis=2), candidate.only)
+    # One size's column is one piece of memory.
+    columns = of_one(observed, np.moveaxis(np.stack(parts), 0, 2), candidate.only)
     return columns if columns.any() else None
 
 

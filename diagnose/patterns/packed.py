@@ -29,7 +29,8 @@ class Packed:
         """The columns (N, C, d)."""
         if self.values.shape == self.shape:
             return self.values
-        whole = np.zeros(self.shape)
+        rows, channels, sizes = self.shape
+        whole = np.moveaxis(np.zeros((sizes, rows, channels)), 0, 2)
         whole[self.first : self.first + len(self.values), self.channels] = self.values
         return whole
 

@@ -6,7 +6,7 @@ is worked out when it is first asked for: a few of its rows are all that a rough
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -23,6 +23,8 @@ VISIBLE = 1e-5
 """Of a pattern: where the nuisances leave less, it cannot be seen at all."""
 _RANK = 1e-7
 """Directions of a candidate below this share of its largest are rounding."""
+_AT_ONCE = 1 << 19
+"""Numbers of patterns that are decomposed at once: fewer than a cache of some megabytes holds."""
 
 
 @dataclass(frozen=True)
@@ -172,71 +174,99 @@ def length_along(columns: Array, vector: Array, tolerance: float = 1e-10) -> flo
     return float(np.linalg.norm((vt[seen] @ (columns.T @ vector / size)) / s[seen]))
 
 
-def _group(
-    candidate: Candidate, columns: Array, limits: Array | None, beside: Array, at: int, rules: PatternRules
-) -> tuple[Group, Array] | None:
-    """A candidate with whitened columns (n, d) as a group whose basis begins at column `at`; None where nothing is
-    seen of it beside the nuisances.
-
-    `limits` (d,) is how large each size may be: a direction that would not be seen even there is not kept.
-    """
-    length = np.linalg.norm(columns, axis=0)
-    if not (length > 0.0).any():
-        return None
-    unit = np.where(length > 0.0, length, 1.0) if limits is None else 1.0 / limits
-    scaled = columns / unit
-    left = scaled - beside @ (beside.T @ scaled)
-    left -= beside @ (beside.T @ left)  # once more: rounding of a pattern that nearly vanishes
-    u, s, vt = _singular(left)
-    whole = float(np.sqrt(np.linalg.eigvalsh(scaled.T @ scaled)[-1]))
-    tolerance = rules.weight if len(candidate.sizes) < columns.shape[1] else _RANK
-    keep = (s > tolerance * s[0]) & (s > VISIBLE * whole)
-    if limits is not None:
-        keep &= s > rules.seen
-    if not keep.any():
-        return None
-    back = (vt[keep].T / s[keep]) / unit[:, None]
-    return Group(candidate, at, at + int(keep.sum()), back, length, float(s[0] / whole)), u[:, keep]
+Whitened = tuple[Candidate, Array, Array | None]
+"""A candidate with its whitened columns (n, d), and how large each size may be (d,): a direction that would not be seen
+even there is not kept. None: nobody can say."""
+_Seen = tuple[NDArray[np.bool_], Array, Array, Array, Array, Array, float]
 
 
-def _singular(columns: Array) -> tuple[Array, Array, Array]:
-    """The singular value decomposition of a tall narrow matrix, largest first, from its Gram matrix: good to 1e-8 of
-    the largest, which is all that is asked of it here, and many times faster."""
-    values, vectors = np.linalg.eigh(columns.T @ columns)
-    s = np.sqrt(np.maximum(values[::-1], 0.0))
-    vectors = vectors[:, ::-1]
-    unit = np.where(s > 0.0, s, 1.0)
-    u = (columns @ vectors) / unit
-    # Once more, for the orthogonality that squaring has cost.
-    size = np.linalg.norm(u, axis=0)
-    return u / np.where(size > 0.0, size, 1.0), s, vectors.T
+def _grouped(
+    patterns: Iterable[Whitened], beside: Array, at: int, rules: PatternRules
+) -> Iterator[tuple[Candidate, Group | None, Array]]:
+    """Each pattern as a group and its basis (r, n), the first of which begins at column `at`; no group where nothing is
+    seen of it beside the nuisances."""
+    for block in _blocks(patterns):
+        for (candidate, _, _), found in zip(block, _seen(block, beside, rules), strict=True):
+            kept, basis, s, directions, unit, length, whole = found
+            if not kept.any():
+                yield candidate, None, basis[:0]
+                continue
+            stop = at + int(kept.sum())
+            back = (directions[:, kept] / s[kept]) / unit[:, None]
+            yield candidate, Group(candidate, at, stop, back, length, float(s[0] / whole)), basis[kept]
+            at = stop
+
+
+def _blocks(patterns: Iterable[Whitened]) -> Iterator[list[Whitened]]:
+    """Patterns in blocks of some megabytes."""
+    block, numbers = list[Whitened](), 0
+    for pattern in patterns:
+        block.append(pattern)
+        numbers += pattern[1].size
+        if numbers > _AT_ONCE:
+            yield block
+            block, numbers = [], 0
+    if block:
+        yield block
+
+
+def _seen(block: Sequence[Whitened], beside: Array, rules: PatternRules) -> list[_Seen]:
+    """What is seen of each of some patterns: which directions are kept (d,), all of them as an orthonormal basis (d, n)
+    with their singular values (d,), largest first, and as sizes (d, d), the unit of each size and the norm of its
+    columns (d,), and the largest singular value before the nuisances are taken off. All of one width go together."""
+    found: dict[int, _Seen] = {}
+    widths = np.array([columns.shape[1] for _, columns, _ in block])
+    for width in np.unique(widths).tolist():
+        which = np.flatnonzero(widths == width).tolist()
+        stacked = np.stack([block[number][1].T for number in which])
+        limits = [block[number][2] for number in which]
+        length = np.sqrt(np.einsum("gdn,gdn->gd", stacked, stacked))
+        unit = np.where(length > 0.0, length, 1.0)
+        for row, limit in enumerate(limits):
+            unit[row] = unit[row] if limit is None else 1.0 / limit
+        stacked /= unit[:, :, None]
+        whole = np.sqrt(np.linalg.eigvalsh(stacked @ stacked.transpose(0, 2, 1))[:, -1])
+        left = stacked.reshape(-1, stacked.shape[2])
+        for _ in range(2):  # once more: rounding of a pattern that nearly vanishes
+            left = left - (left @ beside) @ beside.T
+        basis, s, directions = _singular(left.reshape(stacked.shape))
+        ranks = [rules.weight if len(block[number][0].sizes) < width else _RANK for number in which]
+        least = np.maximum(np.array(ranks) * s[:, 0], VISIBLE * whole)
+        least = np.maximum(least, [0.0 if limit is None else rules.seen for limit in limits])
+        kept = s > least[:, None]
+        found.update(zip(which, zip(kept, basis, s, directions, unit, length, whole, strict=True), strict=True))
+    return [found[number] for number in range(len(block))]
+
+
+def _singular(rows: Array) -> tuple[Array, Array, Array]:
+    """The singular value decompositions of matrices (g, d, n) of a few long rows, largest first, from their Gram
+    matrices: good to 1e-8 of the largest, which is all that is asked of it here, and many times faster. Right vectors
+    (g, d, n), values (g, d), left vectors (g, d, d)."""
+    values, vectors = np.linalg.eigh(rows @ rows.transpose(0, 2, 1))
+    s = np.sqrt(np.maximum(values[:, ::-1], 0.0))
+    vectors = vectors[:, :, ::-1]
+    basis = vectors.transpose(0, 2, 1) @ rows
+    # By their own length, for the orthogonality that squaring has cost.
+    size = np.sqrt(np.einsum("gdn,gdn->gd", basis, basis))
+    basis /= np.where(size > 0.0, size, 1.0)[:, :, None]
+    return basis, s, vectors
 
 
 def with_group(pool: Pool, candidate: Candidate, columns: Array, limits: Array | None) -> Pool:
     """The pool with one more candidate, its whitened columns (n, d); the same pool where nothing is seen of it."""
-    made = _group(candidate, columns, limits, pool.nuisance, pool.basis.shape[1], pool.rules.patterns)
-    if made is None:
-        return pool
-    return _wider(pool, [made[0]], made[1])
+    pattern = [(candidate, columns, limits)]
+    ((_, group, rows),) = _grouped(pattern, pool.nuisance, pool.basis.shape[1], pool.rules.patterns)
+    return pool if group is None else _wider(pool, [group], rows.T)
 
 
-def exchanged(pool: Pool, kept: Sequence[int], patterns: Iterable[tuple[Candidate, Array, Array | None]]) -> Pool:
+def exchanged(pool: Pool, kept: Sequence[int], patterns: Iterable[Whitened]) -> Pool:
     """The pool with some of its groups (their numbers) alone, and behind them candidates with whitened columns (n, d)
     and limits of their sizes; `invisible` are those of which nothing is seen."""
-    groups: list[Group] = []
-    bases: list[Array] = []
-    unseen: list[Candidate] = []
-    at = pool.basis.shape[1]
-    for candidate, columns, limits in patterns:
-        made = _group(candidate, columns, limits, pool.nuisance, at, pool.rules.patterns)
-        if made is None:
-            unseen.append(candidate)
-            continue
-        groups.append(made[0])
-        bases.append(made[1])
-        at = made[0].stop
-    few = pool.on_this_basis(tuple(pool.groups[k] for k in kept), tuple(unseen))
-    return _wider(few, groups, np.concatenate(bases, axis=1)) if bases else few
+    found = list(_grouped(patterns, pool.nuisance, pool.basis.shape[1], pool.rules.patterns))
+    groups = [group for _, group, _ in found if group is not None]
+    unseen = tuple(candidate for candidate, group, _ in found if group is None)
+    few = pool.on_this_basis(tuple(pool.groups[k] for k in kept), unseen)
+    return _wider(few, groups, np.concatenate([basis for _, _, basis in found]).T) if groups else few
 
 
 def _wider(pool: Pool, groups: Sequence[Group], basis: Array) -> Pool:
@@ -264,7 +294,7 @@ def _room_for(basis: Array, more: Array) -> tuple[Room, Array]:
 
 def make_pool(
     nuisance: Array,
-    patterns: Iterable[tuple[Candidate, Array, Array | None]],
+    patterns: Iterable[Whitened],
     *,
     widest: int | None = None,
     rules: Rules = RULES,
@@ -282,13 +312,12 @@ def make_pool(
     basis = np.empty((len(nuisance), 2 * widest), order="F")
     invisible: list[Candidate] = []
     at = 0
-    for candidate, columns, limits in patterns:
-        made = _group(candidate, columns, limits, beside, at, rules.patterns)
-        if made is None:
+    for candidate, group, rows in _grouped(patterns, beside, at, rules.patterns):
+        if group is None:
             invisible.append(candidate)
             continue
-        groups.append(made[0])
-        basis[:, at : made[0].stop] = made[1]
-        at = made[0].stop
+        groups.append(group)
+        at = group.stop
+        basis[:, group.start : at] = rows.T
     used = basis[:, :at]
     return Pool(beside, tuple(groups), used, tuple(invisible), rules, Room(basis, at))
