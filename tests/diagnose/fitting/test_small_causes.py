@@ -139,15 +139,17 @@ def test_what_no_entry_of_the_library_does_stays_beyond_noise(null, size, least)
     assert told >= least * trials
 
 
-def test_directions_are_those_of_the_singular_values():
-    """By products where there are more observations than patterns, two of which are one here."""
+@pytest.mark.parametrize("turned", [False, True])
+def test_directions_are_those_of_the_singular_values(turned):
+    """By products of the shorter side, of observations or of patterns, two of which are one here."""
     rng = np.random.default_rng(6)
     tall = rng.standard_normal((60, 12))
     tall[:, 5] = 2.0 * tall[:, 3]
-    u, s, vt = _directions(tall)
+    patterns = tall.T if turned else tall
+    u, s, vt = _directions(patterns)
     assert len(s) == 11
     np.testing.assert_allclose(u.T @ u, np.eye(11), atol=1e-9)
-    np.testing.assert_allclose((u * s) @ vt, tall, atol=1e-9)
+    np.testing.assert_allclose((u * s) @ vt, patterns, atol=1e-9)
     np.testing.assert_allclose(np.sort(s), np.sort(np.linalg.svd(tall, compute_uv=False))[1:], rtol=1e-9)
 
 
