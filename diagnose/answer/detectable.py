@@ -8,8 +8,8 @@ from functools import cache
 from typing import Any
 
 import numpy as np
-from scipy import stats
 from scipy.optimize import brentq
+from scipy.special import chndtr, ndtr
 
 from linkwright.core.arm.effects import EFFECTS
 from linkwright.core.diagnose.fitting.prepare import Prepared
@@ -101,9 +101,9 @@ def _needed(prepared: Prepared, threshold: float) -> Callable[[int, float], floa
         limit = max(count - rank, 1) * max(ratio, 1e-12)
 
         def short(noncentrality: float) -> float:
-            missed = float(stats.ncx2.sf(limit, rank, noncentrality))
+            missed = float(1.0 - chndtr(limit, rank, noncentrality))
             if math.isnan(missed):  # too large for the series; the root of what is so large is normal
-                missed = float(stats.norm.sf(math.sqrt(limit) - math.sqrt(noncentrality)))
+                missed = float(ndtr(math.sqrt(noncentrality) - math.sqrt(limit)))
             return missed - POWER
 
         high = limit + 20.0

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
-from scipy.stats import chi2
+from scipy.special import chdtri
 
 from linkwright.core.diagnose.mistakes.row_lists import rows_text
 from linkwright.core.diagnose.residual.observe import beyond_first_order
@@ -103,8 +103,8 @@ def _stray(names: Confirmed) -> list[str]:
     aside and no repeats bear the others out."""
     rules, width = names.rules.fitting, names.observed.components
     far_off = np.linalg.norm(names.after(), axis=1)
-    scatter = float(np.median(far_off)) / np.sqrt(chi2.ppf(0.5, width))
-    limit = rules.outlier_margin * np.sqrt(chi2.isf(rules.far_tail / len(far_off), width)) * scatter
+    scatter = float(np.median(far_off)) / np.sqrt(chdtri(width, 0.5))
+    limit = rules.outlier_margin * np.sqrt(chdtri(width, rules.far_tail / len(far_off))) * scatter
     far = far_off > limit
     if names.named is None or scatter <= 0.0 or not rules.most_outliers < far.mean() < rules.most_alone:
         return []

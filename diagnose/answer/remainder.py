@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
-from scipy.stats import chi2
+from scipy.special import chdtri
 
 from linkwright.core.diagnose.fitting.fit import fit, remaining
 from linkwright.core.diagnose.fitting.held_out import hardest, splits
@@ -65,7 +65,7 @@ class Remainder:
         if self.noise.drift_m is not None and self.noise.drift_degrees_of_freedom >= self.rules.fitting.least_parts:
             # As large as scatter may be that came out so small by chance.
             freedom = width * self.noise.drift_degrees_of_freedom
-            scatter = self.noise.drift_m**2 * freedom / float(chi2.ppf(self.rules.residual.level, freedom))
+            scatter = self.noise.drift_m**2 * freedom / float(chdtri(freedom, 1.0 - self.rules.residual.level))
             lasting = scatter < (1.0 - rules.lasting) * (left**2 - floor**2)
         else:
             # Scatter is everywhere; what sits at a few visits alone is something that happened there.

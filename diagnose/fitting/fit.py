@@ -7,8 +7,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy import stats
 from scipy.linalg import eigh, get_lapack_funcs
+from scipy.special import stdtrit
 
 from linkwright.core.arm.effects import EFFECTS
 from linkwright.core.arm.effects.elastic.joint_compliance import file_compliance
@@ -279,4 +279,4 @@ def normal_solution(gram: Array, against: Array) -> Array:
 
 def t_quantile(freedom: int) -> float:
     """Student's factor for a two-sided 95 % interval."""
-    return float(stats.t.ppf(0.975, max(freedom, 1)))
+    return float(stdtrit(max(freedom, 1), 0.975))

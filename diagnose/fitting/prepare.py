@@ -13,7 +13,7 @@ from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import stats
+from scipy.special import chdtri
 
 from linkwright.core.arm.effects import EFFECTS, Settings
 from linkwright.core.diagnose.options import Options
@@ -502,7 +502,7 @@ def _outliers(scaled: Array, observed: Observed) -> NDArray[np.bool_]:
     width, rules = observed.components, observed.rules.fitting
     tip = scaled[:, :width]
     distance = np.sqrt(np.sum(tip**2, axis=1))
-    limit = rules.outlier_margin * np.sqrt(stats.chi2.ppf(1.0 - rules.far_tail / len(scaled), width))
+    limit = rules.outlier_margin * np.sqrt(chdtri(width, rules.far_tail / len(scaled)))
     far = distance > limit
     # Readings of one visit that all lie far off and agree with each other: that is the pose, not the readings.
     visit = np.unique(observed.block, return_inverse=True)[1].reshape(-1)

@@ -11,7 +11,6 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
-from scipy.signal import butter, sosfiltfilt
 
 from linkwright.core.arm.chain.chain import Arm
 from linkwright.core.arm.motion.motion import Motion
@@ -106,6 +105,8 @@ def low_pass(columns: Array, cutoff: float, rate: float) -> Array:
     cut-off is beyond what the rate holds, or the stretch is too short."""
     if cutoff >= _HELD * rate or len(columns) < 16:
         return columns
+    from scipy.signal import butter, sosfiltfilt  # here, for what no motion is prepared for loads none of it
+
     sections = butter(2, cutoff, fs=rate, output="sos")
     padding = min(len(columns) - 1, int(rate))
     return np.asarray(sosfiltfilt(sections, columns, axis=0, padlen=padding), dtype=float)

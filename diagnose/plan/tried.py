@@ -8,7 +8,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.stats import qmc
 
 from linkwright.core.arm.avoid.poses import NoRoom, Room, drawn
 from linkwright.core.arm.chain.arrays import nominal
@@ -63,6 +62,8 @@ def tried_visits(arm: Arm, asked: Asked) -> Tried:
     rules, rng = asked.rules.plan, np.random.default_rng(asked.seed)
     low = np.array([joint.range[0] for joint in arm.joints])
     high = np.array([joint.range[1] for joint in arm.joints])
+    from scipy.stats import qmc  # here, for it loads all of scipy's statistics, and few diagnoses try poses
+
     run = approach(arm)
     low, high = low + run, high - run
     sobol = qmc.Sobol(arm.size, scramble=True, rng=rng)

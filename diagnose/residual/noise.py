@@ -12,8 +12,7 @@ from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.stats import chi2
-from scipy.stats import f as f_distribution
+from scipy.special import chdtr, chdtrc, fdtri
 
 from linkwright.core.arm.chain.arrays import nominal
 from linkwright.core.arm.chain.chain import Arm
@@ -289,7 +288,7 @@ def _without_outliers(
     count = sum(len(group) for group in groups)
     # The scale is an estimate itself, Qn's worth 0.8 of its degrees of freedom: hence F, not chi-square.
     width = scaled.shape[1]
-    limit = width * float(f_distribution.isf(rules.level / count, width, 0.8 * (count - len(groups))))
+    limit = width * float(fdtri(width, 0.8 * (count - len(groups)), 1.0 - rules.level / count))
     groups_kept: list[Rows] = []
     outliers: list[RejectedRow] = []
     doubtful: list[int] = []
@@ -354,7 +353,7 @@ def _differ(cleaned: _Cleaned, declared: Array, width: int, chance: float) -> bo
     """Whether the repeats' scatter is one that the declared sigma gives more seldom than `chance`."""
     total = float(np.sum(cleaned.squares / declared**2))
     dof = width * cleaned.degrees_of_freedom
-    return min(float(chi2.cdf(total, dof)), float(chi2.sf(total, dof))) < chance / 2.0
+    return min(float(chdtr(dof, total)), float(chdtrc(dof, total))) < chance / 2.0
 
 
 def _drift(

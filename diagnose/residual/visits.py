@@ -11,7 +11,7 @@ from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.stats import f as f_distribution
+from scipy.special import fdtrc
 
 from linkwright.core.arm.chain.chain import Arm
 from linkwright.core.diagnose.recording import Recording
@@ -122,7 +122,7 @@ def _drifts(values: Array, rules: ResidualRules) -> bool:
     if within <= 0.0:
         return between > 0.0
     ratio = between / of_between / (within / of_within)
-    return float(f_distribution.sf(ratio, of_between, of_within)) < rules.surely
+    return float(fdtrc(of_between, of_within, ratio)) < rules.surely
 
 
 def differences_of_revisits(residual: Array, visits: Sequence[Rows]) -> Array:

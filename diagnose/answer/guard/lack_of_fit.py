@@ -15,8 +15,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.signal import lfilter
-from scipy.stats import f as f_distribution
+from scipy.linalg import solve_banded
+from scipy.special import fdtrc
 
 from linkwright.core.diagnose.fitting.held_out import HeldOut
 from linkwright.core.diagnose.fitting.room.small_causes import SmallCauses
@@ -102,7 +102,7 @@ def lack_of_fit(parts: Split, parameters: float) -> Ratio:
     above = float(np.sum(parts.between)) / (parts.expected[1] * fitted)
     freedom = (width * equal * parts.freedom[1] * fitted, width * equal * parts.freedom[0])
     value = above / below
-    return Ratio(value, freedom, float(f_distribution.sf(value, *freedom)))
+    return Ratio(value, freedom, float(fdtrc(*freedom, value)))
 
 
 def refuted_by(
@@ -249,9 +249,7 @@ def _returns_worse(returns: Split, repeats: Split, visit: Groups, rules: Rules) 
     noise = float(np.sum(repeats.within)) / repeats.expected[0] * means
     width = len(repeats.within)
     ratio = float(np.sum(returns.within)) / returns.expected[0] / max(noise, 1e-300)
-    return (
-        float(f_distribution.sf(ratio, width * returns.freedom[0], width * repeats.freedom[0])) < rules.residual.level
-    )
+    return float(fdtrc(width * returns.freedom[0], width * repeats.freedom[0], ratio)) < rules.residual.level
 
 
 def remembering(rng: np.random.Generator, shape: tuple[int, ...], memory: float) -> Array:
@@ -260,4 +258,5 @@ def remembering(rng: np.random.Generator, shape: tuple[int, ...], memory: float)
     if memory <= 0.0:
         return white
     white[1:] *= np.sqrt(1.0 - memory * memory)
-    return np.asarray(lfilter([1.0], [1.0, -memory], white, axis=0), dtype=np.float64)
+    kept = np.stack([np.ones(len(white)), np.full(len(white), -memory)])
+    return solve_banded((1, 0), kept, white.reshape(len(white), -1)).reshape(shape)

@@ -20,7 +20,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.stats import f as f_distribution
+from scipy.special import fdtrc
 
 from linkwright.core.diagnose.fitting.prepare import Prepared, comes_anew
 from linkwright.core.sections.numeric import Array
@@ -120,7 +120,7 @@ def _within_visits(prepared: Prepared, remainder: Array, left: float, freedom: i
     if within <= 0.0 or apart <= 0:
         return 0.0, 0
     ratio = between / apart / (within / repeated)
-    beyond = float(f_distribution.sf(ratio, apart, repeated)) < observed.rules.residual.level
+    beyond = float(fdtrc(apart, repeated, ratio)) < observed.rules.residual.level
     return (within, repeated) if beyond else (0.0, 0)
 
 

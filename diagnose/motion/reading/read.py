@@ -27,7 +27,6 @@ from linkwright.core.sections.numeric import Array
 from linkwright.core.units.quantities import InputError
 from linkwright.core.units.reading import refusal
 
-from .conventions import check_conventions
 from .drives import Drives, drives_of
 from .mapped import with_foreign
 from .samples import checked_samples
@@ -103,6 +102,8 @@ def log_from(table: Table, arm: Arm, held: ReadingSettings, *, rules: Rules = RU
     warnings += drives.warnings
     log = _assembled(columns, strangers, table, arm, held, drives, warnings)
     done = checked_samples(log, arm, columns, table.ragged, rules=rules)
+    from .conventions import check_conventions  # here, for what is a log is told without it
+
     return check_conventions(done, arm, {name: column.header for name, column in columns.items()}, rules)
 
 
