@@ -14,6 +14,7 @@ from linkwright.core.arm.avoid.regions import Region
 from linkwright.core.sections.numeric import Array
 
 from .instruments.instrument import NAMES, Instrument, Slots
+from .mistakes.row_lists import rows_text
 
 
 @dataclass(frozen=True)
@@ -121,6 +122,19 @@ class Recording:
         if len(self.slots) and (self.slots == self.slots[0]).all():
             return tuple(NAMES[slot].replace(" ", "_") for slot in self.slots[0].tolist())
         return ("reading",)
+
+    @property
+    def singles(self) -> tuple[Recording, ...]:
+        """The recordings that it is made of: one is made of itself."""
+        return (self,)
+
+    def parts(self) -> tuple[Recording, ...]:
+        """The recordings that it is made of, each with the readings that are left of it here."""
+        return (self,)
+
+    def rows_of(self, rows: Sequence[int]) -> str:
+        """Readings by their numbers in `row`, as words."""
+        return rows_text(rows)
 
     @property
     def size(self) -> int:

@@ -252,7 +252,7 @@ def _pair(namer: Namer, tried: Observed, members: Sequence[int], member: int, ot
     there = [part for part in rest if part is not None]
     recording = prepared.observed.recording
     # Of several recordings it is the last that goes on: what the others swallow has no part in it.
-    last = recording.each[-1] if isinstance(recording, Several) else recording
+    last = recording.singles[-1]
     own_beside, _ = nuisances(replace(tried, recording=replace(tried.recording, frame=last.frame, tool=last.tool)))
     others = prepared.beside.shape[2] - own_beside.shape[2]
     beside = np.pad(own_beside, ((0, 0), (0, 0), (others, 0)))

@@ -5,11 +5,9 @@ from __future__ import annotations
 import numpy as np
 from scipy.special import chdtri
 
-from linkwright.core.diagnose.mistakes.row_lists import rows_text
 from linkwright.core.diagnose.residual.observe import beyond_first_order
 from linkwright.core.diagnose.residual.observed import rms_length
 from linkwright.core.diagnose.residual.wander_seen import seen_to_wander
-from linkwright.core.diagnose.several.recordings import Several
 
 from .confirmation import Confirmed
 from .remainder import Remainder
@@ -110,11 +108,7 @@ def _stray(names: Confirmed) -> list[str]:
         return []
     further, middle = mm(rms_length(names.after()[far])), mm(float(np.median(far_off)))
     recording = names.observed.recording
-    rows = (
-        recording.rows_of(recording.row[far].tolist())
-        if isinstance(recording, Several)
-        else rows_text(recording.row[far])
-    )
+    rows = recording.rows_of(recording.row[far].tolist())
     return [
         f"{int(far.sum())} of {len(far)} readings lie further off than scatter goes, {further} RMS, where the "
         f"middle one is {middle} off ({rows}): too many to be set aside with nothing to check them by. Read every "

@@ -149,14 +149,12 @@ def _in_one(observed: Observed, candidate: Candidate, columns: Array) -> Iterato
 
 def _of_several_tips(observed: Observed) -> bool:
     """Whether the recordings are of several arms on one torso."""
-    recording = observed.recording
-    return isinstance(recording, Several) and len({item.branch for item in recording.each}) > 1
+    return len({item.branch for item in observed.recording.singles}) > 1
 
 
 def _in_each(observed: Observed, candidate: Candidate, columns: Array) -> Iterator[tuple[Candidate, Array]]:
     """What a tip has of its own, in each of several recordings alone."""
-    recording = observed.recording
-    for index in range(len(recording.each) if isinstance(recording, Several) else 0):
+    for index in range(len(observed.recording.singles)):
         columns_here = of_one(observed, columns, index)
         if columns_here.any():
             yield replace(candidate, only=index), columns_here

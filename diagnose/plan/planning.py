@@ -25,7 +25,7 @@ from linkwright.core.diagnose.recording import Recording
 from linkwright.core.diagnose.residual.observe import observe
 from linkwright.core.diagnose.residual.observed import Observed
 from linkwright.core.diagnose.rules.rules import Rules
-from linkwright.core.diagnose.several.recordings import Several, together
+from linkwright.core.diagnose.several.recordings import together
 from linkwright.core.sections.numeric import Array
 
 from .design import Patterns, chosen_visits
@@ -166,7 +166,7 @@ def going_on(before: Recording, then: Recording, arm: Arm, rules: Rules) -> Reco
 
 def _as_plans(before: Recording) -> list[Recording]:
     """The readings of each recording with no more than what a plan holds."""
-    return [_as_plan(item) for item in (before.each if isinstance(before, Several) else (before,))]
+    return [_as_plan(item) for item in before.singles]
 
 
 def _as_plan(before: Recording) -> Recording:

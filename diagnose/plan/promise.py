@@ -172,7 +172,7 @@ def _simulated(arm: Arm, recording: Recording, request: Asked) -> Recording:
         camera_noise=request.camera_noise,
         bar=request.bar,
     )
-    parts = recording.parts() if isinstance(recording, Several) else (recording,)
+    parts = recording.parts()
     if request.touches:
         # What touches stands elsewhere then: where the arm as it is meets what it touches.
         plans = [replace(plan, at=part, seed=request.seed + number) for number, part in enumerate(parts)]

@@ -23,7 +23,6 @@ from linkwright.core.arm.errors.model import beams_of
 from linkwright.core.diagnose.recording import Recording
 from linkwright.core.diagnose.rules.residual_rules import ResidualRules
 from linkwright.core.diagnose.rules.rules import RULES
-from linkwright.core.diagnose.several.recordings import Several
 from linkwright.core.sections.numeric import Array
 
 from .recorded_conditions import conditions_of
@@ -74,12 +73,11 @@ def unweighed(arm: Arm) -> tuple[int, ...]:
 def weighed_by_torque(arm: Arm, recording: Recording, *, rules: ResidualRules = RULES.residual) -> Weighed | None:
     """The arm with the weights that a recording's torques show for its links of unknown mass; None where there are no
     such links or torques, or these tell nothing."""
-    parts = recording.each if isinstance(recording, Several) else (recording,)
     lacking = unweighed(arm)
     if not lacking or arm.branches:
         return None
     places = _places(arm, lacking, rules)
-    held = [item for one in parts for item in held_by_drives(arm, one, places, rules=rules)]
+    held = [item for one in recording.singles for item in held_by_drives(arm, one, places, rules=rules)]
     if not held:
         return None
     along = np.array([not any(place[1:]) for _, place in places])

@@ -48,6 +48,11 @@ class Several(Recording):
     before: tuple[int | None, ...] = ()
     units: bool = False
 
+    @property
+    def singles(self) -> tuple[Recording, ...]:
+        """The recordings themselves."""
+        return self.each
+
     def parts(self) -> tuple[Recording, ...]:
         """The recordings with the readings that are left of each, on clocks of their own, and what they know of those
         that they go on from."""

@@ -8,9 +8,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast
 
 from linkwright.core.diagnose.reading.branches import refuse_unmeasured_origins
-from linkwright.core.diagnose.recording import Recording as FoundRecording
 from linkwright.core.diagnose.result import Diagnosis as Found
-from linkwright.core.diagnose.several.recordings import Several, together
+from linkwright.core.diagnose.several.recordings import together
 from linkwright.core.units.quantities import InputError
 from linkwright.json.diagnosis import diagnosis_json
 from linkwright.json.fields import fields
@@ -161,7 +160,7 @@ def recordings_of(
     twice = next((file for k, file in enumerate(files) if file in files[:k]), None)
     if twice is not None:
         raise InputError(twice, "", "is named twice; each recording counts once")
-    tips = {part.branch for one in read for part in _parts(one)}
+    tips = {part.branch for one in read for part in one.found.singles}
     refuse_unmeasured_origins(arm.model, tips, arm.model.name)
     widths = {one.found.q.shape[1] for one in read}
     if len(widths) > 1:
@@ -176,12 +175,7 @@ def each_with_settings(given: Sequence[_Given], arm: Arm, settings: File | Seque
 
 def settings_of(recording: Recording) -> list[Path]:
     """The settings files that a recording, or each of several, was read with."""
-    return list(dict.fromkeys(Path(part.settings) for part in _parts(recording) if part.settings))
-
-
-def _parts(recording: Recording) -> Sequence[FoundRecording]:
-    """The recordings that one is made of: itself, or each of several."""
-    return recording.found.each if isinstance(recording.found, Several) else (recording.found,)
+    return list(dict.fromkeys(Path(part.settings) for part in recording.found.singles if part.settings))
 
 
 def recording_of(given: _Given, arm: Arm, settings: File | None = None) -> Recording:

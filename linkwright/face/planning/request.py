@@ -24,7 +24,6 @@ from linkwright.core.diagnose.plan.tried import TooFewPostures
 from linkwright.core.diagnose.recording import Recording as Readings
 from linkwright.core.diagnose.result import Diagnosis as Found
 from linkwright.core.diagnose.rules.rules import RULES
-from linkwright.core.diagnose.several.recordings import Several
 from linkwright.core.diagnose.simulate import Plan as Noise
 from linkwright.core.units.names import nearest
 from linkwright.core.units.quantities import InputError, NoAnswer, shown
@@ -255,7 +254,7 @@ def _with_noise(
             raise InputError("", name, "must be positive")
     across, depth, angle = noise["sigma"], noise["sigma_depth"], noise["sigma_angle"]
     if camera and before is not None:
-        first = before.each[0] if isinstance(before, Several) else before
+        first = before.singles[0]
         if before.orientation is None:
             raise InputError("", "after", f"{before.file} holds no orientations; a plan for a camera needs them")
         axes, angle = first.sigma_axes, angle or first.sigma_angle
@@ -287,21 +286,20 @@ def _instrument_of(recording: Readings, instrument: str) -> Instrument | None:
     """The instrument of heights, distances, tilts, touches or a camera that a recording was made with, None of the
     tip's place.
     Raises `InputError` for others, and where another one is asked for."""
-    parts = recording.each if isinstance(recording, Several) else (recording,)
     if recording.slots is None:
         if instrument in (*dict(_OWN).values(), *_TOUCHES):
             raise InputError("", "after", f"{recording.file} holds the tip's place; its own instrument goes on from it")
         return None
-    kinds = {one.instrument.kinds for one in parts}
+    first, kinds = recording.singles[0].instrument, {one.instrument.kinds for one in recording.singles}
     if not kinds <= {(kind,) for kind in (*dict(_OWN).values(), *_TOUCHES)} or len(kinds) > 1:
         message = (
             "is not of one instrument that a plan goes on from: the tip's place, heights, distances, tilts, a camera"
         )
         message += ", touches of points, planes or bars"
         raise InputError("", "after", f"{recording.file} {message}")
-    if instrument not in ("tracker", parts[0].instrument.kinds[0]):
-        raise InputError("", "after", f"{recording.file} holds its {parts[0].instrument.kinds[0]}, not {instrument}")
-    return parts[0].instrument
+    if instrument not in ("tracker", first.kinds[0]):
+        raise InputError("", "after", f"{recording.file} holds its {first.kinds[0]}, not {instrument}")
+    return first
 
 
 def place_of(name: str, arm: Arm) -> Place:
