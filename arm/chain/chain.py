@@ -112,6 +112,10 @@ class Joint:
         return self.type == "revolute"
 
 
+_ASKEW = 1e-9
+"""Of a direction's component, what rounding makes of nought."""
+
+
 @dataclass(frozen=True)
 class Link:
     """A straight link: `length` m along the unit vector `direction` of its frame, then `end_rotation`.
@@ -150,6 +154,15 @@ class Link:
     def elastic(self) -> bool:
         """Whether the link has what it takes to bend."""
         return self.section is not None
+
+    @property
+    def given_by(self) -> tuple[str, ...]:
+        """The numbers that say where its far end is: its `length` alone, or, where it runs along no axis of its frame
+        (a and d of one Denavit-Hartenberg row, an origin of several components), those of x, y and z that are not
+        nought."""
+        components = zip(("x", "y", "z"), self.direction, strict=True)
+        own = tuple(name for name, share in components if abs(share) > _ASKEW)
+        return own if len(own) > 1 else ("length",)
 
 
 @dataclass(frozen=True)

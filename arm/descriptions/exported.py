@@ -18,7 +18,7 @@ import numpy as np
 from linkwright.core.arm.bodies.bodies import Mass, negative_moment, together
 from linkwright.core.arm.bodies.on_links import link_axes, link_before, masses_on_link
 from linkwright.core.arm.chain.beam import Beam
-from linkwright.core.arm.chain.chain import Arm, FloatVector, Joint
+from linkwright.core.arm.chain.chain import Arm, FloatVector, Joint, Link
 from linkwright.core.arm.chain.following import ties_to
 from linkwright.core.arm.chain.vectors import IDENTITY, ZERO, about, add, compose, norm, rotate, scale, unit
 from linkwright.core.arm.effects import EFFECTS
@@ -193,10 +193,17 @@ def found_geometry(arm: Arm) -> Arm:
                 for follower, tie in followers.get(index, ()):
                     joints[follower] = replace(joints[follower], zero=joints[follower].zero + tie.weight * offset)
             elif entry.effect == LINK_LENGTH.id and not values.get("stretch", 0.0):
-                links[index] = replace(links[index], length=links[index].length + values.get("length", 0.0))
+                links[index] = _ending_elsewhere(links[index], values)
             elif entry.effect == AXIS_MISALIGNMENT.id and index:
                 joints[index] = _realigned(joints[index], values)
     return replace(arm, joints=tuple(joints), links=tuple(links))
+
+
+def _ending_elsewhere(link: Link, values: Mapping[str, float]) -> Link:
+    """A link whose far end lies elsewhere in its frame than its file has it."""
+    offset = (values.get("x", 0.0), values.get("y", 0.0), values.get("z", 0.0))
+    end = add(scale(link.length + values.get("length", 0.0), link.direction), offset)
+    return replace(link, length=norm(end), direction=unit(end) if norm(end) > 0.0 else link.direction)
 
 
 def _realigned(joint: Joint, values: Mapping[str, float]) -> Joint:

@@ -306,6 +306,7 @@ class Effect:
     calibration takes it.
     `watched` marks what is looked at in every watch over dated recordings, found or not.
     `told_as` is a sum of its sizes by which it is told where they do not show one by one.
+    `sizes_at` names which of its sizes a joint or link (from 0) of an arm has, where not all have the same.
     `against_plumb` is how the whole arm is turned against the plumb line (rad, about the base's axes), of which levels
     see what the tip does not.
 
@@ -360,6 +361,7 @@ class Effect:
     weights_named: bool = False
     watched: bool = False
     told_as: Sum | None = None
+    sizes_at: Callable[[Arm, int], tuple[str, ...]] | None = None
     against_plumb: Callable[[Settings], Vector] = stands_plumb
 
     @property
@@ -378,6 +380,13 @@ class Effect:
     def sizes(self) -> tuple[Parameter, ...]:
         """The parameters with which the displacement grows from nothing."""
         return tuple(parameter for parameter in self.parameters if parameter.role == "size")
+
+    def sizes_here(self, arm: Arm, at: Sequence[int]) -> tuple[Parameter, ...]:
+        """The sizes that it has at these joints or links (from 0) of an arm."""
+        if self.sizes_at is None or len(at) != 1:
+            return self.sizes
+        here = self.sizes_at(arm, at[0])
+        return tuple(parameter for parameter in self.sizes if parameter.name in here)
 
     @property
     def torque_sizes(self) -> tuple[Parameter, ...]:

@@ -6,11 +6,12 @@ joint from the one before, as makers of seven-axis arms like to print them.
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 from typing import cast
 
 from linkwright.core.arm.chain.chain import Arm, DhRow, FloatVector, Joint, Link
-from linkwright.core.arm.chain.vectors import IDENTITY, ZERO, Rotation, compose, from_roll_pitch_yaw, norm, unit
+from linkwright.core.arm.chain.vectors import IDENTITY, ZERO, Rotation, compose, from_roll_pitch_yaw, norm, snap, unit
 from linkwright.core.units.reading import Mapping
 
 
@@ -71,6 +72,20 @@ def of_the_other_convention(arm: Arm) -> Arm | None:
         joints.append(joint)
         links.append(link)
     return replace(arm, joints=tuple(joints), links=tuple(links))
+
+
+def key_of_offset(arm: Arm, index: int, axis: str) -> tuple[str, float] | None:
+    """The key of an arm file's row that says how far link `index` (from 0) reaches along an axis (x, y, z) of its
+    frame, and what the number there grows by for a unit of that; None where no one number of a row says it."""
+    row = arm.joints[index].dh
+    if row is not None and not row.modified:
+        return {"x": (f"chain[{index + 1}].dh.a", 1.0), "z": (f"chain[{index + 1}].dh.d", 1.0)}.get(axis)
+    row = arm.joints[index + 1].dh if index + 1 < arm.size else None
+    if row is None or not row.modified:
+        return None
+    up = {"y": -math.sin(row.alpha), "z": math.cos(row.alpha)}
+    keys = {name: (f"chain[{index + 2}].dh.d", snap(share)) for name, share in up.items() if abs(snap(share)) == 1.0}
+    return {"x": (f"chain[{index + 2}].dh.a", 1.0), **keys}.get(axis)
 
 
 def along(vector: FloatVector, link: Link) -> Link:

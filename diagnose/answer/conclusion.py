@@ -130,7 +130,7 @@ class Conclusion:
             verdict=self._verdict(),
             sentence=said_of_no_weight(arm, self._verdict())
             + self._sentence(findings, unknown, rms_before, p_value)
-            + (put_in_first(findings) if beyond_first_order_of(self.names) else "")
+            + (put_in_first(findings, arm) if beyond_first_order_of(self.names) else "")
             + what_differs(apart, recordings, rules=self.rules.mistakes)
             + what_was_free(origins),
             noise_floor=self.names.noise.rms_m,

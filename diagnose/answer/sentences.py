@@ -9,8 +9,9 @@ import numpy as np
 from linkwright.core.arm.chain.chain import Arm
 from linkwright.core.arm.effects import EFFECTS
 from linkwright.core.arm.errors.unknown_mass import weighs_nothing
+from linkwright.core.arm.files.denavit_hartenberg import key_of_offset
 from linkwright.core.diagnose.fitting.prepare import Prepared
-from linkwright.core.diagnose.patterns.library import Candidate, of_one_number
+from linkwright.core.diagnose.patterns.library import Candidate, of_single_numbers
 from linkwright.core.diagnose.recording import Recording
 from linkwright.core.diagnose.result import (
     Alternative,
@@ -220,15 +221,20 @@ def verdict_sentence(
     return text + (f" What describes part of it: {named}." if named else "")
 
 
-def put_in_first(findings: Sequence[Finding]) -> str:
+def put_in_first(findings: Sequence[Finding], arm: Arm) -> str:
     """Zeros and lengths that are off so far that they belong into the arm file, as a sentence that goes on; nothing
     where there are none."""
     off: dict[tuple[str, str], list[tuple[int, float]]] = {}
+    numbers: list[str] = []
     for finding in findings:
-        if of_one_number(EFFECTS[finding.effect]) and len(finding.at) == 1 and not finding.recording:
-            (parameters,) = finding.parameters[:1]
+        if not of_single_numbers(EFFECTS[finding.effect]) or len(finding.at) != 1 or finding.recording:
+            continue
+        for parameter in finding.parameters:
+            if parameter.parameter in ("x", "y", "z"):
+                numbers.append(_offset_in_file(arm, finding.at[0], parameter))
+                continue
             what = "zero of joint" if EFFECTS[finding.effect].place == "joint" else "length of link"
-            off.setdefault((what, parameters.kind), []).append((finding.at[0], parameters.value))
+            off.setdefault((what, parameter.kind), []).append((finding.at[0], parameter.value))
     sentences: list[str] = []
     for (what, kind), pairs in off.items():
         unit = "deg" if kind == "angle" else "mm"
@@ -236,11 +242,19 @@ def put_in_first(findings: Sequence[Finding]) -> str:
         told = f"{_and([str(at) for at, _ in sorted(pairs)])} are off by {_and(sizes)} {unit}"
         noun, _, place = what.partition(" of ")
         sentences.append(f"{noun}s of {place}s {told}" if len(pairs) > 1 else f"{what} {told.replace(' are ', ' is ')}")
+    sentences += numbers
     if not sentences:
         return ""
     text = "; ".join(sentences)
-    them = "them" if sum(map(len, off.values())) > 1 else "it"
-    return f" {text[0].upper()}{text[1:]}: put {them} into the arm file first."
+    them = "them" if sum(map(len, off.values())) + len(numbers) > 1 else "it"
+    return f" {text if numbers and not off else text[0].upper() + text[1:]}: put {them} into the arm file first."
+
+
+def _offset_in_file(arm: Arm, link: int, parameter: FittedParameter) -> str:
+    """By how much a number of a link (from 1) that runs askew is off, under the arm file's name for it."""
+    key = key_of_offset(arm, link - 1, parameter.parameter)
+    name, factor = (f"{parameter.parameter} of link {link}", 1.0) if key is None else key
+    return f"{name} is off by {format_quantity(factor * parameter.value, 'length', 'mm', digits=2)}"
 
 
 def _and(words: Sequence[str]) -> str:

@@ -13,7 +13,7 @@ from scipy.special import stdtrit
 from linkwright.core.arm.effects import EFFECTS
 from linkwright.core.arm.effects.elastic.joint_compliance import file_compliance
 from linkwright.core.arm.effects.loads.link_mass import LINK_MASS, mass_declared
-from linkwright.core.diagnose.patterns.library import Candidate, Family, of_one_number, parameter_of
+from linkwright.core.diagnose.patterns.library import Candidate, Family, of_single_numbers, parameter_of
 from linkwright.core.diagnose.patterns.unknown_weights import only_products
 from linkwright.core.diagnose.residual.observed import Observed
 from linkwright.core.diagnose.rules.fitting_rules import FittingRules
@@ -155,7 +155,7 @@ def unlikely(prepared: Prepared, fitted: Fit) -> float:
         if candidate.outside or candidate.share or len(sizes) != len(candidate.sizes):
             continue
         effect, found = EFFECTS[candidate.effect], candidate.from_slopes(sizes.tolist())
-        if of_one_number(effect) or effect.free_with is not None:
+        if of_single_numbers(effect) or effect.free_with is not None:
             continue
         usual = (max(map(abs, parameter_of(effect, name).typical)) for name in candidate.sizes)
         times = sum((value / most) ** 2 for value, most in zip(found, usual, strict=True))

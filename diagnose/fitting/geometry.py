@@ -14,7 +14,7 @@ import numpy as np
 
 from linkwright.core.arm.chain.chain import EffectEntry
 from linkwright.core.arm.effects import EFFECTS
-from linkwright.core.diagnose.patterns.library import Candidate, candidates, columns_of, of_one_number, parameter_of
+from linkwright.core.diagnose.patterns.library import Candidate, candidates, columns_of, of_single_numbers, parameter_of
 from linkwright.core.diagnose.residual.observe import beyond_first_order, observed_about
 from linkwright.core.diagnose.residual.observed import Observed, rms_length
 from linkwright.core.diagnose.residual.robust_scale import HUBER
@@ -41,8 +41,9 @@ def about_geometry(
         order about the arm file is off by no more than a small part of the noise: of what repeats differ by, or where
         that is less or there are none, of what zeros and lengths leave.
     """
-    others = frozenset(effect.id for effect in EFFECTS.values() if not of_one_number(effect))
-    single = [item for item, _ in candidates(observed, without | others) if len(item.at) == 1 and item.only is None]
+    others = frozenset(effect.id for effect in EFFECTS.values() if not of_single_numbers(effect))
+    known = [item for item, _ in candidates(observed, without | others) if item.only is None]
+    single = [item for item in known if len(item.at) == 1 and len(item.sizes) == 1]
     now = observed
     for _ in range(_STEPS if single else 0):
         entries, left = _fitted(now, single)

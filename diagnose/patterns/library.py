@@ -59,6 +59,11 @@ class Candidate:
         return (self.effect, self.at, self.share, self.only)
 
     @property
+    def variant(self) -> tuple[Family, tuple[str, ...], tuple[tuple[str, float], ...]]:
+        """What tells it from the others of its family: its sizes and its shapes."""
+        return (self.family, self.sizes, tuple(self.shapes.items()))
+
+    @property
     def numbers(self) -> tuple[int, ...]:
         """The numbers, from 1, of the joints or links where it acts."""
         return tuple(index + 1 for index in self.at)
@@ -92,11 +97,12 @@ class Candidate:
         return Settings(self.at, MappingProxyType({**self.shapes, **values}))
 
 
-def of_one_number(effect: Effect) -> bool:
-    """Whether an effect is geometry that one number at a joint or link says: a zero, a length."""
+def of_single_numbers(effect: Effect) -> bool:
+    """Whether an effect is geometry of which every number at a joint or link says something by itself: a zero, a
+    length."""
     sizes = [parameter for parameter in effect.sizes if not parameter.of_all]
     at_one = effect.place in ("joint", "link") and effect.cause == "geometry" and effect.linear
-    return at_one and len(sizes) == 1 and not effect.shapes
+    return at_one and not effect.shapes and (len(sizes) == 1 or all(parameter.optional for parameter in sizes))
 
 
 def candidates(observed: Observed, without: frozenset[str] = frozenset()) -> Iterator[tuple[Candidate, Array]]:
@@ -234,7 +240,8 @@ def _of_effect(observed: Observed, effect: Effect) -> Iterator[Candidate]:
         }
         if not _needs_met(observed, effect, at, shapes):
             continue
-        own = common if shared else alone
+        here = {parameter.name for parameter in effect.sizes_here(observed.arm, at)}
+        own = common if shared else tuple(name for name in alone if name in here)
         if only_products(observed, effect, at):
             # About its own z a base does not turn under weights.
             own = own[:1]

@@ -193,9 +193,9 @@ def _differ(before: Patterns, after: Patterns, matters: float) -> bool:
     """Whether patterns are others than before, by more than matters, or some are gone: nothing gives under them."""
     if {candidate.family for candidate, _ in before} - {candidate.family for candidate, _ in after}:
         return True
-    by_family = {(candidate.family, tuple(candidate.shapes.items())): columns for candidate, columns in before}
+    known = {candidate.variant: columns for candidate, columns in before}
     for candidate, columns in after:
-        was = by_family.get((candidate.family, tuple(candidate.shapes.items())))
+        was = known.get(candidate.variant)
         if was is None or was.shape != columns.shape:
             return True
         if np.linalg.norm(columns.whole() - was.whole()) > matters * np.linalg.norm(was.values):

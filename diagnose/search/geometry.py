@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from linkwright.core.arm.effects import EFFECTS
 from linkwright.core.diagnose.fitting.held_out import hardest, rms_held_out, splits
-from linkwright.core.diagnose.patterns.library import Candidate, of_one_number
+from linkwright.core.diagnose.patterns.library import Candidate, Family, of_single_numbers
 
 if TYPE_CHECKING:
     from .naming import Namer
@@ -19,10 +19,17 @@ _ROUNDING = 1e-9
 def geometry_alone(namer: Namer) -> tuple[int, ...]:
     """The zeros and lengths that explain a recording best by the criterion: all of them, less one after the other
     whatever is not worth its number."""
-    members_ = [number for number, group in enumerate(namer.pool.groups) if _single(group.candidate)]
+    variants: dict[Family, list[int]] = {}
+    for number, group in enumerate(namer.pool.groups):
+        if _single(group.candidate):
+            variants.setdefault(group.candidate.family, []).append(number)
+    sizes = {number: set(namer.pool.groups[number].candidate.sizes) for own in variants.values() for number in own}
+    less = {n: [m for m in own if sizes[m] < sizes[n]] for own in variants.values() for n in own}
+    members_ = [max(own, key=lambda number: len(sizes[number])) for own in variants.values()]
     value = namer.criterion_of(members_)
     while members_:
         fewer = [[m for m in members_ if m != member] for member in members_]
+        fewer += [[other if m == member else m for m in members_] for member in members_ for other in less[member]]
         values = [namer.criterion_of(item) for item in fewer]
         least = min(range(len(fewer)), key=values.__getitem__)
         if values[least] > value:
@@ -32,9 +39,9 @@ def geometry_alone(namer: Namer) -> tuple[int, ...]:
 
 
 def _single(candidate: Candidate) -> bool:
-    """Whether a candidate is one zero or one length, in all recordings."""
+    """Whether a candidate is zeros or lengths of one joint or link, in all recordings."""
     known = not candidate.outside and not candidate.share and candidate.only is None
-    return known and len(candidate.at) == 1 and of_one_number(EFFECTS[candidate.effect])
+    return known and len(candidate.at) == 1 and of_single_numbers(EFFECTS[candidate.effect])
 
 
 def beats(namer: Namer, members: Sequence[int], geometry: Sequence[int]) -> bool:

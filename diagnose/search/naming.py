@@ -91,15 +91,11 @@ class Namer:
     def numbers_of(self, candidates: Sequence[Candidate]) -> tuple[int, ...]:
         """The groups of the library that are these candidates, in their order; new ones where a shape was moved off
         the grid. What is no group here is left out, a family's second too."""
-        known = {
-            (g.candidate.family, tuple(g.candidate.shapes.items())): number
-            for number, g in enumerate(self.pool.groups)
-            if self.library[number]
-        }
-        families = {family for family, _ in known}
+        known = {g.candidate.variant: number for number, g in enumerate(self.pool.groups) if self.library[number]}
+        families = {family for family, *_ in known}
         numbers: dict[object, int] = {}
         for candidate in candidates:
-            number = known.get((candidate.family, tuple(candidate.shapes.items())))
+            number = known.get(candidate.variant)
             if number is None and candidate.family in families:
                 columns = columns_of(self.prepared.observed, candidate)
                 number = None if columns is None else self._take_in(candidate, columns)

@@ -4,36 +4,66 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from linkwright.core.arm.chain.chain import Arm, FloatVector
+from linkwright.core.arm.chain.kinematics import section_directions
 from linkwright.core.arm.chain.statics import PoseState
-from linkwright.core.arm.chain.vectors import plus, scale, times
-from linkwright.core.arm.effects.effect import Effect, Settings, Twist, drive_motion, size
+from linkwright.core.arm.chain.vectors import ZERO, Vector, add, dot, plus, scale, times
+from linkwright.core.arm.effects.effect import Effect, Parameter, Settings, Twist, drive_motion, size
 
 
 def _twists(state: PoseState, settings: Settings) -> Iterator[Twist]:
     length, stretch = settings.values.get("length", 0.0), settings.values.get("stretch", 0.0)
-    if length == 0.0 and stretch == 0.0:
+    x, y, z = (settings.values.get(name, 0.0) for name in ("x", "y", "z"))
+    offset = (x, y, 0.0 if state.planar else z)
+    if length == 0.0 and stretch == 0.0 and offset == ZERO:
         return
     for index, link in enumerate(state.links):
         if settings.acts_at(index):
-            yield Twist("link", index, scale(plus(length, times(stretch, link.beam.length)), link.along))
+            longer = scale(plus(length, times(stretch, link.beam.length)), link.along)
+            yield Twist("link", index, add(longer, _in_base_frame(state, index, offset)))
             joint = state.joints[index]
             if stretch != 0.0 and not joint.revolute and not state.arm.links[index].runs_out:
                 yield from drive_motion(state, index, times(stretch, joint.coordinate))
 
 
+def _in_base_frame(state: PoseState, index: int, offset: FloatVector) -> Vector:
+    if offset == ZERO:
+        return ZERO
+    link, at_pose = state.arm.links[index], state.links[index]
+    height, width = section_directions(link, state.arm.joints[index])
+    return add(
+        scale(dot(offset, link.direction), at_pose.along),
+        add(scale(dot(offset, height), at_pose.height), scale(dot(offset, width), at_pose.width)),
+    )
+
+
+def _given_by(arm: Arm, index: int) -> tuple[str, ...]:
+    return arm.links[index].given_by
+
+
+def _offset(axis: str, row: str = "") -> Parameter:
+    return size(axis, "length", -0.1, 0.1, (0.1e-3, 1e-3), optional=True, out_of_plane=axis == "z").means(
+        f"of a link askew in its frame: how much further along {axis} it ends than in the file{row}",
+        "ISO 2768-1:1989, medium to coarse, at 0.2 to 1 m",
+    )
+
+
 LINK_LENGTH = Effect(
     id="link_length",
     title="true lengths of the links",
-    formula="sum u_i (dL_i + e L_i) + e sum a_i q_i of slides",
+    formula="sum u_i (dL_i + e L_i) + x_i, y_i, z_i along the link's frame + e sum a_i q_i of slides",
     place="link",
     cause="geometry",
     needs="poses that differ in all angles",
     aliases=("tool_offset", "instrument_scale", "thermal_expansion"),
     source="B. W. Mooring, Z. S. Roth & M. R. Driels, Fundamentals of Manipulator Calibration (Wiley, 1991)",
     parameters=(
-        size("length", "length", -0.1, 0.1, (0.1e-3, 1e-3)).means(
+        size("length", "length", -0.1, 0.1, (0.1e-3, 1e-3), optional=True).means(
             "true length less the one in the file", "ISO 2768-1:1989, medium to coarse, at 0.2 to 1 m"
         ),
+        _offset("x", " (a of a standard Denavit-Hartenberg row)"),
+        _offset("y"),
+        _offset("z", " (d of such a row)"),
         size("stretch", "dimensionless", -0.1, 0.1, (2e-5, 1e-3), of_all=True).means(
             "the same as a share of each link's length and each slide's travel: all in proportion, by one wrong gauge",
             "ISO 2768-1:1989, medium to coarse, over 0.2 to 1 m",
@@ -41,7 +71,7 @@ LINK_LENGTH = Effect(
     ),
     twists=_twists,
     together=True,
-    enough=(("length",), ("stretch",)),
+    sizes_at=_given_by,
     rank=30,
     linear=True,
 )

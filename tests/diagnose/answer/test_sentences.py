@@ -118,18 +118,19 @@ def test_a_file_of_findings_that_may_be_nothing_is_not_advised():
 
 @pytest.mark.parametrize("off", [(3.0,), (3.0, 1.5)])
 def test_zeros_that_are_off_are_put_in_first(off):
-    (made,) = made_diagnosis("named").findings
+    result = made_diagnosis("named")
+    (made,) = result.findings
     zeros = [
         FittedParameter(f"offset_{k}", "offset", (k,), "angle", math.radians(value), (0.0, 1.0))
         for k, value in enumerate(off, start=4)
     ]
     findings = [replace(made, effect="encoder_offset", at=zero.at, parameters=(zero,)) for zero in reversed(zeros)]
-    assert put_in_first([made, *findings]) == (
+    assert put_in_first([made, *findings], result.arm) == (
         " Zero of joint 4 is off by 3 deg: put it into the arm file first."
         if len(off) == 1
         else " Zeros of joints 4 and 5 are off by 3 and 1.5 deg: put them into the arm file first."
     )
-    assert put_in_first([made]) == ""
+    assert put_in_first([made], result.arm) == ""
 
 
 @pytest.mark.parametrize(("share", "good"), [(0.9, True), (0.02, False), (-0.4, False)])
