@@ -382,11 +382,13 @@ class Effect:
         return tuple(parameter for parameter in self.parameters if parameter.role == "size")
 
     def sizes_here(self, arm: Arm, at: Sequence[int]) -> tuple[Parameter, ...]:
-        """The sizes that it has at these joints or links (from 0) of an arm."""
-        if self.sizes_at is None or len(at) != 1:
-            return self.sizes
-        here = self.sizes_at(arm, at[0])
-        return tuple(parameter for parameter in self.sizes if parameter.name in here)
+        """The sizes that it has at these joints or links (from 0) of an arm; at several at once those `of_all`, where
+        it has such."""
+        if len(at) > 1:
+            return tuple(parameter for parameter in self.sizes if parameter.of_all) or self.sizes
+        here = None if self.sizes_at is None or not at else self.sizes_at(arm, at[0])
+        own = [parameter for parameter in self.sizes if not parameter.of_all]
+        return tuple(parameter for parameter in own if here is None or parameter.name in here)
 
     @property
     def torque_sizes(self) -> tuple[Parameter, ...]:

@@ -212,14 +212,10 @@ def kind_of(arm: Arm, candidate: Candidate, name: str) -> str:
 
 
 def _of_effect(observed: Observed, effect: Effect) -> Iterator[Candidate]:
-    known = [parameter for parameter in effect.sizes if _held(observed, parameter.requires)]
-    sizes = tuple(parameter.name for parameter in known)
-    alone = tuple(parameter.name for parameter in known if not parameter.of_all)
-    common = tuple(parameter.name for parameter in known if parameter.of_all) or sizes
     if effect.automatic and effect.id in observed.arm.leave_out:
         acting = tuple(i for i in _places(observed, effect) if observed.signature(effect.id, Settings((i,))).any())
         yield Candidate(effect.id, acting, ("share",), MappingProxyType({}), share=True)
-    if not sizes:
+    if not any(_held(observed, parameter.requires) for parameter in effect.sizes):
         return
     shaped = [parameter for parameter in effect.parameters if parameter.role == "shape" and parameter.grid]
     joints = observed.arm.joints
@@ -240,8 +236,8 @@ def _of_effect(observed: Observed, effect: Effect) -> Iterator[Candidate]:
         }
         if not _needs_met(observed, effect, at, shapes):
             continue
-        here = {parameter.name for parameter in effect.sizes_here(observed.arm, at)}
-        own = common if shared else tuple(name for name in alone if name in here)
+        here = effect.sizes_here(observed.arm, at)
+        own = tuple(parameter.name for parameter in here if _held(observed, parameter.requires))
         if only_products(observed, effect, at):
             # About its own z a base does not turn under weights.
             own = own[:1]

@@ -54,7 +54,7 @@ def rivals(namer: Namer, members: Sequence[int], member: int, judges: Sequence[N
     rules = namer.rules
     shared, gained = likenesses(namer, members, member)
     judged = [(judge, judge.criterion_of(members)) for judge in (namer, *judges)]
-    taken = {namer.pool.groups[m].candidate.family for m in members}
+    taken = namer.families(members)
     rivals_: dict[object, Rival] = {}
     near = (shared >= rules.alike) | (gained >= rules.rivalling * gained[member])
     for number in np.flatnonzero(namer.library & near).tolist():

@@ -14,12 +14,13 @@ from linkwright.core.diagnose.fitting.prepare import Prepared, limits
 from linkwright.core.diagnose.fitting.refit import refined_shapes
 from linkwright.core.diagnose.fitting.room.small_causes import with_room
 from linkwright.core.diagnose.patterns.forces import pull_found
-from linkwright.core.diagnose.patterns.library import Candidate, columns_of
+from linkwright.core.diagnose.patterns.library import Candidate, Family, columns_of
 from linkwright.core.diagnose.patterns.pool import Pool, with_group
 from linkwright.core.diagnose.rules.search_rules import SearchRules
 from linkwright.core.sections.numeric import Array
 
 from .calibrate import FEW_DRAWS, Calibrated, Given, given_model, one_more, p_value
+from .exchanges import better
 from .geometry import beats, geometry_alone
 from .subsets import Subset, best_subsets
 
@@ -126,6 +127,10 @@ class Namer:
         """The candidates."""
         return self.prepared.pool
 
+    def families(self, members: Sequence[int]) -> set[Family]:
+        """What these groups are variants of."""
+        return {self.pool.groups[member].candidate.family for member in members}
+
     def test(self, members: Sequence[int], draws: int | None = None) -> tuple[Calibrated, Calibrated]:
         """Whether the library, and whether a form, explains more of what some groups leave than chance would."""
         initial: Given = given_model(self.pool, self.prepared.vector, members)
@@ -209,7 +214,7 @@ def name_missing(
             members, p_values = further, p_of_further
     again = namer.numbers_of(before) if len(before) > 3 else ()
     if len(again) > 3 and namer.possible(again):
-        again = _swapped(namer, again)
+        again = better(namer, again, one_by_one=True)
         other, p_of_others = _carried_on(namer, again, own_tests(namer, again))
         sound = all(p <= namer.rules.false_alarm for p in p_of_others)
         if sound and namer.criterion_of(other) < namer.criterion_of(members):
@@ -261,15 +266,20 @@ def own_tests(namer: Namer, members: Sequence[int], others: Sequence[int] = ()) 
 def _carried_on(
     namer: Namer, members: tuple[int, ...], p_values: tuple[float, ...]
 ) -> tuple[tuple[int, ...], tuple[float, ...]]:
-    """More findings one by one, each chosen anew among all, as long as each passes its test and is worth it."""
+    """More findings one by one, each chosen anew among all, as long as each passes its test and is worth it; and sets
+    in the place of others while these are better."""
     while True:
         tested = namer.test(members, FEW_DRAWS)[0]
-        if tested.p_value > namer.rules.false_alarm:
+        more = tested.p_value <= namer.rules.false_alarm
+        added = better(namer, _best_addition(namer, members, tested), one_by_one=True) if more else members
+        if len(added) > len(members) and _worth_it(namer, members, added):
+            members, p_values = added, (*p_values, tested.p_value)
+            continue
+        other = better(namer, members)
+        p_of_others = own_tests(namer, other) if other != members else ()
+        if not p_of_others or max(p_of_others) > namer.rules.false_alarm:
             break
-        added = _swapped(namer, _best_addition(namer, members, tested))
-        if len(added) <= len(members) or not _worth_it(namer, members, added):
-            break
-        members, p_values = added, (*p_values, tested.p_value)
+        members, p_values = other, p_of_others
     return _pruned(namer, members, p_values) if len(members) > 3 else (members, p_values)
 
 
@@ -297,35 +307,13 @@ def _pruned(
 
 def _best_addition(namer: Namer, members: tuple[int, ...], tested: Calibrated) -> tuple[int, ...]:
     """The members and the best group beside them that is possible with them."""
-    taken = {namer.pool.groups[m].candidate.family for m in members}
+    taken = namer.families(members)
     for number in np.argsort(-tested.each)[:40].tolist():
         if not namer.library[number] or namer.pool.groups[number].candidate.family in taken:
             continue
         wider = (*members, int(number))
         if namer.possible(wider):
             return wider
-    return members
-
-
-def _swapped(namer: Namer, members: tuple[int, ...]) -> tuple[int, ...]:
-    """The members after exchanging one at a time for whatever explains more, as long as that helps."""
-    for _ in range(3):
-        changed = False
-        for place, member in enumerate(members):
-            rest = [m for k, m in enumerate(members) if k != place]
-            families = {namer.pool.groups[m].candidate.family for m in rest}
-            gained = namer.prepared.products.beside(namer.pool.columns(rest)).gains()
-            gains = gained[member]
-            for other in np.argsort(-gained)[:10].tolist():
-                allowed = namer.library[other] and namer.pool.groups[other].candidate.family not in families
-                if other == member or not allowed or gained[other] <= gains * (1.0 + 1e-6):
-                    continue
-                trial = tuple(m if k != place else int(other) for k, m in enumerate(members))
-                if namer.criterion_of(trial) < namer.criterion_of(members) - 1e-6 and namer.possible(trial):
-                    members, changed = trial, True
-                    break
-        if not changed:
-            break
     return members
 
 

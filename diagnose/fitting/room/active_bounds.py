@@ -38,7 +38,6 @@ def at_active_bounds(
         size
         for size in (effect.sizes_here(prepared.observed.arm, candidate.at) if effect.told_as is None else ())
         if size.name not in candidate.sizes
-        and not size.of_all
         and (size.optional or all(own.optional for own in effect.sizes if own.name in candidate.sizes))
         and all(getattr(held, condition) is not None for condition in size.requires)
     ]

@@ -1,51 +1,21 @@
 """A link whose row gives both a and d has two lengths: each moves the tip as a change of that number in the file does,
 by chains of plain matrices (modified rows: J. J. Craig, Introduction to Robotics, ch. 3)."""
 
-import math
 from dataclasses import replace
 from types import MappingProxyType
 
 import numpy as np
 import pytest
-from scipy.spatial.transform import Rotation
 
-from linkwright.core.arm.chain.chain import Arm, EffectEntry
+from linkwright.core.arm.chain.chain import EffectEntry
 from linkwright.core.arm.chain.kinematics import tip_position
 from linkwright.core.arm.descriptions.exported import found_geometry
 from linkwright.core.arm.errors.model import beams_of
 from linkwright.core.arm.files.denavit_hartenberg import key_of_offset
-from linkwright.core.arm.files.read import read_arm
 from tests.arm.effects.effect_states import Posed, conditions, moved
+from tests.arm.rows.matrices import QUARTER, arm_of, tip_by_matrices
 
-QUARTER = 0.5 * math.pi
 ROWS = [(0.07, 0.29, -QUARTER, 0.4), (0.43, 0.15, 0.0, -0.2), (-0.02, 0.11, QUARTER, 0.0), (0.09, 0.43, -QUARTER, 0.0)]
-
-
-def tip_by_matrices(rows, q, *, modified):
-    turn, tip = Rotation.identity(), np.zeros(3)
-    for (a, d, alpha, theta), angle in zip(rows, q, strict=True):
-        about_x, about_z = Rotation.from_euler("x", alpha), Rotation.from_euler("z", angle + theta)
-        if modified:
-            tip = tip + turn.apply(np.array([a, 0.0, 0.0]) + about_x.apply([0.0, 0.0, d]))
-            turn = turn * about_x * about_z
-        else:
-            tip = tip + turn.apply(np.array([0.0, 0.0, d]) + about_z.apply([a, 0.0, 0.0]))
-            turn = turn * about_z * about_x
-    return tip
-
-
-def arm_of(rows, tmp_path, *, modified) -> Arm:
-    convention = "modified" if modified else "standard"
-    lines = ["name: rows", "chain:"]
-    for a, d, alpha, theta in rows:
-        lines.append("  - joint: {range: [-180 deg, 180 deg]}")
-        lines.append(
-            f"    dh: {{a: {a} m, d: {d} m, alpha: {alpha} rad, theta: {theta} rad, convention: {convention}}}"
-        )
-        lines.append("    link: {rigid: true, mass: 1 kg}")
-    path = tmp_path / "arm.yaml"
-    path.write_text("\n".join(lines) + "\n", encoding="utf-8")
-    return read_arm(path)
 
 
 def numbers_of(arm):

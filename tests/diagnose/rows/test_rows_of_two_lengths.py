@@ -8,7 +8,7 @@ import pytest
 
 from linkwright.core.diagnose.diagnosis import diagnose
 from linkwright.core.diagnose.recording import Recording
-from tests.arm.effects.test_askew_links import QUARTER, arm_of, tip_by_matrices
+from tests.arm.rows.matrices import QUARTER, arm_of, tip_by_matrices
 
 OFFSET_WRIST = [
     (0.0, 0.66, -QUARTER, 0.0),
