@@ -12,7 +12,6 @@ from typing import Literal
 
 import numpy as np
 from scipy.spatial.transform import Rotation
-from scipy.stats import qmc
 
 from linkwright.core.arm.avoid.poses import NoRoom, drawn, room_of
 from linkwright.core.arm.chain.arrays import columns, matrices
@@ -307,6 +306,8 @@ def _touching(bare: Recording, arm: Arm, plan: Plan, random: np.random.Generator
 
 def _visited(arm: Arm, plan: Plan, random: np.random.Generator) -> Recording:
     """Joint coordinates and conditions of every reading, the tip still to come."""
+    from scipy.stats import qmc  # here, for it loads all of scipy's statistics
+
     sobol = qmc.Sobol(arm.size, scramble=True, rng=random)
     ends, room = np.array([joint.range for joint in arm.joints]), room_of(arm, None)
     count = 2 ** max(1, math.ceil(math.log2(plan.poses)))
