@@ -80,12 +80,10 @@ JOINT_COMPLIANCE = Effect(
     source="M. W. Spong, Modeling and Control of Elastic Joint Robots, ASME J. Dyn. Sys. 109 (1987), "
     "doi:10.1115/1.3143860",
     parameters=(
-        given("stiffness", "torsional_stiffness", 1e1, 1e9, (9e2, 4e6)).means(
-            "torsional stiffness of the drive",
-            "from small harmonic drives (RSF-8B at 100:1: Harmonic Drive, RSF-B mini series manual, 1-8) to "
-            "large machine-tool drives",
+        given("stiffness", "torsional_stiffness", 1e1, 1e9, (1e4, 4e6)).means(
+            "torsional stiffness of the drive", "range from small harmonic drives to large machine-tool drives"
         ),
-        size("compliance", "compliance", -1e-1, 1e-1, (2.5e-7, 1.1e-3)).means(
+        size("compliance", "compliance", -1e-1, 1e-1, (2.5e-7, 1e-4)).means(
             "compliance of the drive beyond what the arm file gives it", "the reciprocal of the same stiffnesses"
         ),
         unit_sag("the drive"),

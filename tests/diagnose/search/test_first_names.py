@@ -42,20 +42,12 @@ def test_what_takes_all_places_to_be_wrong_alike_comes_after_one_thing():
         assert preferred(signal, [first], first, [Rival(other, 1.0, 0.0)]) == scale
 
 
-@pytest.mark.parametrize(
-    ("first", "other", "sizes"),
-    [
-        # What a file says of a link is off before it lacks a bending. The noise alone looks like a modulus off by 0.04.
-        ("link_modulus", "link_bending", (-0.3, -0.1, 0.2)),
-        # 1e3 N*m/rad is a small harmonic drive.
-        ("joint_compliance", "servo_droop", (1e-6, 1e-4, 1e-3)),
-    ],
-)
-def test_of_one_pattern_the_usual_and_commoner_cause_goes_first(first, other, sizes):
+@pytest.mark.parametrize("size", [-0.3, -0.1, 0.2])
+def test_what_a_file_says_is_off_before_it_lacks_a_bending(size):
+    """The noise alone looks like a modulus off by 0.04."""
     null = prepared_null()
-    names = [group_of(null, name, (1,)) for name in (first, other)]
-    for size in sizes:
-        moved = null.columns[names[0]][:, :, 0] * size
-        signal = Namer(with_residual(null, null.observed.residual + moved), thorough=False, seed=0)
-        for member, rival in (names, names[::-1]):
-            assert preferred(signal, [member], member, [Rival(rival, 1.0, 0.0)]) == names[0]
+    names = [group_of(null, name, (1,)) for name in ("link_modulus", "link_bending")]
+    moved = null.columns[names[0]][:, :, 0] * size
+    signal = Namer(with_residual(null, null.observed.residual + moved), thorough=False, seed=0)
+    for member, rival in (names, names[::-1]):
+        assert preferred(signal, [member], member, [Rival(rival, 1.0, 0.0)]) == names[0]
