@@ -12,10 +12,11 @@ from linkwright.core.arm.chain.chain import Arm, EffectEntry
 from linkwright.core.diagnose.answer.conclusion import Conclusion
 from linkwright.core.diagnose.answer.confirmation import Confirmed
 from linkwright.core.diagnose.answer.sentences import label_of, of_branches, put_right
-from linkwright.core.diagnose.answer.torques import of_unknown_weights
+from linkwright.core.diagnose.answer.torques import of_torque_loads, of_unknown_weights
 from linkwright.core.diagnose.fitting.geometry import about_geometry
 from linkwright.core.diagnose.fitting.origins import located
 from linkwright.core.diagnose.fitting.prepare import prepare
+from linkwright.core.diagnose.fitting.torque_loads import loads_by_torque
 from linkwright.core.diagnose.mistakes.zeros import refuse_another_zero
 from linkwright.core.diagnose.patterns.library import Candidate
 from linkwright.core.diagnose.residual.free_origins import turned_by, with_origins_of
@@ -75,6 +76,8 @@ def diagnose(
     rules = request.rules
     shown = weighed_by_torque(arm, recording, rules=rules.residual)
     arm = arm if shown is None else shown.arm
+    loads, before = loads_by_torque(arm, recording, rules.residual), recording
+    arm, recording = (arm, recording) if loads is None else (loads.arm, loads.recording)
     if arm.unknown_origins:
         tell("finding the fixed transforms that are free", 0.0)
     placed = located(arm, recording, rules=rules)
@@ -85,6 +88,10 @@ def diagnose(
             break
         placed = again
         diagnosis = _diagnosed(placed, recording, request, tell)
+    if loads is not None:
+        as_recorded = loads.as_recorded(diagnosis.recording, before)
+        notes = (*of_torque_loads(loads, rules.residual), *diagnosis.notes)
+        diagnosis = replace(diagnosis, recording=as_recorded, notes=notes)
     return diagnosis if shown is None else replace(diagnosis, notes=(*of_unknown_weights(shown), *diagnosis.notes))
 
 

@@ -46,7 +46,7 @@ class Recording:
     `sides` (N, n) of +1, -1 (0 where unknown); `payload_mass` (N,) kg; `temperature` (N,) K and `link_temperature`
     (N, n) K, absolute; `velocity` (N, n) rad/s or m/s; `acceleration` (N, n); `last_moves` (N, n) how far each joint
     had gone since the reading before, be that set aside or not; `commanded` (N, n) and `joint_side` (N, n) like q;
-    `torque` (N, n) N*m; `force` (N, 3) at the tip in the base frame, N; `base_target` (N, 3) m.
+    `torque` (N, n) N*m; `force` (N, 3) N and `moment` (N, 3) N*m at the tip in the base frame; `base_target` (N, 3) m.
     `row` (N,) is each reading's number in the file, from 1. `sigma` (m, for each component) is declared, `frame` and
     `tool` say what is a nuisance, and so does `seat` of how the target is turned on the tool (unused: orientations are
     left alone); `other` holds further numeric columns as they are, by name. `warnings` are sentences
@@ -79,6 +79,7 @@ class Recording:
     joint_side: Array | None = None
     torque: Array | None = None
     force: Array | None = None
+    moment: Array | None = None
     base_target: Array | None = None
     sigma: float | None = None
     frame: Literal["known", "free"] = "known"

@@ -293,7 +293,7 @@ class Arm:
     def planar(self, load: LoadCase | None = None) -> bool:
         """Whether everything stays in the x-y plane: axes, links, gravity and, with `load`, the tip's force too."""
         case = self.payload if load is None else load
-        return case.force[2] == 0.0 and case.moment[:2] == (0.0, 0.0) and self._flat
+        return self._flat and case.force[2] == 0.0 and case.moment[:2] == (0.0, 0.0)
 
     @cached_property
     def _flat(self) -> bool:

@@ -65,7 +65,7 @@ class JointState:
     """A joint at a pose: its axis, what it carries (force N, moment N*m) and the load on its drive.
 
     `drive_load` is the torque about the axis (N*m), or the force along it (N) for a slide. `whole_load` is 1 where
-    these loads hold what the arm's effects add to its file too (measured ones do), else 0.
+    these loads hold what the arm's effects add to its file too, else 0.
     """
 
     revolute: bool

@@ -18,7 +18,6 @@ from linkwright.core.diagnose.fitting.corrected_arm import corrected_arm
 from linkwright.core.diagnose.fitting.fit import beyond_nuisances, displacement, fit, remaining
 from linkwright.core.diagnose.fitting.held_out import hardest, splits
 from linkwright.core.diagnose.fitting.identified_origins import identified_origins
-from linkwright.core.diagnose.fitting.torque_weights import with_weights
 from linkwright.core.diagnose.recording import Recording, RejectedRow
 from linkwright.core.diagnose.residual.observed import rms_length
 from linkwright.core.diagnose.residual.visits import one_condition
@@ -63,7 +62,6 @@ from .sentences import (
     what_was_free,
 )
 from .together import may_be_nothing
-from .torques import weights_by_torque
 from .unknown import describe, largest_first, rejected_forms
 from .unseen import unseen
 
@@ -108,7 +106,6 @@ class Conclusion:
         corrected, origins = identified_origins(
             self.prepared, self.names.refit, self.names.outside, corrected, room, self.search
         )
-        corrected, of_weights = with_weights(self.observed, corrected)
         self.names.tell("next poses", 0.95)
         proposed = next_poses(
             self.names.namer,
@@ -171,8 +168,6 @@ class Conclusion:
                 *of_camera(self.prepared, self.names.refit.terms, self.names.noise),
                 *unseen(self.prepared),
                 *default_gravity(arm),
-                *weights_by_torque(self.observed),
-                *of_weights,
                 *self.observed.alignment.undetermined,
                 *recording.warnings,
                 *self.names.noise.warnings,
@@ -223,7 +218,7 @@ class Conclusion:
         return tuple(
             replace(
                 one,
-                corrected=with_weights(self.observed, arms[index], several.names[index])[0],
+                corrected=arms[index],
                 rms_promised=rms_length(left[which == index]),
             )
             for index, one in enumerate(recordings)

@@ -7,21 +7,57 @@ from itertools import groupby
 
 import numpy as np
 
+from linkwright.core.arm.chain.chain import Arm
+from linkwright.core.diagnose.fitting.torque_loads import TorqueLoads
 from linkwright.core.diagnose.residual.masses_from_torques import Weighed
-from linkwright.core.diagnose.residual.observed import Observed
 from linkwright.core.diagnose.residual.torque import DriveTorque, Factor
 from linkwright.core.diagnose.rules.residual_rules import ResidualRules
 from linkwright.core.units.quantities import format_quantity
 
 
-def weights_by_torque(observed: Observed) -> tuple[str, ...]:
-    """Whether links and payload weigh on the drives what the model says, by their torques; the friction found; and by
-    what load compliance was judged."""
+def of_torque_loads(loads: TorqueLoads, rules: ResidualRules) -> tuple[str, ...]:
+    """Whether links and payload weigh on the drives what the model says, by their torques; the friction found; and
+    under what weights all that gives was judged."""
     sentences: list[str] = []
-    for name, group in groupby(observed.torques, key=lambda torque: torque.of):
+    if loads.carried is not None:
+        held = format_quantity(loads.carried, "mass", digits=3)
+        sentences.append(f"By the torques {held} hang at the tip throughout, which neither recording nor file has.")
+    if loads.hung is not None:
+        least, most = (format_quantity(mass, "mass", digits=2) for mass in loads.hung)
+        sentences.append(
+            f"By the torques {least} to {most} hang at the tip that were not recorded, other from visit to visit: "
+            "record them as `payload_kg`."
+        )
+    if loads.pushed is not None:
+        most = format_quantity(loads.pushed, "force", digits=2)
+        sentences.append(
+            f"By the torques forces of up to {most} act on the tip that were not recorded: record them as `fx_N`, ..."
+        )
+    for name, group in groupby(loads.torques, key=lambda torque: torque.of):
         before = f"{name}: " if name else ""
-        sentences += [before + text for text in _of_one(list(group), observed)]
-    return tuple(sentences)
+        sentences += [before + text for text in _of_one(list(group), loads.arm, rules)]
+    return (*sentences, *_judged_under(loads))
+
+
+def _judged_under(loads: TorqueLoads) -> list[str]:
+    """Under what weights all that gives was judged, and what of the torques they do not make."""
+    if not any((loads.carried, loads.hung, loads.pushed, *(torque.instead for torque in loads.torques))):
+        return []
+    sentences = ["What gives (drives, links, bearings) is judged under the loads that the torques show."]
+    parts = [
+        f"link {k + 1} {format_quantity(loads.arm.links[k].mass or 0.0, 'mass', digits=3)} (within "
+        f"{196.0 * error:.2g} %)"
+        for k, error in loads.links
+    ]
+    if parts:
+        shown = f"{', '.join(parts)}{', and other centres of mass' * loads.moved}"
+        sentences.append(f"The corrected arm has the weights that the torques show: {shown}.")
+    sentences += [
+        f"No weights of links and payload make {100.0 * share:.2g} % of what the load on drive {joint + 1} changes by: "
+        "a counterbalance or a force at the tip does; compliance of and beyond that drive is no better known."
+        for joint, share in loads.unmade
+    ]
+    return sentences
 
 
 def of_unknown_weights(shown: Weighed) -> tuple[str, ...]:
@@ -46,8 +82,8 @@ def _numbered(what: str, places: Sequence[int]) -> str:
     return f"{what}{'s' * (len(places) > 1)} {', '.join(str(place + 1) for place in places)}"
 
 
-def _of_one(torques: Sequence[DriveTorque], observed: Observed) -> list[str]:
-    rules, sentences = observed.rules.residual, list[str]()
+def _of_one(torques: Sequence[DriveTorque], arm: Arm, rules: ResidualRules) -> list[str]:
+    sentences = list[str]()
     for each in torques:
         if each.scaled and each.links is not None and each.links.differs(rules):
             sentences.append(
@@ -62,15 +98,9 @@ def _of_one(torques: Sequence[DriveTorque], observed: Observed) -> list[str]:
             )
     unscaled = [torque for torque in torques if not torque.scaled]
     sentences += _of_payload([(item.joint, item.payload) for item in unscaled if item.payload is not None], rules)
-    instead = [str(torque.joint + 1) for torque in torques if torque.instead]
-    if instead:
-        sentences.append(
-            f"How drive{'s' if len(instead) > 1 else ''} {' and '.join(instead)} give{'' if len(instead) > 1 else 's'} "
-            "is judged by the measured torque, not by the weights."
-        )
     if not sentences and (agreed := _agreed(torques, rules)):
         sentences.append(agreed)
-    kinds = ["torque" if joint.revolute else "force" for joint in observed.arm.joints]
+    kinds = ["torque" if joint.revolute else "force" for joint in arm.joints]
     rubs = [
         f"{format_quantity(abs(torque.friction), kinds[torque.joint], digits=2)} at drive {torque.joint + 1}"
         for torque in torques

@@ -18,14 +18,12 @@ from scipy.optimize import nnls
 
 from linkwright.core.arm.chain.balance import PointMass
 from linkwright.core.arm.chain.chain import Arm
-from linkwright.core.arm.chain.statics import solve
-from linkwright.core.arm.errors.model import beams_of
 from linkwright.core.diagnose.recording import Recording
 from linkwright.core.diagnose.rules.residual_rules import ResidualRules
 from linkwright.core.diagnose.rules.rules import RULES
 from linkwright.core.sections.numeric import Array
 
-from .recorded_conditions import conditions_of
+from .torque import loads_on_drives
 from .visits import visits
 
 Place = tuple[int, tuple[float, float, float]]
@@ -114,22 +112,10 @@ def held_by_drives(
     one = recording.kept(np.isin(np.arange(recording.size), np.unique(number, return_index=True)[1]))
 
     def loads(of: Arm, *, bare: bool) -> Array:
-        payload = {"payload_mass": np.zeros(one.size), "tip_force": (0.0, 0.0, 0.0)}
-        if not bare:
-            force = None if one.force is None else tuple(one.force.T)
-            payload = {"payload_mass": one.payload_mass, "tip_force": force}
-        state = solve(
-            of,
-            [one.q[:, index] for index in range(of.size)],
-            beams_of(of),
-            conditions=conditions_of(one, of, rules=rules),
-            **payload,  # pyright: ignore[reportArgumentType]
-        )
-        by_joint = [np.broadcast_to(np.asarray(joint.drive_load, dtype=float), (one.size,)) for joint in state.joints]
-        return np.stack(by_joint, axis=1)
+        return loads_on_drives(of, one, payload=not bare, rules=rules)
 
     whole, bare = loads(known, bare=False), loads(known, bare=True)
-    of_one = np.stack([loads(_carrying(known, ((place, 1.0),)), bare=True) - bare for place in places], axis=2)
+    of_one = np.stack([loads(hung_at(known, place), bare=True) - bare for place in places], axis=2)
     held: list[Held] = []
     for joint in range(arm.size):
         torque = np.bincount(number, weights=recording.torque[:, joint]) / count
@@ -202,8 +188,17 @@ def _weightless(arm: Arm) -> Arm:
     )
 
 
-def _carrying(arm: Arm, solution: Sequence[tuple[Place, float]]) -> Arm:
-    """The arm with masses (kg) at places: along a link as its mass and centre, those beside it as one."""
+def hung_at(arm: Arm, place: Place) -> Arm:
+    """The arm with a kilogram more at a place."""
+    index, at = place
+    link = arm.links[index]
+    heavier = replace(link, masses=(*link.masses, PointMass(1.0, at)))
+    return arm.with_links((*arm.links[:index], heavier, *arm.links[index + 1 :]))
+
+
+def carrying(arm: Arm, solution: Sequence[tuple[Place, float]]) -> Arm:
+    """The arm, its links there weightless, with masses (kg) at places: along a link as its mass and centre, those
+    beside it as one."""
     links = list(arm.links)
     for index, link in enumerate(links):
         carried = [(place, mass) for (of, place), mass in solution if of == index and mass > 0.0]
@@ -238,7 +233,7 @@ def _of_masses(
         drives.append((each.joint, float(np.abs(load).max()), float(np.sqrt(max(share @ spread @ share, 0.0)))))
     beside = any(any(place[1:]) and mass > 0.0 for (_, place), mass in put)
     untold = tuple(k for k in unweighed(arm) if k not in links)
-    return Weighed(_carrying(known, put), tuple(links), untold, tuple(drives), beside)
+    return Weighed(carrying(known, put), tuple(links), untold, tuple(drives), beside)
 
 
 def _seen(held: Held, places: Sequence[Place], link: int, rules: ResidualRules) -> bool:

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from typing import TypeVar
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -37,7 +37,6 @@ from .alignment import Alignment, aligned
 from .observed import Observed, kept, softening_of, tool_moved, turns_measured, with_effects
 from .orientation import has_orientation, turn_left
 from .recorded_conditions import conditions_of
-from .torque import drive_torques, under_measured
 from .visits import visits
 
 Array = NDArray[np.float64]
@@ -46,7 +45,6 @@ _Placed = tuple[PoseState, PoseState, Channels, Array, View | None]
 
 _AT_ONCE = 8192
 """Readings that are computed together where only residuals are kept: as fast as all at once, with little memory."""
-_LEVEL = 1e-9
 _TOOL_PASSES, _TOOL_FOUND = 4, 1e-6
 """m; a free tool is put into the arm and sought again until it moves by less than this."""
 
@@ -98,15 +96,12 @@ def observe(
         parts.append(left[:, -turns_measured(2 if alignment.rotation.shape[0] == 2 else 3) :])
     residual = np.concatenate(parts, axis=1)
     block = visits(recording, arm, rules=rules.residual)
-    told = all(index == 0 and _upright(nominal) for index in unknown)
-    torques = drive_torques(known, recording, nominal, block, rules.residual) if told else ()
-    measured = any(torque.instead for torque in torques)
     return Observed(
         known,
         unknown,
         recording,
         nominal,
-        under_measured(state, torques) if measured else state,
+        state,
         channels,
         alignment,
         residual,
@@ -117,8 +112,6 @@ def observe(
         rules,
         wander=wander,
         view=view,
-        torques=torques,
-        by_weights=state if measured else None,
     )
 
 
@@ -243,14 +236,6 @@ def _of_several(parts: Sequence[Observed], recording: Several, scale: Array | No
         first.about,
         first.rules,
         view=view_of_several([part.view for part in parts], recording.names),
-        torques=tuple(
-            replace(torque, of=name)
-            for name, part in zip(recording.names, parts, strict=True)
-            for torque in part.torques
-        ),
-        by_weights=None
-        if all(part.by_weights is None for part in parts)
-        else joined([part.by_weights or part.state for part in parts], counts),
     )
 
 
@@ -265,10 +250,15 @@ def _levels_of_several(parts: Sequence[Observed]) -> NDArray[np.int64] | None:
 def undeformed(arm: Arm, recording: Recording, rules: ResidualRules, conditions: Conditions | None = None) -> PoseState:
     """The arm at the readings of a recording, under what it bears there, where nothing gives; `conditions` are those
     of the recording itself by default."""
+    turned: dict[str, Any] = {}
+    if recording.moment is not None:
+        # In the plane a moment stays there: nought beside its axis, not columns of it.
+        turned["moment"] = tuple(moment if moment.any() else 0.0 for moment in recording.moment.T)
     return solve(
         arm,
         [recording.q[:, index] for index in range(arm.size)],
         beams_of(arm),
+        replace(arm.payload, **turned),
         conditions=conditions_of(recording, arm, rules=rules) if conditions is None else conditions,
         payload_mass=recording.payload_mass,
         tip_force=None if recording.force is None else _columns(recording.force),
@@ -374,7 +364,7 @@ def beyond_first_order(observed: Observed, about: Sequence[EffectEntry]) -> Arra
         shape_of(with_effects(observed.nominal, arm, softening_of(observed.nominal, arm), weights), effects, asked)
         for effects, weights in ((whole, about), (own, ()))
     )
-    first, turn, level = _to_first_order(observed.by_weights or observed.state, arm, about, asked)
+    first, turn, level = _to_first_order(observed.state, arm, about, asked)
     if observed.view is None:
         return (with_them.tip - without.tip - first)[:, : observed.components]
     turned = [None, None]
@@ -384,14 +374,6 @@ def beyond_first_order(observed: Observed, about: Sequence[EffectEntry]) -> Arra
         turned = [levels_of(shape, effects, asked) for shape, effects in ((with_them, whole), (without, own))]
     beyond = observed.view.change(with_them.tip, turned[0]) - observed.view.change(without.tip, turned[1])
     return beyond - observed.view.of_tip(first, level)
-
-
-def _upright(state: PoseState) -> bool:
-    """Whether nothing that the first link weighs loads its drive."""
-    joint, pull = state.joints[0], np.array(state.arm.gravity, dtype=float)
-    axis = columns(joint.axis, 1)[0]
-    across = np.cross(axis, pull) if joint.revolute else axis * float(axis @ pull)
-    return float(np.linalg.norm(across)) <= _LEVEL * float(np.linalg.norm(pull))
 
 
 def _mean(points: Array) -> tuple[float, float, float]:

@@ -30,7 +30,6 @@ from linkwright.core.diagnose.several.recordings import Several
 
 from .alignment import Alignment
 from .orientation import has_orientation
-from .torque import DriveTorque
 from .wander import clock, growth, without_wander
 
 Array = NDArray[np.float64]
@@ -52,9 +51,6 @@ class Observed:
     (R,) is what `scale` is multiplied by for each recording's readings (None: nothing); where each number is a reading
     of its own, for each kind of number as well.
 
-    `torques` are what measured torques say; where compliance is judged by them, they are the loads in `state`, and
-    `by_weights` is the state with those that the model's weights give.
-
     `view` says what a displacement of the tip shows where something else than its place was measured; the tip's columns
     are those readings then.
     """
@@ -75,8 +71,6 @@ class Observed:
     loud: Array | None = None
     wander: float = 0.0
     view: View | None = None
-    torques: tuple[DriveTorque, ...] = ()
-    by_weights: PoseState | None = None
 
     @property
     def loud_with(self) -> NDArray[np.int64] | None:

@@ -8,9 +8,10 @@ J. M. Hollerbach, Int. J. Robot. Res. 5(3) (1986) 101, doi:10.1177/0278364986005
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from types import MappingProxyType
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,6 +23,8 @@ from linkwright.core.arm.errors.model import beams_of
 from linkwright.core.diagnose.recording import Recording
 from linkwright.core.diagnose.rules.residual_rules import ResidualRules
 from linkwright.core.sections.numeric import Array
+
+from .recorded_conditions import conditions_of
 
 _TOLD = 1e-6
 
@@ -44,10 +47,9 @@ class DriveTorque:
     """What a drive's torque says (joint from 0): how many times as much as in the model the `links` and the `payload`
     weigh on it (None: it does not tell), the Coulomb friction (N*m, N; None where no side is known), what the fit
     leaves, `scatter`, and how far the load spreads, `spread` (standard deviations, N*m or N); `along` is how the torque
-    goes with the load that the model gives (-1 to 1). `held` (N,) is the load on the drive that was measured: friction
-    and the sensor's constant taken off, alike within a visit. `instead` says that it is what compliance is judged by.
-    `together` says that the payload is in `links`: it was always the same. `of` names the recording, where there are
-    several.
+    goes with the load that the model gives (-1 to 1). `instead` says that what gives is judged under the weights that
+    it shows. `together` says that the payload is in `links`: it was always the same. `of` names the recording, where
+    there are several.
     """
 
     joint: int
@@ -57,7 +59,6 @@ class DriveTorque:
     scatter: float
     spread: float
     along: float
-    held: Array
     instead: bool
     together: bool
     of: str = ""
@@ -69,6 +70,10 @@ class DriveTorque:
             return False
         apart = abs(self.links.value - self.payload.value)
         return apart <= 2.0 * float(np.hypot(self.links.error, self.payload.error))
+
+    def differs(self, rules: ResidualRules) -> bool:
+        """Whether links or payload weigh other on it than in the model."""
+        return any(factor is not None and factor.differs(rules) for factor in (self.links, self.payload))
 
 
 @dataclass(frozen=True)
@@ -119,22 +124,31 @@ def drive_designs(
 ) -> tuple[DriveDesign, ...]:
     """What the torque of each drive is fitted by at the visits (N,) of a recording, where `state` is the arm at its
     readings."""
-    bare = solve(
-        arm,
-        [recording.q[:, index] for index in range(arm.size)],
-        beams_of(arm),
-        payload_mass=np.zeros(recording.size),
-        tip_force=(0.0, 0.0, 0.0),
-    )
+    bare = loads_on_drives(arm, recording, payload=False, rules=rules)
     number = np.unique(visit, return_inverse=True)[1].reshape(-1)
     designs: list[DriveDesign] = []
     for joint in range(arm.size):
-        whole, links = (
-            np.broadcast_to(np.asarray(item.joints[joint].drive_load, dtype=float), (recording.size,))
-            for item in (state, bare)
-        )
+        whole = np.broadcast_to(np.asarray(state.joints[joint].drive_load, dtype=float), (recording.size,))
+        links = bare[:, joint]
         designs.append(_design(joint, recording, number, -links, links - whole, _moments(arm, state, joint), rules))
     return tuple(designs)
+
+
+def loads_on_drives(arm: Arm, recording: Recording, *, payload: bool, rules: ResidualRules) -> Array:
+    """The load on each drive (N, n), N*m or N, with what a recording has at the tip or without."""
+    at_tip: dict[str, Any] = {"payload_mass": np.zeros(recording.size), "tip_force": (0.0, 0.0, 0.0)}
+    if payload:
+        force = None if recording.force is None else tuple(recording.force.T)
+        at_tip = {"payload_mass": recording.payload_mass, "tip_force": force}
+    state = solve(
+        arm,
+        [recording.q[:, index] for index in range(arm.size)],
+        beams_of(arm),
+        conditions=conditions_of(recording, arm, rules=rules),
+        **at_tip,
+    )
+    by_joint = [np.broadcast_to(np.asarray(joint.drive_load, dtype=float), (recording.size,)) for joint in state.joints]
+    return np.stack(by_joint, axis=1)
 
 
 def drive_torques(
@@ -225,9 +239,6 @@ def _of_drive(
         if name in known:
             rub += known[name].value * own[name]
     held = torque - values[0] - rub
-    within = recording.torque[:, joint] - torque[visit]
-    repeated = int(np.sum(count - 1))
-    noise = float(np.sqrt(np.sum(within**2) / repeated / np.mean(count))) if repeated else scatter
     made = DriveTorque(
         joint,
         known.get("links"),
@@ -236,19 +247,7 @@ def _of_drive(
         scatter,
         spread,
         float(np.corrcoef(held, load)[0, 1]),
-        -held[visit],
         instead=False,
         together=fitted.together,
     )
-    differs = any(item is not None and item.differs(rules) for item in (made.links, made.payload))
-    return replace(made, instead=differs and not made.scaled and noise <= rules.torque_noise * spread)
-
-
-def under_measured(state: PoseState, torques: Sequence[DriveTorque]) -> PoseState:
-    """The state with the loads that were measured on the drives whose compliance is judged by them."""
-    held = {torque.joint: torque.held for torque in torques if torque.instead}
-    joints = tuple(
-        replace(joint, drive_load=held[index], whole_load=1.0) if index in held else joint
-        for index, joint in enumerate(state.joints)
-    )
-    return replace(state, joints=joints)
+    return replace(made, instead=made.differs(rules) and not made.scaled)

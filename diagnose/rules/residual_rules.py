@@ -46,11 +46,6 @@ class ResidualRules:
         "Where the model's load spreads by less, a torque is another thing than weights (friction, a sensor that "
         "drifts): no arm file is off by such a factor.",
     )
-    torque_noise: float = rule(
-        0.1,
-        "share of the load's spread",
-        "A torque noisier than this is no better load than the model's: compliance would come out less by its square.",
-    )
     torque_against: float = rule(
         -0.5, "correlation", "Torque that goes so much against the load that it should hold is counted the other way."
     )

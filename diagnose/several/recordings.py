@@ -103,8 +103,8 @@ class Several(Recording):
 
 _COLUMNS = (
     "q", "tip", "row", "orientation", "time", "sides", "payload_mass", "temperature", "link_temperature", "velocity",
-    "acceleration", "commanded", "last_moves", "joint_side", "torque", "force", "base_target", "slots", "touches",
-    "bar_at",
+    "acceleration", "commanded", "last_moves", "joint_side", "torque", "force", "moment", "base_target", "slots",
+    "touches", "bar_at",
 )  # fmt: skip
 
 
@@ -213,6 +213,9 @@ def together(
         joint_side=column("joint_side", None, "encoders on the joints' own side"),
         torque=column("torque", None, "torques"),
         force=column("force", lambda count: np.zeros((count, 3)), "a force at the tip", "none is taken to act"),
+        moment=None
+        if all(recording.moment is None for recording in recordings)
+        else np.concatenate([np.zeros((one.size, 3)) if one.moment is None else one.moment for one in recordings]),
         base_target=column("base_target", None, "a target on the base"),
         slots=None
         if recordings[0].slots is None

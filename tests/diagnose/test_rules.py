@@ -65,6 +65,7 @@ NO_RULES = {
     "fitting/relinearize.py": {"_SETTLED"},
     "fitting/shared_masses.py": {"_SETTLED", "_TURNS"},
     "fitting/terms.py": {"DIFFERENCE"},
+    "fitting/torque_loads.py": {"_CARRIED, _PUSHED", "_LEVEL", "_ROUNDING", "_TURNS, _SETTLED"},
     "fitting/thresholds.py": {"_ALIKE", "_AT_ONCE", "_REACH", "_LOOKED_AT", "_FURTHEST"},  # how a staircase is searched
     "instruments/checks.py": {"_SCALES"},
     "instruments/camera.py": {"_STEPS, _FOUND", "_LONGEST", "_EXACT"},
@@ -136,7 +137,7 @@ NO_RULES = {
     "residual/alignment.py": {"_STEPS"},
     "residual/free_origins.py": {"_AXES"},
     "residual/noise.py": {"_FINEST", "_STEPS, _EVEN"},
-    "residual/observe.py": {"_AT_ONCE", "_LEVEL", "_TOOL_PASSES, _TOOL_FOUND"},
+    "residual/observe.py": {"_AT_ONCE", "_TOOL_PASSES, _TOOL_FOUND"},
     "residual/orientation.py": {"_HALF_TURN"},
     "residual/placement.py": {"UNDETERMINED", "_STEPS", "_TUKEY"},
     "residual/robust_scale.py": {"HUBER", "_MOST", "_QN", "_SMALL"},

@@ -14,7 +14,6 @@ from linkwright.core.arm.chain.statics import PoseState
 from linkwright.core.arm.effects.loads.added_weights import bearing, borne_wholly
 from linkwright.core.arm.errors.exact import deformed
 from linkwright.core.arm.errors.tip import active_effects, tip_error
-from linkwright.core.diagnose.residual.torque import DriveTorque, under_measured
 from linkwright.core.sections.numeric import Array
 from tests.arm.effects.effect_states import ROWS, Posed, moved, planar, spatial
 
@@ -61,23 +60,12 @@ def test_the_weights_change_what_is_asked_above() -> None:
 
 
 def test_loads_that_are_the_whole_stay() -> None:
-    """Torques that were measured hold what hangs there, whether the file knows of it or not."""
+    """What hangs there is not put on twice."""
     once = borne_wholly(added(spatial()))
     twice = bearing(once)
     for joint, other, given in zip(twice.joints, once.joints, declared(spatial()).joints, strict=True):
         assert np.asarray(joint.drive_load) == pytest.approx(np.asarray(other.drive_load))
         assert np.asarray(joint.drive_load) == pytest.approx(np.asarray(given.drive_load))
-
-
-def test_a_torque_that_was_measured_is_the_whole() -> None:
-    """And the others, which were not, bear what was added."""
-    state, held = added(planar()), np.linspace(5.0, 9.0, ROWS)
-    measured = DriveTorque(1, None, None, None, 0.1, 1.0, 1.0, held, instead=True, together=False)
-    borne = bearing(under_measured(state, [measured])).joints
-    assert np.asarray(borne[1].drive_load) == pytest.approx(held, rel=1e-12)
-    for joint in (0, 2):
-        assert np.asarray(borne[joint].drive_load) == pytest.approx(np.asarray(bearing(state).joints[joint].drive_load))
-        assert np.abs(borne[joint].drive_load - state.joints[joint].drive_load).max() > 1.0
 
 
 def rigid(payload: float, effects: tuple[EffectEntry, ...]) -> Arm:

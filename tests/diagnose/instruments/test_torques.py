@@ -81,7 +81,7 @@ def test_a_link_that_is_heavier_than_the_file_says_is_told_and_its_drive_judged_
     result = diagnose(weighed_arm(), recording)
 
     assert says(result, "By the torque of drive 2 the links beyond it weigh on it")
-    assert says(result, "How drive 2 gives is judged by the measured torque")
+    assert says(result, "is judged under the loads that the torques show")
     (finding,) = [item for item in result.findings if (item.effect, item.at) == ("joint_compliance", (2,))]
     low, high = finding.parameters[0].interval
     assert low < COMPLIANCE < high
@@ -94,7 +94,7 @@ def test_torques_of_another_scale_say_nothing_against_the_weights():
     result = diagnose(weighed_arm(), recorded(scale=1.2))
 
     assert says(result, "one of its own scale (a torque constant), or weights and centres")
-    assert not says(result, "is judged by the measured torque")
+    assert not says(result, "is judged under the loads")
     (finding,) = result.findings
     low, high = finding.parameters[0].interval
     assert low < COMPLIANCE < high
