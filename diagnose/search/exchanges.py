@@ -105,6 +105,8 @@ def _sets(namer: Namer, rest: Sequence[int], size: int, families: set[Family]) -
 
     if size == 1:
         return [bounded((number,), float(gains[number])) for number in list(best.values())[:_LOOKED_AT]]
+    if len(best) < size:
+        return []
     among = np.array(sorted(best.values(), key=lambda number: int(pool.ranks[number])), dtype=np.int64)
     at, price, ranks = pool.columns(among.tolist()), namer.criterion.price[among], pool.ranks[among]
     gram = pool.rows(at)[:, at] - products.taken[at] @ products.taken[at].T
