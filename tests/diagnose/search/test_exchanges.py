@@ -3,7 +3,9 @@
 import numpy as np
 import pytest
 
+from linkwright.core.arm.effects import EFFECTS
 from linkwright.core.diagnose.diagnosis import diagnose
+from linkwright.core.diagnose.options import Options
 from tests.diagnose.arm_of_drives import SIGMA, arm_of_drives, given_way, read, turned_by
 from tests.diagnose.recorded import LENGTHS
 
@@ -38,3 +40,11 @@ def test_what_readings_tell_has_no_set_in_its_place(seed: int) -> None:
     load = diagnose(arm_of_drives(), read(q, pushed, rng))
     assert {finding.effect for finding in load.findings} == {"payload"}
     assert load.exchanges == ()
+
+
+def test_the_only_cause_that_is_left_has_nothing_in_its_place() -> None:
+    rng = np.random.default_rng(1)
+    q = rng.uniform(-1.6, 1.6, (80, 3))
+    only = Options(without=frozenset(EFFECTS) - {"payload"})
+    result = diagnose(arm_of_drives(), read(q, given_way(q, np.tile([0.0, -30.0], (80, 1))), rng), options=only)
+    assert [finding.effect for finding in result.findings] == ["payload"]
