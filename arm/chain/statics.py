@@ -15,7 +15,7 @@ from linkwright.core.units.temperature import REFERENCE_TEMPERATURE
 from .acting import Acting, Branches, Counterbalances, Couplings, Load, PointLoads, masses_on
 from .beam import Beam
 from .branches import alone
-from .chain import Arm, Joint, Link, LoadCase, Zones
+from .chain import Arm, FloatVector, Joint, Link, LoadCase, Zones
 from .conditions import Conditions
 from .following import coordinates, turns
 from .kinematics import Frames, LinkFrame, carried_unturned, place, section_directions
@@ -29,6 +29,7 @@ from .vectors import (
     plus,
     rotate,
     scale,
+    snap,
     subtract,
     times,
     transpose,
@@ -113,6 +114,15 @@ class PoseState:
     def tip(self) -> Vector:
         """The tip's nominal position, m."""
         return self.frames.tip()
+
+
+def in_base_frame(state: PoseState, index: int, vector: FloatVector) -> Vector:
+    """A vector (3,) of the frame of link `index` (from 0) at a pose, in the base frame and in its own unit."""
+    link, at_pose = state.arm.links[index], state.links[index]
+    height, width = section_directions(link, state.arm.joints[index])
+    axes = ((link.direction, at_pose.along), (height, at_pose.height), (width, at_pose.width))
+    along, up, aside = (scale(snap(dot(vector, own)), there) for own, there in axes)
+    return add(along, add(up, aside))
 
 
 def solve(

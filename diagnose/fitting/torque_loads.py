@@ -305,7 +305,7 @@ class _System:
 
 def loads_by_torque(arm: Arm, recording: Recording, rules: ResidualRules) -> TorqueLoads | None:
     """The arm and the recording with the loads that the torques of a recording show; None where it has none."""
-    parts = list(recording.each) if isinstance(recording, Several) else [recording]
+    parts = list(recording.singles)
     unknown = of_unknown_mass(arm)
     if arm.branches or all(part.torque is None for part in parts):
         return None

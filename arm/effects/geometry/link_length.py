@@ -4,10 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from linkwright.core.arm.chain.chain import Arm, FloatVector
-from linkwright.core.arm.chain.kinematics import section_directions
-from linkwright.core.arm.chain.statics import PoseState
-from linkwright.core.arm.chain.vectors import ZERO, Vector, add, dot, plus, scale, times
+from linkwright.core.arm.chain.chain import Arm
+from linkwright.core.arm.chain.statics import PoseState, in_base_frame
+from linkwright.core.arm.chain.vectors import ZERO, add, plus, scale, times
 from linkwright.core.arm.effects.effect import Effect, Parameter, Settings, Twist, drive_motion, size
 
 
@@ -20,21 +19,10 @@ def _twists(state: PoseState, settings: Settings) -> Iterator[Twist]:
     for index, link in enumerate(state.links):
         if settings.acts_at(index):
             longer = scale(plus(length, times(stretch, link.beam.length)), link.along)
-            yield Twist("link", index, add(longer, _in_base_frame(state, index, offset)))
+            yield Twist("link", index, add(longer, in_base_frame(state, index, offset)))
             joint = state.joints[index]
             if stretch != 0.0 and not joint.revolute and not state.arm.links[index].runs_out:
                 yield from drive_motion(state, index, times(stretch, joint.coordinate))
-
-
-def _in_base_frame(state: PoseState, index: int, offset: FloatVector) -> Vector:
-    if offset == ZERO:
-        return ZERO
-    link, at_pose = state.arm.links[index], state.links[index]
-    height, width = section_directions(link, state.arm.joints[index])
-    return add(
-        scale(dot(offset, link.direction), at_pose.along),
-        add(scale(dot(offset, height), at_pose.height), scale(dot(offset, width), at_pose.width)),
-    )
 
 
 def _given_by(arm: Arm, index: int) -> tuple[str, ...]:

@@ -6,8 +6,8 @@ from collections.abc import Iterator
 from dataclasses import replace
 
 from linkwright.core.arm.chain.kinematics import section_directions
-from linkwright.core.arm.chain.statics import PoseState
-from linkwright.core.arm.chain.vectors import Vector, add, dot, is_zero, scale, snap
+from linkwright.core.arm.chain.statics import PoseState, in_base_frame
+from linkwright.core.arm.chain.vectors import Vector, add, is_zero, scale
 from linkwright.core.arm.effects.effect import Effect, Parameter, Settings, Twist, size
 
 
@@ -27,12 +27,7 @@ def _axes(state: PoseState, index: int) -> tuple[Vector, Vector, Vector]:
     if link.height_direction is None:
         return last.along, last.height, last.width
     across, out = section_directions(replace(link, height_direction=None), joint)
-    height, width = section_directions(link, joint)
-
-    def in_base_frame(direction: Vector) -> Vector:
-        return add(scale(snap(dot(direction, height)), last.height), scale(snap(dot(direction, width)), last.width))
-
-    return last.along, in_base_frame(across), in_base_frame(out)
+    return last.along, in_base_frame(state, index, across), in_base_frame(state, index, out)
 
 
 def _twists(state: PoseState, settings: Settings) -> Iterator[Twist]:
