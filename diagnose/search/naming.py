@@ -335,12 +335,13 @@ def _against_forms(
     rivals = [s for s in namer.best(everything, 2).values() if any(not namer.library[m] for m in s.members)]
     best = min(rivals, key=lambda subset: subset.criterion, default=None)
     # What small causes of the library do beside one or two names, forms describe as well, and are no better for it.
-    judged = namer.with_room(members) if 0 < len(members) <= namer.rules.sparing else namer
+    few = 0 < len(members) <= namer.rules.sparing
+    judged = namer.with_room(members) if few else namer
     criterion = judged.criterion_of(members)
     if (
         best is not None
         and judged.criterion_of(best.members) < criterion - margin_of_forms(namer.rules, len(members))
-        and not _near_enough(namer, members, best)
+        and not (few and _near_enough(namer, members, best))
     ):
         outside = tuple(m for m in best.members if not namer.library[m])
         inside = tuple(m for m in best.members if namer.library[m])
@@ -372,14 +373,12 @@ def worth_of_one_more(rules: SearchRules, count: int) -> float:
 
 
 def _near_enough(namer: Namer, members: Sequence[int], best: Subset) -> bool:
-    """Whether named physics explains so nearly what a form does that the form is no better answer.
+    """Whether one or two names explain so nearly what a form does that the form is no better answer.
 
     What a name misses of a form, readings of one pose and those held out still judge: they refute the name as the whole
     answer, or show it to be causes too small to be named. A form in its place would say less than is known: five
     kilograms too many were `a constant force`, since the base stood a degree out of plumb besides.
     """
-    if not members:
-        return False
     whole = float(namer.prepared.vector @ namer.prepared.vector)
     missed = fit(namer.prepared, members).rss - best.rss
     return missed < namer.rules.material**2 * (whole - best.rss)

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from linkwright.core.diagnose.diagnosis import diagnose
+from linkwright.core.diagnose.fitting.prepare import prepare
 from linkwright.core.diagnose.options import Options
 from linkwright.core.diagnose.reading.read import read_recording
 from linkwright.core.diagnose.recording import Recording
@@ -112,7 +113,8 @@ def test_what_the_labels_do_not_touch_says_nothing_against_them(tmp_path: Path) 
     (tmp_path / "recording.yaml").write_text(f"sigma: {1e6 * SIGMA:g} um\n", encoding="utf-8")
     read = read_recording(written(tmp_path / "recording.csv", columns), ARM, tmp_path / "recording.yaml")
     floor = np.sqrt(2.0) * SIGMA
-    assert mislabelled(observe(ARM, read), read, Options(), floor, 20.0 * floor, lambda _: None) is None
+    logged = prepare(observe(ARM, read), Options(), floor).observed
+    assert mislabelled(logged, read, Options(), floor, 20.0 * floor, lambda _: None) is None
 
 
 def hung(folder: Path, wrong: str) -> Diagnosis:
