@@ -59,7 +59,7 @@ def is_plain(candidate: Candidate) -> bool:
 def _of_group(prepared: Prepared, number: int, norm: float) -> Detectable | None:
     group, raw = prepared.pool.groups[number], prepared.columns[number]
     candidate = group.candidate
-    shown = np.linalg.pinv(group.back)  # (r, d): what one unit of each size shows of itself
+    shown = group.forward  # (r, d): what one unit of each size shows of itself
     worst: Detectable | None = None
     for place, name in enumerate(candidate.sizes[: raw.shape[2]]):
         length = float(np.linalg.norm(shown[:, place]))

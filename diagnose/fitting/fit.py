@@ -14,6 +14,7 @@ from linkwright.core.arm.effects import EFFECTS
 from linkwright.core.arm.effects.elastic.joint_compliance import file_compliance
 from linkwright.core.arm.effects.loads.link_mass import LINK_MASS, mass_declared
 from linkwright.core.diagnose.patterns.library import Candidate, Family, of_single_numbers, parameter_of
+from linkwright.core.diagnose.patterns.pool import inverse_root
 from linkwright.core.diagnose.patterns.unknown_weights import only_products
 from linkwright.core.diagnose.residual.observed import Observed
 from linkwright.core.diagnose.rules.fitting_rules import FittingRules
@@ -45,8 +46,8 @@ def fit(prepared: Prepared, members: Sequence[int]) -> Fit:
     pool, vector = prepared.pool, prepared.vector
     columns = pool.columns(members)
     against = prepared.products.against[columns]
-    inverse = np.linalg.pinv(pool.among(columns), rcond=1e-9, hermitian=True)
-    coefficients = inverse @ against
+    root = inverse_root(pool.among(columns))
+    coefficients = root @ (root.T @ against)
     rss = max(prepared.products.rss - float(against @ coefficients), 0.0)
     freedom = len(vector) - pool.nuisance.shape[1] - len(columns)
     variance = rss / max(freedom, 1)
@@ -58,12 +59,9 @@ def fit(prepared: Prepared, members: Sequence[int]) -> Fit:
         part = slice(at, at + group.rank)
         at += group.rank
         sizes.append(group.back @ coefficients[part])
-        error = np.sqrt(
-            np.maximum(np.einsum("ij,jk,ik->i", group.back, inverse[part, part], group.back) * variance, 0.0)
-        )
+        error = np.sqrt(np.sum((group.back @ root[part]) ** 2, axis=1) * variance)
         # A size that the columns do not tell from another has no error of its own.
-        projector = group.back @ np.linalg.pinv(group.back)
-        errors.append(np.where(np.diag(projector) > 1.0 - 1e-6, error, np.inf))
+        errors.append(np.where(group.told, error, np.inf))
     return Fit(tuple(members), tuple(sizes), tuple(errors), rss, freedom)
 
 
@@ -99,7 +97,7 @@ def impossible(prepared: Prepared, fitted: Fit) -> str | None:
             reason = why_impossible(prepared, replace(group.candidate, only=None), whole, errors, 0.0)
             if reason is not None:
                 return reason
-        moved = np.linalg.pinv(group.back) @ sizes
+        moved = group.forward @ sizes
         slopes, turned = sizes.tolist(), group.candidate.from_slopes
         spread = zip(turned((sizes - errors).tolist()), turned((sizes + errors).tolist()), strict=True)
         about = np.array([0.5 * abs(high - low) for low, high in spread])

@@ -235,7 +235,7 @@ def rivals_of(prepared: Prepared, number: int, parameter: str, asked: Asked) -> 
     pool = prepared.pool
     group = pool.groups[number]
     place = group.candidate.sizes.index(parameter)
-    pattern = np.linalg.pinv(group.back)[:, place]
+    pattern = group.forward[:, place]
     length = float(np.linalg.norm(pattern))
     mixed = pool.gram[:, group.start : group.stop] @ (pattern / length)
     shared = np.sqrt(np.minimum(np.add.reduceat(mixed**2, pool.starts), 1.0))

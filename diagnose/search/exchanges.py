@@ -10,13 +10,11 @@ parts, is told.
 from __future__ import annotations
 
 import itertools
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-
-from linkwright.core.diagnose.patterns.library import Family
 
 from .pairs import Blocks
 
@@ -50,8 +48,7 @@ def better(namer: Namer, members: Sequence[int], *, one_by_one: bool = False) ->
         for taken, given in sizes:
             for place in itertools.combinations(before, taken):
                 rest = [m for m in before if m not in place]
-                families = namer.families(place) if given + taken > 2 else set[Family]()
-                for bound, others in _sets(namer, rest, given, families):
+                for bound, others in _sets(namer, rest, given, place if given + taken > 2 else ()):
                     if bound >= least - _ROUNDING:
                         break
                     trial = (*rest, *others)
@@ -74,7 +71,7 @@ def exchanged(namer: Namer, members: Sequence[int], outside: Sequence[int] = ())
 def _instead(namer: Namer, place: tuple[int, ...], rest: Sequence[int]) -> list[Exchanged]:
     criterion, tied = namer.criterion_of((*place, *rest)), namer.rules.tied
     exchanges: list[Exchanged] = []
-    for _, others in _sets(namer, rest, 3 - len(place), namer.families(place)):
+    for _, others in _sets(namer, rest, 3 - len(place), place):
         worse = namer.criterion_of((*others, *rest)) - criterion
         parts = itertools.combinations(others, len(others) - 1)
         if worse > tied or not namer.possible((*others, *rest)):
@@ -86,33 +83,31 @@ def _instead(namer: Namer, place: tuple[int, ...], rest: Sequence[int]) -> list[
     return sorted(exchanges, key=lambda exchange: exchange.worse)[:_MOST]
 
 
-def _sets(namer: Namer, rest: Sequence[int], size: int, families: set[Family]) -> list[tuple[float, tuple[int, ...]]]:
-    """The one or two groups of the library, none of these families nor of the rest's, that explain most for what they
-    cost beside the rest, best first, each with the criterion of usual sizes, which is the least it can be; of each
+def _sets(
+    namer: Namer, rest: Sequence[int], size: int, without: Sequence[int] = ()
+) -> Iterator[tuple[float, tuple[int, ...]]]:
+    """The one or two groups of the library, no variants of those `without` nor of the rest, that explain most for what
+    they cost beside the rest, best first, each with the criterion of usual sizes, which is the least it can be; of each
     family the variant that does alone."""
-    pool, products = namer.pool, namer.prepared.products.beside(namer.pool.columns(rest))
-    barred = families | namer.families(rest)
+    pool, criterion, products = namer.pool, namer.criterion, namer.prepared.products.beside(namer.pool.columns(rest))
+    barred = pool.family[np.array([*without, *rest], dtype=np.int64)]
     gains = products.gains()
-    worth = namer.criterion.of_many(products.rss, gains, namer.criterion.price, pool.ranks)
-    best: dict[Family, int] = {}
-    for number in np.argsort(worth, kind="stable").tolist():
-        family = pool.groups[number].candidate.family
-        if namer.library[number] and family not in barred:
-            best.setdefault(family, number)
-
-    def bounded(others: tuple[int, ...], gained: float) -> tuple[float, tuple[int, ...]]:
-        return namer.criterion(products.rss - gained, (*rest, *others)), others
-
+    order = np.argsort(criterion.of_many(products.rss, gains, criterion.price, pool.ranks), kind="stable")
+    order = order[(namer.library & ~np.isin(pool.family, barred))[order]]
+    best = order[np.sort(np.unique(pool.family[order], return_index=True)[1])]
     if size == 1:
-        return [bounded((number,), float(gains[number])) for number in list(best.values())[:_LOOKED_AT]]
-    if len(best) < size:
-        return []
-    among = np.array(sorted(best.values(), key=lambda number: int(pool.ranks[number])), dtype=np.int64)
-    at, price, ranks = pool.columns(among.tolist()), namer.criterion.price[among], pool.ranks[among]
-    gram = pool.rows(at)[:, at] - products.taken[at] @ products.taken[at].T
-    gained = Blocks(gram, products.against[at], ranks).orthonormal().of_two()
-    value = namer.criterion.of_many(products.rss, gained, price[:, None] + price, ranks[:, None] + ranks)
-    first, second = np.triu_indices(len(among), 1)
-    order = np.argsort(value[first, second], kind="stable")[:_LOOKED_AT]
-    pairs = [(int(first[k]), int(second[k])) for k in order.tolist()]
-    return [bounded((int(among[i]), int(among[j])), float(gained[i, j])) for i, j in pairs]
+        sets = ((float(gains[number]), (number,)) for number in best[:_LOOKED_AT].tolist())
+    elif len(best) > 1:
+        among = best[np.argsort(pool.ranks[best], kind="stable")]
+        at, price, ranks = pool.columns(among.tolist()), criterion.price[among], pool.ranks[among]
+        gram = pool.rows(at)[:, at] - products.taken[at] @ products.taken[at].T
+        gained = Blocks(gram, products.against[at], ranks).orthonormal().of_two()
+        value = criterion.of_many(products.rss, gained, price[:, None] + price, ranks[:, None] + ranks)
+        first, second = np.triu_indices(len(among), 1)
+        pairs = np.argsort(value[first, second], kind="stable")[:_LOOKED_AT]
+        places = zip(first[pairs].tolist(), second[pairs].tolist(), strict=True)
+        sets = ((float(gained[i, j]), (int(among[i]), int(among[j]))) for i, j in places)
+    else:
+        return
+    for gain, others in sets:
+        yield criterion(products.rss - gain, (*rest, *others)), others

@@ -17,7 +17,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from linkwright.core.diagnose.patterns.pool import Pool
+from linkwright.core.diagnose.patterns.pool import Pool, inverse_root
 from linkwright.core.diagnose.rules.rules import RULES
 from linkwright.core.sections.numeric import Array
 
@@ -57,9 +57,7 @@ class Products:
         if not len(columns):
             return self
         gram, rows = self.pool.rows(columns), self.taken[columns]
-        values, vectors = np.linalg.eigh(gram[:, columns] - rows @ rows.T)
-        good = values > _GONE
-        root = vectors[:, good] / np.sqrt(values[good])
+        root = inverse_root(gram[:, columns] - rows @ rows.T)
         mixed, explained = gram.T @ root - self.taken @ (rows.T @ root), root.T @ self.against[columns]
         return Products(
             self.pool,
@@ -154,12 +152,10 @@ def _log_choose(total: int, taken: int) -> float:
     return math.lgamma(total + 1) - math.lgamma(taken + 1) - math.lgamma(total - taken + 1)
 
 
-def families(pool: Pool) -> list[list[int]]:
+def families(pool: Pool) -> list[NDArray[np.int64]]:
     """The groups of each family: variants of one candidate, of which a model takes one."""
-    members: dict[object, list[int]] = {}
-    for number, group in enumerate(pool.groups):
-        members.setdefault(group.candidate.family, []).append(number)
-    return list(members.values())
+    order = np.argsort(pool.family, kind="stable")
+    return np.split(order, np.flatnonzero(np.diff(pool.family[order])) + 1) if len(order) else []
 
 
 def best_subsets(
@@ -211,7 +207,7 @@ def _pairs(
 ) -> list[tuple[float, tuple[int, ...]]]:
     """What the pairs of the smallest criterion gain: a group of many coefficients always gains much."""
     order, blocks = _ordered(pool, start, np.flatnonzero(usable).tolist())
-    family, price, ranks = _family_of(pool)[order], criterion.price[order], pool.ranks[order]
+    family, price, ranks = pool.family[order], criterion.price[order], pool.ranks[order]
     gained = blocks.of_two()
     value = criterion.of_many(start.rss, gained, price[:, None] + price, ranks[:, None] + ranks)
     value[(family[:, None] == family) | ~np.triu(np.ones(value.shape, dtype=bool), 1) | (gained <= 0.0)] = np.inf
@@ -223,7 +219,7 @@ def _triples(
 ) -> list[tuple[float, tuple[int, ...]]]:
     """The same of triples among some groups."""
     order, blocks = _ordered(pool, start, reduced)
-    family, price, ranks = _family_of(pool)[order], criterion.price[order], pool.ranks[order]
+    family, price, ranks = pool.family[order], criterion.price[order], pool.ranks[order]
     alone = blocks.alone()
     triples: list[tuple[float, float, tuple[int, ...]]] = []
     for first in range(len(order) - 2):
@@ -258,7 +254,7 @@ def _worth_a_triple(
     gained = [start.beside(pool.columns(members)).gains() for members in beside]
     taken: set[int] = set()
     for members in families(pool):
-        able = [m for m in members if usable[m]]
+        able = members[usable[members]].tolist()
         if able:
             taken |= {max(able, key=lambda m, g=gain: g[m]) for gain in gained}
     taken |= set(subsets[2][0].members)
@@ -266,10 +262,3 @@ def _worth_a_triple(
         strength = np.max(np.stack(gained), axis=0)
         taken = set(sorted(taken, key=lambda m: -strength[m])[:_IN_TRIPLES]) | set(subsets[2][0].members)
     return sorted(taken)
-
-
-def _family_of(pool: Pool) -> NDArray[np.int64]:
-    number = np.zeros(len(pool.groups), dtype=np.int64)
-    for index, members in enumerate(families(pool)):
-        number[members] = index
-    return number
