@@ -80,10 +80,10 @@ JOINT_COMPLIANCE = Effect(
     source="M. W. Spong, Modeling and Control of Elastic Joint Robots, ASME J. Dyn. Sys. 109 (1987), "
     "doi:10.1115/1.3143860",
     parameters=(
-        given("stiffness", "torsional_stiffness", 1e2, 1e9, (1e4, 4e6)).means(
+        given("stiffness", "torsional_stiffness", 1.0, 1e9, (1e4, 4e6)).means(
             "torsional stiffness of the drive", "range from small harmonic drives to large machine-tool drives"
         ),
-        size("compliance", "compliance", -1e-2, 1e-2, (2.5e-7, 1e-4)).means(
+        size("compliance", "compliance", -1e-1, 1e-1, (2.5e-7, 1e-4)).means(
             "compliance of the drive beyond what the arm file gives it", "the reciprocal of the same stiffnesses"
         ),
         unit_sag("the drive"),

@@ -78,11 +78,11 @@ JOINT_HARDENING = Effect(
     source="T. D. Tuttle & W. P. Seering, A nonlinear model of a harmonic drive gear transmission, "
     "IEEE Transactions on Robotics and Automation 12 (1996) 368-374",
     parameters=(
-        size("compliance", "compliance", 0.0, 1e-2, (2.5e-7, 1e-4)).means(
+        size("compliance", "compliance", 0.0, 1e-1, (2.5e-7, 1e-4)).means(
             "compliance without load, beyond that of the file, which load takes away",
             "reciprocals of the stiffnesses in catalogues",
         ),
-        size("remaining", "compliance", -1e-2, 1e-2, (2.5e-7, 1e-4)).means(
+        size("remaining", "compliance", -1e-1, 1e-1, (2.5e-7, 1e-4)).means(
             "compliance beyond that of the file which is left under high load", "reciprocals of K3 in catalogues"
         ),
         shape(

@@ -115,3 +115,20 @@ def test_a_link_of_half_its_modulus_is_named_alone():
     low, high = result.findings[0].parameters[0].interval
     assert low < -0.5 < high
     assert result.rms_after < 1.1 * result.noise_floor
+
+
+def test_a_bus_servo_gives_as_much_as_bus_servos_do(tmp_path):
+    """Drives of 27 N m/rad, of which the second has 15: 30 mrad/(N m) more is a compliance like another."""
+    arm = planar_arm()
+    arm = replace(arm, joints=tuple(replace(joint, stiffness=27.0) for joint in arm.joints))
+    q = np.repeat(poses(24), 4, axis=0)
+    payload = np.tile([0.0, 0.0, 0.05, 0.05], 24)
+    tip = sagging_tip(q, np.array([27.0, 15.0, 27.0]), payload)
+    tip += 4e-4 * np.random.default_rng(5).standard_normal(tip.shape)
+    recording = read_recording(written(tmp_path / "r.csv", table(q, tip, payload_kg=payload)), arm)
+    found = diagnose(arm, recording)
+    (finding,) = found.findings
+    names = {(name.effect, name.at) for name in (finding, *finding.alternatives)}
+    assert ("joint_compliance", (2,)) in names
+    low, high = finding.parameters[0].interval
+    assert low < 1.0 / 15.0 - 1.0 / 27.0 < high
