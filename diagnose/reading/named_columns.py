@@ -93,8 +93,9 @@ def named_columns(
             if header not in used:
                 warnings.append(f"{header} gives way to {meaning.name} of {Path(held.file).name}.")
             continue
-        if meaning.base == "time" and held.time_format is not None:
-            columns[meaning.name] = _stamps(table, header, header, meaning, held)
+        form = _time_format(table, header, held) if meaning.base == "time" else None
+        if form is not None:
+            columns[meaning.name] = _stamps(table, header, header, meaning, form, held)
         else:
             columns[meaning.name] = _plain(table, header, meaning)
     return columns, {name: values for name, values in strangers.items() if np.isfinite(values).any()}, warnings
@@ -149,10 +150,14 @@ def measurable(values: Array) -> Array:
 def _by_formula(
     table: Table, header: str, meaning: ColumnMeaning, formula: Formula, held: ReadingSettings
 ) -> ReadColumn:
-    if meaning.base == "time" and held.time_format is not None:
-        if formula.columns != (formula.text.strip("`"),):
-            raise InputError(held.file, f"columns.{header}", "is a time stamp; it names one column and nothing else")
-        return _stamps(table, formula.columns[0], header, meaning, held)
+    alone = formula.columns == (formula.text.strip("`"),)
+    form = held.time_format if meaning.base == "time" else None
+    if form is not None and not alone:
+        raise InputError(held.file, f"columns.{header}", "is a time stamp; it names one column and nothing else")
+    if form is None and meaning.base == "time" and alone:
+        form = _time_format(table, formula.columns[0], held)
+    if form is not None:
+        return _stamps(table, formula.columns[0], header, meaning, form, held)
 
     def fault(index: int) -> str:
         for name in formula.columns:
@@ -165,13 +170,32 @@ def _by_formula(
     return ReadColumn(meaning, header, measurable(values), fault)
 
 
-def _stamps(table: Table, column: str, header: str, meaning: ColumnMeaning, held: ReadingSettings) -> ReadColumn:
+def _time_format(table: Table, column: str, held: ReadingSettings) -> str | None:
+    """How a column's time stamps are written: as the settings say, by ISO 8601 where they say nothing and the cells are
+    such stamps and no numbers; None for seconds that are counted."""
+    if held.time_format is not None:
+        return held.time_format
+    return "iso" if has_stamps(table, column) else None
+
+
+def has_stamps(table: Table, column: str) -> bool:
+    """Whether the cells of a column are time stamps by ISO 8601, and no numbers."""
+    if np.isfinite(table.numbers(column)).any():
+        return False
+    texts = (table.text(column, index) for index in range(len(table.row)))
+    first = next((text for text in texts if text), "")
+    return _stamp(first, "iso") is not None
+
+
+def _stamps(
+    table: Table, column: str, header: str, meaning: ColumnMeaning, form: str, held: ReadingSettings
+) -> ReadColumn:
     """Time stamps in s since 1970: files of one day are on one clock."""
     values = np.full(len(table.row), np.nan)
-    stamps = [_stamp(table.text(column, index), str(held.time_format)) for index in range(len(table.row))]
+    stamps = [_stamp(table.text(column, index), form) for index in range(len(table.row))]
     first = next((stamp for stamp in stamps if stamp is not None), None)
     if first is None:
-        message = f"{shown(held.time_format)} does not fit {column}: row 1 holds {shown(table.text(column, 0))}"
+        message = f"{shown(form)} does not fit {column}: row 1 holds {shown(table.text(column, 0))}"
         raise InputError(held.file, "time_format", message)
     began = datetime.datetime(1970, 1, 1, tzinfo=None if first.tzinfo is None else datetime.UTC)
     for index, stamp in enumerate(stamps):
@@ -182,7 +206,7 @@ def _stamps(table: Table, column: str, header: str, meaning: ColumnMeaning, held
 
     def fault(index: int) -> str:
         text = table.text(column, index)
-        return f"{column} is {shown(text)}, not a time ({held.time_format})" if text else f"{column} is blank"
+        return f"{column} is {shown(text)}, not a time ({form})" if text else f"{column} is blank"
 
     return ReadColumn(meaning, header, values, fault)
 

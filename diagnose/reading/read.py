@@ -202,7 +202,11 @@ def _faults(columns: dict[str, ReadColumn], table: Table) -> tuple[dict[str, Rea
                 comma = "," in fault_text and "not a number" in fault_text and table.decimal == "."
                 remedies = [{"decimal": ","}] if comma else []
                 raise refusal(table.file, column.header, f"holds no numbers in most rows ({where})", *remedies)
-            stamp = " A time stamp needs `time_format: iso`, say, in recording.yaml." if base == "time" else ""
+            stamp = (
+                " A time stamp needs its `time_format` in recording.yaml: '%d.%m.%Y %H:%M:%S', say."
+                if base == "time"
+                else ""
+            )
             warnings.append(f"{column.header} is not used, because most of its cells hold no number ({where}).{stamp}")
             del columns_kept[name]
             continue

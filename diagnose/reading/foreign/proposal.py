@@ -13,12 +13,13 @@ import numpy as np
 
 from linkwright.core.arm.chain.chain import Arm
 from linkwright.core.diagnose.reading.columns import canonical, looks_like_ours, otherwise_spelled, units_for
+from linkwright.core.diagnose.reading.named_columns import has_stamps
 from linkwright.core.diagnose.reading.table import Table
 from linkwright.core.sections.numeric import Array
 from linkwright.core.units.reading import yaml_line
 
 from .clock import clock_of, counted_in
-from .words import Said, computed, message_name, said_by
+from .words import Said, commanded, computed, message_name, said_by, without_names
 
 OTHER = "other"
 """A column of somebody's own: kept, as something that the error may depend on."""
@@ -29,17 +30,19 @@ _BARE = ("dir", "qw", "qx", "qy", "qz")
 _OF_JOINTS = ("q", "dir", "tau", "current", "v", "c", "j")
 _IN_BRACKETS = re.compile(r"^(.*?)[\s_]*[\[(]\s*([^\])]*?)\s*[\])]\s*$")
 _AT_END = re.compile(
-    r"^(.*?)[\s_]+(deg|degrees?|rad|radians?|mm|m|um|kg|g|s|sec|min|h|ms|degc|k|n|nm|a|rad/s|deg/s|°|°c)$",
+    r"^(.*?)[\s_]+(?:in[\s_]+)?(deg|degrees?|rad|radians?|mm|m|um|kg|g|s|sec|min|h|ms|degc|k|n|nm|a|rad/s|deg/s|°|°c)$",
     re.IGNORECASE,
 )
 _PLACE = re.compile(
     r"^(?:tcp|tip|tool|ee|end[\s_-]?effector|pos(?:ition)?|meas(?:ured)?|tracker|laser|point|p)?[\s_.-]*([xyz])$"
 )
+_LETTER = re.compile(r"^(?:.*[\s_.-])([xyz])$", re.IGNORECASE)
 _OF_A_POSE = re.compile(r".*(?:pose|point|transform|target)[./](?:position|translation)?[./]?([xyz])$", re.IGNORECASE)
 _WORDS = MappingProxyType(
     {
-        "payload": re.compile(r"^(payload|load|mass|weight|last)([/.]data)?$"),
+        "payload": re.compile(r"^(payload|load|mass|weight|last|masse|gewicht)([/.]data)?$"),
         "temperature": re.compile(r"^(temp|temperature|t[\s_-]?amb|ambient)([\s_/.].*)?$"),
+        "z": re.compile(r"^(height|höhe|hoehe)$"),
         "time": re.compile(r"^(t|time|timestamp|elapsed|zeit|clock)$"),
     }
 )
@@ -108,9 +111,11 @@ def units_of(what: str, arm: Arm) -> tuple[str, ...]:
 
 def proposed(table: Table, arm: Arm) -> tuple[Meaning, ...]:
     """A meaning for each column, none twice."""
-    by_header = {header: _of(header, table, arm) for header in table.names}
-    left = [header for header in table.names if not by_header[header].named]
+    plain = without_names(table.names)
+    by_header = {header: _of(header, plain[header], table, arm) for header in table.names}
+    left = {header: plain[header] for header in table.names if not by_header[header].named}
     by_header |= _of_joints(left, table, arm, {item.what for item in by_header.values()})
+    by_header |= _places_left(by_header, arm)
     if not any(item.what == "time" for item in by_header.values()):
         by_header |= {item.header: item for item in _clock(table, by_header)}
     taken: set[str] = set()
@@ -140,9 +145,10 @@ def is_motion(meanings: Sequence[Meaning]) -> bool:
     return drives and "time" in named and not named & set(_PLACES)
 
 
-def _of(header: str, table: Table, arm: Arm) -> Meaning:
-    """What a header says by itself: one of ours however it is spelled, a place, a side, a payload."""
-    ours = header if looks_like_ours(header) else otherwise_spelled(header)
+def _of(header: str, plain: str, table: Table, arm: Arm) -> Meaning:
+    """What a header, `plain` without a joint's own name, says by itself: one of ours however it is spelled, a place, a
+    side, a payload."""
+    ours = plain if looks_like_ours(plain) else otherwise_spelled(plain)
     if ours is not None and looks_like_ours(ours):
         what, _, unit = canonical(ours).partition("_")
         if what in known_names(arm) and (not units_of(what, arm) or unit in units_of(what, arm)):
@@ -159,8 +165,27 @@ def _of(header: str, table: Table, arm: Arm) -> Meaning:
     unit_known = _unit_of(what, unit)
     if unit_known in units:
         return Meaning(header, what, unit_known)
+    if what == "time" and has_stamps(table, header):
+        return Meaning(header, what, "s", said="time stamps")
     guess = (counted_in(table.numbers(header)) or units[0]) if what == "time" else _guessed(table, header, units)
     return Meaning(header, what, guess, guessed=True, said="by the size of its numbers")
+
+
+def _places_left(meanings: Mapping[str, Meaning], arm: Arm) -> dict[str, Meaning]:
+    """A component of the tip that no header says plainly, by the only one that has its letter and a unit of length
+    (`Spitze X [mm]`), and is of nothing that was told or computed."""
+    taken = {item.what for item in meanings.values()}
+    of_letter: dict[str, list[Meaning]] = defaultdict(list)
+    for header, meaning in meanings.items():
+        name, unit = name_and_unit(header)
+        letter = _LETTER.match(name)
+        if letter is None or meaning.named or commanded(name) or computed(header):
+            continue
+        what = letter[1].lower()
+        unit_known = _unit_of(what, unit)
+        if what not in taken and unit_known in units_of(what, arm):
+            of_letter[what].append(Meaning(header, what, unit_known, said=f"the only column of {what}"))
+    return {items[0].header: items[0] for items in of_letter.values() if len(items) == 1}
 
 
 def name_and_unit(header: str) -> tuple[str, str]:
@@ -186,14 +211,15 @@ def _named(name: str, arm: Arm) -> str:
     return next((word for word, pattern in _WORDS.items() if pattern.match(bare)), OTHER)
 
 
-def _of_joints(headers: Sequence[str], table: Table, arm: Arm, taken: set[str]) -> dict[str, Meaning]:
-    """What headers say of joints, by header: of all that tell of the same, those that tell of most joints, plainest."""
+def _of_joints(headers: Mapping[str, str], table: Table, arm: Arm, taken: set[str]) -> dict[str, Meaning]:
+    """What headers, each with itself less a joint's own name, say of joints: of all that tell of the same, those that
+    tell of most joints, plainest."""
     names = [joint.name for joint in arm.joints]
     groups: dict[tuple[str, str, int], dict[str, Said]] = defaultdict(dict)
     units: dict[str, str] = {}
     labels = {key: table.text(item, 0) for item in table.names if (key := message_name(item)) is not None}
-    for header in headers:
-        name, unit = name_and_unit(header)
+    for header, plain in headers.items():
+        name, unit = name_and_unit(plain)
         meaning = said_by(name, names) if not computed(header) else None
         if meaning is not None:
             if meaning.number is not None and (meaning.of, meaning.number) in labels:

@@ -13,6 +13,7 @@ from linkwright.core.arm.chain.chain import Arm, Joint, Link
 from linkwright.core.diagnose.motion.reading.read import is_motion_log, read_log
 from linkwright.core.diagnose.reading.columns import canonical
 from linkwright.core.diagnose.reading.files import read_table
+from linkwright.core.diagnose.reading.formula import read_formula
 from linkwright.core.diagnose.reading.read import read_recording
 from linkwright.core.diagnose.reading.settings import ReadingSettings, content_of, find_settings, read_settings
 from linkwright.core.diagnose.reading.table import Table
@@ -50,7 +51,7 @@ def propose(file: Path, arm: Arm | None, *, rules: Rules = RULES) -> Proposal:
     held = read_settings(beside)
     table = read_table(file, held.layout)
     arm_or_stand_in = arm if arm is not None else _stand_in(table)
-    meanings = _completed(proposed(table, arm_or_stand_in), held)
+    meanings, foreign = _completed(proposed(table, arm_or_stand_in), held, table.names)
     motion = is_motion(meanings)
     extra: dict[str, object] = {"observes": "motion"} if motion else {}
     if motion and not any(re.fullmatch(r"tau[0-9]+", meaning.what) for meaning in meanings):
@@ -62,19 +63,43 @@ def propose(file: Path, arm: Arm | None, *, rules: Rules = RULES) -> Proposal:
     fresh = tuple(warning for warning in warnings if warning not in table.notes)
     said, remedies = ("", ()) if wrong is None else wrong
     return Proposal(
-        str(file), arm_or_stand_in.name, meanings, settings, table.notes, motion, reads, fresh, said, remedies
+        str(file),
+        arm_or_stand_in.name,
+        meanings,
+        settings,
+        (*table.notes, *foreign),
+        motion,
+        reads,
+        fresh,
+        said,
+        remedies,
     )
 
 
-def _completed(meanings: Sequence[Meaning], held: ReadingSettings) -> tuple[Meaning, ...]:
-    """What is proposed, but for the columns of which the settings say what they are or that they are passed over."""
+def _completed(
+    meanings: Sequence[Meaning], held: ReadingSettings, names: Sequence[str]
+) -> tuple[tuple[Meaning, ...], tuple[str, ...]]:
+    """What is proposed, but for the columns of which the settings say what they are or that they are passed over; and a
+    note of formulas that do not fit its columns (`names`): settings of a folder may be another file's."""
     said: list[Meaning] = []
+    foreign: list[str] = []
     for name, formula in held.columns.items():
+        try:
+            read_formula(formula, names, file=held.file, key=f"columns.{name}")
+        except InputError:
+            foreign.append(name)
+            continue
         what, _, unit = canonical(name).partition("_")
         said.append(Meaning(formula, what, unit, formula=formula))
-    said += [Meaning(header, IGNORED) for header in held.ignore]
+    said += [Meaning(header, IGNORED) for header in held.ignore if header in names]
     known, whats = {item.header.strip("`") for item in said}, {item.what for item in said}
-    return (*said, *(item for item in meanings if item.header not in known and item.what not in whats))
+    place = Path(held.file).name
+    passed_over = (
+        f"{place} beside it has formulas that do not fit this file ({', '.join(foreign)}) and were passed over; "
+        "settings of this file alone stand in a YAML file of its name."
+    )
+    others = (item for item in meanings if item.header not in known and item.what not in whats)
+    return (*said, *others), (passed_over,) if foreign else ()
 
 
 def _stand_in(table: Table) -> Arm:

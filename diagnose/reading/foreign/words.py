@@ -60,6 +60,9 @@ _OF_A_MESSAGE = re.compile(
     r"(?P<of>(?:.*[./])?)(?P<what>position|velocity|effort|name)s?(?:\[(?P<k>[0-9]{1,2})\]|[._/]?(?P<l>[0-9]{1,2}))"
 )
 _NUMBERED = re.compile(r"(.*?)[\[( ._/-]*([0-9]{1,2})[\])]?([^0-9]*)")
+_NAMED_BEHIND = re.compile(
+    r"(?P<head>.*?[A-Za-z])[ _.-]?(?P<k>[0-9]{1,2})[ _.-]+(?P<name>[^\W\d_][^\d\[(]*?)(?P<unit>\s*[\[(][^\])]*[\])])?"
+)
 _COMPUTED = re.compile(r"(?:actual|target)[_ ]TCP[_ ].*|O_T_EE.*|.*(?:tcp_pose|current_pose|fk_).*", re.IGNORECASE)
 _OF_RSI = MappingProxyType({"AIPos": "position", "ASPos": "setpoint position", "MACur": "current"})
 _WAYS = MappingProxyType(
@@ -120,6 +123,36 @@ def said_by(header: str, names: Sequence[str]) -> Said | None:
     return None if numbered is None else _by_words(f"{numbered[1]} {numbered[3]}", int(numbered[2]), "", header)
 
 
+def without_names(headers: Sequence[str]) -> dict[str, str]:
+    """The headers less what stands behind the number of one joint alone (`J1 base [deg]`, `J2 shoulder [deg]`): where
+    headers begin alike, what differs from number to number is what somebody calls that joint, and what is the same says
+    what was measured of each."""
+    parsed = {header: found for header in headers if (found := _NAMED_BEHIND.fullmatch(header)) is not None}
+    numbers: dict[tuple[str, str], set[str]] = {}
+    for found in parsed.values():
+        numbers.setdefault((found["head"], found["name"].lower()), set()).add(found["k"])
+    known = _known_words()
+    plain: dict[str, str] = {}
+    for header in headers:
+        found = parsed.get(header)
+        plain[header] = header
+        if found is None or _words(found["name"]) & known:
+            continue
+        others = {name for head, name in numbers if head == found["head"]}
+        if len(others) > 1 and len(numbers[found["head"], found["name"].lower()]) == 1:
+            plain[header] = f"{found['head']}{found['k']}{found['unit']}"
+    return plain
+
+
+def _known_words() -> frozenset[str]:
+    return frozenset().union(*_KINDS.values()) | _JOINT_WORDS | _PLAIN | _FILLING | _COMMANDS
+
+
+def commanded(header: str) -> bool:
+    """Whether a header says that it is of what was told, not of what came of it."""
+    return bool(_words(header) & _COMMANDS)
+
+
 def message_name(header: str) -> tuple[str, int] | None:
     """The message and the number that a column of names is of (`/joint_states.name[0]`), None for any other column."""
     parsed = _OF_A_MESSAGE.fullmatch(header)
@@ -131,7 +164,7 @@ def _by_words(rest: str, number: int | None, label: str, header: str) -> Said | 
     for own, plain in _OF_RSI.items():
         rest = rest.replace(own, plain)
     path, _, leaf = rest.rpartition("/")
-    known = frozenset().union(*_KINDS.values()) | _JOINT_WORDS | _PLAIN | _FILLING | _COMMANDS
+    known = _known_words()
     listed = [item.lower() for item in _WORD.findall(leaf)]
     which = 2 if len(listed) > 1 and listed[0] in ("robot", "arm") and listed[1].isdecimal() else 0
     first = next((place for place, item in enumerate(listed) if place >= which and item in known), len(listed))

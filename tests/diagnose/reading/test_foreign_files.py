@@ -120,10 +120,17 @@ def test_sides_that_are_nought_or_one_are_said(tmp_path: Path) -> None:
     assert any("columns: {dir1: 2*dir1 - 1}" in warning for warning in read(tmp_path, "\n".join(lines)).warnings)
 
 
-def test_a_time_stamp_without_a_format_is_said(tmp_path: Path) -> None:
-    lines = [",".join(("time_s", *HEADER)), *(
-        ",".join((f"2024-05-04 10:{k:02d}:00", *row)) for k, row in enumerate(BODY))]  # fmt: skip
-    assert any("time_format: iso" in warning for warning in read(tmp_path, "\n".join(lines)).warnings)
+def test_time_stamps_are_read_by_themselves_where_nothing_else_could_be_meant(tmp_path: Path) -> None:
+    """Those of ISO 8601 are; of a day and a month in any order the format is asked for."""
+
+    def stamped(form: str) -> str:
+        return "\n".join([",".join(("time_s", *HEADER)), *(
+            ",".join((form.format(k), *row)) for k, row in enumerate(BODY))])  # fmt: skip
+
+    result = read(tmp_path, stamped("2024-05-04 10:{:02d}:00"))
+    assert result.time is not None
+    assert np.diff(result.time).tolist() == [60.0] * (len(BODY) - 1)
+    assert any("`time_format`" in warning for warning in read(tmp_path, stamped("04/05/2024 10:{:02d}")).warnings)
 
 
 def test_what_our_columns_are_made_of_is_no_further_column(tmp_path: Path) -> None:

@@ -154,3 +154,14 @@ def test_a_clock_of_another_language_is_proposed(tmp_path):
 def test_decimal_commas_are_named(tmp_path, content, settings, said):
     with pytest.raises(InputError, match=said):
         read(tmp_path, content, settings)
+
+
+def test_settings_of_another_file_in_the_folder_are_passed_over_in_a_proposal(tmp_path):
+    """They are said, and no part of what is written."""
+    (tmp_path / "r.csv").write_text(text(","))
+    (tmp_path / "recording.yaml").write_text("columns: {x_mm: tracker east}\nsigma: 20 um\n")
+    proposal = propose(tmp_path / "r.csv", ARM)
+    assert not proposal.wrong
+    assert [meaning.ours for meaning in proposal.meanings] == ["q1_deg", "q2_deg", "x_mm", "y_mm"]
+    assert any("do not fit this file (x_mm)" in note for note in proposal.notes)
+    assert "sigma: 20 um" in proposal.settings

@@ -55,6 +55,32 @@ def test_headers_as_people_write_them(header, what, unit):
     assert (result.what, result.unit) == (what, unit)
 
 
+def test_joints_that_people_name_behind_their_numbers():
+    """`J1_base`, `J4`: what differs from joint to joint is its name; what is the same of each is what was measured."""
+    columns = {"J1_base [deg]": [120.0, -90.0], "J2_elbow [deg]": [30.0, -9.0], "J3 [deg]": [30.0, -9.0]}
+    assert [item.ours for item in meant(**columns).values()] == ["q1_deg", "q2_deg", "q3_deg"]
+    named = {f"Servo {k} {name} (deg)": [120.0, -9.0] for k, name in enumerate(("drehen", "schulter", "hand"), 1)}
+    assert [item.ours for item in meant(**named).values()] == ["q1_deg", "q2_deg", "q3_deg"]
+    alike = {f"axis {k} lag error [deg]": [120.0, -9.0] for k in (1, 2, 3)}
+    assert {item.what for item in meant(**alike).values()} == {OTHER}
+    told = {f"axis {k} {name} [deg]": [120.0, -9.0] for k, name in ((1, "target"), (2, "setpoint"))}
+    assert not {item.what for item in meant(**told).values()} & {"q1", "q2", "q3"}
+
+
+def test_a_place_is_the_only_column_of_its_letter():
+    """Whatever the tip is called; not what was commanded, nor one of two."""
+    result = meant(**{"Spitze X [mm]": [400.0], "Prisma Y mm": [410.0], "soll y [mm]": [410.0], "weight in g": [500.0]})
+    assert [item.ours for item in result.values()] == ["x_mm", "y_mm", OTHER, "payload_g"]
+    two = meant(**{"left prism x [mm]": [400.0], "right prism x [mm]": [410.0]})
+    assert {item.what for item in two.values()} == {OTHER}
+
+
+def test_time_stamps_are_no_guess():
+    """They are read without a word in the settings."""
+    result = meant(Timestamp=["2026-03-11 09:00:25", "2026-03-11 09:00:50"])["Timestamp"]
+    assert (result.ours, result.guessed) == ("time_s", False)
+
+
 def test_units_are_guessed_by_size_and_said_to_be():
     """Radians stay within a turn, metres within a machine hall; joints of one file are in one unit."""
     result = meant(**{"joint 1": [1.2, -3.1], "joint 2": [1.2, -0.9], "x": [0.4, 1.1], "y": [400.0, 1100.0]})
