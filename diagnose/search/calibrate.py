@@ -18,7 +18,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from linkwright.core.diagnose.patterns.pool import Pool, orthonormal
+from linkwright.core.diagnose.patterns.pool import Pool, inverse_root
 from linkwright.core.sections.numeric import Array
 
 from .subsets import Criterion, products
@@ -48,10 +48,11 @@ class Calibrated:
 
 @dataclass(frozen=True)
 class Given:
-    """What a smaller model takes as given: an orthonormal basis (n, k) of nuisances and effects, the residual, and
-    which columns of the pool the effects have."""
+    """What a smaller model takes as given beside the nuisances: an orthonormal basis (n, k) of its effects, products
+    (M, k) of the pool's columns with it, the residual, and which columns of the pool the effects have."""
 
     basis: Array
+    mixed: Array
     residual: Array
     columns: NDArray[np.int64]
 
@@ -59,9 +60,10 @@ class Given:
 def given_model(pool: Pool, vector: Array, members: Sequence[int]) -> Given:
     """The smaller model of some groups, fitted to a vector from which nuisances are projected out."""
     columns = pool.columns(members)
-    taken = orthonormal(pool.basis[:, columns]) if members else np.zeros((len(vector), 0))
-    basis = np.concatenate([pool.nuisance, taken], axis=1)
-    return Given(basis, vector - basis @ (basis.T @ vector), columns)
+    rows = pool.rows(columns)
+    root = inverse_root(rows[:, columns])
+    basis = pool.basis[:, columns] @ root
+    return Given(basis, rows.T @ root, vector - basis @ (basis.T @ vector), columns)
 
 
 def one_more(
@@ -127,6 +129,7 @@ class _Shuffled:
     def drawn(self, rng: np.random.Generator, count: int) -> tuple[Array, Array]:
         """Products of so many draws with the basis (M, count), and their sums of squares (count,)."""
         drawn = np.stack([shuffled(self._table, self._visits, rng).reshape(-1) for _ in range(count)], axis=1)
+        drawn = self._pool.projected(drawn)
         drawn -= self._given.basis @ (self._given.basis.T @ drawn)
         return self._pool.basis.T @ drawn, np.sum(drawn * drawn, axis=0)
 
@@ -137,12 +140,14 @@ class _Flipped:
 
     def __init__(self, pool: Pool, given: Given, visits: NDArray[np.int64], width: int) -> None:
         starts = width * np.flatnonzero(np.diff(visits, prepend=-1))
-        self._taken = np.add.reduceat(given.basis.T * given.residual, starts, axis=1)
+        # Flipped, a residual is no longer orthogonal to the nuisances either.
+        basis = np.concatenate([pool.nuisance, given.basis], axis=1)
+        self._taken = np.add.reduceat(basis.T * given.residual, starts, axis=1)
         self._along = np.empty((pool.basis.shape[1], len(starts)))
         step = max(1, _AT_ONCE // len(pool.basis))
         for some in (slice(k, k + step) for k in range(0, len(self._along), step)):
             self._along[some] = np.add.reduceat(pool.basis.T[some] * given.residual, starts, axis=1)
-        self._along -= (pool.basis.T @ given.basis) @ self._taken
+        self._along -= given.mixed @ self._taken[pool.nuisance.shape[1] :]
         self._rss = float(given.residual @ given.residual)
 
     def drawn(self, rng: np.random.Generator, count: int) -> tuple[Array, Array]:

@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from .pairs import Blocks
+from .subsets import Products
 
 if TYPE_CHECKING:
     from .naming import Namer
@@ -46,13 +47,13 @@ def better(namer: Namer, members: Sequence[int], *, one_by_one: bool = False) ->
     while best != before:
         before = best
         for taken, given in sizes:
-            for place in itertools.combinations(before, taken):
+            for place, beside in _leaving(namer, namer.prepared.products, before, taken):
                 rest = [m for m in before if m not in place]
-                for bound, others in _sets(namer, rest, given, place if given + taken > 2 else ()):
-                    if bound >= least - _ROUNDING:
-                        break
+                for rss, others in _sets(namer, beside, (*rest, *(place if given + taken > 2 else ())), given):
                     trial = (*rest, *others)
-                    more = namer.fitted(trial).rss < (1.0 - _ROUNDING) * namer.fitted(best).rss
+                    if namer.criterion(rss, trial) >= least - _ROUNDING:
+                        break
+                    more = rss < (1.0 - _ROUNDING) * namer.fitted(best).rss
                     if more and namer.criterion_of(trial) < least - _ROUNDING and namer.possible(trial):
                         best, least = trial, namer.criterion_of(trial)
     return best
@@ -71,7 +72,8 @@ def exchanged(namer: Namer, members: Sequence[int], outside: Sequence[int] = ())
 def _instead(namer: Namer, place: tuple[int, ...], rest: Sequence[int]) -> list[Exchanged]:
     criterion, tied = namer.criterion_of((*place, *rest)), namer.rules.tied
     exchanges: list[Exchanged] = []
-    for _, others in _sets(namer, rest, 3 - len(place), place):
+    beside = namer.prepared.products.beside(namer.pool.columns(rest))
+    for _, others in _sets(namer, beside, (*rest, *place), 3 - len(place)):
         worse = namer.criterion_of((*others, *rest)) - criterion
         parts = itertools.combinations(others, len(others) - 1)
         if worse > tied or not namer.possible((*others, *rest)):
@@ -83,31 +85,45 @@ def _instead(namer: Namer, place: tuple[int, ...], rest: Sequence[int]) -> list[
     return sorted(exchanges, key=lambda exchange: exchange.worse)[:_MOST]
 
 
-def _sets(
-    namer: Namer, rest: Sequence[int], size: int, without: Sequence[int] = ()
-) -> Iterator[tuple[float, tuple[int, ...]]]:
-    """The one or two groups of the library, no variants of those `without` nor of the rest, that explain most for what
-    they cost beside the rest, best first, each with the criterion of usual sizes, which is the least it can be; of each
-    family the variant that does alone."""
-    pool, criterion, products = namer.pool, namer.criterion, namer.prepared.products.beside(namer.pool.columns(rest))
-    barred = pool.family[np.array([*without, *rest], dtype=np.int64)]
-    gains = products.gains()
-    order = np.argsort(criterion.of_many(products.rss, gains, criterion.price, pool.ranks), kind="stable")
+def _leaving(
+    namer: Namer, products: Products, members: Sequence[int], count: int
+) -> Iterator[tuple[tuple[int, ...], Products]]:
+    """Every so many of some members, with the products beside the others. What two of these have in common is taken as
+    given once: halves are, and then halves of what is left."""
+    if count == 0:
+        yield (), products.beside(namer.pool.columns(members))
+    elif count == len(members):
+        yield tuple(members), products
+    elif count < len(members):
+        head, tail = members[: len(members) // 2], members[len(members) // 2 :]
+        for some in range(count + 1):
+            for first, part in _leaving(namer, products, head, some):
+                for second, beside in _leaving(namer, part, tail, count - some):
+                    yield (*first, *second), beside
+
+
+def _sets(namer: Namer, beside: Products, without: Sequence[int], size: int) -> Iterator[tuple[float, tuple[int, ...]]]:
+    """The one or two groups of the library, no variants of those `without`, that explain most for what they cost by the
+    products `beside` others, best first, each with the sum of squares that is left; of each family the variant that
+    does alone."""
+    pool, criterion, gains = namer.pool, namer.criterion, beside.gains()
+    barred = pool.family[np.array(without, dtype=np.int64)]
+    order = np.argsort(criterion.of_many(beside.rss, gains, criterion.price, pool.ranks), kind="stable")
     order = order[(namer.library & ~np.isin(pool.family, barred))[order]]
     best = order[np.sort(np.unique(pool.family[order], return_index=True)[1])]
     if size == 1:
-        sets = ((float(gains[number]), (number,)) for number in best[:_LOOKED_AT].tolist())
+        sets = ((gains[number], (number,)) for number in best[:_LOOKED_AT].tolist())
     elif len(best) > 1:
         among = best[np.argsort(pool.ranks[best], kind="stable")]
         at, price, ranks = pool.columns(among.tolist()), criterion.price[among], pool.ranks[among]
-        gram = pool.rows(at)[:, at] - products.taken[at] @ products.taken[at].T
-        gained = Blocks(gram, products.against[at], ranks).orthonormal().of_two()
-        value = criterion.of_many(products.rss, gained, price[:, None] + price, ranks[:, None] + ranks)
+        gram = pool.rows(at)[:, at] - beside.taken[at] @ beside.taken[at].T
+        gained = Blocks(gram, beside.against[at], ranks).orthonormal().of_two()
+        value = criterion.of_many(beside.rss, gained, price[:, None] + price, ranks[:, None] + ranks)
         first, second = np.triu_indices(len(among), 1)
         pairs = np.argsort(value[first, second], kind="stable")[:_LOOKED_AT]
         places = zip(first[pairs].tolist(), second[pairs].tolist(), strict=True)
-        sets = ((float(gained[i, j]), (int(among[i]), int(among[j]))) for i, j in places)
+        sets = ((gained[i, j], (int(among[i]), int(among[j]))) for i, j in places)
     else:
         return
     for gain, others in sets:
-        yield criterion(products.rss - gain, (*rest, *others)), others
+        yield beside.rss - float(gain), others
