@@ -2,12 +2,12 @@
 
 A candidate's parameter shows by v = c' (I - P) c, with c its whitened displacements over the readings and P the
 projection onto the nuisances and, where it is to be told from a rival, onto that rival too: the non-centrality of the
-test of that parameter at its usual size, and the smallest size goes with 1/sqrt(v). The score is the mean logarithm of
-those over all parameters asked for, alone, so that each counts by how many times smaller it is seen, and a share of
-the mean of log(1 + t/v) over all pairs, where t is what it takes to refuse a wrong name: what is told anyhow counts no
-more. So it is a compound Ds-optimal design (A. C. Atkinson, A. N. Donev & R. D. Tobias, Optimum Experimental Designs,
-with SAS, Oxford 2007, ch. 10 and 21). Visits are taken greedily by the slope of the score, then exchanged one at a
-time (V. V. Fedorov, Theory of Optimal Experiments, Academic Press 1972).
+test of that parameter at the middle of its usual sizes, and the smallest size goes with 1/sqrt(v). The score is the
+mean logarithm of those over all parameters asked for, alone, so that each counts by how many times smaller it is seen,
+and a share of the mean of log(1 + t/v) over all pairs, where t is what it takes to refuse a wrong name: what is told
+anyhow counts no more. So it is a compound Ds-optimal design (A. C. Atkinson, A. N. Donev & R. D. Tobias, Optimum
+Experimental Designs, with SAS, Oxford 2007, ch. 10 and 21). Visits are taken greedily by the slope of the score, then
+exchanged one at a time (V. V. Fedorov, Theory of Optimal Experiments, Academic Press 1972).
 """
 
 from __future__ import annotations

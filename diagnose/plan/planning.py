@@ -32,7 +32,7 @@ from .design import Patterns, chosen_visits
 from .order import in_order, returns_of, with_time
 from .plan_request import Asked, seen_axes
 from .planned import Planned
-from .promise import NEVER, Promise, another_cause, is_asked, promised, seen_columns, usual_size
+from .promise import NEVER, Promise, another_cause, is_asked, middle_size, promised, seen_columns
 from .torques import told_by_torques, torque_rows
 from .tried import Tried, tried_visits
 from .written import as_read, plan_text, read_plan, to_record
@@ -273,9 +273,9 @@ def _one_of_each(observed: Observed, request: Asked) -> list[tuple[Candidate, Ar
 
 
 def _usual(candidate: Candidate, columns: Array, observed: Observed, axes: Sequence[str], request: Asked) -> Array:
-    """The usual size of each column (d,); of products with unknown weights what is as large as the scatter."""
+    """The middle of each column's usual sizes (d,); of products with unknown weights what is as the scatter is."""
     if len(candidate.sizes) == columns.shape[2]:
-        return np.array([usual_size(candidate, name) for name in candidate.sizes])
+        return np.array([middle_size(candidate, name) for name in candidate.sizes])
     rms = np.sqrt(np.mean(np.sum(seen_columns(observed, columns, axes, request.scatter(axes)) ** 2, axis=1), axis=0))
     return 1.0 / np.where(rms > 0.0, rms, 1.0)
 

@@ -230,6 +230,13 @@ def usual_size(candidate: Candidate, name: str) -> float:
     return max(abs(limit) for limit in parameter_of(EFFECTS[candidate.effect], name).typical)
 
 
+def middle_size(candidate: Candidate, name: str) -> float:
+    """The middle of what is usual of a parameter, as a ratio: a tenth of it is as likely as ten times as much."""
+    if candidate.share:
+        return 1.0
+    return math.sqrt(math.prod(abs(limit) for limit in parameter_of(EFFECTS[candidate.effect], name).typical))
+
+
 def rivals_of(prepared: Prepared, number: int, parameter: str, asked: Asked) -> tuple[Rival, ...]:
     """What a group's parameter might be taken for, hardest to tell first: each other cause by its likest variant."""
     pool = prepared.pool
