@@ -100,9 +100,13 @@ def preferred(namer: Namer, members: Sequence[int], member: int, others: Sequenc
         return (still, coefficients, not (unknown or usual), alike, rank)
 
     # A joint that never moves is not accused while one that does would do nearly as well.
-    limit = namer.rules.refuted if order(member)[0] else namer.rules.tied
-    tied = [member, *(rival.member for rival in others if rival.worse <= limit)]
-    return min(tied, key=order)
+    still, rules = order(member)[0], namer.rules
+    tied = [
+        rival.member
+        for rival in others
+        if rival.worse <= (rules.refuted if still and not stands(namer, rival.member) else rules.tied)
+    ]
+    return min([member, *tied], key=order)
 
 
 def renamed(namer: Namer, named: Named) -> tuple[int, ...]:
