@@ -22,7 +22,6 @@ prices:                                # of materials of other catalogues (or th
 
 from __future__ import annotations
 
-import os
 from collections.abc import Iterator, Sequence
 from collections.abc import Mapping as MappingLike
 from dataclasses import dataclass, field, replace
@@ -30,21 +29,20 @@ from functools import lru_cache
 from pathlib import Path
 from types import MappingProxyType
 
-from platformdirs import user_config_dir
-
 from linkwright.core.materials.material import Constant, Material, Property
 from linkwright.core.units.names import nearest
 from linkwright.core.units.prices import Price, read_prices
 from linkwright.core.units.quantities import InputError
 from linkwright.core.units.reading import Mapping, load_yaml, shipped_files
+from linkwright.core.units.user_file import UserFile
 
 from .catalogue_entry import read_entry, read_inline
 
 FORMAT_VERSION = 1
 """The version of the catalogue format that this code reads and writes."""
 
-CATALOGUE_VARIABLE = "LINKWRIGHT_CATALOGUE"
-"""The environment variable that names the user's own catalogue in place of the default one."""
+USER_CATALOGUE = UserFile("LINKWRIGHT_CATALOGUE", "materials.yaml")
+"""The user's own catalogue."""
 
 
 @dataclass(frozen=True)
@@ -176,25 +174,12 @@ def shipped_layers() -> tuple[Layer, ...]:
     )
 
 
-def user_catalogue_path() -> Path:
-    """Return where the user's own catalogue is, or would be: `LINKWRIGHT_CATALOGUE`, or the configuration
-    folder."""
-    named = os.environ.get(CATALOGUE_VARIABLE, "").strip()
-    return Path(os.path.expanduser(named)) if named else Path(user_config_dir("linkwright")) / "materials.yaml"
-
-
 def load_catalogue(paths: Sequence[Path | str] = (), *, user: bool = True) -> Catalogue:
     """Return the shipped catalogue, over it the user's own (where it exists and `user` is true), over that
     `paths`.
 
     A file named by the environment variable or in `paths` must exist. Raises `InputError`.
     """
-    layers = list(shipped_layers())
-    if user:
-        user_file = user_catalogue_path()
-        if os.path.exists(user_file) or os.environ.get(CATALOGUE_VARIABLE, "").strip():
-            layers.append(load_layer(user_file))
-    layers.extend(load_layer(path) for path in paths)
-    catalogue = Catalogue(tuple(layers))
+    catalogue = Catalogue((*shipped_layers(), *map(load_layer, USER_CATALOGUE.over(paths, user=user))))
     catalogue.check_prices()
     return catalogue

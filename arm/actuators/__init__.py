@@ -3,23 +3,21 @@
 from __future__ import annotations
 
 from .catalogue import (
-    ACTUATORS_VARIABLE,
     CONFIRMABLE,
+    USER_ACTUATORS,
     Actuator,
     Actuators,
     load_actuators,
     read_actuators,
     shipped_actuators,
-    user_actuators_path,
 )
 
 __all__ = [
-    "ACTUATORS_VARIABLE",
     "CONFIRMABLE",
+    "USER_ACTUATORS",
     "Actuator",
     "Actuators",
     "load_actuators",
     "read_actuators",
     "shipped_actuators",
-    "user_actuators_path",
 ]

@@ -35,26 +35,24 @@ from __future__ import annotations
 
 import itertools
 import math
-import os
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from pathlib import Path
 from types import MappingProxyType
 
-from platformdirs import user_config_dir
-
 from linkwright.core.units.names import nearest
 from linkwright.core.units.prices import read_prices
 from linkwright.core.units.quantities import InputError
 from linkwright.core.units.reading import Mapping as Keys
 from linkwright.core.units.reading import load_yaml, shipped_files
+from linkwright.core.units.user_file import UserFile
 
 FORMAT_VERSION = 1
 """The version of the format that this code reads."""
 
-ACTUATORS_VARIABLE = "LINKWRIGHT_ACTUATORS"
-"""The environment variable that names the user's own actuators in place of the default file."""
+USER_ACTUATORS = UserFile("LINKWRIGHT_ACTUATORS", "actuators.yaml")
+"""The user's own actuators."""
 
 CONFIRMABLE = ("rated_torque", "peak_torque", "stiffness", "backlash", "mass", "tilting_stiffness")
 """The figures that can be marked as not confirmed; `stiffness` with the torques of its zones."""
@@ -151,10 +149,7 @@ def load_actuators(paths: Sequence[Path | str] = (), *, user: bool = True) -> Ac
     A file named by the environment variable or in `paths` must exist. Raises `InputError`.
     """
     actuators = dict(shipped_actuators())
-    user_file = user_actuators_path()
-    if user and (os.path.exists(user_file) or os.environ.get(ACTUATORS_VARIABLE, "").strip()):
-        actuators = _with_file(actuators, load_yaml(user_file))
-    for path in paths:
+    for path in USER_ACTUATORS.over(paths, user=user):
         actuators = _with_file(actuators, load_yaml(path))
     return Actuators(MappingProxyType(actuators))
 
@@ -172,12 +167,6 @@ def _with_file(known: Mapping[str, Actuator], keys: Keys) -> dict[str, Actuator]
             actuators[name], cost=price.value, cost_spread=spread, cost_date=price.date, note=note
         )
     return actuators
-
-
-def user_actuators_path() -> Path:
-    """Where the user's own actuators are, or would be: `LINKWRIGHT_ACTUATORS`, or the configuration folder."""
-    named = os.environ.get(ACTUATORS_VARIABLE, "").strip()
-    return Path(os.path.expanduser(named)) if named else Path(user_config_dir("linkwright")) / "actuators.yaml"
 
 
 @lru_cache(maxsize=1)

@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 from linkwright.core.arm.chain.chain import Arm
+from linkwright.core.arm.errors.unknown_mass import of_unknown_mass
 from linkwright.core.diagnose.recording import Recording
-from linkwright.core.diagnose.residual.masses_from_torques import against_any_masses, unweighed
+from linkwright.core.diagnose.residual.masses_from_torques import against_any_masses
 from linkwright.core.diagnose.residual.observe import undeformed
 from linkwright.core.diagnose.residual.torque import DriveTorque, Factor, drive_torques
 from linkwright.core.diagnose.residual.visits import visits
@@ -21,7 +22,7 @@ def refuse_torques_of_another_sign(
     that they could have."""
     if recording.torque is None:
         return
-    if unweighed(arm):
+    if of_unknown_mass(arm):
         _refuse(recording, [mass.joint for mass in against_any_masses(arm, recording, rules=rules)], headers)
         return
     state = undeformed(arm, recording, rules)

@@ -18,6 +18,7 @@ from scipy.optimize import nnls
 
 from linkwright.core.arm.chain.balance import PointMass
 from linkwright.core.arm.chain.chain import Arm
+from linkwright.core.arm.errors.unknown_mass import of_unknown_mass
 from linkwright.core.diagnose.recording import Recording
 from linkwright.core.diagnose.rules.residual_rules import ResidualRules
 from linkwright.core.diagnose.rules.rules import RULES
@@ -63,15 +64,10 @@ class Weighed:
     beside: bool
 
 
-def unweighed(arm: Arm) -> tuple[int, ...]:
-    """The links (from 0) whose mass nobody knows."""
-    return tuple(index for index, link in enumerate(arm.links) if link.section is None and link.mass is None)
-
-
 def weighed_by_torque(arm: Arm, recording: Recording, *, rules: ResidualRules = RULES.residual) -> Weighed | None:
     """The arm with the weights that a recording's torques show for its links of unknown mass; None where there are no
     such links or torques, or these tell nothing."""
-    lacking = unweighed(arm)
+    lacking = of_unknown_mass(arm)
     if not lacking or arm.branches:
         return None
     places = _places(arm, lacking, rules)
@@ -161,7 +157,7 @@ def against_any_masses(arm: Arm, recording: Recording, *, rules: ResidualRules =
         return ()
     if recording.torque is None:
         return ()
-    turned, places = replace(recording, torque=-recording.torque), _places(arm, unweighed(arm), rules)
+    turned, places = replace(recording, torque=-recording.torque), _places(arm, of_unknown_mass(arm), rules)
     as_is, other = (held_by_drives(arm, one, places, rules=rules) for one in (recording, turned))
 
     def told(held_load: Held) -> float:
@@ -182,7 +178,7 @@ def misfit(held: Sequence[Held], found: Array) -> float:
 
 def _weightless(arm: Arm) -> Arm:
     """The arm with nothing for the masses that nobody knows."""
-    lacking = unweighed(arm)
+    lacking = of_unknown_mass(arm)
     return arm.with_links(
         tuple(replace(link, mass=0.0) if index in lacking else link for index, link in enumerate(arm.links))
     )
@@ -219,7 +215,7 @@ def carrying(arm: Arm, solution: Sequence[tuple[Place, float]]) -> Arm:
 def _of_masses(
     arm: Arm, places: Sequence[Place], held: Sequence[Held], solution: Array, rules: ResidualRules
 ) -> Weighed | None:
-    links = [k for k in unweighed(arm) if any(_seen(item, places, k, rules) for item in held)]
+    links = [k for k in of_unknown_mass(arm) if any(_seen(item, places, k, rules) for item in held)]
     if not links:
         return None
     put = [(place, mass) for place, mass in zip(places, solution.tolist(), strict=True) if place[0] in links]
@@ -232,7 +228,7 @@ def _of_masses(
         share = each.unscaled.T @ each.load / float(each.load @ each.load)
         drives.append((each.joint, float(np.abs(load).max()), float(np.sqrt(max(share @ spread @ share, 0.0)))))
     beside = any(any(place[1:]) and mass > 0.0 for (_, place), mass in put)
-    untold = tuple(k for k in unweighed(arm) if k not in links)
+    untold = tuple(k for k in of_unknown_mass(arm) if k not in links)
     return Weighed(carrying(known, put), tuple(links), untold, tuple(drives), beside)
 
 

@@ -140,14 +140,14 @@ def _solver() -> Check:
 
 
 def _catalogues() -> Iterator[Check]:
-    from linkwright.core.arm.actuators.catalogue import load_actuators, user_actuators_path
-    from linkwright.core.materials.catalogue import load_catalogue, user_catalogue_path
-    from linkwright.core.sections.stock.tables import load_stock, user_stock_path
+    from linkwright.core.arm.actuators.catalogue import USER_ACTUATORS, load_actuators
+    from linkwright.core.materials.catalogue import USER_CATALOGUE, load_catalogue
+    from linkwright.core.sections.stock.tables import USER_STOCK, load_stock
 
-    own_materials, own_stock = user_catalogue_path(), user_stock_path()
+    own_materials, own_stock = USER_CATALOGUE.path(), USER_STOCK.path()
     yield _catalogue("materials", lambda: len(load_catalogue().names), own_materials)
     yield _catalogue("stock sizes", lambda: len(load_stock()), own_stock)
-    yield _catalogue("actuators", lambda: len(load_actuators()), user_actuators_path())
+    yield _catalogue("actuators", lambda: len(load_actuators()), USER_ACTUATORS.path())
 
 
 def _catalogue(name: str, count: Callable[[], int], path: Path | None) -> Check:
@@ -161,9 +161,9 @@ def _catalogue(name: str, count: Callable[[], int], path: Path | None) -> Check:
 
 def _folders() -> Iterator[Check]:
     """Where own catalogues go, and where temporary files do."""
-    from linkwright.core.materials.catalogue import user_catalogue_path
+    from linkwright.core.materials.catalogue import USER_CATALOGUE
 
-    yield _folder("folder of own catalogues", user_catalogue_path().parent)
+    yield _folder("folder of own catalogues", USER_CATALOGUE.path().parent)
     try:
         temporary = Path(tempfile.gettempdir())
     except OSError as error:

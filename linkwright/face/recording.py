@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from dataclasses import replace as replaced
-from functools import partial
 from pathlib import Path, PurePath
 from typing import TYPE_CHECKING, Any
 
@@ -80,15 +79,12 @@ class Recording(Readings):
     def save(self, path: File) -> Sequence[Path]:
         """Write the recording as CSV and its settings beside it, as `simulate --out` does, and read it back; gives
         which files. Raises `InputError`, also where settings of another's stand beside it."""
-        place = Path(path)
-        settings = settings_beside(place)
-        write_file(settings, settings_text(self.found))
-        write_file(place, ReadBack(recording_text(self.found, self.arm.model), partial(self._unlike, settings)))
-        return [place, settings]
+        text = recording_text(self.found, self.arm.model)
+        return saved(path, text, settings_text(self.found), self._unlike)
 
-    def _unlike(self, settings: Path, path: Path) -> Iterator[str]:
+    def _unlike(self, path: Path) -> Iterator[str]:
         """What the recording that is read from a file says otherwise."""
-        back = read_file(path, self.arm.model, settings)
+        back = read_file(path, self.arm.model, path.with_suffix(".yaml"))
         yield from unlike(self.found, back, self.arm.model)
         yield from unlike_settings(self.found, back)
 
@@ -172,6 +168,17 @@ class Simulation(Recording):
             **fields(self.made, "idle"),
         }
         return json_text(content)
+
+
+def saved(path: File, text: str, settings: str | None, differs: Callable[[Path], Iterable[str]]) -> list[Path]:
+    """Write a recording or log with its settings beside it, where it has any, and read it back (`ReadBack`); gives
+    which files. Raises `InputError` where settings of another's stand there."""
+    place = Path(path)
+    beside = [] if settings is None else [settings_beside(place)]
+    for file in beside:
+        write_file(file, settings or "")
+    write_file(place, ReadBack(text, differs))
+    return [place, *beside]
 
 
 def settings_beside(recording: Path) -> Path:

@@ -13,6 +13,7 @@ from typing import TypeVar
 
 import numpy as np
 
+from linkwright.core.arm.chain.arrays import columns as as_rows
 from linkwright.core.arm.chain.chain import Arm, LoadCase
 from linkwright.core.arm.chain.statics import PoseState, solve
 from linkwright.core.arm.effects import BACKLASH, EFFECTS, JOINT_COMPLIANCE, Settings
@@ -151,7 +152,7 @@ def _at_load(arm: Arm, sheet: Sheet, poses: Array, load: LoadCase) -> Parts:
     for active in active_effects(arm):
         for owner, settings in _places(arm, active):
             error = tip_error(state, [replace(active, settings=settings)])
-            vector = _rows(error.vector, count)
+            vector = as_rows(error.vector, count)
             if vector.any():
                 fixed.append(Fixed(active.effect.id, owner, _factor(active, owner), vector))
             play += _play(error, owner, count)
@@ -168,8 +169,8 @@ def _at_load(arm: Arm, sheet: Sheet, poses: Array, load: LoadCase) -> Parts:
     unwarmed = tuple(
         k for k, link in enumerate(state.links) if link.beam.thermal_expansion is None and sheet.temperature > 0.0
     )
-    scale = np.linalg.norm(_rows(state.joints[0].force, count), axis=1)
-    scale = scale + np.linalg.norm(_rows(state.joints[0].moment, count), axis=1)
+    scale = np.linalg.norm(as_rows(state.joints[0].force, count), axis=1)
+    scale = scale + np.linalg.norm(as_rows(state.joints[0].moment, count), axis=1)
     scatter = sheet.repeatability / reach_of_repeatability(state.planar)
     return Parts(arm, state.planar, tuple(fixed), tuple(varying), tuple(play), scatter, scale, widths, unwarmed)
 
@@ -180,11 +181,6 @@ def reach_of_repeatability(planar: bool) -> float:
     mean = np.sqrt(np.pi / 2.0) if planar else 2.0 * np.sqrt(2.0 / np.pi)
     spread = np.sqrt(2.0 - np.pi / 2.0) if planar else np.sqrt(3.0 - 8.0 / np.pi)
     return float(mean + 3.0 * spread)
-
-
-def _rows(vector: Sequence[object], count: int) -> Array:
-    """A vector of floats or arrays as rows (count, 3)."""
-    return np.stack([np.broadcast_to(np.asarray(part, dtype=float), (count,)) for part in vector], axis=1)
 
 
 def _places(arm: Arm, active: ActiveEffect) -> list[tuple[Owner, Settings]]:
@@ -208,11 +204,11 @@ def _factor(active: ActiveEffect, owner: Owner) -> str | None:
 
 def _play(error: TipError, owner: Owner, count: int) -> list[Play]:
     intervals = [
-        Play(interval.effect, owner, _rows(interval.vector, count), np.broadcast_to(interval.seating, (count,)))
+        Play(interval.effect, owner, as_rows(interval.vector, count), np.broadcast_to(interval.seating, (count,)))
         for interval in error.intervals
     ]
     discs = [
-        Play(disc.effect, owner, _rows(disc.normal, count), _rows(disc.seating, count), disc.radius)
+        Play(disc.effect, owner, as_rows(disc.normal, count), as_rows(disc.seating, count), disc.radius)
         for disc in error.discs
     ]
     return [*intervals, *discs]
@@ -226,7 +222,7 @@ def _tolerances(state: PoseState, sheet: Sheet, count: int) -> list[Varying]:
         for owner, settings in _places(state.arm, active):
             for name, width in entry.parameters.items():
                 alone = replace(active, settings=replace(settings, values={name: width}))
-                vector = _rows(tip_error(state, [alone]).vector, count)
+                vector = as_rows(tip_error(state, [alone]).vector, count)
                 key = f"{entry.effect} {name} {owner} {tolerance.each_time}"
                 cause = f"{entry.effect}{EACH_TIME}" if tolerance.each_time else entry.effect
                 if vector.any():
@@ -260,7 +256,7 @@ def _resized(
 
 def _whole(arm: Arm, load: LoadCase, columns: Sequence[Array], count: int) -> Array:
     state = solve(arm, columns, beams_of(arm, (load,)), load)
-    return _rows(tip_error(state, active_effects(arm)).vector, count)
+    return as_rows(tip_error(state, active_effects(arm)).vector, count)
 
 
 def _warmed(state: PoseState, swing: float, count: int) -> list[Varying]:
@@ -271,7 +267,7 @@ def _warmed(state: PoseState, swing: float, count: int) -> list[Varying]:
     for k, link in enumerate(state.links):
         if link.beam.thermal_expansion is not None:
             settings = Settings((k,), {_WARM: swing})
-            total = total + _rows(tip_error(state, [ActiveEffect(THERMAL_EXPANSION, settings)]).vector, count)
+            total = total + as_rows(tip_error(state, [ActiveEffect(THERMAL_EXPANSION, settings)]).vector, count)
     return [Varying(TEMPERATURE, ("base", -1), TEMPERATURE, total)] if total.any() else []
 
 

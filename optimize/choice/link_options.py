@@ -24,9 +24,8 @@ from linkwright.core.optimize.exchange.rows import symbol
 from linkwright.core.optimize.problem import Problem
 from linkwright.core.sections import SHAPES
 from linkwright.core.sections.numeric import Array
-from linkwright.core.sections.section import Section
 
-from .at_once.cells import features, held
+from .at_once.cells import features, section_rows
 from .products import EXPANSION, OfLink
 
 _GRID = MappingProxyType({1: 129, 2: 40, 3: 14, 4: 8})
@@ -90,7 +89,7 @@ class LinkOptions:
             size = (len(places), len(grid))
             logarithms = np.log(np.stack([np.broadcast_to(column, size) for column in columns], axis=-1))
             allowed = np.ones(size, dtype=bool)
-            for value in self._rows(section, materials):
+            for value in section_rows(section, materials, self.ranges, self._limits):
                 allowed &= np.asarray(value) <= _ON_GRID
         allowed &= np.isfinite(logarithms[..., :4]).all(axis=-1)
         # A feature that is not known (a yield strength nobody asks for) is in no sum.
@@ -100,14 +99,6 @@ class LinkOptions:
         """The values of a shape's variables (SI) for shares of the ranges of their logarithms."""
         bounds = SHAPES[shape].variable_bounds(*self.ranges.sizes)
         return [low * (high / low) ** at[k] for k, (low, high) in enumerate(bounds)]
-
-    def _rows(self, section: Section, materials: ChosenMaterial) -> list[Any]:
-        """What must not be above zero for a section to be possible and keep the limits on single links."""
-        constraints = (*section.constraints(), *section.bound_constraints(*self.ranges.sizes))
-        return [
-            *(constraint.value for constraint in constraints),
-            *(x for limit in self._limits for x in held(limit, section, materials)),
-        ]
 
     def _least(self, group: _Group, part: OfLink, per_price: float, wanted: NDArray[np.bool_]) -> Array:
         growth = group.rows[:, MATERIAL_FIELDS.index("thermal_expansion"), None]
@@ -187,7 +178,8 @@ class LinkOptions:
         """What must not be above zero, in symbols for shares of the ranges."""
         kind = SHAPES[shape]
         sizes = self._sizes(shape, [at[k] for k in range(len(kind.variables))])
-        rows = [ca.SX(value) for value in self._rows(kind.from_variables(sizes), materials)]
+        held = section_rows(kind.from_variables(sizes), materials, self.ranges, self._limits)
+        rows = [ca.SX(value) for value in held]
         return [value for value in rows if not value.is_constant()]
 
 

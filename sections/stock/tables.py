@@ -34,7 +34,6 @@ well. A row beyond that is refused.
 from __future__ import annotations
 
 import math
-import os
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -45,7 +44,6 @@ from types import MappingProxyType
 from typing import Any, cast
 
 import numpy as np
-from platformdirs import user_config_dir
 
 from linkwright.core.sections.build import build
 from linkwright.core.sections.section import Section, SectionError
@@ -54,12 +52,13 @@ from linkwright.core.units.names import meant, nearest
 from linkwright.core.units.quantities import InputError, shown
 from linkwright.core.units.reading import parse_own_yaml, parse_yaml
 from linkwright.core.units.reading import read_text as file_text
+from linkwright.core.units.user_file import UserFile
 
 FORMAT_VERSION = 1
 """The version of the table format that this code reads."""
 
-STOCK_VARIABLE = "LINKWRIGHT_SECTIONS"
-"""The environment variable that names the user's own tables in place of the default file."""
+USER_STOCK = UserFile("LINKWRIGHT_SECTIONS", "sections.yaml")
+"""The user's own tables."""
 
 _LARGEST = 1e9
 """No figure of a table is larger."""
@@ -194,15 +193,8 @@ def load_stock(paths: Sequence[Path | str] = (), *, user: bool = True) -> Stock:
 
     A file named by the environment variable or in ``paths`` must exist. Raises InputError, one line.
     """
-    layers = [shipped_sizes()]
-    if user:
-        own = user_stock_path()
-        if os.path.exists(own) or os.environ.get(STOCK_VARIABLE, "").strip():
-            layers.append(read_file(own))
-    layers.extend(read_file(path) for path in paths)
-    if len(layers) == 1:
-        return _shipped_stock()
-    return _stock(layers)
+    own = [read_file(path) for path in USER_STOCK.over(paths, user=user)]
+    return _stock([shipped_sizes(), *own]) if own else _shipped_stock()
 
 
 @lru_cache(maxsize=1)
@@ -216,12 +208,6 @@ def _stock(layers: Sequence[Sequence[StockSize]]) -> Stock:
         for size in layer:
             sizes[plain_name(size.name)] = size
     return Stock(tuple(sizes.values()))
-
-
-def user_stock_path() -> Path:
-    """Where the user's own tables are, or would be: `LINKWRIGHT_SECTIONS`, or the configuration folder."""
-    named = os.environ.get(STOCK_VARIABLE, "").strip()
-    return Path(os.path.expanduser(named)) if named else Path(user_config_dir("linkwright")) / "sections.yaml"
 
 
 @lru_cache(maxsize=1)

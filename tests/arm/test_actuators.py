@@ -13,7 +13,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from linkwright.core.arm.actuators import (
-    ACTUATORS_VARIABLE,
+    USER_ACTUATORS,
     Actuator,
     load_actuators,
     read_actuators,
@@ -177,7 +177,7 @@ def test_an_actuator_that_cannot_be_is_refused(joint: str, message: str, tmp_pat
 
 def test_ones_own_actuators_add_to_the_shipped_ones(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     (tmp_path / "own.yaml").write_text(OWN, encoding="utf-8")
-    monkeypatch.setenv(ACTUATORS_VARIABLE, str(tmp_path / "own.yaml"))
+    monkeypatch.setenv(USER_ACTUATORS.variable, str(tmp_path / "own.yaml"))
     arm = arm_with(tmp_path, ", actuator: TURNER 1")
     result = evaluate(arm)
     links = result.mass * arm.links[0].material.need("cost")  # type: ignore[union-attr]

@@ -14,7 +14,7 @@ import typer
 import linkwright as lw
 from linkwright.commands.catalogues.own import Names, OwnCatalogue, TableFile, value_of_text
 from linkwright.commands.options import Commands, JsonFile, write_content
-from linkwright.core.arm.actuators import CONFIRMABLE, read_actuators, shipped_actuators, user_actuators_path
+from linkwright.core.arm.actuators import CONFIRMABLE, USER_ACTUATORS, read_actuators, shipped_actuators
 from linkwright.core.catalogues.csv_table import marks_text, table_text
 from linkwright.core.catalogues.keyed import Column, Entry, KeyedEditor, Schema
 from linkwright.core.units.quantities import InputError
@@ -140,14 +140,14 @@ def _made(name: str, values: dict[str, str], source: str) -> Entry:
 
 
 def _found(catalogue: Path | None) -> Callable[[str], Entry | None]:
-    files = [path for path in (user_actuators_path(), catalogue) if path is not None and path.exists()]
+    files = [path for path in (USER_ACTUATORS.path(), catalogue) if path is not None and path.exists()]
     return lambda name: ACTUATORS.entry(name, files)
 
 
 OWN = OwnCatalogue(
     group="actuators",
     editor=ACTUATORS,
-    own=lambda: user_actuators_path(),
+    own=USER_ACTUATORS.path,
     entry="actuator",
     called="file",
     key="actuator",

@@ -18,7 +18,7 @@ from linkwright.commands.options import CatalogueFile, Commands, JsonFile, write
 from linkwright.core.catalogues.freecad_cards import read_card, write_card
 from linkwright.core.catalogues.keyed import Entry
 from linkwright.core.catalogues.materials import MATERIALS, find_entry, write_table
-from linkwright.core.materials.catalogue import Catalogue, load_layer, shipped_layers, user_catalogue_path
+from linkwright.core.materials.catalogue import USER_CATALOGUE, Catalogue, load_layer, shipped_layers
 from linkwright.core.materials.material import Constant, Material, Property, PropertyName, property_kinds
 from linkwright.core.materials.plausible import doubts_of
 from linkwright.core.units.names import nearest
@@ -122,7 +122,7 @@ def _made(name: str, values: dict[str, str], source: str) -> Entry:
 OWN = OwnCatalogue(
     group="materials",
     editor=MATERIALS,
-    own=lambda: user_catalogue_path(),
+    own=USER_CATALOGUE.path,
     entry="material",
     called="catalogue",
     key="material",

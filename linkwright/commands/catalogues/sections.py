@@ -27,7 +27,7 @@ from linkwright.commands.options import Commands, JsonFile, as_options, write_co
 from linkwright.core.catalogues.stock_csv import read_table, write_table
 from linkwright.core.catalogues.stock_editor import STOCK, Row, cell, columns_of, row_of, rows_text
 from linkwright.core.sections import SHAPES, Section, SectionProperties, Stock, StockSize
-from linkwright.core.sections.stock.tables import shipped_sizes, user_stock_path
+from linkwright.core.sections.stock.tables import USER_STOCK, shipped_sizes
 from linkwright.core.units.names import meant
 from linkwright.core.units.quantities import InputError
 from linkwright.core.units.reading import read_text
@@ -165,7 +165,7 @@ def _found(catalogue: Path | None) -> Callable[[str], Row]:
 OWN = OwnCatalogue(
     group="sections",
     editor=STOCK,
-    own=lambda: user_stock_path(),
+    own=USER_STOCK.path,
     entry="stock size",
     called="tables",
     key="section",

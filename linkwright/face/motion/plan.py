@@ -20,11 +20,10 @@ from linkwright.face.arm import Arm
 from linkwright.face.plain_input import File
 from linkwright.face.planning.request import place_of, regions_of
 from linkwright.face.progress import Progress, told
+from linkwright.face.recording import saved
 from linkwright.face.result import Field, Result, drawn
 from linkwright.json.fields import fields
 from linkwright.json.motion import OBSERVES
-from linkwright.output.files import write_file
-from linkwright.output.read_back import ReadBack
 from linkwright.output.table_file import frame
 from linkwright.results.diagnoses.words import effect_words, listed
 from linkwright.results.document import Description, Item, Lines, Value, count, share, table
@@ -118,9 +117,7 @@ class MotionPlan(Result):
 
     def save(self, folder: File) -> Sequence[Path]:
         """Write the motion as CSV, as `plan --out` does; gives which file."""
-        place = Path(folder)
-        write_file(place, ReadBack(self.text(), self._unlike))
-        return [place]
+        return saved(folder, self.text(), None, self._unlike)
 
     def _unlike(self, path: Path) -> Iterator[str]:
         """What the motion that is read from a file says otherwise."""

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -18,11 +17,10 @@ from linkwright.core.diagnose.motion.written import log_text, settings_text
 from linkwright.core.units.quantities import InputError
 from linkwright.face.arm import Arm
 from linkwright.face.plain_input import File, Quantity, in_si
-from linkwright.face.recording import settings_beside, torque_noise
+from linkwright.face.recording import saved, torque_noise
 from linkwright.json.fields import fields
 from linkwright.json.motion import OBSERVES
-from linkwright.output.files import json_text, write_file
-from linkwright.output.read_back import ReadBack
+from linkwright.output.files import json_text
 from linkwright.results.document import Description
 from linkwright.results.figures_in_words import with_unit
 from linkwright.results.motion.words import of_all_joints, torque
@@ -54,15 +52,12 @@ class MotionSimulation(Log):
     def save(self, path: File) -> Sequence[Path]:
         """Write the log as CSV and its settings beside it, and read it back; gives which files. Raises `InputError`,
         also where settings of another's stand beside it."""
-        place = Path(path)
-        settings = settings_beside(place)
-        write_file(settings, settings_text(self.found))
-        write_file(place, ReadBack(log_text(self.found, self.arm.model), partial(self._unlike, settings)))
-        return [place, settings]
+        return saved(path, log_text(self.found, self.arm.model), settings_text(self.found), self._unlike)
 
-    def _unlike(self, settings: Path, path: Path) -> Iterator[str]:
+    def _unlike(self, path: Path) -> Iterator[str]:
         """What the log that is read from a file says otherwise."""
-        return unlike_arrays(self.found, read_file(path, self.arm.model, settings), "time", "q", "torque", "velocity")
+        back = read_file(path, self.arm.model, path.with_suffix(".yaml"))
+        return unlike_arrays(self.found, back, "time", "q", "torque", "velocity")
 
     def to_json(self) -> str:
         """What `simulate --json` writes."""

@@ -18,13 +18,11 @@ from linkwright.core.diagnose.reading.read_back import unlike
 from linkwright.core.diagnose.reading.write import settings_text
 from linkwright.face.arm import Arm
 from linkwright.face.plain_input import File
-from linkwright.face.recording import recording_columns, settings_beside
+from linkwright.face.recording import recording_columns, saved
 from linkwright.face.result import Field, Result, drawn
 from linkwright.json.diagnosis import joint_coordinates
 from linkwright.json.fields import fields
 from linkwright.json.parameters import in_unit, unit_of
-from linkwright.output.files import write_file
-from linkwright.output.read_back import ReadBack
 from linkwright.output.table_file import frame
 from linkwright.results.planning import describe
 
@@ -78,12 +76,7 @@ class Plan(Result):
     def save(self, folder: File) -> Sequence[Path]:
         """Write the plan as CSV, and beside it what it reads where that is no place, as `plan --out` does; gives which
         files. Raises `InputError`, also where settings of another's stand beside it."""
-        place, settings = Path(folder), self.settings
-        beside = None if settings is None else settings_beside(place)
-        if beside is not None and settings is not None:
-            write_file(beside, settings)
-        write_file(place, ReadBack(self.text(), self._unlike))
-        return [place] if beside is None else [place, beside]
+        return saved(folder, self.text(), self.settings, self._unlike)
 
     def _unlike(self, path: Path) -> Iterator[str]:
         """What the plan that is read from a file says otherwise; what it leaves blank says nothing."""

@@ -211,17 +211,13 @@ class Cells:
         with np.errstate(all="ignore"):
             section = kind.section([np.exp(points[..., k]) for k in range(points.shape[2])])
             columns = columns_of(section, materials, count, shear=self._shear)
-            rows = [np.broadcast_to(np.asarray(value, dtype=float), count) for value in self._held(section, materials)]
+            rows = [
+                np.broadcast_to(np.asarray(value, dtype=float), count)
+                for value in section_rows(section, materials, self.ranges, self._limits)
+            ]
         held = np.stack(rows, axis=-1) if rows else np.full((*count, 1), -1.0)
         feasible = np.asarray((held <= _GIVES).all(axis=-1) & np.isfinite(columns).all(axis=-1))
         return columns, feasible, np.where(np.isfinite(held), held, np.inf)
-
-    def _held(self, section: Section, materials: ChosenMaterial) -> list[Any]:
-        constraints = (*section.constraints(), *section.bound_constraints(*self.ranges.sizes))
-        return [
-            *(constraint.value for constraint in constraints),
-            *(x for limit in self._limits for x in held(limit, section, materials)),
-        ]
 
     def split(self, ids: Ids, axes: Ids) -> Ids:
         """The halves of cells, each along a dimension. Splitting one again gives the same ones."""
@@ -380,8 +376,13 @@ def features(found: SectionProperties, materials: ChosenMaterial, *, shear: bool
     ]
 
 
-def held(limit: Limit, section: Section, materials: ChosenMaterial) -> list[Any]:
-    """What must not be above nought for a single link to keep a limit."""
+def section_rows(section: Section, materials: ChosenMaterial, ranges: Ranges, limits: Sequence[Limit]) -> list[Any]:
+    """What must not be above nought for a section to be possible and a single link of it to keep its limits."""
+    constraints = (*section.constraints(), *section.bound_constraints(*ranges.sizes))
+    return [*(item.value for item in constraints), *(x for limit in limits for x in _kept(limit, section, materials))]
+
+
+def _kept(limit: Limit, section: Section, materials: ChosenMaterial) -> list[Any]:
     follows = limit.figure.follows
     assert isinstance(follows, OfLinks)
     sign = -1.0 if limit.relation == ">=" else 1.0

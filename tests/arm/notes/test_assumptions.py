@@ -6,7 +6,7 @@ import pytest
 import yaml
 
 import linkwright as lw
-from linkwright.core.arm.actuators import ACTUATORS_VARIABLE
+from linkwright.core.arm.actuators import USER_ACTUATORS
 from linkwright.core.arm.files.read import read_arm
 from linkwright.core.arm.files.write import arm_to_yaml
 from linkwright.core.optimize.problem import read_problem
@@ -88,7 +88,7 @@ actuators:
 def test_a_bearing_of_the_catalogue_counts(tmp_path, monkeypatch):
     """As that of the joint does, which goes before it; and is written back only where it differs."""
     (tmp_path / "own.yaml").write_text(OWN, "utf-8")
-    monkeypatch.setenv(ACTUATORS_VARIABLE, str(tmp_path / "own.yaml"))
+    monkeypatch.setenv(USER_ACTUATORS.variable, str(tmp_path / "own.yaml"))
     assert lw.actuators["T-1"].tilting_stiffness == pytest.approx(130e3)
     assert lw.actuators.table.set_index("name").loc["T-1", "tilting_stiffness_Nm_per_rad"] == pytest.approx(130e3)
     path = arm_file(tmp_path, {"actuator": "T-1", "axis": "z"})

@@ -8,8 +8,8 @@ import math
 import pytest
 
 from linkwright.core.arm.actuators import (
-    ACTUATORS_VARIABLE,
     CONFIRMABLE,
+    USER_ACTUATORS,
     load_actuators,
     read_actuators,
     shipped_actuators,
@@ -35,7 +35,7 @@ choose: {section: [tube], material: [aluminium-6061-t6], actuator: [RV-6E, CSG-2
 
 @pytest.fixture(autouse=True)
 def _shipped_only(monkeypatch):
-    monkeypatch.delenv(ACTUATORS_VARIABLE, raising=False)
+    monkeypatch.delenv(USER_ACTUATORS.variable, raising=False)
 
 
 def test_list_shows_all_and_filters_by_torque(linkwright, bench):
@@ -257,7 +257,7 @@ def test_rounding_that_cannot_be_ends_plainly(options, status, message, linkwrig
 
 def test_ones_own_file_is_edited_by_commands(linkwright, bench, monkeypatch):
     own = bench / "mine.yaml"
-    monkeypatch.setenv(ACTUATORS_VARIABLE, str(own))
+    monkeypatch.setenv(USER_ACTUATORS.variable, str(own))
     keys = ("maker=Somebody", "gear=planetary", "rated_torque=20 N*m", "stiffness=5 kN*m/rad", "backlash=3 arcmin")
     assert linkwright("actuators", "add", "TURNER 1", *keys, "mass=2 kg", "--source", "Data sheet 7")[0] == 0
     assert linkwright("actuators", "edit", "RV-20E", "mass=4.9 kg", "--source", "weighed")[0] == 0

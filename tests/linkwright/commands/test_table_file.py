@@ -6,7 +6,7 @@ import pandas as pd
 import pytest
 
 import linkwright as lw
-from linkwright.core.arm.actuators import ACTUATORS_VARIABLE, load_actuators, shipped_actuators
+from linkwright.core.arm.actuators import USER_ACTUATORS, load_actuators, shipped_actuators
 from linkwright.core.sections import Tube
 from linkwright.core.units.quantities import InputError
 from linkwright.output.table_file import write_table
@@ -68,7 +68,7 @@ def test_actuators_come_back_from_a_spreadsheet(linkwright, bench, monkeypatch):
     assert rows["stiffness"][0] == "31 kN*m/rad; 50 kN*m/rad; 57 kN*m/rad"
     rows["mass"] = ["1.6 kg", "4.8 kg"]
     rows.to_excel(bench / "drives.xlsx", index=False)
-    monkeypatch.setenv(ACTUATORS_VARIABLE, str(bench / "mine.yaml"))
+    monkeypatch.setenv(USER_ACTUATORS.variable, str(bench / "mine.yaml"))
     status, _, said = linkwright("actuators", "import", "drives.xlsx")
     assert status == 0, said
     shipped, own = shipped_actuators()["CSG-25-100-2UH"], load_actuators().find("CSG-25-100-2UH")

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from linkwright.core.arm.actuators import ACTUATORS_VARIABLE
+from linkwright.core.arm.actuators import USER_ACTUATORS
 from linkwright.core.arm.evaluation import evaluate
 from linkwright.core.optimize.choice.actuators import assignments, with_actuators
 from linkwright.core.optimize.infeasible.quick import out_of_reach
@@ -36,7 +36,7 @@ actuators:
 def priced(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """A folder in which actuators with prices are known."""
     (tmp_path / "own.yaml").write_text(OWN, encoding="utf-8")
-    monkeypatch.setenv(ACTUATORS_VARIABLE, str(tmp_path / "own.yaml"))
+    monkeypatch.setenv(USER_ACTUATORS.variable, str(tmp_path / "own.yaml"))
     return tmp_path
 
 
@@ -223,7 +223,7 @@ def test_a_heavy_drive_may_be_the_better_one(tmp_path: Path, monkeypatch: pytest
     """Against a force that lifts the tip the weight of a drive between the links helps: what the lightest would err by
     puts no limit out of reach."""
     (tmp_path / "own.yaml").write_text(LIGHT_OR_HEAVY, encoding="utf-8")
-    monkeypatch.setenv(ACTUATORS_VARIABLE, str(tmp_path / "own.yaml"))
+    monkeypatch.setenv(USER_ACTUATORS.variable, str(tmp_path / "own.yaml"))
     lifted = jointed(
         [500, 500],
         ranged("-5 5", "-5 5", more=""),
@@ -263,7 +263,7 @@ def test_drives_are_chosen_for_what_is_uncertain(
     """The drive that is best for the arm as it is breaks the limit once it may be softer: another one keeps it, and an
     arm as given without a drive that gives has one that may be softer all the same."""
     (tmp_path / "own.yaml").write_text(STIFF_OR_SOFT, encoding="utf-8")
-    monkeypatch.setenv(ACTUATORS_VARIABLE, str(tmp_path / "own.yaml"))
+    monkeypatch.setenv(USER_ACTUATORS.variable, str(tmp_path / "own.yaml"))
     arm = jointed([500], ranged("-30 30", more=given))
 
     def asked(drives: str, more: str = "") -> Problem:
