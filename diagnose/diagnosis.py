@@ -34,7 +34,7 @@ from linkwright.core.diagnose.search.mass_consistency import under_one_set
 from linkwright.core.diagnose.search.naming import Named, Namer, name_missing
 from linkwright.core.diagnose.several.floors import floor_of_all
 from linkwright.core.diagnose.several.other_arms import of_different_arms, of_other_arms
-from linkwright.core.diagnose.several.recordings import Several, together
+from linkwright.core.diagnose.several.recordings import Several
 
 from .options import Options, Progress, silent
 from .recording import Recording
@@ -165,15 +165,7 @@ def cleaned_of(
     several recordings each by itself, and each one's floor."""
     if isinstance(recording, Several):
         found = [cleaned_of(arm, item, rules) for item in recording.each]
-        parts = [cleaned for _, _, cleaned, _ in found]
-        again = together(
-            parts,
-            arm,
-            units=recording.units,
-            names=recording.names,
-            first_row=recording.first_row,
-            rules=rules.residual,
-        )
+        again = recording.of_parts([cleaned for _, _, cleaned, _ in found], arm, rules.residual)
         floors = tuple(noise for _, noise, _, _ in found)
         return again, floor_of_all(floors, again), again, floors
     arm = arm.on(recording.branch)

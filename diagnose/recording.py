@@ -11,6 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from linkwright.core.arm.avoid.regions import Region
+from linkwright.core.arm.chain.chain import Arm
+from linkwright.core.diagnose.rules.residual_rules import ResidualRules
 from linkwright.core.sections.numeric import Array
 
 from .instruments.instrument import NAMES, Instrument, Slots
@@ -54,6 +56,8 @@ class Recording:
     number), `date` when it was made (`2026-05-16`), `branch` whose tip was measured of several arms on one torso, empty
     where nobody said. `started` is what the file's clock showed at the first reading, s; `earlier` what the arm had
     been through before it, where another recording tells. `avoid` are regions out of which proposed poses keep the arm.
+    `names` says what the recordings that it is made of are called, where they are several, and `units` whether these
+    are of several arms of one type.
 
     Where something else than the whole place was measured, `tip` (N, W) holds what the `instrument` read, and `slots`
     (N, W) say what each number is (see `instruments.instrument`); `touches` (N,) which of the instrument's labels was
@@ -101,6 +105,8 @@ class Recording:
     started: float | None = None
     earlier: Earlier | None = None
     avoid: tuple[Region, ...] = ()
+    names: tuple[str, ...] = ("",)
+    units: bool = False
 
     @property
     def observed_as(self) -> Slots | None:
@@ -132,6 +138,26 @@ class Recording:
     def parts(self) -> tuple[Recording, ...]:
         """The recordings that it is made of, each with the readings that are left of it here."""
         return (self,)
+
+    @property
+    def which(self) -> NDArray[np.int64]:
+        """The recording (N,), from 0, of those that it is made of, that each reading is from."""
+        return np.zeros(self.size, dtype=np.int64)
+
+    @property
+    def tips(self) -> NDArray[np.int64]:
+        """A number (N,) for the tip that each reading is of, of several arms on one torso, by its name."""
+        numbers = np.unique([item.branch for item in self.singles], return_inverse=True)[1].reshape(-1)
+        return numbers[self.which].astype(np.int64)
+
+    def place_of(self, row: int) -> tuple[int, int]:
+        """The recording (from 0) and the row in its file of a reading by its number in `row`."""
+        return 0, row
+
+    def of_parts(self, parts: Sequence[Recording], arm: Arm, rules: ResidualRules) -> Recording:
+        """What is made of other `parts` of an arm as this is of its own."""
+        del arm, rules
+        return parts[0]
 
     def rows_of(self, rows: Sequence[int]) -> str:
         """Readings by their numbers in `row`, as words."""

@@ -37,7 +37,6 @@ from linkwright.core.diagnose.search.aliases import Rival
 from linkwright.core.diagnose.search.exchanges import exchanged
 from linkwright.core.diagnose.several.differences import differences
 from linkwright.core.diagnose.several.each import from_others, of_recordings, told_without
-from linkwright.core.diagnose.several.recordings import Several
 from linkwright.core.sections.numeric import Array
 
 from .cameras import of_camera
@@ -193,10 +192,9 @@ class Conclusion:
 
     def _recordings(self, before: Array, after: Array, rejected: Sequence[RejectedRow]) -> tuple[OfRecording, ...]:
         """What comes of each of several recordings, from the tip's residuals (N, D), m, before and after."""
-        which = self.observed.which
-        if which is None:
+        if not self.names.floors:
             return ()
-        residuals = (before, after, hardest(self.names.held_out).residual(), self._from_others(which))
+        residuals = (before, after, hardest(self.names.held_out).residual(), self._from_others(self.observed.which))
         forms = [self.prepared.columns[m] for m in self.names.outside]
         columns = [
             np.zeros((*self.observed.residual.shape, 0)),
@@ -208,8 +206,8 @@ class Conclusion:
 
     def _with_arms(self, arm: Arm, recordings: tuple[OfRecording, ...]) -> tuple[OfRecording, ...]:
         """The recordings, each with the corrected arm of its own where they are of several arms."""
-        several, which, left = self.observed.recording, self.observed.which, self._left_by_names()
-        if not isinstance(several, Several) or not several.units:
+        which, left = self.observed.which, self._left_by_names()
+        if not self.observed.recording.units:
             return recordings
         arms = [
             corrected_arm(arm, self.names.refit, only=index, rules=self.rules.fitting)[0]

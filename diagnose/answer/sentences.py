@@ -30,7 +30,6 @@ from linkwright.core.diagnose.result import (
 )
 from linkwright.core.diagnose.rules.mistake_rules import MistakeRules
 from linkwright.core.diagnose.rules.rules import RULES
-from linkwright.core.diagnose.several.recordings import Several
 from linkwright.core.units.quantities import format_quantity
 
 _MANY_PARAMETERS = 8
@@ -84,7 +83,7 @@ def label_of(candidate: Candidate, recording: Recording) -> str:
 
 def recording_of(candidate: Candidate, recording: Recording) -> str:
     """The name of the one recording in which a candidate acts; empty where it acts in all."""
-    return recording.names[candidate.only] if isinstance(recording, Several) and candidate.only is not None else ""
+    return "" if candidate.only is None else recording.names[candidate.only]
 
 
 def size_of(parameter: FittedParameter) -> str:

@@ -302,8 +302,7 @@ def _wandering(prepared: Prepared) -> tuple[Observed | None, int]:
     observed = prepared.observed
     rules, width = observed.rules.fitting, observed.components
     which, loud_with = observed.which, observed.loud_with
-    kinds = 1 if loud_with is None else 1 + int(loud_with.max())
-    recordings = 1 if which is None else 1 + int(which.max())
+    kinds, recordings = 1 + int(loud_with.max()), 1 + int(which.max())
     _, first, visit = np.unique(observed.block, return_index=True, return_inverse=True)
     visit = visit.reshape(-1)
     if len(first) < rules.enough or kinds > recordings:
@@ -327,7 +326,7 @@ def _wandering(prepared: Prepared) -> tuple[Observed | None, int]:
 
     beside, left = judged(rough.beside), judged(rough.left)
     whole = left + judged(rough.in_time)
-    wander = wander_in(whole, time, None if which is None else which[first][judged_by.visit], beside, rules=rules)
+    wander = wander_in(whole, time, which[first][judged_by.visit], beside, rules=rules)
     gain = still(left, beside).likelihood - rough.price
     values = without(whole, beside)
     rather = rules.rather_a_drift if rough.drifts else rules.wander_beyond
@@ -469,7 +468,7 @@ def loudness(left: Array, observed: Observed) -> Array | None:
     """How loud each of several recordings (and of kinds of numbers) is beside the others (R,), their geometric mean
     being one, by the robust scatter of the tip in what a rough model leaves (N, C); None of one."""
     which = observed.loud_with
-    if which is None:
+    if not which.any():
         return None
     size = np.abs(left[:, : observed.components])
     medians = np.array(

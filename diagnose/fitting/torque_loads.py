@@ -31,7 +31,6 @@ from linkwright.core.diagnose.residual.observe import undeformed
 from linkwright.core.diagnose.residual.torque import DriveTorque, drive_torques, loads_on_drives
 from linkwright.core.diagnose.residual.visits import visits
 from linkwright.core.diagnose.rules.residual_rules import ResidualRules
-from linkwright.core.diagnose.several.recordings import Several, together
 from linkwright.core.sections.numeric import Array
 
 _TURNS, _SETTLED = 40, 0.1
@@ -313,7 +312,7 @@ def loads_by_torque(arm: Arm, recording: Recording, rules: ResidualRules) -> Tor
     if not all(index == 0 and _upright(undeformed(known, parts[0], rules)) for index in unknown):
         return None
     found = TorqueLoads(arm, recording, _of_drives(known, parts, recording, rules))
-    scaled = [_scaled(found.torques, name, rules) for name in _names(recording)]
+    scaled = [_scaled(found.torques, name, rules) for name in recording.names]
     system, fitted = _best(known, parts, scaled, rules)
     if system.at_tip != "nothing" or any(torque.instead for torque in found.torques):
         found, parts = _with_what_acts(found, known, system, fitted, parts, rules)
@@ -322,17 +321,13 @@ def loads_by_torque(arm: Arm, recording: Recording, rules: ResidualRules) -> Tor
     return found
 
 
-def _names(recording: Recording) -> tuple[str, ...]:
-    return recording.names if isinstance(recording, Several) else ("",)
-
-
 def _of_drives(
     arm: Arm, parts: Sequence[Recording], recording: Recording, rules: ResidualRules
 ) -> tuple[DriveTorque, ...]:
     """What the torques of recordings say of each drive."""
     return tuple(
         replace(torque, of=name)
-        for name, part in zip(_names(recording), parts, strict=True)
+        for name, part in zip(recording.names, parts, strict=True)
         for torque in drive_torques(arm, part, undeformed(arm, part, rules), visits(part, arm, rules=rules), rules)
     )
 
@@ -387,7 +382,7 @@ def _with_what_acts(
         acting.append(by_visit)
     if at_tip == "nothing":
         arm = replace(arm, payload=replace(arm.payload, mass=whole))
-    recording = found.recording if at_tip == "nothing" else _again(found.recording, changed, arm, rules)
+    recording = found.recording if at_tip == "nothing" else found.recording.of_parts(changed, arm, rules)
     torques = _of_drives(replace(known, payload=arm.payload), changed, recording, rules)
     shown = np.concatenate(acting)
     found = replace(
@@ -424,7 +419,7 @@ def _with_weights(
     weighed = carrying(_weightless(found.arm), put) if asked else found.arm
     recording = found.recording
     if any(new is not old for new, old in zip(changed, parts, strict=True)):
-        recording = _again(recording, changed, weighed, rules)
+        recording = recording.of_parts(changed, weighed, rules)
     of_link = [np.array([place[0] == k for place in system.places], dtype=float) for k in asked]
     errors = [float(np.sqrt(own @ fitted.covariance @ own)) for own in of_link]
     return replace(
@@ -441,14 +436,6 @@ def _changed(before: Arm, after: Arm, errors: dict[int, float]) -> tuple[tuple[i
     """The links (from 0) whose mass is another by more than its standard error (kg), with that as a share."""
     masses = {k: (before.links[k].mass or 0.0, after.links[k].mass or 0.0) for k in errors}
     return tuple((k, errors[k] / was) for k, (was, now) in masses.items() if abs(now - was) > errors[k])
-
-
-def _again(recording: Recording, parts: Sequence[Recording], arm: Arm, rules: ResidualRules) -> Recording:
-    """The recording of these parts."""
-    if not isinstance(recording, Several):
-        return parts[0]
-    names, first_row = recording.names, recording.first_row
-    return together(parts, arm, units=recording.units, names=names, first_row=first_row, rules=rules)
 
 
 def _asked(arm: Arm) -> list[int]:
@@ -545,7 +532,7 @@ def _unmade(
     found: TorqueLoads, system: _System, fitted: _Fitted, rules: ResidualRules
 ) -> tuple[tuple[int, float], ...]:
     """The drives whose load none of the loads make but for its scatter, each with the share of it that they leave."""
-    names, shares = _names(found.recording), dict[int, float]()
+    names, shares = found.recording.names, dict[int, float]()
     for one, left in zip(system.held, fitted.left, strict=True):
         rests = dict(zip(one.joints, left.T, strict=True))
         for torque in found.torques:

@@ -19,7 +19,6 @@ from linkwright.core.arm.effects.effect import Condition
 from linkwright.core.arm.effects.loads.added_weights import bearing
 from linkwright.core.arm.files.read import acts_on_slides
 from linkwright.core.diagnose.residual.observed import Observed
-from linkwright.core.diagnose.several.recordings import Several
 from linkwright.core.sections.numeric import Array
 
 from .unknown_weights import columns_under_weights, only_products
@@ -144,9 +143,9 @@ def _in_one(observed: Observed, candidate: Candidate, columns: Array) -> Iterato
     """A candidate in each of several recordings but the first alone, where it need not be the same in all."""
     recording, effect = observed.recording, EFFECTS[candidate.effect]
     plain = effect.linear and not (candidate.share or candidate.shared or only_products(observed, effect, candidate.at))
-    if not isinstance(recording, Several) or not plain or (effect.lasts == "the arm" and not recording.units):
+    if not plain or (effect.lasts == "the arm" and not recording.units):
         return
-    for index in range(1, len(recording.each)):
+    for index in range(1, len(recording.singles)):
         columns_here = of_one(observed, columns, index)
         # What a branch has may show in one recording alone, which is no difference between them.
         if columns_here.any() and not (observed.arm.branches and np.array_equal(columns_here, columns)):
@@ -167,12 +166,11 @@ def _in_each(observed: Observed, candidate: Candidate, columns: Array) -> Iterat
 
 
 def of_one(observed: Observed, columns: Array, only: int | None) -> Array:
-    """Columns (N, C, d) in the readings of one of several recordings (from 0) alone; as they are where there is but
-    one, or none is named."""
-    which = observed.which
-    if which is None or only is None:
+    """Columns (N, C, d) in the readings of one of several recordings (from 0) alone; as they are where
+    none is named."""
+    if only is None:
         return columns
-    rows = which == only
+    rows = observed.which == only
     columns_here = np.zeros(columns.shape)  # the rows of the others are never touched, so that they take no memory
     columns_here[rows] = columns[rows]
     return columns_here

@@ -126,10 +126,13 @@ def residual_in_pieces(
     """The tip's residual (N, D), m, as `observe` finds it, without anything else that it holds: the model is evaluated
     for `at_once` readings after another, so that long recordings need little memory. `heard` hears how many are done,
     and of how many."""
-    if isinstance(recording, Several):
-        parts = [residual_in_pieces(arm, part, rules=rules, heard=heard, at_once=at_once) for part in recording.parts()]
-        return np.concatenate(parts)
-    arm = arm.on(recording.branch)
+    return np.concatenate([_in_pieces(arm.on(part.branch), part, rules, heard, at_once) for part in recording.parts()])
+
+
+def _in_pieces(
+    arm: Arm, recording: Recording, rules: Rules, heard: Callable[[int, int], None] | None, at_once: int
+) -> Array:
+    """The tip's residual (N, D), m, of one recording."""
     pieces = [slice(start, min(start + at_once, recording.size)) for start in range(0, recording.size, at_once)]
 
     def placed(known: Arm) -> tuple[None, Alignment]:

@@ -26,7 +26,6 @@ from linkwright.core.diagnose.instruments.camera import Sight
 from linkwright.core.diagnose.instruments.view import View
 from linkwright.core.diagnose.recording import Recording
 from linkwright.core.diagnose.rules.rules import RULES, Rules
-from linkwright.core.diagnose.several.recordings import Several
 
 from .alignment import Alignment
 from .orientation import has_orientation
@@ -73,13 +72,13 @@ class Observed:
     view: View | None = None
 
     @property
-    def loud_with(self) -> NDArray[np.int64] | None:
-        """Which readings (N,), numbered from 0, are as loud as each other; None where all are."""
+    def loud_with(self) -> NDArray[np.int64]:
+        """Which readings (N,), numbered from 0, are as loud as each other."""
         slots = self.recording.slots
         if slots is None or slots.shape[1] > 1 or (slots == slots[0]).all():
             return self.which
-        keys = slots if self.which is None else np.column_stack([self.which, slots])
-        return np.unique(keys, axis=0, return_inverse=True)[1].reshape(-1).astype(np.int64)
+        kinds = np.column_stack([self.which, slots])
+        return np.unique(kinds, axis=0, return_inverse=True)[1].reshape(-1).astype(np.int64)
 
     @property
     def space(self) -> int:
@@ -92,9 +91,9 @@ class Observed:
         return moved[:, : self.components] if self.view is None else self.view.of_tip(moved, turned)
 
     @property
-    def which(self) -> NDArray[np.int64] | None:
-        """The recording (N,), from 0, that each reading is from; None where there is but one."""
-        return self.recording.which if isinstance(self.recording, Several) else None
+    def which(self) -> NDArray[np.int64]:
+        """The recording (N,), from 0, that each reading is from."""
+        return self.recording.which
 
     @property
     def components(self) -> int:
@@ -184,15 +183,14 @@ class Observed:
     @property
     def loudness(self) -> Array:
         """How loud each reading's instrument is (N,), one where all are alike."""
-        group = self.loud_with
-        return np.ones(self.rows) if group is None or self.loud is None else self.loud[group]
+        return np.ones(self.rows) if self.loud is None else self.loud[self.loud_with]
 
     def without_memory(self, columns: Array, correlation: float | None = None) -> Array:
         """Columns (N, ...) less what each reading shares with the one before in its recording."""
-        rho, which = self.correlation if correlation is None else correlation, self.which
-        if which is None or rho == 0.0:
+        rho, begins = self.correlation if correlation is None else correlation, np.flatnonzero(np.diff(self.which)) + 1
+        if rho == 0.0 or not len(begins):
             return without_memory(columns, rho)
-        return np.concatenate([without_memory(columns[which == one], rho) for one in np.unique(which).tolist()])
+        return np.concatenate([without_memory(part, rho) for part in np.split(columns, begins)])
 
     @property
     def wanders(self) -> Array:

@@ -17,7 +17,6 @@ from linkwright.core.arm.chain.chain import Arm
 from linkwright.core.diagnose.recording import Recording
 from linkwright.core.diagnose.rules.residual_rules import ResidualRules
 from linkwright.core.diagnose.rules.rules import RULES
-from linkwright.core.diagnose.several.recordings import Several
 
 from .observed import Observed
 
@@ -71,10 +70,9 @@ def poses(observed: Observed) -> NDArray[np.int64]:
     same = same_pose(observed.arm, observed.rules.residual)
     recording = observed.recording
     rounded = np.round(recording.q / (observed.rules.residual.one_pose * same)).astype(np.int64)
-    if isinstance(recording, Several):
-        # Two tips measured at once are two places.
-        rounded = np.column_stack([recording.tips, rounded])
-    return np.unique(rounded, axis=0, return_inverse=True)[1].reshape(-1).astype(np.int64)
+    # Two tips measured at once are two places.
+    places = np.column_stack([recording.tips, rounded])
+    return np.unique(places, axis=0, return_inverse=True)[1].reshape(-1).astype(np.int64)
 
 
 def one_condition(observed: Observed) -> bool:

@@ -27,8 +27,8 @@ def seen_to_wander(observed: Observed, left: Array) -> str:
 
     def wanders(values: Array, at: NDArray[np.int64]) -> bool:
         nothing = np.zeros((*values.shape, 0))
-        which_here = None if which is None else which[first][at]
-        return wander_in(values, means(clock(recording)[:, None])[at, 0], which_here, nothing, rules=rules).rate > 0.0
+        time = means(clock(recording)[:, None])[at, 0]
+        return wander_in(values, time, which[first][at], nothing, rules=rules).rate > 0.0
 
     if recording.base_target is not None:
         target = means(recording.base_target)

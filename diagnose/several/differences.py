@@ -43,7 +43,7 @@ def _of_one(
 ) -> list[Difference]:
     observed = prepared.observed
     columns, which = columns_of(observed, candidate), observed.which
-    if columns is None or which is None:
+    if columns is None:
         return []
     recordings = range(int(which.max()) + 1)
     design = np.concatenate([*(of_one(observed, columns, one) for one in recordings), beside], axis=2)

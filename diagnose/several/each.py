@@ -13,7 +13,6 @@ from linkwright.core.diagnose.recording import RejectedRow
 from linkwright.core.diagnose.residual.noise import NoiseFloor
 from linkwright.core.diagnose.residual.observed import Observed, rms_length
 from linkwright.core.diagnose.result import OfRecording
-from linkwright.core.diagnose.several.recordings import Several
 from linkwright.core.sections.numeric import Array
 
 
@@ -27,15 +26,13 @@ def of_recordings(
     """What comes of each recording. `residuals` (N, D) m are those before anything was fitted, after it, held out by
     parts of the workspace, and held out by recording with what each swallows left in; `model` are the columns (N, C, d)
     of what each recording swallows and of what was found; `rejected` all rows set aside, numbered through."""
-    several = observed.recording
-    if not isinstance(several, Several):
-        return ()
+    recording = observed.recording
     beside, found = model
     before, after, held_out, apart = residuals
-    places = [several.place_of(item.row) for item in rejected]
+    places = [recording.place_of(item.row) for item in rejected]
     results: list[OfRecording] = []
-    for index, (name, each) in enumerate(zip(several.names, several.each, strict=True)):
-        rows = several.which == index
+    for index, (name, each) in enumerate(zip(recording.names, recording.singles, strict=True)):
+        rows = recording.which == index
         results.append(
             OfRecording(
                 name=name,

@@ -33,20 +33,23 @@ _PAUSE = 0.05
 class Several(Recording):
     """The readings of R recordings of one arm (or of arms of one type, `units`), one recording after the other.
 
-    `which` (N,) is the recording (from 0) that a reading is from, `each` the recordings themselves: their frame, tool,
+    `source` (N,) is the recording (from 0) that a reading is from, `each` the recordings themselves: their frame, tool,
     declared sigma and file count, their readings are here. `row` numbers all readings of all files through (see
     `place_of`); `time` runs on from one recording to the next, `began` (R,) is where each clock starts, s. `before`
     (R,) is the recording that each goes on from, None where it begins anew. `frame` and `tool` are free where any
     recording's is.
     """
 
-    which: NDArray[np.int64] = field(default_factory=lambda: np.zeros(0, dtype=np.int64))
+    source: NDArray[np.int64] = field(default_factory=lambda: np.zeros(0, dtype=np.int64))
     each: tuple[Recording, ...] = ()
-    names: tuple[str, ...] = ()
     first_row: tuple[int, ...] = ()
     began: tuple[float, ...] = ()
     before: tuple[int | None, ...] = ()
-    units: bool = False
+
+    @property
+    def which(self) -> NDArray[np.int64]:
+        """The recording (N,), from 0, that each reading is from."""
+        return self.source
 
     @property
     def singles(self) -> tuple[Recording, ...]:
@@ -81,16 +84,15 @@ class Several(Recording):
         other = MappingProxyType({name: values[rows] for name, values in self.other.items()})
         return replace(own, **taken, other=other, seat=self.seat)  # pyright: ignore[reportArgumentType]
 
-    @property
-    def tips(self) -> NDArray[np.int64]:
-        """A number (N,) for the tip that each reading is of, of several arms on one torso."""
-        numbers = np.unique([item.branch for item in self.each], return_inverse=True)[1].reshape(-1)
-        return numbers[self.which].astype(np.int64)
-
     def place_of(self, row: int) -> tuple[int, int]:
         """The recording (from 0) and the row in its file of a reading by its number in `row`."""
         index = int(np.searchsorted(self.first_row, row, side="right")) - 1
         return index, row - self.first_row[index] + 1
+
+    def of_parts(self, parts: Sequence[Recording], arm: Arm, rules: ResidualRules) -> Several:
+        """Other `parts` together, called and numbered as these are."""
+        names, first_row = self.names, self.first_row
+        return together(parts, arm, units=self.units, names=names, first_row=first_row, rules=rules)
 
     def rows_of(self, rows: Sequence[int]) -> str:
         """Readings by their numbers in `row`, as words."""
@@ -242,7 +244,7 @@ def together(
             {n: np.concatenate([recording.other[n] for recording in recordings]) for n in sorted(common)}
         ),
         avoid=tuple(dict.fromkeys(region for recording in recordings for region in recording.avoid)),
-        which=np.repeat(np.arange(len(recordings)), counts).astype(np.int64),
+        source=np.repeat(np.arange(len(recordings)), counts).astype(np.int64),
         each=tuple(recordings),
         names=names,
         first_row=starts,
@@ -254,10 +256,8 @@ def together(
 
 def nominal_tips(arm: Arm, recording: Recording) -> Array:
     """Where the tip that each reading is of nominally is (N, 3), m."""
-    if not isinstance(recording, Several) or not arm.branches:
-        return tip_position(arm.on(recording.branch), recording.q)
-    tips = [tip_position(arm.on(item.branch), recording.q) for item in recording.each]
-    return np.stack(tips)[recording.which, np.arange(recording.size)]
+    tips = [tip_position(arm.on(name), recording.q) for name in sorted({item.branch for item in recording.singles})]
+    return np.stack(tips)[recording.tips, np.arange(recording.size)]
 
 
 def _with_own_payload(recording: Recording, arm: Arm, all_of_them: Sequence[Recording]) -> Recording:

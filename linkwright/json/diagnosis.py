@@ -27,7 +27,6 @@ from linkwright.core.diagnose.result import (
     Unknown,
     WrittenArm,
 )
-from linkwright.core.diagnose.several.recordings import Several
 from linkwright.results.diagnoses.answer import answer, to_do
 from linkwright.results.diagnoses.evidence import unit_files
 
@@ -117,10 +116,9 @@ def _difference(difference: Difference, recordings: Sequence[OfRecording]) -> di
 
 def _rejected_row(recording: Recording, each: RejectedRow) -> dict[str, Any]:
     """A row that was set aside; of several recordings with the one whose file it is in."""
-    if not isinstance(recording, Several):
-        return fields(each, "row", "reason")
     index, row = recording.place_of(each.row)
-    return {"recording": recording.names[index], "row": row, "reason": each.reason}
+    name = recording.names[index]
+    return {**({"recording": name} if name else {}), "row": row, "reason": each.reason}
 
 
 _WRITTEN = ("rms_mm", "promised_mm", "lacks")

@@ -181,9 +181,7 @@ def with_written(found: Diagnosis, catalogue: Catalogue) -> Diagnosis:
     tool as the recording declares them, nothing else fitted; of several arms, what each one's own file is worth too."""
     rms = _left(found.corrected, found.recording, catalogue)
     found = replace(found, written=WrittenArm(rms, found.rms_promised, _lacks(found, found.corrected)))
-    if not isinstance(found.recording, Several):
-        return found
-    parts = zip(found.recordings, found.recording.parts(), strict=True)
+    parts = zip(found.recordings, found.recording.parts(), strict=False)  # of a recording alone there are none
     return replace(found, recordings=tuple(_with_own(found, one, part, catalogue) for one, part in parts))
 
 

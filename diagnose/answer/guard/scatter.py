@@ -59,5 +59,4 @@ def _like_before(values: Array, visit: NDArray[np.int64], recording: Array) -> A
 
 def _recording_of(observed: Observed, visit: NDArray[np.int64]) -> Array:
     """Which recording each visit (V,) is of."""
-    of = np.zeros(observed.rows) if observed.which is None else observed.which
-    return np.asarray(of[np.unique(visit, return_index=True)[1]], dtype=np.float64)
+    return np.asarray(observed.which[np.unique(visit, return_index=True)[1]], dtype=np.float64)

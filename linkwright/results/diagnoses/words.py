@@ -20,7 +20,6 @@ from linkwright.core.diagnose.result import (
     FittedParameter,
     NextPose,
 )
-from linkwright.core.diagnose.several.recordings import Several
 from linkwright.core.units.quantities import format_quantity
 from linkwright.results.document import Cell, Value, amount, share
 from linkwright.results.figures_in_words import effect_title, figure, percent, with_unit
@@ -284,10 +283,9 @@ def spoken(sentence: str) -> str:
 
 def row_words(recording: Recording, row: int) -> str:
     """A reading by its number in `row`: `row 5`, or of several recordings `row 5 of august.csv`."""
-    if not isinstance(recording, Several):
-        return f"row {row}"
     index, place = recording.place_of(row)
-    return f"row {place} of {recording.names[index]}"
+    name = recording.names[index]
+    return f"row {place}" + (f" of {name}" if name else "")
 
 
 def whole_sentence(words: str) -> str:
