@@ -34,6 +34,8 @@ from linkwright.version import program_version
 
 MOST_ROWS = 40
 """A longer table shows its brief rows; the others are folded."""
+MOST_NARROW = 2
+"""Columns that a phone has room for: the rows of a wider table are taken apart there."""
 MOST_FOLDED = 150
 """Rows that are folded at most: a page stays below two megabytes, whatever a result has."""
 
@@ -122,8 +124,9 @@ def _rows_html(table: Table, chosen: Iterable[int] | None) -> str:
         return element(tag, inside, class_=class_, **more)
 
     drawn = any(isinstance(content, Bars) for row in table.rows for content in row)
-    # Where rows with bars are taken apart on a phone, each figure tells its heading.
-    attributes = [{"data_head": plain(column.heading)} if drawn and column.heading else {} for column in table.columns]
+    # Where rows are taken apart on a phone, each cell tells its heading.
+    apart = drawn or len(table.columns) > MOST_NARROW
+    attributes = [{"data_head": plain(column.heading)} if apart and column.heading else {} for column in table.columns]
     heads = [cell("th", k, column.heading, scope="col") for k, column in enumerate(table.columns)]
     head = element("thead", element("tr", *heads)) if table.headed else ""
     lines: list[str] = []
@@ -131,7 +134,7 @@ def _rows_html(table: Table, chosen: Iterable[int] | None) -> str:
         cells = [cell("td", k, content, **attributes[k]) for k, content in enumerate(row[1:], 1)]
         head_too = attributes[0] if words(row[0]).isdigit() else {}
         lines.append(element("tr", cell("th", 0, row[0], scope="row", **head_too), *cells))
-    made = element("table", head, element("tbody", *lines), class_="bars" if drawn else None)
+    made = element("table", head, element("tbody", *lines), class_="apart" if apart else None)
     return element("div", made, class_="scroll")
 
 

@@ -352,7 +352,7 @@ def sideways(before: Evaluation, after: Evaluation, limits: Sequence[str], which
     return [
         Paragraph(
             f"{which}: across its plane, which a planar model does not count, the tip gives {softer} times as much as "
-            f"that of the arm as given{weak}; {SIDEWAYS_STIFFNESS.name} limits it",
+            f"that of the arm as given{weak}; {SIDEWAYS_STIFFNESS.name} in subject_to limits it",
             "warning",
         )
     ]

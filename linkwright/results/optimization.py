@@ -386,8 +386,10 @@ def bound_sentence(result: OptimizationResult) -> str:
     if result.bound_of == "all_designs":
         sizes = "" if result.listed else " and all sizes"
         whose = f"all {result.combinations:,} combinations{sizes}" if result.combinations > 1 else "all sizes"
-        gap = percent(result.lower_bound_gap)
-        return f"{bound}: of {whose}, bounded at once; no design is more than {gap} better"
+        gap = result.lower_bound_gap
+        # Where the bound is the design's own figure to all digits told, a rest of the solver's is nothing to tell.
+        better = "better" if figure(1.0 + gap, 6) == "1" else f"more than {percent(gap)} better"
+        return f"{bound}: of {whose}, bounded at once; no design is {better}"
     reach = "no design does better" if result.optimum == "global" else "no design near this one does better"
     return f"{bound}: the optimum over the binding poses alone; {reach}"
 

@@ -225,6 +225,23 @@ def test_small_findings_stand_below_by_their_cause():
     assert "Small beside that" not in Page(page_of(describe(made))).text
 
 
+def test_that_there_is_another_cause_is_said_before_every_name_of_the_first():
+    """However many names the data cannot tell apart: the answer is of all that was found, and each joint is ringed."""
+    made = made_diagnosis("named")
+    names = ("servo_droop", "joint_hardening", "creep")
+    alike = tuple(Alternative(name, made.findings[0].at, 1.0, 0.0) for name in names)
+    first = replace(made.findings[0], effect="joint_compliance", alternatives=alike)
+    second = replace(first, effect="encoder_offset", at=(3,), alternatives=())
+    result = replace(made, findings=(first, second))
+    assert "or 3 like it" in answer(result)
+    assert f"with 1 other {mm(made.rms_after, 3)} remain" in answer(result)
+    assert len(answer(result).split()) <= 30
+    assert "or 2 more" in answer(replace(made, findings=(first,)))
+    page = page_of(describe(result))
+    assert page.count('class="mark"') == len({*first.at, 3})
+    assert "joints 2 and 3 are ringed" in page
+
+
 def test_the_ladder_is_drawn_to_scale():
     """A bar's length goes by what a model leaves, a line stands at the noise floor; more rungs than six are summed."""
     made = made_diagnosis("named")

@@ -209,11 +209,11 @@ class DiagnosisPage(Asking):
         self._map_panel.text = f"What the columns of {shown.name} are" if len(self._held) > 1 else _COLUMNS
         model = self._arm.model
         names = {name: name for name in known_names(model)}
-        choices = {OTHER: "of its own, a possible cause", IGNORED: "not used", **names}
+        choices = {OTHER: "not of the arm: a possible cause", IGNORED: "not used", **names}
         with self._map:
             for number, meaning in enumerate(shown.meanings):
-                with ui.element("div").classes("lw-map"):
-                    _ColumnRow(number, meaning, choices, model, partial(self._changed, shown, number))
+                with ui.element("div").classes("lw-map") as place:
+                    _ColumnRow(place, number, meaning, choices, model, partial(self._changed, shown, number))
 
     async def _changed(self, shown: Dropped, number: int, what: str, unit: str, factor: float, zero: float) -> None:
         if shown.change(number, what, unit, factor, zero):
@@ -252,9 +252,15 @@ class _ColumnRow:
     """A column: what it is, in which unit, by which factor and zero; `changed` is awaited with all of it."""
 
     def __init__(
-        self, number: int, meaning: Meaning, choices: dict[str, str], arm: Any, changed: Callable[..., Awaitable[None]]
+        self,
+        place: ui.element,
+        number: int,
+        meaning: Meaning,
+        choices: dict[str, str],
+        arm: Any,
+        changed: Callable[..., Awaitable[None]],
     ) -> None:
-        self._arm, self._changed = arm, changed
+        self._place, self._arm, self._changed = place, arm, changed
         with ui.element("span"):
             ui.label(meaning.header)
             if meaning.formula:
@@ -281,8 +287,10 @@ class _ColumnRow:
         chosen = unit if unit in units else units[0] if units else ""
         self._unit.set_options(list(units), value=chosen or None)
         self._unit.visible = bool(units)
+        alone = what in (OTHER, IGNORED)
         for item in (self._factor, self._zero, self._sign):
-            item.visible = what not in (OTHER, IGNORED)
+            item.visible = not alone
+        self._place.classes(add="lw-alone" if alone else "", remove="" if alone else "lw-alone")
         return chosen
 
     async def _turned(self) -> None:

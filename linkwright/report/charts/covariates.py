@@ -118,7 +118,7 @@ def _panel(
         children.append(course(plot.x(means[0]), plot.y(means[1]), when))
     tested = next((dependence for dependence in diagnosis.where.dependences if dependence.on == covariate.name), None)
     depends = covariate.name in diagnosis.where.depends_on
-    said = "" if tested is None else f", p {probability(tested.p_value).text}".replace("p < ", "p\u00a0<\u00a0")
+    said = "" if tested is None else ", " + f"p {probability(tested.p_value).text}".replace(" ", "\u00a0")
     verdict = f"Depends on {covariate_words(covariate.name)}" if depends else "No dependence shown"
     caption = "" if tested is None and not depends else f"{verdict}{said}"
     ticks = np.unique(x).tolist() if two else None

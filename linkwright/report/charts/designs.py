@@ -7,6 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from linkwright.core.arm.effects import EFFECTS
 from linkwright.core.arm.error_map import ErrorMap
 from linkwright.core.arm.worst.search import WorstPose
 from linkwright.core.diagnose.result import Diagnosis
@@ -24,7 +25,8 @@ from linkwright.report.pictures.plots import (
 )
 from linkwright.report.pictures.svg import element, nice_below, text
 from linkwright.results.design import Named
-from linkwright.results.diagnoses.words import row_words
+from linkwright.results.diagnoses.answer import main_and_small
+from linkwright.results.diagnoses.words import listed, row_words
 from linkwright.results.document import Drawn
 from linkwright.results.figures_in_words import figure, mm, pose
 
@@ -72,8 +74,16 @@ def exchange(result: OptimizationResult, words: str) -> Drawn | str:
     return Drawn(figure_place("exchange", words, text(_EXCHANGE)), figures)
 
 
+def _joints_at_fault(diagnosis: Diagnosis) -> list[int]:
+    """The joints of what is named and not small beside it; where nothing is, the one in which the mismatch sits."""
+    main, _ = main_and_small(diagnosis.findings)
+    at_joints = [item for item in main if item.effect in EFFECTS and EFFECTS[item.effect].place == "joint"]
+    named = sorted({joint for item in at_joints for joint in item.at})
+    return named or ([] if diagnosis.where.joint is None else [diagnosis.where.joint])
+
+
 def arm_at_mismatch(diagnosis: Diagnosis) -> str:
-    """The arm at the reading where the mismatch is largest, the joint ringed."""
+    """The arm at the reading where the mismatch is largest, the joints at fault ringed."""
     recording, arm = diagnosis.recording, diagnosis.arm
     length = np.linalg.norm(diagnosis.residual_before, axis=1)
     worst = int(np.argmax(length))
@@ -86,12 +96,15 @@ def arm_at_mismatch(diagnosis: Diagnosis) -> str:
         # Seen from the side the arrow may point at the reader; it must not be drawn longer for that.
         longest = nice_below(0.2e-3 * window.width / at.error)
         window = replace(window, exaggeration=min(window.exaggeration, longest))
-    joint = None if diagnosis.where.joint is None else diagnosis.where.joint - 1
-    ring = "" if joint is None else f"; joint {joint + 1} is ringed"
+    joints = _joints_at_fault(diagnosis)
+    numbers = listed([str(joint) for joint in joints])
+    ring = (
+        "" if not joints else f"; joint {numbers} is ringed" if len(joints) == 1 else f"; joints {numbers} are ringed"
+    )
     row = row_words(recording, int(recording.row[worst]))
     about = f"{arm.name} at {row}, where the mismatch is largest: {mm(at.error, 3)}{ring}"
     view = "" if arm.planar() else "; seen from the side, in the upright plane through the tip"
     arrow = f"The arrow is the mismatch, {figure(window.exaggeration)} times its size{view}."
     words = f"{about} ({pose(arm, at.q)}). {arrow}"
-    picture = arm_picture(arm, drawn, window, "before", marked=joint, about=about)
+    picture = arm_picture(arm, drawn, window, "before", marked=[joint - 1 for joint in joints], about=about)
     return element("figure", picture, element("figcaption", text(words)), class_="bounded small")

@@ -160,11 +160,11 @@ def shared_window(skeletons: Sequence[Skeleton]) -> Window:
 
 
 def arm_picture(
-    arm: Arm, drawn: Skeleton, window: Window, when: str, *, marked: int | None = None, about: str = ""
+    arm: Arm, drawn: Skeleton, window: Window, when: str, *, marked: Sequence[int] = (), about: str = ""
 ) -> str:
     """The picture, with a scale bar; `when` is the class of its colours (before, after).
 
-    `marked` is a joint (from 0) to draw a ring around, `about` what the picture shows where not the worst pose.
+    `marked` are joints (from 0) to draw rings around, `about` what the picture shows where not the worst pose.
     """
     size = 0.031 * window.width
     joint_radius = 0.012 * window.width
@@ -172,8 +172,8 @@ def arm_picture(
     parts += [line(start, end, "lead", 0.006 * window.width) for start, end in drawn.leads]
     parts += [path([link.corners], f"link {when}") for link in drawn.links]
     parts += [_joint(point, joint, joint_radius) for point, joint in drawn.joints]
-    if marked is not None:
-        x, y = drawn.joints[marked][0]
+    for joint in marked:
+        x, y = drawn.joints[joint][0]
         ring = {"r": 2.6 * joint_radius, "class_": "mark", "stroke_width": 0.7 * joint_radius}
         parts.append(element("circle", cx=x, cy=y, **ring))
     parts.append(_arrow(drawn.tip, drawn.error, window))

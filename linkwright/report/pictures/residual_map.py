@@ -170,7 +170,7 @@ def _hovered(diagnosis: Diagnosis, length: Array, rows: NDArray[np.int64], great
     layout: Figure = {
         "xaxis": {"title": {"text": f"{names[0]} in mm"}, "zeroline": False, "constrain": "domain"},
         "yaxis": {"title": {"text": f"{names[1]} in mm"}, "zeroline": False, "scaleanchor": "x"},
-        "margin": {"l": 60, "r": 10, "t": 10, "b": 50},
+        "margin": {"l": 60, "r": 10, "t": 44 if len(states(diagnosis)) > 1 else 10, "b": 50},
         "showlegend": False,
     }
     longest = float(length.max())

@@ -99,6 +99,7 @@ def _cause(diagnosis: Diagnosis, largest: Finding, mismatch: str, left: str) -> 
     others = [name_words(alternative) for alternative in largest.alternatives[:1]]
     more = len(largest.alternatives) - 1
     either = f" or {others[0]}{f' or {more} more' if more > 0 else ''}" if others else ""
+    few = f" or {len(largest.alternatives)} like it" if others else ""
     size = "" if others or not largest.parameters else f", {_size(chief(largest.parameters))}"
     part = _share_of_first(diagnosis)
     does = "" if part is None else f": {portion(part).text} of the {mismatch} mismatch"
@@ -106,7 +107,11 @@ def _cause(diagnosis: Diagnosis, largest: Finding, mismatch: str, left: str) -> 
     smaller = f"; with {rest} {'other' if rest == 1 else 'others'} {left} remain" if rest else f"; {left} remain"
     over = _over(diagnosis.left)
     floor = f", {over}" if over else ""
-    return [f"left out: {name}{either}{size}{does}", smaller, floor]
+    opening = f"left out: {name}{either}{size}{does}"
+    if rest and len(f"{opening}{smaller}".split()) > MOST_WORDS:
+        # That there is a further cause matters more than what else the first may be called.
+        opening = f"left out: {name}{few}{size}{does}"
+    return [opening, smaller, floor]
 
 
 def _size(fitted: FittedParameter) -> str:

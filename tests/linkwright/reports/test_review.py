@@ -21,6 +21,7 @@ from linkwright.results.design import drives, poses_that_differ
 from linkwright.results.design import joint_loads as joint_loads_told
 from linkwright.results.document import Bars, count, share, table, words
 from linkwright.results.figures_in_words import factor_words
+from linkwright.results.optimization import bound_sentence
 from tests.linkwright.samples import arm_of
 
 G = 9.81
@@ -138,11 +139,28 @@ def test_rigid_links_have_no_empty_card(evaluation):
     assert "Rigid, without a section: link 1." in drawn
 
 
+@pytest.mark.parametrize("columns", [2, 3, 8])
+def test_rows_too_wide_for_a_phone_tell_their_headings(columns):
+    """They are taken apart there; what stands beside its name in one column fits."""
+    heads = ["effect", *(f"figure {k}" for k in range(1, columns))]
+    made = table_html(table(heads, [("backlash", *(count(k) for k in range(1, columns)))]))
+    told = [f'data-head="figure {k}"' in made for k in range(1, columns)]
+    assert told == [columns > 2] * (columns - 1)
+    assert ('class="apart"' in made) == (columns > 2)
+
+
 def test_rows_with_bars_tell_their_headings():
     """Where a phone takes the row apart, each figure says what it is, and a number at its head of what."""
     made = table_html(table(["joint", "could describe", ""], [(count(1), share(0.43), Bars((("after", 0.43),)))]))
     assert 'scope="row" data-head="joint"' in made
     assert '<td class="number" data-head="could describe"' in made
+
+
+@pytest.mark.parametrize(("gap", "said"), [(3e-13, "no design is better"), (0.004, "more than 0.4 % better")])
+def test_a_rest_of_the_solver_is_no_gap(result, gap, said):
+    """A bound that is the design's own figure to all digits told leaves nothing better."""
+    bounded = replace(result, bound_of="all_designs", lower_bound=result.objective * (1.0 - gap))
+    assert bound_sentence(bounded).endswith(said)
 
 
 @pytest.mark.parametrize(
