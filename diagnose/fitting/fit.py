@@ -149,14 +149,15 @@ def unlikely(prepared: Prepared, fitted: Fit) -> float:
     file may have wrong by any amount."""
     total = 0.0
     for member, sizes in zip(fitted.members, fitted.sizes, strict=True):
-        candidate = prepared.pool.groups[member].candidate
+        group = prepared.pool.groups[member]
+        candidate = group.candidate
         if candidate.outside or candidate.share or len(sizes) != len(candidate.sizes):
             continue
-        effect, found = EFFECTS[candidate.effect], candidate.from_slopes(sizes.tolist())
+        effect = EFFECTS[candidate.effect]
         if of_single_numbers(effect) or effect.free_with is not None:
             continue
-        usual = (max(map(abs, parameter_of(effect, name).typical)) for name in candidate.sizes)
-        times = sum((value / most) ** 2 for value, most in zip(found, usual, strict=True))
+        found = np.array(candidate.from_slopes(sizes.tolist()))
+        times = float(np.sum((found / group.usual) ** 2))
         total += (1.0 + len(sizes)) * math.log(max(1.0, times))
     return total
 

@@ -14,11 +14,12 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import get_lapack_funcs
 
+from linkwright.core.arm.effects import EFFECTS
 from linkwright.core.diagnose.rules.pattern_rules import PatternRules
 from linkwright.core.diagnose.rules.rules import RULES, Rules
 from linkwright.core.sections.numeric import Array
 
-from .library import Candidate
+from .library import Candidate, parameter_of
 
 VISIBLE = 1e-5
 """Of a pattern: where the nuisances leave less, it cannot be seen at all."""
@@ -49,6 +50,12 @@ class Group:
     def rank(self) -> int:
         """How many independent directions the candidate has."""
         return self.stop - self.start
+
+    @cached_property
+    def usual(self) -> Array:
+        """The largest usual value (SI) of each of a library's sizes."""
+        parameters = (parameter_of(EFFECTS[self.candidate.effect], name) for name in self.candidate.sizes)
+        return np.array([max(map(abs, parameter.typical)) for parameter in parameters])
 
     @cached_property
     def told(self) -> NDArray[np.bool_]:
