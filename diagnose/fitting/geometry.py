@@ -3,7 +3,8 @@
 Zeros that are off by degrees do not add up to first order, and what lies beyond it looks like tilts, eccentricities
 and tools. So the readings are set against the arm with all zeros and lengths as they fit best: Gauss-Newton on the
 exact chain, readings that lie far off weighed down. What each is off by has a Cauchy prior of its usual size: it leaves
-large ones where the data put them, and small what the data do not tell apart.
+large ones where the data put them, and small what the data do not tell apart. To first order a zero at the wrist is
+lengths of the last link, or a tool; so zeros are fitted first, and lengths beside them as those stand.
 """
 
 from __future__ import annotations
@@ -37,33 +38,37 @@ def about_geometry(
         noise_floor: What repeats of a pose differ by, m; None where there are none.
 
     Returns:
-        The same readings, first order taken about those zeros and lengths (`Observed.about`); as they came where first
-        order about the arm file is off by no more than a small part of the noise: of what repeats differ by, or where
-        that is less or there are none, of what zeros and lengths leave.
+        The same readings, first order taken about those zeros and lengths (`Observed.about`); as they came where all
+        readings together do not tell that from first order about the arm file: by what repeats differ by, or where
+        that is less or there are none, by what zeros and lengths leave.
     """
     others = frozenset(effect.id for effect in EFFECTS.values() if not of_single_numbers(effect))
     known = [item for item, _ in candidates(observed, without | others) if item.only is None]
     single = [item for item in known if len(item.at) == 1 and len(item.sizes) == 1]
-    now = observed
-    for _ in range(_STEPS if single else 0):
-        entries, left = _fitted(now, single)
-        change = beyond_first_order(now, entries) - beyond_first_order(now, now.about)
-        noise = left if noise_floor is None else min(left, noise_floor)
-        if rms_length(change) <= observed.rules.search.motion_matters * noise:
-            break
-        now = observed_about(observed, entries, ())
-    return now
+    zeros = [item for item in single if EFFECTS[item.effect].place == "joint"]
+    now, entries = observed, observed.about
+    # What curves goes first: about zeros, what lengths do is still of first order, and not the other way about.
+    for among in (zeros, single):
+        for _ in range(_STEPS if among else 0):
+            entries, left = _fitted(now, among)
+            change = beyond_first_order(now, entries) - beyond_first_order(now, now.about)
+            noise = left if noise_floor is None else min(left, noise_floor)
+            # Of one standard error in all, no pattern could make a difference.
+            if rms_length(change) * np.sqrt(change.size) <= noise:
+                break
+            now = observed_about(observed, entries, ())
+    return observed_about(observed, entries, ()) if now.about else now
 
 
 def _fitted(observed: Observed, single: Sequence[Candidate]) -> tuple[tuple[EffectEntry, ...], float]:
-    """Zeros and lengths as they fit best to first order about the state observed, and the RMS length (m) that they
-    leave of the tip."""
+    """Zeros and lengths as they fit best to first order about the state observed, from the sizes that they have there,
+    and the RMS length (m) that they leave of the tip."""
     width = observed.components
     shown = [(item, columns) for item in single if (columns := columns_of(observed, item)) is not None]
     usual = np.array([max(map(abs, parameter_of(EFFECTS[c.effect], c.sizes[0]).typical)) for c, _ in shown])
     beside, _ = nuisances(observed)
     design = np.concatenate([*(columns for _, columns in shown), beside], axis=2)[:, :width]
-    target, sizes = observed.tip_residual(), np.zeros(len(shown))
+    target, sizes = observed.tip_residual(), np.array([_size_there(observed, item) for item, _ in shown])
     weight, left = np.ones(len(target)), target
     for _ in range(_REWEIGHTED):
         unit = float(np.sqrt(np.sum(weight[:, None] * left**2) / left.size))
@@ -82,3 +87,9 @@ def _fitted(observed: Observed, single: Sequence[Candidate]) -> tuple[tuple[Effe
         weight = np.minimum(1.0, HUBER * middle / np.maximum(distance, 1e-300)) if middle > 0.0 else weight
     entries = tuple(as_entry(item, [size]) for (item, _), size in zip(shown, sizes.tolist(), strict=True))
     return entries, rms_length(left)
+
+
+def _size_there(observed: Observed, item: Candidate) -> float:
+    """The size of a zero or length in the state that first order is taken about; nought where it is not there."""
+    there = (entry for entry in observed.about if (entry.effect, entry.at) == (item.effect, item.numbers))
+    return sum(entry.parameters.get(item.sizes[0], 0.0) for entry in there)

@@ -73,3 +73,32 @@ def test_a_tool_off_by_centimetres_along_the_last_link_is_its_length_or_the_tool
     (length,) = diagnosed(arm_of(tmp_path), [0.0] * 6, (0.0, 0.0, 0.02), 1).findings
     assert (length.effect, length.at) == ("link_length", (6,))
     assert [(other.effect, other.at) for other in length.alternatives] == [("tool_offset", ())]
+
+
+CROOKED = """
+gravity: [0 m/s^2, 0 m/s^2, -9.81 m/s^2]
+chain:
+  - joint: {axis: z}
+    link: {length: 300 mm, rigid: true, mass: 1 kg}
+  - joint: {axis: y}
+    link: {length: 150 mm, direction: [0.8, 0, -0.6], rigid: true, mass: 1 kg}
+"""
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_a_zero_at_the_wrist_is_not_told_as_two_lengths(seed, tmp_path):
+    """To first order the zero is both numbers of the crooked last link, whose usual sizes are nearer; beyond it, a
+    single number does as well as those two."""
+    rng = np.random.default_rng(seed)
+    q = np.repeat(rng.uniform(-1.5, 1.5, (40, 2)), 2, axis=0)
+    wrist = q[:, 1] + math.radians(2.5)
+    # The link, 120 mm out and 90 mm down, turned about y and then about z.
+    out, up = 300 + 120 * np.cos(wrist) - 90 * np.sin(wrist), -120 * np.sin(wrist) - 90 * np.cos(wrist)
+    tip = 1e-3 * np.stack([out * np.cos(q[:, 0]), out * np.sin(q[:, 0]), up], axis=1)
+    (tmp_path / "arm.yaml").write_text(CROOKED, encoding="utf-8")
+    measured = tip + 2e-4 * rng.standard_normal(tip.shape)
+    result = diagnose(read_arm(tmp_path / "arm.yaml"), Recording("r.csv", q, measured, np.arange(1, 81)))
+    (zero,) = result.findings
+    assert (zero.effect, zero.at) == ("encoder_offset", (2,))
+    low, high = zero.parameters[0].interval
+    assert low <= math.radians(2.5) <= high
