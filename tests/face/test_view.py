@@ -75,6 +75,21 @@ def test_the_reach_is_all_of_what_the_joints_allow_and_no_more(evaluation):
     assert np.all(distance <= 1000.0 + 1e-9)
 
 
+@pytest.mark.parametrize("planar", [True, False])
+def test_the_window_holds_all_that_is_drawn_to_one_scale(evaluation, planar):
+    """An arm in a plane has no depth: it is looked at from above, and does not fill the window from within."""
+    figure = lw.show(evaluation if planar else EXAMPLES / "six-axis" / "arm.yaml")
+    scene = figure.layout.scene
+    spans = {name: np.ptp(scene[f"{name}axis"].range) for name in "xyz"}
+    drawn = np.vstack([np.array([trace.x, trace.y, trace.z], dtype=float).T for trace in figure.data])
+    for k, name in enumerate("xyz"):
+        low, high = scene[f"{name}axis"].range
+        assert low <= drawn[:, k].min() <= drawn[:, k].max() <= high
+        assert scene.aspectratio[name] == pytest.approx(spans[name] / max(spans.values()))
+    assert max(scene.aspectratio[name] for name in "xyz") == 1.0
+    assert (scene.camera.eye.x == scene.camera.eye.y == 0.0) == planar
+
+
 def test_arms_files_designs_and_findings_are_shown():
     six = lw.show(EXAMPLES / "six-axis" / "arm.yaml", pose="0 -90 90 0 45 0")
     assert np.ptp(points(six, "reach"), axis=0).min() > 500.0

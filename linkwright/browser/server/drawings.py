@@ -122,7 +122,6 @@ def front_to_click(front: Tradeoff) -> Front:
     }
     for trace in drawn["data"]:
         trace["customdata"] = [numbers.get(place) for place in zip(trace["x"], trace["y"], strict=True)]
-    drawn["layout"]["legend"] = {"orientation": "h", "y": -0.22}
     files = {point.number: point_file(result, point) for point in result.points}
     designs = {design.number: _design(front, design, files[design.number]) for design in front.designs}
     return {"figure": {"data": drawn["data"], "layout": drawn["layout"]}, "designs": designs}

@@ -35,6 +35,8 @@ _POSES = 3
 _REACHED = 3000
 _SHARE = 0.1
 """What of the arm's size the greatest displacement is drawn as."""
+_FLATTEST = 0.05
+"""The least share of the greatest extent that an axis has: a scene without depth is not drawn."""
 _RIGID, _BENT, _ERROR, _REACH = "#7f8c98", "#0072b2", "#d55e00", "#9aa5ae"
 
 
@@ -82,7 +84,7 @@ def show(
     else:
         q = np.mean(joint_box(model, Workspace()), axis=0) if pose is None else pose_of(model, pose)
         stands = [_stand(model, case, [float(value) for value in q], None) for case in model.cases]
-    return figure_of(_drawn(stands, _reach(model), scale))
+    return figure_of(_drawn(stands, _reach(model), scale, flat=model.planar()))
 
 
 def _arm_of(of: Arm | File | Result) -> tuple[Model, Found | None]:
@@ -125,7 +127,7 @@ def _reach(model: Model) -> Array:
     return np.vstack([tip_position(model.on(tip), q) for tip in [branch.name for branch in model.branches] or [""]])
 
 
-def _drawn(stands: Sequence[_Stand], reach: Array, scale: float | None) -> dict[str, Any]:
+def _drawn(stands: Sequence[_Stand], reach: Array, scale: float | None, *, flat: bool) -> dict[str, Any]:
     size = max(float(np.abs(reach).max()), *(float(np.abs(item.axis).max()) for item in stands))
     moves = [item.bent[1] for item in stands if item.bent is not None]
     moves += [item.error[None, :] for item in stands if item.error is not None]
@@ -146,10 +148,35 @@ def _drawn(stands: Sequence[_Stand], reach: Array, scale: float | None) -> dict[
             tip, line = each.axis[-1], {"color": _ERROR, "width": 6}
             way = np.array([tip, tip + scale * each.error])
             data.append(_trace("worst error", way, "lines", line=line, legendgroup="worst error", **once))
-    axes = {f"{name}axis": {"title": {"text": f"{name}, mm"}} for name in "xyz"}
     title = f"Displacements {scale:.6g} times as large" if moves else "No displacements: a mass is not known"
-    layout = {"title": {"text": title}, "scene": {"aspectmode": "data", **axes}, "showlegend": True}
+    layout = {
+        "title": {"text": title},
+        "scene": _scene(data, flat=flat),
+        "showlegend": True,
+        "legend": {"orientation": "h", "y": 0.0, "yanchor": "top"},
+        "margin": {"l": 0, "r": 0, "t": 60, "b": 60},
+    }
     return {"data": data, "layout": layout}
+
+
+def _scene(data: Sequence[dict[str, Any]], *, flat: bool) -> dict[str, Any]:
+    """Axes to one scale that hold all that is drawn, whatever its proportions; an arm in a plane is looked at from
+    above."""
+    middle, half = np.zeros(3), np.zeros(3)
+    for k, name in enumerate("xyz"):
+        values = np.concatenate([trace[name] for trace in data])
+        middle[k], half[k] = 0.5 * (values.min() + values.max()), 0.5 * np.ptp(values)
+    half = np.maximum(1.05 * half, _FLATTEST * half.max())
+    axes: dict[str, dict[str, Any]] = {
+        f"{name}axis": {"title": {"text": f"{name} in mm"}, "range": [middle[k] - half[k], middle[k] + half[k]]}
+        for k, name in enumerate("xyz")
+    }
+    ratio = {name: half[k] / half.max() for k, name in enumerate("xyz")}
+    camera = {"eye": {"x": 1.25, "y": -1.7, "z": 0.9}, "center": {"x": 0.0, "y": 0.0, "z": -0.12}}
+    if flat:
+        axes["zaxis"]["visible"] = False
+        camera = {"eye": {"x": 0.0, "y": 0.0, "z": 1.4}, "up": {"x": 0.0, "y": 1.0, "z": 0.0}}
+    return {"aspectmode": "manual", "aspectratio": ratio, "camera": camera, **axes}
 
 
 def _trace(name: str, points: Array, mode: str, **more: Any) -> dict[str, Any]:

@@ -79,6 +79,17 @@ def span(axis: Axis, values: Sequence[float], *, log: bool) -> tuple[float, floa
     return max(low - air, 0.0), high + air
 
 
+def _axis(drawn: Sequence[Sequence[float | None]], *, log: bool) -> Figure:
+    """An axis of a figure; one in logarithms is marked as that of the picture is, since plotly's own marks between the
+    powers of ten are too small to read."""
+    if not log:
+        return {"type": "linear", "zeroline": False}
+    values = [value for values in drawn for value in values if value is not None]
+    marks = ticks(min(values), max(values), log=True) if values else []
+    own = {"tickmode": "array", "tickvals": marks, "ticktext": [figure(mark) for mark in marks]}
+    return {"type": "log", "zeroline": False, **(own if len(marks) > 1 else {"exponentformat": "power"})}
+
+
 def tradeoff_picture(result: Tradeoff) -> str:
     """The picture as an SVG file."""
     x, y = result.asked.x, result.asked.y
@@ -342,7 +353,7 @@ def front_figure(result: Tradeoff, *, brief: bool = False) -> Figure:
                 "marker": {"symbol": "diamond-open", "size": 15, "color": "#e5383b", "line": {"width": 2.5}},
             }
         )
-    return {"data": data, "layout": _layout(result, y.heading, log=result.logs[1])}
+    return {"data": data, "layout": _layout(result, y.heading, data, log=result.logs[1])}
 
 
 def price_figure(result: Tradeoff) -> Figure:
@@ -365,17 +376,16 @@ def price_figure(result: Tradeoff) -> Figure:
                 "hovertemplate": f"%{{x:.5g}} {result.asked.x.unit}: %{{y:.3g}} {unit}<extra></extra>",
             }
         )
-    return {"data": data, "layout": _layout(result, f"price in {unit}", log=True)}
+    return {"data": data, "layout": _layout(result, f"price in {unit}", data, log=True)}
 
 
-def _layout(result: Tradeoff, words: str, *, log: bool) -> Figure:
+def _layout(result: Tradeoff, words: str, data: Sequence[Figure], *, log: bool) -> Figure:
     x = result.asked.x
-    plain = {"zeroline": False, "exponentformat": "power"}
     return {
-        "xaxis": {"title": {"text": x.heading}, "type": "log" if result.logs[0] else "linear", **plain},
-        "yaxis": {"title": {"text": words}, "type": "log" if log else "linear", **plain},
+        "xaxis": {"title": {"text": x.heading}, **_axis([trace["x"] for trace in data], log=result.logs[0])},
+        "yaxis": {"title": {"text": words}, **_axis([trace["y"] for trace in data], log=log)},
         "margin": {"l": 70, "r": 10, "t": 10, "b": 50},
-        "legend": {"orientation": "h", "y": 1.12},
+        "legend": {"orientation": "h", "y": -0.35, "yanchor": "top"},
         "showlegend": True,
         "hovermode": "closest",
     }

@@ -156,7 +156,7 @@ def exchange_figure(iterations: Sequence[Iteration], minimize: str) -> Figure:
         "xaxis": {"title": {"text": "iteration"}, "dtick": max(1, len(numbers) // 10), "zeroline": False},
         "yaxis": {"title": {"text": f"{minimize.replace('_', ' ')} in {unit}"}, "zeroline": False},
         "margin": {"l": 70, "r": 10, "t": 10, "b": 50},
-        "legend": {"orientation": "h", "y": 1.12},
+        "legend": {"orientation": "h", "y": -0.22},
         "showlegend": len(series) > 1,
     }
     return {"data": data, "layout": layout}
