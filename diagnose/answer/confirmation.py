@@ -11,8 +11,9 @@ from numpy.typing import NDArray
 
 from linkwright.core.diagnose.fitting.fit import Fit, beyond_nuisances, fit, remaining
 from linkwright.core.diagnose.fitting.held_out import Folds, HeldOut, hardest, parts_of_workspace, splits
+from linkwright.core.diagnose.fitting.joint.sizes import tether
 from linkwright.core.diagnose.fitting.prepare import Prepared, packed_up, set_up
-from linkwright.core.diagnose.fitting.refit import Refit, impossible_term, refit, tether
+from linkwright.core.diagnose.fitting.refit import Refit, impossible_term, refit
 from linkwright.core.diagnose.fitting.relinearize import relinearized
 from linkwright.core.diagnose.fitting.room.unnamed import Unnamed, unnamed
 from linkwright.core.diagnose.options import Options, Progress

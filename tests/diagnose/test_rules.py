@@ -49,17 +49,9 @@ NO_RULES = {
     "fitting/room/active_bounds.py": {"_ALIKE"},  # what rounding leaves
     "fitting/room/small_causes.py": {"_PRODUCTS", "_SEEN", "_STEPS"},  # directions that tell nothing; a search's steps
     "fitting/room/unnamed.py": {"_STEPS", "_TINY"},
-    "fitting/refit.py": {
-        "_NEWTON",
-        "_REACH",
-        "_ROUNDING",
-        "_SCAN",
-        "_SETTLED",
-        "_SHARES",
-        "_SWEEPS",
-        "_TINY",
-        "_TOGETHER",
-    },
+    "fitting/joint/intervals.py": {"_SCAN", "_TINY"},
+    "fitting/joint/shapes.py": {"_REACH", "_SWEEPS", "_TINY"},
+    "fitting/joint/sizes.py": {"_NEWTON", "_ROUNDING", "_SETTLED", "_SHARES", "_TOGETHER"},
     "fitting/room/collinearity.py": {"_ALIKE"},  # of two patterns that are one, what rounding leaves
     "fitting/prepare.py": {"_PASSES, _ROUGH"},
     "fitting/relinearize.py": {"_SETTLED"},
