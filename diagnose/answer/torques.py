@@ -8,7 +8,7 @@ from itertools import groupby
 import numpy as np
 
 from linkwright.core.arm.chain.chain import Arm
-from linkwright.core.diagnose.fitting.torque_loads import TorqueLoads
+from linkwright.core.diagnose.fitting.loads.torque_loads import TorqueLoads
 from linkwright.core.diagnose.residual.masses_from_torques import Weighed
 from linkwright.core.diagnose.residual.torque import DriveTorque, Factor
 from linkwright.core.diagnose.rules.residual_rules import ResidualRules

@@ -13,7 +13,6 @@ from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.special import chdtri
 
 from linkwright.core.arm.effects import EFFECTS, Settings
 from linkwright.core.diagnose.options import Options
@@ -27,9 +26,8 @@ from linkwright.core.diagnose.residual.free_origins import of_observed, origin_c
 from linkwright.core.diagnose.residual.observe import observe
 from linkwright.core.diagnose.residual.observed import Observed, rms_length
 from linkwright.core.diagnose.residual.orientation import tool_turns
-from linkwright.core.diagnose.residual.robust_scale import HUBER
 from linkwright.core.diagnose.residual.time_vs_path import Told, places, rather_with_time, time_vs_path
-from linkwright.core.diagnose.residual.visits import blocks_of, looks_quieter, poses
+from linkwright.core.diagnose.residual.visits import poses
 from linkwright.core.diagnose.residual.wander import clock, remembered, still, wander_in, without
 from linkwright.core.diagnose.rules.fitting_rules import FittingRules
 from linkwright.core.diagnose.rules.rules import RULES
@@ -37,6 +35,7 @@ from linkwright.core.diagnose.search.subsets import Criterion, Products, criteri
 from linkwright.core.diagnose.several.nuisances import of_each
 from linkwright.core.sections.numeric import Array
 
+from .noise_left import bad_rows_down, first_scale, independent_share, loudness, memory_of, outliers_of, scatter_of
 from .thresholds import at_best
 
 _PASSES, _ROUGH = 3, 4
@@ -223,11 +222,11 @@ def prepare(
     rejected: list[RejectedRow] = []
     patterns, left = patterns_of(observed, options, library), observed.residual
     for _ in range(_PASSES):
-        rough = replace(observed, scale=_first_scale(observed))
+        rough = replace(observed, scale=first_scale(observed))
         left = _left_by_rough_model(set_up(rough, patterns), noise_floor)
         observed = replace(observed, loud=loudness(left, observed))
-        scale = _scatter(observed.evened(left), rough)
-        outlying = _outliers(replace(observed, scale=scale).scaled(left), observed)
+        scale = scatter_of(observed.evened(left), rough)
+        outlying = outliers_of(replace(observed, scale=scale).scaled(left), observed)
         if not outlying.any():
             observed = replace(observed, scale=scale)
             return _with_memory(observed, patterns, left, noise_floor, _in_order(rejected))
@@ -240,7 +239,7 @@ def prepare(
         observed = observe(
             observed.arm_given,
             observed.recording.kept(keep),
-            scale=_scatter(observed.evened(left)[keep], rough),
+            scale=scatter_of(observed.evened(left)[keep], rough),
             about=observed.about,
             rules=observed.rules,
             loud=observed.loud,
@@ -277,8 +276,8 @@ def _with_memory(
     if wandering is not None:
         del prepared  # one pool at a time
         prepared = set_up(wandering, patterns, rejected)
-        return replace(prepared, independent=_independent(wandering, left, noise_floor))
-    memory = _memory(observed.scaled(left), observed)
+        return replace(prepared, independent=independent_share(wandering, left, noise_floor))
+    memory = memory_of(observed.scaled(left), observed)
     if memory != observed.correlation:
         del prepared
         prepared = set_up(replace(observed, correlation=memory), patterns, rejected)
@@ -287,12 +286,12 @@ def _with_memory(
     much = rules.fitting.much_memory * max(1.0, observed.rows * observed.components / rules.search.many)
     for _ in range(_PASSES if memory > much else 0):
         left = _left_by_rough_model(prepared, noise_floor)
-        found = _memory(observed.scaled(left), observed)
+        found = memory_of(observed.scaled(left), observed)
         if found <= prepared.observed.correlation:
             break
         del prepared
         prepared = set_up(replace(observed, correlation=found), patterns, rejected)
-    return replace(prepared, independent=_independent(prepared.observed, left, noise_floor), together=together)
+    return replace(prepared, independent=independent_share(prepared.observed, left, noise_floor), together=together)
 
 
 def _wandering(prepared: Prepared) -> tuple[Observed | None, int]:
@@ -345,38 +344,6 @@ def _wandering(prepared: Prepared) -> tuple[Observed | None, int]:
     return replace(observed, scale=scale, wander=wander.rate / size, correlation=0.0), 1
 
 
-def _independent(observed: Observed, left: Array, noise_floor: float | None) -> float:
-    """One over the design effect of L. Kish, Survey Sampling (Wiley, 1965), 8.2, of visits as clusters, where a rough
-    model leaves (N, C) far more than repeats of a pose differ by; else 1."""
-    if noise_floor is None:
-        return 1.0
-    floor, remains = noise_floor * looks_quieter(observed), rms_length(observed.still(left[:, : observed.components]))
-    if remains <= observed.rules.fitting.far_above * floor:
-        return 1.0
-    if not comes_anew(observed):
-        return 1.0
-    size = observed.rows / len(blocks_of(observed.block))
-    return 1.0 / (1.0 + (size - 1.0) * (1.0 - (floor / remains) ** 2))
-
-
-def comes_anew(observed: Observed) -> bool:
-    """Whether the arm moved before most visits: a long stay that is cut into visits shares nothing within each."""
-    new = np.flatnonzero(np.diff(observed.block) != 0)
-    channels = [observed.recording.q, *(part for part in (observed.recording.sides,) if part is not None)]
-    moved = np.any([(part[new + 1] != part[new]).any(axis=1) for part in channels], axis=0)
-    return len(new) > 0 and float(np.mean(moved)) > 0.5
-
-
-def _first_scale(observed: Observed) -> Array:
-    """Equal weights for the tip's components; for other channels, what makes them weigh alike."""
-    spread = np.sqrt(np.mean(observed.residual**2, axis=0))
-    width = observed.components
-    tip = float(np.sqrt(np.mean(spread[:width] ** 2)))
-    scale = np.where(spread > 0.0, spread, 1.0)
-    scale[:width] = tip if tip > 0.0 else 1.0
-    return scale
-
-
 def _with_time_alone(candidate: Candidate) -> bool:
     """Whether a pattern goes with time alone: a form that does, or an instrument's drift."""
     if candidate.outside:
@@ -418,7 +385,7 @@ def _rough_model(prepared: Prepared, besides: Sequence[str]) -> _Rough:
     pool, criterion, observed = prepared.pool, prepared.criterion, prepared.observed
     members, columns = list[int](), [prepared.beside]
     barred = np.array([group.candidate.effect in besides for group in pool.groups], dtype=bool)
-    stacked, values, weight = _bad_rows_down(observed, columns)
+    stacked, values, weight = bad_rows_down(observed, columns)
     for _ in range(_ROUGH if pool.groups else 0):
         weighed = observed.whitened(np.sqrt(weight)[:, None] * (observed.residual - stacked @ values))
         given = products(pool, pool.projected(weighed)).beside(pool.columns(members))
@@ -430,7 +397,7 @@ def _rough_model(prepared: Prepared, besides: Sequence[str]) -> _Rough:
         members.append(best)
         taken = [pool.groups[m].candidate for m in members]
         columns = [prepared.beside, *at_best(observed, taken, [prepared.columns[m] for m in members], prepared.beside)]
-        stacked, values, weight = _bad_rows_down(observed, columns)
+        stacked, values, weight = bad_rows_down(observed, columns)
     at = np.cumsum([part.shape[2] for part in columns])
     in_time, price, kinds = np.zeros(observed.residual.shape), 0.0, list[Candidate]()
     for member, end in zip(members, at[1:].tolist(), strict=True):
@@ -443,121 +410,3 @@ def _rough_model(prepared: Prepared, besides: Sequence[str]) -> _Rough:
     wanders = bool(kinds) and all(kind.outside and form_of(kind).wanders for kind in kinds)
     left = observed.residual - stacked @ values
     return _Rough(left, in_time, prepared.beside, price, drifts=drifts, wanders=wanders)
-
-
-def _bad_rows_down(observed: Observed, columns: Sequence[Array]) -> tuple[Array, Array, Array]:
-    """Patterns (N, C, d) as one (N, C, k), how much of each fits the readings best (k,), rows that lie far off weighed
-    down, and the rows' weights (N,)."""
-    stacked = np.concatenate(columns, axis=2)
-    design, target = observed.scaled(stacked), observed.scaled(observed.residual)
-    weight: Array = np.ones(len(target))
-    values: Array = np.zeros(design.shape[2])
-    for _ in range(6):
-        root = np.sqrt(weight)[:, None]
-        if len(values):
-            rows = observed.without_memory(design * root[:, :, None]).reshape(-1, len(values))
-            fitted = np.linalg.lstsq(rows, observed.without_memory(target * root).reshape(-1), rcond=1e-9)
-            values = np.asarray(fitted[0], dtype=float)
-        size = np.sqrt(np.sum((target - design @ values) ** 2, axis=1))
-        middle = float(np.median(size))
-        weight = np.minimum(1.0, HUBER * middle / np.maximum(size, 1e-300)) if middle > 0.0 else weight
-    return stacked, values, weight
-
-
-def loudness(left: Array, observed: Observed) -> Array | None:
-    """How loud each of several recordings (and of kinds of numbers) is beside the others (R,), their geometric mean
-    being one, by the robust scatter of the tip in what a rough model leaves (N, C); None of one."""
-    which = observed.loud_with
-    if not which.any():
-        return None
-    size = np.abs(left[:, : observed.components])
-    medians = np.array(
-        [np.median(size[which == one]) if (which == one).any() else 0.0 for one in range(which.max() + 1)]
-    )
-    medians = np.where(medians > 0.0, medians, max(float(np.median(size)), 1e-12))
-    return medians / float(np.exp(np.mean(np.log(medians))))
-
-
-def _scatter(left: Array, observed: Observed) -> Array:
-    """The robust scatter of each column: from the median absolute value, drawn towards a common one of the tip's
-    components where readings are few."""
-    spread = 1.4826 * np.median(np.abs(left), axis=0)
-    plain = np.sqrt(np.mean(left**2, axis=0))
-    spread = np.where(spread > 1e-3 * plain, spread, plain)
-    spread = np.where(spread > 0.0, spread, observed.scale)
-    width = observed.components
-    common = float(np.exp(np.mean(np.log(spread[:width]))))
-    trust = len(left) / (len(left) + observed.rules.fitting.own_scatter)
-    spread[:width] = np.exp(trust * np.log(spread[:width]) + (1.0 - trust) * np.log(common))
-    if observed.recording.sigma_angle is not None:
-        spread[observed.turn_columns] = np.maximum(spread[observed.turn_columns], observed.recording.sigma_angle)
-    return spread
-
-
-def _outliers(scaled: Array, observed: Observed) -> NDArray[np.bool_]:
-    """Readings (N, C), over their scatter, that lie far off and are no part of the mismatch: a handful anywhere; where
-    they are many, those that the other readings of their own visit do not bear out. Repeats that are mostly alike to
-    the last digit are one count of an encoder written down again, and bear nothing out."""
-    width, rules = observed.components, observed.rules.fitting
-    tip = scaled[:, :width]
-    distance = np.sqrt(np.sum(tip**2, axis=1))
-    limit = rules.outlier_margin * np.sqrt(chdtri(width, rules.far_tail / len(scaled)))
-    far = distance > limit
-    # Readings of one visit that all lie far off and agree with each other: that is the pose, not the readings.
-    visit = np.unique(observed.block, return_inverse=True)[1].reshape(-1)
-    count, outside = np.bincount(visit), np.bincount(visit, weights=far)
-    whole = (count > 1) & (outside == count)
-    means = np.stack([np.bincount(visit, weights=part) / count for part in tip.T], axis=1)
-    apart = (
-        np.bincount(visit, weights=np.sum((tip - means[visit]) ** 2, axis=1)) > (limit * np.maximum(count - 1, 1)) ** 2
-    )
-    far &= ~(whole & ~apart)[visit]
-    far &= ~_warming_up(tip, far, observed)
-    if far.mean() <= rules.most_outliers:
-        return far
-    if _mostly_alike(observed, visit, count):
-        return np.zeros(len(far), dtype=bool)
-    alone = far & ((count > outside) | (whole & apart))[visit]
-    return alone if alone.mean() <= rules.most_alone else np.zeros(len(far), dtype=bool)
-
-
-def _mostly_alike(observed: Observed, visit: NDArray[np.int64], count: NDArray[np.int64]) -> bool:
-    """Whether most readings of visits (numbered, with so many readings each) that were repeated say just the same."""
-    tip = observed.recording.tip
-    repeated = np.flatnonzero((count[visit[1:]] > 1) & (visit[1:] == visit[:-1]))
-    return len(repeated) > 0 and float(np.mean((tip[repeated + 1] == tip[repeated]).all(axis=1))) > 0.5
-
-
-def _warming_up(tip: Array, far: NDArray[np.bool_], observed: Observed) -> NDArray[np.bool_]:
-    """Which readings that lie far off (N, D) begin a recording together and come nearer the same way, the first that
-    is not far off among them: something settles."""
-    run = int(np.argmin(far)) if not far.all() else len(far)
-    warming = np.zeros(len(far), dtype=bool)
-    if run == 0:
-        return warming
-    first = tip[: run + 1]
-    if len(first) < 2 or np.linalg.norm(first[-1]) < observed.rules.residual.beyond_chance:
-        return warming
-    unit = first / np.linalg.norm(first, axis=1)[:, None]
-    same_way = np.sum(unit[1:] * unit[:-1], axis=1) > observed.rules.fitting.same_way
-    warming[:run] = bool(same_way.all())
-    return warming
-
-
-def _mixed(observed: Observed) -> bool:
-    """Whether each number is a reading of its own, so that neighbours in the file are of different instruments."""
-    slots = observed.recording.slots
-    return slots is not None and bool((slots != slots[0]).any())
-
-
-def _memory(scaled: Array, observed: Observed) -> float:
-    """The correlation of each reading's noise with the one before, from the tip's components at neighbours of different
-    visits (what a visit's readings share may be the pose's own); 0 where it is not beyond doubt."""
-    across, rules = np.flatnonzero(np.diff(observed.block) != 0), observed.rules.fitting
-    if len(across) < rules.enough or _mixed(observed):
-        return 0.0
-    clipped = np.clip(scaled[:, : observed.components], -HUBER, HUBER)
-    before, after = clipped[across], clipped[across + 1]
-    size = np.sqrt(np.sum(before**2) * np.sum(after**2))
-    rho = float(np.sum(before * after) / size) if size > 0.0 else 0.0
-    return min(rho, rules.most_memory) if rho > observed.rules.residual.beyond_chance / np.sqrt(before.size) else 0.0

@@ -57,7 +57,7 @@ NO_RULES = {
     "fitting/relinearize.py": {"_SETTLED"},
     "fitting/shared_masses.py": {"_SETTLED", "_TURNS"},
     "fitting/terms.py": {"DIFFERENCE"},
-    "fitting/torque_loads.py": {"_CARRIED, _PUSHED", "_LEVEL", "_ROUNDING", "_TURNS, _SETTLED"},
+    "fitting/loads/by_drives.py": {"CARRIED, PUSHED", "LEVEL", "_ROUNDING", "_TURNS, _SETTLED"},
     "fitting/thresholds.py": {"_ALIKE", "_AT_ONCE", "_REACH", "_LOOKED_AT", "_FURTHEST"},  # how a staircase is searched
     "instruments/checks.py": {"_SCALES"},
     "instruments/camera.py": {"_STEPS, _FOUND", "_LONGEST", "_EXACT"},
@@ -212,7 +212,7 @@ def test_bare_numbers_are_found(source, names):
 # Numbers that a comparison inside a function may hold: rounding, and what only keeps a computation going.
 NOT_DECIDED = {
     "answer/sentences.py": {0.1},  # a nuisance's share of a direction that is not told: which names are listed
-    "fitting/prepare.py": {1e-3},  # a median of nought where most readings are alike
+    "fitting/noise_left.py": {1e-3},  # a median of nought where most readings are alike
     "mistakes/contradictions.py": {0.999},  # of alike units the first
     "mistakes/motion.py": {1e-3},  # a joint's coordinate that moves at all
     "patterns/forms.py": {0.01},  # points that coincide

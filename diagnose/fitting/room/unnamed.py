@@ -22,7 +22,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import fdtrc
 
-from linkwright.core.diagnose.fitting.prepare import Prepared, comes_anew
+from linkwright.core.diagnose.fitting.noise_left import comes_anew
+from linkwright.core.diagnose.fitting.prepare import Prepared
 from linkwright.core.sections.numeric import Array
 
 _TINY = 1e-9

@@ -14,7 +14,7 @@ import pytest
 
 from linkwright.core.arm.chain.chain import Arm, Joint, Link
 from linkwright.core.diagnose.diagnosis import diagnose
-from linkwright.core.diagnose.fitting.torque_loads import TorqueLoads, loads_by_torque
+from linkwright.core.diagnose.fitting.loads.torque_loads import TorqueLoads, loads_by_torque
 from linkwright.core.diagnose.recording import Recording
 from linkwright.core.diagnose.result import Diagnosis
 from linkwright.core.diagnose.rules.rules import RULES
