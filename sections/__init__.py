@@ -34,7 +34,7 @@ from linkwright.core.sections.shapes import (
     TSection,
     Tube,
 )
-from linkwright.core.sections.stock.tables import Stock, StockSize, load_stock, section_from_name
+from linkwright.core.sections.stock.tables import Stock, StockSize, load_stock
 from linkwright.core.sections.walls import Arc, Wall, WallLimit, is_solid, slenderness_limits, walls
 
 __all__ = [
@@ -72,7 +72,6 @@ __all__ = [
     "build",
     "is_solid",
     "load_stock",
-    "section_from_name",
     "slenderness_limits",
     "walls",
 ]

@@ -93,9 +93,6 @@ class FittingRules:
         "rad, m",
         "A sag under unknown weights: a soft drive's under a light link, or a stiff one's under a heavy link.",
     )
-    centre_off: float = rule(
-        0.1, "share of the link's length", "The same of a centre of mass, which is the better known of the two."
-    )
     least_lever: float = rule(
         0.01,
         "share of the arm's reach",

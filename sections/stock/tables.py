@@ -183,11 +183,6 @@ def plain_name(name: str) -> str:
     return re.sub(r"^((?:hf)?shs)([\d.]+)x\2x", r"\1\2x", text)
 
 
-def section_from_name(name: str, stock: Stock | None = None) -> Section:
-    """The section of a stock size, such as `IPE 80`; raises InputError with the nearest name."""
-    return (stock or load_stock()).find(name).section
-
-
 def load_stock(paths: Sequence[Path | str] = (), *, user: bool = True) -> Stock:
     """The shipped sizes, over them the user's own (where the file exists and ``user`` is true), over that ``paths``.
 

@@ -19,7 +19,7 @@ from linkwright.core.sections import (
     RectangularTube,
     Triangle,
     Tube,
-    section_from_name,
+    load_stock,
     slenderness_limits,
 )
 
@@ -136,7 +136,7 @@ def test_ipe_80_with_fillets() -> None:
 
 def test_square_hollow_section_of_en_10219() -> None:
     # SHS 100x100x5: I_t = 441 cm^4, W_pl = 64.6 cm^3 beside A = 18.4 cm^2 and I = 271 cm^4.
-    result = section_from_name("SHS 100x5").properties(0.3)
+    result = load_stock().find("SHS 100x5").section.properties(0.3)
     assert result.torsion_constant == pytest.approx(441e-8, rel=5e-3)
     assert result.plastic_modulus_y == pytest.approx(64.6e-6, abs=0.05e-6)
 
@@ -204,12 +204,12 @@ def test_wall_limits_of_class_3() -> None:
     assert round_wall.greatest == pytest.approx(90.0)
     assert round_wall.utilisation > 1.0
     assert round_wall.constraint.value > 0.0
-    flange, web = slenderness_limits(section_from_name("IPE 300"), 355e6, 210e9, bending_only=True)
+    flange, web = slenderness_limits(load_stock().find("IPE 300").section, 355e6, 210e9, bending_only=True)
     assert flange.wall.slenderness == pytest.approx((75 - 3.55 - 15) / 10.7)
     assert flange.greatest == pytest.approx(14 * 0.81, rel=5e-3)
     assert web.wall.slenderness == pytest.approx(248.6 / 7.1)
     assert web.greatest == pytest.approx(124 * 0.81, rel=5e-3)
-    assert slenderness_limits(section_from_name("IPE 300"), 355e6, 210e9)[1].greatest == pytest.approx(
+    assert slenderness_limits(load_stock().find("IPE 300").section, 355e6, 210e9)[1].greatest == pytest.approx(
         42 * 0.81, rel=5e-3
     )
     assert slenderness_limits(Rectangle(0.1, 0.1), 235e6, 210e9) == ()

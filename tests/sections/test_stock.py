@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 
 from linkwright.core.catalogues.stock_csv import read_table, write_table
 from linkwright.core.catalogues.stock_editor import STOCK, row_of
-from linkwright.core.sections import load_stock, section_from_name
+from linkwright.core.sections import load_stock
 from linkwright.core.sections.stock.tables import last_unit, plain_name, read_text, shipped_sizes
 from linkwright.core.units.quantities import InputError
 
@@ -133,7 +133,7 @@ def test_names_are_read_whatever_their_case_and_spaces(given: str, found: str) -
 )
 def test_an_unknown_name_is_answered_with_the_nearest(name: str, hint: str) -> None:
     with pytest.raises(InputError, match=hint) as caught:
-        section_from_name(name)
+        load_stock().find(name)
     assert "\n" not in str(caught.value)
 
 
