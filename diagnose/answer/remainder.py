@@ -25,7 +25,7 @@ class Remainder:
 
     def __init__(self, names: Confirmed) -> None:
         self.names, self.observed, self.noise, self.rules = names, names.observed, names.noise, names.rules
-        self.scattered = self.may_scatter = False
+        self.scattered = False
         self._predicted: float | None = None
         self.lack_of_fit = self._lack_of_fit()
         self.small = self._small_causes()
@@ -34,6 +34,7 @@ class Remainder:
             and not self.what_remains().is_noise
             and (self.names.describes_nothing or self._left_over() or self._refuted_as_whole())
         )
+        self.may_scatter = self.left_over and self._not_told_from_scatter()
 
     @property
     def unexplained(self) -> bool:
@@ -62,22 +63,21 @@ class Remainder:
         limit = (self.rules.fitting.far_above if self.names.members else rules.farther) * floor
         if self.noise.degrees_of_freedom < self.rules.fitting.enough or left <= limit:
             return False
-        if self.noise.drift_m is not None and self.noise.drift_degrees_of_freedom >= self.rules.fitting.least_parts:
+        if self._come_back_to():
+            assert self.noise.drift_m is not None
             # As large as scatter may be that came out so small by chance.
             freedom = width * self.noise.drift_degrees_of_freedom
             scatter = self.noise.drift_m**2 * freedom / float(chdtri(freedom, 1.0 - self.rules.residual.level))
             lasting = scatter < (1.0 - rules.lasting) * (left**2 - floor**2)
         else:
-            # Scatter is everywhere; what sits at a few visits alone is something that happened there.
-            local = float(np.median(np.linalg.norm(remainder, axis=1))) < rules.local * left
             # What was named and leaves most of the mismatch does not explain it, nor is the rest scatter for that.
             unexplained = bool(self.names.members) and self._leaves_most(left)
-            lasting = local or unexplained or self._predictable() > rules.lasting
+            lasting = unexplained or self._local_or_predicted()
             # Of a small remainder forms that are picked by what they predict tell more than that by chance.
             lasting = lasting and not (self.names.members and self._only_scatter())
             if not (lasting or self.names.members) and left > rules.too_far_to_scatter * floor:
                 # So much is no scatter unless it is seen to scatter, and no pose was come back to.
-                self.may_scatter = lasting = True
+                lasting = True
         self.scattered = not lasting
         return lasting
 
@@ -168,8 +168,29 @@ class Remainder:
         if self._predictable() * left**2 > 0.5 * beyond:
             return False
         # So much is not believed unseen, with names as without.
-        self.may_scatter = left > rules.too_far_to_scatter * quiet
-        return not self.may_scatter
+        return left <= rules.too_far_to_scatter * quiet
+
+    def _come_back_to(self) -> bool:
+        """Whether poses enough were come back to for how exactly the arm returns."""
+        back = self.noise.drift_degrees_of_freedom >= self.rules.fitting.least_parts
+        return self.noise.drift_m is not None and back
+
+    def _not_told_from_scatter(self) -> bool:
+        """Whether what is left of an arm that came back to no pose is what it would leave that returns badly: neither
+        library nor forms explain more of it than of visits with random signs, nor are visits like those before."""
+        named, rules = self.names.named, self.rules
+        if named is None or self.names.outside or self.noise.source != "repeats" or self._come_back_to():
+            return False
+        by_chance = min(test.p_value for test in named.left or named.gate) > rules.search.false_alarm
+        scattered = by_chance and not self._local_or_predicted()
+        return scattered and self._visits_follow() >= rules.answer.scatter_follows
+
+    def _local_or_predicted(self) -> bool:
+        """Whether what is left sits at a few visits alone, where something happened, or predicts itself elsewhere:
+        scatter is everywhere, and does not."""
+        rules, remainder = self.rules.answer, self.observed.still(self.names.after())
+        local = float(np.median(np.linalg.norm(remainder, axis=1))) < rules.local * rms_length(remainder)
+        return local or self._predictable() > rules.lasting
 
     def _predictable(self) -> float:
         """The share of what is left beside the findings that is predicted where it was not seen; worked out once."""
