@@ -5,15 +5,17 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
+from numpy.typing import NDArray
 
 from linkwright.core.diagnose.fitting.prepare import Prepared
 from linkwright.core.diagnose.patterns.basis import interactions, tip_axes, tip_of
 from linkwright.core.diagnose.patterns.pool import orthonormal
 from linkwright.core.diagnose.residual.observed import Observed
+from linkwright.core.diagnose.residual.visits import poses
 from linkwright.core.diagnose.result import Dependence
 from linkwright.core.diagnose.rules.residual_rules import ResidualRules
 from linkwright.core.diagnose.rules.rules import RULES
-from linkwright.core.diagnose.search.calibrate import p_value, shuffled
+from linkwright.core.diagnose.search.calibrate import p_value
 from linkwright.core.sections.numeric import Array
 
 _DRAWS = 299
@@ -48,8 +50,8 @@ def _motion(observed: Observed, index: int) -> Array:
 
 def dependences(prepared: Prepared, joint: int, rng: np.random.Generator) -> tuple[Dependence, ...]:
     """Which covariates the mismatch depends on: for each, smooth functions of it along every axis and as a motion of
-    `joint` (from 0) are tried, and the largest share over all covariates calibrates p by permutation of visits. A shift
-    of all readings alike depends on nothing and is taken off first."""
+    `joint` (from 0) are tried, and the largest share over all covariates calibrates p by permutation of stays at a
+    pose, and of the visits within each. A shift of all readings alike depends on nothing and is taken off first."""
     observed = prepared.observed
     alike = interactions([np.ones(observed.rows)], tip_axes(observed))
     shift = orthonormal(prepared.pool.projected(observed.whitened(alike)), 1e-6)
@@ -72,8 +74,9 @@ def dependences(prepared: Prepared, joint: int, rng: np.random.Generator) -> tup
     width = observed.residual.shape[1]
     table = vector.reshape(-1, width)
     draws: list[Array] = []
+    stays = np.concatenate([[0], np.cumsum(np.diff(poses(observed)) != 0)])
     for _ in range(_DRAWS):
-        moved = beyond(shuffled(table, prepared.visits, rng).reshape(-1))
+        moved = beyond(_mixed(table, stays, prepared.visits, rng).reshape(-1))
         draws.append(_shares(bases, moved[:, None])[:, 0])
     drawn = np.array(draws)
     spread = drawn.std(axis=0) + 1e-12
@@ -84,6 +87,14 @@ def dependences(prepared: Prepared, joint: int, rng: np.random.Generator) -> tup
         for (name, _), score, share, middle in zip(bases, scores, shares, drawn.mean(axis=0), strict=True)
     ]
     return tuple(sorted(results, key=lambda result: -result.share)) if total > 0.0 else ()
+
+
+def _mixed(table: Array, stays: NDArray[np.int64], visits: NDArray[np.int64], rng: np.random.Generator) -> Array:
+    """Readings (N, C) with whole stays (N,) in random order, each under a random sign, and the visits (N,) within each
+    in random order: what one pose does under two payloads, one after the other, happened once."""
+    flips = rng.choice((-1.0, 1.0), int(stays[-1]) + 1)
+    rows = np.lexsort((rng.permutation(int(visits[-1]) + 1)[visits], rng.permutation(len(flips))[stays]))
+    return table[rows] * flips[stays[rows], None]
 
 
 def depends_on(found: Sequence[Dependence], *, rules: ResidualRules = RULES.residual) -> tuple[str, ...]:

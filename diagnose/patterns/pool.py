@@ -29,6 +29,8 @@ _AT_ONCE = 1 << 19
 """Numbers of patterns that are decomposed at once: fewer than a cache of some megabytes holds."""
 _GONE = 1e-9
 """A direction of a pool's columns whose squared norm falls below this beside others is what rounding leaves of it."""
+_NEARLY = 1e-8
+"""The same where a triangle of the columns is still as good as their eigenvectors."""
 _TOLD = 1e-6
 """By how much a size may be mixed with others, of rounding, that the columns tell from them."""
 
@@ -190,7 +192,7 @@ def inverse_root(gram: Array) -> Array:
     factor, failed = factored(gram, lower=True)
     size = np.linalg.norm(gram, 1)
     # Where no direction is nearly gone, a triangle says the same in a tenth of the time.
-    if not failed and condition(factor, size, uplo="L")[0] * size > 10.0 * _GONE:
+    if not failed and condition(factor, size, uplo="L")[0] * size > _NEARLY:
         return inverted(factor, lower=True)[0].T
     values, vectors = np.linalg.eigh(gram)
     good = values > _GONE

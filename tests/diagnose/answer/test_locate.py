@@ -8,9 +8,12 @@ import pytest
 from linkwright.core.diagnose.answer.locate import dependences, depends_on, direction, joint_shares
 from linkwright.core.diagnose.fitting.prepare import prepare
 from linkwright.core.diagnose.options import Options
+from linkwright.core.diagnose.reading.read import read_recording
 from linkwright.core.diagnose.residual.observe import observe
+from tests.diagnose.arm_of_drives import SIGMA
 from tests.diagnose.core_cases import noise_of, prepared_null, recorded, with_effects, with_residual
 from tests.diagnose.made_diagnosis import made_arm
+from tests.diagnose.recorded import planar_arm, planar_tip, table, written
 
 
 @pytest.fixture(scope="module", params=[False, True], ids=["plane", "space"])
@@ -101,3 +104,18 @@ def test_columns_that_never_change_are_not_asked_about(null):
     still = replace(null.observed, recording=replace(recording, temperature=np.full(recording.size, 295.0)))
     trial = replace(null, observed=still)
     assert all(dependence.on != "temperature_degC" for dependence in dependences(trial, 0, np.random.default_rng(1)))
+
+
+def test_a_pose_under_two_payloads_one_after_the_other_happened_once(tmp_path):
+    """What is left differs from pose to pose, alike under both payloads: neither time nor the pose tells it."""
+    q = np.repeat(np.random.default_rng(0).uniform(-1.2, 1.2, (24, 3)), 2, axis=0)
+    tip = planar_tip(q) + SIGMA * np.random.default_rng(1).standard_normal((48, 2))
+    columns = table(q, tip, time_s=8.0 * np.arange(48), payload_kg=np.tile([0.0, 1.0], 24))
+    arm = planar_arm()
+    prepared = prepare(observe(arm, read_recording(written(tmp_path / "r.csv", columns), arm)), Options())
+    called = 0
+    for seed in range(12):
+        of_poses = np.repeat(np.random.default_rng(seed).standard_normal((24, 2)), 2, axis=0)
+        trial = replace(prepared, vector=of_poses.reshape(-1))
+        called += any(item.p_value < 0.05 for item in dependences(trial, 0, np.random.default_rng(seed)))
+    assert called <= 3  # one in twenty is expected; five of twelve where each visit counts
