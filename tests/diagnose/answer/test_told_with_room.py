@@ -63,8 +63,8 @@ def test_a_large_cause_beside_eight_small_ones_is_named(tmp_path):
 
 @pytest.mark.slow
 def test_many_names_that_foretell_nothing_give_way_to_a_form(tmp_path):
-    """A coupling of far joints that was told by nine names, small causes beside them, is a form, which leaves noise; the
-    zero that is off is its mean."""
+    """A coupling of far joints, which was told by nine names and small causes beside them, is a form that leaves noise;
+    the zero that is off is its mean."""
     result = played(tmp_path, 183, seed=2026112801)
     assert result.verdict == "unknown"
     assert result.small is None
