@@ -146,8 +146,8 @@ def _of_others(score: Score) -> str:
     asked = sum(item.total for item in called)
     return (
         f"One class of the proof half, `{DESCRIBED}`, is no proof any more: a form of the tool describes it. "
-        f"Of the other {len(called)} classes {sum(item.count for item in called)} of {asked} cases are called unknown "
-        f"and {sum(item.count for item in named)} are given a name; the targets above count all."
+        f"Of the other {len(called)} classes {sum(item.count for item in called)} of {asked} cases are called unknown; "
+        f"given a name: {sum(item.count for item in named)}. The targets above count all."
     )
 
 

@@ -11,7 +11,7 @@ from linkwright.core.diagnose.fitting.prepare import Prepared
 from linkwright.core.diagnose.patterns.basis import interactions, tip_axes, tip_of
 from linkwright.core.diagnose.patterns.pool import orthonormal
 from linkwright.core.diagnose.residual.observed import Observed
-from linkwright.core.diagnose.residual.visits import poses
+from linkwright.core.diagnose.residual.visits import stays
 from linkwright.core.diagnose.result import Dependence
 from linkwright.core.diagnose.rules.residual_rules import ResidualRules
 from linkwright.core.diagnose.rules.rules import RULES
@@ -74,9 +74,9 @@ def dependences(prepared: Prepared, joint: int, rng: np.random.Generator) -> tup
     width = observed.residual.shape[1]
     table = vector.reshape(-1, width)
     draws: list[Array] = []
-    stays = np.concatenate([[0], np.cumsum(np.diff(poses(observed)) != 0)])
+    stay = stays(observed)
     for _ in range(_DRAWS):
-        moved = beyond(_mixed(table, stays, prepared.visits, rng).reshape(-1))
+        moved = beyond(_mixed(table, stay, prepared.visits, rng).reshape(-1))
         draws.append(_shares(bases, moved[:, None])[:, 0])
     drawn = np.array(draws)
     spread = drawn.std(axis=0) + 1e-12
@@ -89,12 +89,12 @@ def dependences(prepared: Prepared, joint: int, rng: np.random.Generator) -> tup
     return tuple(sorted(results, key=lambda result: -result.share)) if total > 0.0 else ()
 
 
-def _mixed(table: Array, stays: NDArray[np.int64], visits: NDArray[np.int64], rng: np.random.Generator) -> Array:
+def _mixed(table: Array, stay: NDArray[np.int64], visits: NDArray[np.int64], rng: np.random.Generator) -> Array:
     """Readings (N, C) with whole stays (N,) in random order, each under a random sign, and the visits (N,) within each
     in random order: what one pose does under two payloads, one after the other, happened once."""
-    flips = rng.choice((-1.0, 1.0), int(stays[-1]) + 1)
-    rows = np.lexsort((rng.permutation(int(visits[-1]) + 1)[visits], rng.permutation(len(flips))[stays]))
-    return table[rows] * flips[stays[rows], None]
+    flips = rng.choice((-1.0, 1.0), int(stay[-1]) + 1)
+    rows = np.lexsort((rng.permutation(int(visits[-1]) + 1)[visits], rng.permutation(len(flips))[stay]))
+    return table[rows] * flips[stay[rows], None]
 
 
 def depends_on(found: Sequence[Dependence], *, rules: ResidualRules = RULES.residual) -> tuple[str, ...]:

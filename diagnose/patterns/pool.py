@@ -27,7 +27,7 @@ _RANK = 1e-7
 """Directions of a candidate below this share of its largest are rounding."""
 _AT_ONCE = 1 << 19
 """Numbers of patterns that are decomposed at once: fewer than a cache of some megabytes holds."""
-_GONE = 1e-9
+GONE = 1e-9
 """A direction of a pool's columns whose squared norm falls below this beside others is what rounding leaves of it."""
 _NEARLY = 1e-8
 """The same where a triangle of the columns is still as good as their eigenvectors."""
@@ -195,7 +195,7 @@ def inverse_root(gram: Array) -> Array:
     if not failed and condition(factor, size, uplo="L")[0] * size > _NEARLY:
         return inverted(factor, lower=True)[0].T
     values, vectors = np.linalg.eigh(gram)
-    good = values > _GONE
+    good = values > GONE
     return vectors[:, good] / np.sqrt(values[good])
 
 

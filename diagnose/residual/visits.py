@@ -26,14 +26,28 @@ Rows = NDArray[np.int64]
 
 def visits(recording: Recording, arm: Arm, *, rules: ResidualRules = RULES.residual) -> NDArray[np.int64]:
     """Which visit (from 0) each reading belongs to: consecutive readings at one pose, payload and side."""
-    same = same_pose(arm, rules)
-    new = (np.abs(np.diff(recording.q, axis=0)) > same).any(axis=1)
+    new = _moved_on(recording, arm, rules)
     for held in (recording.payload_mass, recording.sides, recording.force, recording.observed_as):
         if held is not None:
             changed = np.diff(held, axis=0) != 0.0
             new |= changed if changed.ndim == 1 else changed.any(axis=1)
     block = np.concatenate([[0], np.cumsum(new)]).astype(np.int64)
     return block if recording.time is None else _long_stays_cut(block, rules.short_stay)
+
+
+def stays(observed: Observed) -> NDArray[np.int64]:
+    """Which stay (from 0) each reading (N,) belongs to: consecutive readings of one tip at one pose, under whatever
+    payload and from whatever side."""
+    recording = observed.recording
+    new = _moved_on(recording, observed.arm, observed.rules.residual)
+    for other in (recording.which, recording.tips):
+        new |= np.diff(other) != 0
+    return np.concatenate([[0], np.cumsum(new)]).astype(np.int64)
+
+
+def _moved_on(recording: Recording, arm: Arm, rules: ResidualRules) -> NDArray[np.bool_]:
+    """Whether each reading but the first is at another pose than the one before, (N - 1,)."""
+    return np.any(np.abs(np.diff(recording.q, axis=0)) > same_pose(arm, rules), axis=1)
 
 
 def same_pose(arm: Arm, rules: ResidualRules) -> Array:

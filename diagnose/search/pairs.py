@@ -13,10 +13,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from linkwright.core.diagnose.patterns.pool import GONE
 from linkwright.core.sections.numeric import Array
 
-_GONE = 1e-9
-"""A direction whose squared norm falls below this share beside the others adds nothing that rounding does not."""
 _RIDGE = 1e-8
 """Added to matrices of unit scale, so that directions which others have taken wholly count nothing."""
 _AT_ONCE = 4_000_000
@@ -68,7 +67,7 @@ class Blocks:
             rank = int(self.ranks[which.start])
             at = self.starts[which][:, None] + np.arange(rank)
             values, vectors = np.linalg.eigh(gram[at[:, :, None], at[:, None, :]])
-            root = vectors * np.where(values > _GONE, 1.0 / np.sqrt(np.maximum(values, _GONE)), 0.0)[:, None, :]
+            root = vectors * np.where(values > GONE, 1.0 / np.sqrt(np.maximum(values, GONE)), 0.0)[:, None, :]
             turns.append((span, root.transpose(0, 2, 1)))
         for span, turn in turns:
             against[span] = (turn @ against[span].reshape(len(turn), -1, 1)).reshape(-1)
@@ -114,7 +113,7 @@ class Blocks:
         along = shared - taken
         if rank == 1:
             rest = 1.0 - squares[:, :, 0, 0]
-            return left + np.where(rest > _GONE, along[:, :, 0] ** 2 / np.where(rest > _GONE, rest, 1.0), 0.0)
+            return left + np.where(rest > GONE, along[:, :, 0] ** 2 / np.where(rest > GONE, rest, 1.0), 0.0)
         inner = (1.0 + _RIDGE) * np.eye(rank) - squares
         return left + np.einsum("fgi,fgi->fg", along, np.linalg.solve(inner, along[..., None])[..., 0])
 

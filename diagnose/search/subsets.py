@@ -17,7 +17,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from linkwright.core.diagnose.patterns.pool import Pool, inverse_root
+from linkwright.core.diagnose.patterns.pool import GONE, Pool, inverse_root
 from linkwright.core.diagnose.rules.rules import RULES
 from linkwright.core.sections.numeric import Array
 
@@ -25,8 +25,6 @@ from .pairs import Blocks, blocks_of
 
 _KEPT, _IN_TRIPLES = 60, 160
 """Subsets of each size that are looked at closely; groups of which triples are made, those that explain most alone."""
-_GONE = 1e-9
-"""A direction whose squared norm falls below this share beside the others adds nothing that rounding does not."""
 _RIDGE = 1e-8
 """Added to blocks of unit scale, so that directions which others have taken wholly count nothing."""
 
@@ -80,7 +78,7 @@ class Products:
         gained, at = np.zeros(layout.groups), layout.single_columns
         diagonal_here = diagonal[at]
         gained[layout.single_groups] = np.where(
-            diagonal_here > _GONE, self.against[at] ** 2 / np.where(diagonal_here > _GONE, diagonal_here, 1.0), 0.0
+            diagonal_here > GONE, self.against[at] ** 2 / np.where(diagonal_here > GONE, diagonal_here, 1.0), 0.0
         )
         for (which, columns), block in zip(layout.wide, blocks, strict=True):
             along = self.against[columns]

@@ -108,7 +108,7 @@ NO_RULES = {
     "patterns/form.py": {"BY_ANOTHER", "FORCE_IN_TIME", "IN_PART", "OF_JOINT", "PULL", "REGION"},  # shapes of forms
     "patterns/forms.py": {"_ENDS", "_MANY_VISITS", "_MOMENTS, _PERIODS, _REGIONS", "_STRETCHES, _WIDEST"},
     "patterns/library.py": {"_ALIKE", "_STEP"},
-    "patterns/pool.py": {"VISIBLE", "_AT_ONCE", "_GONE", "_NEARLY", "_RANK", "_TOLD"},
+    "patterns/pool.py": {"GONE", "VISIBLE", "_AT_ONCE", "_NEARLY", "_RANK", "_TOLD"},
     "patterns/unknown_weights.py": {"_ROUNDING", "_SAG", "_SPANNED"},
     "plan/design.py": {"_CLOSEST", "_SETTLED"},
     "plan/order.py": {"_RETURNS, _BESIDE"},  # what is planned: it judges nothing
@@ -142,8 +142,8 @@ NO_RULES = {
     "search/large_motions.py": {"ROUNDS"},
     "search/mass_consistency.py": {"_SEARCHES"},
     "search/exchanges.py": {"_LOOKED_AT", "_MOST", "_ROUNDING"},  # how many are looked at and told
-    "search/pairs.py": {"_AT_ONCE", "_GONE", "_RIDGE", "_SMALL"},  # what is multiplied by hand
-    "search/subsets.py": {"_GONE", "_KEPT, _IN_TRIPLES", "_RIDGE"},
+    "search/pairs.py": {"_AT_ONCE", "_RIDGE", "_SMALL"},  # what is multiplied by hand
+    "search/subsets.py": {"_KEPT, _IN_TRIPLES", "_RIDGE"},
     "several/recordings.py": {"_PAUSE"},
     "watch/course.py": {"FEWEST", "_LOCATED", "_SWEEPS"},
     "watch/estimates.py": {"_RIDGE"},

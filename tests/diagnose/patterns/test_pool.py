@@ -3,7 +3,14 @@
 import numpy as np
 import pytest
 
-from linkwright.core.diagnose.patterns.pool import exchanged, length_along, make_pool, orthonormal, with_group
+from linkwright.core.diagnose.patterns.pool import (
+    exchanged,
+    inverse_root,
+    length_along,
+    make_pool,
+    orthonormal,
+    with_group,
+)
 from linkwright.core.diagnose.search.subsets import products
 from linkwright.core.executors.packing import packed, unpacked
 from tests.diagnose.core_cases import pattern, random_pool
@@ -81,6 +88,19 @@ def test_orthonormal_drops_what_repeats():
     columns = np.array([[1.0, 2.0, 0.0], [0.0, 0.0, 1e-9], [0.0, 0.0, 0.0]])
     assert orthonormal(columns).shape == (3, 2)
     assert orthonormal(np.zeros((3, 2))).shape == (3, 0)
+
+
+@pytest.mark.parametrize("repeated", [False, True])
+def test_a_root_of_the_inverse_leaves_out_what_repeats(repeated):
+    """As the pseudoinverse, whether a triangle of the columns serves or one of them is another."""
+    columns = np.random.default_rng(3).standard_normal((40, 5))
+    columns /= np.linalg.norm(columns, axis=0)
+    if repeated:
+        columns[:, 4] = columns[:, 1]
+    gram = columns.T @ columns
+    root = inverse_root(gram)
+    assert root.shape == (5, 4 if repeated else 5)
+    assert root @ root.T == pytest.approx(np.linalg.pinv(gram, rcond=1e-9, hermitian=True), abs=1e-9)
 
 
 def test_length_along_is_that_on_an_orthonormal_basis():

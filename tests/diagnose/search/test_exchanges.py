@@ -1,12 +1,17 @@
 """Sets of causes that could stand in the place of a set, by the textbook's kinematics."""
 
+from itertools import combinations
+
 import numpy as np
 import pytest
 
 from linkwright.core.arm.effects import EFFECTS
 from linkwright.core.diagnose.diagnosis import diagnose
 from linkwright.core.diagnose.options import Options
+from linkwright.core.diagnose.search.exchanges import _leaving
+from linkwright.core.diagnose.search.naming import Namer
 from tests.diagnose.arm_of_drives import SIGMA, arm_of_drives, given_way, read, turned_by
+from tests.diagnose.core_cases import prepared_null
 from tests.diagnose.recorded import LENGTHS
 
 ZERO, LENGTH = ("encoder_offset", (3,), ""), ("link_length", (3,), "")
@@ -48,3 +53,19 @@ def test_the_only_cause_that_is_left_has_nothing_in_its_place() -> None:
     only = Options(without=frozenset(EFFECTS) - {"payload"})
     result = diagnose(arm_of_drives(), read(q, given_way(q, np.tile([0.0, -30.0], (80, 1))), rng), options=only)
     assert [finding.effect for finding in result.findings] == ["payload"]
+
+
+@pytest.mark.parametrize("count", [1, 2, 5])
+def test_what_is_left_beside_the_others_is_as_if_they_were_taken_at_once(count: int) -> None:
+    """Every so many of five, each once, however the others are taken as given one half after the other."""
+    namer = Namer(prepared_null(), thorough=False, seed=0)
+    families = namer.pool.family
+    members = [int(np.flatnonzero(families == family)[0]) for family in np.unique(families[namer.library])[:5]]
+    left = list(_leaving(namer, namer.prepared.products, members, count))
+    assert sorted(place for place, _ in left) == sorted(combinations(members, count))
+    for place, beside in left:
+        others = [member for member in members if member not in place]
+        at_once = namer.prepared.products.beside(namer.pool.columns(others))
+        assert beside.rss == pytest.approx(at_once.rss, rel=1e-9)
+        assert beside.against == pytest.approx(at_once.against, abs=1e-6 * np.abs(at_once.against).max())
+        assert beside.gains() == pytest.approx(at_once.gains(), abs=1e-6 * at_once.gains().max())
