@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import partial
 
 from nicegui import ui
@@ -29,6 +29,9 @@ class ResultsPage:
                 self._all = ui.button("Remove all", on_click=self._ask).props("outline dense no-caps color=negative")
             self._problem = Problem()
             self._unkept, self._listed = stack(), stack()
+            nothing = "Nothing yet: evaluate an arm, optimise a problem, or diagnose a recording."
+            self._nothing = ui.label(nothing).classes("lw-note")
+            self._nothing.visible = False
             with ui.dialog() as self._sure, ui.card():
                 self._question = ui.label()
                 with row():
@@ -36,6 +39,7 @@ class ResultsPage:
                     ui.button("Leave them", on_click=self._sure.close).props("outline dense no-caps")
             self._naming = Naming(desk, self.begin)
         self._all.visible = False
+        self._shown: dict[Kept | Run, ui.element] = {}
 
     async def begin(self) -> None:
         """Show what there is."""
@@ -55,22 +59,26 @@ class ResultsPage:
         self._size.text = f"{count}, {size / 1024**2:.1f} MB on the disk" if results else ""
         self._question.text = f"Remove {count} with all files from the disk?"
         self._all.visible = bool(results)
-        self._listed.clear()
-        with self._listed:
-            for run in cut:
-                self._show_cut(run)
-            for result in results:
-                self._show_kept(result)
-            if not results and not cut:
-                nothing = ui.label("Nothing yet: evaluate an arm, optimise a problem, or diagnose a recording.")
-                nothing.classes("lw-note")
+        self._nothing.visible = not results and not cut
+        self._list([*cut, *results])
 
     async def _ended(self, job: Job, late: bool) -> None:
         del job, late
         await self.begin()
 
-    def _show_kept(self, result: Kept) -> None:
-        with ui.element("div").classes("lw-kept"):
+    def _list(self, items: Sequence[Kept | Run]) -> None:
+        """Show these, one below the other. What is shown already stays, so that a click in the meantime is heard."""
+        for gone in self._shown.keys() - items:
+            self._shown.pop(gone).delete()
+        with self._listed:
+            for place, item in enumerate(items):
+                if item not in self._shown:
+                    made = self._show_cut(item) if isinstance(item, Run) else self._show_kept(item)
+                    made.move(target_index=place)
+                    self._shown[item] = made
+
+    def _show_kept(self, result: Kept) -> ui.element:
+        with ui.element("div").classes("lw-kept") as shown:
             ui.label(result.made).classes("lw-note")
             ui.label(result.kind if result.complete else f"{result.kind} (stopped)").classes("lw-note")
             with ui.element("p").classes("lw-found"):
@@ -87,15 +95,17 @@ class ResultsPage:
                     f"remove result {result.id}",
                     lambda: self._done(lambda: self._desk.shelf.remove(result.id)),
                 )
+        return shown
 
-    def _show_cut(self, run: Run) -> None:
-        with ui.element("div").classes("lw-kept"):
+    def _show_cut(self, run: Run) -> ui.element:
+        with ui.element("div").classes("lw-kept") as shown:
             ui.label(run.began).classes("lw-note")
             ui.label(f"{run.kind} (cut off)").classes("lw-note")
             with ui.element("p").classes("lw-found"):
                 ui.label("Its server ended before it did, so nothing of it is kept; begin it again.")
                 ui.label(f"{run.title} (server: process {run.server})").classes("lw-note")
             _button("delete", f"forget run {run.id}", lambda: self._done(lambda: self._desk.shelf.end(run.id)))
+        return shown
 
     async def _done(self, change: Callable[[], None]) -> None:
         try:

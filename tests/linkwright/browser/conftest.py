@@ -78,8 +78,10 @@ def page(chromium, request):
     made.set_default_timeout(120_000)
     complaints = []
     made.on("pageerror", lambda error: complaints.append(str(error)))
+    made.on("framenavigated", lambda frame: print("went to", frame.url))  # shown with a test that fails
 
     def heard(said):
+        print("console:", said.text)
         if said.type == "error" and _ours(said):
             complaints.append(f"{said.text} ({said.location['url']})")
 

@@ -31,6 +31,7 @@ def test_the_answer_is_in_view_beside_or_below_its_form(server, page):
     assert (answer["x"] >= form["x"] + form["width"]) is wide
     page.reload()
     line.wait_for()
+    page.wait_for_load_state("networkidle")  # its report is a frame of its own, and is not to be gone when asked for
     for item in Shelf(server.folder).all():
         Shelf(server.folder).remove(item.id)
     page.reload()
@@ -74,14 +75,21 @@ def test_every_tab_and_a_reload_show_what_runs(server, page):
 def test_a_result_is_named_noted_and_downloaded(server, page):
     """In the list and on its own page; all of its files come in one."""
     files = {"arm.yaml": b"chain", "arms/more.yaml": b"more", "poses.json": b"[]"}
-    number = Shelf(server.folder).keep("evaluate", "an arm", "a line", files, complete=True, seconds=1.0)
+    beside, number = (
+        Shelf(server.folder).keep("evaluate", "an arm", line, files, complete=True, seconds=1.0)
+        for line in ("another line", "a line")
+    )
     page.goto(server.url + "results")
+    stays = page.get_by_role("button", name=f"name result {beside}", exact=True).element_handle()
     page.get_by_role("button", name=f"name result {number}", exact=True).click()
     page.get_by_label("Name", exact=True).fill("with <b>longer</b> links")
     page.get_by_label("Note", exact=True).fill("for Monday\nand Tuesday")
     page.get_by_role("button", name="Keep", exact=True).click()
     page.get_by_role("link", name="with <b>longer</b> links").wait_for()
     page.get_by_text("for Monday").wait_for()
+    assert stays.evaluate("button => button.isConnected")  # or a click on it in the meantime would not be heard
+    page.get_by_role("button", name=f"remove result {beside}", exact=True).click()
+    page.get_by_text("another line").wait_for(state="detached")
     with page.expect_download() as download:
         page.get_by_role("button", name=f"download result {number}", exact=True).click()
     with zipfile.ZipFile(download.value.path()) as packed:
