@@ -270,17 +270,26 @@ def _carried_on(
     in the place of others while these are better."""
     while True:
         tested = namer.test(members, FEW_DRAWS)[0]
-        more = tested.p_value <= namer.rules.false_alarm
-        added = better(namer, _best_addition(namer, members, tested), one_by_one=True) if more else members
-        if len(added) > len(members) and _worth_it(namer, members, added):
-            members, p_values = added, (*p_values, tested.p_value)
-            continue
-        other = better(namer, members)
-        p_of_others = own_tests(namer, other) if other != members else ()
-        if not p_of_others or max(p_of_others) > namer.rules.false_alarm:
+        more = _best_addition(namer, members, tested) if tested.p_value <= namer.rules.false_alarm else members
+        if len(more) > len(members):
+            added, p_of_added = _exchanged(namer, more, (*p_values, tested.p_value), one_by_one=True)
+            if _worth_it(namer, members, added):
+                members, p_values = added, p_of_added
+                continue
+        other, p_of_others = _exchanged(namer, members, p_values)
+        if other == members:
             break
         members, p_values = other, p_of_others
     return _pruned(namer, members, p_values) if len(members) > 3 else (members, p_values)
+
+
+def _exchanged(
+    namer: Namer, members: tuple[int, ...], p_values: tuple[float, ...], *, one_by_one: bool = False
+) -> tuple[tuple[int, ...], tuple[float, ...]]:
+    """A better set in the place of the members, each of which passes its own test beside the others; else themselves."""
+    other = better(namer, members, one_by_one=one_by_one)
+    p_of_others = own_tests(namer, other) if other != members else ()
+    return (other, p_of_others) if p_of_others and max(p_of_others) <= namer.rules.false_alarm else (members, p_values)
 
 
 def _worth_it(namer: Namer, fewer: Sequence[int], more: Sequence[int]) -> bool:
