@@ -29,9 +29,10 @@ from linkwright.core.diagnose.residual.visits import one_condition, visits
 from linkwright.core.diagnose.rules.rules import Rules
 from linkwright.core.diagnose.search.coupling import coupled, may_couple, through_what_is_named
 from linkwright.core.diagnose.search.labels import mislabelled
-from linkwright.core.diagnose.search.large_motions import about_large, candidates_of
+from linkwright.core.diagnose.search.large_motions import ROUNDS, about_large, candidates_of
 from linkwright.core.diagnose.search.mass_consistency import under_one_set
 from linkwright.core.diagnose.search.naming import Named, Namer, name_missing
+from linkwright.core.diagnose.search.set_aside import alike, asked_again, with_figures
 from linkwright.core.diagnose.several.floors import floor_of_all
 from linkwright.core.diagnose.several.other_arms import of_different_arms, of_other_arms
 from linkwright.core.diagnose.several.recordings import Several
@@ -114,23 +115,17 @@ def _diagnosed(arm: Arm, recording: Recording, options: Options, hear: Progress)
     tell("searching for what is missing", 0.3)
     namer = Namer(prepared, thorough=options.thorough, seed=options.seed)
 
+    def anew(entries: tuple[EffectEntry, ...], before: Sequence[Candidate] | None = None) -> Namer:
+        observed = observe(arm, searched, about=entries, rules=rules)
+        again = prepare(observed, options, known, named=before)
+        return Namer(again, thorough=options.thorough, seed=options.seed)
+
     def about(entries: tuple[EffectEntry, ...], before: Sequence[Candidate]) -> tuple[Namer, Named]:
         tell("searching again about what was found", 0.6)
-        anew = prepare(observe(arm, searched, about=entries, rules=rules), options, known)
-        other = Namer(anew, thorough=options.thorough, seed=options.seed)
+        other = anew(entries)
         return other, name_missing(other, lambda _: None, before)
 
-    too_few = int(prepared.visits[-1]) + 1 < rules.search.least_visits
-    too_few |= prepared.criterion.count < rules.search.least_observations
-    nothing = not prepared.pool.groups or one_condition(prepared.observed)
-    # The namer goes on with pools of its own; of a long recording this one is hundreds of megabytes.
-    logged = prepared.observed
-    del prepared
-    if nothing or too_few:
-        named = None
-    else:
-        searching = "searching for what is missing"
-        named = name_missing(namer, lambda share: tell(searching, 0.3 + 0.3 * share), accepted=tell.found)
+    def sought(namer: Namer, named: Named) -> tuple[Namer, Named]:
         tell.found(namer, named.members)
         if min(test.p_value for test in named.gate) <= rules.search.false_alarm:
             namer, named = about_large(namer, named, about)
@@ -143,9 +138,40 @@ def _diagnosed(arm: Arm, recording: Recording, options: Options, hear: Progress)
             namer, named = through_what_is_named(namer, named, options.without, lambda _: tell("searching again", 0.69))
             named = under_one_set(namer, named, lambda _: tell("searching again", 0.69))
             tell.found(namer, named.members)
+        return namer, named
+
+    def whole_about(near: Observed) -> Observed:
+        return observe(arm, searched, about=near.about, softening=near.softening, rules=rules)
+
+    too_few = int(prepared.visits[-1]) + 1 < rules.search.least_visits
+    too_few |= prepared.criterion.count < rules.search.least_observations
+    nothing = not prepared.pool.groups or one_condition(prepared.observed)
+    # The namer goes on with pools of its own; of a long recording this one is hundreds of megabytes.
+    logged = prepared.observed
+    del prepared
+    if nothing or too_few:
+        named = None
+    else:
+        searching = "searching for what is missing"
+        named = name_missing(namer, lambda share: tell(searching, 0.3 + 0.3 * share), accepted=tell.found)
+        namer, named = sought(namer, named)
+        for _ in range(ROUNDS):
+            if named.outside or not namer.prepared.rejected:
+                break
+            asked = asked_again(namer, named, whole_about(namer.prepared.observed), options, known)
+            if asked.same:
+                namer = with_figures(namer, asked.aside)
+                break
+            tell("searching again with other rows set aside", 0.69)
+            namer = anew(namer.prepared.observed.about, asked.shaped)
+            logged = namer.prepared.observed
+            named = name_missing(namer, lambda _: None, asked.shaped, few=True)
+            namer, named = sought(namer, named)
+    aside = namer.prepared.rejected
+    in_common = alike(whole_about(namer.prepared.observed), aside, options.seed) if aside else None
     tell("fitting and confirming", 0.7)
     whole = cleaned if len(searched.q) < len(cleaned.q) else None
-    names = Confirmed(namer, named, noise, options, whole=whole, progress=tell, floors=floors)
+    names = Confirmed(namer, named, noise, options, whole=whole, progress=tell, floors=floors, alike=in_common)
     diagnosis = Conclusion(names).result(arm, recording, began)
     diagnosis = replace(diagnosis, sentence=diagnosis.sentence + of_branches(arm, diagnosis.findings))
     if not isinstance(searched, Several):

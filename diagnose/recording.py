@@ -21,10 +21,12 @@ from .mistakes.row_lists import rows_text
 
 @dataclass(frozen=True)
 class RejectedRow:
-    """A row set aside: its number in the file (the first reading is row 1) and why, for people."""
+    """A row set aside: its number in the file (the first reading is row 1) and why, for people; `off` is how far its
+    tip lies off what is known of the arm, m, where a model says."""
 
     row: int
     reason: str
+    off: tuple[float, ...] = ()
 
 
 @dataclass(frozen=True)

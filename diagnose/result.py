@@ -281,6 +281,24 @@ class Left:
 
 
 @dataclass(frozen=True)
+class Alike:
+    """What rows set aside have most in common, as a clause (`how`), and how often chance makes as much (`p_value`)."""
+
+    how: str
+    p_value: float
+
+
+@dataclass(frozen=True)
+class SetAside:
+    """Rows set aside beside a model: their number `rows`, what is left with them (RMS length, m), and what they have in
+    common where that is more than chance (None: nothing)."""
+
+    rows: int
+    rms_with: float
+    alike: Alike | None
+
+
+@dataclass(frozen=True)
 class WrittenArm:
     """The corrected arm as its file says it, read back and applied to the recording it stems from: the RMS (m) that it
     leaves, what the fit `promised` (m), and in words what of the findings the file lacks."""
@@ -413,7 +431,8 @@ class Diagnosis:
     recordings that seem to be of different arms (None: they do not).
     `noise_from` says whence the noise floor is known, `wandered` (RMS length, m) is what wanders with the instrument.
     `next_poses_enough` says whether the next poses, recorded once, tell the names that they help to tell; `exchanges`
-    are sets of causes that the recording cannot tell from a set of findings.
+    are sets of causes that the recording cannot tell from a set of findings. `set_aside` says what all figures leave
+    out where rows lie far off what was found (None: none do).
     `shown` (N, W, D) is what of the tip's displacements the W numbers of a reading show, None where they are its place.
     """
 
@@ -460,6 +479,7 @@ class Diagnosis:
     noise_from: Literal["repeats", "declared", "revisits", "none"] = "repeats"
     wandered: float = 0.0
     exchanges: tuple[Exchange, ...] = ()
+    set_aside: SetAside | None = None
 
     def in_space(self, residual: Array) -> Array:
         """Residuals as displacements of the tip (N, D), m: along what was measured, where that is but a part."""

@@ -45,7 +45,7 @@ from .detectable import detectable
 from .iso_figures import iso_figures
 from .locate import dependences, depends_on, direction, joint_shares
 from .next_poses import next_poses
-from .notes import beyond_first_order_of, notes
+from .notes import beyond_first_order_of, notes, set_aside
 from .remainder import Remainder
 from .sentences import (
     MANY_FINDINGS,
@@ -184,6 +184,7 @@ class Conclusion:
             origins=origins,
             shown=None if self.observed.view is None else self.observed.view.shown,
             exchanges=exchanges,
+            set_aside=set_aside(self.names),
         )
 
     def _whole_places(self) -> bool:

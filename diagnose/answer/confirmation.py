@@ -22,6 +22,7 @@ from linkwright.core.diagnose.recording import Recording
 from linkwright.core.diagnose.residual.noise import NoiseFloor
 from linkwright.core.diagnose.residual.observe import observed_about
 from linkwright.core.diagnose.residual.observed import Observed, kept, rms_length
+from linkwright.core.diagnose.result import Alike
 from linkwright.core.diagnose.rules.rules import Rules
 from linkwright.core.diagnose.search.aliases import Rival, rivals
 from linkwright.core.diagnose.search.mass_consistency import renamed_under_one_set
@@ -47,8 +48,9 @@ class Confirmed:
         whole: Recording | None,
         progress: Progress,
         floors: Sequence[NoiseFloor] = (),
+        alike: Alike | None = None,
     ) -> None:
-        self.namer, self.named = namer, named
+        self.namer, self.named, self.alike_aside = namer, named, alike
         self.floors = floors
         self.noise, self.options, self.tell = noise, options, progress
         self.rules: Rules = namer.prepared.observed.rules

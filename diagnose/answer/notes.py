@@ -8,6 +8,7 @@ from scipy.special import chdtri
 from linkwright.core.diagnose.residual.observe import beyond_first_order
 from linkwright.core.diagnose.residual.observed import rms_length
 from linkwright.core.diagnose.residual.wander_seen import seen_to_wander
+from linkwright.core.diagnose.result import SetAside
 
 from .confirmation import Confirmed
 from .remainder import Remainder
@@ -78,6 +79,8 @@ def notes(names: Confirmed, rest: Remainder) -> tuple[str, ...]:
             "exactly than that, or the cause changes faster than these readings can follow. Visit some poses "
             "three times or more, with others between."
         )
+    aside = set_aside(names)
+    results += [] if aside is None else _of_aside(names, aside)
     results += _stray(names)
     if names.named is not None and names.named.left is not None and not names.outside:
         p = min(test.p_value for test in names.named.left)
@@ -87,6 +90,30 @@ def notes(names: Confirmed, rest: Remainder) -> tuple[str, ...]:
             within = ", though within the noise floor: something too small to be named may be in it" if small else ""
             results.append(f"What remains, {mm(left)} RMS, is more than chance (p = {p:.2g}){within}.")
     return tuple(results)
+
+
+def set_aside(names: Confirmed) -> SetAside | None:
+    """What the rows are worth that were set aside beside a model; None where none were."""
+    off = np.array([item.off for item in names.prepared.rejected])
+    if not len(off):
+        return None
+    alike = names.alike_aside
+    if alike is not None and alike.p_value > names.rules.residual.level:
+        alike = None
+    return SetAside(len(off), rms_length(np.concatenate([names.after(), off])), alike)
+
+
+def _of_aside(names: Confirmed, aside: SetAside) -> list[str]:
+    """What is said of them."""
+    recording = names.observed.recording
+    rows = recording.rows_of([item.row for item in names.prepared.rejected])
+    left = mm(rms_length(names.after()))
+    said = f"All figures leave out readings that lie far off ({rows}): {left} RMS is left without these, "
+    said += f"{mm(aside.rms_with)} with them."
+    if aside.alike is None:
+        return [said]
+    alike = f"These rows are no chance blunders (p = {aside.alike.p_value:.1g}): {aside.alike.how}"
+    return [f"{said} {alike}, by something that is not named."]
 
 
 def beyond_first_order_of(names: Confirmed) -> float:

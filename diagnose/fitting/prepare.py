@@ -18,7 +18,7 @@ from linkwright.core.arm.effects import EFFECTS, Settings
 from linkwright.core.diagnose.options import Options
 from linkwright.core.diagnose.patterns.form import FORCE_IN_TIME, SMOOTH, TREND, form_of
 from linkwright.core.diagnose.patterns.forms import forms
-from linkwright.core.diagnose.patterns.library import Candidate, candidates, parameter_of
+from linkwright.core.diagnose.patterns.library import Candidate, candidates, columns_of, parameter_of
 from linkwright.core.diagnose.patterns.packed import Columns, Packed, packed
 from linkwright.core.diagnose.patterns.pool import Pool, exchanged, make_pool
 from linkwright.core.diagnose.recording import RejectedRow
@@ -35,6 +35,7 @@ from linkwright.core.diagnose.search.subsets import Criterion, Products, criteri
 from linkwright.core.diagnose.several.nuisances import of_each
 from linkwright.core.sections.numeric import Array
 
+from .left_by_names import Variants, left_by_names
 from .noise_left import bad_rows_down, first_scale, independent_share, loudness, memory_of, outliers_of, scatter_of
 from .thresholds import at_best
 
@@ -212,26 +213,59 @@ def _whitened(observed: Observed, patterns: Patterns) -> Iterator[tuple[Candidat
 
 
 def prepare(
-    observed: Observed, options: Options, noise_floor: float | None = None, library: Patterns | None = None
+    observed: Observed,
+    options: Options,
+    noise_floor: float | None = None,
+    library: Patterns | None = None,
+    named: Sequence[Candidate] | None = None,
 ) -> Prepared:
     """Find weights, outliers and the noise's memory beside a first rough model, and set everything up with them.
 
     `noise_floor` (m) is what repeats of a pose differ by, None where there are none; `library` are the patterns of the
-    candidates where they are known already.
+    candidates where they are known already; `named` is what an earlier search of the recording found (none: nothing is
+    known yet), which is judged by in place of a rough model.
     """
+    patterns = patterns_of(observed, options, library)
+    observed, left, patterns, rejected, _ = _without_outliers(observed, patterns, noise_floor, named)
+    return _with_memory(observed, patterns, left, noise_floor, rejected)
+
+
+def set_aside_beside(
+    named: Sequence[Candidate], observed: Observed, options: Options, noise_floor: float | None = None
+) -> tuple[tuple[RejectedRow, ...], tuple[Candidate, ...]]:
+    """The rows that lie far off beside what was named, as `prepare` finds them with it, and what was named in the
+    shapes that suit the others."""
+    others = frozenset(EFFECTS) - {candidate.effect for candidate in named}
+    patterns = packed_up(candidates(observed, options.without | others))
+    _, _, _, rejected, shaped = _without_outliers(observed, patterns, noise_floor, named)
+    return rejected, shaped
+
+
+def _without_outliers(
+    observed: Observed, patterns: Patterns, noise_floor: float | None, named: Sequence[Candidate] | None
+) -> tuple[Observed, Array, Patterns, tuple[RejectedRow, ...], tuple[Candidate, ...]]:
+    """The readings that do not lie far off, with their scatter, what a rough model (or what was named) leaves of them
+    (N, C), their patterns, the rows set aside, and what was named in the shapes that fit."""
     rejected: list[RejectedRow] = []
-    patterns, left = patterns_of(observed, options, library), observed.residual
+    left, shaped = observed.residual, tuple[Candidate, ...]()
     for _ in range(_PASSES):
         rough = replace(observed, scale=first_scale(observed))
-        left = _left_by_rough_model(set_up(rough, patterns), noise_floor)
+        if named is None:
+            left = _left_by_rough_model(set_up(rough, patterns), noise_floor)
+        else:
+            left, shaped = left_by_names(rough, _variants(rough, named, patterns), nuisances(rough)[0])
         observed = replace(observed, loud=loudness(left, observed))
         scale = scatter_of(observed.evened(left), rough)
         outlying = outliers_of(replace(observed, scale=scale).scaled(left), observed)
         if not outlying.any():
             observed = replace(observed, scale=scale)
-            return _with_memory(observed, patterns, left, noise_floor, _in_order(rejected))
+            break
         rejected += [
-            RejectedRow(int(observed.recording.row[row]), "lies far outside the scatter of all other readings")
+            RejectedRow(
+                int(observed.recording.row[row]),
+                "lies far outside the scatter of all other readings",
+                tuple(left[row, : observed.components].tolist()),
+            )
             for row in np.flatnonzero(outlying).tolist()
         ]
         keep = ~outlying
@@ -243,14 +277,26 @@ def prepare(
             about=observed.about,
             rules=observed.rules,
             loud=observed.loud,
+            softening=observed.softening,
         )
         # Lags and loads were worked out with all rows: a bad reading of the tip says nothing against its temperature.
         patterns = [(candidate, part.kept(keep)) for candidate, part in patterns]
         left = left[keep]
-        if not many_rejected:
+        if named is None and not many_rejected:
             break
         # So many have bent the first rough model: what they hid stands out from the next.
-    return _with_memory(observed, patterns, left, noise_floor, _in_order(rejected))
+    return observed, left, patterns, _in_order(rejected), shaped
+
+
+def _variants(observed: Observed, named: Sequence[Candidate], patterns: Patterns) -> list[Variants]:
+    """Each of what was named, as it was and with the shapes of its family that a search tries."""
+    variants: list[Variants] = []
+    for candidate in named:
+        own = columns_of(observed, candidate)
+        same = [(item, part.whole()) for item, part in patterns if item.family == candidate.family]
+        if own is not None:
+            variants.append([(candidate, own), *same])
+    return variants
 
 
 def _in_order(rejected: Sequence[RejectedRow]) -> tuple[RejectedRow, ...]:
@@ -396,7 +442,8 @@ def _rough_model(prepared: Prepared, besides: Sequence[str]) -> _Rough:
             break
         members.append(best)
         taken = [pool.groups[m].candidate for m in members]
-        columns = [prepared.beside, *at_best(observed, taken, [prepared.columns[m] for m in members], prepared.beside)]
+        shaped = at_best(observed, taken, [prepared.columns[m] for m in members], prepared.beside)
+        columns = [prepared.beside, *(part for _, part in shaped)]
         stacked, values, weight = bad_rows_down(observed, columns)
     at = np.cumsum([part.shape[2] for part in columns])
     in_time, price, kinds = np.zeros(observed.residual.shape), 0.0, list[Candidate]()

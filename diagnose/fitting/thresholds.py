@@ -98,25 +98,36 @@ def least_of(left: Callable[[float], float], steps: Array) -> tuple[float, float
 
 
 def at_best(
-    observed: Observed, candidates: Sequence[Candidate], columns: Sequence[Array], beside: Array
-) -> list[Array]:
-    """The columns (N, C, d) of candidates, m and rad, those with a threshold at that which leaves least of the
+    observed: Observed,
+    candidates: Sequence[Candidate],
+    columns: Sequence[Array],
+    beside: Array,
+    weight: Array | None = None,
+) -> list[tuple[Candidate, Array]]:
+    """Candidates and their columns (N, C, d), m and rad, those with a threshold at that which leaves least of the
     residuals with all the others and what stands `beside` them (N, C, b): between the values of a search's grid sound
-    readings would lie far off."""
-    others_columns, target = list(columns), observed.scaled(observed.residual).reshape(-1)
+    readings would lie far off. Squares count by the rows' `weight` (N,), alike by default."""
+    root = np.sqrt(np.ones(observed.rows) if weight is None else weight)
+
+    def weighed(part: Array) -> Array:
+        return (observed.scaled(part).reshape(observed.rows, -1) * root[:, None]).reshape(observed.residual.size, -1)
+
+    shaped, others_columns, target = list(candidates), list(columns), weighed(observed.residual)[:, 0]
     sought = [(place, item, names) for place, item in enumerate(candidates) if (names := _thresholds(item))]
     for place, candidate, names in sought:
         rest = [beside, *(part for k, part in enumerate(others_columns) if k != place)]
-        others = orthonormal(observed.scaled(np.concatenate(rest, axis=2)).reshape(len(target), -1))
+        others = orthonormal(weighed(np.concatenate(rest, axis=2)))
         left = target - others @ (others.T @ target)
         for name in names:
             middle = float(np.log(candidate.shapes[name]))
-            lacks = partial(_lacks, observed, candidate, name, others, left)
+            lacks = partial(_lacks, observed, weighed, candidate, name, others, left)
             steps = between_loads(observed, candidate, (middle - _REACH, middle + _REACH))
             best, least = least_of(lacks, steps)
-            columns_there = columns_of(observed, _with(candidate, name, best)) if least < lacks(middle) else None
-            others_columns[place] = others_columns[place] if columns_there is None else columns_there
-    return others_columns
+            there = _with(candidate, name, best)
+            columns_there = columns_of(observed, there) if least < lacks(middle) else None
+            if columns_there is not None:
+                shaped[place], others_columns[place] = there, columns_there
+    return list(zip(shaped, others_columns, strict=True))
 
 
 def _thresholds(candidate: Candidate) -> tuple[str, ...]:
@@ -130,11 +141,19 @@ def _with(candidate: Candidate, name: str, logarithm: float) -> Candidate:
     return replace(candidate, shapes=MappingProxyType({**candidate.shapes, name: float(np.exp(logarithm))}))
 
 
-def _lacks(observed: Observed, candidate: Candidate, name: str, others: Array, left: Array, logarithm: float) -> float:
+def _lacks(
+    observed: Observed,
+    weighed: Callable[[Array], Array],
+    candidate: Candidate,
+    name: str,
+    others: Array,
+    left: Array,
+    logarithm: float,
+) -> float:
     """The sum of squares that a threshold leaves of what the others leave."""
     columns = columns_of(observed, _with(candidate, name, logarithm))
     if columns is None:
         return float(left @ left)
-    white = observed.scaled(columns).reshape(len(left), -1)
+    white = weighed(columns)
     white = orthonormal(white - others @ (others.T @ white))
     return float(left @ left - np.sum((white.T @ left) ** 2))

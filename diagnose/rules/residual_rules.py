@@ -93,10 +93,10 @@ class ResidualRules:
     level: float = rule(
         0.01,
         "p-value",
-        "Of a test made of a recording or a log as a whole: that rows are outliers, that repeats disagree with the "
-        "declared sigma, that visits differ by more than their readings do (intervals and refusals then rest on how "
-        "visits differ), that a mismatch depends on a covariate, that a log's torques hold a name, an order or a "
-        "dependence.",
+        "Of a test made of a recording or a log as a whole: that rows are outliers, that those set aside have "
+        "something in common, that repeats disagree with the declared sigma, that visits differ by more than their "
+        "readings do (intervals and refusals then rest on how visits differ), that a mismatch depends on a covariate, "
+        "that a log's torques hold a name, an order or a dependence.",
     )
     surely: float = rule(
         0.001,

@@ -184,12 +184,15 @@ def name_missing(
     tell: Callable[[float], None],
     before: Sequence[Candidate] = (),
     accepted: Callable[[Namer, Sequence[int]], None] | None = None,
+    *,
+    few: bool = False,
 ) -> Named:
     """Gate, name and test; `tell` hears the share of the work done, `accepted` of the first groups that pass their
     tests, long before it is known whether they are the answer.
 
     `before` is what an earlier search of the same recording named, about something else: with many findings the way
-    there is greedy, and of both ways, anew and on from those, the better end counts.
+    there is greedy, and of both ways, anew and on from those, the better end counts; where they are `few` too, when
+    rows came back that fit them in shapes between those of the grid.
     """
     # What is drawn to one point may hide between the points of a grid: it is sought before anything is tested.
     namer.seek_pull(())
@@ -212,8 +215,8 @@ def name_missing(
         worse = beats(namer, members, further) if enough else namer.criterion_of(further) >= namer.criterion_of(members)
         if not (members and worse):
             members, p_values = further, p_of_further
-    again = namer.numbers_of(before) if len(before) > 3 else ()
-    if len(again) > 3 and namer.possible(again):
+    again = namer.numbers_of(before) if few or len(before) > 3 else ()
+    if again and (few or len(again) > 3) and namer.possible(again):
         again = better(namer, again, one_by_one=True)
         other, p_of_others = _carried_on(namer, again, own_tests(namer, again))
         sound = all(p <= namer.rules.false_alarm for p in p_of_others)
@@ -286,7 +289,7 @@ def _carried_on(
 def _exchanged(
     namer: Namer, members: tuple[int, ...], p_values: tuple[float, ...], *, one_by_one: bool = False
 ) -> tuple[tuple[int, ...], tuple[float, ...]]:
-    """A better set in the place of the members, each of which passes its own test beside the others; else themselves."""
+    """A better set in place of the members, each of which passes its own test beside the others; else themselves."""
     other = better(namer, members, one_by_one=one_by_one)
     p_of_others = own_tests(namer, other) if other != members else ()
     return (other, p_of_others) if p_of_others and max(p_of_others) <= namer.rules.false_alarm else (members, p_values)

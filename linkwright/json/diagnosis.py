@@ -23,6 +23,7 @@ from linkwright.core.diagnose.result import (
     NextPose,
     OfRecording,
     RejectedForm,
+    SetAside,
     SmallBeside,
     Unknown,
     WrittenArm,
@@ -121,6 +122,11 @@ def _rejected_row(recording: Recording, each: RejectedRow) -> dict[str, Any]:
     return {**({"recording": name} if name else {}), "row": row, "reason": each.reason}
 
 
+def _set_aside(aside: SetAside) -> dict[str, Any]:
+    alike = None if aside.alike is None else fields(aside.alike, "how", "p_value")
+    return {**fields(aside, "rows", "rms_with_mm"), "alike": alike}
+
+
 _WRITTEN = ("rms_mm", "promised_mm", "lacks")
 
 
@@ -203,6 +209,7 @@ def diagnosis_json(diagnosis: Diagnosis) -> dict[str, Any]:
         "unknown": None if diagnosis.unknown is None else _unknown(diagnosis.unknown),
         "rejected_rows": [item["row"] for item in rejected],
         "rejected_rows_detail": rejected,
+        "set_aside": None if diagnosis.set_aside is None else _set_aside(diagnosis.set_aside),
         "minimum_detectable_mm": minimum_detectable(diagnosis),
         "detectable": [_detectable(item) for item in diagnosis.detectable],
         "invisible": [{"effect": effect, "at": at} for effect, at in diagnosis.invisible],
