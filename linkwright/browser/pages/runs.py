@@ -62,7 +62,8 @@ class Runs:
                 ui.link(job.answer, f"/results/{job.result}")
             else:
                 ui.label(job.message).classes("lw-note")
-            ui.label(f"{job.kind} of {job.title}").classes("lw-note")
+            if job.name not in job.message:
+                ui.label(job.name).classes("lw-note")
 
 
 class _Row:
@@ -80,7 +81,7 @@ class _Row:
     def show(self) -> None:
         """How far it is."""
         job = self._job
-        self._text.text = f"{job.kind} of {job.title}: {job.text} ({job.seconds:.0f} s)"
+        self._text.text = f"{job.name}: {job.text} ({job.seconds:.0f} s)"
         self._stop.text = "Stop at once" if job.stopping else "Stop"
         self._bar.value = job.share
         self._bar.props(remove="indeterminate") if job.share > 0.0 else self._bar.props("indeterminate")

@@ -57,6 +57,11 @@ class Job:
     process: asyncio.subprocess.Process | None = None
 
     @property
+    def name(self) -> str:
+        """Which work it is, for whoever did not begin it."""
+        return f"{self.kind} of {self.title}"
+
+    @property
     def seconds(self) -> float:
         """How long it has been at work."""
         return time.monotonic() - self.began
@@ -194,8 +199,8 @@ class Jobs:
             return ""
         if "refused" in last:
             return str(last["refused"])
-        if job.stopping:
-            return "stopped before anything was finished, so there is nothing to keep"
+        if job.stopping or "stopped" in last:
+            return f"{job.name} was stopped before anything was finished, so there is nothing to keep"
         if process.returncode == -signal.SIGKILL:
             return "was killed by the system, most likely for want of memory; ask for less at once, or give it more"
         return message.splitlines()[-1] if message else f"ended with status {process.returncode}"

@@ -124,7 +124,7 @@ def main() -> int:
         say(refused=str(error))
         return 1
     except KeyboardInterrupt:
-        say(refused="stopped before anything was finished, so there is nothing to keep")
+        say(stopped=True)
         return 1
     except InputError as error:
         say(refused=str(called_plainly(error, root)))

@@ -157,6 +157,23 @@ def test_a_worker_that_is_killed_says_so(tmp_path):
     assert shelf.runs() == []
 
 
+def test_what_is_stopped_before_anything_was_found_says_which_it_was(tmp_path):
+    """Every tab hears of it, those too that did not begin it."""
+
+    async def stopped(jobs):
+        job = jobs.start("evaluate", "an arm", {"arm.yaml": ARM.encode()}, {"arm": "arm.yaml"})
+        while job.process is None:
+            await asyncio.sleep(0.01)
+        job.stop()
+        while job.state == "running":
+            await asyncio.sleep(0.02)
+        return job
+
+    job = asyncio.run(stopped(Jobs(Shelf(tmp_path))))
+    assert job.state == "refused"
+    assert job.message == ("evaluate of an arm was stopped before anything was finished, so there is nothing to keep")
+
+
 def test_an_answer_that_cannot_be_kept_is_there_and_can_be_kept_again(tmp_path):
     """The base is garbled while it is computed; its files stay until it is kept."""
     shelf = Shelf(tmp_path)
