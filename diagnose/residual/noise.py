@@ -49,7 +49,7 @@ class NoiseFloor:
     were come back to, and what changed between two visits is in it. `rms_m` is the RMS length of the error
     vector. `drift_m` is the RMS length by which poses that were visited again later had moved, noise taken off (where
     it is known), None where none were; `drift_degrees_of_freedom` of that. `outliers` are rows that stand out from
-    repeats of their own pose, `doubtful` rows that disagree in pairs, of which nobody can say which is wrong.
+    repeats of their own pose, `doubtful` rows that disagree in halves, of which nobody can say which is wrong.
     `resolution` (m) is given where readings are too coarse to show their noise. `sentence` says it all for people,
     `warnings` what is odd.
     """
@@ -145,7 +145,10 @@ def noise_floor(recording: Recording, arm: Arm, *, rules: ResidualRules = RULES.
         sentence += f" What was measured again at the same pose later {moved}, {beyond}."
     if cleaned.doubtful:
         rows = rows_text(cleaned.doubtful)
-        warnings.append(f"Repeats disagree in {rows}, and nothing says which of a pair is wrong.")
+        warning = f"Repeats disagree in {rows}, and nothing says which are wrong."
+        if recording.sides is None:
+            warning += " Where a pose was come to from both sides, log them (dir1, ...)."
+        warnings.append(warning)
     return NoiseFloor(
         sigma,
         source,
@@ -308,10 +311,11 @@ def _without_outliers(
                 break
             dropped.append((int(rows[worst]), float(np.sqrt(squared[worst]))))
             rows = np.delete(rows, worst)
-        if len(rows) == 2 and np.sum((scaled[rows[0]] - scaled[rows[1]]) ** 2) / 2.0 > limit:
-            doubtful += [int(recording.row[index]) for index in group]
-            continue
         if not len(rows):
+            continue
+        apart = len(rows) == 2 and np.sum((scaled[rows[0]] - scaled[rows[1]]) ** 2) / 2.0 > limit
+        if apart or len(dropped) >= len(rows):  # halves, as two that differ, are no majority
+            doubtful += [int(recording.row[index]) for index in group]
             continue
         for index, far in dropped:
             others = rows_text(recording.row[rows])

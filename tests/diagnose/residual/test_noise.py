@@ -76,6 +76,23 @@ def test_of_a_pair_nobody_can_say_which_is_wrong() -> None:
     assert max(result.sigma) < 2.0 * SIGMA.max()
 
 
+@pytest.mark.parametrize(("repeats", "off"), [(4, (1.0, 1.1)), (5, (1.0, 2.0, 3.0))])
+def test_of_halves_nobody_can_say_which_is_wrong(repeats: int, off: tuple[float, ...]) -> None:
+    """Two readings from one side of a drive with play and two from the other: no majority, so that none is set aside;
+    what would tell them apart is said where it was not logged."""
+    recording = repeated(40, repeats, 3)
+    tip = recording.tip.copy()
+    tip[10 * repeats : 10 * repeats + len(off)] += 1e-3 * np.array(off)[:, None]
+    result = noise_floor(changed(recording, tip=tip), ARM)
+    assert result.outliers == ()
+    assert result.doubtful == tuple(range(10 * repeats + 1, 11 * repeats + 1))
+    assert any("log them (dir1, ...)" in sentence for sentence in result.warnings)
+    sides = np.ones_like(recording.q)
+    logged = noise_floor(changed(recording, tip=tip, sides=sides), ARM)
+    assert logged.doubtful == result.doubtful
+    assert not any("dir1" in sentence for sentence in logged.warnings)
+
+
 def test_the_last_digits_of_encoders_do_not_count_as_noise() -> None:
     recording = repeated(40, 3, 3)
     q = recording.q + 1e-4 * np.random.default_rng(2).uniform(-0.5, 0.5, recording.q.shape)
