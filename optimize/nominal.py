@@ -19,7 +19,8 @@ from linkwright.core.optimize.choice.at_once.feasibility import Feasibility
 from linkwright.core.optimize.choice.combinations import Choice, NoChoice, Progress, chosen, count
 from linkwright.core.optimize.choice.near_ties import NEAR, Tie, Ties
 from linkwright.core.optimize.choice.picks import Combination
-from linkwright.core.optimize.exchange.design import arm_of, numeric_beams
+from linkwright.core.optimize.choice.picks import options as materials_of
+from linkwright.core.optimize.exchange.design import arm_of, material_row, numeric_beams
 from linkwright.core.optimize.exchange.exchange import Context, context_of
 from linkwright.core.optimize.journal import Journal
 from linkwright.core.units.quantities import NoAnswer
@@ -142,6 +143,9 @@ def nominal_optimum(problem: Problem, options: Options, given: Problem) -> Optim
     """The best design of a problem without sizes from lists, nothing of whose arm is uncertain; `given` is the problem
     as people wrote it. Raises as `run.optimise` does."""
     began = time.perf_counter()
+    for link, materials in enumerate(materials_of(problem)[1]):
+        for material in materials:
+            material_row([material], problem, first=link)  # what a material lacks is told before anything is solved
     # With motors to place, its bounds would be those of the motors where they are.
     beyond = () if problem.motors else out_of_reach(problem)
     if beyond:

@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 
 from linkwright.core.arm.figures import FIGURES, RANGES_CALLED
+from linkwright.core.materials.material import MissingProperty
 from linkwright.core.optimize.reading.called import CHOICES_CALLED, PROBLEM_CALLED
 from linkwright.core.optimize.run import optimise
 from linkwright.core.sections.shapes import SHAPES
@@ -132,6 +133,15 @@ def test_arm_of_rigid_links_has_nothing_to_design(tmp_path: Path) -> None:
 def test_missing_price_of_a_material_is_wrong_input(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="cost"):
         optimise(problem_of(tmp_path, PAPER_ARM, "subject_to: {cost: '<= 40 EUR'}\n"))
+
+
+def test_what_a_material_lacks_is_said_before_the_arm_is_evaluated(tmp_path: Path) -> None:
+    """For an arm in space the evaluation alone may take a minute."""
+    text = "subject_to: {safety_factor: '>= 5'}\nchoose: {material: [aluminium-6061-t6, cfrp-quasi-isotropic]}\n"
+    evaluated: list[object] = []
+    with pytest.raises(MissingProperty, match=r"cfrp-quasi-isotropic.*yield_strength"):
+        optimise(problem_of(tmp_path, PAPER_ARM, text), begun=evaluated.append)
+    assert evaluated == []
 
 
 def test_three_components_serve_a_planar_arm_in_its_plane(tmp_path: Path) -> None:
