@@ -146,7 +146,8 @@ def _require(
             part = (
                 "; `observes: position` in recording.yaml if it was not measured"
                 if some
-                else "; where something else was measured, `observes: along` (distance, tilt, ...) says so"
+                else "; where something else was measured, `observes: along` (distance, tilt, ...) says so; a motion "
+                "log has torques (tau1_Nm) or currents (current1_A)"
             )
         name_in_file = called.get(first, first)
         raise InputError(

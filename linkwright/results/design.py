@@ -305,7 +305,7 @@ def drives(evaluation: Evaluation, *, detail: bool = False) -> Table | None:
         held = amount(load, "N·m" if joint.revolute else "N")
         actuator = joint.actuator
         rated = amount(None if actuator is None else actuator.rated_torque, "N·m")
-        used = share(math.nan if use is None else use, 3)
+        used = share(math.nan if use is None else use if load else 0.0, 3)
         name = "–" if actuator is None else actuator.name
         rows.append([count(index + 1), name, held, rated, used, pose(evaluation.arm, q) if load else "–"])
     headings = ("joint", "actuator", "holds up to", "rated", "", "at")

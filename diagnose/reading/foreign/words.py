@@ -15,7 +15,9 @@ from types import MappingProxyType
 _KINDS = MappingProxyType(
     {
         "v": frozenset({"velocity", "velocities", "vel", "speed", "speeds", "qd", "dq", "qdot", "qvel", "omega"}),
-        "tau": frozenset({"effort", "efforts", "torque", "torques", "tau", "moment", "moments", "drehmoment", "qfrc"}),
+        "tau": frozenset(
+            {"effort", "efforts", "eff", "torque", "torques", "tau", "moment", "moments", "drehmoment", "qfrc"}
+        ),
         "a": frozenset({"acceleration", "accelerations", "acc", "accel", "qdd", "ddq", "qacc"}),
         "q": frozenset(
             {"position", "positions", "pos", "q", "qpos", "angle", "angles", "winkel", "theta", "th", "coordinate"}

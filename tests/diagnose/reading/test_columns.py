@@ -82,6 +82,21 @@ def test_without_an_arm_there_are_as_many_joints_as_columns():
     assert not result.found.wrong
 
 
+def test_abbreviations_of_joint_states_are_read():
+    """`pos`, `vel` and `eff` before the joints' names."""
+    named = ARM.replace("joint: {range", "joint: {name: arm1, range", 1)
+    Path("arm.yaml").write_text(named.replace("joint: {range", "joint: {name: arm2, range", 1), encoding="utf-8")
+    log, weights = EXPORTS["ur"], currents(EXPORTS["ur"])
+    table = {"t_s": np.arange(300) * 0.01}
+    for k in (0, 1):
+        table |= {f"pos_arm{k + 1}": log[f"actual_q_{k}"], f"vel_arm{k + 1}": log[f"actual_qd_{k}"]}
+        table[f"eff_arm{k + 1}"] = 10.0 * weights[f"actual_current_{k}"]
+    pd.DataFrame(table).to_csv("log.csv", index=False)
+    result = lw.columns("log.csv", "arm.yaml")
+    assert {"q1_rad", "q2_rad", "tau1_Nm", "tau2_Nm"} <= set(result.table["is"])
+    assert not result.found.wrong
+
+
 def test_what_the_proposal_cannot_mend_is_said(capsys):
     """The file tells of one joint of two."""
     pd.DataFrame({"timestamp": np.arange(50.0), "actual_q_0": np.sin(np.arange(50.0))}).to_csv("log.csv", index=False)

@@ -99,6 +99,13 @@ def test_a_missing_column_is_named_with_what_there_is(tmp_path: Path, missing: s
     assert "q1_deg" in str(refused.value)
 
 
+def test_without_a_tip_it_is_said_what_else_a_file_may_be_of(tmp_path: Path) -> None:
+    """Another instrument, or a motion log whose torques were not recognised."""
+    columns = {name: cells for name, cells in table(Q, TIP).items() if name not in ("x_mm", "y_mm", "z_mm")}
+    with pytest.raises(InputError, match=r"observes: along.*a motion log has torques \(tau1_Nm\) or currents"):
+        read_recording(written(tmp_path / "r.csv", columns), ARM)
+
+
 @pytest.mark.parametrize(
     ("text", "said"),
     [("", "is empty"), ("q1_deg,q2_deg,q3_deg,x_mm,y_mm\n", "no rows"), ("1,2,3\n4,5,6\n", "no header"),

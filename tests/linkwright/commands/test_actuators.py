@@ -208,6 +208,25 @@ def test_evaluate_tells_what_the_drives_hold(linkwright, bench):
     assert "CSG-14-100-2UH" in result["unknown"]["cost"]
 
 
+ROLLS = """\
+gravity: [0 m/s^2, 0 m/s^2, -9.81 m/s^2]
+chain:
+  - joint: {axis: y, range: [-90 deg, 0 deg], actuator: CSG-14-100-2UH}
+    link: {length: 200 mm, rigid: true, mass: 1 kg}
+  - joint: {axis: x, range: [-90 deg, 90 deg], actuator: CSG-14-100-2UH}
+    link: {length: 100 mm, rigid: true, masses: [{mass: 1 kg, at: [50 mm, 0 mm, 0 mm]}], mass: 1 kg}
+"""
+
+
+def test_a_drive_that_holds_nothing_is_used_by_nothing(linkwright, bench):
+    """What rounding leaves of the load about an axis that the weights hang on is no share of the rated torque."""
+    (bench / "rolls.yaml").write_text(ROLLS)
+    status, out, _ = linkwright("evaluate", "rolls.yaml")
+    assert status == 0
+    (line,) = (line for line in out.splitlines() if line.split()[:2] == ["2", "CSG-14-100-2UH"])
+    assert line.split() == ["2", "CSG-14-100-2UH", "0", "N·m", "10", "N·m", "0", "%", "–"]
+
+
 @pytest.mark.slow
 def test_optimize_writes_the_chosen_actuators_and_the_rounded_sizes(linkwright, bench):
     (bench / "choice.yaml").write_text(CHOICE)
