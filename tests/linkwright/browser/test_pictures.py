@@ -45,3 +45,24 @@ def test_drawings_and_charts_are_saved(server, page):
     for item in (server.folder / "made").iterdir():
         item.unlink()
     (server.folder / "made").rmdir()
+
+
+LUMINANCES = """button => {
+    const light = text => {
+        const part = text.match(/[0-9.]+/g).slice(0, 3).map(value => value / 255);
+        const linear = part.map(value => value <= 0.04045 ? value / 12.92 : ((value + 0.055) / 1.055) ** 2.4);
+        return 0.2126 * linear[0] + 0.7152 * linear[1] + 0.0722 * linear[2];
+    };
+    return [light(getComputedStyle(button).color), light(getComputedStyle(document.body).backgroundColor)];
+}"""
+
+
+def test_a_button_is_read_in_the_dark(server, page):
+    """Its text against the page as WCAG 2 has it, 1.4.3: at least 4.5."""
+    page.emulate_media(color_scheme="dark")
+    page.goto(server.url)
+    button = page.get_by_role("button", name="New arm")
+    button.wait_for()
+    page.locator("body.body--dark").wait_for()
+    text, ground = button.evaluate(LUMINANCES)
+    assert (text + 0.05) / (ground + 0.05) >= 4.5
