@@ -40,9 +40,15 @@ def answer(
         of_effect: dict[str, list[MotionFinding]] = {}
         for item in named:
             of_effect.setdefault(item.effect, []).append(item)
-        listed = [_short(each) for each in list(of_effect.values())[:_SAID]]
-        more = sum(len(each) for each in list(of_effect.values())[_SAID:])
-        sentences.append(f"{_lead(named)}{_and(listed)}{f', and {more} smaller' if more else ''}.")
+        shown, more = list(of_effect.items())[:_SAID], sum(map(len, list(of_effect.values())[_SAID:]))
+        rest = f", and {more} smaller" if more else ""
+        if _mostly_friction(named):
+            rubs = [_short(each) for effect, each in shown if _friction(effect)]
+            beside = [_short(each) for effect, each in shown if not _friction(effect)]
+            with_it = f"; beside it {_and(beside)}" if beside else ""
+            sentences.append(f"Friction is what the model lacks most: {_and(rubs)}{with_it}{rest}.")
+        else:
+            sentences.append(f"The model lacks {_and([_short(each) for _, each in shown])}{rest}.")
         before, held = (
             float(np.sqrt(np.nanmean([getattr(each, name) ** 2 for each in per_joint])))
             for name in ("before", "held_out")
@@ -58,12 +64,16 @@ def answer(
     return " ".join(sentences)
 
 
-def _lead(named: Sequence[MotionFinding]) -> str:
-    """How the answer begins: with friction where several names of it are most of what is missing."""
+def _friction(effect: str) -> bool:
+    return EFFECTS[effect].cause.startswith("friction")
+
+
+def _mostly_friction(named: Sequence[MotionFinding]) -> bool:
+    """Whether several names of friction are most of what is missing."""
     size = [float(np.sum(np.square(item.rms_explained))) for item in named]
-    rubs = [EFFECTS[item.effect].cause.startswith("friction") for item in named]
+    rubs = [_friction(item.effect) for item in named]
     most = sum(own for own, friction in zip(size, rubs, strict=True) if friction) > 0.5 * sum(size)
-    return "Friction is what the model lacks most: " if most and sum(rubs) > 2 else "The model lacks "
+    return most and sum(rubs) > 2
 
 
 def _short(findings: Sequence[MotionFinding]) -> str:

@@ -1,0 +1,32 @@
+"""The plain answer of a diagnosis of motion."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from linkwright.core.diagnose.motion.result import MotionFinding, OfJoint
+from linkwright.core.diagnose.motion.sentences import answer
+from linkwright.core.diagnose.result import FittedParameter
+
+
+def finding(effect: str, at: int, name: str, kind: str, value: float, rms: float) -> MotionFinding:
+    parameter = FittedParameter(f"{name}_{at}", name, (at,), kind, value, (0.9 * value, 1.1 * value))
+    explained = tuple(rms * np.eye(3)[at - 1])
+    return MotionFinding(effect, (at,), (parameter,), (), explained, (0.0, 0.0, 0.0), 100.0, 0.005, "")
+
+
+def test_what_is_said_to_be_friction_is_friction() -> None:
+    """A link that is off more than any one joint rubs, though all of them together rub more: it stands beside friction,
+    in whatever order they were found."""
+    rubs = [finding("friction_coulomb", at, "torque", "torque", 5.0, 4.0) for at in (1, 2, 3)]
+    link = finding("link_inertial", 3, "mass", "mass", 1.5, 4.5)
+    joints = tuple(OfJoint(at, 5.0, 0.1, 0.1, 0.1, 0.01, (), 1.0) for at in (1, 2, 3))
+    said = answer("named", [link, *rubs], None, joints)
+    assert said.startswith("Friction is what the model lacks most: dry (Coulomb) friction at joints 1 to 3 (")
+    assert "; beside it mass, centre and inertia of a link at link 3 (mass 1.5 kg). " in said
+    alone = answer("named", rubs, None, joints)
+    assert alone.startswith("Friction is what the model lacks most: dry (Coulomb) friction")
+    assert "beside it" not in alone
+    assert answer("named", [link, rubs[0]], None, joints).startswith(
+        "The model lacks mass, centre and inertia of a link"
+    )
