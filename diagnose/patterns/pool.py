@@ -118,13 +118,21 @@ class Pool:
     @cached_property
     def layout(self) -> Layout:
         """Where the groups' columns are."""
-        starts, ranks = self.starts, self.ranks
-        single = np.flatnonzero(ranks == 1)
+        return self._layout(self.starts, np.arange(len(self.groups)))
+
+    def layout_of(self, groups: NDArray[np.bool_]) -> Layout:
+        """Where the columns of some groups are, if these stand one after the other."""
+        among = np.flatnonzero(groups)
+        return self._layout(np.cumsum(self.ranks[among]) - self.ranks[among], among)
+
+    def _layout(self, starts: NDArray[np.int64], among: NDArray[np.int64]) -> Layout:
+        """Where the columns of groups, which begin at `starts`, are."""
+        ranks = self.ranks[among]
         wide: list[tuple[NDArray[np.int64], NDArray[np.int64]]] = []
         for rank in np.unique(ranks[ranks > 1]).tolist():
-            which = np.flatnonzero(ranks == rank)
-            wide.append((which, starts[which][:, None] + np.arange(rank)))
-        return Layout(len(self.groups), single, starts[single], tuple(wide))
+            which = ranks == rank
+            wide.append((among[which], starts[which][:, None] + np.arange(rank)))
+        return Layout(len(self.groups), among[ranks == 1], starts[ranks == 1], tuple(wide))
 
     @cached_property
     def gram(self) -> Array:
@@ -140,9 +148,10 @@ class Pool:
             blocks.append(part @ part.transpose(0, 2, 1))
         return np.einsum("ij,ij->j", self.basis, self.basis), tuple(blocks)
 
-    def rows(self, columns: NDArray[np.int64]) -> Array:
-        """The products (k, M) of some columns with all."""
-        return self.gram[columns] if "gram" in vars(self) else self.basis[:, columns].T @ self.basis
+    def rows(self, columns: NDArray[np.int64], at: NDArray[np.int64]) -> Array:
+        """The products (k, m) of some columns with those `at`."""
+        rows = self.gram[columns] if "gram" in vars(self) else self.basis[:, columns].T @ self.basis
+        return rows if len(at) == rows.shape[1] else rows[:, at]
 
     def among(self, columns: NDArray[np.int64]) -> Array:
         """The products (k, k) of some columns with each other."""

@@ -24,7 +24,7 @@ from linkwright.core.diagnose.residual.observe import observe
 from linkwright.core.diagnose.residual.observed import Observed
 from linkwright.core.diagnose.result import Detectable
 from linkwright.core.diagnose.rules.rules import Rules
-from linkwright.core.diagnose.search.calibrate import given_model, one_more
+from linkwright.core.diagnose.search.calibrate import one_more
 from linkwright.core.diagnose.several.recordings import Several, together
 from linkwright.core.diagnose.simulate import Plan, simulate
 from linkwright.core.sections.numeric import Array
@@ -101,8 +101,9 @@ def promised(arm: Arm, recording: Recording, axes: Sequence[str], asked: Asked) 
     rules, pool = asked.rules, prepared.pool
     everything = np.ones(len(pool.groups), dtype=bool)
     test = one_more(
-        pool,
-        given_model(pool, prepared.vector, ()),
+        prepared.products,
+        prepared.vector,
+        (),
         prepared.criterion,
         prepared.visits,
         len(axes),

@@ -30,7 +30,7 @@ def likenesses(namer: Namer, members: Sequence[int], member: int) -> tuple[Array
     pool = namer.pool
     products = namer.prepared.products.beside(pool.columns([m for m in members if m != member]))
     left, own = products.against, pool.columns([member])
-    gram = pool.rows(own).T - products.taken @ products.taken[own].T
+    gram = products.rows(own).T
     pattern = np.linalg.pinv(gram[own], rcond=1e-9, hermitian=True) @ left[own]
     mixed = gram @ pattern
     signal = max(float(pattern @ mixed[own]), 1e-300)

@@ -18,10 +18,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from linkwright.core.diagnose.patterns.pool import Pool, inverse_root
 from linkwright.core.sections.numeric import Array
 
-from .subsets import Criterion, products
+from .subsets import Criterion, Products
 
 FEW_DRAWS = 99
 """For each finding beyond three, and whatever the size of a test."""
@@ -30,8 +29,8 @@ _GONE = 1e-8
 """Directions of which the smaller model leaves less than this share (squared) are gone."""
 _WORK = 4e9
 """Numbers of a basis that the draws of one test may go through."""
-_AT_ONCE = 1_000_000
-"""Numbers that are held at once."""
+_AT_ONCE = 1 << 18
+"""Numbers of a basis that are worked on at once: fewer than a cache holds."""
 
 
 @dataclass(frozen=True)
@@ -46,29 +45,10 @@ class Calibrated:
     each: Array
 
 
-@dataclass(frozen=True)
-class Given:
-    """What a smaller model takes as given beside the nuisances: an orthonormal basis (n, k) of its effects, products
-    (M, k) of the pool's columns with it, the residual, and which columns of the pool the effects have."""
-
-    basis: Array
-    mixed: Array
-    residual: Array
-    columns: NDArray[np.int64]
-
-
-def given_model(pool: Pool, vector: Array, members: Sequence[int]) -> Given:
-    """The smaller model of some groups, fitted to a vector from which nuisances are projected out."""
-    columns = pool.columns(members)
-    rows = pool.rows(columns)
-    root = inverse_root(rows[:, columns])
-    basis = pool.basis[:, columns] @ root
-    return Given(basis, rows.T @ root, vector - basis @ (basis.T @ vector), columns)
-
-
 def one_more(
-    pool: Pool,
-    given: Given,
+    initial: Products,
+    vector: Array,
+    members: Sequence[int],
     criterion: Criterion,
     visits: NDArray[np.int64],
     width: int,
@@ -77,21 +57,29 @@ def one_more(
     rng: np.random.Generator,
     among: Sequence[NDArray[np.bool_]],
 ) -> list[Calibrated]:
-    """Test whether one more group explains more than chance would, for each set of groups in `among`.
+    """Test whether one more group than `members` explains more of a vector, from which nuisances are projected out,
+    than chance would, for each set of groups in `among`.
 
-    `width` is the number of columns of a reading. The same draws serve all sets.
+    `initial` are the pool's products with the vector, `width` is the number of columns of a reading. The same draws
+    serve all sets.
     """
-    beside = _beside(pool, given.columns)
-    rss = given.residual @ given.residual
-    statistic = _statistic(beside, (pool.basis.T @ given.residual)[:, None], rss, criterion)[:, 0]
+    pool, columns = initial.pool, initial.pool.columns(members)
+    covered = np.any(among, axis=0)
+    given = covered.copy()
+    given[list(members)] = True
+    beside = initial.of(given).beside(columns).of(covered)
+    basis = pool.basis[:, columns] @ beside.root if len(columns) else np.zeros((len(vector), 0))
+    residual = vector - basis @ (basis.T @ vector)
+    unit = _unit(beside)
+    statistic = _statistic(beside, unit, beside.against[:, None], residual @ residual, criterion)[:, 0]
     among = [usable & criterion.fits for usable in among]
     rules = pool.rules.search
     draws = max(FEW_DRAWS, min(draws, int(_WORK / max(pool.basis.size, 1))))
     few = int(visits[-1]) + 1 < rules.enough_visits
-    anew = _Shuffled(pool, given, visits, width) if few else _Flipped(pool, given, visits, width)
+    anew = (_Shuffled if few else _Flipped)(beside, basis, residual, visits, width)
     drawn: list[list[Array]] = [[] for _ in among]
     for start in range(0, draws, _CHUNK):
-        statistics = _statistic(beside, *anew.drawn(rng, min(_CHUNK, draws - start)), criterion)
+        statistics = _statistic(beside, unit, *anew.drawn(rng, min(_CHUNK, draws - start)), criterion)
         for values, usable in zip(drawn, among, strict=True):
             values.append(statistics[usable].max(axis=0, initial=-np.inf))
     return [_tested(statistic, np.concatenate(values), usable) for values, usable in zip(drawn, among, strict=True)]
@@ -120,40 +108,48 @@ def shuffled(table: Array, visits: NDArray[np.int64], rng: np.random.Generator) 
 
 
 class _Shuffled:
-    """Residuals with few visits in random order, each under a random sign, beside the smaller model."""
+    """Residuals with few visits in random order, each under a random sign, beside the smaller model, of which an
+    orthonormal `basis` is given."""
 
-    def __init__(self, pool: Pool, given: Given, visits: NDArray[np.int64], width: int) -> None:
-        self._pool, self._given, self._visits = pool, given, visits
-        self._table = given.residual.reshape(-1, width)
+    def __init__(self, beside: Products, basis: Array, residual: Array, visits: NDArray[np.int64], width: int) -> None:
+        self._pool, self._at, self._basis, self._visits = beside.pool, beside.at, basis, visits
+        self._table = residual.reshape(-1, width)
 
     def drawn(self, rng: np.random.Generator, count: int) -> tuple[Array, Array]:
-        """Products of so many draws with the basis (M, count), and their sums of squares (count,)."""
+        """Products of so many draws with the columns that count (M, count), and their sums of squares (count,)."""
         drawn = np.stack([shuffled(self._table, self._visits, rng).reshape(-1) for _ in range(count)], axis=1)
         drawn = self._pool.projected(drawn)
-        drawn -= self._given.basis @ (self._given.basis.T @ drawn)
-        return self._pool.basis.T @ drawn, np.sum(drawn * drawn, axis=0)
+        drawn -= self._basis @ (self._basis.T @ drawn)
+        return self._pool.basis[:, self._at].T @ drawn, np.sum(drawn * drawn, axis=0)
 
 
 class _Flipped:
     """Residuals with each visit under a random sign, beside the smaller model. A draw's products are sums of those of
     the visits, which are worked out but once."""
 
-    def __init__(self, pool: Pool, given: Given, visits: NDArray[np.int64], width: int) -> None:
-        starts = width * np.flatnonzero(np.diff(visits, prepend=-1))
+    def __init__(self, beside: Products, basis: Array, residual: Array, visits: NDArray[np.int64], width: int) -> None:
+        starts, table = np.flatnonzero(np.diff(visits, prepend=-1)), residual.reshape(-1, width)
+        self._mixed, self._rss = beside.taken, float(residual @ residual)
         # Flipped, a residual is no longer orthogonal to the nuisances either.
-        basis = np.concatenate([pool.nuisance, given.basis], axis=1)
-        self._taken = np.add.reduceat(basis.T * given.residual, starts, axis=1)
-        self._along = np.empty((pool.basis.shape[1], len(starts)))
-        step = max(1, _AT_ONCE // len(pool.basis))
+        self._taken = _by_visit(np.concatenate([beside.pool.nuisance, basis], axis=1).T, table, starts)
+        self._along = np.empty((len(beside.at), len(starts)))
+        step = max(1, _AT_ONCE // len(residual))
         for some in (slice(k, k + step) for k in range(0, len(self._along), step)):
-            self._along[some] = np.add.reduceat(pool.basis.T[some] * given.residual, starts, axis=1)
-        self._along -= given.mixed @ self._taken[pool.nuisance.shape[1] :]
-        self._rss = float(given.residual @ given.residual)
+            self._along[some] = _by_visit(beside.pool.basis.T[beside.at[some]], table, starts)
 
     def drawn(self, rng: np.random.Generator, count: int) -> tuple[Array, Array]:
-        """Products of so many draws with the basis (M, count), and their sums of squares (count,)."""
+        """Products of so many draws with the columns that count (M, count), and their sums of squares (count,)."""
         signs = np.stack([rng.choice((-1.0, 1.0), self._along.shape[1]) for _ in range(count)], axis=1)
-        return self._along @ signs, self._rss - np.sum((self._taken @ signs) ** 2, axis=0)
+        taken = self._taken @ signs
+        given = taken[len(taken) - self._mixed.shape[1] :]
+        return self._along @ signs - self._mixed @ given, self._rss - np.sum(taken**2, axis=0)
+
+
+def _by_visit(columns: Array, table: Array, starts: NDArray[np.int64]) -> Array:
+    """What each visit, which begins at the readings `starts`, adds to the products of columns (M, n) with a table of
+    readings (N, C)."""
+    each = np.einsum("mnc,nc->mn", columns.reshape(len(columns), *table.shape), table)
+    return each if len(starts) == len(table) else np.add.reduceat(each, starts, axis=1)
 
 
 def gumbel(drawn: Array) -> tuple[float, float]:
@@ -176,36 +172,34 @@ def p_value(observed: float, drawn: Array) -> float:
 
 
 @dataclass(frozen=True)
-class _Beside:
-    """The pool's groups beside a smaller model: what turns products with the pool's basis into those with a basis that
-    is orthonormal within each group again. `scale` (M,) serves groups of one column, `wide` holds for each rank the
-    groups' columns (g, r) and matrices (g, r, r)."""
+class _Unit:
+    """What turns products with columns beside a smaller model into those with a basis that is orthonormal within each
+    group again: `scale` (M,) serves groups of one column, `wide` holds for each rank the groups' matrices (g, r, r)."""
 
-    pool: Pool
     scale: Array
-    wide: tuple[tuple[NDArray[np.int64], Array], ...]
+    wide: tuple[Array, ...]
 
 
-def _beside(pool: Pool, columns: NDArray[np.int64]) -> _Beside:
+def _unit(beside: Products) -> _Unit:
     """From the Gram matrix alone: vectors come in orthogonal to the smaller model, so only lengths matter."""
-    size, blocks = products(pool, np.zeros(len(pool.basis))).beside(columns).own
+    size, blocks = beside.own
     scale = np.where(size > _GONE, 1.0 / np.sqrt(np.where(size > _GONE, size, 1.0)), 0.0)
-    wide: list[tuple[NDArray[np.int64], Array]] = []
-    for (_, at), block in zip(pool.layout.wide, blocks, strict=True):
+    wide: list[Array] = []
+    for block in blocks:
         values, vectors = np.linalg.eigh(block)
         root = np.where(values > _GONE, 1.0 / np.sqrt(np.where(values > _GONE, values, 1.0)), 0.0)
-        wide.append((at, (vectors * root[:, None, :]).transpose(0, 2, 1)))
-    return _Beside(pool, scale, tuple(wide))
+        wide.append((vectors * root[:, None, :]).transpose(0, 2, 1))
+    return _Unit(scale, tuple(wide))
 
 
-def _statistic(beside: _Beside, along: Array, rss: Array, criterion: Criterion) -> Array:
+def _statistic(beside: Products, unit: _Unit, along: Array, rss: Array, criterion: Criterion) -> Array:
     """The drop of the criterion that each group brings to vectors orthogonal to the smaller model, (G, V), but for the
-    prior that all share, from their products with the basis (M, V) and their sums of squares (V,)."""
-    pool = beside.pool
-    explained = np.zeros((len(pool.groups), along.shape[1]))
-    single = pool.layout.single_columns
-    explained[pool.layout.single_groups] = (beside.scale[single, None] * along[single]) ** 2
-    for (which, at), (_, turned) in zip(pool.layout.wide, beside.wide, strict=True):
+    prior that all share, from their products with the columns that count (M, V) and their sums of squares (V,)."""
+    layout = beside.layout
+    explained = np.zeros((layout.groups, along.shape[1]))
+    single = layout.single_columns
+    explained[layout.single_groups] = (unit.scale[single, None] * along[single]) ** 2
+    for (which, at), turned in zip(layout.wide, unit.wide, strict=True):
         explained[which] = np.sum((turned @ along[at]) ** 2, axis=1)
     share = np.minimum(explained / np.where(rss > 0.0, rss, 1.0), 1.0 - 1e-12)
     return -criterion.count * np.log1p(-share) - criterion.price[:, None]

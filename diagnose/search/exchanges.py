@@ -44,10 +44,11 @@ def better(namer: Namer, members: Sequence[int], *, one_by_one: bool = False) ->
     makes it less: one for one (those alone with `one_by_one`), one for two and two for one."""
     sizes = [(1, 1)] if one_by_one else [(1, 1), (1, 2), (2, 1)]
     best, least, before = tuple(members), namer.criterion_of(members), ()
+    library = namer.prepared.products.of(namer.library)
     while best != before:
         before = best
         for taken, given in sizes:
-            for place, beside in _leaving(namer, namer.prepared.products, before, taken):
+            for place, beside in _leaving(namer, library, before, taken):
                 rest = [m for m in before if m not in place]
                 for rss, others in _sets(namer, beside, (*rest, *(place if given + taken > 2 else ())), given):
                     trial = (*rest, *others)
@@ -88,18 +89,15 @@ def _instead(namer: Namer, place: tuple[int, ...], rest: Sequence[int]) -> list[
 def _leaving(
     namer: Namer, products: Products, members: Sequence[int], count: int
 ) -> Iterator[tuple[tuple[int, ...], Products]]:
-    """Every so many of some members, with the products beside the others. What two of these have in common is taken as
-    given once: halves are, and then halves of what is left."""
-    if count == 0:
-        yield (), products.beside(namer.pool.columns(members))
-    elif count == len(members):
-        yield tuple(members), products
-    elif count < len(members):
-        head, tail = members[: len(members) // 2], members[len(members) // 2 :]
-        for some in range(count + 1):
-            for first, part in _leaving(namer, products, head, some):
-                for second, beside in _leaving(namer, part, tail, count - some):
-                    yield (*first, *second), beside
+    """Every so many of some members, with the products beside the others: what is beside all is worked out once."""
+    pool, edges = namer.pool, np.cumsum([0, *(namer.pool.groups[member].rank for member in members)])
+    whole = products.beside(pool.columns(members))
+    for some in reversed([*itertools.combinations(range(len(members)), count)]):
+        left_out = tuple(members[k] for k in some)
+        if whole.root.shape[0] == whole.root.shape[1]:
+            yield left_out, whole.leaving(np.concatenate([np.arange(edges[k], edges[k + 1]) for k in some]))
+        else:
+            yield left_out, products.beside(pool.columns([m for m in members if m not in left_out]))
 
 
 def _sets(namer: Namer, beside: Products, without: Sequence[int], size: int) -> Iterator[tuple[float, tuple[int, ...]]]:
@@ -116,8 +114,7 @@ def _sets(namer: Namer, beside: Products, without: Sequence[int], size: int) -> 
     elif len(best) > 1:
         among = best[np.argsort(pool.ranks[best], kind="stable")]
         at, price, ranks = pool.columns(among.tolist()), criterion.price[among], pool.ranks[among]
-        gram = pool.rows(at)[:, at] - beside.taken[at] @ beside.taken[at].T
-        gained = Blocks(gram, beside.against[at], ranks).orthonormal().of_two()
+        gained = Blocks(beside.among(at), beside.against[beside.place(at)], ranks).orthonormal().of_two()
         value = criterion.of_many(beside.rss, gained, price[:, None] + price, ranks[:, None] + ranks)
         first, second = np.triu_indices(len(among), 1)
         pairs = np.argsort(value[first, second], kind="stable")[:_LOOKED_AT]

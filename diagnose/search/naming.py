@@ -19,7 +19,7 @@ from linkwright.core.diagnose.patterns.pool import Pool, with_group
 from linkwright.core.diagnose.rules.search_rules import SearchRules
 from linkwright.core.sections.numeric import Array
 
-from .calibrate import FEW_DRAWS, Calibrated, Given, given_model, one_more, p_value
+from .calibrate import FEW_DRAWS, Calibrated, one_more, p_value
 from .exchanges import better
 from .geometry import beats, geometry_alone
 from .subsets import Subset, best_subsets
@@ -133,13 +133,29 @@ class Namer:
 
     def test(self, members: Sequence[int], draws: int | None = None) -> tuple[Calibrated, Calibrated]:
         """Whether the library, and whether a form, explains more of what some groups leave than chance would."""
-        initial: Given = given_model(self.pool, self.prepared.vector, members)
-        width = self.prepared.observed.residual.shape[1]
-        among = (self.library, ~self.library)
-        tested = one_more(
-            self.pool, initial, self.criterion, self.visits, width, draws=draws or self.draws, rng=self.rng, among=among
+        of_library, of_forms = self._test(members, (self.library, ~self.library), draws)
+        return of_library, of_forms
+
+    def test_of_library(self, members: Sequence[int], draws: int | None = None) -> Calibrated:
+        """The same of the library alone."""
+        return self._test(members, (self.library,), draws)[0]
+
+    def test_of_forms(self, members: Sequence[int]) -> Calibrated:
+        """The same of forms alone."""
+        return self._test(members, (~self.library,), None)[0]
+
+    def _test(self, members: Sequence[int], among: Sequence[Mask], draws: int | None) -> list[Calibrated]:
+        return one_more(
+            self.prepared.products,
+            self.prepared.vector,
+            members,
+            self.criterion,
+            self.visits,
+            self.prepared.observed.residual.shape[1],
+            draws=draws or self.draws,
+            rng=self.rng,
+            among=among,
         )
-        return tested[0], tested[1]
 
     def possible(self, members: Sequence[int]) -> bool:
         """Whether the groups' fitted sizes are physically possible."""
@@ -261,7 +277,7 @@ def own_tests(namer: Namer, members: Sequence[int], others: Sequence[int] = ()) 
     p_values: list[float] = []
     for member in members:
         rest = [m for m in (*members, *others) if m != member]
-        tested = namer.test(rest)[0]
+        tested = namer.test_of_library(rest)
         p_values.append(p_value(float(tested.each[member]), tested.drawn))
     return tuple(p_values)
 
@@ -272,7 +288,7 @@ def _carried_on(
     """More findings one by one, each chosen anew among all, as long as each passes its test and is worth it; and sets
     in the place of others while these are better."""
     while True:
-        tested = namer.test(members, FEW_DRAWS)[0]
+        tested = namer.test_of_library(members, FEW_DRAWS)
         more = _best_addition(namer, members, tested) if tested.p_value <= namer.rules.false_alarm else members
         if len(more) > len(members):
             added, p_of_added = _exchanged(namer, more, (*p_values, tested.p_value), one_by_one=True)
@@ -357,9 +373,9 @@ def _against_forms(
     ):
         outside = tuple(m for m in best.members if not namer.library[m])
         inside = tuple(m for m in best.members if namer.library[m])
-        if namer.test(inside)[1].p_value <= namer.rules.false_alarm:
+        if namer.test_of_forms(inside).p_value <= namer.rules.false_alarm:
             return _still_there(namer, inside, outside)
-    tested = namer.test(members)[1]
+    tested = namer.test_of_forms(members)
     if tested.p_value <= namer.rules.false_alarm and tested.best >= 0:
         without, beside = fit(namer.prepared, members).rss, fit(namer.prepared, (*members, tested.best)).rss
         whole = float(namer.prepared.vector @ namer.prepared.vector)

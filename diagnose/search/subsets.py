@@ -12,12 +12,12 @@ from __future__ import annotations
 import heapq
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from linkwright.core.diagnose.patterns.pool import GONE, Pool, inverse_root
+from linkwright.core.diagnose.patterns.pool import GONE, Layout, Pool, inverse_root
 from linkwright.core.diagnose.rules.rules import RULES
 from linkwright.core.sections.numeric import Array
 
@@ -40,41 +40,85 @@ class Subset:
 
 @dataclass(frozen=True)
 class Products:
-    """A pool's products with one vector, perhaps beside columns that are taken as given: with each column of the basis
-    (M,), what is left of the vector in sum of squares, and the products (M, k) of all columns with an orthonormal basis
-    of those taken. Beside them the pool's Gram matrix is less by the last times itself, which is worked out for no more
-    of it than is asked for."""
+    """A pool's products with one vector, perhaps beside columns that are taken as given: with each column (M,) that it
+    covers (their numbers `at`; of which groups, `layout` says), what is left of the vector in sum of squares, and the
+    products (M, k) with an orthonormal basis of what is taken. Beside that the pool's Gram matrix is less by the last
+    times itself, each direction as often as `times` (k,) says. No more of it is worked out than is asked for, and each
+    group's `own` part: the diagonal (M,) and blocks (g, r, r) as `layout.wide`. `root` (c, r) makes that basis of the
+    columns that were taken last, `along` (r,) is what the vector has in it."""
 
     pool: Pool
+    layout: Layout
+    at: NDArray[np.int64]
     against: Array
     rss: float
     taken: Array
+    times: Array
+    own: tuple[Array, tuple[Array, ...]]
+    root: Array
+    along: Array
+
+    def of(self, groups: NDArray[np.bool_]) -> Products:
+        """The same of some of the groups that it covers."""
+        columns = self.pool.columns(np.flatnonzero(groups).tolist())
+        layout, place = self.pool.layout_of(groups), self.place(columns)
+        rows = [groups[which] for which, _ in self.layout.wide]
+        own = tuple(block[some] for block, some in zip(self.own[1], rows, strict=True) if some.any())
+        against, taken = self.against[place], self.taken[place]
+        return replace(self, layout=layout, at=columns, against=against, taken=taken, own=(self.own[0][place], own))
+
+    def place(self, columns: NDArray[np.int64]) -> NDArray[np.int64]:
+        """Where columns of the pool, all of which are covered, stand among those."""
+        places = np.empty(self.pool.basis.shape[1], dtype=np.int64)
+        places[self.at] = np.arange(len(self.at))
+        return places[columns]
+
+    def rows(self, columns: NDArray[np.int64]) -> Array:
+        """What is left of the products (c, M) of some of the columns covered with all of these."""
+        taken = self.taken[self.place(columns)] * self.times
+        return self.pool.rows(columns, self.at) - taken @ self.taken.T
+
+    def among(self, columns: NDArray[np.int64]) -> Array:
+        """The same of some with each other (c, c)."""
+        taken = self.taken[self.place(columns)]
+        return self.pool.among(columns) - (taken * self.times) @ taken.T
 
     def beside(self, columns: NDArray[np.int64]) -> Products:
-        """The same beside further columns that are taken as given."""
+        """The same beside further columns, of those covered, that are taken as given."""
         if not len(columns):
             return self
-        gram, rows = self.pool.rows(columns), self.taken[columns]
-        root = inverse_root(gram[:, columns] - rows @ rows.T)
-        mixed, explained = gram.T @ root - self.taken @ (rows.T @ root), root.T @ self.against[columns]
-        return Products(
-            self.pool,
-            self.against - mixed @ explained,
-            max(self.rss - float(explained @ explained), 0.0),
-            np.concatenate([self.taken, mixed], axis=1),
+        place, rows = self.place(columns), self.rows(columns)
+        root = inverse_root(rows[:, place])
+        mixed, along = rows.T @ root, root.T @ self.against[place]
+        left = replace(self, rss=max(self.rss - float(along @ along), 0.0), root=root, along=along)
+        return left._with(mixed, along, 1.0)
+
+    def leaving(self, places: NDArray[np.int64]) -> Products:
+        """The same beside all that is taken but those of the columns taken last that stand at some `places` there, none
+        of which the others hold (then `root` is square): what they alone have is given back."""
+        alone = np.linalg.qr(self.root[places].T)[0]
+        along = alone.T @ self.along
+        back = replace(self, rss=self.rss + float(along @ along))
+        return back._with(self.taken[:, -len(self.along) :] @ alone, along, -1.0)
+
+    def _with(self, mixed: Array, along: Array, times: float) -> Products:
+        """With directions taken, or given back (`times` -1): the columns' products (M, k) with them, and what the
+        vector has in them (k,)."""
+        diagonal, blocks = self.own
+        parts = [mixed[at] for _, at in self.layout.wide]
+        less = tuple(b - times * (part @ part.transpose(0, 2, 1)) for b, part in zip(blocks, parts, strict=True))
+        return replace(
+            self,
+            against=self.against - times * (mixed @ along),
+            taken=np.concatenate([self.taken, mixed], axis=1),
+            times=np.concatenate([self.times, np.full(len(along), times)]),
+            own=(diagonal - times * np.einsum("ij,ij->i", mixed, mixed), less),
         )
 
-    @property
-    def own(self) -> tuple[Array, list[Array]]:
-        """What is left of each group's own part of the Gram matrix: its diagonal (M,), and blocks as `Pool.own`."""
-        diagonal, blocks = self.pool.own
-        parts = [self.taken[at] for _, at in self.pool.layout.wide]
-        less = [block - part @ part.transpose(0, 2, 1) for block, part in zip(blocks, parts, strict=True)]
-        return diagonal - np.einsum("ij,ij->i", self.taken, self.taken), less
-
     def gains(self) -> Array:
-        """What each group explains (G,), in sum of squares, beside what is taken as given."""
-        layout, (diagonal, blocks) = self.pool.layout, self.own
+        """What each group explains (G,), in sum of squares, beside what is taken as given; nought of those that are not
+        covered."""
+        layout, (diagonal, blocks) = self.layout, self.own
         gained, at = np.zeros(layout.groups), layout.single_columns
         diagonal_here = diagonal[at]
         gained[layout.single_groups] = np.where(
@@ -89,8 +133,10 @@ class Products:
 
 def products(pool: Pool, vector: Array) -> Products:
     """The products of a pool with a vector (n,) from which nuisances are projected out."""
-    against = pool.basis.T @ vector
-    return Products(pool, against, float(vector @ vector), np.zeros((len(against), 0)))
+    against, none = pool.basis.T @ vector, np.zeros(0)
+    at, taken = np.arange(len(against)), np.zeros((len(against), 0))
+    rss, empty = float(vector @ vector), np.zeros((0, 0))
+    return Products(pool, pool.layout, at, against, rss, taken, none, pool.own, empty, none)
 
 
 @dataclass(frozen=True)

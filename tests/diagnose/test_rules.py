@@ -332,6 +332,7 @@ def test_a_form_that_fits_worse_never_replaces_named_physics(findings):
         criterion=SimpleNamespace(count=50),
         best=lambda *_: {1: Subset((form,), 1.0, of_form)},
         test=lambda _: (test, test),
+        test_of_forms=lambda _: test,
     )
     members = tuple(range(findings))
     assert _against_forms(namer, members, (0.001,) * findings) == (members, (), (0.001,) * findings)  # pyright: ignore[reportArgumentType]

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from scipy.stats import binom, kstest
 
-from linkwright.core.diagnose.search.calibrate import given_model, one_more, p_value, shuffled
-from linkwright.core.diagnose.search.subsets import criterion_for
+from linkwright.core.diagnose.search.calibrate import one_more, p_value, shuffled
+from linkwright.core.diagnose.search.subsets import criterion_for, products
 from tests.diagnose.core_cases import random_pool
 
 VISITS = np.repeat(np.arange(24), 3)
@@ -39,12 +39,14 @@ def test_a_draw_is_least_squares_of_readings_turned_about_by_visit(count):
     visits = np.repeat(np.arange(count), np.arange(count) % 4 + 3)
     rows = 2 * len(visits)
     pool, _, _ = random_pool(rng, (1, 1, 2, 3, 1), rows=rows, nuisances=2)
-    given = given_model(pool, pool.projected(rng.standard_normal(rows)), (3,))
+    vector = pool.projected(rng.standard_normal(rows))
     criterion, everything = criterion_for(pool, rows), np.array([True, True, True, False, True])
     among = [everything]
-    result = one_more(pool, given, criterion, visits, 2, draws=40, rng=np.random.default_rng(2), among=among)[0]
-    table, again, expected = given.residual.reshape(-1, 2), np.random.default_rng(2), []
+    initial, draws = products(pool, vector), np.random.default_rng(2)
+    result = one_more(initial, vector, (3,), criterion, visits, 2, draws=40, rng=draws, among=among)[0]
     smaller = np.hstack([pool.nuisance, pool.basis[:, pool.columns([3])]])
+    residual = vector - smaller @ np.linalg.lstsq(smaller, vector, rcond=None)[0]
+    table, again, expected = residual.reshape(-1, 2), np.random.default_rng(2), []
 
     def left(columns, vector):
         return float(np.sum((vector - columns @ np.linalg.lstsq(columns, vector, rcond=None)[0]) ** 2))
@@ -68,8 +70,8 @@ def p_values(pool, make, draws=99, trials=150, seed=1):
     results = []
     for _ in range(trials):
         vector = pool.projected(make(rng))
-        given = given_model(pool, vector, ())
-        tested = one_more(pool, given, criterion, VISITS, 2, draws=draws, rng=rng, among=[everything])
+        initial = products(pool, vector)
+        tested = one_more(initial, vector, (), criterion, VISITS, 2, draws=draws, rng=rng, among=[everything])
         results.append(tested[0].p_value)
     return np.array(results)
 
@@ -105,9 +107,9 @@ def test_a_constant_offset_is_seen():
     pool, columns, _ = random_pool(rng, (), columns=columns, rows=144, nuisances=0)
     criterion = criterion_for(pool, 144)
     vector = 0.8 * constant[:, 0] + rng.standard_normal(144)
-    given = given_model(pool, vector, ())
     everything = np.ones(11, dtype=bool)
-    tested = one_more(pool, given, criterion, VISITS, 2, draws=499, rng=rng, among=[everything, ~everything])
+    among = [everything, ~everything]
+    tested = one_more(products(pool, vector), vector, (), criterion, VISITS, 2, draws=499, rng=rng, among=among)
     assert tested[0].best == 10
     assert tested[0].p_value < 0.002
     assert tested[1].p_value == 1.0
@@ -120,8 +122,9 @@ def test_what_is_given_is_not_found_again():
     vector = pool.projected(3.0 * columns[2][:, 0] + rng.standard_normal(144))
     criterion = criterion_for(pool, 141)
     everything = np.ones(8, dtype=bool)
-    bare = one_more(pool, given_model(pool, vector, ()), criterion, VISITS, 2, draws=199, rng=rng, among=[everything])
-    rest = one_more(pool, given_model(pool, vector, (2,)), criterion, VISITS, 2, draws=199, rng=rng, among=[everything])
+    initial = products(pool, vector)
+    bare = one_more(initial, vector, (), criterion, VISITS, 2, draws=199, rng=rng, among=[everything])
+    rest = one_more(initial, vector, (2,), criterion, VISITS, 2, draws=199, rng=rng, among=[everything])
     assert bare[0].best == 2
     assert bare[0].p_value < 1e-3
     assert rest[0].p_value > 0.01
@@ -145,7 +148,6 @@ def test_a_group_that_could_fit_anything_is_not_tested():
     visits = np.arange(8)
     vector = rng.standard_normal(16)
     everything = np.ones(2, dtype=bool)
-    tested = one_more(
-        pool, given_model(pool, vector, ()), criterion_for(pool, 16), visits, 2, draws=99, rng=rng, among=[everything]
-    )
+    initial, criterion = products(pool, vector), criterion_for(pool, 16)
+    tested = one_more(initial, vector, (), criterion, visits, 2, draws=99, rng=rng, among=[everything])
     assert tested[0].best == 1

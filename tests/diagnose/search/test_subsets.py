@@ -128,3 +128,18 @@ def test_products_beside_everything_leave_nothing():
     diagonal, blocks = rest.own
     assert max(np.abs(block).max() for block in (diagonal, *blocks)) < 1e-8
     assert np.abs(rest.against).max() < 1e-7
+
+
+def test_products_of_some_groups_are_those_of_all():
+    """Beside columns that are taken, and once some of these are given back."""
+    pool, _, _, white, _ = case(2)
+    start, some = products(pool, white), np.arange(len(RANKS)) % 3 != 1
+    taken = np.flatnonzero(some)[:3].tolist()
+    columns = pool.columns(taken)
+    assert start.of(some).beside(columns).gains()[some] == pytest.approx(start.beside(columns).gains()[some], abs=1e-9)
+    back = start.of(some).beside(columns).leaving(np.arange(RANKS[taken[0]]))
+    rest = start.beside(pool.columns(taken[1:]))
+    assert back.gains()[some] == pytest.approx(rest.gains()[some], abs=1e-9)
+    assert back.rss == pytest.approx(rest.rss, rel=1e-9)
+    assert back.among(back.at) == pytest.approx(rest.among(back.at), abs=1e-9)
+    assert not back.gains()[~some].any()
