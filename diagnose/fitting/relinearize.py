@@ -25,6 +25,7 @@ from linkwright.core.sections.numeric import Array
 
 from .corrected_arm import as_entry
 from .fit import Fit, beyond_nuisances, fit
+from .joint.sizes import side_by_side
 from .prepare import Patterns, Prepared, set_up
 from .refit import Refit, impossible_term, refit
 from .terms import Term, term_at
@@ -54,7 +55,7 @@ def relinearized(prepared: Prepared, members: Sequence[int], outside: Sequence[i
             break
         about = _about(fitted)
         patterns = _patterns_about(about, fitted)
-        step = np.inf if patterns is None else _step(fitted, about)
+        step = np.inf if patterns is None else _step(fitted, about, patterns)
         if patterns is None or step <= _SETTLED * fitted.fitted.unit or step >= last:
             break
         last = step
@@ -63,6 +64,7 @@ def relinearized(prepared: Prepared, members: Sequence[int], outside: Sequence[i
         if len(again.pool.groups) < len(patterns):
             break
         count = len(members)
+        del fitted  # of a long recording some hundred megabytes, of which nothing is needed any more
         fitted = _fitted(again, range(count), range(count, len(patterns)))
     return fitted
 
@@ -109,25 +111,28 @@ def _patterns_about(observed: Observed, relinearized_: Relinearized) -> Patterns
     return [*patterns, *((groups[m].candidate, parts[m]) for m in relinearized_.outside)]
 
 
-def _step(relinearized_: Relinearized, about: Observed) -> float:
+def _step(relinearized_: Relinearized, about: Observed, patterns: Patterns) -> float:
     """How far (in whitened units) sizes would move what they move, if what lies beyond first order about the present
     shape were allowed for: its length over the scatter is the largest change of any size, or sum of sizes, in standard
     errors."""
     terms, prepared = relinearized_.refit.terms, relinearized_.prepared
     change = about.residual - prepared.observed.residual
-    for term in terms:
-        change = change + term.moved - _moved(about, term)
+    for term, (candidate, columns) in zip(terms, patterns, strict=False):
+        there = columns.whole() if candidate is term.candidate else None
+        change = change + term.moved - _moved(about, term, there)
     columns = [
         prepared.beside,
         *(term.columns for term in terms),
         *(prepared.columns[m] for m in relinearized_.outside),
     ]
-    white = prepared.observed.whitened(np.concatenate(columns, axis=2))
-    return length_along(white, prepared.observed.whitened(beyond_nuisances(prepared, change)))
+    beyond = prepared.observed.whitened(beyond_nuisances(prepared, change))
+    return length_along(side_by_side(prepared.observed, columns), beyond)
 
 
-def _moved(observed: Observed, term: Term) -> Array:
-    """What a term moves (N, C), m and rad, about another shape; products with unknown weights, which are none of that
-    shape, as before."""
-    columns = None if term.shared else columns_of(observed, term.candidate)
+def _moved(observed: Observed, term: Term, columns: Array | None) -> Array:
+    """What a term moves (N, C), m and rad, about another shape, its columns there given or not; products with unknown
+    weights, which are none of that shape, as before."""
+    if term.shared:
+        return term.moved
+    columns = columns_of(observed, term.candidate) if columns is None else columns
     return term.moved if columns is None else term_at(observed, term.candidate, term.sizes, columns).moved

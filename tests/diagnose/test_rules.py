@@ -108,7 +108,7 @@ NO_RULES = {
     "patterns/form.py": {"BY_ANOTHER", "FORCE_IN_TIME", "IN_PART", "OF_JOINT", "PULL", "REGION"},  # shapes of forms
     "patterns/forms.py": {"_ENDS", "_MANY_VISITS", "_MOMENTS, _PERIODS, _REGIONS", "_STRETCHES, _WIDEST"},
     "patterns/library.py": {"_ALIKE", "_STEP"},
-    "patterns/pool.py": {"GONE", "VISIBLE", "_AT_ONCE", "_NEARLY", "_RANK", "_TOLD"},
+    "patterns/pool.py": {"GONE", "VISIBLE", "_AT_ONCE", "_BLOCK", "_NEARLY", "_RANK", "_TOLD"},
     "patterns/unknown_weights.py": {"_ROUNDING", "_SAG", "_SPANNED"},
     "plan/design.py": {"_CLOSEST", "_SETTLED"},
     "plan/order.py": {"_RETURNS, _BESIDE"},  # what is planned: it judges nothing

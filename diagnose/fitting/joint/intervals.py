@@ -23,7 +23,7 @@ from linkwright.core.diagnose.fitting.terms import Term
 from linkwright.core.diagnose.fitting.thresholds import no_worse_than
 from linkwright.core.diagnose.fitting.unknown_masses import hold_of, known_load, sag, steps_of
 from linkwright.core.diagnose.patterns.library import columns_of, kind_of, parameter_of
-from linkwright.core.diagnose.patterns.pool import orthonormal
+from linkwright.core.diagnose.patterns.pool import orthonormal, triangle
 from linkwright.core.diagnose.result import FittedParameter
 from linkwright.core.sections.numeric import Array
 
@@ -69,10 +69,10 @@ def spread_of(prepared: Prepared, terms: Sequence[Term], variance: float, unname
         design, rows = design @ slopes, np.vstack([rows @ slopes, held])
     full = np.column_stack([design, *further]) if further else design
     held = np.hstack([rows, np.zeros((len(rows), full.shape[1] - rows.shape[1]))])
-    triangle = np.linalg.qr(np.vstack([np.linalg.qr(full, mode="r"), held]), mode="r")
-    size = np.linalg.norm(triangle, axis=0)
+    whole = triangle(np.vstack([triangle(full), held]))
+    size = np.linalg.norm(whole, axis=0)
     size = np.where(size > 0.0, size, 1.0)
-    _, singular, vt = np.linalg.svd(triangle / size, full_matrices=False)
+    _, singular, vt = np.linalg.svd(whole / size, full_matrices=False)
     good = singular > 1e-9 * singular[0]
     turned = vt[good].T / singular[good] / size[:, None]
     plain = covariance = (turned @ turned.T) * variance

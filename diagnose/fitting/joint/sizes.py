@@ -19,6 +19,8 @@ from linkwright.core.diagnose.fitting.terms import DIFFERENCE, Term, linear, ter
 from linkwright.core.diagnose.fitting.unknown_masses import entries_of, hold_of, steps_of
 from linkwright.core.diagnose.patterns.flexibility import entry, through_flexibility
 from linkwright.core.diagnose.patterns.library import columns_of, parameter_of
+from linkwright.core.diagnose.patterns.pool import triangle
+from linkwright.core.diagnose.residual.observed import Observed
 from linkwright.core.diagnose.rules.fitting_rules import FittingRules
 from linkwright.core.diagnose.rules.rules import RULES
 from linkwright.core.sections.numeric import Array
@@ -31,18 +33,28 @@ _SHARES = (1.0, 0.5, 0.25, 0.125, 1.0 / 16.0, 1.0 / 64.0)
 _ROUNDING = 1e-9
 
 
-def design_of(prepared: Prepared, terms: Sequence[Term], *, through: bool = False) -> tuple[Array, list[slice]]:
+def design_of(
+    prepared: Prepared, terms: Sequence[Term], *, through: bool = False, held: Array | None = None
+) -> tuple[Array, list[slice]]:
     """Whitened columns of the nuisances and of all terms, and where each term's are; with `through`, what flexibility
-    does for the loads among the terms counts as its own."""
+    does for the loads among the terms counts as its own. Rows by which sizes are `held` stand below."""
     columns = [term.columns if term.through is None or not through else term.columns + term.through for term in terms]
     parts = [prepared.beside, *columns]
     edges = np.cumsum([0, *(part.shape[2] for part in parts)]).tolist()
     spans = [slice(a, b) for a, b in itertools.pairwise(edges)]
-    # One after the other: copies of all columns of a long recording are hundreds of megabytes.
-    design = np.empty((prepared.observed.residual.size, edges[-1]))
-    for span, part in zip(spans, parts, strict=True):
-        design[:, span] = prepared.observed.whitened(part)
-    return design, spans[1:]
+    return side_by_side(prepared.observed, parts, held), spans[1:]
+
+
+def side_by_side(observed: Observed, parts: Sequence[Array], below: Array | None = None) -> Array:
+    """Whitened columns of some parts (N, C, d), with rows below. One after the other: copies of all columns of a long
+    recording are hundreds of megabytes."""
+    count, edges = observed.residual.size, np.cumsum([0, *(part.shape[2] for part in parts)]).tolist()
+    design = np.empty((count + (0 if below is None else len(below)), edges[-1]))
+    for (start, end), part in zip(itertools.pairwise(edges), parts, strict=True):
+        design[:count, start:end] = observed.whitened(part)
+    if below is not None:
+        design[count:] = below
+    return design
 
 
 def tether(term: Term, unit: float, *, rules: FittingRules = RULES.fitting) -> Array:
@@ -111,10 +123,10 @@ def solved_together(
     prepared, terms = _coupled(prepared, terms)
     value = _to_be_least(prepared, terms, unit)
     for _ in range(_TOGETHER if any(term.shared for term in terms) else _NEWTON):
-        design, spans = design_of(prepared, terms, through=True)
         target = prepared.observed.residual - sum((term.moved for term in terms), np.zeros(1))
         rows, wanted = tethers(prepared, terms, unit)
-        design, white = np.vstack([design, rows]), np.concatenate([prepared.observed.whitened(target), wanted])
+        design, spans = design_of(prepared, terms, through=True, held=rows)
+        white = np.concatenate([prepared.observed.whitened(target), wanted])
         stand = [k for span, item in zip(spans, still, strict=False) for k in np.arange(span.start, span.stop)[item]]
         design[:, stand] = 0.0
         together = steps_of(terms, spans, design.shape[1])
@@ -167,4 +179,6 @@ def left_by(prepared: Prepared, terms: Sequence[Term]) -> tuple[Array, float, in
     left = beyond_nuisances(prepared, left)
     white = prepared.observed.whitened(left)
     shapes = sum(len(term.candidate.free_shapes) for term in terms)
-    return left, float(white @ white), len(white) - int(np.linalg.matrix_rank(design)) - shapes
+    values = np.linalg.svd(triangle(design), compute_uv=False)
+    rank = int(np.sum(values > max(design.shape) * np.finfo(float).eps * values.max(initial=0.0)))
+    return left, float(white @ white), len(white) - rank - shapes

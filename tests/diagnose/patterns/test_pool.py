@@ -9,6 +9,7 @@ from linkwright.core.diagnose.patterns.pool import (
     length_along,
     make_pool,
     orthonormal,
+    triangle,
     with_group,
 )
 from linkwright.core.diagnose.search.subsets import products
@@ -113,6 +114,16 @@ def test_length_along_is_that_on_an_orthonormal_basis():
     assert length_along(columns, vector) == pytest.approx(np.linalg.norm(basis.T @ vector), rel=1e-9)
     assert length_along(np.zeros((40, 2)), vector) == 0.0
     assert orthonormal(np.zeros((3, 0))).shape == (3, 0)
+
+
+@pytest.mark.parametrize("rows", [3, 5, 41, 700])
+def test_a_triangle_of_blocks_is_that_of_all_rows(rows):
+    """Unlike a Gram matrix it keeps what is small: columns of a size of 1e-9 beside others."""
+    columns = np.random.default_rng(rows).standard_normal((rows, 5)) * [1.0, 1e-9, 1e3, 1.0, 1.0]
+    columns[:, 4] = columns[:, 0] + 1e-9 * columns[:, 4]
+    found, whole = triangle(columns), np.linalg.qr(columns, mode="r")
+    assert found.shape == whole.shape
+    assert np.abs(found) == pytest.approx(np.abs(whole), rel=1e-5, abs=1e-14)
 
 
 def test_pools_that_grow_from_one_do_not_disturb_each_other():
