@@ -58,7 +58,7 @@ def smooth_model(
     scaled, target = ((inputs - center) / spread)[rows], residual[rows]
     size = float(np.sqrt(np.mean(target**2))) or 1.0
     target = target / size
-    beside = [np.asarray(part)[rows] / size for part in known]
+    beside = _left_alone([np.asarray(part)[rows] / size for part in known], len(rows))
     start = np.concatenate([np.full(scaled.shape[1], np.log(0.7)), [np.log(0.5), np.log(0.5)]])
 
     def cost(logarithms: Array) -> float:
@@ -83,21 +83,20 @@ def _kernel(a: Array, b: Array, lengths: Array, variance: float) -> Array:
     return variance * np.exp(-0.5 * np.maximum(squared, 0.0))
 
 
-def _solve(
-    inputs: Array, target: Array, known: Sequence[Array], logarithms: Array
-) -> tuple[tuple[Array, bool], Array, float]:
-    """Cholesky factor of one component's covariance, the weights (N, D), and the variance.
+def _left_alone(known: Sequence[Array], rows: int) -> Array:
+    """What covariance (n, n) keeps the process off known columns (n, D) each. Each component has its own; for the
+    factor's sake they are pooled, which only widens what the process must leave alone."""
+    columns = np.concatenate([np.zeros((rows, 0)), *(part.reshape(rows, -1) for part in known)], axis=1)
+    length = np.linalg.norm(columns, axis=0)
+    columns = columns[:, length > 0.0] / length[length > 0.0] * np.sqrt(rows)
+    return 100.0 * columns @ columns.T
 
-    Each component has its own known columns; for the factor's sake they are pooled, which only widens what the process
-    must leave alone.
-    """
+
+def _solve(inputs: Array, target: Array, beside: Array, logarithms: Array) -> tuple[tuple[Array, bool], Array, float]:
+    """Cholesky factor of one component's covariance, the weights (N, D), and the variance; `beside` (N, N) is that of
+    what is known."""
     lengths = np.exp(logarithms[:-2])
     variance, noise = np.exp(2.0 * logarithms[-2:]).tolist()
-    covariance = _kernel(inputs, inputs, lengths, variance) + (noise + 1e-8) * np.eye(len(inputs))
-    if known:
-        columns = np.concatenate([part.reshape(len(inputs), -1) for part in known], axis=1)
-        length = np.linalg.norm(columns, axis=0)
-        columns = columns[:, length > 0.0] / length[length > 0.0] * np.sqrt(len(inputs))
-        covariance = covariance + 100.0 * columns @ columns.T
+    covariance = _kernel(inputs, inputs, lengths, variance) + (noise + 1e-8) * np.eye(len(inputs)) + beside
     factor = cho_factor(covariance, lower=True)
     return (factor[0], bool(factor[1])), np.asarray(cho_solve(factor, target)), variance

@@ -42,7 +42,7 @@ def only_products(observed: Observed, effect: Effect, at: Sequence[int]) -> bool
     the arm file names, drives, the base and masts under any.
     """
     first = min(at, default=0)
-    if not gives_under_weights(effect) or not any(link >= first for link in observed.unknown_masses):
+    if not any(link >= first for link in observed.unknown_masses) or not gives_under_weights(effect):
         return False
     return weights_given(observed) or not effect.weights_named
 

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from types import MappingProxyType
 
 import numpy as np
@@ -214,7 +215,7 @@ class Observed:
         """The same with loads acting through these entries of flexibility too; the residual stays against the file."""
         return replace(self, state=with_effects(self.state, self.arm, entries, self.about))
 
-    @property
+    @cached_property
     def arm_given(self) -> Arm:
         """The arm as the file says: masses unknown again, and the tool without what was found."""
         links = tuple(
