@@ -38,7 +38,7 @@ def checked_samples(
     _enough(log, rules)
     log = _in_order(log, headers.get("time", "t_s"), rules)
     _refuse_two_robots(log, arm, rules)
-    log = _one_a_stamp(log, headers.get("time", "t_s"))
+    log = _one_a_stamp(log, headers.get("time", "t_s"), rules)
     log = _without_spikes(log, arm, headers, rules)
     _enough(log, rules)
     log = _clock_said(log, headers.get("time", "t_s"), rules)
@@ -124,9 +124,9 @@ def _refuse_two_robots(log: MotionLog, arm: Arm, rules: Rules) -> None:
         )
 
 
-def _one_a_stamp(log: MotionLog, name: str) -> MotionLog:
-    """Of samples with one stamp the first."""
-    again = np.concatenate([[False], np.diff(log.time) == 0.0])
+def _one_a_stamp(log: MotionLog, name: str, rules: Rules) -> MotionLog:
+    """Of samples with one stamp, or stamps nearer to each other than those of any log, the first."""
+    again = np.concatenate([[False], np.diff(log.time) < rules.log.intervals[0]])
     if not again.any():
         return log
     first = np.maximum.accumulate(np.where(again, 0, np.arange(log.size)))

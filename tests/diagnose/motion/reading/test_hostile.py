@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pandas as pd
+import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
@@ -76,6 +77,15 @@ def test_logs_with_cells_of_anything(data):
         del columns[name]
     frame = pd.DataFrame(columns)
     one_line(lambda: log_from(table_of(frame, "DataFrame"), arm(), ReadingSettings()))
+
+
+@pytest.mark.parametrize("apart", [0.0, 7.9e-158, 1e-9])
+def test_stamps_nearer_than_those_of_any_log_are_one(apart):
+    """Else joints went at speeds whose square is no number."""
+    columns = {name: values[:120].copy() for name, values in motion().items()}
+    columns["t_s"][1] = columns["t_s"][0] + apart
+    log = log_from(table_of(pd.DataFrame(columns), "DataFrame"), arm(), ReadingSettings())
+    assert [item.row for item in log.rejected] == [2]
 
 
 def a_bag(kind: str) -> tuple[str, bytes]:
