@@ -516,7 +516,7 @@ def test_the_page_tells_which_class_of_the_proof_half_has_a_form():
     answers = {"a": said("a", "unknown"), "b": said("b", "none"), "c": said("c", "unknown")}
     words = " ".join(section(score(truths, answers, "sealed")).split())
     assert "`product_of_joints`, is no proof any more" in words
-    assert "Of the other 2 classes 1 of 2 cases are called unknown and 0 are given a name" in words
+    assert "Of the other 2 classes 1 of 2 cases are called unknown; given a name: 0" in words
     assert "no proof any more" not in section(score(truths, answers, "disclosed"))
 
 
