@@ -37,7 +37,7 @@ from linkwright.core.sections.numeric import Array
 
 from .left_by_names import Variants, left_by_names
 from .noise_left import bad_rows_down, first_scale, independent_share, loudness, memory_of, outliers_of, scatter_of
-from .thresholds import at_best
+from .thresholds import at_best, thresholds_of
 
 _PASSES, _ROUGH = 3, 4
 """How often the rough model is made anew where the noise remembers much, and how many patterns are in it at most."""
@@ -235,7 +235,7 @@ def set_aside_beside(
 ) -> tuple[tuple[RejectedRow, ...], tuple[Candidate, ...]]:
     """The rows that lie far off beside what was named, as `prepare` finds them with it, and what was named in the
     shapes that suit the others."""
-    others = frozenset(EFFECTS) - {candidate.effect for candidate in named}
+    others = frozenset(EFFECTS) - {candidate.effect for candidate in named if thresholds_of(candidate)}
     patterns = packed_up(candidates(observed, options.without | others))
     _, _, _, rejected, shaped = _without_outliers(observed, patterns, noise_floor, named)
     return rejected, shaped
@@ -289,11 +289,13 @@ def _without_outliers(
 
 
 def _variants(observed: Observed, named: Sequence[Candidate], patterns: Patterns) -> list[Variants]:
-    """Each of what was named, as it was and with the shapes of its family that a search tries."""
+    """Each of what was named, as it was and, where it has a threshold, with the shapes of its family that a search
+    tries: a threshold may be told by a few rows alone, other shapes are told by all."""
     variants: list[Variants] = []
     for candidate in named:
         own = columns_of(observed, candidate)
-        same = [(item, part.whole()) for item, part in patterns if item.family == candidate.family]
+        family = candidate.family if thresholds_of(candidate) else None
+        same = [(item, part.whole()) for item, part in patterns if item.family == family]
         if own is not None:
             variants.append([(candidate, own), *same])
     return variants

@@ -113,7 +113,7 @@ def at_best(
         return (observed.scaled(part).reshape(observed.rows, -1) * root[:, None]).reshape(observed.residual.size, -1)
 
     shaped, others_columns, target = list(candidates), list(columns), weighed(observed.residual)[:, 0]
-    sought = [(place, item, names) for place, item in enumerate(candidates) if (names := _thresholds(item))]
+    sought = [(place, item, names) for place, item in enumerate(candidates) if (names := thresholds_of(item))]
     for place, candidate, names in sought:
         rest = [beside, *(part for k, part in enumerate(others_columns) if k != place)]
         others = orthonormal(weighed(np.concatenate(rest, axis=2)))
@@ -130,7 +130,8 @@ def at_best(
     return list(zip(shaped, others_columns, strict=True))
 
 
-def _thresholds(candidate: Candidate) -> tuple[str, ...]:
+def thresholds_of(candidate: Candidate) -> tuple[str, ...]:
+    """Its shapes that say from which load on something is so."""
     if candidate.outside:
         return ()
     effect = EFFECTS[candidate.effect]
