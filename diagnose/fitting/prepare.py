@@ -235,7 +235,8 @@ def set_aside_beside(
 ) -> tuple[tuple[RejectedRow, ...], tuple[Candidate, ...]]:
     """The rows that lie far off beside what was named, as `prepare` finds them with it, and what was named in the
     shapes that suit the others."""
-    others = frozenset(EFFECTS) - {candidate.effect for candidate in named if thresholds_of(candidate)}
+    effects = {item.effect for item in named if any(each.threshold for each in EFFECTS[item.effect].parameters)}
+    others = frozenset(EFFECTS) - effects
     patterns = packed_up(candidates(observed, options.without | others))
     _, _, _, rejected, shaped = _without_outliers(observed, patterns, noise_floor, named)
     return rejected, shaped
@@ -289,13 +290,13 @@ def _without_outliers(
 
 
 def _variants(observed: Observed, named: Sequence[Candidate], patterns: Patterns) -> list[Variants]:
-    """Each of what was named, as it was and, where it has a threshold, with the shapes of its family that a search
-    tries: a threshold may be told by a few rows alone, other shapes are told by all."""
+    """Each of what was named, as it was and with the shapes of its family that have a threshold: that may be told by a
+    few rows alone, other shapes are told by all."""
     variants: list[Variants] = []
     for candidate in named:
         own = columns_of(observed, candidate)
-        family = candidate.family if thresholds_of(candidate) else None
-        same = [(item, part.whole()) for item, part in patterns if item.family == family]
+        of_family = ((item, part) for item, part in patterns if item.family == candidate.family)
+        same = [(item, part.whole()) for item, part in of_family if thresholds_of(item)]
         if own is not None:
             variants.append([(candidate, own), *same])
     return variants
