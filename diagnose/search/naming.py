@@ -305,10 +305,12 @@ def _carried_on(
 def _exchanged(
     namer: Namer, members: tuple[int, ...], p_values: tuple[float, ...], *, one_by_one: bool = False
 ) -> tuple[tuple[int, ...], tuple[float, ...]]:
-    """A better set in place of the members, each of which passes its own test beside the others; else themselves."""
+    """Of a better set those that pass their own tests beside each other, if they are better still; else the members."""
     other = better(namer, members, one_by_one=one_by_one)
-    p_of_others = own_tests(namer, other) if other != members else ()
-    return (other, p_of_others) if p_of_others and max(p_of_others) <= namer.rules.false_alarm else (members, p_values)
+    if other == members:
+        return members, p_values
+    sound, p_of_sound = _sound(namer, other)
+    return (sound, p_of_sound) if namer.criterion_of(sound) < namer.criterion_of(members) else (members, p_values)
 
 
 def _worth_it(namer: Namer, fewer: Sequence[int], more: Sequence[int]) -> bool:
