@@ -84,8 +84,9 @@ class Prepared:
 
     @property
     def visits(self) -> NDArray[np.int64]:
-        """Which visit each reading belongs to, numbered from 0."""
-        return np.unique(self.observed.block, return_inverse=True)[1].reshape(-1).astype(np.int64)
+        """Which visit each reading belongs to, numbered from 0; neighbours that tell as much as one are one."""
+        visit = np.unique(self.observed.block, return_inverse=True)[1].reshape(-1).astype(np.int64)
+        return visit // self.together
 
 
 def nuisances(observed: Observed, *, origins: bool = True) -> tuple[Array, tuple[str, ...]]:
