@@ -4,11 +4,9 @@ from __future__ import annotations
 
 import math
 from collections import Counter
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any
-
-import numpy as np
 
 from benchmarks.blind.answers import (
     NAMES,
@@ -18,7 +16,6 @@ from benchmarks.blind.answers import (
     Truth,
     all_classes_right,
     in_class,
-    is_it,
     members,
     rate,
     spread,
@@ -30,7 +27,6 @@ from benchmarks.blind.proof.remade import REGIONS
 TOOL = "linkwright"
 WAYS = ("designed", "random")
 Results = Mapping[str, Mapping[str, Any]]
-Said = Sequence[Sequence[Any]]  # names: [effect, at]
 
 
 @dataclass(frozen=True)
@@ -41,18 +37,6 @@ class Prediction:
     way: str
     whole: tuple[Spread, ...]
     error: tuple[Spread, ...]
-
-
-@dataclass(frozen=True)
-class Naming:
-    """What a method says: alarms where nothing is, names where something is (rates without cases: it gives none)."""
-
-    way: str
-    alarms_plain: Rate
-    alarms_hostile: Rate
-    alone: Rate
-    among: Rate
-    names: float
 
 
 @dataclass(frozen=True)
@@ -72,8 +56,6 @@ class Figures:
 
     predictions: tuple[Prediction, ...]
     predicted: int
-    namings: tuple[Naming, ...]
-    named_on: tuple[int, int]  # cases with something, nulls
     direction: Rate
     poses: tuple[Poses, ...]
     promised: tuple[Poses, ...]  # where the answer says that its poses are enough for all pairs
@@ -83,10 +65,9 @@ class Figures:
 
 
 def figures(half: Half, found: Mapping[str, Results]) -> Figures:
-    """The figures of a half from the results of its parts (`prediction`, `nulls`, `next_poses`)."""
+    """The figures of a half from the results of its parts (`prediction`, `next_poses`)."""
     truths = {t["case"]: t for t in half.truths}
-    ratios, nulls = _good(found["prediction"]), _good(found["nulls"])
-    poses = _good(found["next_poses"])
+    ratios, poses = _good(found["prediction"]), _good(found["next_poses"])
     sure = {case: pose for case, pose in poses.items() if _enough(half.said[case])}
     directed = [
         (result["direction"], ((half.said[case].diagnosis or {}).get("where") or {}).get("direction"))
@@ -95,8 +76,6 @@ def figures(half: Half, found: Mapping[str, Results]) -> Figures:
     return Figures(
         predictions=_predictions(half, truths, ratios),
         predicted=len(ratios),
-        namings=_namings(half, truths, ratios, nulls),
-        named_on=(len(ratios), len(nulls)),
         direction=rate(said == true for true, said in directed if said is not None),
         poses=tuple(_poses(way, truths, half.said, poses) for way in WAYS if poses),
         promised=tuple(_poses(way, truths, half.said, sure) for way in WAYS if sure),
@@ -152,54 +131,6 @@ def _prediction(way: str, ratios: Iterable[Mapping[str, float | None]]) -> Predi
         tuple(spread((math.sqrt(1.0 + x * x) for x in column), 1.05) for column in known),
         tuple(spread(column) for column in known),
     )
-
-
-def said_right(names: Said, truth: Truth, *, alone: bool) -> bool:
-    """Whether every true effect, or an alias that this recording cannot tell from it, is among the names; `alone`: and
-    nothing else is."""
-    if alone and len(names) != len(truth["effects"]):
-        return False
-    return all(_hit(names, true, truth) for true in truth["effects"])
-
-
-def _hit(names: Said, true: Mapping[str, Any], truth: Truth) -> bool:
-    more = [*truth["aliases"], *truth["aliases_given_geometry"]] if len(truth["effects"]) == 1 else true["aliases"]
-    others = [{"effect": effect, "at": at} for effect, at in more]
-    return any(is_it(effect, at, item) for effect, at in names for item in (true, *others))
-
-
-def _namings(half: Half, truths: Mapping[str, Truth], something: Results, nulls: Results) -> tuple[Naming, ...]:
-    def heads(case: str) -> Said:
-        answer = half.said[case]
-        return [[e["effect"], e.get("at")] for e in answer.entries] if answer.verdict in NAMES else []
-
-    def tool_claims(case: str) -> bool | None:
-        return half.said[case].verdict in NAMES | {"unknown"}
-
-    def naming(way: str, names: Callable[[str], Said], claims: Callable[[str], bool | None]) -> Naming:
-        def alarms(kind: str) -> Rate:
-            told = [claims(case) for case in nulls if truths[case]["kind"] == kind]
-            return rate(bool(item) for item in told if item is not None)
-
-        given = {case: names(case) for case in something}
-        if not any(given.values()):
-            nobody = rate([])
-            return Naming(way, alarms("null"), alarms("hostile_null"), nobody, nobody, math.nan)
-        return Naming(
-            way,
-            alarms("null"),
-            alarms("hostile_null"),
-            rate(said_right(said, truths[case], alone=True) for case, said in given.items()),
-            rate(said_right(said, truths[case], alone=False) for case, said in given.items()),
-            float(np.mean([len(said) for said in given.values()])),
-        )
-
-    ways = list(dict.fromkeys(way for result in something.values() for way in result["names"]))
-    others = [
-        naming(way, lambda case, w=way: something[case]["names"][w], lambda case, w=way: nulls[case]["claims"][w])
-        for way in ways
-    ]
-    return (naming(TOOL, heads, tool_claims), *others)
 
 
 def _poses(way: str, truths: Mapping[str, Truth], before: Mapping[str, Answer], results: Results) -> Poses:

@@ -19,7 +19,6 @@ POWER = "proof-power.svg"
 WORDS = Path(__file__).with_name("words.yaml")
 Both = Sequence[tuple[Half, Figures]]
 Row = tuple[str, Callable[[Half, Figures], str]]
-_NAMING = ("alarms, plain", "alarms, hostile", "right and alone", "right among others", "names a case")
 
 
 def _short(rate: Rate) -> str:
@@ -75,7 +74,7 @@ def page(both: Both, written: Mapping[str, Cause] | None = None) -> str:
     """The whole report. `both` holds the disclosed half, the sealed one, or both, in that order."""
     known = causes() if written is None else written
     lines = ["# The proof", "", *_words("opening"), *_how(both), *_reached(both, known), *_alarms(both)]
-    for section in (_power, _confused, _located, _covered, _unknown, _hidden, _predicted, _others, _poses):
+    for section in (_power, _confused, _located, _covered, _unknown, _hidden, _predicted, _poses):
         lines += section(both)
     return "\n".join(lines).rstrip() + "\n"
 
@@ -253,28 +252,6 @@ def _predicted(both: Both) -> list[str]:
 def _prediction(prediction: Prediction) -> list[str]:
     errors = [f"{value.median:.2f}" if value.count else "-" for value in prediction.error]
     return [prediction.way, *(_ratio(value) for value in prediction.whole), *errors]
-
-
-def _others(both: Both) -> list[str]:
-    lines = ["## Other methods on the same cases", "", *_words("others")]
-    for half, found in both:
-        if not found.predictions:
-            continue
-        some, none = found.named_on
-        lines += [f"{half.name.capitalize()} half, {some} cases with something and {none} with nothing:", ""]
-        rows = [
-            [
-                naming.way,
-                _short(naming.alarms_plain),
-                _short(naming.alarms_hostile),
-                _short(naming.alone),
-                _short(naming.among),
-                "names nothing" if math.isnan(naming.names) else f"{naming.names:.1f}",
-            ]
-            for naming in found.namings
-        ]
-        lines += _table(["", *_NAMING], rows)
-    return lines
 
 
 def _poses(both: Both) -> list[str]:

@@ -1,4 +1,4 @@
-"""How far a corrected arm is from the truth at poses that nobody recorded, and how far others are."""
+"""How far a corrected arm is from the truth at poses that nobody recorded, and how far the model as given is."""
 
 from __future__ import annotations
 
@@ -14,9 +14,8 @@ from benchmarks.blind.generator.cases import Case
 from benchmarks.blind.generator.concealed import Scene
 from benchmarks.blind.generator.mechanics import nominal_inputs, solve
 from benchmarks.blind.generator.vectors import Array
-from benchmarks.blind.proof.baselines import BASELINES
 from benchmarks.blind.proof.library import tellable, true_arm
-from benchmarks.blind.proof.patterns import left, patterns, patterns_at
+from benchmarks.blind.proof.model import left
 from benchmarks.blind.proof.remade import REGIONS, Session, remade, rng_of, session, table_of
 from benchmarks.blind.run import CORRECTED, ask
 from benchmarks.blind.staging import exact, nominal_without, stage
@@ -35,8 +34,6 @@ def predicted(truth: dict[str, Any], folder: str, corrected: str, may_ask: bool)
     made = session(case, rng_of(truth, 1))
     given, noise = Path(folder) / "arm.yaml", float(truth["noise_rms_mm"]) * 1e-3
     rest: dict[str, Array] = {}
-    names: dict[str, list[Any]] = {}
-    claims: dict[str, bool | None] = {}
     with tempfile.TemporaryDirectory() as place:
         new, arm = Path(place) / "recording.csv", Path(corrected)
         table_of(case, made).to_csv(new, index=False, lineterminator="\n")
@@ -51,16 +48,8 @@ def predicted(truth: dict[str, Any], folder: str, corrected: str, may_ask: bool)
         if tellable(truth):
             true_arm(case, Path(folder), Path(place) / "true.yaml")
             rest["true parameters"] = left(Path(place) / "true.yaml", new)
-        result = patterns(given, Path(folder) / "recording.csv")
-        there = patterns_at(given, new, result)
-        for name, fit in BASELINES.items():
-            fitted = fit(result)
-            rest[name] = there.residual - fitted.predict(there)
-            names[name], claims[name] = [list(item) for item in fitted.names], fitted.claims
     return {
         "ratios": {name: _by_region(case, made, vectors, noise) for name, vectors in rest.items()},
-        "names": names,
-        "claims": claims,
         "direction": direction(case),
     }
 
@@ -101,13 +90,3 @@ def direction(case: Case) -> str:
     shares["tangential"] = 1.0 - sum(shares.values())
     best = max(shares, key=lambda name: shares[name])
     return best if shares[best] > CLEAR else "mixed"
-
-
-def claimed(folder: str) -> dict[str, Any]:
-    """What the baselines say of a recording."""
-    result = patterns(Path(folder) / "arm.yaml", Path(folder) / "recording.csv")
-    fits = {name: fit(result) for name, fit in BASELINES.items()}
-    return {
-        "names": {name: [list(item) for item in fitted.names] for name, fitted in fits.items()},
-        "claims": {name: fitted.claims for name, fitted in fits.items()},
-    }

@@ -14,7 +14,7 @@ from benchmarks.blind.proof.figures import Figures, Results, asks_for_poses, fig
 from benchmarks.blind.proof.halves import Half, read_half, sample, shown
 from benchmarks.blind.proof.page import POWER, page
 from benchmarks.blind.proof.parts import FAILED, Piece, done
-from benchmarks.blind.proof.prediction import claimed, predicted
+from benchmarks.blind.proof.prediction import predicted
 from benchmarks.multibody.page import kept_section
 
 _GOALS = ((0.5, 0.9), (1.0, 0.95), (2.0, 0.99))
@@ -25,7 +25,6 @@ class Sizes:
     """How many cases each further part takes at most."""
 
     predicted: int = 72
-    nulls: int = 60
     next_poses: int = 40
 
 
@@ -37,8 +36,6 @@ def parts(half: Half, work: Path, jobs: int, sizes: Sizes) -> Mapping[str, Resul
         return done(f"{half.name}, {part}", call, pieces, work / half.name / part, jobs)
 
     some = sample(half, sizes.predicted, lambda t, _: shown(t, ("single", "pair"), 0.5))
-    quiet = [*sample(half, sizes.nulls // 2, lambda t, _: t["kind"] == "null")]
-    quiet += sample(half, sizes.nulls - sizes.nulls // 2, lambda t, _: t["kind"] == "hostile_null")
     tied = sample(half, sizes.next_poses, asks_for_poses) if open_half else []
 
     def piece(case: str, *more: object) -> Piece:
@@ -51,7 +48,6 @@ def parts(half: Half, work: Path, jobs: int, sizes: Sizes) -> Mapping[str, Resul
             predicted,
             [piece(t["case"], dict(t), names[t["case"]], str(half.corrected(t["case"])), open_half) for t in some],
         ),
-        "nulls": run("nulls", claimed, [piece(t["case"], names[t["case"]]) for t in quiet]),
         "next_poses": run(
             "next_poses",
             next_poses,
