@@ -72,5 +72,5 @@ def _section(number: int, when: str, link: Link, side: Side, size: float) -> str
     length = nice_below(0.5 * size)
     bar = scale_bar(-length / 2, 0.66 * size, length, 0.012 * size, 0.075 * size, f"{figure(length)} mm")
     about = f"cross-section of link {number} {when}: {section_words(link)}"
-    drawn = path(rings, f"link {when or 'after'}") if rings else ""
+    drawn = path(rings, f"link profile {when or 'after'}") if rings else ""
     return drawing(-width / 2, -width / 2, width, width + 0.14 * size, about, drawn, bar)

@@ -3,6 +3,7 @@
 import io
 import math
 import re
+from importlib.resources import files
 
 import ezdxf
 import numpy as np
@@ -98,3 +99,12 @@ def test_sizes_on_the_drawing_are_the_sections_own_however_it_leans():
     sheet = ezdxf.read(io.StringIO(lw.export_arm(lw.Arm.of(arm_with(LEANING)), to="dxf").text)).modelspace()
     said = sorted(item.get_measurement() for item in sheet.query("DIMENSION"))
     assert said == pytest.approx(sorted([300.0] * 3 + [65.8, 20, 50, 90, 60, 100, 30, 40]))
+
+
+def test_walls_thinner_than_a_pixel_have_an_outline_of_their_own_colour():
+    """1 mm in half a metre, 200 pixels high, is 0.4 pixels wide; elsewhere links are set apart by white."""
+    style = files("linkwright.report").joinpath("style.css").read_text(encoding="utf-8")
+    stroke = dict(re.findall(r"\.profile\.(before|after) \{ stroke: ([^;]+);", style))
+    assert stroke == {"before": "var(--before)", "after": "var(--after)"}
+    drawn = re.findall(r'<path [^>]*class="([^"]+)"', sections_grid([("before", arm_with(LEVEL))]))
+    assert [set(of.split()) for of in drawn] == [{"link", "profile", "before"}] * 3
