@@ -20,9 +20,9 @@ from linkwright.core.optimize.choice.combinations import Choice, NoChoice, Progr
 from linkwright.core.optimize.choice.near_ties import NEAR, Tie, Ties
 from linkwright.core.optimize.choice.picks import Combination
 from linkwright.core.optimize.choice.picks import options as materials_of
+from linkwright.core.optimize.choice.solution_cache import Solutions
 from linkwright.core.optimize.exchange.design import arm_of, material_row, numeric_beams
 from linkwright.core.optimize.exchange.exchange import Context, context_of
-from linkwright.core.optimize.journal import Journal
 from linkwright.core.units.quantities import NoAnswer
 
 from .dropped import dropped_of
@@ -44,15 +44,14 @@ _NOTHING = 1e-5
 
 @dataclass(frozen=True)
 class Options:
-    """How a search is run: the callbacks for its progress (see `run.optimise`), the executor of its independent steps,
-    and the journal of an earlier search for the same problem."""
+    """How a search is run: the callbacks for its progress (see `run.optimise`), and the executor of its independent
+    steps."""
 
     log: Log | None = None
     progress: Progress | None = None
     told: Callable[[str], None] | None = None
     begun: Callable[[Evaluation], None] | None = None
     executor: Executor | None = None
-    journal: Journal | None = None
     _before: list[Evaluation] = field(default_factory=list)
 
     def tell(self, text: str) -> None:
@@ -90,12 +89,12 @@ class _Solver:
     """On how many combinations of shapes and materials the solver failed where there was no design."""
     told: Feasibility | None = None
     """What is known of how far all combinations of an only structure break the limits."""
-    journal: Journal = field(default_factory=lambda: Journal(None, ""))
+    solutions: Solutions = field(default_factory=Solutions)
     """Near ties come back to combinations that were solved before."""
 
     def chosen(self, context: Context, known: float, **settings: Any) -> Choice | NoChoice:
         """The best choice of a context's links that is better than an objective (SI)."""
-        return chosen(context, known=known, executor=self.options.executor, journal=self.journal, **settings)
+        return chosen(context, known=known, executor=self.options.executor, solutions=self.solutions, **settings)
 
     def solve(self, problem: Problem, known: float) -> Answer[Driven] | None:
         """As `structures.Solve`."""
@@ -154,7 +153,6 @@ def nominal_optimum(problem: Problem, options: Options, given: Problem) -> Optim
         first, names = first_driven(problem)
         raise Infeasible(explained(context_of(first), beyond=beyond, progress=options.progress), _looked_at(names))
     solver = _Solver(options, problem.actuators is None and not problem.motors)
-    solver.journal = options.journal or solver.journal
     search = StructureSearch(problem, solver.solve, options.progress)
     before = options.evaluated(given)
     try:

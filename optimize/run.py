@@ -8,7 +8,6 @@ from dataclasses import replace
 from linkwright.core.arm.evaluation import Evaluation
 from linkwright.core.executors import Executor
 from linkwright.core.optimize.choice.combinations import Progress
-from linkwright.core.optimize.journal import Journal
 
 from .nominal import Log, Options, nominal_optimum
 from .problem import Problem
@@ -26,11 +25,8 @@ def optimise(
     told: Callable[[str], None] | None = None,
     begun: Callable[[Evaluation], None] | None = None,
     executor: Executor | None = None,
-    journal: Journal | None = None,
 ) -> OptimizationResult:
     """The best design for a problem; what falls apart into steps is done by `executor`, else by this process.
-
-    `journal` answers what an earlier search for the same problem has solved, and notes what is solved.
 
     `told` hears at once of limits that no design can keep, before it is found out what they would have to be; `begun`
     of the arm as given, before the first round.
@@ -40,7 +36,7 @@ def optimise(
     `Infeasible` (one of them) where no design keeps the limits, which says what they would have to be, and `InputError`
     where a figure is missing that the problem needs.
     """
-    options = Options(log, progress, told, begun, executor, journal)
+    options = Options(log, progress, told, begun, executor)
     start = start_that_reaches(problem)
     if start is not None:
         options.tell(start.why)

@@ -8,12 +8,9 @@ from typing import Any
 
 import linkwright as lw
 from linkwright.core.arm.chain.chain import Arm
-from linkwright.core.arm.files.write import arm_to_yaml
 from linkwright.core.diagnose.plan.written import read_plan
 from linkwright.core.diagnose.reading.read import read_recording
-from linkwright.core.optimize.choice.solution_cache import search_journal
-from linkwright.core.optimize.journal import journal_digest
-from linkwright.core.optimize.problem import read_problem
+from linkwright.core.optimize.tradeoff.journal import Journal, journal_digest
 from linkwright.face.planning.budget import sheet_of
 from linkwright.face.planning.watch import read_dated
 
@@ -63,11 +60,7 @@ def planning_kinds(drives: Arm) -> dict[str, Kind]:
         "instruments": Kind(
             {"r.csv": recordings, "r.yaml": settings}, lambda at: read_recording(at / "r.csv", space), {}
         ),
-        "journal": Kind(
-            {"journal.jsonl": (_journal(drives),)},
-            _resumed,
-            {"arm.yaml": arm_to_yaml(drives), "problem.yaml": "arm: arm.yaml\n"},
-        ),
+        "journal": Kind({"journal.jsonl": (_journal(),)}, _resumed, {}),
     }
 
 
@@ -84,18 +77,14 @@ def _of_instruments() -> tuple[tuple[str, ...], tuple[str, ...]]:
     return tuple(recordings), tuple(settings)
 
 
-def _journal(arm: Arm) -> str:
-    """The journal of a search that was stopped."""
+def _journal() -> str:
+    """The journal of a trade-off that was stopped."""
     with tempfile.TemporaryDirectory() as folder:
-        at = Path(folder)
-        (at / "arm.yaml").write_text(arm_to_yaml(arm), encoding="utf-8")
-        (at / "problem.yaml").write_text("arm: arm.yaml\n", encoding="utf-8")
-        made = search_journal(read_problem(at / "problem.yaml"), at / "journal.jsonl", "1")
-        assert made is not None
-        with made as journal:
-            journal.put(("a", "bounded", "0"), {"objective": 1.5, "x": [0.25, 1e-3], "outcome": "found"})
-            journal.put(("a", "bounded", "1"), None)
-        return (at / "journal.jsonl").read_text(encoding="utf-8")
+        file = Path(folder) / "journal.jsonl"
+        with Journal(file, "digest") as journal:
+            journal.put(("all", "y", "0"), {"objective": 1.5, "x": [0.25, 1e-3], "outcome": "found"})
+            journal.put(("all", "y", "1"), None)
+        return file.read_text(encoding="utf-8")
 
 
 def _resumed(at: Path) -> None:
@@ -103,11 +92,9 @@ def _resumed(at: Path) -> None:
     journal_digest(at / "journal.jsonl")
 
     def gone_on() -> None:
-        made = search_journal(read_problem(at / "problem.yaml"), at / "journal.jsonl", "1")
-        assert made is not None
-        with made as journal:
+        with Journal(at / "journal.jsonl", "digest", resume=True) as journal:
             assert journal.size <= 2
-            assert not journal.has(("a", "bounded", "0")) or journal.get(("a", "bounded", "0")) == {
+            assert not journal.has(("all", "y", "0")) or journal.get(("all", "y", "0")) == {
                 "objective": 1.5,
                 "x": [0.25, 1e-3],
                 "outcome": "found",

@@ -1,7 +1,6 @@
 """Design: what an arm can do, the best design within limits, and the error to expect before anything is built."""
 
 from collections.abc import Callable, Mapping, Sequence
-from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from linkwright.api.signature import (
@@ -85,13 +84,11 @@ def optimize(
     begun: "Callable[[Evaluation], None] | None" = None,
     workers: int | None = None,
     executor: "Executor | None" = None,
-    resume: Annotated[File | None, file_option("FILE")] = None,
 ) -> "Optimization":
     """The best design within a problem's limits: what changes, how sure it is, what binds and what that costs.
 
     Example: linkwright optimize problem.yaml --out result
     Example: linkwright optimize problem.yaml --round stock --out result
-    Example: linkwright optimize problem.yaml --resume search.jsonl --out result
 
     Args:
         problem: The problem file. In Python also a `Problem`.
@@ -104,11 +101,9 @@ def optimize(
         begun: Hears of the arm as given, before the first round.
         workers: Processes of this machine for what takes long; one for each core by default.
         executor: Who does it instead: `lw.Processes`, `lw.Cluster`.
-        resume: Note all that is solved in FILE, and go on with what it holds after a stop.
 
-    Ctrl-C ends it with the best design so far, marked `interrupted`. Raises `InputError` (where the file to resume from
-    is of another problem or version, too), `MissingProperty`, and `NoAnswer`, whose `infeasible` says what each limit
-    would have to be.
+    Ctrl-C ends it with the best design so far, marked `interrupted`. Raises `InputError`, `MissingProperty`, and
+    `NoAnswer`, whose `infeasible` says what each limit would have to be.
 
     >>> import linkwright as lw
     >>> problem = lw.Problem(
@@ -130,9 +125,7 @@ def optimize(
     rounding = rounding_of(round_to, round_length)
     asked = problem_of(problem)
     with at_work(executor, workers) as crew:
-        return optimized(
-            asked, rounding, None if resume is None else Path(resume), progress, log, out_of_reach, begun, crew
-        )
+        return optimized(asked, rounding, progress, log, out_of_reach, begun, crew)
 
 
 def tradeoff(

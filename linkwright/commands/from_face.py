@@ -40,11 +40,6 @@ if TYPE_CHECKING:
 class Optimize(Made):
     """`optimize`: rounds are told as they come, and what no design keeps is answered too."""
 
-    def checked(self, targets: Targets, words: dict[str, Any], inputs: Sequence[Path]) -> Targets:
-        """The journal too is written to."""
-        check_target(words["resume"], *(path for path in inputs if path != words["resume"]))
-        return super().checked(targets, words, inputs)
-
     def call(self, given: dict[str, Any], targets: Targets, crew: Executor) -> Any:
         """Optimise (and round), with a line for each round and a bar while combinations are tried."""
         from linkwright.screen.progress import Steps
@@ -55,7 +50,7 @@ class Optimize(Made):
         except KeyboardInterrupt:
             steps.close()
             words = "no design was finished yet, so there is none to keep"
-            options.stop(crew, self.left(words, given, crew))
+            options.stop(crew, words)
         except NoAnswer as error:
             if error.infeasible is not None:
                 steps.close()
@@ -68,12 +63,6 @@ class Optimize(Made):
         """Apart from the rounds."""
         _apart()
         super().answer(result)
-
-    def left(self, kept: str, given: dict[str, Any], crew: Executor) -> str:
-        """And how it goes on."""
-        if given["resume"] is not None:
-            return f"{kept}; the same command goes on with what is in {given['resume']}"
-        return kept if crew.lost is None else f"{kept}; one that is to go on where it stops needs --resume FILE"
 
 
 def _heard(problem: lw.Problem, steps: Any) -> dict[str, Any]:

@@ -181,7 +181,7 @@ class Made:
         self.answer(result)
         options.tell_written(written, self.unwritten)
         if getattr(result, "interrupted", False):
-            options.stop(crew, self.left(self.kept, arguments, crew))
+            options.stop(crew, self.kept)
 
     def checked(self, targets: Targets, words: dict[str, Any], inputs: Sequence[Path]) -> Targets:
         """What is to be written, by default too. Raises `InputError` for what could not be, before any work is done."""
@@ -252,11 +252,6 @@ class Made:
         from linkwright.screen.described import show
 
         show(console(), result.description)
-
-    def left(self, kept: str, given: dict[str, Any], crew: Executor) -> str:
-        """What an interrupt leaves, in words."""
-        del given, crew
-        return kept
 
     @contextmanager
     def named_as_options(self, words: dict[str, Any]) -> Generator[None]:

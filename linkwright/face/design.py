@@ -3,16 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from contextlib import nullcontext
 from dataclasses import dataclass
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from linkwright.core.arm.chain.chain import Arm as Model
 from linkwright.core.arm.evaluation import Evaluation as Evaluated
 from linkwright.core.arm.figures import Figure
 from linkwright.core.executors import Executor
-from linkwright.core.optimize.choice.solution_cache import search_journal
 from linkwright.core.optimize.result import Iteration, OptimizationResult
 from linkwright.core.optimize.rounding.options import Rounding, read_rounding
 from linkwright.core.optimize.rounding.rounding import optimise_rounded
@@ -24,7 +21,6 @@ from linkwright.json.fields import fields, in_mm
 from linkwright.output.files import DESIGN
 from linkwright.output.read_back import ReadBack
 from linkwright.output.table_file import frame
-from linkwright.output.tradeoff_folder import made_by
 from linkwright.redesigning import Redesign as FoundRedesign
 from linkwright.redesigning import describe, redesign_json, redesign_sentences
 from linkwright.report.pictures.plots import exchange_figure
@@ -145,7 +141,6 @@ def rounding_of(to: str | None, length: Quantity | None) -> Rounding | None:
 def optimized(
     problem: Problem,
     rounding: Rounding | None,
-    resume: Path | None,
     progress: Progress | None,
     log: Callable[[Iteration], None] | None,
     out_of_reach: Callable[[str], None] | None,
@@ -153,8 +148,7 @@ def optimized(
     executor: Executor,
 ) -> Optimization:
     """The best design, and whoever wants to hear told on the way; Ctrl-C is heard between two steps."""
-    journal = search_journal(problem.model, resume, made_by())
-    with journal or nullcontext(), told(progress) as tell, interrupts() as check:
+    with told(progress) as tell, interrupts() as check:
 
         def tries(done: int, total: int, text: str) -> None:
             check()
@@ -170,7 +164,7 @@ def optimized(
                 begun(Evaluation(problem.arm, before))
 
         settings: Any = {"log": heard, "progress": tries, "told": out_of_reach, "begun": starts}
-        settings |= {"executor": executor, "journal": journal}
+        settings["executor"] = executor
         if rounding is not None:
             return Optimization(problem, optimise_rounded(problem.model, rounding, **settings))
         return Optimization(problem, optimise(problem.model, **settings))

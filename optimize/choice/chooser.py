@@ -7,7 +7,7 @@ worse than a finished one needs no exchange of its own: it is bounded out.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Hashable, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, TypeVar
 
@@ -15,9 +15,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from linkwright.core.arm.figures import OfDesign, Totals, excess
+from linkwright.core.arm.files.write import arm_to_yaml
 from linkwright.core.arm.worst.workspace import Unreachable
 from linkwright.core.executors import Executor
-from linkwright.core.optimize.exchange.binding_poses import Pool, Room
+from linkwright.core.optimize.exchange.binding_poses import Pool
 from linkwright.core.optimize.exchange.design import (
     LENGTH,
     TAPER,
@@ -33,14 +34,13 @@ from linkwright.core.optimize.exchange.exchange import GAINED, Context, Exchange
 from linkwright.core.optimize.exchange.other_lengths import other_lengths, share_unreached, with_lengths
 from linkwright.core.optimize.exchange.program import Ask, Program, Solution, carried_mass
 from linkwright.core.optimize.exchange.rescue import solved
-from linkwright.core.optimize.journal import Journal
 from linkwright.core.optimize.result import Candidate, Iteration
 
 from .at_once.feasibility import Feasibility, feasibility_of
 from .bounding import Bounded, bound_all, bounding
 from .picks import Combination, one_link_changed, uniform
 from .signs import one_signed
-from .solution_cache import Answer, Ended, Kept, Key
+from .solution_cache import Answer, Ended, Solutions, key_of
 
 Array = NDArray[np.float64]
 Progress = Callable[[int, int, str], None]
@@ -89,12 +89,13 @@ class Chooser:
         log: Callable[[Iteration], None] | None,
         known: float = math.inf,
         executor: Executor | None = None,
-        journal: Journal | None = None,
+        solutions: Solutions | None = None,
     ) -> None:
         """`known`: an objective (SI) that is reached without these combinations; what cannot beat it is given up.
-        `executor` bounds combinations; without one this process does. `journal` answers what it knows and notes what is
-        found."""
-        self._answers = None if journal is None else Kept(journal, context.problem.arm, context.scenarios)
+        `executor` bounds combinations; without one this process does. `solutions` answers what it knows and notes what
+        is found."""
+        self._solutions = Solutions() if solutions is None else solutions
+        self._arm = arm_to_yaml(context.problem.arm)
         self._executor, self._bounding = executor, bounding(context.problem)
         self.context, self.progress, self.known = context, progress, known
         self.history: list[Iteration] = []
@@ -141,11 +142,10 @@ class Chooser:
         left = [(number, pick) for number, pick in enumerate(picks) if pick not in self.candidates]
         if not left or self.pool is None:
             return []
-        bounded: dict[Combination, Bounded] = {}
-        keys: dict[Combination, Key] = {}
-        if self._answers is not None:
-            keys = {pick: self._answers.key("bound", pick, self.pool) for _, pick in left}
-            bounded = {pick: answer for pick, key in keys.items() if (answer := self._answers.get(key)) is not None}
+        keys = {pick: self._key("bound", pick) for _, pick in left}
+        bounded: dict[Combination, Bounded] = {
+            pick: self._solutions[key] for pick, key in keys.items() if key in self._solutions
+        }
         known = len(bounded)
 
         def told(done: int) -> None:
@@ -153,9 +153,7 @@ class Chooser:
                 self.progress(known + done, len(left), "bounding combinations")
 
         def keep(pick: Combination, bound: Bounded) -> None:
-            bounded[pick] = bound
-            if self._answers is not None:
-                self._answers.put(keys[pick], bound)
+            bounded[pick] = self._solutions[keys[pick]] = bound
 
         fresh = [pick for _, pick in left if pick not in bounded]
         bound_all(executor, self._bounding, fresh, self.pool, told, keep)
@@ -359,17 +357,17 @@ class Chooser:
         self, what: str, pick: Combination, exchange: Exchange, given: tuple[Any, ...], solve: Callable[[], Known]
     ) -> tuple[Known, bool]:
         """What a combination came to for the poses known, and whether it was found now, not kept from before."""
-        assert self.pool is not None
-        if self._answers is None:
-            return solve(), True
-        key = self._answers.key(what, pick, self.pool, *given, _slots(exchange.room))
-        answer = self._answers.get(key)
-        if answer is not None:
+        key = self._key(what, pick, *given, exchange.room)
+        if key in self._solutions:
+            answer = self._solutions[key]
             exchange.room = answer.room
             return answer, False
-        answer = solve()
-        self._answers.put(key, answer)
+        answer = self._solutions[key] = solve()
         return answer, True
+
+    def _key(self, what: str, pick: Combination, *given: object) -> Hashable:
+        """Under what an answer for the poses known stands."""
+        return key_of(self._arm, what, pick, self.pool, *given)
 
     def solve(self, pick: Combination, *, explain: bool = False) -> Solved:
         """A combination for the pool alone; with `explain` also how little the limits would have to give way."""
@@ -534,8 +532,3 @@ def _alone(exchange: Exchange, materials: Array, pool: Pool, starts: Sequence[Ar
     assert exchange.room is not None
     solution, objective = (None, None) if found is None else found
     return Answer(exchange.room, objective, solution, found is None and unsolved, None)
-
-
-def _slots(room: Room | None) -> object:
-    """The slots of a program, as answers depend on them; None where there is none yet."""
-    return None if room is None else [list(room.errors), [[name, list(slots)] for name, slots in room.held]]

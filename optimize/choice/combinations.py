@@ -12,7 +12,6 @@ from numpy.typing import NDArray
 from linkwright.core.executors import Executor
 from linkwright.core.optimize.exchange.design import DesignSpace
 from linkwright.core.optimize.exchange.exchange import Context, Exchange, Exchanged
-from linkwright.core.optimize.journal import Journal
 from linkwright.core.optimize.result import Candidate, Iteration
 
 from .at_once.feasibility import Feasibility
@@ -21,6 +20,7 @@ from .initial_arm import given_design
 from .large_choice import CLOSE, Among, among_many, possible
 from .near_ties import Ties, near_ties
 from .picks import Combination, combinations, count
+from .solution_cache import Solutions
 
 Array = NDArray[np.float64]
 
@@ -81,7 +81,6 @@ def choose(
     log: Callable[[Iteration], None] | None = None,
     known: float = math.inf,
     executor: Executor | None = None,
-    journal: Journal | None = None,
     ties: bool = True,
 ) -> Choice | None:
     """The best combination of shapes and materials; None where none has a solution (better than `known`, SI). With
@@ -89,7 +88,7 @@ def choose(
 
     See `chosen`, which also says what became of the combinations then.
     """
-    result = chosen(context, progress=progress, log=log, known=known, executor=executor, journal=journal, ties=ties)
+    result = chosen(context, progress=progress, log=log, known=known, executor=executor, ties=ties)
     return result if isinstance(result, Choice) else None
 
 
@@ -100,19 +99,19 @@ def chosen(
     log: Callable[[Iteration], None] | None = None,
     known: float = math.inf,
     executor: Executor | None = None,
-    journal: Journal | None = None,
+    solutions: Solutions | None = None,
     ties: bool = True,
 ) -> Choice | NoChoice:
     """The best combination of shapes and materials, where any has a solution (better than `known`, SI). With `ties`
     those that come near it are solved to the end as well.
 
-    `executor` does what falls apart into steps; without one this process does all. `journal` answers what it knows of
-    an earlier search, and notes what is found.
+    `executor` does what falls apart into steps; without one this process does all. `solutions` answers what it
+    knows of an earlier search, and notes what is found.
     A `KeyboardInterrupt` that `progress` or `log` raises ends the search with the best so far, and goes on where there
     is none yet.
     """
     shared = executor if executor is not None and executor.shares else None
-    search = _Search(Chooser(context, progress, log, known, shared, journal), ties)
+    search = _Search(Chooser(context, progress, log, known, shared, solutions), ties)
     try:
         search.run()
     except KeyboardInterrupt:

@@ -18,7 +18,6 @@ from linkwright.core.optimize.choice.combinations import Choice, Progress, choos
 from linkwright.core.optimize.exchange.design import arm_of
 from linkwright.core.optimize.exchange.exchange import Context, context_of
 from linkwright.core.optimize.exchange.scenarios import Scenarios
-from linkwright.core.optimize.journal import Journal
 from linkwright.core.optimize.problem import Problem
 from linkwright.core.optimize.result import Iteration
 from linkwright.core.sections.numeric import Array
@@ -51,10 +50,8 @@ class RobustDesign:
 class RobustExchange:
     """Designs for scenarios, with one model for all of them."""
 
-    def __init__(
-        self, problem: Problem, progress: Progress | None, log: Log | None, journal: Journal | None = None
-    ) -> None:
-        self.problem, self.progress, self.log, self._journal = problem, progress, log, journal
+    def __init__(self, problem: Problem, progress: Progress | None, log: Log | None) -> None:
+        self.problem, self.progress, self.log = problem, progress, log
         self.context = context_of(problem)
         self.search = ScenarioSearch(problem)
         self.rounds = 0
@@ -67,7 +64,7 @@ class RobustExchange:
     def _designed(self, shares: list[Array]) -> RobustDesign | None:
         self.rounds += 1
         context = self.context_for(shares)
-        choice = choose(context, progress=self.progress, log=self.log, journal=self._journal)
+        choice = choose(context, progress=self.progress, log=self.log)
         if choice is None:
             return None
         arm = arm_of(choice.space, choice.exchanged.x, choice.combination.materials)

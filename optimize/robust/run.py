@@ -91,7 +91,7 @@ def robust_optimum(problem: Problem, nominal: OptimizationResult, options: Optio
     assert problem.uncertain is not None
     worst = problem.uncertain.worst
     problem = replace(problem, arm=_driven(problem.arm, nominal.arm), actuators=None)
-    exchange = RobustExchange(problem, options.progress, options.log, options.journal)
+    exchange = RobustExchange(problem, options.progress, options.log)
     design = exchange.worst() if worst else exchange.share(nominal.arm)
     if not isinstance(design, Design):
         raise Infeasible(explained(design, progress=options.progress))

@@ -20,7 +20,6 @@ from linkwright.core.arm.worst.workspace import Unreachable
 from linkwright.core.executors import Executor
 from linkwright.core.optimize.choice.combinations import Progress
 from linkwright.core.optimize.exchange.exchange import context_of
-from linkwright.core.optimize.journal import Journal
 from linkwright.core.optimize.problem import Problem
 from linkwright.core.optimize.result import KeptLimit, NotRounded, OptimizationResult, Rounded
 from linkwright.core.optimize.run import Log, optimise
@@ -64,11 +63,10 @@ def optimise_rounded(
     told: Callable[[str], None] | None = None,
     begun: Callable[[Evaluation], None] | None = None,
     executor: Executor | None = None,
-    journal: Journal | None = None,
 ) -> OptimizationResult:
     """The best design for a problem, with `rounded` in it, or `not_rounded` where no such design keeps the limits.
 
-    `log`, `progress`, `told`, `begun`, `executor` and `journal` as in `optimise`.
+    `log`, `progress`, `told`, `begun` and `executor` as in `optimise`.
 
     An interrupt (see `optimise`) leaves the optimum, and the best rounded design if there is one yet. Raises `NoAnswer`
     where no design keeps the limits, whatever its sizes.
@@ -86,7 +84,7 @@ def optimise_rounded(
         would_do = "they are sizes to be had already, so leave --round out"
         raise InputError(problem.file, "choose.sizes", f"goes without --round; {would_do}")
     settings: Any = {"log": log, "progress": progress, "told": told, "begun": begun}
-    result = optimise(problem, **settings, executor=executor, journal=journal)
+    result = optimise(problem, **settings, executor=executor)
     reason = "interrupted before a design of them was found"
     missing = NotRounded(rounding.text, _length_step(problem, rounding), reason)
     if result.interrupted:

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import os
 import signal
+import subprocess
+import sys
 from pathlib import Path
 from types import MappingProxyType
 
@@ -16,6 +18,21 @@ from linkwright.core.executors.threads import threads
 from linkwright.core.units.quantities import InputError, NoAnswer
 from linkwright.face.progress import at_work
 from tests.executors import steps
+
+ROOT = Path(__file__).resolve().parents[2]
+KILLED = """
+import os, signal
+from linkwright.core.executors import Processes, plain
+from tests.executors import steps
+
+def kill(number, result):
+    print(*two.processes(), flush=True)
+    os.kill(os.getpid(), signal.SIGKILL)
+
+with Processes(2, patience=0.0) as two:
+    two.map(plain(steps.wait), [0.01] + [30.0] * 8, each=kill)
+"""
+"""It is killed while both of its workers are at work."""
 
 
 def test_results_come_in_the_order_of_the_items_whoever_does_them():
@@ -97,6 +114,15 @@ def test_interrupt_leaves_what_is_done_and_no_process():
             two.map(plain(steps.wait), [0.0, 600.0, 600.0], stop, lambda _, result: got.append(result))
     assert got == [0.0]
     assert two.processes() == []
+
+
+def test_workers_end_with_a_parent_that_is_killed():
+    # Its standard output ends when the last of its processes has.
+    made = subprocess.run(
+        [sys.executable, "-c", KILLED], cwd=ROOT, stdout=subprocess.PIPE, text=True, timeout=20.0, check=False
+    )
+    assert made.returncode == -signal.SIGKILL
+    assert len(made.stdout.split()) == 2
 
 
 def test_number_of_workers_is_checked():

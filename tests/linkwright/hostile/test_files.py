@@ -17,7 +17,6 @@ INPUTS = [
     "evaluate arm.yaml --motion {}",
     "optimize {}",
     "optimize problem.yaml --catalogue {}",
-    "optimize problem.yaml --resume {}",
     "seam {} --from '1m,0m' --to '1m,1m'",
     "seam arm.yaml --from '0.6m,0m' --to '0.6m,0.1m' --catalogue {}",
     "inverse {} '0.5 m' '0.2 m'",
@@ -125,8 +124,8 @@ def test_what_is_no_file_is_one_line(linkwright, line):
     for name in NAMES if few else ("/dev/zero", "pipe"):
         status, out, err = linkwright(*(word.format(name) for word in shlex.split(line)))
         assert (status, out, err.count("\n")) == (2, "", 1), name
-        # What an ending, a folder or a journal should be is told before the file is opened.
-        elsewise = line.startswith(("serve", "optimize problem.yaml --resume")) or " import " in line
+        # What an ending or a folder should be is told before the file is opened.
+        elsewise = line.startswith("serve") or " import " in line
         assert NAMES[name] in err or (name in err and elsewise)
 
 
