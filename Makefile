@@ -12,7 +12,7 @@ PIP_INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-check
 PIP_COMPILE := $(BIN)/python -m piptools compile --quiet --generate-hashes --allow-unsafe --strip-extras \
 	--no-header --no-emit-index-url --no-emit-trusted-host --no-emit-find-links
 
-.PHONY: help demo pictures picture-reports test test-fast test-all lint benchmark results problems proof proof-sample proof-docs proof-multibody motion-proof motion-proof-sample motion-real rules-docs effects-docs fuzz docs notebooks gallery lock clean
+.PHONY: help demo pictures picture-reports test test-fast test-all lint benchmark results problems proof proof-sample proof-multibody motion-proof motion-proof-sample motion-real rules-docs effects-docs fuzz docs notebooks gallery lock clean
 .DELETE_ON_ERROR:
 
 help:
@@ -28,7 +28,6 @@ help:
 	@echo "make problems   hold the optimiser against every combination of random problems and a hand calculation, 50 of each kind (PROBLEMS=50)"
 	@echo "make proof      the diagnosis on concealed physics (PROOF_CASES=1000 PROOF_SEED=... PROOF_OUT=...; an hour or more)"
 	@echo "make proof-sample  a seeded sample of it, with bounds that must hold"
-	@echo "make proof-docs docs/proof.md from what make proof left (PROOF_DISCLOSED=... PROOF_SEALED=...: folders of cases)"
 	@echo "make proof-multibody  the diagnosis on arms of a multibody engine (PROOF_CASES=600 PROOF_HALF=development or proof; hours)"
 	@echo "make motion-proof  the diagnosis on motion logs of MuJoCo arms (PROOF_CASES=300 PROOF_HALF=development or proof; hours)"
 	@echo "make motion-proof-sample  twenty of them, some minutes"
@@ -153,19 +152,7 @@ proof: $(DEV)
 proof-sample: $(DEV)
 	$(ONE_THREAD) $(BIN)/python -m benchmarks.blind_sample
 
-# The report of one half or of both: a half counts where its answers are. A sealed half is opened by this. What the parts
-# beyond the score computed stays in PROOF_WORK, by case and answer, so that a second run takes only what is new.
-PROOF_DISCLOSED ?= proof-out-disclosed-$(PROOF_SEED)
-PROOF_DISCLOSED_ANSWERS ?= $(PROOF_DISCLOSED)-answers
-PROOF_SEALED ?= proof-out-sealed-$(PROOF_SEED)
-PROOF_SEALED_ANSWERS ?= $(PROOF_SEALED)-answers
-PROOF_WORK ?= proof-out-parts
 PROOF_JOBS ?= 2
-proof-docs: $(DEV)
-	$(ONE_THREAD) $(BIN)/python -m benchmarks.blind publish --work $(PROOF_WORK) --docs docs --jobs $(PROOF_JOBS) \
-		$(if $(wildcard $(PROOF_DISCLOSED_ANSWERS)),--disclosed $(PROOF_DISCLOSED) $(PROOF_DISCLOSED_ANSWERS)) \
-		$(if $(wildcard $(PROOF_SEALED_ANSWERS)),--sealed $(PROOF_SEALED) $(PROOF_SEALED_ANSWERS))
-
 # The second generator: its proof half holds unknown classes of its own and is asked once. Goes on where it was interrupted.
 PROOF_REMOUNTS ?= 0.35
 proof-multibody: PROOF_CASES = 600

@@ -1,4 +1,4 @@
-"""The command line: python -m benchmarks.blind make | run | score | remake | publish."""
+"""The command line: python -m benchmarks.blind make | run | score | remake."""
 
 from __future__ import annotations
 
@@ -9,8 +9,7 @@ from pathlib import Path
 from benchmarks.blind.answers import load
 from benchmarks.blind.front import answer, options
 from benchmarks.blind.make import HALVES, make
-from benchmarks.blind.proof.publish import publish
-from benchmarks.blind.proof.remade import REGIONS, NotTheCaseError, remade, rng_of, session, table_of
+from benchmarks.blind.remade import REGIONS, NotTheCaseError, remade, rng_of, session, table_of
 from benchmarks.blind.run import SealedTwiceError, run
 from benchmarks.blind.score import score
 from benchmarks.blind.seal import half_of
@@ -24,12 +23,6 @@ def _parser() -> argparse.ArgumentParser:
     again.add_argument("cases", type=Path)
     again.add_argument("case", help="its name, as in the folder of cases; of a sealed half only once it is scored")
     again.add_argument("--out", type=Path, required=True, help="the new recording, a CSV file")
-    publishing = commands.add_parser("publish", help="docs/proof.md from folders of cases and answers")
-    for half in HALVES:
-        publishing.add_argument(f"--{half}", type=Path, nargs=2, metavar=("CASES", "ANSWERS"), default=None)
-    publishing.add_argument("--work", type=Path, required=True, help="keeps what was computed, case by case")
-    publishing.add_argument("--docs", type=Path, default=Path("docs"))
-    publishing.add_argument("--jobs", type=int, default=2)
     return parser
 
 
@@ -58,11 +51,6 @@ def _done(asked: argparse.Namespace) -> str:
         return f"{run(asked.cases, asked.answers, asked.jobs, asked.limit, asked.timeout)} cases answered"
     if asked.command == "remake":
         return _remake(asked.cases, asked.case, asked.out)
-    if asked.command == "publish":
-        folders = [tuple(pair) for pair in (asked.disclosed, asked.sealed) if pair]
-        if not folders:
-            raise FileNotFoundError("name the folders of at least one half: --disclosed CASES ANSWERS")
-        return "\n".join(f"written: {path}" for path in publish(folders, asked.work, asked.docs, asked.jobs))
     result = score(*load(asked.cases, asked.answers, partial=asked.partial))
     text = as_markdown(result)
     if asked.json:

@@ -155,15 +155,8 @@ def _tally(tally: tuple[tuple[str, int], ...]) -> str:
     return ", ".join(f"{verdict} {number}" for verdict, number in tally)
 
 
-def kept_section(page: Path) -> str:
-    """The section that a page holds already, to be carried over when the rest is written anew; empty without one."""
-    text = page.read_text(encoding="utf-8") if page.exists() else ""
-    at = text.find(f"\n{HEADING}\n")
-    return text[at + 1 :] if at >= 0 else ""
-
-
 def write_section(page: Path, score: Score) -> None:
     """Puts the section at the end of a page, in place of the one it holds."""
     text = page.read_text(encoding="utf-8") if page.exists() else ""
-    own = text.removesuffix(kept_section(page)).rstrip()
+    own = text.partition(f"\n{HEADING}\n")[0].rstrip()
     page.write_text((own + "\n\n" if own else "") + section(score), encoding="utf-8", newline="\n")

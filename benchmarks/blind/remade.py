@@ -13,7 +13,6 @@ import pandas as pd
 from benchmarks.blind.generator.cases import Case, kind_of, make_case
 from benchmarks.blind.generator.designs import Design
 from benchmarks.blind.generator.files import recording_table
-from benchmarks.blind.generator.thermal import Air
 from benchmarks.blind.generator.vectors import Array
 from benchmarks.blind.staging import exact
 
@@ -123,56 +122,6 @@ def _visited(case: Case, q: Array, payload: Array, rng: np.random.Generator) -> 
         fresh=np.ones(rows),
         repeats=False,
     )
-
-
-@dataclass(frozen=True)
-class Visit:
-    """A pose to be recorded: rad or m, kg (None: the arm's own), the side that all joints come from (None: any)."""
-
-    q: tuple[float, ...]
-    payload: float | None
-    side: float | None
-
-
-def continued(case: Case, visits: list[Visit], rng: np.random.Generator) -> Case:
-    """The case with further visits, each repeated as the recording repeats, measured by the same tracker.
-
-    What was measured stays as it was; the air keeps its last temperature. Columns that the recording lacks stay away.
-    """
-    design = case.design
-    starts = np.flatnonzero(design.fresh > 0)
-    repeats = round(design.time.size / starts.size)
-    pause = float(np.median(np.diff(design.time[starts])))
-    m = len(visits) * repeats
-    first = np.arange(m) % repeats == 0
-    clock = float(design.time[-1]) + np.cumsum(np.where(first, pause, 4.0))
-    told = "payload_kg" in design.columns
-    load = [case.arm.payload if v.payload is None or not told else v.payload for v in visits]
-    side = _sides(design, len(visits), rng)
-    if "dir" in design.columns:
-        side = np.stack([side[:, k] if v.side is None else 0.0 * side[:, k] + v.side for k, v in enumerate(visits)], 1)
-    more = {
-        "q": np.repeat(_rounded(case, np.array([v.q for v in visits]).T), repeats, axis=1),
-        "side": np.repeat(side, repeats, axis=1),
-        "speed": np.zeros((case.arm.count, m)),
-        "payload": np.repeat(np.array(load), repeats),
-        "force": np.zeros((3, m)),
-        "time": np.round(clock, 1),
-        "fresh": first.astype(float),
-    }
-    joined = {name: np.concatenate([getattr(design, name), part], axis=-1) for name, part in more.items()}
-    longer = replace(design, **joined, air=_longer(design.air, float(clock[-1])))
-    axes = case.readings.shape[0]
-    new = exact(case.arm, longer, case.effects)[:axes, design.time.size :]
-    errors = case.tracker.sigma * np.array(case.tracker.ratio)[:, None] * rng.standard_normal(new.shape)
-    return replace(case, design=longer, readings=np.concatenate([case.readings, new + errors], axis=1))
-
-
-def _longer(air: Air, end: float) -> Air:
-    step = float(air.clock[1] - air.clock[0])
-    count = max(0, int(np.ceil((end - float(air.clock[-1])) / step)))
-    clock = np.concatenate([air.clock, air.clock[-1] + step * np.arange(1, count + 1)])
-    return Air(clock, np.concatenate([air.temperature, np.full(count, air.temperature[-1])]))
 
 
 def table_of(case: Case, made: Session) -> pd.DataFrame:
