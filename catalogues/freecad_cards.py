@@ -51,8 +51,8 @@ _THERMAL = "9959d007-a970-4ea7-bae4-3eb1b8b883c7"
 _SOURCES = ("ReferenceSource", "SourceURL", "ProductURL", "StandardCode", "Author")
 
 
-def read_card(path: Path | str, *, name: str = "") -> Entry:
-    """Return the material of a card of either format, under `name` or the card's own name in our spelling.
+def read_card(path: Path | str) -> Entry:
+    """Return the material of a card of either format, under the card's own name in our spelling.
 
     Raises `InputError` for a file that is no such card, or a value that is no quantity of its kind.
     """
@@ -69,7 +69,7 @@ def read_card(path: Path | str, *, name: str = "") -> Entry:
         content[property_name] = value if kind == "dimensionless" else format_quantity(value, kind)
     if not set(content) & set(property_kinds()):
         raise InputError(path, "", "has no property that is read here (YoungsModulus, Density, ...)")
-    return Entry(name or spelled(title), content, {"freecad-card": reference})
+    return Entry(spelled(title), content, {"freecad-card": reference})
 
 
 def spelled(title: str) -> str:

@@ -80,7 +80,7 @@ def nothing_found(name: str) -> Material | None:
     return None
 
 
-def read_inline(content: object, *, file: object, key: str, name: str = "", find: Finder = nothing_found) -> Material:
+def read_inline(content: object, *, file: object, key: str, find: Finder = nothing_found) -> Material:
     """Return the material that an arm file describes in place, such as `{elastic_modulus: 71 GPa, ...}`.
 
     Nothing is required: what a question needs and the entry lacks is a `MissingProperty` when the question is
@@ -89,7 +89,7 @@ def read_inline(content: object, *, file: object, key: str, name: str = "", find
     mapping = Mapping(content, file=file, key=key)
     if not mapping.content:
         raise InputError(file, key, "the material has no properties; give e.g. {elastic_modulus: 71 GPa}")
-    named = mapping.text("name", name or key or "material in place")
+    named = mapping.text("name", key or "material in place")
     material = _read(mapping, named, references=None, family="in place", find=find)
     mapping.close()
     return replace(material, in_place=with_units(mapping.content))

@@ -166,7 +166,7 @@ def solve(
     warm = [rise] * arm.size if held.warming is None else held.warming
     at = Load(moment=case.moment).pushed(add(pushed, scale(carried, pull)), placed.tool)
     links, joints = _inward(arm, placed, beams, acting, pull, at, warm, coordinates(arm, q))
-    for index in [index for index in range(arm.size) if not _always(arm.away(index), 0.0)]:
+    for index in [index for index in range(arm.size) if not _never(arm.away(index))]:
         here = minus(1.0, arm.away(index))
         links[index], joints[index] = _only(here, links[index]), _only_drive(here, joints[index])
     return PoseState(
@@ -289,7 +289,7 @@ def _hanging(
     down = from_base(pull)
     loads: list[tuple[Scalar, Load]] = []
     for branch in arm.branches:
-        if _always(branch.away, 0.0):
+        if _never(branch.away):
             continue
         rows = slice(branch.first, branch.end)
         weighs = LoadCase(branch.payload.mass)
@@ -301,8 +301,8 @@ def _hanging(
     return loads
 
 
-def _always(away: Scalar, value: float) -> bool:
-    return isinstance(away, float) and away == value
+def _never(away: Scalar) -> bool:
+    return isinstance(away, float) and away == 0.0
 
 
 def _only(here: Scalar, link: LinkState) -> LinkState:

@@ -122,12 +122,12 @@ def _refuse_with_branches(mapping: Mapping, arm: Arm) -> None:
             )
 
 
-def read_load(mapping: Mapping, mass: float = 0.0) -> LoadCase:
+def read_load(mapping: Mapping) -> LoadCase:
     """What acts at the tip: mass, force and moment."""
     with mapping.reading():
         mapping.also_called({"mass": ("weight",), "moment": ("torque",)})
         return LoadCase(
-            mass=mapping.not_negative("mass", "mass", mass),
+            mass=mapping.not_negative("mass", "mass", 0.0),
             force=read_vector(mapping, "force", "force", ZERO),
             moment=read_vector(mapping, "moment", "moment", ZERO),
         )

@@ -223,7 +223,7 @@ def _balanced(arm: Arm, q: Array) -> Array:
     return about @ turns_by_coordinates(arm)
 
 
-def regressor(arm: Arm, q: Array, velocity: Array, acceleration: Array, *, gravity: FloatVector | None = None) -> Array:
+def regressor(arm: Arm, q: Array, velocity: Array, acceleration: Array) -> Array:
     """How the torques of the drives follow each link's inertial parameters: with those of `link_parameters` it gives
     `inverse_dynamics`, but for counterbalances and what else acts at the tip.
 
@@ -232,7 +232,6 @@ def regressor(arm: Arm, q: Array, velocity: Array, acceleration: Array, *, gravi
         q: (N, n) joint coordinates, rad (m for slides).
         velocity: (N, n) rad/s (m/s).
         acceleration: (N, n) rad/s^2 (m/s^2).
-        gravity: m/s^2 in the base frame, in place of the arm's.
 
     Returns:
         (N, n, 10 n): torque of drive i (N*m, N) by parameter p of link k (both from 0) in [:, i, 10 * k + p].
@@ -246,7 +245,7 @@ def regressor(arm: Arm, q: Array, velocity: Array, acceleration: Array, *, gravi
     turned = turns_by_drives(arm)
     plain = bool(np.array_equal(turned, np.eye(size)))
     for piece in pieces(len(q)):
-        here = moving(arm, q[piece], velocity[piece], acceleration[piece], gravity)
+        here = moving(arm, q[piece], velocity[piece], acceleration[piece], None)
         about = np.zeros((size, size, 10, len(here.tip[0])))
         for link in range(size):
             for joint in range(link + 1):

@@ -30,15 +30,15 @@ class PartSearch(WorstSearch):
     """Searches a path for the worst part of an error. Its model has the load cases once for each straight piece: piece
     k under load case i is case k * (number of load cases) + i."""
 
-    def __init__(self, model: ErrorModel, workspace: Workspace, *, gap: float = DEFAULT_GAP, scan: int = 4096) -> None:
+    def __init__(self, model: ErrorModel, workspace: Workspace, *, gap: float = DEFAULT_GAP) -> None:
         """As `WorstSearch`, for a path with `workspace.error` other than `whole` and at least one piece."""
         self.pieces = workspace.segments
         self._loads = len(model.cases)
         projections = [onto(_direction(piece), workspace.error, planar=model.planar) for piece in self.pieces]
-        super().__init__(part_of(model, projections), workspace, gap=gap, scan=scan)
+        super().__init__(part_of(model, projections), workspace, gap=gap)
         own = [self.model.cases[k * self._loads : (k + 1) * self._loads] for k in range(len(self.pieces))]
         self._searches = [
-            WorstSearch(replace(self.model, cases=cases), replace(piece, error="whole"), gap=gap, scan=scan)
+            WorstSearch(replace(self.model, cases=cases), replace(piece, error="whole"), gap=gap)
             for cases, piece in zip(own, self.pieces, strict=True)
         ]
 
@@ -85,10 +85,10 @@ def _direction(piece: Workspace) -> tuple[float, ...]:
     return tuple(np.subtract(end, start).tolist())
 
 
-def worst_search(model: ErrorModel, workspace: Workspace, *, gap: float = DEFAULT_GAP, scan: int = 4096) -> WorstSearch:
+def worst_search(model: ErrorModel, workspace: Workspace, *, gap: float = DEFAULT_GAP) -> WorstSearch:
     """The search for the worst of what counts of the error over a workspace."""
     kind = WorstSearch if workspace.error == "whole" else PartSearch
-    return kind(model, workspace, gap=gap, scan=scan)
+    return kind(model, workspace, gap=gap)
 
 
 def projections_at(model: ErrorModel, workspace: Workspace, tips: Array) -> Array | None:

@@ -333,7 +333,7 @@ class WorstSearch:
             x[:, joints], _ = climb(lambda at, rows: polynomials.terms.at(at, which[rows]), x[:, joints], lower, upper)
             q = self._in_range(self._coordinates.unscaled(x))
             error = self.errors(q, p, polynomials.case).error
-            apart = _worst_apart(q[:, joints], error, np.zeros(len(q), dtype=np.intp), _MOST_POSES)
+            apart = _worst_apart(q[:, joints], error, np.zeros(len(q), dtype=np.intp))
             poses = self.worst_poses_at(q[apart], p, polynomials.case)
         else:
             best = np.argsort(-values[order, which], kind="stable")[:16]
@@ -438,22 +438,20 @@ def _apart(q: Array, values: Array, count: int) -> NDArray[np.intp]:
     return np.array(chosen, dtype=np.intp)
 
 
-def distinct(
-    poses: list[WorstPose], joints: Sequence[int] | None = None, most: int = _MOST_POSES
-) -> tuple[WorstPose, ...]:
+def distinct(poses: list[WorstPose], joints: Sequence[int] | None = None) -> tuple[WorstPose, ...]:
     """The worst first, near repeats left out; `joints` are those (from 0) that count for that, all by default."""
     if not poses:
         return ()
     q, case = np.array([pose.q for pose in poses]), np.array([pose.load_case for pose in poses])
     coordinates = q if joints is None else q[:, list(joints)]
-    return tuple(poses[k] for k in _worst_apart(coordinates, np.array([pose.error for pose in poses]), case, most))
+    return tuple(poses[k] for k in _worst_apart(coordinates, np.array([pose.error for pose in poses]), case))
 
 
-def _worst_apart(q: Array, errors: Array, case: NDArray[np.intp], most: int) -> list[int]:
+def _worst_apart(q: Array, errors: Array, case: NDArray[np.intp]) -> list[int]:
     """Indices of the worst of some poses q (N, n) first, at most so many, near repeats in one load case left out."""
     left = np.argsort(-errors, kind="stable")
     chosen: list[int] = []
-    while len(left) and len(chosen) < most:
+    while len(left) and len(chosen) < _MOST_POSES:
         first = left[0]
         chosen.append(int(first))
         apart = np.abs(q[left] - q[first]).max(axis=1, initial=0.0) > _DISTINCT

@@ -218,14 +218,12 @@ def settle(
     at_tip: Array,
     laws: Sequence[Law] = (),
     forces: Sequence[Force] = (),
-    start: Array | None = None,
-    tolerance: float = 1e-12,
 ) -> Rest:
     """Rest under load: x = rest + compliance * load(x) + laws(load(x)), by repeated substitution.
 
     It contracts by about deflection over length a round. Raises NotSettledError after 200 rounds.
     """
-    x = rest.copy() if start is None else start
+    x = rest.copy()
     for count in range(200):
         place(machine, x)
         load = loads(machine, at_tip, forces)
@@ -235,7 +233,7 @@ def settle(
                 new[index] += amount
         change = float(np.abs(new - x).max())
         x = new if count < 20 else 0.5 * (x + new)
-        if change < tolerance:
+        if change < 1e-12:
             break
     else:
         raise NotSettledError(f"{machine.arm.name}: still moving by {change:.1g} after 200 rounds")

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 
 import numpy as np
 
@@ -22,15 +22,11 @@ def selected_within(
     folds: Folds,
     options: Options,
     tell: Callable[[str], None] = print,
-    first: Sequence[int] | None = None,
 ) -> Array:
-    """What is left (N, 3), m, of each reading by a model that was both chosen and fitted without its fold.
-
-    `first` names the folds to be tried, all by default; other readings are nan.
-    """
+    """What is left (N, 3), m, of each reading by a model that was both chosen and fitted without its fold."""
     residual = observed.residual[:, :3]
     result = np.full(residual.shape, np.nan)
-    for fold in first if first is not None else np.unique(folds).tolist():
+    for fold in np.unique(folds).tolist():
         seen = folds != fold
         said = diagnose(arm, recording.kept(seen), options)
         parts: list[Part] = [loose(observed), *found(observed, said)]
