@@ -14,7 +14,7 @@ from types import MappingProxyType
 
 import numpy as np
 
-from linkwright.core.arm.chain.beam import Beam
+from linkwright.core.arm.chain.beam import Beam, Taper
 from linkwright.core.arm.chain.chain import Arm
 from linkwright.core.arm.chain.prices import fixed_price, price_by_length, price_by_mass
 from linkwright.core.arm.errors.model import ErrorModel, beam_values, beams_of, error_model
@@ -24,6 +24,7 @@ from linkwright.core.arm.figures import KEPT_WITHIN, Limit, excess
 from linkwright.core.arm.figures.frequency import least_frequency
 from linkwright.core.arm.figures.sideways import sideways_compliance
 from linkwright.core.arm.figures.tip_stiffness import least_stiffness, tip_compliance, tips_of
+from linkwright.core.arm.figures.torque import drive_case, rated_torques
 from linkwright.core.arm.worst.parts import worst_search
 from linkwright.core.arm.worst.search import WorstSearch
 from linkwright.core.arm.worst.workspace import Unreachable
@@ -214,7 +215,7 @@ class _Bound:
 
 def _through_poses(problem: Problem, extremes: dict[int, _Extremes]) -> list[OutOfReach | None]:
     limited = {limit.name for limit in problem.limits}
-    if not limited & {"max_error", "first_frequency", "tip_stiffness", "sideways_stiffness"}:
+    if not limited & {"max_error", "first_frequency", "tip_stiffness", "sideways_stiffness", "torque_use"}:
         return []
     arm = _ideal(problem)
     problem = replace(problem, arm=arm)
@@ -227,6 +228,9 @@ def _through_poses(problem: Problem, extremes: dict[int, _Extremes]) -> list[Out
     ]
     found: list[OutOfReach | None] = []
     try:
+        found += [
+            _of_drives(problem, search, bounds[0].beams, extremes, limit) for limit in problem.limit("torque_use")
+        ]
         for limit in problem.limits:
             for bound in bounds:
                 best = _best(problem, model, search, limit, bound, extremes)
@@ -303,6 +307,33 @@ def _best(
     if limit.name == "max_error":
         return _least_error(problem, model, search, p, extremes)
     return None
+
+
+def _of_drives(
+    problem: Problem, search: WorstSearch, weightless: tuple[Beam, ...], extremes: dict[int, _Extremes], limit: Limit
+) -> OutOfReach | None:
+    """What every design asks of some drive at some pose: what it carries and the lightest links, where no link's
+    weight, however it is spread along the link, takes off some of it."""
+    if problem.actuators is not None or problem.balances:
+        return None
+    p = values_of_rigid(weightless)
+    poses = search.poses(p, _POSES) if limit.poses is None else limit.poses
+    rated = np.array([np.inf if torque is None else torque for torque in rated_torques(problem.arm)])
+    least = np.zeros(len(rated))
+    for case in (drive_case(problem.arm, load) for load in problem.load_cases):
+        carried = case.vectorised(poses, p)[0]
+        held, sound = np.abs(carried), np.ones(carried.shape, dtype=bool)
+        for link, extreme in extremes.items():
+            ends = (
+                replace(weightless[link], mass_per_length=extreme.lightest, taper=Taper(balance=end)) for end in (0, 1)
+            )
+            weighed = (values_of_rigid((*weightless[:link], beam, *weightless[link + 1 :])) for beam in ends)
+            more = np.min([np.sign(carried) * (case.vectorised(poses, q)[0] - carried) for q in weighed], axis=0)
+            held, sound = held + more, sound & (more >= 0.0)
+        least = np.maximum(least, np.where(sound, held, 0.0).max(axis=0, initial=0.0))
+    use = least / rated
+    joint = int(np.argmax(use))
+    return OutOfReach(limit, float(use[joint]), f"with the lightest links joint {joint + 1} uses of its rated torque")
 
 
 def _least_error(
