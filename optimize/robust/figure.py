@@ -50,7 +50,5 @@ def upper_rank(share: float, count: int) -> int | None:
     (order statistics: W. J. Conover, Practical Nonparametric Statistics, 3rd ed., 1999, ch. 3.2); None where none is.
     """
     # The r-th value is above the quantile where at most r - 1 samples are below it.
-    for place in range(1, count + 1):
-        if bdtr(place - 1, count, share) >= _CONFIDENCE:
-            return place
-    return None
+    below = int(np.searchsorted(bdtr(np.arange(count), count, share), _CONFIDENCE))
+    return below + 1 if below < count else None
