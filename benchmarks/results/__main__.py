@@ -19,17 +19,20 @@ import numpy as np
 import scipy
 
 from .commands import commands
-from .long_work import millions, random_scans
+from .long_work import executors, millions, random_scans
+from .optimisers import grid, optimisers
 from .row import Row
-from .searches import certificates, grid, links
+from .searches import certificates, links
 
 Section = Callable[..., list[Row]]
 SECTIONS: dict[str, tuple[str, Section]] = {
     "grid": ("The exchange against a full grid: how many times as long that takes", grid),
+    "optimisers": ("The exchange: how many times as long others take", optimisers),
     "certificates": ("Certificates", certificates),
     "links": ("Cost by the number of links", links),
     "commands": ("Commands", commands),
     "millions": ("Choice among millions", millions),
+    "executors": ("Executors", executors),
     "scans": ("Scans against bounds", random_scans),
 }
 OPENING = """# Measured figures
@@ -42,7 +45,7 @@ nothing else is said; ratios are of sides run one after the other in one run, th
 def page(found: dict[str, list[Row]], *, quick: bool) -> str:
     """The page in Markdown."""
     cores, versions = os.cpu_count(), f"NumPy {np.__version__}, SciPy {scipy.__version__}, CasADi {casadi.__version__}"
-    left_out = ", fewest rounds" if quick else ""
+    left_out = ", fewest rounds, slow rivals left out" if quick else ""
     lines = [OPENING, f"{cores} cores, Python {platform.python_version()}, {versions}{left_out}.", ""]
     missed = [row for rows in found.values() for row in rows if row.met is False]
     lines += [f"Targets missed: {'; '.join(f'{row.what} ({row.figure})' for row in missed) or 'none'}.", ""]

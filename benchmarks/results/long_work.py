@@ -1,4 +1,4 @@
-"""What works on many things: a choice among millions, scans against bounds."""
+"""What works on many things: a choice among millions, executors, scans against bounds."""
 
 from __future__ import annotations
 
@@ -9,6 +9,8 @@ from functools import partial
 from pathlib import Path
 
 from benchmarks.choice_among_millions import COMMANDS, LIMITS, commanded, listed, problem
+from benchmarks.executors_efficiency import TARGET, cluster, measured
+from linkwright.core.executors import Cluster, Processes
 from linkwright.core.optimize.choice.at_once.branching import Branching
 from linkwright.core.optimize.choice.chooser import Chooser
 from linkwright.core.optimize.choice.picks import count
@@ -42,6 +44,19 @@ def millions(*, quick: bool) -> list[Row]:
     note = f"in {answer.cpu:.0f} s, {answer.seconds:.0f} s by the wall"
     rows.append(at_most(f"{what}proven gap", 100.0 * answer.gap, "%", 100.0 * GAP, note))
     return rows
+
+
+def executors(*, quick: bool) -> list[Row]:
+    """The efficiency per worker of processes and of a dask scheduler, with tasks that sleep a second."""
+    tasks = [1.0] * (8 if quick else 32)
+    with Processes(2, patience=0.0) as processes:
+        results = {"processes": measured("processes", processes, 2, tasks)}
+    with cluster(2) as address, Cluster(address) as workers:
+        results["dask, separate processes"] = measured("dask", workers, 2, tasks)
+    note = f"2 workers, {len(tasks)} tasks of a second, by the wall"
+    return [
+        Row(what, f"{result:.3f}", f"at least {TARGET:g}", result >= TARGET, note) for what, result in results.items()
+    ]
 
 
 def random_scans(*, quick: bool, problems: int = 200) -> list[Row]:

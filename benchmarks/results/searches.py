@@ -1,4 +1,4 @@
-"""The exchange against a full grid of poses, the cost of the error by the number of links, and of certificates."""
+"""The cost of the error by the number of links, and of certificates."""
 
 from __future__ import annotations
 
@@ -7,8 +7,6 @@ from collections.abc import Callable
 
 import numpy as np
 
-from benchmarks.exchange_against_grid import EACH, TARGET
-from benchmarks.exchange_against_grid import compared as against_grid
 from linkwright.core.arm.chain.chain import Arm, Joint, Link, LoadCase
 from linkwright.core.arm.errors.model import beam_values, beams_of, error_model
 from linkwright.core.arm.worst.search import WorstSearch
@@ -16,7 +14,7 @@ from linkwright.core.arm.worst.workspace import Workspace
 from linkwright.core.materials.catalogue import load_catalogue
 from linkwright.core.sections import SHAPES
 
-from .row import Row, at_least, at_most
+from .row import Row, at_most
 
 _POSES = 50_000
 
@@ -27,21 +25,6 @@ def rods(count: int, *, backlash: float = 0.0) -> Arm:
     joints = tuple(Joint(range=(-2.5, 2.5), stiffness=6e4, mass=2.0, backlash=backlash) for _ in range(count))
     links = tuple(Link(1.2 / count, section=circle, material=aluminium) for _ in range(count))
     return Arm("rods", joints=joints, links=links, payload=LoadCase(mass=3.0))
-
-
-def grid(*, quick: bool) -> list[Row]:
-    """Ratios of CPU time to one program over a grid of poses."""
-    ours, same, mapped = against_grid(quick=quick)
-    return [
-        at_least(
-            f"one IPOPT program over {EACH}^3 poses, the same code",
-            same.seconds / ours.seconds,
-            TARGET,
-            f"the exchange takes {1e3 * ours.seconds:.0f} ms, certified; the grid's answer is "
-            f"{100 * (same.true / same.claimed - 1):.2f} % worse than it claims",
-        ),
-        at_least("the same, the pose function mapped over the poses", mapped.seconds / ours.seconds, None),
-    ]
 
 
 def links(*, quick: bool) -> list[Row]:
