@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from linkwright.core.arm.chain.chain import Arm
+from linkwright.core.arm.effects import EFFECTS
 from linkwright.core.arm.effects.effect import Effect, kind_at
 from linkwright.core.diagnose.result import FittedParameter
 from linkwright.core.diagnose.rules.rules import Rules
@@ -46,17 +47,18 @@ def findings(found: Identified, sizes: Estimates, arm: Arm, *, rules: Rules) -> 
         alone = np.zeros(found.pool.width)
         alone[group.columns] = group.values((sizes.gain * sizes.numbers)[part])
         explained = found.products.explained(alone)
+        alike = alternatives(found, number, offer.evidence, beside, rules)
         made.append(
             MotionFinding(
                 group.effect.id,
                 group.at,
                 parameters,
-                alternatives(found, number, offer.evidence, beside, rules),
+                alike,
                 tuple(explained.tolist()),
                 tuple(found.held.rms(others).tolist()),
                 evidence,
                 found.chance.p_value(found.system, others, evidence, found.system.beside_joints_of(member.group)),
-                reading(group, parameters, explained),
+                reading(group, parameters, alike, explained),
             )
         )
     return tuple(sorted(made, key=lambda item: -float(np.sum(np.square(item.rms_explained)))))
@@ -137,12 +139,12 @@ def alternatives(
     best: dict[tuple[str, tuple[int, ...]], float] = {}
     evidence = float(offered[member.group])
     rest = [m for m in found.fitted if m is not member]
-    for one in np.flatnonzero(np.abs(evidence - offered) <= rules.search.log_odds).tolist():
+    for one in np.flatnonzero(np.abs(evidence - offered) <= rules.search.refuted_odds).tolist():
         family = found.pool.groups[one].family
         if family in taken or offered[one] - max(float(beside[one]), 0.0) < 0.5 * evidence:
             continue
-        worse = evidence - float(offered[one]) + _holds(found, rest, [member], one, rules)
-        if worse <= rules.search.log_odds:
+        worse = _worse(found, rest, [member], one, evidence, float(offered[one]), rules)
+        if np.isfinite(worse):
             best[family] = min(best.get(family, np.inf), worse)
     for family, worse in _for_two(found, member, number, rules).items():
         best[family] = min(best.get(family, np.inf), worse)
@@ -170,32 +172,59 @@ def _for_two(
         one = int(np.argmax(value))
         worse = both - float(value[one])
         if abs(worse) <= rules.search.log_odds:
-            worse += _holds(identified, rest, [member, other], one, rules)
-        if abs(worse) <= rules.search.log_odds:
+            worse = _worse(identified, rest, [member, other], one, both, float(value[one]), rules)
+        if abs(worse) <= rules.search.log_odds:  # more may be all that one of the two explains
             family = identified.pool.groups[one].family
             made[family] = min(made.get(family, np.inf), worse)
     return made
 
 
-def _holds(
-    identified: Identified, rest: Sequence[Member], instead_of: Sequence[Member], one: int, rules: Rules
+def _worse(
+    found: Identified,
+    rest: Sequence[Member],
+    instead_of: Sequence[Member],
+    one: int,
+    evidence: float,
+    offered: float,
+    rules: Rules,
 ) -> float:
-    """How many nats a group's name in place of members loses where it must be some body's as they must; infinitely
-    many where it passes its bounds, or foretells motion that was not fitted worse."""
-    scale = float(identified.system.offers(rest).scale[one])
-    other = [*rest, Member(one, scale)]
-    if not identified.system.within(other)[-1]:
+    """How many nats a group's name, `offered` evident beside the rest, is worse in place of members of some `evidence`,
+    where it must be some body's as they must; infinitely many where the logs tell it from them.
+
+    Samples of a log share their errors: names that explain the same, and differ on motion that was not fitted by no
+    more than that scatters between stretches, are one class, of which only what is far less evident is refuted.
+    """
+    scale = float(found.system.offers(rest).scale[one])
+    own, other = [*rest, *instead_of], [*rest, Member(one, scale)]
+    if not found.system.within(other)[-1]:
         return np.inf
-    if (identified.held.rms(other) > (1.0 + rules.motion.gain) * identified.held.rms([*rest, *instead_of])).any():
+    alike = (
+        offered >= rules.search.alike**2 * evidence
+        and found.held.loss(other, own, found.noise.weights) <= rules.search.refuted_odds
+    )
+    if not alike and (found.held.rms(other) > (1.0 + rules.motion.gain) * found.held.rms(own)).any():
         return np.inf
-    return feasible(identified.system, other).worse - feasible(identified.system, [*rest, *instead_of]).worse
+    worse = evidence - offered + feasible(found.system, other).worse - feasible(found.system, own).worse
+    return worse if worse <= (rules.search.refuted_odds if alike else rules.search.log_odds) else np.inf
 
 
-def reading(group: Group, parameters: Sequence[FittedParameter], explained: Array) -> str:
-    """A finding as a plain sentence."""
+def reading(
+    group: Group, parameters: Sequence[FittedParameter], others: Sequence[Alternative], explained: Array
+) -> str:
+    """A finding as a plain sentence, with what else it could be."""
     most = int(np.argmax(explained))
     name = name_of(group.effect.title, group.effect.place, group.at)
-    return f"{name}: {sized(parameters)}{less(parameters)}; RMS {explained[most]:.3g} N*m at joint {most + 1}."
+    text = f"{name}: {sized(parameters)}{less(parameters)}; RMS {explained[most]:.3g} N*m at joint {most + 1}."
+    return f"{text} The logs cannot tell it from {or_else(others)}." if others else text
+
+
+def or_else(others: Sequence[Alternative]) -> str:
+    """What else a finding could be, in words, at most three of it."""
+    names = [
+        " and ".join(name_of(EFFECTS[effect].title, EFFECTS[effect].place, at) for effect, at in other.effects)
+        for other in others[:3]
+    ]
+    return " or ".join(names) + (f" or {len(others) - 3} more" if len(others) > 3 else "")
 
 
 def less(parameters: Sequence[FittedParameter]) -> str:

@@ -8,7 +8,7 @@ import numpy as np
 
 from linkwright.core.arm.effects import EFFECTS
 
-from .findings import less, name_of, sized
+from .findings import less, name_of, or_else, sized
 from .result import MotionFinding, MotionUnknown, OfJoint, Verdict
 
 _SAID = 4
@@ -54,6 +54,7 @@ def answer(
             for name in ("before", "held_out")
         )
         sentences.append(f"{held:.3g} of {before:.3g} N*m is left on motion that was not fitted.")
+        sentences += [_undecided(item) for item in named[:_SAID] if item.alternatives]
     if unknown is not None:
         joints = _and([str(joint) for joint in unknown.joints])
         names = [name.replace("_", " ") for name in unknown.depends_on]
@@ -62,6 +63,12 @@ def answer(
             f"At joint {joints} stays {unknown.amplitude:.3g} N*m that nothing in the library explains{on}."
         )
     return " ".join(sentences)
+
+
+def _undecided(finding: MotionFinding) -> str:
+    effect = EFFECTS[finding.effect]
+    own = name_of(effect.title, effect.place, finding.at)
+    return f"It could as well be {or_else(finding.alternatives)} instead of {own}."
 
 
 def _friction(effect: str) -> bool:

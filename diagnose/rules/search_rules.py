@@ -128,3 +128,8 @@ class SearchRules:
     def log_odds(self) -> float:
         """What the odds of `confident`, twice a logarithm, are in nats."""
         return 0.5 * self.confident
+
+    @property
+    def refuted_odds(self) -> float:
+        """What the odds of `refuted`, twice a logarithm, are in nats."""
+        return 0.5 * self.refuted

@@ -149,6 +149,18 @@ class HeldOut:
         """RMS (n,) that such fits leave, N*m."""
         return rms(self.left(members), self.products)
 
+    def loss(self, members: Sequence[Member], other: Sequence[Member], weights: Array) -> float:
+        """By how many nats motion that was not fitted is less likely by a set than by another, joints weighed by
+        `weights` (n,), counted by what it scatters between blocks.
+
+        The difference of two likelihoods has twice its mean for a variance where samples are independent; where blocks
+        scatter more, fewer samples tell as much (R. E. Chandler & S. Bate, Inference for clustered data using the
+        independence loglikelihood, Biometrika 94 (2007) 167, doi:10.1093/biomet/asm015).
+        """
+        each = 0.5 * (self.left(members) - self.left(other)) @ weights
+        nats, scatter = float(each.sum()), len(each) * float(np.var(each, ddof=1))
+        return nats if nats <= 0.0 or scatter <= 2.0 * nats else 2.0 * nats**2 / scatter
+
 
 def rms(left: Array, products: Products) -> Array:
     """RMS (n,) by sums of squares (B, n)."""

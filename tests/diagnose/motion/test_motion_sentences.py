@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
-from linkwright.core.diagnose.motion.result import MotionFinding, OfJoint
+from linkwright.core.diagnose.motion.result import Alternative, MotionFinding, OfJoint
 from linkwright.core.diagnose.motion.sentences import answer
 from linkwright.core.diagnose.result import FittedParameter
 
@@ -30,3 +32,15 @@ def test_what_is_said_to_be_friction_is_friction() -> None:
     assert answer("named", [link, rubs[0]], None, joints).startswith(
         "The model lacks mass, centre and inertia of a link"
     )
+
+
+def test_what_logs_cannot_tell_from_a_name_is_said_beside_it() -> None:
+    link = finding("link_inertial", 3, "mass", "mass", 1.5, 4.5)
+    both = Alternative((("torque_offset", (2,)), ("friction_asymmetry", (2,))), 2.0)
+    open_ = replace(link, alternatives=(Alternative((("payload", ()),), 0.5), both))
+    joints = tuple(OfJoint(at, 5.0, 0.1, 0.1, 0.1, 0.01, (), 1.0) for at in (1, 2, 3))
+    assert answer("alias_class", [open_], None, joints).endswith(
+        " It could as well be extra mass at the tip or offset of the torque's zero at joint 2 and friction that "
+        "differs with the direction at joint 2 instead of mass, centre and inertia of a link at link 3."
+    )
+    assert "could as well" not in answer("named", [link], None, joints)
