@@ -163,7 +163,9 @@ def _diagnosed(arm: Arm, recording: Recording, options: Options, hear: Progress)
                 namer = with_figures(namer, asked.aside)
                 break
             tell("searching again with other rows set aside", 0.69)
-            namer = anew(namer.prepared.observed.about, asked.shaped)
+            entries = namer.prepared.observed.about
+            del namer  # one pool at a time
+            namer = anew(entries, asked.shaped)
             logged = namer.prepared.observed
             named = name_missing(namer, lambda _: None, asked.shaped, few=True)
             namer, named = sought(namer, named)

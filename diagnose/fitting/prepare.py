@@ -282,7 +282,8 @@ def _without_outliers(
             softening=observed.softening,
         )
         # Lags and loads were worked out with all rows: a bad reading of the tip says nothing against its temperature.
-        patterns = [(candidate, part.kept(keep)) for candidate, part in patterns]
+        for number, (candidate, part) in enumerate(patterns):  # one by one: all at once are hundreds of megabytes
+            patterns[number] = candidate, part.kept(keep)
         left = left[keep]
         if named is None and not many_rejected:
             break
