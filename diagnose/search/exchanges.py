@@ -15,6 +15,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from .pairs import Blocks
 from .subsets import Products
@@ -26,7 +27,7 @@ _LOOKED_AT = 30
 """Sets, best first, whose sizes are fitted."""
 _MOST = 3
 """Exchanges that are told of one set of findings."""
-_ROUNDING = 1e-6
+ROUNDING = 1e-6
 """Of a criterion, what rounding makes of two that are the same."""
 
 
@@ -41,21 +42,30 @@ class Exchanged:
 
 def better(namer: Namer, members: Sequence[int], *, one_by_one: bool = False) -> tuple[int, ...]:
     """The members after exchanges for the possible sets that make the criterion least, as long as any explains more and
-    makes it less: one for one (those alone with `one_by_one`), one for two and two for one."""
+    makes it less: one for one (those alone with `one_by_one`), one for two and two for one.
+
+    What explains more than two members does so in the place of either as well, beside the other."""
     sizes = [(1, 1)] if one_by_one else [(1, 1), (1, 2), (2, 1)]
     best, least, before = tuple(members), namer.criterion_of(members), ()
     library = namer.prepared.products.of(namer.library)
     while best != before:
         before = best
+        explains_more: dict[int, NDArray[np.bool_]] = {}
         for taken, given in sizes:
-            for place, beside in _leaving(namer, library, before, taken):
+            some = itertools.combinations(before, taken)
+            if taken == 2:
+                some = (pair for pair in some if (explains_more[pair[0]] & explains_more[pair[1]]).any())
+            for place, beside in _leaving(namer, library, before, [*some]):
+                if taken == given == 1:
+                    gains = np.where(namer.library, beside.gains(), 0.0)
+                    explains_more[place[0]] = beside.rss - gains < namer.fitted(before).rss
                 rest = [m for m in before if m not in place]
                 for rss, others in _sets(namer, beside, (*rest, *(place if given + taken > 2 else ())), given):
                     trial = (*rest, *others)
-                    if namer.criterion(rss, trial) >= least - _ROUNDING:
+                    if namer.criterion(rss, trial) >= least - ROUNDING:
                         break
-                    more = rss < (1.0 - _ROUNDING) * namer.fitted(best).rss
-                    if more and namer.criterion_of(trial) < least - _ROUNDING and namer.possible(trial):
+                    more = rss < (1.0 - ROUNDING) * namer.fitted(best).rss
+                    if more and namer.criterion_of(trial) < least - ROUNDING and namer.possible(trial):
                         best, least = trial, namer.criterion_of(trial)
     return best
 
@@ -87,13 +97,16 @@ def _instead(namer: Namer, place: tuple[int, ...], rest: Sequence[int]) -> list[
 
 
 def _leaving(
-    namer: Namer, products: Products, members: Sequence[int], count: int
+    namer: Namer, products: Products, members: Sequence[int], parts: Sequence[tuple[int, ...]]
 ) -> Iterator[tuple[tuple[int, ...], Products]]:
-    """Every so many of some members, with the products beside the others: what is beside all is worked out once."""
+    """Some parts of the members, the last first, with the products beside the others: what is beside all is worked out
+    once."""
+    if not parts:
+        return
     pool, edges = namer.pool, np.cumsum([0, *(namer.pool.groups[member].rank for member in members)])
     whole = products.beside(pool.columns(members))
-    for some in reversed([*itertools.combinations(range(len(members)), count)]):
-        left_out = tuple(members[k] for k in some)
+    for left_out in reversed(parts):
+        some = [members.index(member) for member in left_out]
         if whole.root.shape[0] == whole.root.shape[1]:
             yield left_out, whole.leaving(np.concatenate([np.arange(edges[k], edges[k + 1]) for k in some]))
         else:

@@ -141,7 +141,7 @@ NO_RULES = {
     "search/naming.py": {"_THOROUGH_DRAWS"},
     "search/large_motions.py": {"ROUNDS"},
     "search/mass_consistency.py": {"_SEARCHES"},
-    "search/exchanges.py": {"_LOOKED_AT", "_MOST", "_ROUNDING"},  # how many are looked at and told
+    "search/exchanges.py": {"ROUNDING", "_LOOKED_AT", "_MOST"},  # how many are looked at and told
     "search/set_aside.py": {"_DRAWS"},
     "search/pairs.py": {"_AT_ONCE", "_RIDGE", "_SMALL"},  # what is multiplied by hand
     "search/subsets.py": {"_KEPT, _IN_TRIPLES", "_RIDGE"},

@@ -1,14 +1,17 @@
 """Sets of causes that could stand in the place of a set, by the textbook's kinematics."""
 
 from itertools import combinations
+from typing import Any
 
 import numpy as np
 import pytest
 
 from linkwright.core.arm.effects import EFFECTS
 from linkwright.core.diagnose.diagnosis import diagnose
+from linkwright.core.diagnose.fitting.prepare import prepare
 from linkwright.core.diagnose.options import Options
-from linkwright.core.diagnose.search.exchanges import _leaving
+from linkwright.core.diagnose.residual.observe import observe
+from linkwright.core.diagnose.search.exchanges import _leaving, better
 from linkwright.core.diagnose.search.naming import Namer
 from tests.diagnose.arm_of_drives import SIGMA, arm_of_drives, given_way, read, turned_by
 from tests.diagnose.core_cases import prepared_null
@@ -61,7 +64,7 @@ def test_what_is_left_beside_the_others_is_as_if_they_were_taken_at_once(count: 
     namer = Namer(prepared_null(), thorough=False, seed=0)
     families = namer.pool.family
     members = [int(np.flatnonzero(families == family)[0]) for family in np.unique(families[namer.library])[:5]]
-    left = list(_leaving(namer, namer.prepared.products, members, count))
+    left = list(_leaving(namer, namer.prepared.products, members, [*combinations(members, count)]))
     assert sorted(place for place, _ in left) == sorted(combinations(members, count))
     for place, beside in left:
         others = [member for member in members if member not in place]
@@ -69,3 +72,30 @@ def test_what_is_left_beside_the_others_is_as_if_they_were_taken_at_once(count: 
         assert beside.rss == pytest.approx(at_once.rss, rel=1e-9)
         assert beside.against == pytest.approx(at_once.against, abs=1e-6 * np.abs(at_once.against).max())
         assert beside.gains() == pytest.approx(at_once.gains(), abs=1e-6 * at_once.gains().max())
+
+
+@pytest.mark.parametrize("seed", [3, 4])
+def test_one_for_two_is_looked_for_only_where_it_could_explain_more(seed: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The same end as where every pair is looked at, by far fewer of them."""
+    rng = np.random.default_rng(seed)
+    q = rng.uniform(-1.6, 1.6, (60, 3))
+    off = turned_by(q, (2e-4, -3e-4, 2.5e-4)) + given_way(q, np.tile([0.0, -30.0], (60, 1)))
+    namer = Namer(prepare(observe(arm_of_drives(), read(q, off, rng)), Options(), None), thorough=False, seed=0)
+    families = namer.pool.family
+    members = [int(np.flatnonzero(families == family)[0]) for family in np.unique(families[namer.library])[:6]]
+    pairs: list[int] = []
+
+    def counted(*asked: Any) -> Any:
+        pairs.append(sum(len(part) == 2 for part in asked[3]))
+        return _leaving(*asked)
+
+    def every_pair(namer: Namer, products: Any, members: Any, parts: Any) -> Any:
+        return _leaving(
+            namer, products, members, parts if parts and len(parts[0]) == 1 else [*combinations(members, 2)]
+        )
+
+    monkeypatch.setattr("linkwright.core.diagnose.search.exchanges._leaving", counted)
+    end = better(namer, members)
+    monkeypatch.setattr("linkwright.core.diagnose.search.exchanges._leaving", every_pair)
+    assert better(namer, members) == end
+    assert max(pairs) < len(members) * (len(members) - 1) / 2
