@@ -24,7 +24,7 @@ from linkwright.core.diagnose.residual.observe import observe
 from linkwright.core.diagnose.residual.observed import Observed
 from linkwright.core.diagnose.result import Detectable
 from linkwright.core.diagnose.rules.rules import Rules
-from linkwright.core.diagnose.search.calibrate import one_more
+from linkwright.core.diagnose.search.calibrate import Draws, one_more
 from linkwright.core.diagnose.several.recordings import Several, together
 from linkwright.core.diagnose.simulate import Plan, simulate
 from linkwright.core.sections.numeric import Array
@@ -105,10 +105,7 @@ def promised(arm: Arm, recording: Recording, axes: Sequence[str], asked: Asked) 
         prepared.vector,
         (),
         prepared.criterion,
-        prepared.visits,
-        len(axes),
-        draws=rules.search.draws,
-        rng=np.random.default_rng(asked.seed),
+        Draws(prepared.visits, len(axes), rules.search.draws, np.random.default_rng(asked.seed)),
         among=(everything,),
     )[0]
     # What an effect does of itself is what is promised, not the variant that would show best.

@@ -7,12 +7,15 @@ for errors that are as often one way as the other, not for errors alike at all p
 stretched arm scatters more, just where its joints show most, and visits exchanged freely call one such null in five
 something. Only where visits are too few for signs alone are they exchanged as well. The statistic is the largest over
 all candidates, which makes the p-value that of the whole search for one more effect.
+
+Where a p-value only decides, draws go where they do: they end once enough have reached the statistic (J. Besag & P.
+Clifford, Biometrika 78 (1991) 301, doi:10.1093/biomet/78.2.301), and once it lies far beyond all that is drawn.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -25,6 +28,9 @@ from .subsets import Criterion, Products
 FEW_DRAWS = 99
 """For each finding beyond three, and whatever the size of a test."""
 _CHUNK = 32
+_REACHED, _FAR = 10, 1e-3
+"""Draws that reach a statistic, after which no more are made; and of a level the share below which a p-value is no
+longer unsure, with the spread of the tail known to an eighth from as few draws as tell it."""
 _GONE = 1e-8
 """Directions of which the smaller model leaves less than this share (squared) are gone."""
 _WORK = 4e9
@@ -45,52 +51,131 @@ class Calibrated:
     each: Array
 
 
+@dataclass(frozen=True)
+class Draws:
+    """How chance is drawn: with which `visits` (N, numbered from 0, ascending) whole, of readings of `width` columns,
+    so many `draws` at most. With a `level` a test only decides: its draws end where its p-value is plainly on one side
+    of that."""
+
+    visits: NDArray[np.int64]
+    width: int
+    draws: int
+    rng: np.random.Generator
+    level: float | None = None
+
+
 def one_more(
     initial: Products,
     vector: Array,
     members: Sequence[int],
     criterion: Criterion,
-    visits: NDArray[np.int64],
-    width: int,
-    *,
-    draws: int,
-    rng: np.random.Generator,
+    how: Draws,
     among: Sequence[NDArray[np.bool_]],
 ) -> list[Calibrated]:
     """Test whether one more group than `members` explains more of a vector, from which nuisances are projected out,
     than chance would, for each set of groups in `among`.
 
-    `initial` are the pool's products with the vector, `width` is the number of columns of a reading. The same draws
-    serve all sets.
+    `initial` are the pool's products with the vector. The same draws serve all sets.
     """
-    pool, columns = initial.pool, initial.pool.columns(members)
-    covered = np.any(among, axis=0)
-    given = covered.copy()
-    given[list(members)] = True
-    beside = initial.of(given).beside(columns).of(covered)
-    basis = pool.basis[:, columns] @ beside.root if len(columns) else np.zeros((len(vector), 0))
-    residual = vector - basis @ (basis.T @ vector)
+    columns, covered = initial.pool.columns(members), np.any(among, axis=0)
+    beside = initial.of(_with(covered, members)).beside(columns).of(covered)
+    basis = initial.pool.basis[:, columns] @ beside.root if len(columns) else np.zeros((len(vector), 0))
+    return _tested(_Smaller(beside, basis, vector), criterion, how, among, None)
+
+
+def each_given_others(
+    initial: Products,
+    vector: Array,
+    members: Sequence[int],
+    others: Sequence[int],
+    criterion: Criterion,
+    how: Draws,
+    among: NDArray[np.bool_],
+) -> Iterator[tuple[int, float]]:
+    """The place and the p-value of each of some groups (all of them `among` those that are searched) given the rest of
+    them and `others`, the weakest first: how often chance lets the best of those searched explain as much as it does.
+
+    What is beside all is worked out once, and no test that is not asked for."""
+    pool, everything = initial.pool, [*members, *others]
+    edges, columns = np.cumsum([0, *pool.ranks[everything]]), pool.columns(everything)
+    given = initial.of(_with(among, everything))
+    whole = given.beside(columns)
+    square = whole.root.shape[0] == whole.root.shape[1]
+    spans = [np.arange(edges[place], edges[place + 1]) for place in range(len(members))]
+    left = [whole.leaving(own) if square else given.beside(np.delete(columns, own)) for own in spans]
+    rss = np.array([item.rss for item in left])
+    statistic = criterion.count * (np.log(rss) - np.log(whole.rss)) - criterion.price[list(members)]
+    basis = pool.basis[:, columns] @ whole.root
+    for place in np.argsort(statistic, kind="stable").tolist():
+        if square:
+            alone = basis @ np.linalg.qr(whole.root[spans[place]].T)[0]
+            directions = np.concatenate([basis, alone], axis=1)
+        else:
+            directions = pool.basis[:, np.delete(columns, spans[place])] @ left[place].root
+        smaller = _Smaller(left[place].of(among), directions, vector)
+        yield place, _tested(smaller, criterion, how, [among], members[place])[0].p_value
+
+
+def _with(groups: NDArray[np.bool_], more: Sequence[int]) -> NDArray[np.bool_]:
+    """Some groups, and more by their numbers."""
+    wider = groups.copy()
+    wider[list(more)] = True
+    return wider
+
+
+class _Smaller:
+    """A smaller model: the products `beside` it, and the `basis` (n, k) of the directions that these have taken, each
+    as often as they say; what it leaves of a vector (n,)."""
+
+    def __init__(self, beside: Products, basis: Array, vector: Array) -> None:
+        self.beside, self.basis = beside, basis
+        self.left = self.off(vector)
+
+    def off(self, vectors: Array) -> Array:
+        """Vectors (n, ...), from which nuisances are projected out, less what the model explains."""
+        times = self.beside.times.reshape(-1, *(1,) * (vectors.ndim - 1))
+        return vectors - self.basis @ (times * (self.basis.T @ vectors))
+
+
+def _tested(
+    smaller: _Smaller,
+    criterion: Criterion,
+    how: Draws,
+    among: Sequence[NDArray[np.bool_]],
+    member: int | None,
+) -> list[Calibrated]:
+    """The tests of the best group of each set beside a smaller model, or of one `member`."""
+    beside, residual = smaller.beside, smaller.left
+    pool = beside.pool
     unit = _unit(beside)
     statistic = _statistic(beside, unit, beside.against[:, None], residual @ residual, criterion)[:, 0]
-    among = [usable & criterion.fits for usable in among]
+    allowed = [np.where(usable & criterion.fits, statistic, -np.inf) for usable in among]
+    best = [int(np.argmax(values)) if member is None else member for values in allowed]
+    reached = [float(values[number]) for values, number in zip(allowed, best, strict=True)]
     rules = pool.rules.search
-    draws = max(FEW_DRAWS, min(draws, int(_WORK / max(pool.basis.size, 1))))
-    few = int(visits[-1]) + 1 < rules.enough_visits
-    anew = (_Shuffled if few else _Flipped)(beside, basis, residual, visits, width)
-    drawn: list[list[Array]] = [[] for _ in among]
+    draws = max(FEW_DRAWS, min(how.draws, int(_WORK / max(pool.basis.size, 1))))
+    few = int(how.visits[-1]) + 1 < rules.enough_visits
+    anew = (_Shuffled if few else _Flipped)(smaller, how.visits, how.width)
+    drawn = [np.zeros(0) for _ in among]
     for start in range(0, draws, _CHUNK):
-        statistics = _statistic(beside, unit, *anew.drawn(rng, min(_CHUNK, draws - start)), criterion)
-        for values, usable in zip(drawn, among, strict=True):
-            values.append(statistics[usable].max(axis=0, initial=-np.inf))
-    return [_tested(statistic, np.concatenate(values), usable) for values, usable in zip(drawn, among, strict=True)]
+        statistics = _statistic(beside, unit, *anew.drawn(how.rng, min(_CHUNK, draws - start)), criterion)
+        for place, usable in enumerate(among):
+            largest = statistics[usable & criterion.fits].max(axis=0, initial=-np.inf)
+            drawn[place] = np.concatenate([drawn[place], largest])
+        if how.level is not None and all(map(_plain, reached, drawn, [how.level] * len(drawn))):
+            break
+    return [
+        Calibrated(value, number, p_value(value, values), values, each)
+        if value > -np.inf
+        else Calibrated(-math.inf, -1, 1.0, values, each)
+        for value, number, values, each in zip(reached, best, drawn, allowed, strict=True)
+    ]
 
 
-def _tested(statistic: Array, drawn: Array, usable: NDArray[np.bool_]) -> Calibrated:
-    allowed = np.where(usable, statistic, -np.inf)
-    if not usable.any():
-        return Calibrated(-math.inf, -1, 1.0, drawn, allowed)
-    best = int(np.argmax(allowed))
-    return Calibrated(float(allowed[best]), best, p_value(float(allowed[best]), drawn), drawn, allowed)
+def _plain(statistic: float, drawn: Array, level: float) -> bool:
+    """Whether the p-value of a statistic is plainly above a level, or plainly below, by what was drawn so far."""
+    reached = int(np.sum(drawn >= statistic))
+    return reached >= _REACHED or p_value(statistic, drawn) < _FAR * level
 
 
 def permutation(visits: NDArray[np.int64], rng: np.random.Generator) -> NDArray[np.int64]:
@@ -108,30 +193,31 @@ def shuffled(table: Array, visits: NDArray[np.int64], rng: np.random.Generator) 
 
 
 class _Shuffled:
-    """Residuals with few visits in random order, each under a random sign, beside the smaller model, of which an
-    orthonormal `basis` is given."""
+    """Residuals with few visits in random order, each under a random sign, beside the smaller model."""
 
-    def __init__(self, beside: Products, basis: Array, residual: Array, visits: NDArray[np.int64], width: int) -> None:
-        self._pool, self._at, self._basis, self._visits = beside.pool, beside.at, basis, visits
-        self._table = residual.reshape(-1, width)
+    def __init__(self, smaller: _Smaller, visits: NDArray[np.int64], width: int) -> None:
+        self._smaller, self._visits = smaller, visits
+        self._table = smaller.left.reshape(-1, width)
 
     def drawn(self, rng: np.random.Generator, count: int) -> tuple[Array, Array]:
         """Products of so many draws with the columns that count (M, count), and their sums of squares (count,)."""
         drawn = np.stack([shuffled(self._table, self._visits, rng).reshape(-1) for _ in range(count)], axis=1)
-        drawn = self._pool.projected(drawn)
-        drawn -= self._basis @ (self._basis.T @ drawn)
-        return self._pool.basis[:, self._at].T @ drawn, np.sum(drawn * drawn, axis=0)
+        beside = self._smaller.beside
+        drawn = self._smaller.off(beside.pool.projected(drawn))
+        return beside.pool.basis[:, beside.at].T @ drawn, np.sum(drawn * drawn, axis=0)
 
 
 class _Flipped:
     """Residuals with each visit under a random sign, beside the smaller model. A draw's products are sums of those of
     the visits, which are worked out but once."""
 
-    def __init__(self, beside: Products, basis: Array, residual: Array, visits: NDArray[np.int64], width: int) -> None:
+    def __init__(self, smaller: _Smaller, visits: NDArray[np.int64], width: int) -> None:
+        beside, residual = smaller.beside, smaller.left
         starts, table = np.flatnonzero(np.diff(visits, prepend=-1)), residual.reshape(-1, width)
-        self._mixed, self._rss = beside.taken, float(residual @ residual)
+        self._mixed, self._times, self._rss = beside.taken, beside.times, float(residual @ residual)
         # Flipped, a residual is no longer orthogonal to the nuisances either.
-        self._taken = _by_visit(np.concatenate([beside.pool.nuisance, basis], axis=1).T, table, starts)
+        self._nuisance = _by_visit(beside.pool.nuisance.T, table, starts)
+        self._taken = _by_visit(smaller.basis.T, table, starts)
         self._along = np.empty((len(beside.at), len(starts)))
         step = max(1, _AT_ONCE // len(residual))
         for some in (slice(k, k + step) for k in range(0, len(self._along), step)):
@@ -140,15 +226,17 @@ class _Flipped:
     def drawn(self, rng: np.random.Generator, count: int) -> tuple[Array, Array]:
         """Products of so many draws with the columns that count (M, count), and their sums of squares (count,)."""
         signs = np.stack([rng.choice((-1.0, 1.0), self._along.shape[1]) for _ in range(count)], axis=1)
-        taken = self._taken @ signs
-        given = taken[len(taken) - self._mixed.shape[1] :]
-        return self._along @ signs - self._mixed @ given, self._rss - np.sum(taken**2, axis=0)
+        given = self._taken @ signs
+        times = self._times[:, None] * given
+        left = self._rss - np.sum((self._nuisance @ signs) ** 2, axis=0) - np.sum(times * given, axis=0)
+        return self._along @ signs - self._mixed @ times, left
 
 
 def _by_visit(columns: Array, table: Array, starts: NDArray[np.int64]) -> Array:
     """What each visit, which begins at the readings `starts`, adds to the products of columns (M, n) with a table of
     readings (N, C)."""
-    each = np.einsum("mnc,nc->mn", columns.reshape(len(columns), *table.shape), table)
+    products = columns * table.reshape(-1)
+    each = sum((products[:, k :: table.shape[1]] for k in range(1, table.shape[1])), products[:, :: table.shape[1]])
     return each if len(starts) == len(table) else np.add.reduceat(each, starts, axis=1)
 
 

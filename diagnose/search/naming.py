@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from copy import copy
 from dataclasses import dataclass, replace
 
@@ -19,13 +19,13 @@ from linkwright.core.diagnose.patterns.pool import Pool, with_group
 from linkwright.core.diagnose.rules.search_rules import SearchRules
 from linkwright.core.sections.numeric import Array
 
-from .calibrate import FEW_DRAWS, Calibrated, one_more, p_value
-from .exchanges import better
+from .calibrate import FEW_DRAWS, Calibrated, Draws, each_given_others, one_more
+from .exchanges import ROUNDING, better
 from .geometry import beats, geometry_alone
 from .subsets import Subset, best_subsets
 
 _THOROUGH_DRAWS = 2999
-"""Of each test where a thorough search was asked for."""
+"""Of each test where a thorough search was asked for, and at most of one that only decides: few are near the level."""
 
 
 Mask = NDArray[np.bool_]
@@ -61,11 +61,12 @@ class Namer:
         self.criterion = prepared.criterion
         self._best_of_library: dict[int, Subset] | None = None
         self._fits: dict[tuple[int, ...], Fit] = {}
+        self.exchanges: dict[tuple[frozenset[int], bool], tuple[tuple[int, ...], tuple[float, ...]] | None] = {}
 
     def with_prepared(self, prepared: Prepared) -> Namer:
         """A namer that searches the same recording prepared otherwise, with the same draws to come."""
         other = copy(self)
-        other.prepared, other._best_of_library, other._fits = prepared, None, {}
+        other.prepared, other._best_of_library, other._fits, other.exchanges = prepared, None, {}, {}
         other.visits, other.library, other.criterion = prepared.visits, prepared.library(), prepared.criterion
         return other
 
@@ -119,7 +120,8 @@ class Namer:
         if len(pool.groups) == len(self.pool.groups):
             return None
         self.prepared = replace(self.prepared, pool=pool, columns=self.prepared.columns.and_one(columns))
-        self.library, self.criterion, self._fits = self.prepared.library(), self.prepared.criterion, {}
+        self.library, self.criterion = self.prepared.library(), self.prepared.criterion
+        self._fits, self.exchanges = {}, {}
         return len(pool.groups) - 1
 
     @property
@@ -133,29 +135,36 @@ class Namer:
 
     def test(self, members: Sequence[int], draws: int | None = None) -> tuple[Calibrated, Calibrated]:
         """Whether the library, and whether a form, explains more of what some groups leave than chance would."""
-        of_library, of_forms = self._test(members, (self.library, ~self.library), draws)
+        how = replace(self._draws(), draws=draws or self.draws)
+        of_library, of_forms = self._test(members, (self.library, ~self.library), how)
         return of_library, of_forms
 
-    def test_of_library(self, members: Sequence[int], draws: int | None = None) -> Calibrated:
-        """The same of the library alone."""
-        return self._test(members, (self.library,), draws)[0]
+    def test_of_library(self, members: Sequence[int], draws: int) -> Calibrated:
+        """Whether the library does, by so many draws at most."""
+        return self._test(members, (self.library,), replace(self._decisive(), draws=draws))[0]
 
     def test_of_forms(self, members: Sequence[int]) -> Calibrated:
-        """The same of forms alone."""
-        return self._test(members, (~self.library,), None)[0]
+        """Whether a form does."""
+        return self._test(members, (~self.library,), self._decisive())[0]
 
-    def _test(self, members: Sequence[int], among: Sequence[Mask], draws: int | None) -> list[Calibrated]:
-        return one_more(
-            self.prepared.products,
-            self.prepared.vector,
-            members,
-            self.criterion,
-            self.visits,
-            self.prepared.observed.residual.shape[1],
-            draws=draws or self.draws,
-            rng=self.rng,
-            among=among,
-        )
+    def own_tests(
+        self, members: Sequence[int], others: Sequence[int] = (), level: float | None = None
+    ) -> Iterator[tuple[int, float]]:
+        """The place and the p-value of each group given all the others (and `others`), the weakest first: how often
+        chance lets the best of the library explain as much as it does. It decides at a level, by default that of all
+        tests."""
+        how = replace(self._decisive(), level=self.rules.false_alarm if level is None else level)
+        products, vector = self.prepared.products, self.prepared.vector
+        return each_given_others(products, vector, members, others, self.criterion, how, self.library)
+
+    def _draws(self) -> Draws:
+        return Draws(self.visits, self.prepared.observed.residual.shape[1], self.draws, self.rng)
+
+    def _decisive(self) -> Draws:
+        return replace(self._draws(), draws=_THOROUGH_DRAWS, level=self.rules.false_alarm)
+
+    def _test(self, members: Sequence[int], among: Sequence[Mask], how: Draws) -> list[Calibrated]:
+        return one_more(self.prepared.products, self.prepared.vector, members, self.criterion, how, among)
 
     def possible(self, members: Sequence[int]) -> bool:
         """Whether the groups' fitted sizes are physically possible."""
@@ -206,9 +215,9 @@ def name_missing(
     """Gate, name and test; `tell` hears the share of the work done, `accepted` of the first groups that pass their
     tests, long before it is known whether they are the answer.
 
-    `before` is what an earlier search of the same recording named, about something else: with many findings the way
-    there is greedy, and of both ways, anew and on from those, the better end counts; where they are `few` too, when
-    rows came back that fit them in shapes between those of the grid.
+    `before` is what an earlier search of the same recording named, about something else: with many findings the search
+    goes on from those, and is made anew only where they do not hold or the library's best few are better; where they
+    are `few` too, when rows came back that fit them in shapes between those of the grid.
     """
     # What is drawn to one point may hide between the points of a grid: it is sought before anything is tested.
     namer.seek_pull(())
@@ -222,26 +231,40 @@ def name_missing(
     if accepted is not None:
         accepted(namer, members)
     tell(0.6)
-    members, p_values = _carried_on(namer, members, p_values) if members else (members, p_values)
-    tell(0.8)
-    geometry, p_of_geometry = _sound(namer, geometry_alone(namer))
-    if geometry:
-        further, p_of_further = _carried_on(namer, geometry, p_of_geometry)
-        enough = set(further) <= set(geometry)
-        worse = beats(namer, members, further) if enough else namer.criterion_of(further) >= namer.criterion_of(members)
-        if not (members and worse):
-            members, p_values = further, p_of_further
-    again = namer.numbers_of(before) if few or len(before) > 3 else ()
-    if again and (few or len(again) > 3) and namer.possible(again):
-        again = better(namer, again, one_by_one=True)
-        other, p_of_others = _carried_on(namer, again, own_tests(namer, again))
-        sound = all(p <= namer.rules.false_alarm for p in p_of_others)
-        if sound and namer.criterion_of(other) < namer.criterion_of(members):
-            members, p_values = other, p_of_others
+    further, p_of_further = _on_from(namer, before, few=few)
+    if further and namer.criterion_of(further) < namer.criterion_of(members) + ROUNDING:
+        members, p_values = further, p_of_further
+    else:
+        members, p_values = _anew(namer, members, p_values, tell)
     members, outside, p_values = _against_forms(namer, members, p_values)
     left = namer.test((*members, *outside))
     tell(1.0)
     return Named(members, outside, p_values, gate, left)
+
+
+def _anew(
+    namer: Namer, members: tuple[int, ...], p_values: tuple[float, ...], tell: Callable[[float], None]
+) -> tuple[tuple[int, ...], tuple[float, ...]]:
+    """More findings beside the library's best answer of a few, or beside geometry alone: the better end counts."""
+    members, p_values = _carried_on(namer, members, p_values) if members else (members, p_values)
+    tell(0.8)
+    geometry, p_of_geometry = _sound(namer, geometry_alone(namer))
+    if not geometry:
+        return members, p_values
+    further, p_of_further = _carried_on(namer, geometry, p_of_geometry)
+    enough = set(further) <= set(geometry)
+    worse = beats(namer, members, further) if enough else namer.criterion_of(further) >= namer.criterion_of(members)
+    return (members, p_values) if members and worse else (further, p_of_further)
+
+
+def _on_from(namer: Namer, before: Sequence[Candidate], *, few: bool) -> tuple[tuple[int, ...], tuple[float, ...]]:
+    """What holds of what an earlier search named, exchanged and carried on, where that is much or `few` count too;
+    nothing where it is not possible here."""
+    again = namer.numbers_of(before) if few or len(before) > 3 else ()
+    if not again or (len(again) <= 3 and not few) or not namer.possible(again):
+        return (), ()
+    again, p_values = _sound(namer, better(namer, again, one_by_one=True))
+    return _carried_on(namer, again, p_values) if again else ((), ())
 
 
 def _two_at_once(namer: Namer) -> float:
@@ -253,7 +276,9 @@ def _two_at_once(namer: Namer) -> float:
     pair = namer.best_of_library().get(2) if loud else None
     if pair is None:
         return 1.0
-    return min(1.0, int(namer.library.sum()) * max(own_tests(namer, pair.members)))
+    among = int(namer.library.sum())
+    tested = namer.own_tests(pair.members, level=namer.rules.false_alarm / among)
+    return min(1.0, among * max(p for _, p in tested))
 
 
 def _of_library(namer: Namer) -> tuple[tuple[int, ...], tuple[float, ...]]:
@@ -265,21 +290,10 @@ def _of_library(namer: Namer) -> tuple[tuple[int, ...], tuple[float, ...]]:
         if len(chosen) >= smallest:
             continue
         smallest = len(chosen)
-        p_values = own_tests(namer, chosen)
-        if all(p <= namer.rules.false_alarm for p in p_values):
+        failing, p_values = _own_tests(namer, chosen)
+        if failing is None:
             return chosen, p_values
     return (), ()
-
-
-def own_tests(namer: Namer, members: Sequence[int], others: Sequence[int] = ()) -> tuple[float, ...]:
-    """The p-value of each group given all the others (and `others`): how often chance lets the best of the library
-    explain as much as it does."""
-    p_values: list[float] = []
-    for member in members:
-        rest = [m for m in (*members, *others) if m != member]
-        tested = namer.test_of_library(rest)
-        p_values.append(p_value(float(tested.each[member]), tested.drawn))
-    return tuple(p_values)
 
 
 def _carried_on(
@@ -305,12 +319,15 @@ def _carried_on(
 def _exchanged(
     namer: Namer, members: tuple[int, ...], p_values: tuple[float, ...], *, one_by_one: bool = False
 ) -> tuple[tuple[int, ...], tuple[float, ...]]:
-    """Of a better set those that pass their own tests beside each other, if they are better still; else the members."""
-    other = better(namer, members, one_by_one=one_by_one)
-    if other == members:
-        return members, p_values
-    sound, p_of_sound = _sound(namer, other)
-    return (sound, p_of_sound) if namer.criterion_of(sound) < namer.criterion_of(members) else (members, p_values)
+    """Of a better set those that pass their own tests beside each other, if they are better still; else the members.
+    Ways that begin elsewhere come by the same sets: of each that is found out once."""
+    key = (frozenset(members), one_by_one)
+    if key not in namer.exchanges:
+        other = better(namer, members, one_by_one=one_by_one)
+        sound = _sound(namer, other) if other != members else None
+        kept = sound is not None and namer.criterion_of(sound[0]) < namer.criterion_of(members)
+        namer.exchanges[key] = sound if kept else None
+    return namer.exchanges[key] or (members, p_values)
 
 
 def _worth_it(namer: Namer, fewer: Sequence[int], more: Sequence[int]) -> bool:
@@ -427,9 +444,21 @@ def _sound(
 ) -> tuple[tuple[int, ...], tuple[float, ...]]:
     """The members that pass their own test beside each other (and `outside`), with its p-values."""
     while members:
-        p_values = own_tests(namer, members, outside)
-        worst = int(np.argmax(p_values))
-        if p_values[worst] <= namer.rules.false_alarm:
+        failing, p_values = _own_tests(namer, members, outside)
+        if failing is None:
             return members, p_values
-        members = tuple(m for k, m in enumerate(members) if k != worst)
+        members = tuple(m for k, m in enumerate(members) if k != failing)
     return (), ()
+
+
+def _own_tests(
+    namer: Namer, members: Sequence[int], outside: Sequence[int] = ()
+) -> tuple[int | None, tuple[float, ...]]:
+    """The place of the weakest member that does not pass its own test beside the others (and `outside`), None where
+    each does; then the p-values of all, and else of those that were tested until then."""
+    known: dict[int, float] = {}
+    for place, p in namer.own_tests(members, outside):
+        known[place] = p
+        if p > namer.rules.false_alarm:
+            return place, tuple(known.values())
+    return None, tuple(known[place] for place in range(len(members)))

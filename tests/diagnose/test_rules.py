@@ -134,7 +134,7 @@ NO_RULES = {
     "residual/placement.py": {"UNDETERMINED", "_STEPS", "_TUKEY"},
     "residual/robust_scale.py": {"HUBER", "_MOST", "_QN", "_SMALL"},
     "residual/masses_from_torques.py": {"_ALIKE", "_NOTHING"},
-    "search/calibrate.py": {"FEW_DRAWS", "_AT_ONCE", "_CHUNK", "_GONE", "_WORK"},
+    "search/calibrate.py": {"FEW_DRAWS", "_AT_ONCE", "_CHUNK", "_GONE", "_REACHED, _FAR", "_WORK"},
     "search/coupling.py": {"_ROUNDS"},
     "search/geometry.py": {"_ROUNDING"},  # of two that are one, what rounding leaves
     "search/labels.py": {"_LEVELS, _SIDES, _TAKEN, _SEARCHED"},  # how many are tried

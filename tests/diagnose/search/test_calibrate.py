@@ -1,10 +1,12 @@
 """How often chance is called physics, and that visits stay whole."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy.stats import binom, kstest
 
-from linkwright.core.diagnose.search.calibrate import one_more, p_value, shuffled
+from linkwright.core.diagnose.search.calibrate import Draws, each_given_others, one_more, p_value, shuffled
 from linkwright.core.diagnose.search.subsets import criterion_for, products
 from tests.diagnose.core_cases import random_pool
 
@@ -43,7 +45,7 @@ def test_a_draw_is_least_squares_of_readings_turned_about_by_visit(count):
     criterion, everything = criterion_for(pool, rows), np.array([True, True, True, False, True])
     among = [everything]
     initial, draws = products(pool, vector), np.random.default_rng(2)
-    result = one_more(initial, vector, (3,), criterion, visits, 2, draws=40, rng=draws, among=among)[0]
+    result = one_more(initial, vector, (3,), criterion, Draws(visits, 2, 40, draws), among)[0]
     smaller = np.hstack([pool.nuisance, pool.basis[:, pool.columns([3])]])
     residual = vector - smaller @ np.linalg.lstsq(smaller, vector, rcond=None)[0]
     table, again, expected = residual.reshape(-1, 2), np.random.default_rng(2), []
@@ -71,7 +73,7 @@ def p_values(pool, make, draws=99, trials=150, seed=1):
     for _ in range(trials):
         vector = pool.projected(make(rng))
         initial = products(pool, vector)
-        tested = one_more(initial, vector, (), criterion, VISITS, 2, draws=draws, rng=rng, among=[everything])
+        tested = one_more(initial, vector, (), criterion, Draws(VISITS, 2, draws, rng), [everything])
         results.append(tested[0].p_value)
     return np.array(results)
 
@@ -109,7 +111,7 @@ def test_a_constant_offset_is_seen():
     vector = 0.8 * constant[:, 0] + rng.standard_normal(144)
     everything = np.ones(11, dtype=bool)
     among = [everything, ~everything]
-    tested = one_more(products(pool, vector), vector, (), criterion, VISITS, 2, draws=499, rng=rng, among=among)
+    tested = one_more(products(pool, vector), vector, (), criterion, Draws(VISITS, 2, 499, rng), among)
     assert tested[0].best == 10
     assert tested[0].p_value < 0.002
     assert tested[1].p_value == 1.0
@@ -122,9 +124,9 @@ def test_what_is_given_is_not_found_again():
     vector = pool.projected(3.0 * columns[2][:, 0] + rng.standard_normal(144))
     criterion = criterion_for(pool, 141)
     everything = np.ones(8, dtype=bool)
-    initial = products(pool, vector)
-    bare = one_more(initial, vector, (), criterion, VISITS, 2, draws=199, rng=rng, among=[everything])
-    rest = one_more(initial, vector, (2,), criterion, VISITS, 2, draws=199, rng=rng, among=[everything])
+    initial, how = products(pool, vector), Draws(VISITS, 2, 199, rng)
+    bare = one_more(initial, vector, (), criterion, how, [everything])
+    rest = one_more(initial, vector, (2,), criterion, how, [everything])
     assert bare[0].best == 2
     assert bare[0].p_value < 1e-3
     assert rest[0].p_value > 0.01
@@ -149,5 +151,53 @@ def test_a_group_that_could_fit_anything_is_not_tested():
     vector = rng.standard_normal(16)
     everything = np.ones(2, dtype=bool)
     initial, criterion = products(pool, vector), criterion_for(pool, 16)
-    tested = one_more(initial, vector, (), criterion, visits, 2, draws=99, rng=rng, among=[everything])
+    tested = one_more(initial, vector, (), criterion, Draws(visits, 2, 99, rng), [everything])
     assert tested[0].best == 1
+
+
+@pytest.mark.parametrize("twins", [False, True])
+def test_each_group_is_tested_beside_the_others_the_weakest_first(twins):
+    """As `one_more` tests it beside them, by the same draws; groups that hold a direction twice too."""
+    rng = np.random.default_rng(6)
+    columns = [rng.standard_normal((144, rank)) for rank in (1, 2, 1, 1, 3, 1)]
+    if twins:
+        columns[2] = columns[0] + columns[1][:, :1]
+    pool, columns, _ = random_pool(rng, (), columns=columns, rows=144)
+    vector = pool.projected(0.5 * columns[3][:, 0] + 2.0 * columns[1] @ [1.0, 1.0] + rng.standard_normal(144))
+    criterion, initial = criterion_for(pool, 141), products(pool, vector)
+    library = np.array([True, True, True, True, True, False])
+    members, others = (0, 1, 2, 3), (5,)
+
+    def how():
+        return Draws(VISITS, 2, 199, np.random.default_rng(7))
+
+    tested = each_given_others(initial, vector, members, others, criterion, how(), library)
+    weakest = -np.inf
+    for place, p in tested:
+        rest = [m for m in (*members, *others) if m != members[place]]
+        # Each has its own draws: those of the first alone are the same.
+        alone = one_more(initial, vector, rest, criterion, how(), [library])[0]
+        statistic = float(alone.each[members[place]])
+        assert statistic >= weakest - 1e-6
+        if weakest == -np.inf:
+            assert p == pytest.approx(p_value(statistic, alone.drawn), rel=1e-6)
+        weakest = statistic
+
+
+def test_draws_go_where_they_decide():
+    """A statistic that many draws reach, one far beyond all, and one near the level."""
+    rng = np.random.default_rng(9)
+    columns = [rng.standard_normal((144, 1)) for _ in range(12)]
+    pool, columns, _ = random_pool(rng, (), columns=columns, rows=144)
+    criterion, everything = criterion_for(pool, 141), np.ones(12, dtype=bool)
+    needed: dict[float, int] = {}
+    for strength in (0.0, 0.45, 3.0):
+        vector = pool.projected(strength * columns[4][:, 0] + rng.standard_normal(144))
+        how = Draws(VISITS, 2, 499, np.random.default_rng(1), level=0.003)
+        tested = one_more(products(pool, vector), vector, (), criterion, how, [everything])[0]
+        in_full = one_more(products(pool, vector), vector, (), criterion, replace(how, level=None), [everything])[0]
+        assert (tested.p_value <= 0.003) == (in_full.p_value <= 0.003)
+        assert len(in_full.drawn) == 499
+        needed[strength] = len(tested.drawn)
+    assert max(needed[0.0], needed[3.0]) <= 64
+    assert needed[0.45] == 499
