@@ -180,14 +180,15 @@ def _apart(parts: Sequence[Mistake]) -> bool:
 
 @dataclass(frozen=True)
 class _Trial:
-    """Samples of a log: q, speeds, accelerations and torques (M, n); which joints (k,) tell, and what may count the
-    other way at each. The links' bodies are mixtures (g,) of `bodies` (n, 10, g / n), by the file `expected`, give or
-    take 1."""
+    """Samples of a log: q, speeds, accelerations, ways and torques (M, n); which joints (k,) tell, and what may count
+    the other way at each. The links' bodies are mixtures (g,) of `bodies` (n, 10, g / n), by the file `expected`, give
+    or take 1."""
 
     arm: Arm
     q: Array
     velocity: Array
     acceleration: Array
+    way: Array
     torque: Array
     payload: Array | None
     free: bool
@@ -201,12 +202,12 @@ class _Trial:
     @staticmethod
     def of(log: MotionLog, arm: Arm, names: Mapping[str, str], rules: Rules) -> _Trial | None:
         """Samples evenly spread over a log; None where the rigid arm's torques are not known, or are nothing."""
-        velocity, acceleration = _derivatives(log, rules)
-        picked = np.unique(np.linspace(0, log.size - 1, _SAMPLES).astype(int))
+        smooth, sound = _smooth(log, rules), _within_stretches(log, rules)
+        picked = sound[np.unique(np.linspace(0, len(sound) - 1, _SAMPLES).astype(int))]
         payload = None if log.payload_mass is None else log.payload_mass[picked]
         told = np.isfinite(log.torque).all(axis=0) & (np.ptp(log.torque, axis=0) > 0.0)
         joints = np.flatnonzero(told).astype(np.int64)
-        q, v, a, torque = (each[picked] for each in (log.q, velocity, acceleration, np.nan_to_num(log.torque)))
+        q, v, a, way, torque = (each[picked] for each in smooth)
         try:
             rigid = inverse_dynamics(Motion(arm, np.zeros(len(q)), q, v, a, payload_mass=payload))
             mixtures = _mixtures(arm, rules)
@@ -215,7 +216,7 @@ class _Trial:
         if not len(joints) or float(np.ptp(rigid, axis=0).max()) <= 0.0:
             return None
         free, turns = log.torque_constants_free, _turns(arm, names, log)
-        return _Trial(arm, q, v, a, torque, payload, free, joints, turns, *mixtures, rigid, rules)
+        return _Trial(arm, q, v, a, way, torque, payload, free, joints, turns, *mixtures, rigid, rules)
 
     def fits(self, several: Iterable[tuple[Mistake, ...]], *, turned: bool = True) -> list[_Tried]:
         """Each of several sets of mistakes, with the torques that then count the other way (none unless `turned`)."""
@@ -239,11 +240,12 @@ class _Trial:
             arm = replace(arm, gravity=(x, y, z))
         q = np.concatenate([self.q @ each.matrix.T + each.offset for each in mistakes])
         v, a = (np.concatenate([of @ each.matrix.T for each in mistakes]) for of in (self.velocity, self.acceleration))
+        way = np.concatenate([self.way @ np.sign(each.matrix).T for each in mistakes])
         payload = None if self.payload is None else np.tile(self.payload, count)
         by = regressor(arm, q, v, a)
         mixed = np.concatenate([by[:, :, 10 * k : 10 * k + 10] @ of for k, of in enumerate(self.bodies)], axis=2)
         fixed = inverse_dynamics(Motion(arm, np.zeros(len(q)), q, v, a, payload_mass=payload)) - mixed @ self.expected
-        own = np.stack([np.ones_like(v), -np.ones_like(v), q, -q, np.tanh(v / 0.01), v, a], axis=2)
+        own = np.stack([np.ones_like(v), -np.ones_like(v), q, -q, way, v, a], axis=2)
         parts = (np.split(of, count) for of in (mixed, fixed, own))
         for mixed_here, fixed_here, own_here in zip(*parts, strict=True):
             yield _Rows(mixed_here, fixed_here, own_here, self.joints)
@@ -341,22 +343,47 @@ def _together(parts: Sequence[Mistake], size: int) -> Mistake:
     return functools.reduce(Mistake.beside, parts, _none(size))
 
 
-def _derivatives(log: MotionLog, rules: Rules) -> tuple[Array, Array]:
-    """Speeds and accelerations (N, n), smoothed over a tenth of a second; none of poses that are seconds apart."""
+def _smooth(log: MotionLog, rules: Rules) -> tuple[Array, Array, Array, Array, Array]:
+    """Coordinates, speeds, accelerations, ways (1 or -1) and torques (N, n), all smoothed alike over a tenth of a
+    second, or what accelerates shows less in one than in the other; as logged and at rest where poses are seconds
+    apart."""
     interval = float(np.median(np.diff(log.time)))
+    torque = np.nan_to_num(log.torque)
     if interval > rules.log.convention_window:
         still = np.zeros(log.q.shape)
-        return (still if log.velocity is None else log.velocity), still
+        velocity = still if log.velocity is None else log.velocity
+        return log.q, velocity, still, _way(velocity), torque
     width = max(1, round(rules.log.convention_window / interval))
-    velocity = log.velocity if log.velocity is not None else np.gradient(_smoothed(log.q, width), log.time, axis=0)
+    # Speeds are smoothed before they are differentiated, angles before that where no speeds were logged.
+    twice = log.velocity is None
+    velocity = np.gradient(_smoothed(log.q, width), log.time, axis=0) if log.velocity is None else log.velocity
+    q, way, torque = (_smoothed(each, width, twice=twice) for each in (log.q, _way(velocity), torque))
     velocity = _smoothed(velocity, width)
-    return velocity, np.gradient(velocity, log.time, axis=0)
+    return q, velocity, np.gradient(velocity, log.time, axis=0), way, torque
 
 
-def _smoothed(values: Array, width: int) -> Array:
+def _within_stretches(log: MotionLog, rules: Rules) -> NDArray[np.int64]:
+    """The samples that are smoothed with their own stretch of the log alone; all, where there are none."""
+    from scipy.ndimage import maximum_filter1d
+
+    steps = np.diff(log.time, append=log.time[-1])
+    interval = float(np.median(steps))
+    gaps = (steps > rules.log.gap * interval).astype(np.int8)
+    reach = 2 * max(1, round(rules.log.convention_window / interval))
+    sound = np.flatnonzero(maximum_filter1d(gaps, 2 * reach + 1, mode="constant") == 0)
+    return (sound if len(sound) else np.arange(log.size)).astype(np.int64)
+
+
+def _way(velocity: Array) -> Array:
+    """Which way joints go, for their friction: -1 to 1."""
+    return np.tanh(velocity / 0.01)
+
+
+def _smoothed(values: Array, width: int, *, twice: bool = False) -> Array:
     from scipy.ndimage import uniform_filter1d
 
-    return uniform_filter1d(values, width, axis=0, mode="nearest")
+    smooth = uniform_filter1d(values, width, axis=0, mode="nearest")
+    return _smoothed(smooth, width) if twice else smooth
 
 
 def _none(size: int) -> Mistake:
