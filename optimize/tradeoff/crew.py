@@ -21,10 +21,11 @@ from linkwright.core.executors import Executor, Work
 from linkwright.core.optimize.exchange.design import arm_of, design_space
 from linkwright.core.optimize.problem import Problem
 
-from .journal import Record, design_record
+from .journal import Record
 from .listed import ListedSearch, listed_arm
 from .point import Design, Learnt, Search, Told
 from .question import Question
+from .records import design_record
 
 
 @dataclass(frozen=True)

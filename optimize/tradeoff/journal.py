@@ -13,18 +13,12 @@ import json
 import os
 from collections.abc import Mapping
 from contextlib import ExitStack
-from dataclasses import asdict
 from pathlib import Path
 from types import TracebackType
 from typing import Any, cast
 
-from linkwright.core.optimize.choice.combinations import Combination
-from linkwright.core.optimize.exchange.binding_poses import pool_of
-from linkwright.core.optimize.problem import Problem
 from linkwright.core.units.files import lock_path, locked, read_bytes
 from linkwright.core.units.quantities import InputError
-
-from .point import Design
 
 JOURNAL = "journal.jsonl"
 LOCK = lock_path(Path(JOURNAL)).name
@@ -163,35 +157,3 @@ def _parsed(line: bytes) -> dict[str, Any] | None:
     except (ValueError, RecursionError):
         return None
     return cast(dict[str, Any], content) if isinstance(content, dict) else None
-
-
-def design_record(design: Design) -> dict[str, Any]:
-    """A design as JSON holds it."""
-    pick = design.combination
-    return {
-        "shapes": list(pick.shapes),
-        "materials": [None if material is None else material.name for material in pick.materials],
-        "numbers": list(design.numbers),
-        "pool": asdict(design.pool),
-        "badness": design.badness,
-        "elasticity": design.elasticity,
-        "converged": design.converged,
-        "unsolved": design.unsolved,
-    }
-
-
-def design_of(record: Record, problem: Problem) -> Design:
-    """The design that a record holds; the problem names the materials."""
-    materials = [link.material for link in problem.arm.links]
-    known = {material.name: material for material in (*materials, *(problem.materials or ())) if material is not None}
-    return Design(
-        combination=Combination(
-            tuple(record["shapes"]), tuple(None if name is None else known[name] for name in record["materials"])
-        ),
-        numbers=tuple(record["numbers"]),
-        pool=pool_of(record["pool"]),
-        badness=record["badness"],
-        elasticity=record["elasticity"],
-        converged=record["converged"],
-        unsolved=record["unsolved"],
-    )

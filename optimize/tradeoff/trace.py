@@ -13,10 +13,11 @@ from linkwright.core.optimize.problem import Problem
 
 from .crew import Crew, Wanted, arm_with, record_of, search_for
 from .front import Figures
-from .journal import Journal, Record, design_of
+from .journal import Journal, Record
 from .listed import ListedSearch
 from .point import Design, Search
 from .question import Axis, Question
+from .records import design_of
 from .refinement import Refined, Stretch, refine
 
 _STEP = 0.2

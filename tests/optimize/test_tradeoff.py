@@ -24,9 +24,10 @@ from linkwright.core.optimize.exchange.design import arm_of, design_space, numer
 from linkwright.core.optimize.problem import Problem
 from linkwright.core.optimize.run import optimise
 from linkwright.core.optimize.tradeoff.front import Tradeoff
-from linkwright.core.optimize.tradeoff.journal import Journal, design_of, design_record
+from linkwright.core.optimize.tradeoff.journal import Journal
 from linkwright.core.optimize.tradeoff.point import Design, Search
 from linkwright.core.optimize.tradeoff.question import Question, axes_of, digest, question
+from linkwright.core.optimize.tradeoff.records import design_of, design_record
 from linkwright.core.optimize.tradeoff.refinement import (
     Refined,
     Stretch,
