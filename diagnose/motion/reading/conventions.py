@@ -38,6 +38,8 @@ from linkwright.core.sections.numeric import Array
 from linkwright.core.units.quantities import InputError
 from linkwright.core.units.reading import refusal
 
+from .smoothing import moving_average, smoothed
+
 _QUARTER = math.pi / 2.0
 _DEGREE = math.degrees(1.0)
 _ANY_SIDE: tuple[FloatVector, ...] = tuple(
@@ -180,15 +182,15 @@ def _apart(parts: Sequence[Mistake]) -> bool:
 
 @dataclass(frozen=True)
 class _Trial:
-    """Samples of a log: q, speeds, accelerations, ways and torques (M, n); which joints (k,) tell, and what may count
-    the other way at each. The links' bodies are mixtures (g,) of `bodies` (n, 10, g / n), by the file `expected`, give
+    """Samples of a log (M, n) as `smoothed` has them; which joints (k,) tell, and what may count the other way at each.
+    The links' bodies are mixtures (g,) of `bodies` (n, 10, g / n), by the file `expected`, give
     or take 1."""
 
     arm: Arm
     q: Array
     velocity: Array
     acceleration: Array
-    way: Array
+    direction: Array
     torque: Array
     payload: Array | None
     free: bool
@@ -202,12 +204,12 @@ class _Trial:
     @staticmethod
     def of(log: MotionLog, arm: Arm, names: Mapping[str, str], rules: Rules) -> _Trial | None:
         """Samples evenly spread over a log; None where the rigid arm's torques are not known, or are nothing."""
-        smooth, sound = _smooth(log, rules), _within_stretches(log, rules)
+        smooth, sound = smoothed(log, rules.log)
         picked = sound[np.unique(np.linspace(0, len(sound) - 1, _SAMPLES).astype(int))]
         payload = None if log.payload_mass is None else log.payload_mass[picked]
         told = np.isfinite(log.torque).all(axis=0) & (np.ptp(log.torque, axis=0) > 0.0)
         joints = np.flatnonzero(told).astype(np.int64)
-        q, v, a, way, torque = (each[picked] for each in smooth)
+        q, v, a, direction, torque = (each[picked] for each in smooth)
         try:
             rigid = inverse_dynamics(Motion(arm, np.zeros(len(q)), q, v, a, payload_mass=payload))
             mixtures = _mixtures(arm, rules)
@@ -216,7 +218,7 @@ class _Trial:
         if not len(joints) or float(np.ptp(rigid, axis=0).max()) <= 0.0:
             return None
         free, turns = log.torque_constants_free, _turns(arm, names, log)
-        return _Trial(arm, q, v, a, way, torque, payload, free, joints, turns, *mixtures, rigid, rules)
+        return _Trial(arm, q, v, a, direction, torque, payload, free, joints, turns, *mixtures, rigid, rules)
 
     def fits(self, several: Iterable[tuple[Mistake, ...]], *, turned: bool = True) -> list[_Tried]:
         """Each of several sets of mistakes, with the torques that then count the other way (none unless `turned`)."""
@@ -240,12 +242,12 @@ class _Trial:
             arm = replace(arm, gravity=(x, y, z))
         q = np.concatenate([self.q @ each.matrix.T + each.offset for each in mistakes])
         v, a = (np.concatenate([of @ each.matrix.T for each in mistakes]) for of in (self.velocity, self.acceleration))
-        way = np.concatenate([self.way @ np.sign(each.matrix).T for each in mistakes])
+        direction = np.concatenate([self.direction @ np.sign(each.matrix).T for each in mistakes])
         payload = None if self.payload is None else np.tile(self.payload, count)
         by = regressor(arm, q, v, a)
         mixed = np.concatenate([by[:, :, 10 * k : 10 * k + 10] @ of for k, of in enumerate(self.bodies)], axis=2)
         fixed = inverse_dynamics(Motion(arm, np.zeros(len(q)), q, v, a, payload_mass=payload)) - mixed @ self.expected
-        own = np.stack([np.ones_like(v), -np.ones_like(v), q, -q, way, v, a], axis=2)
+        own = np.stack([np.ones_like(v), -np.ones_like(v), q, -q, direction, v, a], axis=2)
         parts = (np.split(of, count) for of in (mixed, fixed, own))
         for mixed_here, fixed_here, own_here in zip(*parts, strict=True):
             yield _Rows(mixed_here, fixed_here, own_here, self.joints)
@@ -341,49 +343,6 @@ def _mixtures(arm: Arm, rules: Rules) -> tuple[Array, Array]:
 
 def _together(parts: Sequence[Mistake], size: int) -> Mistake:
     return functools.reduce(Mistake.beside, parts, _none(size))
-
-
-def _smooth(log: MotionLog, rules: Rules) -> tuple[Array, Array, Array, Array, Array]:
-    """Coordinates, speeds, accelerations, ways (1 or -1) and torques (N, n), all smoothed alike over a tenth of a
-    second, or what accelerates shows less in one than in the other; as logged and at rest where poses are seconds
-    apart."""
-    interval = float(np.median(np.diff(log.time)))
-    torque = np.nan_to_num(log.torque)
-    if interval > rules.log.convention_window:
-        still = np.zeros(log.q.shape)
-        velocity = still if log.velocity is None else log.velocity
-        return log.q, velocity, still, _way(velocity), torque
-    width = max(1, round(rules.log.convention_window / interval))
-    # Speeds are smoothed before they are differentiated, angles before that where no speeds were logged.
-    twice = log.velocity is None
-    velocity = np.gradient(_smoothed(log.q, width), log.time, axis=0) if log.velocity is None else log.velocity
-    q, way, torque = (_smoothed(each, width, twice=twice) for each in (log.q, _way(velocity), torque))
-    velocity = _smoothed(velocity, width)
-    return q, velocity, np.gradient(velocity, log.time, axis=0), way, torque
-
-
-def _within_stretches(log: MotionLog, rules: Rules) -> NDArray[np.int64]:
-    """The samples that are smoothed with their own stretch of the log alone; all, where there are none."""
-    from scipy.ndimage import maximum_filter1d
-
-    steps = np.diff(log.time, append=log.time[-1])
-    interval = float(np.median(steps))
-    gaps = (steps > rules.log.gap * interval).astype(np.int8)
-    reach = 2 * max(1, round(rules.log.convention_window / interval))
-    sound = np.flatnonzero(maximum_filter1d(gaps, 2 * reach + 1, mode="constant") == 0)
-    return (sound if len(sound) else np.arange(log.size)).astype(np.int64)
-
-
-def _way(velocity: Array) -> Array:
-    """Which way joints go, for their friction: -1 to 1."""
-    return np.tanh(velocity / 0.01)
-
-
-def _smoothed(values: Array, width: int, *, twice: bool = False) -> Array:
-    from scipy.ndimage import uniform_filter1d
-
-    smooth = uniform_filter1d(values, width, axis=0, mode="nearest")
-    return _smoothed(smooth, width) if twice else smooth
 
 
 def _none(size: int) -> Mistake:
@@ -526,8 +485,8 @@ def _refuse_speeds(log: MotionLog, headers: Mapping[str, str], rules: Rules) -> 
         return
     interval = float(np.median(np.diff(log.time)))
     width = max(1, round(rules.log.convention_window / interval))
-    steps = np.gradient(_smoothed(log.q, width), log.time, axis=0)
-    speeds = _smoothed(log.velocity, width)
+    steps = np.gradient(moving_average(log.q, width), log.time, axis=0)
+    speeds = moving_average(log.velocity, width)
     for k in range(log.q.shape[1]):
         size = math.sqrt(float(steps[:, k] @ steps[:, k]) * float(speeds[:, k] @ speeds[:, k]))
         if size <= 0.0 or abs(float(steps[:, k] @ speeds[:, k])) / size < rules.fitting.same_way:

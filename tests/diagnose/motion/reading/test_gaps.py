@@ -1,9 +1,13 @@
-"""A log with gaps under the right convention is taken as it is: no speed is made up across them."""
+"""A log with gaps under the right convention is taken as it is: nothing is differentiated across them."""
 
 import numpy as np
+import pytest
 
 from linkwright.core.arm.files.read import read_arm
+from linkwright.core.diagnose.motion.log import MotionLog
 from linkwright.core.diagnose.motion.reading.read import read_log
+from linkwright.core.diagnose.motion.reading.smoothing import smoothed
+from linkwright.core.diagnose.rules.rules import RULES
 
 UPPER, FORE, MID, HAND = 0.33, 0.25, 6.0, 3.5
 """Two level links (m) with point masses at their ends (kg)."""
@@ -40,8 +44,7 @@ def moved(rng):
 
 
 def test_what_lies_across_a_gap_is_no_acceleration(tmp_path):
-    """A tenth of a second before and after 0.24 s without samples were differentiated across them, 40 times what the
-    arm's own accelerations are: angles that "count from another zero" left less of that."""
+    """0.24 s without samples were differentiated across: angles that "count from another zero" left less of that."""
     (tmp_path / "arm.yaml").write_text(ARM, encoding="utf-8")
     time, q, torque = moved(np.random.default_rng(5))
     there = ~np.isin(np.arange(len(time)), [k + n for k in GAPS for n in range(60)])
@@ -50,3 +53,22 @@ def test_what_lies_across_a_gap_is_no_acceleration(tmp_path):
     np.savetxt(tmp_path / "log.csv", table, fmt="%.6f", delimiter=",", header=header, comments="")
     log = read_log(tmp_path / "log.csv", read_arm(tmp_path / "arm.yaml"))
     assert log.size == len(table)
+
+
+def test_torques_and_accelerations_pass_one_filter():
+    """A double integrator at 4 Hz: averages over 0.1 s take 43 % off either, and their ratio stays the inertia."""
+    time = np.arange(1000) / 250.0
+    turned = 8.0 * np.pi * time[:, None]
+    log = MotionLog("log.csv", time, np.sin(turned), -5.0 * (8.0 * np.pi) ** 2 * np.sin(turned), np.arange(1, 1001))
+    found, clear = smoothed(log, RULES.log)
+    assert len(clear) == 1000
+    middle = slice(100, 900)
+    assert found.torque[middle] == pytest.approx(5.0 * found.acceleration[middle], abs=0.01 * np.ptp(found.torque))
+    assert np.ptp(found.torque[middle]) == pytest.approx(np.sinc(0.4) ** 2 * np.ptp(log.torque), rel=0.01)
+
+
+def test_poses_seconds_apart_all_count():
+    """Nothing is averaged there, so that a longer wait spoils none beside it."""
+    time = 2.0 * np.arange(40) + 60.0 * (np.arange(40) > 20)
+    log = MotionLog("log.csv", time, np.zeros((40, 1)), np.ones((40, 1)), np.arange(1, 41))
+    assert len(smoothed(log, RULES.log)[1]) == 40
