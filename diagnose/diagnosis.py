@@ -155,7 +155,7 @@ def _diagnosed(arm: Arm, recording: Recording, options: Options, hear: Progress)
         searching = "searching for what is missing"
         named = name_missing(namer, lambda share: tell(searching, 0.3 + 0.3 * share), accepted=tell.found)
         namer, named = sought(namer, named)
-        for _ in range(1 if searched.size > rules.search.long else ROUNDS):
+        for _ in range(ROUNDS):
             if named.outside or not namer.prepared.rejected:
                 break
             asked = asked_again(namer, named, whole_about(namer.prepared.observed), options, known)

@@ -104,8 +104,8 @@ class SearchRules:
     long: int = rule(
         2000,
         "readings",
-        "Up to so many, loads and flexibility are sought from several beginnings, rows set aside are asked again more "
-        "than once, and names are judged with room for causes too small to be named.",
+        "Up to so many, loads and flexibility are sought from several beginnings, and names are judged with room for "
+        "causes too small to be named.",
         TIME,
         rows="Each beginning is a search of its own, which takes minutes in longer recordings; and more readings tell "
         "small causes one by one, so that there is less and less to make room for.",
