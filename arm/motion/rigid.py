@@ -245,7 +245,7 @@ def regressor(arm: Arm, q: Array, velocity: Array, acceleration: Array) -> Array
     turned = turns_by_drives(arm)
     plain = bool(np.array_equal(turned, np.eye(size)))
     for piece in pieces(len(q)):
-        here = moving(arm, q[piece], velocity[piece], acceleration[piece], None)
+        here = moving(arm, q[piece], velocity[piece], acceleration[piece])
         about = np.zeros((size, size, 10, len(here.tip[0])))
         for link in range(size):
             for joint in range(link + 1):

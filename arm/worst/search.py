@@ -448,7 +448,8 @@ def distinct(poses: list[WorstPose], joints: Sequence[int] | None = None) -> tup
 
 
 def _worst_apart(q: Array, errors: Array, case: NDArray[np.intp]) -> list[int]:
-    """Indices of the worst of some poses q (N, n) first, at most so many, near repeats in one load case left out."""
+    """Indices of the worst of some poses q (N, n) first, at most `_MOST_POSES`, near repeats in one load case left
+    out."""
     left = np.argsort(-errors, kind="stable")
     chosen: list[int] = []
     while len(left) and len(chosen) < _MOST_POSES:

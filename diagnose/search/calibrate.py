@@ -29,8 +29,8 @@ FEW_DRAWS = 99
 """For each finding beyond three, and whatever the size of a test."""
 _CHUNK = 32
 _REACHED, _FAR = 10, 1e-3
-"""Draws that reach a statistic, after which no more are made; and of a level the share below which a p-value is no
-longer unsure, with the spread of the tail known to an eighth from as few draws as tell it."""
+"""No more draws are made once so many have reached the statistic, or once the p-value is below this share of the level:
+an eighth of the tail's spread, by which it is unsure after fifty draws, is a factor of five there."""
 _GONE = 1e-8
 """Directions of which the smaller model leaves less than this share (squared) are gone."""
 _WORK = 4e9
