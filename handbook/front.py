@@ -1,27 +1,26 @@
-"""The picture of a trade-off in docs/how-to/tradeoff.md, made by the command that the page shows, and the journal of
-what that command solved, kept beside it: with the journal the same command draws the picture again in seconds.
-
-`python -m handbook.front` makes both (ten minutes); one that was stopped is gone on with.
-"""
+"""The picture of a trade-off in docs/how-to/tradeoff.md, made by the command that the page shows, and the table of its
+points, kept beside it. `python -m handbook.front` makes both (ten minutes)."""
 
 from __future__ import annotations
 
-import gzip
 import re
 import shlex
+import tempfile
 from pathlib import Path
 
+import pandas as pd
+
 from linkwright.cli import run
-from linkwright.core.optimize.tradeoff.journal import JOURNAL
+from linkwright.output.tradeoff_folder import CSV
+from linkwright.output.tradeoff_folder import PICTURE as DRAWN
 
 from .sources import ROOT
 
 PAGE = ROOT / "docs" / "how-to" / "tradeoff.md"
-PICTURE = ROOT / "docs" / "pictures" / "tradeoff.svg"
-SOLVED = PICTURE.with_name("tradeoff-journal.jsonl.gz")
-WORK = ROOT / "pictures-out"
-DRAWN = PICTURE.name
-"""The name of the picture in the folder that the command leaves."""
+PICTURE = ROOT / "docs" / "pictures" / DRAWN
+TABLE = PICTURE.with_name(CSV)
+KEPT = ["number", "front", "on_envelope", "knee", "mass_kg", "max_error_mm"]
+"""The columns of the table that are kept."""
 
 
 def shown() -> list[str]:
@@ -31,27 +30,18 @@ def shown() -> list[str]:
 
 
 def asked(words: list[str], folder: Path) -> list[str]:
-    """Those words for another folder, going on with what is in it."""
+    """Those words for another folder."""
     at = words.index("--out")
-    problem = str(ROOT / words[1])
-    return [words[0], problem, *words[2:at], *words[at + 2 :], "--out", str(folder), "--resume"]
-
-
-def unpack(folder: Path) -> None:
-    """What was solved when the picture was made, into a folder that the command goes on with."""
-    folder.mkdir(parents=True, exist_ok=True)
-    (folder / JOURNAL).write_bytes(gzip.decompress(SOLVED.read_bytes()))
+    return [words[0], str(ROOT / words[1]), *words[2:at], *words[at + 2 :], "--out", str(folder)]
 
 
 def main() -> int:
     """Solve, draw, keep both."""
-    if not (WORK / JOURNAL).exists():
-        WORK.mkdir(exist_ok=True)
-        (WORK / JOURNAL).touch()
-    status = run(asked(shown(), WORK))
-    if status == 0:
-        PICTURE.write_bytes((WORK / DRAWN).read_bytes())
-        SOLVED.write_bytes(gzip.compress((WORK / JOURNAL).read_bytes(), 9, mtime=0))
+    with tempfile.TemporaryDirectory() as folder:
+        status = run(asked(shown(), Path(folder)))
+        if status == 0:
+            PICTURE.write_bytes((Path(folder) / DRAWN).read_bytes())
+            pd.read_csv(Path(folder) / CSV)[KEPT].to_csv(TABLE, index=False, lineterminator="\n")
     return status
 
 

@@ -1,4 +1,4 @@
-"""Files that planning and measuring read: sheets, plans, dated series, recordings of instruments, journals."""
+"""Files that planning and measuring read: sheets, plans, dated series, recordings of instruments."""
 
 from __future__ import annotations
 
@@ -10,11 +10,10 @@ import linkwright as lw
 from linkwright.core.arm.chain.chain import Arm
 from linkwright.core.diagnose.plan.written import read_plan
 from linkwright.core.diagnose.reading.read import read_recording
-from linkwright.core.optimize.tradeoff.journal import Journal, journal_digest
 from linkwright.face.planning.budget import sheet_of
 from linkwright.face.planning.watch import read_dated
 
-from .kind import EXAMPLES, Kind, each_of, example
+from .kind import EXAMPLES, Kind, example
 
 DATED = ("date: 2026-01-{:02}\nsigma: 15 um\n", "date: 2026-02-{:02}\nunit: serial 7\nframe: free\n")
 PLAN = """\
@@ -60,7 +59,6 @@ def planning_kinds(drives: Arm) -> dict[str, Kind]:
         "instruments": Kind(
             {"r.csv": recordings, "r.yaml": settings}, lambda at: read_recording(at / "r.csv", space), {}
         ),
-        "journal": Kind({"journal.jsonl": (_journal(),)}, _resumed, {}),
     }
 
 
@@ -75,29 +73,3 @@ def _of_instruments() -> tuple[tuple[str, ...], tuple[str, ...]]:
             recordings.append("".join(file.read_text(encoding="utf-8").splitlines(keepends=True)[:14]))
             settings.append(file.with_suffix(".yaml").read_text(encoding="utf-8"))
     return tuple(recordings), tuple(settings)
-
-
-def _journal() -> str:
-    """The journal of a trade-off that was stopped."""
-    with tempfile.TemporaryDirectory() as folder:
-        file = Path(folder) / "journal.jsonl"
-        with Journal(file, "digest") as journal:
-            journal.put(("all", "y", "0"), {"objective": 1.5, "x": [0.25, 1e-3], "outcome": "found"})
-            journal.put(("all", "y", "1"), None)
-        return file.read_text(encoding="utf-8")
-
-
-def _resumed(at: Path) -> None:
-    """Only what was written is known again, as it was written."""
-    journal_digest(at / "journal.jsonl")
-
-    def gone_on() -> None:
-        with Journal(at / "journal.jsonl", "digest", resume=True) as journal:
-            assert journal.size <= 2
-            assert not journal.has(("all", "y", "0")) or journal.get(("all", "y", "0")) == {
-                "objective": 1.5,
-                "x": [0.25, 1e-3],
-                "outcome": "found",
-            }
-
-    each_of(gone_on)

@@ -136,16 +136,12 @@ def tradeoff(
     by: Annotated[Literal["material", "shape"] | None, Option()] = None,
     reach: Annotated[Literal["long", "short"], Option()] = "long",
     accuracy: Annotated[float, Option(least=1e-4, most=0.5)] = 0.01,
-    journal: File | None = None,
-    resume: Annotated[bool, Option()] = False,
     progress: Progress | None = None,
-    workers: int | None = None,
-    executor: "Executor | None" = None,
 ) -> "Tradeoff":
     """The trade-off between two figures: no design of the front can be beaten in both.
 
     Any two figures: max_error, average_error, mass, total_mass, cost, reach, safety_factor, first_frequency,
-    wall_slenderness, aspect, tip_stiffness, sideways_stiffness. A front that was stopped goes on with --resume.
+    wall_slenderness, aspect, tip_stiffness, sideways_stiffness.
 
     Example: linkwright tradeoff problem.yaml --x mass --y max_error --by material --out front
 
@@ -156,11 +152,7 @@ def tradeoff(
         by: A front for each material, or shape, that all links then share.
         reach: Which reach is the better one.
         accuracy: Relative error that straight lines between points may have.
-        journal: A folder in which every point solved is noted at once.
-        resume: Go on with what the journal in --out DIR holds.
         progress: Hears of each point; the share is that of the first points, then an estimate.
-        workers: Processes of this machine for what takes long; one for each core by default.
-        executor: Who does it instead: `lw.Processes`, `lw.Cluster`.
 
     Ctrl-C ends it with the points so far, marked `interrupted`. Raises `InputError`, and `NoAnswer` where no design
     keeps the limits.
@@ -179,13 +171,10 @@ def tradeoff(
     """
     from linkwright.core.optimize.tradeoff.question import question
     from linkwright.face.problem import problem_of
-    from linkwright.face.progress import at_work
-    from linkwright.face.tradeoff import journal_in, traced
+    from linkwright.face.tradeoff import traced
 
     given = problem_of(problem)
-    asked = question(given.model, x, y, by=by, reach=reach)
-    with journal_in(journal, asked, accuracy, resume=resume) as book, at_work(executor, workers) as crew:
-        return traced(given, asked, accuracy, book, progress, crew)
+    return traced(given, question(given.model, x, y, by=by, reach=reach), accuracy, progress)
 
 
 def inverse(

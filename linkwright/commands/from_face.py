@@ -117,36 +117,28 @@ def _apart() -> None:
 
 
 class Tradeoff(Made):
-    """`tradeoff`: its points are kept in the output folder as they are solved."""
+    """`tradeoff`: a table of its points, and a folder of its own files."""
 
     def checked(self, targets: Targets, words: dict[str, Any], inputs: Sequence[Path]) -> Targets:
         """The table too is written."""
         from linkwright.output.table_file import check_table
 
-        if words["resume"] and targets.out is None:
-            raise InputError("", "--resume", "needs --out DIR, where the journal of the earlier run is")
         checked_targets = super().checked(targets, words, inputs)
         check_table(targets.csv)
         return checked_targets
 
     def claim(self, folder: Path) -> None:
-        """Its journal does."""
+        """As a trade-off claims it."""
+        from linkwright.output.tradeoff_folder import claim_tradeoff
+
+        claim_tradeoff(folder)
 
     def call(self, given: dict[str, Any], targets: Targets, crew: Executor) -> Any:
-        """Trace the fronts; a front that is stopped is no result, its points wait in the journal."""
-        from linkwright.screen.progress import Steps
-
-        steps = Steps(self.doing)
+        """Trace the fronts; of one that is stopped the points until there are the result."""
         try:
-            result = lw.tradeoff(**given, journal=targets.out, progress=steps, executor=crew)
-            if result.interrupted:
-                raise KeyboardInterrupt
+            return super().call(given, targets, crew)
         except KeyboardInterrupt:
-            steps.close()
-            options.stop(crew, _points_kept(targets.out))
-        finally:
-            steps.close()
-        return result
+            options.stop(crew, "no point was solved yet, so there is none to keep")
 
     def write(self, result: Any, targets: Targets, read: Sequence[Path]) -> list[Path]:
         """The table of points too."""
@@ -158,15 +150,6 @@ class Tradeoff(Made):
         """Apart from what was told on the way."""
         _apart()
         super().answer(result)
-
-
-def _points_kept(folder: Path | None) -> str:
-    """What a front that is stopped leaves, in words."""
-    if folder is None:
-        return "nothing is kept without --out DIR"
-    from linkwright.face.tradeoff import points_kept
-
-    return f"{points_kept(folder)} solved points are kept in {folder}; --resume goes on with them"
 
 
 CsvFile = Annotated[Path | None, typer.Option("--csv", metavar="FILE", help="Write the points: .csv, .parquet or .md.")]
@@ -368,7 +351,7 @@ def _opens_with(path: Path, signature: str) -> bool:
         return False
 
 
-FOLDER = Out("Write report.html, picture, CSV, JSON, an arm file a point, and the journal.")
+FOLDER = Out("Write report.html, picture, CSV, JSON, and an arm file a point.")
 FIGURES = (RESULT, REPORT, *(f"figure-{number}.csv" for number in range(5, 10)))
 NOTHING = "Nothing is written without --out DIR or --json FILE."
 
@@ -388,7 +371,14 @@ def commands() -> Mapping[str, Made]:
     made = (
         Made("evaluate", doing="evaluating", out=Out(), pdf=True, tip=True),
         Optimize("optimize", out=Out(), pdf=True, kept="this is the best design so far"),
-        Tradeoff("tradeoff", doing="setting up the trade-off", out=FOLDER, pdf=True, also={"csv": CsvFile}),
+        Tradeoff(
+            "tradeoff",
+            doing="setting up the trade-off",
+            out=FOLDER,
+            pdf=True,
+            kept="these are the points solved so far",
+            also={"csv": CsvFile},
+        ),
         Made("inverse", doing="looking for poses", tip=True, negative=True),
         Made("budget", out=watched, pdf=True, tip=True),
         Diagnose("diagnose", doing="beginning", out=Out(), pdf=True, tip=True),

@@ -3,33 +3,23 @@
 from __future__ import annotations
 
 import io
-from collections.abc import Generator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from linkwright.core.arm.chain.chain import Arm as Model
 from linkwright.core.arm.figures import Figure
-from linkwright.core.executors import Executor
+from linkwright.core.executors.threads import one_thread
 from linkwright.core.optimize.tradeoff.front import Point
 from linkwright.core.optimize.tradeoff.front import Tradeoff as Found
-from linkwright.core.optimize.tradeoff.journal import JOURNAL, LOCK, Journal, journal_digest
-from linkwright.core.optimize.tradeoff.question import Question, digest
+from linkwright.core.optimize.tradeoff.question import Question
 from linkwright.core.optimize.tradeoff.trace import Progress as Traced
 from linkwright.core.optimize.tradeoff.tradeoff import trade_off
-from linkwright.core.units.quantities import InputError
 from linkwright.face.evaluation import Figured, Values
-from linkwright.output.files import REPORT, RESULT, made_folder, refuse_strangers, write_file
+from linkwright.output.files import REPORT, write_file
 from linkwright.output.table_file import WAYS, write_table
-from linkwright.output.tradeoff_folder import (
-    FILES,
-    claim_tradeoff,
-    made_by,
-    tradeoff_csv,
-    tradeoff_json,
-    write_tradeoff,
-)
+from linkwright.output.tradeoff_folder import claim_tradeoff, tradeoff_csv, tradeoff_json, write_tradeoff
 from linkwright.report.charts.fronts import front_figure
 from linkwright.results.figures_in_words import percent
 from linkwright.results.tradeoff import describe
@@ -97,9 +87,8 @@ class Tradeoff(Reported):
         return figure_of(front_figure(self.found))
 
     def _saved(self, place: Path, first: Mapping[str, str]) -> Sequence[Path]:
-        """All that `tradeoff --out` writes but the journal."""
-        if journal_digest(place / JOURNAL) is None:
-            claim_tradeoff(place)
+        """All that `tradeoff --out` writes."""
+        claim_tradeoff(place)
         catalogue = catalogue_of(self.problem.arm.catalogue)
         return write_tradeoff(self.found, place, self.to_json(), first[REPORT], catalogue)
 
@@ -117,58 +106,19 @@ class Tradeoff(Reported):
         return {"Designs": self.table}
 
 
-@contextmanager
-def journal_in(folder: File | None, asked: Question, accuracy: float, *, resume: bool) -> Generator[Journal]:
-    """The journal in an output folder, which is made or taken again; without a folder, one that is not written. Raises
-    `InputError`."""
-    key = digest(asked, accuracy)
-    if folder is None:
-        if resume:
-            raise InputError("", "resume", "needs --out DIR, where the journal of the earlier run is")
-        yield Journal(None, key)
-        return
-    out = Path(folder)
-    names = made_folder(out) - {LOCK}
-    refuse_strangers(out, names, FILES)
-    there = journal_digest(out / JOURNAL)
-    if names and there is None:
-        # A kill in the first instant leaves an empty journal, which is as good as none.
-        if names != {JOURNAL} or (out / JOURNAL).stat().st_size > 0:
-            would_do = "name a new or empty folder"
-            raise InputError(out, "", f"holds files that are not of `linkwright tradeoff`; {would_do}")
-    elif there == key and RESULT not in names and not resume:
-        would_do = "--resume goes on with it, or name another folder"
-        raise InputError(out, "", f"holds this trade-off, unfinished; {would_do}")
-    with Journal(out / JOURNAL, key, resume=resume, made_by=made_by()) as journal:
-        # Until the new result is there, none is: a folder with a journal alone is known for unfinished.
-        (out / RESULT).unlink(missing_ok=True)
-        yield journal
-
-
-def points_kept(folder: File) -> int:
-    """How many solved points the journal in an output folder holds."""
-    try:
-        return max((Path(folder) / JOURNAL).read_bytes().count(b"\n") - 1, 0)
-    except OSError:
-        return 0
-
-
-def traced(
-    given: Problem, asked: Question, accuracy: float, journal: Journal, progress: Progress | None, executor: Executor
-) -> Tradeoff:
+def traced(given: Problem, asked: Question, accuracy: float, progress: Progress | None) -> Tradeoff:
     """Trace the fronts of a question; Ctrl-C is heard between two points."""
-    with told(progress) as tell, interrupts() as check:
+    with told(progress) as tell, interrupts() as check, one_thread():
 
         def heard(done: Traced) -> None:
             check()
             tell(_words(done, groups=asked.by is not None), done.share)
 
-        return Tradeoff(given, trade_off(asked, accuracy=accuracy, journal=journal, told=heard, executor=executor))
+        return Tradeoff(given, trade_off(asked, accuracy=accuracy, told=heard))
 
 
 def _words(done: Traced, *, groups: bool) -> str:
     """How far a front has come; `groups`: fronts have names of their own."""
     name = f"{done.front}: " if groups else ""
     off = "" if done.error is None else f", straight lines right within {percent(done.error)}"
-    known = f" ({done.resumed} from the journal)" if done.resumed else ""
-    return f"{name}{done.points} points{known}{off}: {done.doing}"
+    return f"{name}{done.points} points{off}: {done.doing}"

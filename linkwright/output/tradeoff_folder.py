@@ -9,7 +9,6 @@ from typing import Any
 
 from linkwright.core.materials.catalogue import Catalogue
 from linkwright.core.optimize.tradeoff.front import Front, Point, Tradeoff
-from linkwright.core.optimize.tradeoff.journal import JOURNAL, LOCK
 from linkwright.core.optimize.tradeoff.question import Axis
 from linkwright.core.units.spreadsheet import defused
 from linkwright.json.design import links_json
@@ -101,7 +100,7 @@ def tradeoff_json(result: Tradeoff) -> dict[str, Any]:
             }
             for point in result.points
         ],
-        **fields(result, "accuracy", "solved", "resumed", "seconds"),
+        **fields(result, "accuracy", "solved", "seconds", "interrupted"),
     }
 
 
@@ -128,7 +127,7 @@ def tradeoff_csv(result: Tradeoff) -> str:
 
 
 CSV, PICTURE, POINTS = "tradeoff.csv", "tradeoff.svg", "points"
-FILES = (RESULT, REPORT, CSV, PICTURE, POINTS, JOURNAL, LOCK)
+FILES = (RESULT, REPORT, CSV, PICTURE, POINTS)
 """Everything that a trade-off may write."""
 
 

@@ -200,10 +200,8 @@ def knee_words(result: Tradeoff, front: Front) -> str:
 
 def effort_words(result: Tradeoff) -> str:
     """How much was solved, how long it took, and how right the straight lines are."""
-    known = f", {result.resumed} of them from the journal" if result.resumed else ""
-    count = result.solved + result.resumed
     lines = f"straight lines between points were right within {percent(result.envelope.error)} half-way"
-    return f"{count} points solved{known}{lasted(result.seconds)}; {lines}"
+    return f"{result.solved} points solved{lasted(result.seconds)}; {lines}"
 
 
 def spread(points: Sequence[Point], most: int, always: int | None) -> list[Point]:

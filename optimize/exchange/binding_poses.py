@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
 
 from linkwright.core.arm.figures import Cut
 
@@ -130,23 +129,3 @@ class Pool:
 def _key(cut: ErrorCut) -> tuple[object, ...]:
     place = tuple(round(value, 7) for value in cut.q)
     return place, cut.load_case, cut.signs, tuple(round(value, 9) for value in cut.shift)
-
-
-def pool_of(content: Mapping[str, Any]) -> Pool:
-    """The pool that `dataclasses.asdict` took apart, as JSON holds it."""
-    errors: list[ErrorCut] = []
-    for cut in content["errors"]:
-        anchor = cut["anchor"]
-        if anchor is not None:
-            null = tuple(tuple(row) for row in anchor["null"])
-            anchor = Anchor(_three(anchor["tip"]), null, anchor["side"], anchor.get("free", False))
-        errors.append(ErrorCut(tuple(cut["q"]), cut["load_case"], tuple(cut["signs"]), _three(cut["shift"]), anchor))
-    held = tuple(
-        (family, tuple(Cut(tuple(cut["q"]), cut["group"], tuple(cut["more"])) for cut in cuts))
-        for family, cuts in content["held"]
-    )
-    return Pool(tuple(errors), held)
-
-
-def _three(values: list[float]) -> tuple[float, float, float]:
-    return values[0], values[1], values[2]

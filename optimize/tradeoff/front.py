@@ -41,7 +41,7 @@ class Point:
     @property
     def unreached_share(self) -> float:
         """What share of a box or a path the design does not reach; its figures are of the rest."""
-        return float(self.figures.get("unreached_share", 0.0))  # journals of before 0.1 say nothing of it
+        return float(self.figures["unreached_share"])
 
 
 @dataclass(frozen=True)
@@ -75,7 +75,7 @@ class Tradeoff:
     """A trade-off: its points, a front for each material or shape (or one for all), and the envelope of them.
 
     `without` are the names that have no design at all, with the reason. `logs`: whether x and y span more than a factor
-    of ten. `resumed` is how many solutions came from a journal.
+    of ten. `solved` counts the points solved, those without a design among them.
     """
 
     asked: Question
@@ -87,7 +87,6 @@ class Tradeoff:
     logs: tuple[bool, bool]
     seconds: float
     solved: int
-    resumed: int
     interrupted: bool = False
     """Whether an interrupt ended the work: these are then the points that it had."""
     start: str | None = None

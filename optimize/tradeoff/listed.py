@@ -19,7 +19,7 @@ from linkwright.core.optimize.sizes.options import link_lists
 from linkwright.core.optimize.sizes.search import CLOSE, ListSearch
 from linkwright.core.units.quantities import NoAnswer
 
-from .point import Design, Learnt, Told
+from .point import Design, Told
 from .question import Axis, Question
 
 _EXACTLY = 1e-9
@@ -105,16 +105,6 @@ class ListedSearch:
             self._told(text)
 
         return heard
-
-    def learnt(self) -> Learnt:
-        """Nothing that another search would need."""
-        return Learnt(None, Pool(), {}, {})
-
-    def begin_with(self, learnt: Learnt) -> None:
-        """Every point is sought by itself."""
-
-    def learn_from(self, learnt: Learnt) -> None:
-        """Every point is sought by itself."""
 
 
 def listed_arm(problem: Problem, numbers: Sequence[float]) -> Arm:

@@ -9,7 +9,7 @@ solved again. The designs at neighbouring points are where the search starts.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import TypeVar
 
@@ -64,17 +64,6 @@ Corner = tuple[float, float]
 """Badness of x and of y: no design of a combination has less of the one and no more of the other."""
 
 
-@dataclass(frozen=True)
-class Learnt:
-    """What a search knows beside its compiled programs: the poses that every point starts with, those that ever held a
-    design, corners of combinations, and where combinations ended."""
-
-    first: Pool | None
-    met: Pool
-    corners: Mapping[Combination, tuple[Corner, ...]]
-    ends: Mapping[Combination, tuple[float, ...]]
-
-
 class Search:
     """Finds designs for one problem (of a group) of a trade-off; what it has learnt about combinations it keeps."""
 
@@ -118,25 +107,6 @@ class Search:
         if design is None or design.badness > self.asked.cap(push) * (1.0 + 1e-6):
             return None
         return replace(design, unsolved=len(trial.unsolved))
-
-    def learnt(self) -> Learnt:
-        """What is known now."""
-        corners = {pick: tuple(corners_of_pick) for pick, corners_of_pick in self._corners.items()}
-        return Learnt(self._first, self._met, corners, {pick: tuple(x.tolist()) for pick, x in self._known.items()})
-
-    def begin_with(self, learnt: Learnt) -> None:
-        """Know that and nothing else."""
-        self._first, self._met = learnt.first, learnt.met
-        self._corners = {pick: list(corners_of_pick) for pick, corners_of_pick in learnt.corners.items()}
-        self._known = {pick: np.array(x) for pick, x in learnt.ends.items()}
-
-    def learn_from(self, learnt: Learnt) -> None:
-        """Know that as well."""
-        self._met = self._met.joined(learnt.met)
-        for pick, corners in learnt.corners.items():
-            for corner in corners:
-                self._keep(pick, corner)
-        self._known.update((pick, np.array(x)) for pick, x in learnt.ends.items())
 
     def bound_on(self, push: int, pick: Combination, held: float) -> float:
         """No design of a combination whose figure held has at most that badness has less of the other than this, from

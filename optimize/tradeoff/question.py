@@ -2,19 +2,13 @@
 
 from __future__ import annotations
 
-import hashlib
-import json
 import math
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, replace
-from typing import Any, Literal
+from dataclasses import dataclass, replace
+from typing import Literal
 
 from linkwright.core.arm.figures import Figure, Limit
-from linkwright.core.arm.files.write import arm_to_yaml
-from linkwright.core.materials.material import Material
 from linkwright.core.optimize.problem import Problem
-from linkwright.core.optimize.problem_summary import choices_in_words
-from linkwright.core.optimize.sizes.listed import Listed
 from linkwright.core.units.names import meant, nearest
 from linkwright.core.units.quantities import InputError, format_quantity
 
@@ -218,52 +212,3 @@ def _check_listed(problem: Problem, names: tuple[str, str]) -> None:
     if other is not None:
         message = f"goes with trade-offs between {', '.join(summed)}, not with {other}"
         raise InputError(problem.file, "choose.sizes", message)
-
-
-def digest(asked: Question, accuracy: float) -> str:
-    """SHA-256 over all that a front depends on: the arm, the problem, the materials' figures, and what is asked."""
-    problem = asked.given
-    materials = {link.material.name: link.material for link in problem.arm.links if link.material is not None}
-    chosen = {material.name: material for material in problem.materials or ()}
-    content: dict[str, Any] = {
-        "arm": arm_to_yaml(problem.arm),
-        "workspace": {name: item for name, item in asdict(problem.workspace).items() if name not in _LISTED or item},
-        "load_cases": [asdict(case) for case in problem.load_cases],
-        "limits": [[limit.text, limit.poses] for limit in asked.problem.limits],
-        **_ranges(problem),
-        **(
-            {}
-            if problem.sizes is None
-            else {"sizes": [[_listed(item) for item in link_sizes] for link_sizes in problem.sizes]}
-        ),
-        "shapes": problem.shapes,
-        **({} if problem.lists is None else {"by_link": choices_in_words(problem)}),
-        "materials": [_figures(m, problem.arm.temperature) for m in (*materials.values(), *chosen.values())],
-        "chosen": list(chosen),
-        "same": sorted(problem.same),
-        "axes": [[axis.name, axis.more_is_better] for axis in (asked.x, asked.y)],
-        "caps": [asked.x_cap, asked.y_cap],
-        "by": asked.by,
-        "accuracy": accuracy,
-        "bounds": _BOUNDS,
-    }
-    return hashlib.sha256(json.dumps(content, sort_keys=True).encode()).hexdigest()
-
-
-def _ranges(problem: Problem) -> dict[str, Any]:
-    """The ranges of all links, or of each where they differ."""
-    kinds = dict.fromkeys(
-        link_ranges for link_ranges, link in zip(problem.ranges, problem.arm.links, strict=True) if link.section
-    )
-    if len(kinds) > 1:
-        return {"ranges": [link_ranges.spans for link_ranges in problem.ranges]}
-    kind = next(iter(kinds))
-    return {"ranges": [kind.link_length, *kind.sizes], **({} if kind.taper is None else {"taper": kind.taper})}
-
-
-def _listed(listed: Listed) -> list[Any]:
-    return [listed.section.shape, dict(listed.section.given()), None if listed.stock is None else listed.stock.name]
-
-
-def _figures(material: Material, temperature: float) -> dict[str, Any]:
-    return asdict(material.at(temperature))

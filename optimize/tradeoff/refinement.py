@@ -81,27 +81,26 @@ def refine(
     axes: tuple[Axis, Axis],
     nodes: Sequence[AnyNode],
     stretches: Sequence[tuple[AnyNode, AnyNode]],
-    solve: Callable[[Sequence[Stretch[AnyNode]]], Sequence[AnyNode | None]],
+    solve: Callable[[Stretch[AnyNode]], AnyNode | None],
     accuracy: float,
     most: int = MOST_POINTS,
-    together: int = 1,
     *,
     listed: bool = False,
 ) -> Refined[AnyNode]:
     """Halve stretches between points until the straight line is right within `accuracy` (relative, of y).
 
-    `solve` gives the point within each of some stretches (at most so many `together`), None where it fails. Between
-    designs that are `listed` there may be none; a step is then two neighbours between which y jumps by more.
+    `solve` gives the point within a stretch, None where it fails. Between designs that are `listed` there may be none;
+    a step is then two neighbours between which y jumps by more.
     """
     work = _Refinement(axes, nodes, accuracy, listed)
     for left, right in stretches:
         off = abs(math.log(axes[1].badness(left.y) / axes[1].badness(right.y)))
         work.look_at(left, right, off, max(left.level, axes[0].badness(left.x)))
     while work.pending and len(work.found) < most:
-        requests = work.next(min(together, most - len(work.found)))
-        answers = solve([stretch for stretch, _ in requests]) if requests else ()
-        for (stretch, item), middle in zip(requests, answers, strict=True):
-            work.answered(stretch.level, item, middle)
+        request = work.next()
+        if request is not None:
+            stretch, item = request
+            work.answered(stretch.level, item, solve(stretch))
     nodes = sorted(work.found, key=lambda node: node.level)
     return Refined(tuple(nodes), work.worst, tuple(work.steps), tuple(work.failed), complete=not work.pending)
 
@@ -130,17 +129,15 @@ class _Refinement(Generic[AnyNode]):
         if not self.listed or off > self.accuracy:
             heapq.heappush(self.pending, (-off, next(self._order), _Open(left, right, low, last)))
 
-    def next(self, most: int) -> list[tuple[Stretch[AnyNode], _Open[AnyNode]]]:
-        """The stretches that are off by most, at most so many; those that are as narrow as can be are steps."""
-        requests: list[tuple[Stretch[AnyNode], _Open[AnyNode]]] = []
-        while self.pending and len(requests) < most:
-            urgency, _, stretch = heapq.heappop(self.pending)
-            level = self._level_in(stretch)
-            if level is not None:
-                requests.append((Stretch(stretch.left, stretch.right, level, -urgency), stretch))
-            elif self.listed or abs(stretch.left.y / stretch.right.y - 1.0) > self.accuracy:
-                self.steps.append((stretch.left, stretch.right))
-        return requests
+    def next(self) -> tuple[Stretch[AnyNode], _Open[AnyNode]] | None:
+        """The stretch that is off by most; None where that is as narrow as can be, and so a step."""
+        urgency, _, stretch = heapq.heappop(self.pending)
+        level = self._level_in(stretch)
+        if level is not None:
+            return Stretch(stretch.left, stretch.right, level, -urgency), stretch
+        if self.listed or abs(stretch.left.y / stretch.right.y - 1.0) > self.accuracy:
+            self.steps.append((stretch.left, stretch.right))
+        return None
 
     def _level_in(self, stretch: _Open[AnyNode]) -> float | None:
         if not self.listed:

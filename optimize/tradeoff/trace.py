@@ -4,20 +4,23 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
 
 from linkwright.core.arm.chain.chain import Arm
+from linkwright.core.arm.evaluation import Evaluation, evaluate
+from linkwright.core.arm.figures import Figure, figures_of
 from linkwright.core.optimize.choice.combinations import MOST_COMBINATIONS, count
+from linkwright.core.optimize.exchange.design import arm_of, design_space
 from linkwright.core.optimize.problem import Problem
 
-from .crew import Crew, Wanted, arm_with, record_of, search_for
 from .front import Figures
-from .journal import Journal, Record
-from .listed import ListedSearch
+from .listed import ListedSearch, listed_arm
 from .point import Design, Search
 from .question import Axis, Question
-from .records import design_of
 from .refinement import Refined, Stretch, refine
 
 _STEP = 0.2
@@ -31,13 +34,12 @@ _AT_BEST_Y = 1e-4
 
 @dataclass(frozen=True)
 class Progress:
-    """How far a trade-off has come: the front at work, its points, how many of all points a journal knew, the worst
-    error of a straight line that is still to be dealt with (None at first), what is being done, and what share of the
-    front's first points, and then of its refinement, is behind."""
+    """How far a trade-off has come: the front at work, its points, the worst error of a straight line that is still to
+    be dealt with (None at first), what is being done, and what share of the front's first points, and then of its
+    refinement, is behind."""
 
     front: str
     points: int
-    resumed: int
     error: float | None
     doing: str
     share: float
@@ -59,26 +61,15 @@ class Node:
 
 
 class Tracer:
-    """The front of one group: points solved, or answered by the journal."""
+    """The front of one group, one point after another; a point that is wanted again is not solved again."""
 
-    def __init__(
-        self,
-        asked: Question,
-        name: str,
-        problem: Problem,
-        accuracy: float,
-        book: Journal,
-        told: Told | None,
-        crew: Crew | None = None,
-    ) -> None:
-        """`crew` solves together what can be; without one, one point is solved after another."""
-        self.asked, self.name, self._accuracy, self._book, self._told = asked, name, accuracy, book, told
-        self._problem, self._crew = problem, crew
-        self._fresh: set[tuple[str, ...]] = set()
+    def __init__(self, asked: Question, name: str, problem: Problem, accuracy: float, told: Told | None) -> None:
+        self.asked, self.name, self._accuracy, self._told = asked, name, accuracy, told
+        self._problem = problem
+        self._solved: dict[tuple[int, float], Node | None] = {}
         self.nodes: list[Node] = []
         self.refined: Refined[Node] | None = None
         self.capped = False
-        self.resumed = 0
         self._error: float | None = None
         self._first = _LEAST_POINTS
         self._search: Search | ListedSearch | None = None
@@ -96,19 +87,25 @@ class Tracer:
         return sum(node.design.unsolved > 0 for node in self.nodes)
 
     @property
+    def solved(self) -> int:
+        """How many points were solved, those without a design among them."""
+        return len(self._solved)
+
+    @property
     def _listed(self) -> bool:
         return self._problem.sizes is not None
 
     @property
     def search(self) -> Search | ListedSearch:
-        """The search, set up when it is first needed: what a journal knows needs none."""
+        """The search, set up when it is first needed."""
         if self._search is None:
-            self._search = search_for(self.asked, self._problem, self._say)
+            kind = ListedSearch if self._listed else Search
+            self._search = kind(self.asked, self._problem, self._say)
         return self._search
 
     def _say(self, text: str) -> None:
         if self._told is not None:
-            self._told(Progress(self.name, len(self.nodes), self.resumed, self._error, text, self._share))
+            self._told(Progress(self.name, len(self.nodes), self._error, text, self._share))
 
     @property
     def _share(self) -> float:
@@ -120,27 +117,22 @@ class Tracer:
             return min(len(self.nodes) / self._first, 1.0)
         return min(math.sqrt(self._accuracy / self._error), 1.0) if self._error > 0.0 else 1.0
 
-    def _key(self, push: int, held: float) -> tuple[str, ...]:
-        return (self.name, "x" if push == self.asked.x_limit else "y", float(held).hex())
-
     def solve(self, push: int, held: float, near: Sequence[Node], *, wide: bool = False) -> Node | None:
         """The point at which one figure is pushed and the other held; None where there is no design."""
-        key = self._key(push, held)
         self._say("solving")
-        if self._book.has(key):
-            self.resumed += key not in self._fresh
-            return self._noted(push, held)
-        design = self.search.best(push, held, [node.design for node in near], wide=wide)
-        self._say("solved")
-        self._book.put(key, None if design is None else record_of(self.asked, self._problem, design))
-        return self._noted(push, held)
+        if (push, held) not in self._solved:
+            design = self.search.best(push, held, [node.design for node in near], wide=wide)
+            self._say("solved")
+            self._solved[push, held] = None if design is None else self._node(design, push, held)
+        return self._solved[push, held]
 
-    def _noted(self, push: int, held: float) -> Node | None:
-        """A point as the book has it; None where it has no design."""
-        record = self._book.get(self._key(push, held))
-        if record is None:
+    def _node(self, design: Design, push: int, held: float) -> Node | None:
+        """A design with its figures; None where it leaves what it must reach."""
+        whole = self.asked.problem
+        evaluation = evaluate(self.arm(design), whole.workspace, whole.load_cases)
+        if self._problem.must_reach and evaluation.unreached is not None:
             return None
-        design, figures = design_of(record["design"], self._problem), record["figures"]
+        figures = _figures(evaluation, whole.figures)
         x, y = float(figures[self.asked.x.name]), float(figures[self.asked.y.name])
         # A design from a list leaves some of what is allowed; where it stands is what it has.
         allowed = push == self.asked.y_limit and math.isfinite(held) and not self._listed
@@ -149,7 +141,10 @@ class Tracer:
 
     def arm(self, design: Design) -> Arm:
         """The arm of a design."""
-        return arm_with(self._problem, design)
+        if self._listed:
+            return listed_arm(self._problem, design.numbers)
+        pick = design.combination
+        return arm_of(design_space(self._problem, pick.shapes), np.array(design.numbers), pick.materials)
 
     def trace(self) -> bool:
         """Find the ends and refine between them; False where there is no design at all."""
@@ -180,10 +175,7 @@ class Tracer:
             return True
         missed = self._spread(left, right)
         pairs = list(itertools.pairwise(self.nodes))
-        together = 1 if self._crew is None else self._crew.together
-        done = refine(
-            self._axes, self.nodes, pairs, self._between, self._accuracy, together=together, listed=self._listed
-        )
+        done = refine(self._axes, self.nodes, pairs, self._between, self._accuracy, listed=self._listed)
         failed = (*missed, *done.failed)
         self.refined = replace(done, failed=failed, complete=done.complete and not failed)
         return True
@@ -211,39 +203,12 @@ class Tracer:
         self.nodes = [left, *reversed(made)]
         return missed
 
-    def _between(self, stretches: Sequence[Stretch[Node]]) -> list[Node | None]:
-        self._error = max(stretch.expected for stretch in stretches)
-        if self._crew is not None:
-            self._ahead(self._crew, stretches)
-        nodes: list[Node | None] = []
-        for item in stretches:
-            node = self.solve(self.asked.y_limit, item.level, [item.left, item.right])
-            if node is not None:
-                self.nodes.append(node)
-            nodes.append(node)
-        return nodes
-
-    def _ahead(self, crew: Crew, stretches: Sequence[Stretch[Node]]) -> None:
-        """Have points solved together and put into the book; an interrupt leaves those that are done among the
-        nodes."""
-        push = self.asked.y_limit
-        fresh = [stretch for stretch in stretches if not self._book.has(self._key(push, stretch.level))]
-        if len(fresh) < 2:
-            return
-        wanted = [Wanted(push, item.level, (item.left.design, item.right.design)) for item in fresh]
-        done: list[Stretch[Node]] = []
-
-        def keep(number: int, record: Record | None) -> None:
-            key = self._key(push, fresh[number].level)
-            self._fresh.add(key)
-            self._book.put(key, record)
-            done.append(fresh[number])
-
-        try:
-            crew.solve(self.name, self.search, wanted, lambda: self._say("solving"), keep)
-        except KeyboardInterrupt:
-            self.nodes += [node for item in done if (node := self._noted(push, item.level)) is not None]
-            raise
+    def _between(self, stretch: Stretch[Node]) -> Node | None:
+        self._error = stretch.expected
+        node = self.solve(self.asked.y_limit, stretch.level, [stretch.left, stretch.right])
+        if node is not None:
+            self.nodes.append(node)
+        return node
 
     def at(self, level: float) -> Node | None:
         """A point of the front at a badness of x, started from the points on both sides of it."""
@@ -258,3 +223,16 @@ class Tracer:
         if node is not None:
             self.nodes.append(node)
         return node
+
+
+def _figures(evaluation: Evaluation, figures: Mapping[str, Figure]) -> dict[str, Any]:
+    """What is known of a point in SI; None where it is not."""
+    values = figures_of(evaluation, figures)
+    return {
+        **{name: None if math.isnan(value) else value for name, value in values.items()},
+        "upper_bound": evaluation.upper_bound,
+        "certified": evaluation.worst.certified,
+        "link_masses": list(evaluation.link_masses),
+        "unreached_share": 0.0 if evaluation.unreached is None else evaluation.unreached.share,
+        "warnings": list(evaluation.warnings),
+    }

@@ -12,24 +12,20 @@ from __future__ import annotations
 
 import itertools
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from types import MappingProxyType
 
 from linkwright.core.arm.worst.workspace import Unreachable
-from linkwright.core.executors import Executor
 from linkwright.core.optimize.choice.picks import options
 from linkwright.core.optimize.exchange.design import material_row
 from linkwright.core.optimize.exchange.exchange import context_of
 from linkwright.core.optimize.infeasible.answer import Infeasibility, Infeasible
 from linkwright.core.optimize.infeasible.needed import explained
-from linkwright.core.optimize.problem import Problem
 from linkwright.core.optimize.reaching import start_that_reaches
 from linkwright.core.units.quantities import NoAnswer
 
-from .crew import Crew
 from .front import Front, Point, Tradeoff
-from .journal import Journal
 from .question import Question
 from .refinement import Refined, Stretch, envelope, knee, logarithmic, refine, undominated
 from .trace import Node, Told, Tracer
@@ -44,40 +40,30 @@ def trade_off(
     asked: Question,
     *,
     accuracy: float = ACCURACY,
-    journal: Journal | None = None,
     told: Told | None = None,
-    executor: Executor | None = None,
 ) -> Tradeoff:
     """The fronts of a question and their envelope.
 
-    With an `executor` of several workers all stretches that are too wide are halved at once; without one, or with one
-    worker, this process halves one after another.
-
-    `journal` answers what it knows and notes what is found; `told` hears of progress. Where that raises
-    `KeyboardInterrupt`, the points so far are the result, marked `interrupted`. Raises
-    `NoAnswer` where no design keeps the limits, `InputError` where a figure is missing that the question needs.
+    `told` hears of progress. Where that raises `KeyboardInterrupt`, the points so far are the result, marked
+    `interrupted`. Raises `NoAnswer` where no design keeps the limits, `InputError` where a figure is missing that the
+    question needs.
     """
     began = time.perf_counter()
     start = start_that_reaches(asked.given)
     if start is not None:
         own = replace(asked.problem, arm=start.problem.arm)
         asked = replace(asked, given=start.problem, problem=own)
-    book = journal or Journal(None, "")
-    known = book.size
     for materials in options(asked.problem)[1]:
         material_row(materials, asked.problem)  # what a material lacks is told before anything is solved
-    crew = None if executor is None or not executor.shares else Crew(executor, asked)
-    tracers, without, interrupted = _traced(
-        asked, lambda name, problem: Tracer(asked, name, problem, accuracy, book, told, crew)
-    )
+    tracers, without, interrupted = _traced(asked, accuracy, told)
     best = None
     if len(tracers) > 1:
         try:
             best = _unrefined(asked, tracers) if interrupted else _envelope(asked, tracers, accuracy)
         except KeyboardInterrupt:
             best, interrupted = _unrefined(asked, tracers), True
-    seconds, solved = time.perf_counter() - began, book.size - known
-    tradeoff = _result(asked, accuracy, tracers, best, tuple(without), seconds, solved)
+    seconds = time.perf_counter() - began
+    tradeoff = _result(asked, accuracy, tracers, best, tuple(without), seconds)
     tradeoff = replace(tradeoff, start=None if start is None else start.why)
     if not interrupted:
         return tradeoff
@@ -85,16 +71,14 @@ def trade_off(
     return replace(tradeoff, fronts=fronts, envelope=replace(tradeoff.envelope, complete=False), interrupted=True)
 
 
-def _traced(
-    question: Question, tracer_of: Callable[[str, Problem], Tracer]
-) -> tuple[list[Tracer], list[tuple[str, str]], bool]:
+def _traced(question: Question, accuracy: float, told: Told | None) -> tuple[list[Tracer], list[tuple[str, str]], bool]:
     """The fronts of all groups, those that have none with the reason, and whether an interrupt ended the work; raises
     where there is none at all."""
     tracers: list[Tracer] = []
     without: list[tuple[str, str]] = []
     blocked: list[Infeasibility] = []
     for name, problem in question.groups():
-        tracer = tracer_of(name, problem)
+        tracer = Tracer(question, name, problem, accuracy, told)
         try:
             if tracer.trace():
                 tracers.append(tracer)
@@ -141,16 +125,13 @@ def _envelope(question: Question, tracers: Sequence[Tracer], accuracy: float) ->
     nodes = _best_of(question, [undominated(axes, tracer.nodes) for tracer in tracers])
     changes = [(a, b) for a, b in itertools.pairwise(nodes) if a.group != b.group]
 
-    def better(stretches: Sequence[Stretch[Node]]) -> list[Node | None]:
-        return [best(stretch) for stretch in stretches]
-
     def best(stretch: Stretch[Node]) -> Node | None:
         names = dict.fromkeys((stretch.left.group, stretch.right.group))
         found = [node for name in names if (node := named[name].at(stretch.level)) is not None]
         return min(found, key=lambda node: axes[1].badness(node.y), default=None)
 
     most = len(nodes) + 40 * max(len(changes), 1)
-    return refine(axes, nodes, changes, better, accuracy, most=most, listed=question.given.sizes is not None)
+    return refine(axes, nodes, changes, best, accuracy, most=most, listed=question.given.sizes is not None)
 
 
 def _result(
@@ -160,7 +141,6 @@ def _result(
     best: Refined[Node] | None,
     without: tuple[tuple[str, str], ...],
     seconds: float,
-    solved: int,
 ) -> Tradeoff:
     axes = (question.x, question.y)
     kept = {tracer.name: undominated(axes, tracer.nodes) for tracer in tracers}
@@ -180,8 +160,8 @@ def _result(
         nodes = _best_of(question, list(kept.values()))
         both = _together(best, [tracer.refined for tracer in tracers if tracer.refined is not None])
         whole = front("envelope", nodes, both, named[nodes[-1].group])
-    resumed = sum(tracer.resumed for tracer in tracers)
-    return Tradeoff(question, accuracy, points, fronts, whole, without, logs, seconds, solved, resumed)
+    solved = sum(tracer.solved for tracer in tracers)
+    return Tradeoff(question, accuracy, points, fronts, whole, without, logs, seconds, solved)
 
 
 def _front(

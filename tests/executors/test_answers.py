@@ -16,10 +16,6 @@ from linkwright.core.executors.packing import packed, unpacked
 from linkwright.core.optimize.problem import Problem
 from linkwright.core.optimize.result import OptimizationResult
 from linkwright.core.optimize.run import optimise
-from linkwright.core.optimize.tradeoff.front import Tradeoff
-from linkwright.core.optimize.tradeoff.question import question
-from linkwright.core.optimize.tradeoff.trace import Progress
-from linkwright.core.optimize.tradeoff.tradeoff import trade_off
 from linkwright.core.units.quantities import InputError
 from tests.executors.dask_processes import Dask, joined, two_workers
 from tests.optimize.builders import jointed, problem_of, ranged
@@ -70,53 +66,6 @@ def test_choice_among_combinations(dask: Dask, tmp_path: Path):
     with joined(dask) as cluster:
         assert same(optimise(problem, executor=cluster, progress=kill), alone)
     assert texts
-
-
-def points(front: Tradeoff) -> list[tuple[object, ...]]:
-    return [(point.x, point.y, point.shapes, point.materials) for point in front.points]
-
-
-@pytest.mark.slow
-def test_front(dask: Dask, tmp_path: Path):
-    asked = question(problem_of(tmp_path, ARM, ALIKE + LIMITS), "mass", "max_error")
-    alone = trade_off(asked, accuracy=0.01)
-    with Processes(2, patience=0.0) as processes:
-        together = trade_off(asked, accuracy=0.01, executor=processes)
-        assert len(processes.processes()) == 2
-    assert [(x, y) for x, y, *_ in points(together)] == [pytest.approx(pair[:2], rel=1e-4) for pair in points(alone)]
-    texts: list[str] = []
-
-    def kill(progress: Progress) -> None:
-        if progress.error is not None and not texts:
-            texts.append(progress.doing)
-            killed_in_the_midst(dask)
-
-    with joined(dask) as cluster:
-        spread = trade_off(asked, accuracy=0.01, executor=cluster, told=kill)
-    assert texts
-    # A search keeps what it knows from design to design, and which worker solves which is chance: rounding differs.
-    assert [made for _, _, made, _ in points(spread)] == [made for _, _, made, _ in points(together)]
-    assert [of for _, _, _, of in points(spread)] == [of for _, _, _, of in points(together)]
-    assert [(x, y) for x, y, *_ in points(spread)] == [pytest.approx(pair[:2], rel=1e-7) for pair in points(together)]
-
-
-def test_interrupt_leaves_the_points_that_are_done(tmp_path: Path):
-    asked = question(problem_of(tmp_path, ARM, ALIKE + LIMITS), "mass", "max_error")
-    before: list[int] = []
-
-    def stop(progress: Progress) -> None:
-        if progress.error is None:
-            before.append(progress.points)
-        elif len(before) < 1000:
-            before.append(1000)
-            raise KeyboardInterrupt
-
-    with Processes(2, patience=0.0) as processes:
-        front = trade_off(asked, accuracy=0.01, executor=processes, told=stop)
-        assert processes.processes() == []
-    assert front.interrupted
-    assert len(front.points) >= 4
-    assert not front.envelope.complete
 
 
 def sent(problem: Problem) -> Problem:

@@ -18,8 +18,6 @@ from linkwright.cli import run
 from linkwright.core.executors import Here, Work, WorkersLost, plain
 from linkwright.core.executors.executor import Pulse, no_pulse
 from linkwright.core.optimize.run import optimise
-from linkwright.core.optimize.tradeoff.question import question
-from linkwright.core.optimize.tradeoff.tradeoff import trade_off
 from tests.executors import steps
 from tests.executors.dask_processes import joined, two_workers
 from tests.optimize.builders import jointed, problem_of, ranged
@@ -64,18 +62,6 @@ def test_the_best_design_so_far_is_the_answer(tmp_path: Path):
     assert str(crew.lost) == GONE
 
 
-def test_the_points_so_far_are_the_front(tmp_path: Path):
-    """Also of a front for each shape: one that lost its workers is not one without a design."""
-    asked = question(problem_of(tmp_path, ARM, FREE + LIMITS), "mass", "max_error", by="shape")
-    crew = Lossy(1)
-    front = trade_off(asked, accuracy=0.01, executor=crew)
-    assert front.interrupted
-    assert not front.envelope.complete
-    assert len(front.points) >= 5
-    assert front.without == ()
-    assert str(crew.lost) == GONE
-
-
 def ignored(*_: object) -> None:
     return None
 
@@ -98,16 +84,6 @@ def test_a_command_writes_the_best_so_far(lossy: Path, capsys: pytest.CaptureFix
     assert run(["optimize", "problem.yaml", "--out", "out"]) == 1
     assert capsys.readouterr().err == f"{GONE}; this is the best design so far\n"
     assert json.loads((lossy / "out" / "result.json").read_text())["interrupted"]
-
-
-@pytest.mark.slow
-def test_a_front_keeps_its_points_in_the_folder(lossy: Path, capsys: pytest.CaptureFixture[str]):
-    problem_of(lossy, ARM, ALIKE + LIMITS)
-    assert run(["tradeoff", "problem.yaml", "--out", "out"]) == 1
-    (said,) = capsys.readouterr().err.splitlines()
-    assert said.startswith(f"{GONE}; ")
-    assert said.endswith(" solved points are kept in out; --resume goes on with them")
-    assert (lossy / "out" / "journal.jsonl").exists()
 
 
 @pytest.mark.slow

@@ -14,7 +14,7 @@ from linkwright.commands.parameters import help_of
 
 SHARED = {*Targets.__dataclass_fields__, "tip", "catalogue", "workers", "dask", "quiet", "verbose"}
 """What commands ask for beside what their functions do: files to read and write, who works, how much is shown."""
-FOR_PROGRAMS = {"progress", "workers", "executor", "log", "out_of_reach", "begun", "journal", "frame", "tool"}
+FOR_PROGRAMS = {"progress", "workers", "executor", "log", "out_of_reach", "begun", "frame", "tool"}
 """What functions take and no command asks for: who hears of the work and who does it, and a frame known otherwise."""
 
 

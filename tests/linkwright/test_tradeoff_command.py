@@ -1,10 +1,9 @@
-"""`linkwright tradeoff`: its files, arms that bear their figures out, wrong input, and stopping and going on."""
+"""`linkwright tradeoff`: its files, arms that bear their figures out, wrong input, and what a stop leaves."""
 
 import csv
 import json
 import os
 import re
-import signal
 import subprocess
 import sys
 import xml.etree.ElementTree as ET
@@ -15,7 +14,6 @@ import linkwright as lw
 from linkwright.core.arm.evaluation import evaluate
 from linkwright.core.arm.figures import FIGURES
 from linkwright.core.arm.files.read import read_arm
-from linkwright.core.optimize.tradeoff.journal import JOURNAL
 from linkwright.core.optimize.tradeoff.question import axes_of
 from linkwright.report.charts.fronts import _axis, ticks
 from linkwright.results.tradeoff import spread
@@ -93,7 +91,6 @@ def test_files_agree_and_arms_bear_their_figures_out(two, linkwright):
 
 WRONG = {
     "unknown figure": (["one.yaml", "--x", "weight"], "--x"),
-    "resume of nothing": (["one.yaml", "--resume"], "--out"),
     "no choice": (["bare.yaml", "--by", "shape"], "choose"),
     "strangers": (["one.yaml", "--out", "full"], "notes.txt"),
     "another command's": (["one.yaml", "--out", "other"], "not of `linkwright tradeoff`"),
@@ -124,64 +121,42 @@ def test_no_design_is_no_answer(two, linkwright):
 STOPPED_AT = """
 import os, signal, sys
 from linkwright.cli import main
-from linkwright.core.optimize.tradeoff.journal import Journal
+from linkwright.core.optimize.tradeoff.trace import Tracer
 
-left, number = int(sys.argv[1]), int(sys.argv[2])
-put = Journal.put
+left = int(sys.argv[1])
+node = Tracer._node
 
-def counted(self, key, record):
+def counted(self, *arguments):
     global left
-    put(self, key, record)
     left -= 1
     if left == 0:
-        os.kill(os.getpid(), number)
+        os.kill(os.getpid(), signal.SIGINT)
+    return node(self, *arguments)
 
 signal.signal(signal.SIGINT, signal.default_int_handler)
-Journal.put = counted
-main(sys.argv[3:])
+Tracer._node = counted
+main(sys.argv[2:])
 """
-"""A run that gets a signal as it has noted so many points."""
+"""A run that gets Ctrl-C as it has solved so many points."""
 
 
-def _lines(folder):
-    path = folder / "front" / JOURNAL
-    return len(path.read_bytes().splitlines()) if path.exists() else 0
-
-
-def _stopped(folder, points, number, *more):
-    """Run until so many further points are noted, then send a signal; gives exit status and standard error."""
+@pytest.mark.parametrize(("points", "kept"), [(1, 0), (4, 3)])
+def test_ctrl_c_leaves_the_points_solved_so_far(two, points, kept):
     environment = {**os.environ, "PYTHONPATH": str(ROOT)}
-    asked = ["tradeoff", "one.yaml", "--accuracy", "0.05", "--out", "front", *more]
-    command = [sys.executable, "-c", STOPPED_AT, str(points), str(int(number)), *asked]
-    ended = subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True, check=False)
-    return ended.returncode, ended.stderr
-
-
-@pytest.mark.slow
-def test_stopped_and_killed_it_goes_on(two, linkwright):
-    status, error = _stopped(two, 2, signal.SIGINT)
-    assert status == 130
-    assert "--resume" in error
-    kept = _lines(two)
-    assert kept >= 3
-    status, _, error = linkwright("tradeoff", "one.yaml", "--accuracy", "0.05", "--out", "front")
-    assert status == 2
-    assert "--resume" in error
-    assert _lines(two) == kept
-    status, _ = _stopped(two, 2, signal.SIGKILL, "--resume")
-    assert status == -signal.SIGKILL
-    assert not (two / "front/result.json").exists()
-    kept = _lines(two)
-    status, _, _ = linkwright("tradeoff", "one.yaml", "--accuracy", "0.05", "--out", "front", "--resume")
-    assert status == 0
+    asked = ["tradeoff", "one.yaml", "--accuracy", "0.05", "--out", "front"]
+    command = [sys.executable, "-c", STOPPED_AT, str(points), *asked]
+    ended = subprocess.run(command, cwd=two, env=environment, capture_output=True, text=True, check=False)
+    assert ended.returncode == 130
+    if not kept:
+        assert "no point was solved yet" in ended.stderr
+        assert not (two / "front").exists()
+        return
+    assert "these are the points solved so far" in ended.stderr
     result = json.loads((two / "front/result.json").read_text())
-    assert result["resumed"] >= kept - 2
-    assert result["envelope"]["complete"]
-    status, _, _ = linkwright("tradeoff", "one.yaml", "--accuracy", "0.05", "--out", "front", "--resume")
-    assert status == 0
-    again = json.loads((two / "front/result.json").read_text())
-    assert again["solved"] == 0
-    assert again["points"] == result["points"]
+    assert result["interrupted"]
+    assert not result["envelope"]["complete"]
+    assert 0 < len(result["points"]) <= kept
+    assert (two / "front/report.html").exists()
 
 
 def test_marks_of_an_axis():

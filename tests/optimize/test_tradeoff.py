@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-import json
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
@@ -16,18 +15,14 @@ from hypothesis import strategies as st
 
 from linkwright.core.arm.errors.model import error_model
 from linkwright.core.arm.evaluation import evaluate
-from linkwright.core.arm.figures import FIGURES, Cut, limit_on
+from linkwright.core.arm.figures import FIGURES, limit_on
 from linkwright.core.arm.worst.search import WorstSearch
 from linkwright.core.optimize.choice.combinations import combinations
-from linkwright.core.optimize.exchange.binding_poses import Anchor, ErrorCut, Pool
 from linkwright.core.optimize.exchange.design import arm_of, design_space, numeric_beams
-from linkwright.core.optimize.problem import Problem
 from linkwright.core.optimize.run import optimise
 from linkwright.core.optimize.tradeoff.front import Tradeoff
-from linkwright.core.optimize.tradeoff.journal import Journal
-from linkwright.core.optimize.tradeoff.point import Design, Search
-from linkwright.core.optimize.tradeoff.question import Question, axes_of, digest, question
-from linkwright.core.optimize.tradeoff.records import design_of, design_record
+from linkwright.core.optimize.tradeoff.point import Search
+from linkwright.core.optimize.tradeoff.question import Question, axes_of, question
 from linkwright.core.optimize.tradeoff.refinement import (
     Refined,
     Stretch,
@@ -250,71 +245,22 @@ def test_envelope_is_the_best_of_the_fronts(tmp_path: Path) -> None:
     assert straight == pytest.approx(best, rel=0.04)
 
 
-@pytest.mark.slow
-def test_journal_goes_on_where_it_stopped(folder: Path, tmp_path: Path) -> None:
+def test_an_interrupt_leaves_the_points_that_are_done(folder: Path) -> None:
     asked = asked_of(folder, "choose: {section: tube}\n" + LIMITS, "mass", "max_error")
-    key, path = digest(asked, COARSE), tmp_path / "journal.jsonl"
-    whole = trade_off(asked, accuracy=COARSE)
     seen: list[Progress] = []
 
     def stop(progress: Progress) -> None:
         seen.append(progress)
-        if progress.points >= 4:
+        if progress.error is not None:
             raise KeyboardInterrupt
 
-    with Journal(path, key) as journal:
-        cut = trade_off(asked, accuracy=COARSE, journal=journal, told=stop)
-    assert cut.interrupted
+    front = trade_off(asked, accuracy=COARSE, told=stop)
+    assert front.interrupted
+    assert len(front.points) >= 4
+    assert not front.envelope.complete
     shares = [item.share for item in seen]
     assert all(0.0 <= share <= 1.0 for share in shares)
     assert any(0.0 < share < 1.0 for share in shares)
-    lines = path.read_bytes().splitlines()
-    path.write_bytes(b"\n".join(lines) + b'\n{"key": ["all", "y", "0x1.8')  # a line that a kill cut short
-    with Journal(path, key, resume=True) as journal:
-        assert journal.size == len(lines) - 1
-        again = trade_off(asked, accuracy=COARSE, journal=journal)
-    assert again.resumed == len(lines) - 1
-    assert again.solved + again.resumed == whole.solved
-    for name in ("x", "y"):
-        assert [getattr(p, name) for p in again.points] == pytest.approx(
-            [getattr(p, name) for p in whole.points], rel=1e-4
-        )
-    with Journal(path, key, resume=True) as journal:
-        texts: list[str] = []
-        third = trade_off(asked, accuracy=COARSE, journal=journal, told=lambda progress: texts.append(progress.doing))
-    assert third.solved == 0
-    assert "finishing the best combinations" not in texts
-    assert [p.x for p in third.points] == [p.x for p in again.points]
-
-
-def test_journal_of_another_question_or_of_another_process_is_refused(folder: Path, tmp_path: Path) -> None:
-    one, other = (asked_of(folder, TWO, "mass", y) for y in ("max_error", "first_frequency"))
-    path = tmp_path / "journal.jsonl"
-    with Journal(path, digest(one, 0.01)), pytest.raises(InputError, match="another process"):
-        Journal(path, digest(one, 0.01), resume=True)
-    with pytest.raises(InputError, match="another question"):
-        Journal(path, digest(other, 0.01), resume=True)
-    path.write_text("notes\n")
-    with pytest.raises(InputError, match="not the journal"):
-        Journal(path, digest(one, 0.01), resume=True)
-
-
-def test_digest_follows_everything_that_the_front_depends_on(tmp_path: Path) -> None:
-    base = asked_of(tmp_path, TWO, "mass", "max_error")
-    problem = base.given
-    heavier = replace(problem, load_cases=(replace(problem.load_cases[0], mass=4.0),))
-    changed: list[Problem] = [
-        heavier,
-        replace(problem, limits=()),
-        replace(problem, shapes=("tube",)),
-        problem.with_ranges(thickness=(0.003, 0.008)),
-        replace(problem, same=frozenset()),
-    ]
-    keys = {digest(question(item, "mass", "max_error"), 0.01) for item in (problem, *changed)}
-    keys |= {digest(base, 0.02), digest(question(problem, "mass", "max_error", by="shape"), 0.01)}
-    assert len(keys) == len(changed) + 3
-    elsewhere = replace(problem, file="elsewhere.yaml", minimize="mass")
-    assert digest(question(elsewhere, "mass", "max_error"), 0.01) == digest(base, 0.01)
 
 
 WRONG = {
@@ -345,20 +291,17 @@ def test_limits_that_no_design_keeps_have_no_answer(tmp_path: Path) -> None:
         trade_off(asked_of(tmp_path, text, "mass", "max_error"))
 
 
-def traced_curve(
-    curve: Callable[[float], float], ends: tuple[float, float], accuracy: float, together: int = 1
-) -> Refined[Dot]:
+def traced_curve(curve: Callable[[float], float], ends: tuple[float, float], accuracy: float) -> Refined[Dot]:
     """A known curve refined between its ends."""
     axes = (axes_of(FIGURES)["mass"], axes_of(FIGURES)["max_error"])
     first, last = (Dot(level, curve(level)) for level in ends)
 
-    def solve(stretches: Sequence[Stretch[Dot]]) -> list[Dot]:
-        assert len(stretches) <= together
-        assert all(stretch.left.level < stretch.level < stretch.right.level for stretch in stretches)
-        assert all(stretch.expected > 0.0 for stretch in stretches)
-        return [Dot(stretch.level, curve(stretch.level)) for stretch in stretches]
+    def solve(stretch: Stretch[Dot]) -> Dot:
+        assert stretch.left.level < stretch.level < stretch.right.level
+        assert stretch.expected > 0.0
+        return Dot(stretch.level, curve(stretch.level))
 
-    return refine(axes, [first, last], [(first, last)], solve, accuracy, most=5000, together=together)
+    return refine(axes, [first, last], [(first, last)], solve, accuracy, most=5000)
 
 
 class Dot:
@@ -378,12 +321,6 @@ def test_refined_curve_is_right_everywhere(power: float, accuracy: float) -> Non
     x, y = np.array([dot.x for dot in done.nodes]), np.array([dot.y for dot in done.nodes])
     fine = np.geomspace(1.0, 20.0, 4001)
     assert np.all(np.abs(np.interp(fine, x, y) / fine**-power - 1.0) <= accuracy)
-
-
-def test_stretches_halved_together_give_the_same_points() -> None:
-    one, many = (traced_curve(lambda level: 1.0 / level, (1.0, 20.0), 0.01, together) for together in (1, 1000))
-    assert [dot.level for dot in many.nodes] == [dot.level for dot in one.nodes]
-    assert (many.error, many.complete) == (one.error, True)
 
 
 def test_jump_is_found_as_a_step() -> None:
@@ -423,37 +360,3 @@ def test_front_that_bulges_has_no_knee() -> None:
     assert knee(axes, x.tolist(), np.sqrt(1.0 - x**2).tolist(), (False, False)) is None
     assert logarithmic([1.0, 11.0])
     assert not logarithmic([1.0, 9.0])
-
-
-def test_journal_lines_are_json(folder: Path, tmp_path: Path) -> None:
-    asked = asked_of(folder, TWO, "mass", "max_error")
-    with Journal(tmp_path / "j", digest(asked, 0.01), made_by="x") as journal:
-        journal.put(("all", "x", "0x1p0"), None)
-    header, line = [json.loads(text) for text in (tmp_path / "j").read_text().splitlines()]
-    assert header["digest"] == digest(asked, 0.01)
-    assert {name: line[name] for name in ("key", "found")} == {"key": ["all", "x", "0x1p0"], "found": None}
-
-
-@pytest.mark.parametrize(("old", "new"), [("0x1p0", "0x2p0"), ('"found": 1', '"found": 2'), ('"sum": "', '"sum": "0')])
-def test_a_line_that_was_changed_is_passed_over(tmp_path: Path, old: str, new: str) -> None:
-    """The lines beside it stand."""
-    path = tmp_path / "j"
-    with Journal(path, "digest") as journal:
-        journal.put(("all", "x", "0x1p0"), 1)  # pyright: ignore[reportArgumentType] - short
-        journal.put(("all", "y", "0x1p0"), None)
-    lines = path.read_text().splitlines()
-    path.write_text("\n".join([lines[0], lines[1].replace(old, new), "[" * 10_000, '{"key": 1}', lines[2]]) + "\n")
-    with Journal(path, "digest", resume=True) as journal:
-        assert (journal.size, journal.has(("all", "y", "0x1p0"))) == (1, True)
-
-
-def test_a_design_comes_back_from_the_journal_as_it_went_in(tmp_path: Path) -> None:
-    """With poses of every kind, anchored ones among them."""
-    asked = asked_of(tmp_path, TWO, "mass", "max_error")
-    anchor = Anchor((0.1, 0.2, 0.0), ((0.6, 0.8),), -1.0)
-    errors = (ErrorCut((0.1, 1 / 3), 0, (1.0,), (0.0, 1e-6, 0.0), anchor), ErrorCut((0.2, 0.3), 0, (), (0.0, 0.0, 0.0)))
-    held = (Cut((0.4, 0.5), 0),)
-    pool = Pool(errors).with_cuts("strengths", held).with_cuts("modes", (Cut((0.6, 0.7), 0, (3.0, 1.0, 0.5)),))
-    design = Design(combinations(asked.problem)[0], (0.1, 2 / 3), pool, 1.25, None, converged=True)
-    record = json.loads(json.dumps(design_record(design)))
-    assert design_of(record, asked.problem) == design

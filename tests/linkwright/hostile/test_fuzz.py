@@ -18,7 +18,7 @@ pytestmark = pytest.mark.slow
 
 NAMES = (
     *("arm", "problem", "materials", "sections", "actuators", "workbook", "materials_book", "sizes_book", "recording"),
-    *("result", "exchange", "sheet", "watch", "plan", "instruments", "journal", "request", "dropped", "folder"),
+    *("result", "exchange", "sheet", "watch", "plan", "instruments", "request", "dropped", "folder"),
 )
 known = cache(kinds)
 
