@@ -1,7 +1,7 @@
 """Edits of a catalogue file: each is checked as the whole file would be on load, and lands whole or not at all.
 
 What surrounds an edit, its comments, order and layout, stays as it is (`catalogues.yaml_edit`); locking, atomic
-replacement and undo are in `catalogues.store`. What is shipped is never written: changing an entry of it puts a copy
+and replacement are in `catalogues.store`. What is shipped is never written: changing an entry of it puts a copy
 into the file first, where it hides the shipped one. What the kinds of catalogue differ in is in the subclasses.
 """
 
@@ -68,10 +68,6 @@ class Editor(ABC, Generic[E]):
     def take_out(self, document: YamlText, place: Place) -> None:
         """Take the entry at a place away."""
 
-    @abstractmethod
-    def set_name(self, document: YamlText, place: Place, name: str) -> None:
-        """Give the entry at a place another name."""
-
     def plain(self, name: str) -> str:
         """The form in which two names of the same entry are equal."""
         return name
@@ -85,7 +81,7 @@ class Editor(ABC, Generic[E]):
         return YamlText(self.new_file if text is None or not text.strip() else text, file=path)
 
     def edit(self, path: Path | str, change: Callable[[YamlText], str]) -> str:
-        """Change a file under its lock, in its journal; returns what `change` says that it did."""
+        """Change a file under its lock; returns what `change` says that it did."""
 
         def whole(before: str | None) -> tuple[str, str]:
             document = self.document(before, path)
@@ -152,18 +148,6 @@ class Editor(ABC, Generic[E]):
         def change(document: YamlText) -> str:
             self.take_out(document, self.required(document, path, name))
             return f"removed {name}"
-
-        return self.edit(path, change)
-
-    def rename(self, path: Path | str, name: str, new_name: str) -> str:
-        """Give an entry of the file another name."""
-
-        def change(document: YamlText) -> str:
-            place = self.required(document, path, name)
-            if self.find(document, new_name) not in (None, place):
-                raise InputError(path, self.key(new_name), "is there already")
-            self.set_name(document, place, new_name)
-            return f"renamed {name} to {new_name}"
 
         return self.edit(path, change)
 

@@ -132,10 +132,6 @@ class KeyedEditor(Editor[Entry]):
         """With all its keys; sources stay."""
         document.remove(place)
 
-    def set_name(self, document: YamlText, place: Place, name: str) -> None:
-        """At its place."""
-        document.rename(place, name)
-
     def key(self, name: str) -> str:
         """Where it stands."""
         return f"{self.schema.under}.{name}"

@@ -205,16 +205,6 @@ class StockEditor(Editor[Row]):
             document.remove([*place[:2], "unconfirmed", *([] if last else [name])])
         document.remove(place)
 
-    def set_name(self, document: YamlText, place: Place, name: str) -> None:
-        """In its cell, and where the table names it beside."""
-        table = document.get(place[:2])
-        cell, marks = [*place, _name_column(table)], table.get("unconfirmed")
-        old = document.get(cell)
-        if isinstance(marks, dict) and old in marks:
-            said = cast(dict[str, str], marks).items()
-            document.set([*place[:2], "unconfirmed"], {name if key == old else key: text for key, text in said})
-        document.set(cell, name)
-
     def change_cells(self, path: Path | str, name: str, changes: Mapping[str, str], *, source: str = "") -> str:
         """Change dimensions, printed figures, `family` or `source` of one size."""
 

@@ -161,23 +161,6 @@ class YamlText:
                 outer[at] = self._stand_in(yaml_line(held))
             self._paste(outer, at, _cut_head(outer, at) + after, within=False)
 
-    def rename(self, path: Place, name: str) -> None:
-        """Give the key at the end of a path another name, at its place. Raises `InputError`."""
-        held, holder = self._at(path[:-1], str)
-        if path[-1] not in held:
-            raise InputError(self.file, shown_path(path), "is not there")
-        entries = {name if key == path[-1] else key: value for key, value in held.items()}
-        held.clear()
-        held.update(entries)
-        place, comments = list(holder).index(path[-1]), holder.ca.items.pop(path[-1], None)
-        holder.insert(place, name, holder.pop(path[-1]))
-        if comments is not None:
-            holder.ca.items[name] = comments
-            if comments[2] is not None and not isinstance(holder[name], str):  # it follows the key
-                column = comments[2].start_mark.column + len(name) - len(str(path[-1]))
-                comments[2] = CommentToken(comments[2].value, CommentMark(column), None)
-        self._text = None
-
     def _at(self, path: Place, kind: type) -> tuple[Any, Any]:
         """The mapping (`kind` is str) or list (int) at a path: what it holds, and what is written."""
         held = self.get(path)

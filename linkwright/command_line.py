@@ -49,12 +49,9 @@ help of all commands imports every one of these modules but those of catalogues.
 
 CATALOGUES: Mapping[str, str] = MappingProxyType(
     {
-        "materials": "What links can be made of: list, show, compare; add, edit, price, remove, rename, undo; import, "
-        "export, check.",
-        "sections": "Shapes and standard sizes: list, show, compare; add, edit, remove, rename, undo; import, export, "
-        "check.",
-        "actuators": "Gears and actuators by name: list, show; add, edit, price, remove, rename, undo; import, export, "
-        "check.",
+        "materials": "What links can be made of: list, show, compare; add, edit, remove; import, export, check.",
+        "sections": "Shapes and standard sizes: list, show, compare; add, edit, remove; import, export, check.",
+        "actuators": "Gears and actuators by name: list, show; add, edit, remove; import, export, check.",
         "effects": "The physics that the models know: list, show.",
     }
 )

@@ -13,7 +13,7 @@ from linkwright.core.sections.stock.tables import read_file
 from tests.costs import slow_but
 from tests.outcomes import ok, wrong
 
-COMMANDS = ("list", "show", "compare", "add", "edit", "remove", "rename", "undo", "check", "import", "export")
+COMMANDS = ("list", "show", "compare", "add", "edit", "remove", "check", "import", "export")
 TUBE = ("add", "TUBE 60x4", "shape=tube", "diameter=60 mm", "thickness=4 mm", "--source", "Offer 12")
 
 
@@ -104,8 +104,6 @@ def test_compare_shows_what_any_has(sections):
         (("edit", "IPE 80", "shape", "tube"), "cannot be changed"),
         (("edit", "IPE 81", "height", "90 mm"), "there is no such size"),
         (("remove", "IPE 80"), "shipped with the program"),
-        (("rename", "x", "y"), "there is no such size"),
-        (("undo",), "has no edit to undo"),
         (("check", "none.yaml"), "no such file"),
         (("import", "none.csv"), "no such file"),
         (("import", "arm.stl"), "is of no known kind"),
@@ -137,15 +135,10 @@ def test_a_life_of_a_size(sections, tmp_path, own):
     (tmp_path / "arm.yaml").write_text("chain:\n  - link: {section: tube60x4}\n")
     (tmp_path / "other.yaml").write_text("chain:\n  - link: {section: TUBE 70x4}\n")
     used_in = ("--used-in", "arm.yaml", "--used-in", "other.yaml")
-    status, _, err = sections("rename", "TUBE 60x4", "OUR 60", *used_in)
-    assert (status, err) == (0, "WARNING: arm.yaml uses TUBE 60x4\n")
-    text = own.read_text()
     status, _, err = sections("remove", "TUBE 70x4", *used_in)
     assert (status, err) == (0, "WARNING: other.yaml uses TUBE 70x4\n")
     assert "70" not in own.read_text()
-    ok(sections("undo"))
-    assert own.read_text() == text
-    assert f"{own}: 2 sizes, all sound" in ok(sections("check"))
+    assert f"{own}: 1 size, all sound" in ok(sections("check"))
 
 
 def test_changing_a_shipped_size_copies_it(sections, own):
@@ -169,13 +162,11 @@ def test_the_editor_gets_the_file_and_only_sound_text_lands(sections, own, monke
     assert own.read_text() == before
 
 
-def test_a_file_of_ones_choice(sections, tmp_path):
+def test_a_file_of_ones_choice(sections):
     ok(sections(*TUBE, "--catalogue", "c.yaml"))
     assert "TUBE 60x4" in ok(sections("show", "TUBE 60x4", "--catalogue", "c.yaml"))
     wrong(sections("show", "TUBE 60x4"), "there is no stock size")
     assert ok(sections("check", "c.yaml")) == "c.yaml: 1 size, all sound\n"
-    ok(sections("undo", "--catalogue", "c.yaml"))
-    assert not (tmp_path / "c.yaml").exists()
 
 
 def test_one_size_can_be_imported_under_another_name(sections, own):

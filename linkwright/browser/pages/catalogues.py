@@ -56,7 +56,6 @@ class TableView:
                 self._groups = ui.select([], label="Shape", on_change=self._regrouped)
                 self._groups.props("dense outlined").classes("grow min-w-40").set_visibility(False)
                 self._source = ui.input("Source of your figures").props("dense outlined").classes("grow min-w-40")
-                ui.button("Undo", on_click=lambda: self._done(self._table.undo)).props("outline dense no-caps")
             self._problem = Problem()
             self._said = ui.label().classes("lw-note").props("role=status")
             self._place = stack()

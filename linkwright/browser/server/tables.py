@@ -5,6 +5,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from datetime import UTC, datetime
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any
@@ -13,8 +14,7 @@ import linkwright as lw
 from linkwright.commands.catalogues import actuators, materials, sections
 from linkwright.commands.catalogues.materials import QUERY, value_of
 from linkwright.commands.catalogues.own import OwnCatalogue, value_of_text
-from linkwright.core.arm.actuators import Actuator, read_actuators
-from linkwright.core.catalogues import store
+from linkwright.core.arm.actuators import Actuator, read_actuators, shipped_actuators
 from linkwright.core.catalogues.stock_editor import STOCK, columns_of, row_of
 from linkwright.core.materials.catalogue import load_layer
 from linkwright.core.units.prices import read_prices
@@ -93,10 +93,6 @@ class CatalogueTable(ABC):
     def doubts(self, name: str) -> list[str]:
         """What is hardly believable of an entry of the user's own, as the command line questions it."""
         return [doubt for doubt in self.kind.doubts(self.path) if doubt.startswith(f"{name}:")]
-
-    def undo(self) -> str:
-        """Take the last edit back."""
-        return f"undone: {store.undo(self.path)}"
 
 
 class MaterialsTable(CatalogueTable):
@@ -191,7 +187,8 @@ class ActuatorsTable(CatalogueTable):
             return self.kind.editor.remove_price(self.path, name)
         if not source:
             raise InputError("", "Source of your figures", "is empty; say where the price is from")
-        return self.kind.set_price(self.path, name, text, source)
+        price = {"value": text, "date": datetime.now(UTC).strftime("%Y-%m"), "source": source}
+        return self.kind.editor.set_price(self.path, name, price, list(shipped_actuators()))
 
     def remove(self, name: str) -> str:
         """The user's own entry, or price."""

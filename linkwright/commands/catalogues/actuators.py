@@ -119,10 +119,6 @@ Example: linkwright actuators add 'TURNER 1' maker=Somebody gear=planetary rated
 
 Example: linkwright actuators edit RV-20E mass='4.9 kg' --source 'weighed, 3 March'
 """,
-        "price": """Give an actuator a price in your file; the rest of it stays where it is.
-
-Example: linkwright actuators price RV-20E '900 EUR' --source 'Offer 12'
-""",
         "import": """Put actuators from a .yaml, .csv or .xlsx file into yours; each wrong row is named.
 
 Example: linkwright actuators import supplier.yaml
@@ -153,13 +149,12 @@ OWN = OwnCatalogue(
     key="actuator",
     count=lambda path: len(read_actuators(load_yaml(path))),
     shipped=lambda: [("shipped actuators", len(shipped_actuators()))],
-    examples=("'TURNER 1'", "'TURNER 2'"),
+    example="'TURNER 1'",
     helps=_HELPS,
     such_as="mass='2 kg'",
     made=_made,
     found=_found,
     known=lambda path: lw.actuators.with_file(path),
-    priced=lambda: list(shipped_actuators()),
     read={".yaml": ACTUATORS.entries, ".csv": ACTUATORS.read_table, ".xlsx": ACTUATORS.read_table},
 )
 

@@ -100,10 +100,6 @@ Keys are such as density, E, cost.spread or title; several at once are one edit:
 
 Example: linkwright materials edit steel-s355 cost '1.30 EUR/kg' --source 'Offer of 3 March'
 """,
-        "price": """Give a material a price in your catalogue; the rest of it stays where it is.
-
-Example: linkwright materials price steel-s355 '1.3 EUR/kg' --source 'Offer of 3 March'
-""",
         "import": """Put materials from a .yaml, .FCMat, .csv or .xlsx file into your catalogue; names wrong rows.
 
 Example: linkwright materials import Steel-S235JR.FCMat --name steel-freecad
@@ -128,13 +124,12 @@ OWN = OwnCatalogue(
     key="material",
     count=lambda path: len(load_layer(path).materials),
     shipped=lambda: [(layer.file, len(layer.materials)) for layer in shipped_layers()],
-    examples=("my-alloy", "alloy-80"),
+    example="my-alloy",
     helps=_HELPS,
     such_as="density='3000 kg/m^3'",
     made=_made,
     found=lambda path: partial(find_entry, lw.materials.with_file(path).catalogue),
     known=lambda path: lw.materials.with_file(path),
-    priced=lambda: [name for layer in shipped_layers() for name in layer.materials],
     doubts=lambda path: [doubt for material in load_layer(path).materials.values() for doubt in doubts_of(material)],
     keys=MappingProxyType({short: name for name, short in SHORT.items()}),
     read={

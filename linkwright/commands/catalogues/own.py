@@ -8,7 +8,6 @@ import tempfile
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from dataclasses import replace as renamed
-from datetime import UTC, datetime
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, TypeVar
@@ -16,7 +15,6 @@ from typing import TYPE_CHECKING, Annotated, Any, TypeVar
 import typer
 
 from linkwright.commands.options import Commands
-from linkwright.core.catalogues import store
 from linkwright.core.catalogues.csv_table import WrongRows
 from linkwright.core.catalogues.editor import Editor
 from linkwright.core.catalogues.keyed import KeyedEditor
@@ -65,14 +63,13 @@ class OwnCatalogue:
         key: under which an arm or problem file names an entry.
         count: how many entries a file has, all checked.
         shipped: what is shipped: names and counts.
-        examples: names for the help, as the shell takes them.
+        example: a name for the help, as the shell takes it.
         helps: of the commands that say more than that they do.
         such_as: a KEY=VALUE, for messages.
         found: what finds an entry by its name among the shipped ones and those of a file.
         made: an entry of a name, its values by key, as they were given, and their source.
         read: what reads the entries of a file, by its ending.
         known: all entries with those of a file, by name; its `table` are their figures, a row each.
-        priced: the names of the shipped entries that can be given a price.
         doubts: what is hardly believable of a file's entries, a line each; empty where all are usual.
         keys: what keys are called for short in lists, by which they may be given too.
     """
@@ -85,14 +82,13 @@ class OwnCatalogue:
     key: str
     count: Callable[[Path], int]
     shipped: Callable[[], list[tuple[str, int]]]
-    examples: tuple[str, str]
+    example: str
     helps: Mapping[str, str]
     such_as: str
     made: Callable[[str, dict[str, str], str], Any]
     found: Callable[[Path | None], Callable[[str], Any]]
     read: Mapping[str, Callable[[Path], Sequence[Any]]]
     known: Callable[[Path | None], Any]
-    priced: Callable[[], Sequence[str]] | None = None
     doubts: Callable[[Path], Sequence[str]] = lambda _: ()
     keys: Mapping[str, str] = field(default_factory=dict[str, str])
 
@@ -213,8 +209,8 @@ class OwnCatalogue:
                 typer.echo(f"WARNING: {file} uses {name}", err=True)
 
     def commands(self, export: Callable[..., None], edit: Callable[..., None] | None = None) -> Commands:
-        """`add`, `remove`, `rename`, `undo`, `check` and `import` with `export`, `price` where there are prices, and an
-        `edit` of its own where keys are not all that can be changed."""
+        """`add`, `edit`, `remove`, `check` and `import` with `export`. An `edit` may be given where keys are not all
+        that can be changed."""
         editor, example = self.editor, f"Example: linkwright {self.group}"
 
         def add(
@@ -253,20 +249,6 @@ class OwnCatalogue:
             done = editor.remove(path, name)
             say(done + ("; the shipped one shows again" if editor.shipped(name) is not None else ""), path)
 
-        def rename(
-            name: Name,
-            new_name: Annotated[str, typer.Argument(metavar="NEW", help="Its new name.")],
-            used_in: _UsedIn = None,
-            catalogue: OwnFile = None,
-        ) -> None:
-            path = self.path(catalogue)
-            self._warn(name, used_in)
-            say(editor.rename(path, name, new_name), path)
-
-        def undo(catalogue: OwnFile = None) -> None:
-            path = self.path(catalogue)
-            say(f"undone: {store.undo(path)}", path)
-
         def check(
             files: Annotated[list[Path] | None, typer.Argument(metavar="[FILE...]", help="The files.")] = None,
             catalogue: Annotated[
@@ -286,18 +268,14 @@ class OwnCatalogue:
                 if Path(file).exists():
                     self.question(Path(file))
 
-        one, other = self.examples
-        of_this = f"{self.entry} of your {self.called}"
         helps = {
             **self.helps,
-            "remove": f"Take a {self.entry} out of your {self.called}.\n\n{example} remove {one} --used-in arm.yaml",
-            "rename": f"Give a {of_this} another name.\n\n{example} rename {one} {other} --used-in arm.yaml",
-            "undo": f"Take the last edit of your {self.called} back; again for the one before.\n\n{example} undo",
+            "remove": f"Take a {self.entry} out of your {self.called}.\n\n{example} remove {self.example} "
+            "--used-in arm.yaml",
             "check": f"{self.helps['check']}\n\n{example} check {self.group}.yaml",
         }
         every: dict[str, Callable[..., None]] = {"add": add, "edit": edit or self._edit_keys()}
-        every |= {} if self.priced is None else {"price": self._price()}
-        every |= {"remove": remove, "rename": rename, "undo": undo, "check": check, "import": import_, "export": export}
+        every |= {"remove": remove, "check": check, "import": import_, "export": export}
         for name, function in every.items():
             function.__doc__ = helps.get(name, function.__doc__)
         return every
@@ -328,54 +306,6 @@ class OwnCatalogue:
             self.question(path, name)
 
         return edit
-
-    def _price(self) -> Callable[..., None]:
-        """The command that gives an entry of the shipped catalogue, or of one's own file, a price."""
-
-        def price(
-            name: Name,
-            value: Annotated[
-                str | None, typer.Argument(metavar="[PRICE]", help="Such as '1.4 EUR/kg', '900 EUR'.")
-            ] = None,
-            source: Annotated[str, typer.Option("--source", metavar="TEXT", help="Where the price is from.")] = "",
-            date: Annotated[
-                str | None,
-                typer.Option("--date", metavar="DATE", help="When it was such, e.g. 2026-03; today by default."),
-            ] = None,
-            spread: Annotated[
-                tuple[str, str] | None,
-                typer.Option("--spread", metavar="LOW HIGH", help="Lowest and highest to expect."),
-            ] = None,
-            unset: Annotated[bool, typer.Option("--unset", help="Take your price away.")] = False,
-            catalogue: OwnFile = None,
-        ) -> None:
-            path = self.path(catalogue)
-            if unset:
-                if value is not None:
-                    raise InputError("", "--unset", "takes no price")
-                say(self.editor.remove_price(path, name), path)
-                return
-            if value is None:
-                raise InputError("", "PRICE", "is missing; give one with its unit, or --unset")
-            if not source:
-                raise InputError("", "--source", "is missing: say where the price is from")
-            say(self.set_price(path, name, value, source, date, spread or ()), path)
-
-        return price
-
-    def set_price(
-        self,
-        path: Path,
-        name: str,
-        value: str,
-        source: str,
-        date: str | None = None,
-        spread: Sequence[str] | None = None,
-    ) -> str:
-        """Give an entry a price; says what was done. Raises `InputError`."""
-        price: dict[str, Any] = {"value": value, "date": date or datetime.now(UTC).strftime("%Y-%m"), "source": source}
-        price |= {"spread": list(spread)} if spread else {}
-        return self.editor.set_price(path, name, price, [] if self.priced is None else self.priced())
 
 
 def value_of_text(text: str, key: str) -> Any:

@@ -171,7 +171,7 @@ OWN = OwnCatalogue(
     key="section",
     count=lambda path: len(STOCK.check(read_text(path), path)),
     shipped=lambda: [("shipped tables", len(shipped_sizes()))],
-    examples=("'TUBE 60x4'", "'OUR 60x4'"),
+    example="'TUBE 60x4'",
     helps=_HELPS,
     such_as="thickness='4 mm'",
     made=_made,

@@ -280,15 +280,16 @@ def test_ones_own_file_is_edited_by_commands(linkwright, bench, monkeypatch):
     keys = ("maker=Somebody", "gear=planetary", "rated_torque=20 N*m", "stiffness=5 kN*m/rad", "backlash=3 arcmin")
     assert linkwright("actuators", "add", "TURNER 1", *keys, "mass=2 kg", "--source", "Data sheet 7")[0] == 0
     assert linkwright("actuators", "edit", "RV-20E", "mass=4.9 kg", "--source", "weighed")[0] == 0
-    assert linkwright("actuators", "price", "RV-6E", "700 EUR", "--source", "Offer 12", "--date", "2026-03")[0] == 0
+    price = "{value: 700 EUR, spread: [600 EUR, 800 EUR], date: 2026-03}"
+    assert linkwright("actuators", "edit", "RV-6E", f"cost={price}", "--source", "Offer 12")[0] == 0
     result = load_actuators()
     turner, heavier, priced = (result.find(name) for name in ("TURNER 1", "RV-20E", "RV-6E"))
     assert (turner.maker, turner.mass, turner.source) == ("Somebody", 2.0, "Data sheet 7")
     shipped = shipped_actuators()
     assert (heavier.maker, heavier.mass, heavier.stiffness) == ("Nabtesco", 4.9, shipped["RV-20E"].stiffness)
     assert heavier.source == f"{shipped['RV-20E'].source}; mass: weighed"
-    assert (priced.cost, priced.cost_date, priced.file) == (700.0, "2026-03", shipped["RV-6E"].file)
-    assert set(read_actuators(load_yaml(own))) == {"TURNER 1", "RV-20E"}
+    assert (priced.cost, priced.cost_date, priced.file) == (700.0, "2026-03", str(own))
+    assert set(read_actuators(load_yaml(own))) == {"TURNER 1", "RV-20E", "RV-6E"}
     status, _, said = linkwright("actuators", "edit", "TURNER 1", "mass=-1 kg")
     assert (status, said.count("\n")) == (2, 1)
     assert "actuators.TURNER 1.mass: must be positive" in said
@@ -296,7 +297,7 @@ def test_ones_own_file_is_edited_by_commands(linkwright, bench, monkeypatch):
     assert read_actuators(load_yaml(bench / "out.yaml"))["RV-20E"].mass == 4.9
     assert linkwright("actuators", "remove", "RV-20E")[0] == 0
     assert load_actuators().find("RV-20E").mass == shipped["RV-20E"].mass
-    assert linkwright("actuators", "price", "RV-6E", "--unset")[0] == 0
+    assert linkwright("actuators", "edit", "RV-6E", "cost", "--unset")[0] == 0
     assert load_actuators().find("RV-6E").cost is None
 
 
