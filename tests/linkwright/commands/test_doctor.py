@@ -4,7 +4,6 @@ import json
 import os
 import subprocess
 import sys
-import tempfile
 from importlib import metadata
 
 import pytest
@@ -37,7 +36,7 @@ def test_a_command_takes_one_thread_of_linear_algebra_unless_told_otherwise(tmp_
     told = tmp_path / "doctor.json"
     subprocess.run([sys.executable, "-m", "linkwright", "doctor", "--json", str(told)], env=given, check=True)
     results = {load["name"]: load["found"] for load in json.loads(told.read_text())["checks"]}
-    assert results["threads of linear algebra"].startswith(f"{taken} of ")
+    assert results["threads of linear algebra"] == taken
 
 
 def test_a_catalogue_that_cannot_be_read_is_named(linkwright, bench, monkeypatch):
@@ -51,10 +50,10 @@ def test_a_catalogue_that_cannot_be_read_is_named(linkwright, bench, monkeypatch
 
 @pytest.mark.parametrize(
     ("version", "status", "casadi", "parquet"),
-    [(None, 1, "wrong", "left out"), ("0.1", 1, "wrong", "sound"), ("999.1", 0, "sound", "sound")],
+    [(None, 1, "wrong", "left out"), ("999.1", 0, "sound", "sound")],
 )
 def test_packages(linkwright, bench, monkeypatch, version, status, casadi, parquet):
-    """One that is missing or too old is wrong where it is needed; an optional one may be left out."""
+    """One that is missing is wrong where it is needed; an optional one may be left out."""
     real = metadata.version
 
     def told(name):
@@ -66,7 +65,7 @@ def test_packages(linkwright, bench, monkeypatch, version, status, casadi, parqu
 
     monkeypatch.setattr(metadata, "version", told)
     ended, result = checkup(linkwright, bench)
-    assert (ended, result["casadi"]["state"], result["parquet recordings"]["state"]) == (status, casadi, parquet)
+    assert (ended, result["casadi"]["state"], result["pyarrow (extra parquet)"]["state"]) == (status, casadi, parquet)
 
 
 def test_a_solver_that_answers_wrongly_is_no_solver(linkwright, bench, monkeypatch):
@@ -76,13 +75,3 @@ def test_a_solver_that_answers_wrongly_is_no_solver(linkwright, bench, monkeypat
     status, result = checkup(linkwright, bench)
     assert status == 1
     assert "solves wrongly" in result["solver (IPOPT)"]["found"]
-
-
-def test_a_folder_that_cannot_be_written_is_named(linkwright, bench, monkeypatch):
-    def refused(**_):
-        raise PermissionError(13, "Permission denied")
-
-    monkeypatch.setattr(tempfile, "TemporaryFile", refused)
-    status, result = checkup(linkwright, bench)
-    assert status == 1
-    assert "Permission denied" in result["folder of own catalogues"]["found"]
