@@ -15,7 +15,8 @@ from linkwright.core.arm.chain.chain import Arm
 from linkwright.core.diagnose.rules.residual_rules import ResidualRules
 from linkwright.core.sections.numeric import Array
 
-from .instruments.instrument import NAMES, Instrument, Slots
+from .instruments.instrument import Instrument, Slots
+from .instruments.registry import kind_at
 from .mistakes.row_lists import rows_text
 
 
@@ -129,7 +130,7 @@ class Recording:
         if self.slots is None:
             return ("x", "y", "z")[: self.tip.shape[1]]
         if len(self.slots) and (self.slots == self.slots[0]).all():
-            return tuple(NAMES[slot].replace(" ", "_") for slot in self.slots[0].tolist())
+            return tuple(kind_at(slot)[1].name.replace(" ", "_") for slot in self.slots[0].tolist())
         return ("reading",)
 
     @property

@@ -25,8 +25,10 @@ from linkwright.core.diagnose.residual.recorded_conditions import conditions_of
 from linkwright.core.sections.numeric import Array
 from linkwright.core.units.temperature import ZERO_CELSIUS
 
-from .instruments.instrument import ALONG, CAMERA, DISTANCE, PLANE, TILT_X, TILT_Y, Instrument
+from .instruments.instrument import Instrument
+from .instruments.kind import InstrumentKind, Stood
 from .instruments.level import stand_of
+from .instruments.registry import kinds_of, slots_of
 from .instruments.touching import touched
 from .recording import Recording, since_the_reading_before
 
@@ -63,7 +65,8 @@ class Plan:
     in rad. `camera_noise` is that of a camera's depths (m) and of its turns about each axis (rad), by default five
     times `noise` and what `noise` makes of a target of 0.1 m. `at` are readings that name what to record in its
     place: poses, sides, payloads, temperatures and times are theirs. `torque_noise` (n,; none: no torques) is that of
-    the torques that the drives hold at rest, without friction (N*m, of slides N).
+    the torques that the drives hold at rest, without friction (N*m, of slides N). Readings at which an instrument reads
+    nothing are left out; with `every_row` they stay, as nought.
     """
 
     poses: int
@@ -89,6 +92,7 @@ class Plan:
     at: Recording | None = None
     torque_noise: tuple[float, ...] = ()
     camera_noise: tuple[float, float] | None = None
+    every_row: bool = False
 
     @property
     def of_camera(self) -> tuple[float, float]:
@@ -99,7 +103,7 @@ class Plan:
         """A recording that says how large its noise is."""
         if self.noise <= 0.0:
             return recording
-        if CAMERA not in self.slots:
+        if not any(kind.name == "camera" for kind in kinds_of(self.slots)):
             return replace(recording, sigma=self.noise)
         deep, turns = self.of_camera
         axes = (self.noise, self.noise, deep)
@@ -130,9 +134,9 @@ def simulate(arm: Arm, plan: Plan) -> Simulation:
         raise ValueError("a recording has at least one pose and one reading of it")
     random = np.random.default_rng(plan.seed)
     bare = _visited(arm, plan, random) if plan.at is None else plan.at
-    levelled = TILT_X in plan.slots
-    camera = CAMERA in plan.slots
-    if plan.slots and min(plan.slots) > DISTANCE and not levelled and not camera:
+    kind = kinds_of(plan.slots)[0] if plan.slots else None
+    camera = kind is not None and kind.name == "camera"
+    if kind is not None and kind.label:
         bare = _touching(bare, arm, plan, random)
     state = _state(bare, arm)
     if plan.torque_noise:
@@ -145,20 +149,23 @@ def simulate(arm: Arm, plan: Plan) -> Simulation:
         joint_side=plan.joint_side,
         base_target=_BASE_TARGET if plan.base_target else None,
         command=plan.commands,
-        turn=plan.orientation or camera,
-        levels=np.full(bare.size, plan.instrument.tilt_link) if levelled else None,
+        turn=plan.orientation or (kind is not None and kind.turns_with == "tool"),
+        levels=None if kind is None or kind.turns_with != "link" else np.full(bare.size, plan.instrument.tilt_link),
     )
     moved = seen_of_model(state, active_effects(arm), channels)
     width = 2 if arm.planar() else 3
     nominal = columns(state.tip(), bare.size)
-    if moved.level is not None:
-        return _levelled(bare, arm, moved.level, plan, random, _idle(state, arm, channels), moved.tip)
-    if moved.turn is not None and camera:
-        tip = nominal + moved.tip
-        turned = Rotation.from_rotvec(moved.turn).as_matrix() @ matrices(state.frames.orientation, bare.size)
-        return Simulation(_by_camera(bare, tip, turned, plan, random), moved.tip, _idle(state, arm, channels))
-    if plan.slots:
-        return _in_part(bare, nominal + moved.tip, plan, random, _idle(state, arm, channels), moved.tip)
+    if kind is not None:
+        axes = None
+        if moved.turn is not None:
+            axes = Rotation.from_rotvec(moved.turn).as_matrix() @ matrices(state.frames.orientation, bare.size)
+        tips, idle = nominal + moved.tip, _idle(state, arm, channels)
+        if camera and axes is not None:
+            return Simulation(_by_camera(bare, tips, axes, plan, random), moved.tip, idle)
+        if bare.touches is not None:
+            return Simulation(bare, moved.tip, idle)
+        recording, error = _in_part(bare, arm, kind, tips, axes, moved, plan, random)
+        return Simulation(recording, error, idle)
     tip = (nominal + moved.tip)[:, :width] + plan.noise * random.standard_normal((bare.size, width))
     tip = tip + _outliers(plan, random, tip.shape)
     base = None
@@ -181,33 +188,6 @@ def simulate(arm: Arm, plan: Plan) -> Simulation:
         frame="free" if plan.free_frame else bare.frame,
     )
     return Simulation(recording, moved.tip, _idle(state, arm, channels))
-
-
-def _levelled(
-    bare: Recording,
-    arm: Arm,
-    turned: Array,
-    plan: Plan,
-    random: np.random.Generator,
-    idle: tuple[str, ...],
-    error: Array,
-) -> Simulation:
-    """What a level reads that sits a little askew, where what it stands on has turned by (N, 3), rad."""
-    recording = replace(
-        bare,
-        tip=np.zeros((bare.size, len(plan.slots))),
-        slots=np.tile(plan.slots, (bare.size, 1)),
-        instrument=plan.instrument,
-    )
-    stand = stand_of(recording, arm)
-    assert stand is not None
-    stand = stand.turned(turned)
-    sits = stand.seat @ Rotation.from_rotvec(random.normal(0.0, _ASKEW, 3)).as_matrix()
-    axes = stand.axes @ sits
-    rises = {TILT_X: axes[:, :, 1] @ stand.up, TILT_Y: -axes[:, :, 0] @ stand.up}
-    read = np.stack([rises[slot] for slot in plan.slots], axis=1)
-    read = read + plan.noise * random.standard_normal(read.shape) + _outliers(plan, random, read.shape)
-    return Simulation(replace(recording, tip=read), error, idle)
 
 
 def _by_camera(bare: Recording, tip: Array, turned: Array, plan: Plan, random: np.random.Generator) -> Recording:
@@ -245,31 +225,47 @@ def _by_camera(bare: Recording, tip: Array, turned: Array, plan: Plan, random: n
 
 
 def _in_part(
-    bare: Recording, tip: Array, plan: Plan, random: np.random.Generator, idle: tuple[str, ...], error: Array
-) -> Simulation:
-    """What an instrument reads of tips (N, 3) where it does not read their place."""
-    if bare.touches is not None:
-        return Simulation(bare, error, idle)
-    if plan.free_frame:
-        tip, _, _ = _elsewhere(random, tip, None, None)
-    numbers = [tip]
-    if ALONG in plan.slots and plan.instrument.direction is not None:
-        numbers.append(tip @ np.array(plan.instrument.direction)[:, None])
-    if DISTANCE in plan.slots and plan.instrument.anchor is not None:
-        away = tip - np.array(plan.instrument.anchor)
-        numbers.append(np.linalg.norm(away, axis=1)[:, None])
-    order = [0, 1, 2, *(slot for slot in (ALONG, DISTANCE) if slot in plan.slots)]
-    read = np.concatenate(numbers, axis=1)[:, [order.index(slot) for slot in plan.slots]]
-    read = read + plan.noise * random.standard_normal(read.shape) + _outliers(plan, random, read.shape)
-    instrument = replace(plan.instrument, anchor=None) if plan.anchor_free else plan.instrument
+    bare: Recording,
+    arm: Arm,
+    kind: InstrumentKind,
+    tips: Array,
+    axes: Array | None,
+    moved: Channels,
+    plan: Plan,
+    random: np.random.Generator,
+) -> tuple[Recording, Array]:
+    """What an instrument reads of tips (N, 3) and axes of the last link (N, 3, 3) where it does not read their place,
+    and what moves the tips of the readings that it gives."""
+    free = plan.free_frame and not kind.turns_with
     recording = replace(
         bare,
-        tip=read,
+        tip=np.zeros((bare.size, len(plan.slots))),
         slots=np.tile(plan.slots, (bare.size, 1)),
-        instrument=instrument,
-        frame="free" if plan.free_frame else "known",
+        instrument=plan.instrument,
+        frame="free" if free else "known",
     )
-    return Simulation(recording, error, idle)
+    if free:
+        tips, _, _ = _elsewhere(random, tips, None, None)
+    stand = None
+    if moved.level is not None:
+        stand = stand_of(recording, arm)
+        assert stand is not None
+        stand = stand.turned(moved.level)
+    whole = kind.simulated(Stood(tips, axes, stand, arm), plan.instrument, random)
+    first = slots_of(kind.name)[0]
+    read = whole[:, [slot - first for slot in plan.slots]]
+    read = read + plan.noise * random.standard_normal(read.shape) + _outliers(plan, random, read.shape)
+    instrument = kind.recorded(plan.instrument, anchor_free=plan.anchor_free)
+    there = np.asarray(np.isfinite(read).all(axis=1), dtype=np.bool_)
+    recording = replace(recording, tip=np.where(there[:, None], read, 0.0), instrument=instrument)
+    if there.all() or plan.every_row:
+        return recording, moved.tip
+    if not there.any():
+        raise NoRoom(f"the {kind.name.replace('_', ' ')} reads nothing at any of the poses")
+    kept = recording.kept(there)
+    time = None if kept.time is None else kept.time - kept.time[0]
+    last = since_the_reading_before(kept.q)
+    return replace(kept, row=np.arange(1, kept.size + 1), time=time, last_moves=last), moved.tip[there]
 
 
 def _touching(bare: Recording, arm: Arm, plan: Plan, random: np.random.Generator) -> Recording:
@@ -284,7 +280,7 @@ def _touching(bare: Recording, arm: Arm, plan: Plan, random: np.random.Generator
         moved = seen_of_model(state, active_effects(arm), Asked(bare.size))
         return columns(state.tip(), bare.size) + moved.tip
 
-    planes = plan.slots == (PLANE,)
+    planes = kinds_of(plan.slots)[0].name == "plane"
     touches = touched(
         arm, bare.q, visit, off, tips, random, planes=planes, bar=plan.bar, planned=bare.touches,
         planned_along=bare.bar_at if plan.bar else None,

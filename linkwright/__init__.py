@@ -31,6 +31,7 @@ if TYPE_CHECKING:
     from linkwright.face.arm import Arm, Joint, Link, read_arm
     from linkwright.face.catalogues.actuators import actuators
     from linkwright.face.catalogues.effects import effects
+    from linkwright.face.catalogues.instruments import instruments
     from linkwright.face.catalogues.limits import limits
     from linkwright.face.catalogues.materials import materials
     from linkwright.face.catalogues.sections import sections
@@ -61,6 +62,7 @@ HOMES = MappingProxyType(
         "linkwright.face.arm": ("Arm", "Joint", "Link", "read_arm"),
         "linkwright.face.catalogues.actuators": ("actuators",),
         "linkwright.face.catalogues.effects": ("effects",),
+        "linkwright.face.catalogues.instruments": ("instruments",),
         "linkwright.face.catalogues.limits": ("limits",),
         "linkwright.face.catalogues.materials": ("materials",),
         "linkwright.face.catalogues.sections": ("sections",),
@@ -108,6 +110,7 @@ __all__ = [
     "export_arm",
     "figures",
     "import_arm",
+    "instruments",
     "inverse",
     "limits",
     "materials",

@@ -24,7 +24,7 @@ MAY_USE = {
     "catalogues": {"units", "sections", "materials"},
     "arm": {"units", "registries", "sections", "materials"},
     "optimize": {"units", "registries", "executors", "arm", "sections", "materials"},
-    "diagnose": {"units", "executors", "arm", "sections", "materials"},
+    "diagnose": {"units", "registries", "executors", "arm", "sections", "materials"},
     "linkwright": {
         "units",
         "registries",

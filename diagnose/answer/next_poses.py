@@ -17,7 +17,7 @@ from linkwright.core.arm.avoid.poses import Room, drawn, room_of
 from linkwright.core.arm.chain.following import completed
 from linkwright.core.diagnose.fitting.fit import fit
 from linkwright.core.diagnose.fitting.prepare import nuisances
-from linkwright.core.diagnose.instruments.instrument import POINT
+from linkwright.core.diagnose.instruments.registry import kinds_of
 from linkwright.core.diagnose.patterns.library import columns_of
 from linkwright.core.diagnose.plan.tried import approach
 from linkwright.core.diagnose.recording import Recording, since_the_reading_before
@@ -189,7 +189,8 @@ def _can_be_tried(observed: Observed) -> bool:
         return True
     if isinstance(recording, Several) or view.names or recording.frame == "free":
         return False
-    return bool((recording.slots == recording.slots[0]).all()) and int(recording.slots.max()) < POINT
+    alike = bool((recording.slots == recording.slots[0]).all())
+    return alike and all(kind.elsewhere for kind in kinds_of(recording.slots))
 
 
 def _tried(observed: Observed, room: Room, seed: int) -> Observed | None:

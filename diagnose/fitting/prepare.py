@@ -117,7 +117,7 @@ def nuisances(observed: Observed, *, origins: bool = True) -> tuple[Array, tuple
             column = np.zeros(observed.residual.shape)
             if observed.has_turns:
                 column[:, observed.turn_columns] = observed.turns(turns[:, :, k])
-            if observed.sight is not None:
+            if observed.reads_turns:
                 column[:, : observed.components] = observed.of_tip(np.zeros((observed.rows, 3)), turns[:, :, k])
             parts.append(column)
             names.append(f"seat of the target about {'xyz'[k - turns.shape[2]]}")

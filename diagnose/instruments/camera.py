@@ -13,17 +13,20 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from linkwright.core.diagnose.recording import Recording
 from linkwright.core.diagnose.residual.placement import UNDETERMINED, rigid
 from linkwright.core.diagnose.rules.residual_rules import ResidualRules
 from linkwright.core.sections.numeric import Array
 
-from .instrument import CAMERA
+from .registry import kinds_of
+
+if TYPE_CHECKING:
+    from linkwright.core.diagnose.recording import Recording
 
 _STEPS, _FOUND = 60, 1e-13
 _LONGEST = 0.5
@@ -89,7 +92,7 @@ def joined_sights(sights: Sequence[Sight | None]) -> Sight | None:
 
 def is_camera(recording: Recording) -> bool:
     """Whether a recording was made by a camera."""
-    return recording.slots is not None and bool((recording.slots >= CAMERA).any())
+    return recording.slots is not None and any(kind.by_itself for kind in kinds_of(recording.slots))
 
 
 @dataclass(frozen=True)

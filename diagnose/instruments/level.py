@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,11 +12,13 @@ from scipy.spatial.transform import Rotation
 from linkwright.core.arm.chain.arrays import columns
 from linkwright.core.arm.chain.chain import Arm
 from linkwright.core.arm.chain.kinematics import place
-from linkwright.core.diagnose.recording import Recording
 from linkwright.core.sections.numeric import Array
 from linkwright.core.units.quantities import InputError
 
-from .instrument import TILT_X, TILT_Y
+from .registry import INSTRUMENTS, marked
+
+if TYPE_CHECKING:
+    from linkwright.core.diagnose.recording import Recording
 
 
 @dataclass(frozen=True)
@@ -36,9 +39,9 @@ class Stand:
 
 
 def tilts(recording: Recording) -> NDArray[np.bool_]:
-    """Which of a recording's numbers (N, W) are tilts."""
+    """Which of a recording's numbers (N, W) are of what turns with a link."""
     assert recording.slots is not None
-    return np.isin(recording.slots, (TILT_X, TILT_Y))
+    return marked(recording.slots, [kind for kind in INSTRUMENTS.values() if kind.turns_with == "link"])
 
 
 def link_of_levels(recording: Recording) -> NDArray[np.int64] | None:

@@ -14,7 +14,7 @@ from linkwright.core.arm.chain.following import completed
 from linkwright.core.sections.numeric import Array
 from linkwright.core.units.quantities import InputError
 
-from .view import touched_bars, touched_planes
+from .touched import touched_bars, touched_planes
 
 _NEAR, _EXACT = 60, 8
 """Newton's steps by the nominal arm, and then by the whole model."""

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from linkwright.core.arm.chain.arrays import columns
-from linkwright.core.diagnose.instruments.instrument import TILT_X, TILT_Y
+from linkwright.core.diagnose.instruments.registry import kinds_of, slots_of
 from linkwright.core.diagnose.residual.observed import Observed
 from linkwright.core.sections.numeric import Array
 
@@ -26,13 +26,14 @@ def tip_of(observed: Observed) -> Array:
 
 
 def tip_axes(observed: Observed) -> Array:
-    """A displacement of the tip along each axis, alike at all readings, (1 or N, C, D); of a level's tilts each by
-    itself."""
+    """A displacement of the tip along each axis, alike at all readings, (1 or N, C, D); of numbers that
+    do not go with the tip's place (a level's tilts) each by itself."""
     if observed.view is not None and observed.recording.slots is not None:
         moved = np.zeros((*observed.residual.shape, observed.space))
         moved[:, : observed.components] = observed.view.shown
-        for number, slot in enumerate((TILT_X, TILT_Y)):
-            moved[:, : observed.components, number] += observed.recording.slots == slot
+        for kind in kinds_of(observed.recording.slots):
+            for number, slot in enumerate(() if kind.of_place else slots_of(kind.name)):
+                moved[:, : observed.components, number] += observed.recording.slots == slot
         return moved
     return np.eye(observed.residual.shape[1])[None, :, : observed.components]
 

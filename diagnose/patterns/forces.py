@@ -47,7 +47,7 @@ def _give(observed: Observed) -> Array:
         turned = None if levels is None else turned_levels(loaded, twists, levels)
         if observed.asked.turn:
             turn = np.stack([part + zero for part in rotation_at_tip(loaded, twists)], axis=1)
-            turned = turn if observed.sight is not None else turned
+            turned = turn if observed.reads_turns else turned
             if observed.has_turns:
                 columns[:, observed.turn_columns, axis] = observed.turns(turn)
         seen = observed.of_tip(np.stack([part + zero for part in moved], axis=1), turned)

@@ -12,22 +12,25 @@ import numpy as np
 from linkwright.core.arm.avoid.poses import Room
 from linkwright.core.arm.chain.chain import Arm
 from linkwright.core.diagnose.instruments.instrument import Instrument
+from linkwright.core.diagnose.instruments.registry import INSTRUMENTS
 from linkwright.core.diagnose.rules.rules import RULES, Rules
 from linkwright.core.sections.numeric import Array
 
-INSTRUMENTS = MappingProxyType(
+_PLACES = MappingProxyType(
     {
         "tracker": ("x", "y", "z"), "x": ("x",), "y": ("y",), "z": ("z",), "xy": ("x", "y"), "xz": ("x", "z"),
-        "yz": ("y", "z"), "along": ("along",), "distance": ("distance",), "tilt": ("tilt x", "tilt y"),
-        "same_point": ("x of a point", "y of a point", "z of a point"), "plane": ("plane",),
-        "bar": ("x of a bar", "y of a bar", "z of a bar"),
-        "camera": ("camera x", "camera y", "camera depth", "turn about x", "turn about y", "turn about z"),
+        "yz": ("y", "z"),
     }
 )  # fmt: skip
-"""The instruments by name, each with the numbers that it reads: components of the tip in the measuring frame, its
-height along a direction, its distance from an anchor, how a level is tilted, how far it is from a point, plane or
-place on a bar that is touched again, where and how turned a camera sees a target."""
-_OUT_OF_PLANE = ("z", "tilt y", "z of a point", "z of a bar")
+"""The instruments of the tip's place, each with the components in the measuring frame that it reads."""
+TURNS = ("turn about x", "turn about y", "turn about z")
+"""What a camera reads beside its numbers."""
+
+
+def instruments() -> tuple[str, ...]:
+    """The instruments by name: of the tip's place, and every other kind."""
+    return (*_PLACES, *(name for name in INSTRUMENTS if name != "position"))
+
 
 Place = tuple[str, tuple[int, ...]]
 """An effect and the joints or links (from 0; none: wherever) where it acts."""
@@ -70,7 +73,7 @@ class Asked:
     @property
     def touches(self) -> bool:
         """Whether points, planes or bars are touched."""
-        return self.instrument in ("same_point", "plane", "bar")
+        return self.instrument in INSTRUMENTS and bool(INSTRUMENTS[self.instrument].label)
 
     def scatter(self, axes: Sequence[str]) -> Array:
         """What each of the numbers read (k,) scatters by, m and rad."""
@@ -86,7 +89,12 @@ def seen_axes(instrument: str, arm: Arm) -> tuple[str, ...]:
     """
     if instrument == "camera" and arm.planar():
         raise ValueError("camera needs an arm in space; of one in the plane, name x, y or tracker")
-    axes = tuple(axis for axis in INSTRUMENTS[instrument] if axis not in _OUT_OF_PLANE or not arm.planar())
+    if instrument in _PLACES:
+        axes = tuple(axis for axis in _PLACES[instrument] if axis != "z" or not arm.planar())
+    else:
+        kind = INSTRUMENTS[instrument]
+        axes = tuple(number.name for number in kind.numbers[: kind.count(flat=arm.planar())])
+        axes = (*axes, *TURNS) if instrument == "camera" else axes
     if not axes:
         raise ValueError(f"{instrument} is all out of the plane in which the arm moves; name x, y or tracker")
     return axes

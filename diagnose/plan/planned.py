@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from linkwright.core.arm.chain.chain import Arm
 from linkwright.core.arm.chain.kinematics import tip_position
-from linkwright.core.diagnose.instruments.view import touched_bars, touched_planes
+from linkwright.core.diagnose.instruments.touched import touched_bars, touched_planes
 from linkwright.core.diagnose.recording import Recording
 
 from .plan_request import Asked

@@ -16,8 +16,8 @@ from linkwright.core.arm.chain.chain import Arm
 from linkwright.core.arm.chain.kinematics import tip_position
 from linkwright.core.diagnose.fitting.prepare import nuisances
 from linkwright.core.diagnose.instruments.camera import is_camera
+from linkwright.core.diagnose.instruments.touched import touched_planes
 from linkwright.core.diagnose.instruments.touching import least_touches
-from linkwright.core.diagnose.instruments.view import touched_planes
 from linkwright.core.diagnose.options import Progress
 from linkwright.core.diagnose.patterns.library import Candidate, candidates, columns_of
 from linkwright.core.diagnose.patterns.pool import VISIBLE, orthonormal

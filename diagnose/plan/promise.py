@@ -98,8 +98,21 @@ class Promise:
 def promised(arm: Arm, recording: Recording, axes: Sequence[str], asked: Asked) -> Promise:
     """What an instrument that sees the tip's components `axes` will show at these readings."""
     prepared = _sound(arm, recording, axes, asked)
-    rules, pool = asked.rules, prepared.pool
-    everything = np.ones(len(pool.groups), dtype=bool)
+    pool = prepared.pool
+    detectables = _detectables(prepared, axes, asked) if pool.groups else ()
+    wanted = [item for item in detectables if is_asked(item.effect, tuple(n - 1 for n in item.at), asked.effects)]
+    shown = tuple(_shown(prepared, item, asked) for item in wanted)
+    there = {(item.effect, item.at) for item in wanted}
+    known = [group.candidate for group in pool.groups] + list(pool.invisible)
+    absent = dict.fromkeys(
+        (item.effect, item.numbers) for item in known if is_asked(item.effect, item.at, asked.effects)
+    )
+    return Promise(shown, tuple(item for item in absent if item not in there))
+
+
+def _detectables(prepared: Prepared, axes: Sequence[str], asked: Asked) -> Sequence[Detectable]:
+    """What of every cause that shows at all will be seen."""
+    rules, everything = asked.rules, np.ones(len(prepared.pool.groups), dtype=bool)
     test = one_more(
         prepared.products,
         prepared.vector,
@@ -109,15 +122,7 @@ def promised(arm: Arm, recording: Recording, axes: Sequence[str], asked: Asked) 
         among=(everything,),
     )[0]
     # What an effect does of itself is what is promised, not the variant that would show best.
-    detectables = detectable(prepared, test, 1.0, rules.search.false_alarm, plainest=True)
-    wanted = [item for item in detectables if is_asked(item.effect, tuple(n - 1 for n in item.at), asked.effects)]
-    shown = tuple(_shown(prepared, item, asked) for item in wanted)
-    there = {(item.effect, item.at) for item in wanted}
-    known = [group.candidate for group in pool.groups] + list(pool.invisible)
-    absent = dict.fromkeys(
-        (item.effect, item.numbers) for item in known if is_asked(item.effect, item.at, asked.effects)
-    )
-    return Promise(shown, tuple(item for item in absent if item not in there))
+    return detectable(prepared, test, 1.0, rules.search.false_alarm, plainest=True)
 
 
 def is_asked(effect: str, at: tuple[int, ...], asked: Sequence[Place]) -> bool:
@@ -162,6 +167,7 @@ def _simulated(arm: Arm, recording: Recording, request: Asked) -> Recording:
     reads by itself."""
     plan = Plan(
         1,
+        every_row=True,
         noise=request.sigma,
         at=recording,
         seed=request.seed,

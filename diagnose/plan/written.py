@@ -13,7 +13,9 @@ from numpy.typing import NDArray
 from linkwright.core.arm.chain.chain import Arm
 from linkwright.core.arm.chain.following import completed
 from linkwright.core.arm.chain.kinematics import tip_position
-from linkwright.core.diagnose.instruments.instrument import ALONG, DISTANCE, LABELS, Instrument
+from linkwright.core.diagnose.instruments.instrument import Instrument
+from linkwright.core.diagnose.instruments.kind import Number, Stood
+from linkwright.core.diagnose.instruments.registry import INSTRUMENTS, kinds_of, labels
 from linkwright.core.diagnose.reading.columns import UnitMissing, meaning_of
 from linkwright.core.diagnose.reading.files import read_table
 from linkwright.core.diagnose.reading.named_columns import measurable
@@ -27,24 +29,33 @@ from linkwright.core.diagnose.simulate import Plan, simulate
 from linkwright.core.sections.numeric import Array
 from linkwright.core.units.quantities import InputError
 
-from .plan_request import Asked
+from .plan_request import TURNS, Asked
 from .tried import Tried
 
 ALONG_BAR = "bar_mm"
 _TURNS = ("qw", "qx", "qy", "qz")
-READ = ("x_mm", "y_mm", "z_mm", "along_mm", "distance_mm", "tilt_x_deg", "tilt_y_deg", *_TURNS)
-"""What a plan leaves blank of what a recording holds."""
-_HEADERS = MappingProxyType(
-    {
-        "x of a point": (), "y of a point": (), "z of a point": (), "plane": (),
-        "x of a bar": (), "y of a bar": (), "z of a bar": (),
-        "tilt x": ("tilt_x_deg",), "tilt y": ("tilt_y_deg",), "camera x": ("x_mm",), "camera y": ("y_mm",),
-        "camera depth": ("z_mm",), "turn about x": _TURNS, "turn about y": (), "turn about z": (),
-    }
-)  # fmt: skip
-"""The columns of what is read, where they are not its name in mm: three turns are four numbers of a quaternion."""
+"""Three turns are four numbers of a quaternion."""
 _CLOCK = (2.0, 20.0, 300.0)
 """Seconds from reading to reading, for a move, and to change the payload."""
+
+
+def _header(number: Number) -> str:
+    """The column of a number, with its unit."""
+    return f"{number.column}_{'deg' if number.quantity == 'angle' else 'mm'}"
+
+
+def left_blank() -> tuple[str, ...]:
+    """What a plan leaves blank of what a recording holds."""
+    numbers = [number for kind in INSTRUMENTS.values() for number in kind.numbers if number.column]
+    return (*dict.fromkeys(_header(number) for number in numbers), *_TURNS)
+
+
+def _headers(axis: str) -> tuple[str, ...]:
+    """The columns of one of the numbers that an instrument reads."""
+    if axis in TURNS:
+        return _TURNS if axis == TURNS[0] else ()
+    number = next(number for kind in INSTRUMENTS.values() for number in kind.numbers if number.name == axis)
+    return (_header(number),) if number.column else ()
 
 
 def to_record(arm: Arm, tried: Tried, order: NDArray[np.int64], asked: Asked) -> Recording:
@@ -85,36 +96,37 @@ def as_read(recording: Recording, arm: Arm, asked: Asked) -> Recording:
     if asked.touches:
         zeros = np.zeros((recording.size, len(asked.slots)))
         return replace(recording, tip=zeros, slots=np.tile(asked.slots, (recording.size, 1)))
-    if not set(asked.slots) <= {ALONG, DISTANCE}:
-        made = Plan(1, noise=0.0, at=recording, seed=asked.seed, slots=asked.slots, instrument=asked.reads)
+    (kind,) = kinds_of(asked.slots)
+    if kind.turns_with:
+        made = Plan(
+            1, noise=0.0, at=recording, seed=asked.seed, slots=asked.slots, instrument=asked.reads, every_row=True
+        )
         return simulate(weightless(arm), made).recording
     tip = np.zeros((recording.size, 3))
     tip[:, : recording.tip.shape[1]] = recording.tip
-    read = tip @ np.array(asked.reads.direction or (0.0, 0.0, 0.0))
-    if asked.reads.anchor is not None:
-        read = np.linalg.norm(tip - np.array(asked.reads.anchor), axis=1)
-    instrument = replace(asked.reads, anchor=None) if asked.anchor_free else asked.reads
-    return replace(recording, tip=read[:, None], slots=np.tile(asked.slots, (recording.size, 1)), instrument=instrument)
+    read = kind.simulated(Stood(tip, None, None, arm), asked.reads, np.random.default_rng(asked.seed))
+    instrument = kind.recorded(asked.reads, anchor_free=asked.anchor_free)
+    return replace(recording, tip=read, slots=np.tile(asked.slots, (recording.size, 1)), instrument=instrument)
 
 
 def plan_text(recording: Recording, arm: Arm, axes: Sequence[str], *, torques: bool = False) -> str:
     """The plan as CSV: what a recording has, with blank columns for what the instrument sees of the tip, and for the
     drives' `torques`."""
-    columns = [column for column in recording_columns(recording, arm) if column[0] not in (*READ, ALONG_BAR)]
+    columns = [column for column in recording_columns(recording, arm) if column[0] not in (*left_blank(), ALONG_BAR)]
     if recording.bar_at is not None:
         columns.append((ALONG_BAR, 1e3 * recording.bar_at, 5))
     units = ["Nm" if joint.revolute else "N" for joint in arm.joints]
     held = [f"{arm.column('tau', index)}_{unit}" for index, unit in enumerate(units)] if torques else []
-    left = [name for axis in axes for name in _HEADERS.get(axis, (f"{axis}_mm",))]
-    touched = {} if recording.touches is None else {LABELS[recording.instrument.kinds[0]]: recording.touches}
-    labels = recording.instrument.labels
+    left = [name for axis in axes for name in _headers(axis)]
+    touched = {} if recording.touches is None else {labels()[recording.instrument.kinds[0]]: recording.touches}
+    names = recording.instrument.labels
     lines = [",".join([*(name for name, _, _ in columns), *held, *left, *touched])]
     blank = "," * len([*held, *left])
     lines += [
         ",".join(
             [
                 ",".join(cell(values[row], digits) for _, values, digits in columns) + blank,
-                *(labels[int(which[row])] for which in touched.values()),
+                *(names[int(which[row])] for which in touched.values()),
             ]
         )
         for row in range(recording.size)
@@ -128,7 +140,7 @@ def read_plan(path: Path | str, arm: Arm, *, rules: Rules = RULES) -> Recording:
     table = read_table(Path(path), Layout())
     q = completed(arm, np.stack([_coordinate(table, arm, index) for index in range(arm.size)], axis=1))
     tips = _undeformed(arm, q)
-    touched = tuple(LABELS.values())
+    touched = tuple(labels().values())
     columns = {name: cells for name, cells in table.columns.items() if name not in touched and not _of_tip(name, arm)}
     columns |= {f"{axis}_mm": 1e3 * values for axis, values in zip("xyz", tips.T, strict=False)}
     read = recording_from(
@@ -139,17 +151,16 @@ def read_plan(path: Path | str, arm: Arm, *, rules: Rules = RULES) -> Recording:
 
 def _labelled(recording: Recording, table: Table, arm: Arm) -> Recording:
     """A plan with what each of its visits touches, where it has a column that says so."""
-    for kind in LABELS:
-        name = LABELS[kind]
+    for kind, name in labels().items():
         if name not in table.columns:
             continue
         cells = [table.text(name, row) for row in range(len(table.row))]
         cells = [cells[int(row) - 1] for row in recording.row]
         if all(cells):
-            labels = tuple(dict.fromkeys(cells))
-            which = np.array([labels.index(text) for text in cells], dtype=np.int64)
+            names = tuple(dict.fromkeys(cells))
+            which = np.array([names.index(text) for text in cells], dtype=np.int64)
             along = _along_bars(table, recording, arm) if kind == "bar" else None
-            instrument = Instrument((kind,), labels=labels)
+            instrument = Instrument((kind,), labels=names)
             return replace(recording, touches=which, bar_at=along, instrument=instrument)
     return recording
 
@@ -157,7 +168,7 @@ def _labelled(recording: Recording, table: Table, arm: Arm) -> Recording:
 def _along_bars(table: Table, recording: Recording, arm: Arm) -> Array:
     """How far along its bar each reading of a plan touches (N,), m."""
     for header in table.names:
-        if header.partition("_")[0] == "bar" and header not in LABELS.values():
+        if header.partition("_")[0] == "bar" and header not in labels().values():
             meaning = meaning_of(header, arm, file=table.file)
             if meaning is None:
                 continue
@@ -182,24 +193,8 @@ def _of_tip(header: str, arm: Arm) -> bool:
         meaning = meaning_of(header, arm, file="")
     except UnitMissing:
         return False
-    return meaning is not None and meaning.base in (
-        "x",
-        "y",
-        "z",
-        "qw",
-        "qx",
-        "qy",
-        "qz",
-        "rx",
-        "ry",
-        "rz",
-        "along",
-        "distance",
-        "bar",
-        "tilt_x",
-        "tilt_y",
-        "tau",
-    )
+    columns = [name for kind in INSTRUMENTS.values() for name in kind.columns]
+    return meaning is not None and meaning.base in (*columns, "qw", "qx", "qy", "qz", "rx", "ry", "rz", "bar", "tau")
 
 
 def _coordinate(table: Table, arm: Arm, index: int) -> Array:

@@ -12,12 +12,14 @@ from typing import Any
 import numpy as np
 
 from linkwright.core.arm.chain.chain import Arm
+from linkwright.core.diagnose.instruments.registry import INSTRUMENTS
 from linkwright.core.sections.numeric import Array
 from linkwright.core.units.quantities import InputError, kind_of, read_quantity
 
 _JOINT = re.compile(r"(dir|tau|temperature_link|current|dq|[qcjva])([0-9]{1,3})(?:_(.+))?")
-_WHOLE = re.compile(
-    r"(time|t(?=_(?:s|ms|us|ns)$)|payload|temperature|x|y|z|along|distance|bar|tilt_x|tilt_y|basex|basey|basez|fx|fy|fz|rx|ry|rz|qw|qx|qy|qz)(?:_(.+))?"
+_WHOLE = (
+    r"(time|t(?=_(?:s|ms|us|ns)$)|payload|temperature|x|y|z|bar|basex|basey|basez|fx|fy|fz|rx|ry|rz|"
+    r"qw|qx|qy|qz%s)(?:_(.+))?"
 )
 _TURNS = MappingProxyType(
     {
@@ -46,9 +48,9 @@ _KINDS = MappingProxyType(
         "time": "time",
         "payload": "mass",
         "temperature": "temperature",
-        **dict.fromkeys(("x", "y", "z", "along", "distance", "bar", "basex", "basey", "basez"), "length"),
+        **dict.fromkeys(("x", "y", "z", "bar", "basex", "basey", "basez"), "length"),
         **dict.fromkeys(("fx", "fy", "fz"), "force"),
-        **dict.fromkeys(("rx", "ry", "rz", "tilt_x", "tilt_y"), "angle"),
+        **dict.fromkeys(("rx", "ry", "rz"), "angle"),
     }
 )
 _SUFFIXES = MappingProxyType(
@@ -71,9 +73,6 @@ _ALSO = MappingProxyType({"dq": "v", "t": "time"})
 """Other names of columns."""
 _PER_SECOND = MappingProxyType({"radps": "rad_s", "degps": "deg_s", "mps": "m_s", "mmps": "mm_s"})
 """Other spellings of suffixes."""
-_OBSERVED = MappingProxyType(
-    {"along": "along", "distance": "distance", "bar": "bar", "tilt_x": "tilt", "tilt_y": "tilt"}
-)
 _IN_BRACKETS = re.compile(r"(.+?)[ _]*[\[(]\s*(.+?)\s*[\])]")
 _APART = re.compile(r"((?:temperature[ _]link|[a-z]+)[ _]?[0-9]*)[ _]+(.+)", re.IGNORECASE)
 _NUMBERED = re.compile(r"([a-z_]+?)[ _]?([0-9]+)")
@@ -89,6 +88,26 @@ _UNITS = MappingProxyType(
     }
 )
 """How people write the units of headers, in small letters."""
+
+
+def _observed() -> dict[str, tuple[str, str]]:
+    """The columns of what only some recordings observe, each with the kind of instrument and what it holds."""
+    return {
+        number.column: (kind.name, number.quantity)
+        for kind in INSTRUMENTS.values()
+        for number in kind.numbers
+        if number.column and number.column not in _KINDS
+    } | {"bar": ("bar", "length")}
+
+
+def _whole(header: str) -> re.Match[str] | None:
+    """A header of the whole arm's, in its name and its unit."""
+    return re.fullmatch(_WHOLE % "".join(f"|{re.escape(name)}" for name in _observed() if name not in _KINDS), header)
+
+
+def _kind_of(base: str) -> str:
+    """What a column of the whole arm's holds."""
+    return _KINDS[base] if base in _KINDS else _observed()[base][1]
 
 
 @dataclass(frozen=True)
@@ -138,13 +157,13 @@ def meaning_of(header: str, arm: Arm, *, file: object) -> ColumnMeaning | None:
             return _bare(header, base, number - 1, suffix, file)
         kinds = _TURNS if arm.joints[number - 1].revolute else _SLIDES
         return _with_unit(header, base, number - 1, kinds[base], suffix, file)
-    parsed = _WHOLE.fullmatch(header)
+    parsed = _whole(header)
     if parsed is None:
         return None
     base, suffix = _ALSO.get(parsed[1], parsed[1]), parsed[2]
     if base in ("qw", "qx", "qy", "qz"):
         return _bare(header, base, None, suffix, file)
-    return _with_unit(header, base, None, _KINDS[base], suffix, file)
+    return _with_unit(header, base, None, _kind_of(base), suffix, file)
 
 
 def numbered_through(header: str, arm: Arm) -> str:
@@ -164,8 +183,9 @@ def of_kind(header: str) -> str | None:
     parsed = _JOINT.fullmatch(header)
     if parsed is not None and parsed[1] == "current":
         return "motion"
-    parsed = _WHOLE.fullmatch(header)
-    return None if parsed is None else _OBSERVED.get(parsed[1])
+    parsed = _whole(header)
+    observed = None if parsed is None else _observed().get(parsed[1])
+    return None if observed is None else observed[0]
 
 
 def canonical(header: str) -> str:
@@ -175,7 +195,7 @@ def canonical(header: str) -> str:
     if parsed is not None:
         name, suffix = f"{_ALSO.get(parsed[1], parsed[1])}{parsed[2]}", parsed[3]
     else:
-        parsed = _WHOLE.fullmatch(header)
+        parsed = _whole(header)
         if parsed is None:
             return header
         name, suffix = _ALSO.get(parsed[1], parsed[1]), parsed[2]
@@ -198,7 +218,7 @@ def otherwise_spelled(header: str) -> str | None:
 
 def looks_like_ours(header: str) -> bool:
     """Whether a header is one of ours, unit and all (of whatever arm)."""
-    parsed = _JOINT.fullmatch(header) or _WHOLE.fullmatch(header)
+    parsed = _JOINT.fullmatch(header) or _whole(header)
     if parsed is None:
         return False
     return parsed[parsed.re.groups] is not None or parsed[1] in ("dir", "qw", "qx", "qy", "qz")
@@ -207,7 +227,7 @@ def looks_like_ours(header: str) -> bool:
 def units_for(base: str, arm: Arm, index: int | None = None) -> tuple[str, ...]:
     """The units that a column's header can carry, such as `deg`, `rad`, by what it holds and of which joint."""
     if index is None:
-        return _SUFFIXES[_KINDS[base]]
+        return _SUFFIXES[_kind_of(base)]
     return _SUFFIXES[(_TURNS if arm.joints[index].revolute else _SLIDES)[base]]
 
 

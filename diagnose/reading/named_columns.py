@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from linkwright.core.arm.chain.chain import Arm
-from linkwright.core.diagnose.instruments.instrument import LABELS
+from linkwright.core.diagnose.instruments.registry import INSTRUMENTS
 from linkwright.core.sections.numeric import Array
 from linkwright.core.units.names import nearest
 from linkwright.core.units.quantities import InputError, shown
@@ -111,7 +111,11 @@ def _meaning(header: str, arm: Arm, held: ReadingSettings, file: object) -> Colu
 
 def _labels_of(held: ReadingSettings) -> tuple[str, ...]:
     """The columns of labels that a recording has."""
-    return () if held.instrument is None else tuple(LABELS[k] for k in held.instrument.kinds if k in LABELS)
+    return (
+        ()
+        if held.instrument is None
+        else tuple(label for k in held.instrument.kinds if (label := INSTRUMENTS[k].label))
+    )
 
 
 def _spelled(table: Table, held: ReadingSettings, arm: Arm) -> dict[str, str]:

@@ -14,7 +14,7 @@ import numpy as np
 from linkwright.core.arm.chain.chain import Arm
 from linkwright.core.diagnose.fitting.origins import located
 from linkwright.core.diagnose.instruments.checks import sights_checked
-from linkwright.core.diagnose.instruments.instrument import LABELS
+from linkwright.core.diagnose.instruments.registry import INSTRUMENTS, labels
 from linkwright.core.diagnose.instruments.split import laid_out
 from linkwright.core.diagnose.mistakes.readings import checked
 from linkwright.core.diagnose.mistakes.row_lists import rows_text
@@ -114,8 +114,8 @@ def _checked(recording: Recording, arm: Arm, headers: dict[str, str], in_parts: 
 def _refuse_torques_alone(columns: dict[str, ReadColumn], table: Table) -> None:
     """Refuse a log of torques that holds nothing of the tip, whatever its settings call it."""
     torques = [column.header for name, column in columns.items() if name.startswith("tau")]
-    seen = (*_PLACE, "along", "distance", "tilt_x", "tilt_y")
-    if torques and not any(name in columns for name in seen) and not set(table.names) & set(LABELS.values()):
+    seen = (*_PLACE, *(name for kind in INSTRUMENTS.values() for name in kind.columns))
+    if torques and not any(name in columns for name in seen) and not set(table.names) & set(labels().values()):
         message = (
             "has drives' torques and nothing of the tip, beside which alone torques are judged; record the tip too "
             "(x_mm, y_mm), or a height, a distance or a level (along_mm, distance_mm, tilt_x_deg) in the same rows"

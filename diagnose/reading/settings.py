@@ -15,7 +15,8 @@ from typing import Literal, cast
 from linkwright.core.arm.avoid.regions import Region
 from linkwright.core.arm.files.avoid import read_avoid
 from linkwright.core.diagnose.instruments.instrument import Instrument
-from linkwright.core.diagnose.instruments.settings import read_instrument
+from linkwright.core.diagnose.instruments.observes import read_instrument
+from linkwright.core.diagnose.instruments.registry import INSTRUMENTS
 from linkwright.core.diagnose.motion.reading.settings import MotionSettings, read_motion_settings
 from linkwright.core.units.quantities import InputError, shown
 from linkwright.core.units.reading import Mapping, load_yaml, read_text
@@ -151,7 +152,9 @@ def read_settings(path: Path | None) -> ReadingSettings:
 
 def _kind_of_sigma(mapping: Mapping, instrument: Instrument | None) -> str:
     """What sigma is: a length, of tilts alone an angle (or what a level rises by in a metre, which is the same)."""
-    tilts = instrument is not None and instrument.kinds == ("tilt",)
+    kinds = () if instrument is None else instrument.kinds
+    numbers = [number for kind in kinds for number in INSTRUMENTS[kind].numbers]
+    tilts = bool(numbers) and all(number.quantity == "angle" for number in numbers)
     text = mapping.content.get("sigma")
     unit = text.split()[-1].lower() if isinstance(text, str) and text.split() else ""
     return "angle" if tilts and not unit.endswith(("m", "inch")) else "length"

@@ -8,20 +8,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from linkwright.core.arm.chain.chain import Arm
-from linkwright.core.diagnose.instruments.instrument import (
-    BAR,
-    CAMERA,
-    KINDS,
-    LABELS,
-    NAMES,
-    PLANE,
-    POINT,
-    TILT_X,
-    TILT_Y,
-    Instrument,
-    Kind,
-    Slots,
-)
+from linkwright.core.diagnose.instruments.instrument import Instrument, Slots
+from linkwright.core.diagnose.instruments.registry import INSTRUMENTS, kind_at, labels, slots_of
 from linkwright.core.diagnose.mistakes.row_lists import rows_text
 from linkwright.core.diagnose.recording import RejectedRow
 from linkwright.core.sections.numeric import Array
@@ -32,7 +20,6 @@ from .read_column import ReadColumn
 from .settings import ReadingSettings
 from .table import Table
 
-_NUMBERS = tuple((NAMES[slot].replace(" ", "_"), slot) for slot in (*range(POINT), TILT_X, TILT_Y))
 _ALONG_BAR = "bar"
 
 
@@ -76,36 +63,13 @@ def sights_of(
     flat, total = arm.planar(), len(table.row)
     if "camera" in instrument.kinds:
         return _of_camera(columns, table, held, arm)
-    rest = {name: column for name, column in columns.items() if name not in (*dict(_NUMBERS), _ALONG_BAR)}
-    sentences: list[str] = []
-    numbers: list[tuple[int, Array]] = []
-    reasons: dict[int, list[str]] = {}
-    for name, slot in _NUMBERS:
-        if not any(slot in KINDS[kind] for kind in instrument.kinds):
-            continue
-        if name not in columns:
-            continue
-        column = columns[name]
-        if flat and name == "z":
-            sentences.append(f"{column.header} is not used: the arm does not leave its plane.")
-            continue
-        for index in np.flatnonzero(~np.isfinite(column.values)).tolist():
-            fault = column.fault(index)
-            if not fault.lower().endswith(("is blank", "is nan")):
-                reasons.setdefault(index, []).append(fault)
-        if name == "distance":
-            for index in np.flatnonzero(column.values < 0.0).tolist():
-                reasons.setdefault(index, []).append(f"{column.header} is negative; a distance cannot be")
-            negative = column.values < 0.0
-            if negative.any() and negative.sum() > 0.5 * np.isfinite(column.values).sum():
-                row = int(table.row[int(np.argmax(negative))])
-                raise InputError(table.file, column.header, f"is negative in most rows (row {row}); no distance is")
-        values = column.values
-        numbers.append((slot, np.sin(values) if slot in (TILT_X, TILT_Y) else values))
-    touches, labels = np.full(total, -1), list[str]()
-    for kind in instrument.kinds:
-        if kind in LABELS:
-            labelled_rows, slots = _labelled(table, held, kind, touches, labels, flat=flat)
+    every = {name for kind in INSTRUMENTS.values() for name in kind.columns}
+    rest = {name: column for name, column in columns.items() if name not in every | {_ALONG_BAR}}
+    numbers, reasons, sentences = _numbers(columns, table, instrument, flat=flat)
+    touches, names = np.full(total, -1), list[str]()
+    for name in instrument.kinds:
+        if INSTRUMENTS[name].label:
+            labelled_rows, slots = _labelled(table, held, name, touches, names, flat=flat)
             numbers += [(slot, np.where(labelled_rows, 0.0, np.nan)) for slot in slots]
     bar_at = _along_bars(columns, table, touches, reasons, arm) if "bar" in instrument.kinds else None
     _all_there(instrument, {slot for slot, _ in numbers}, table, held, arm)
@@ -120,14 +84,45 @@ def sights_of(
         reasons.setdefault(index, []).append("nothing that is observed is filled in")
     rejected = [RejectedRow(int(table.row[index]), "; ".join(reasons[index])) for index in sorted(reasons)]
     sound = np.array([index not in reasons for index in range(total)], dtype=bool)
-    _enough_touches(table, touches, labels, slots, sound, flat=flat)
+    _enough_touches(table, touches, names, slots, sound, flat=flat)
     if bar_at is not None:
-        _long_enough(table, touches, labels, slots, sound, bar_at)
+        _long_enough(table, touches, names, slots, sound, bar_at)
     if held.instrument is None:
         some = table.row[~there.all(axis=1)]
         sentences.append(f"Only what was measured counts: cells are blank in {rows_text(some)}.")
-    sights = Sights(np.where(there, values, 0.0), slots, touches, bar_at, replace(instrument, labels=tuple(labels)))
+    sights = Sights(np.where(there, values, 0.0), slots, touches, bar_at, replace(instrument, labels=tuple(names)))
     return sights, rest, rejected, sentences
+
+
+def _numbers(
+    columns: Mapping[str, ReadColumn], table: Table, instrument: Instrument, *, flat: bool
+) -> tuple[list[tuple[int, Array]], dict[int, list[str]], list[str]]:
+    """The numbers that rows hold, each with its slot; what is wrong with cells, by row; and what else is to be said.
+    Raises `InputError` where most cells of a column cannot be."""
+    sentences: list[str] = []
+    numbers: list[tuple[int, Array]] = []
+    reasons: dict[int, list[str]] = {}
+    for slot in sorted(slot for kind in instrument.kinds for slot in slots_of(kind)):
+        kind, number = kind_at(slot)
+        name = number.column
+        if name not in columns:
+            continue
+        column = columns[name]
+        if flat and not number.in_plane and kind.framed:
+            sentences.append(f"{column.header} is not used: the arm does not leave its plane.")
+            continue
+        for index in np.flatnonzero(~np.isfinite(column.values)).tolist():
+            fault = column.fault(index)
+            if not fault.lower().endswith(("is blank", "is nan")):
+                reasons.setdefault(index, []).append(fault)
+        wrong, why, mostly = kind.impossible(column.values)
+        for index in np.flatnonzero(wrong).tolist():
+            reasons.setdefault(index, []).append(f"{column.header} {why}")
+        if wrong.any() and wrong.sum() > 0.5 * np.isfinite(column.values).sum():
+            row = int(table.row[int(np.argmax(wrong))])
+            raise InputError(table.file, column.header, mostly.format(row=row))
+        numbers.append((slot, kind.of_file(column.values)))
+    return numbers, reasons, sentences
 
 
 def _of_camera(
@@ -147,7 +142,7 @@ def _of_camera(
             reasons.setdefault(index, []).append(columns[name].fault(index))
     values = np.stack([columns[name].values for name in ("x", "y", "z")], axis=1)
     total, instrument = len(values), held.instrument or Instrument()
-    slots = np.tile(np.arange(CAMERA, CAMERA + 3), (total, 1))
+    slots = np.tile(slots_of("camera"), (total, 1))
     rest = {name: column for name, column in columns.items() if name not in ("x", "y", "z")}
     rejected = [RejectedRow(int(table.row[index]), "; ".join(reasons[index])) for index in sorted(reasons)]
     sights = Sights(np.nan_to_num(values), slots, np.full(total, -1), None, instrument)
@@ -155,10 +150,10 @@ def _of_camera(
 
 
 def _labelled(
-    table: Table, held: ReadingSettings, kind: Kind, touches: Slots, labels: list[str], *, flat: bool
+    table: Table, held: ReadingSettings, kind: str, touches: Slots, names: list[str], *, flat: bool
 ) -> tuple[Array, tuple[int, ...]]:
-    """Which rows touched something of a kind, and in what slots; `touches` and `labels` get theirs."""
-    name = LABELS[kind]
+    """Which rows touched something of a kind, and in what slots; `touches` and `names` get theirs."""
+    name = INSTRUMENTS[kind].label
     header = held.columns.get(name, name)
     if header not in table.columns:
         where = held.file if name in held.columns else table.file
@@ -168,15 +163,15 @@ def _labelled(
     both = labelled & (touches >= 0)
     if both.any():
         row = table.row[int(np.argmax(both))]
-        known = [] if held.instrument is None else [LABELS[k] for k in held.instrument.kinds if k in LABELS]
+        known = [] if held.instrument is None else [labels()[k] for k in held.instrument.kinds if k in labels()]
         other = " or a ".join(known[: known.index(name)])
         raise InputError(table.file, name, f"row {row} names a {other} and a {name}; keep one")
-    first = len(labels)
-    labels += sorted({item for item, there in zip(text, labelled.tolist(), strict=True) if there})
-    number = {label: first + k for k, label in enumerate(labels[first:])}
+    first = len(names)
+    names += sorted({item for item, there in zip(text, labelled.tolist(), strict=True) if there})
+    number = {label: first + k for k, label in enumerate(names[first:])}
     for index in np.flatnonzero(labelled).tolist():
         touches[index] = number[text[index]]
-    return labelled, KINDS[kind][:2] if flat else KINDS[kind]
+    return labelled, slots_of(kind, flat=flat)
 
 
 def _along_bars(
@@ -192,10 +187,10 @@ def _along_bars(
     return np.where(np.isfinite(column.values), column.values, 0.0)
 
 
-def _long_enough(table: Table, touches: Slots, labels: list[str], slots: Slots, sound: Array, bar_at: Array) -> None:
+def _long_enough(table: Table, touches: Slots, names: list[str], slots: Slots, sound: Array, bar_at: Array) -> None:
     """Whether each bar was touched at two places along it."""
-    for label, name in enumerate(labels):
-        rows = (touches == label) & (slots >= BAR).any(axis=1)
+    for label, name in enumerate(names):
+        rows = (touches == label) & np.isin(slots, slots_of("bar")).any(axis=1)
         if rows.any() and np.ptp(bar_at[rows & sound]) <= 0.0:
             where = f"{1e3 * float(bar_at[rows & sound][0]):.6g} mm"
             raise InputError(
@@ -209,23 +204,22 @@ def _long_enough(table: Table, touches: Slots, labels: list[str], slots: Slots, 
 def _all_there(instrument: Instrument, slots: set[int], table: Table, held: ReadingSettings, arm: Arm) -> None:
     """Whether every kind that the settings name has a column."""
     for kind in instrument.kinds:
-        if not slots & set(KINDS[kind]):
-            name = {"position": "x", "tilt": "tilt_x"}.get(kind, kind)
+        if not slots & set(slots_of(kind)):
+            name = INSTRUMENTS[kind].numbers[0].column or kind
             settings_text = f"`observes: {kind}` ({held.file})" if held.file else f"observing {kind}"
             raise InputError(
                 table.file, name, f"is missing, which {settings_text} needs; write {example_headers(name, arm)}"
             )
 
 
-def _enough_touches(table: Table, touches: Slots, labels: list[str], slots: Slots, sound: Array, *, flat: bool) -> None:
+def _enough_touches(table: Table, touches: Slots, names: list[str], slots: Slots, sound: Array, *, flat: bool) -> None:
     """Whether each label has more touches than any place or plane would fit."""
-    for label, name in enumerate(labels):
+    for label, name in enumerate(names):
         rows = (touches == label) & sound
-        plane = bool((slots[touches == label] == PLANE).any())
-        least = (3 if flat else 4) if plane else 2
+        of = {kind_at(slot)[0].label for slot in np.unique(slots[touches == label]).tolist() if slot >= 0}
+        what = next((item for item in ("plane", "bar") if item in of), "point")
+        least = (3 if flat else 4) if what == "plane" else 2
         if int(rows.sum()) < least:
-            bar = bool((slots[touches == label] >= BAR).any())
-            what = "plane" if plane else "bar" if bar else "point"
             count = f"{int(rows.sum())} row{'s' if rows.sum() != 1 else ''} only"
             raise InputError(
                 table.file,

@@ -10,17 +10,8 @@ import numpy as np
 
 from linkwright.core.arm.chain.chain import Arm
 from linkwright.core.arm.files.avoid import avoid_to_list
-from linkwright.core.diagnose.instruments.instrument import (
-    BAR,
-    CAMERA,
-    DISTANCE,
-    KINDS,
-    LABELS,
-    NAMES,
-    TILT_X,
-    TILT_Y,
-    Slots,
-)
+from linkwright.core.diagnose.instruments.instrument import Slots
+from linkwright.core.diagnose.instruments.registry import INSTRUMENTS, kind_at, labels, slots_of
 from linkwright.core.diagnose.recording import Recording
 from linkwright.core.sections.numeric import Array
 from linkwright.core.units.quantities import format_quantity
@@ -68,20 +59,8 @@ def _instrument(recording: Recording) -> list[str]:
     instrument = recording.instrument
     kinds = ", ".join(instrument.kinds)
     lines = [f"observes: {kinds if len(instrument.kinds) == 1 else f'[{kinds}]'}\n"]
-    if instrument.direction is not None:
-        lines.append(f"direction: [{', '.join(f'{value:.9g}' for value in instrument.direction)}]\n")
-    if "distance" in instrument.kinds:
-        at = (
-            "free"
-            if instrument.anchor is None
-            else f"[{', '.join(f'{1e3 * value:.9g} mm' for value in instrument.anchor)}]"
-        )
-        lines.append(f"anchor: {at}\n")
-    if "camera" in instrument.kinds:
-        lines.append(f"camera: {instrument.camera}\n")
-    if "tilt" in instrument.kinds:
-        lines.append(f"tilt_link: {instrument.tilt_link or 'base'}\n")
-    return lines
+    said = [line for kind in INSTRUMENTS if kind in instrument.kinds for line in INSTRUMENTS[kind].lines(instrument)]
+    return [*lines, *dict.fromkeys(said)]
 
 
 def _quoted(label: str) -> str:
@@ -92,8 +71,8 @@ def label_columns(recording: Recording) -> Iterator[tuple[str, tuple[str, ...]]]
     """Name and text of each column of labels, blank where a row touches none of that kind."""
     if recording.slots is None or recording.touches is None:
         return
-    for kind, name in LABELS.items():
-        touched = np.asarray(np.isin(recording.slots, KINDS[kind]).any(axis=1), dtype=np.bool_)
+    for kind, name in labels().items():
+        touched = np.asarray(np.isin(recording.slots, slots_of(kind)).any(axis=1), dtype=np.bool_)
         if touched.any():
             which = zip(recording.touches.tolist(), touched.tolist(), strict=True)
             yield name, tuple(recording.instrument.labels[at] if there else "" for at, there in which)
@@ -101,20 +80,17 @@ def label_columns(recording: Recording) -> Iterator[tuple[str, tuple[str, ...]]]
 
 def _read_in_part(recording: Recording, slots: Slots) -> Iterator[tuple[str, Array, int]]:
     """The numbers of a recording that does not hold the whole place; nan where a row holds none."""
-    for axis in range(3):
-        if (rows := slots == CAMERA + axis).any():
-            values = np.where(rows, recording.tip, 0.0).sum(axis=1)
-            yield f"{'xyz'[axis]}_mm", np.where(rows.any(axis=1), 1e3 * values, np.nan), 5
-    for slot in sorted(set(slots[slots <= DISTANCE].tolist())):
-        values = np.where(slots == slot, recording.tip, 0.0).sum(axis=1)
-        yield f"{NAMES[slot]}_mm", np.where((slots == slot).any(axis=1), 1e3 * values, np.nan), 5
-    for slot in (TILT_X, TILT_Y):
-        if (slots == slot).any():
-            values = np.where(slots == slot, recording.tip, 0.0).sum(axis=1)
-            tilt = np.degrees(np.arcsin(np.clip(values, -1.0, 1.0)))
-            yield f"{NAMES[slot].replace(' ', '_')}_deg", np.where((slots == slot).any(axis=1), tilt, np.nan), 6
+    for slot in np.unique(slots[slots >= 0]).tolist():
+        kind, number = kind_at(slot)
+        if not number.column:
+            continue
+        rows = slots == slot
+        values = kind.to_file(np.where(rows, recording.tip, 0.0).sum(axis=1))
+        unit, factor, digits = ("deg", np.degrees(1.0), 6) if number.quantity == "angle" else ("mm", 1e3, 5)
+        yield f"{number.column}_{unit}", np.where(rows.any(axis=1), factor * values, np.nan), digits
     if recording.bar_at is not None:
-        yield "bar_mm", np.where(((slots >= BAR) & (slots < CAMERA)).any(axis=1), 1e3 * recording.bar_at, np.nan), 5
+        on_bar = np.isin(slots, slots_of("bar")).any(axis=1)
+        yield "bar_mm", np.where(on_bar, 1e3 * recording.bar_at, np.nan), 5
 
 
 def cell(value: float, digits: int) -> str:

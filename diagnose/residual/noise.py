@@ -16,8 +16,8 @@ from scipy.special import chdtr, chdtrc, fdtri
 
 from linkwright.core.arm.chain.arrays import nominal
 from linkwright.core.arm.chain.chain import Arm
-from linkwright.core.diagnose.instruments.instrument import NAMES
 from linkwright.core.diagnose.instruments.level import stand_of
+from linkwright.core.diagnose.instruments.registry import kind_at
 from linkwright.core.diagnose.instruments.view import viewed
 from linkwright.core.diagnose.mistakes.row_lists import rows_text
 from linkwright.core.diagnose.recording import Recording, RejectedRow
@@ -196,13 +196,17 @@ def _of_each_kind(recording: Recording, arm: Arm, rules: ResidualRules) -> Noise
         source,
         sum(floor.degrees_of_freedom for floor in floors) if source == "repeats" else 0,
         rms,
-        " ".join(f"{NAMES[kind]}: {floor.sentence}" for kind, floor in zip(kinds, floors, strict=True)),
+        " ".join(f"{kind_at(kind)[1].name}: {floor.sentence}" for kind, floor in zip(kinds, floors, strict=True)),
         float(np.sqrt(moved / freedom)) if freedom else None,
         freedom,
         tuple(aside for floor in floors for aside in floor.outliers),
         tuple(sorted({row for floor in floors for row in floor.doubtful})),
         None,
-        tuple(f"{NAMES[kind]}: {text}" for kind, floor in zip(kinds, floors, strict=True) for text in floor.warnings),
+        tuple(
+            f"{kind_at(kind)[1].name}: {text}"
+            for kind, floor in zip(kinds, floors, strict=True)
+            for text in floor.warnings
+        ),
     )
 
 

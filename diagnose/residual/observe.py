@@ -25,6 +25,7 @@ from linkwright.core.arm.errors.tip import ActiveEffect, active_effects
 from linkwright.core.arm.errors.unknown_mass import of_unknown_mass, without_unknown
 from linkwright.core.diagnose.instruments.camera import is_camera
 from linkwright.core.diagnose.instruments.level import link_of_levels, stand_of
+from linkwright.core.diagnose.instruments.registry import turns_with
 from linkwright.core.diagnose.instruments.view import View, viewed
 from linkwright.core.diagnose.recording import Recording
 from linkwright.core.diagnose.rules.residual_rules import ResidualRules
@@ -91,7 +92,7 @@ def observe(
     if view is not None and view.sight is not None:
         if (there := has_orientation(recording)).any():
             parts.append(view.sight.turned + np.einsum("nab,na->nb", view.sight.axes, first) * there[:, None])
-    elif modelled.turn is not None:
+    elif modelled.turn is not None and has_orientation(recording).any():
         left = turn_left(recording, nominal, modelled.turn, alignment.rotation) + first
         parts.append(left[:, -turns_measured(2 if alignment.rotation.shape[0] == 2 else 3) :])
     residual = np.concatenate(parts, axis=1)
@@ -158,7 +159,7 @@ def _asked(recording: Recording) -> Asked:
         joint_side=recording.joint_side is not None,
         base_target=None if target is None else _mean(target),
         command=recording.commanded is not None,
-        turn=bool(has_orientation(recording).any()) or is_camera(recording),
+        turn=bool(has_orientation(recording).any()) or _turns_with_tool(recording),
         levels=link_of_levels(recording),
     )
 
@@ -290,7 +291,7 @@ def _placed(
     seen_first = (
         first[:, : recording.tip.shape[1]]
         if view is None
-        else view.of_tip(first, turn if is_camera(recording) else level)
+        else view.of_tip(first, turn if _turns_with_tool(recording) else level)
     )
     result = (nominal, shape.state, modelled, turn, view)
     return result, replace(alignment, residual=alignment.residual + seen_first)
@@ -317,7 +318,7 @@ def _stood(
     recording: Recording, nominal: PoseState, shape: Deformed, effects: Sequence[ActiveEffect], channels: Asked
 ) -> _Stood:
     rows, width = channels.rows, recording.tip.shape[1] if recording.slots is None else 3
-    if is_camera(recording):
+    if _turns_with_tool(recording):
         straight = matrices(nominal.frames.orientation, rows)
         directions = Rotation.from_rotvec(shape.turn).as_matrix() @ straight
     else:
@@ -371,12 +372,17 @@ def beyond_first_order(observed: Observed, about: Sequence[EffectEntry]) -> Arra
     if observed.view is None:
         return (with_them.tip - without.tip - first)[:, : observed.components]
     turned = [None, None]
-    if observed.sight is not None:
+    if _turns_with_tool(observed.recording):
         turned, level = [with_them.turn, without.turn], turn
     if asked.levels is not None:
         turned = [levels_of(shape, effects, asked) for shape, effects in ((with_them, whole), (without, own))]
     beyond = observed.view.change(with_them.tip, turned[0]) - observed.view.change(without.tip, turned[1])
     return beyond - observed.view.of_tip(first, level)
+
+
+def _turns_with_tool(recording: Recording) -> bool:
+    """Whether what is read changes with how the tool is turned."""
+    return turns_with(recording.slots) == "tool"
 
 
 def _mean(points: Array) -> tuple[float, float, float]:

@@ -24,6 +24,7 @@ from linkwright.core.arm.effects.geometry.link_length import LINK_LENGTH
 from linkwright.core.arm.effects.loads.added_weights import weights_added
 from linkwright.core.arm.errors.recorded import Asked, Channels, seen
 from linkwright.core.diagnose.instruments.camera import Sight
+from linkwright.core.diagnose.instruments.registry import turns_with
 from linkwright.core.diagnose.instruments.view import View
 from linkwright.core.diagnose.recording import Recording
 from linkwright.core.diagnose.rules.rules import RULES, Rules
@@ -112,11 +113,16 @@ class Observed:
 
     def stacked(self, channels: Channels) -> Array:
         """Channels as (N, C), in the order of `residual`."""
-        parts = [self.of_tip(channels.tip, channels.level if self.sight is None else channels.turn)]
+        parts = [self.of_tip(channels.tip, channels.turn if self.reads_turns else channels.level)]
         parts += [part for part in (channels.joint_side, channels.base, channels.command) if part is not None]
         if self.has_turns and channels.turn is not None:
             parts.append(self.turns(channels.turn))
         return np.concatenate(parts, axis=1)
+
+    @cached_property
+    def reads_turns(self) -> bool:
+        """Whether the instrument's numbers change with how the tool is turned."""
+        return turns_with(self.recording.slots) == "tool"
 
     @property
     def sight(self) -> Sight | None:

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from linkwright.core.arm.chain.chain import Arm
 from linkwright.core.arm.chain.kinematics import tip_position
-from linkwright.core.diagnose.instruments.camera import is_camera
+from linkwright.core.diagnose.instruments.registry import kinds_of
 from linkwright.core.diagnose.instruments.split import as_scalars
 from linkwright.core.diagnose.mistakes.row_lists import rows_text
 from linkwright.core.diagnose.motion.log import MotionLog
@@ -269,10 +269,11 @@ def _with_own_payload(recording: Recording, arm: Arm, all_of_them: Sequence[Reco
 
 def _alike(recordings: Sequence[Recording]) -> Sequence[Recording]:
     """The recordings as they are where all hold the same; else each number of theirs is a reading of its own."""
-    cameras = [is_camera(recording) for recording in recordings]
-    if any(cameras) and not all(cameras):
-        file = recordings[cameras.index(True)].file
-        raise InputError(file, "observes", "is of a camera, and other recordings are not; diagnose them apart")
+    alone = [_alone(recording) for recording in recordings]
+    if len(set(alone)) > 1:
+        number = next(index for index, name in enumerate(alone) if name)
+        message = f"is of a {alone[number]}, and other recordings are not; diagnose them apart"
+        raise InputError(recordings[number].file, "observes", message)
     kinds = {
         None if recording.slots is None else tuple(map(tuple, np.unique(recording.slots, axis=0)))
         for recording in recordings
@@ -300,3 +301,9 @@ def _clocks(recordings: Sequence[Recording]) -> tuple[Array | None, tuple[float,
         began.append(end - float(time.min()) if began else 0.0)
         end = began[-1] + float(time.max()) + pause
     return np.concatenate([time + start for time, start in zip(times, began, strict=True)]), tuple(began)
+
+
+def _alone(recording: Recording) -> str:
+    """The kind of a recording that goes with no other kind; empty where there is none."""
+    kinds = () if recording.slots is None else kinds_of(recording.slots)
+    return next((kind.name for kind in kinds if kind.alone), "")

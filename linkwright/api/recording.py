@@ -34,6 +34,9 @@ Direction = Annotated[Sequence[float] | None, Option(metavar="LIST", kind=str, r
 Lengths = Listed[Sequence[Quantity] | None]
 TiltLink = Annotated[str | int | None, Option(metavar="LINK", kind=str)]
 Camera = Annotated[Literal["fixed", "on_tool"] | None, Option(metavar="WHERE", kind=str)]
+InstrumentSettings = Annotated[
+    Mapping[str, Any] | Sequence[str], Option("--reads", metavar="KEY=VALUE", kind=str, many=True)
+]
 Torques = Listed[Quantity | Sequence[Quantity] | None]
 Nuisance = Annotated[Literal["known", "free"], Option(kind=str)]
 MOTION = "motion"
@@ -96,6 +99,7 @@ def plan(
     tilt_link: TiltLink = None,
     camera: Camera = None,
     bar: Lengths = None,
+    reads: InstrumentSettings = (),
     bars: Numbered[int | None] = None,
     sigma_depth: Annotated[Quantity | None, Option(metavar="LENGTH", kind=str)] = None,
     sigma_angle: Annotated[Quantity | None, Option(metavar="ANGLE", kind=str)] = None,
@@ -115,11 +119,11 @@ def plan(
         arm: The arm file. In Python also an `Arm`.
         poses: How many visits: a pose, a payload, sides. In Python 30 by default.
         for_: What to see: 'backlash, joint_compliance:2'; else everything. In Python a list.
-        instrument: motion, or tracker, x, y, z, xy, xz, yz, along, distance, tilt, camera, same_point, plane or bar. In
-            Python: places, some of their coordinates, the height `along` a `direction`, the `distance` from an
-            `anchor`, the `tilt` of a level on a `tilt_link`, where a `camera` sees a target; or a `same_point` (a ball
-            in a socket), a `plane`, places along a `bar`, that are touched again in several postures; nobody need know
-            just where.
+        instrument: motion, or tracker, x, y, z, xy, xz, yz, along, distance, tilt, camera, same_point, plane, bar,
+            laser_line, draw_wire, or one that a package brings. In Python: places, some of their coordinates, the
+            height `along` a `direction`, the `distance` from an `anchor`, the `tilt` of a level on a `tilt_link`, where
+            a `camera` sees a target; or a `same_point` (a ball in a socket), a `plane`, places along a `bar`, that are
+            touched again in several postures; nobody need know just where.
         sigma: What each component scatters by; 15 um (a tilt: 15 urad). In Python also m, or rad; after a recording
             what that scatters by.
         repeats: Readings in a row at each visit.
@@ -137,6 +141,7 @@ def plan(
         tilt_link: Where a level stands, for tilt: base, or 2.
         camera: Of a camera: fixed, or on_tool.
         bar: Places along a bar that are touched: '0 mm, 500 mm'. In Python a list of lengths.
+        reads: A setting of another instrument, 'beam=1, 0, 0'; may be repeated. In Python a mapping.
         bars: In how many places the bar lies; 1: it is fixed. In Python: one for every six visits by default.
         sigma_depth: Of a camera's depths; five times sigma.
         sigma_angle: Of a camera's turns; sigma over 0.1 m.
@@ -159,19 +164,19 @@ def plan(
     from linkwright.face.arm import arm_of
     from linkwright.face.planning.plan import Plan
     from linkwright.face.planning.request import Reads, Request, planned_for
-    from linkwright.face.recording import torque_noise
+    from linkwright.face.recording import settings_of, torque_noise
 
     given = arm_of(arm, tips="one")
     if instrument == MOTION:
         from linkwright.face.motion.plan import planned_motion
 
         return planned_motion(given, for_, avoid, after, seconds, seed, progress)
-    reads = Reads(instrument, direction, anchor, anchor_free, tilt_link, camera, bar)
+    asked_reads = Reads(instrument, direction, anchor, anchor_free, tilt_link, camera, bar, settings_of(reads))
     noise = torque_noise(torques, given)
     request = Request(
         30 if poses is None else poses,
         for_,
-        reads,
+        asked_reads,
         sigma,
         sigma_depth,
         sigma_angle,
@@ -213,6 +218,7 @@ def simulate(
     tilt_link: TiltLink = None,
     bar: Lengths = None,
     camera: Camera = None,
+    reads: InstrumentSettings = (),
     torques: Torques = None,
     at: Annotated[File | None, file_option("PLAN")] = None,
     motion: Annotated[File | None, Option(metavar="MOTION", kind=str)] = None,
@@ -243,7 +249,8 @@ def simulate(
         base_target: A target on the base too.
         orientation: How the tool is turned too.
         declare_sigma: Write the noise into the settings beside the recording.
-        observe: position, some of x, y, z (xy), along, distance, same_point, plane, tilt, bar or camera.
+        observe: position, some of x, y, z (xy), along, distance, same_point, plane, tilt, bar, camera, laser_line,
+            draw_wire, or one that a package brings.
         direction: Of a height, for along: '0, 0, 1'. In Python three numbers.
         anchor: Of distances: '1 m, 0 m, 0.3 m'. In Python three lengths.
         anchor_free: The settings do not tell where the anchor is.
@@ -251,6 +258,7 @@ def simulate(
             15 urad.
         bar: Places along a bar that are touched: '0 mm, 500 mm'. In Python a list of lengths.
         camera: Of a camera: fixed, or on_tool. In Python: depths are five times noisier, turns by the noise over 0.1 m.
+        reads: A setting of another instrument, 'beam=1, 0, 0'; may be repeated. In Python a mapping.
         torques: Drives' torques too, which scatter by so much: '0.5 N*m'. In Python one for all joints that turn, or
             one for each joint: what each holds at rest is written then, without friction.
         motion: A motion log in place of poses: the file of `plan --instrument motion`, or how long a motion drawn at
@@ -270,7 +278,15 @@ def simulate(
     """
     from linkwright.core.units.quantities import InputError
     from linkwright.face.arm import arm_of
-    from linkwright.face.recording import instrument_of, masses_of, plan_of, simulated_by, torque_noise, with_effects
+    from linkwright.face.recording import (
+        instrument_of,
+        masses_of,
+        plan_of,
+        settings_of,
+        simulated_by,
+        torque_noise,
+        with_effects,
+    )
 
     if poses is not None and at is not None:
         raise InputError("", "poses", "goes without `at`, whose poses are taken; drop one")
@@ -281,10 +297,11 @@ def simulate(
         if poses is not None or at is not None:
             raise InputError("", "motion", "goes without poses and `at`; a motion log has no poses")
         return simulated_motion(given, motion, torques, seed)
-    reads = instrument_of(given, at, observe, direction, anchor, anchor_free, tilt_link, bar, camera)
+    of_kind = settings_of(reads)
+    asked_reads = instrument_of(given, at, observe, direction, anchor, anchor_free, tilt_link, bar, camera, of_kind)
     asked = plan_of(
         given,
-        reads,
+        asked_reads,
         poses=40 if poses is None else poses,
         noise=noise,
         repeats=repeats,

@@ -13,8 +13,8 @@ from typing import TYPE_CHECKING, Any
 from linkwright.core.arm.avoid.poses import NoRoom
 from linkwright.core.arm.chain.chain import EffectEntry
 from linkwright.core.arm.files.read import arm_from
-from linkwright.core.diagnose.instruments.instrument import LABELS
-from linkwright.core.diagnose.instruments.simulated_instrument import observed_by
+from linkwright.core.diagnose.instruments.observes import observed_by
+from linkwright.core.diagnose.instruments.registry import INSTRUMENTS, labels
 from linkwright.core.diagnose.plan.written import read_plan
 from linkwright.core.diagnose.reading.files import table_of
 from linkwright.core.diagnose.reading.foreign.proposal import IGNORED, Meaning
@@ -53,11 +53,10 @@ _SIDES = ("both", "one", "random")
 _MOST_ROWS = 2_000_000
 _SETTINGS = frozenset(
     {
-        "sigma", "sigma_angle", "frame", "tool", "orientation", "observes", "direction", "anchor", "tilt_link",
-        "camera", "tip",
+        "sigma", "sigma_angle", "frame", "tool", "orientation", "observes", "tip",
     }
 )  # fmt: skip
-"""What settings of a simulated recording hold."""
+"""What settings of a simulated recording hold beside those of instruments."""
 
 
 @dataclass(frozen=True, repr=False)
@@ -187,9 +186,26 @@ def settings_beside(recording: Path) -> Path:
     settings = recording.with_suffix(".yaml")
     if settings == recording:
         raise InputError(recording, "", "ends in .yaml; name a CSV file")
-    if os.path.isfile(settings) and not set(load_yaml(settings).content) <= _SETTINGS:
+    known = _SETTINGS | {name for kind in INSTRUMENTS.values() for name in kind.settings}
+    if os.path.isfile(settings) and not set(load_yaml(settings).content) <= known:
         message = "is there already and holds more than a simulation's settings; name another recording"
         raise InputError(settings, "", message)
+    return settings
+
+
+def settings_of(given: Mapping[str, Any] | Sequence[str]) -> Mapping[str, Any]:
+    """Settings of an instrument by name; of `KEY=VALUE` numbers between commas, or text. Raises `InputError`."""
+    if isinstance(given, Mapping):
+        return given
+    settings: dict[str, Any] = {}
+    for text in given:
+        name, equals, value = (part.strip() for part in text.partition("="))
+        if not equals or not name or not value:
+            raise InputError("", "reads", f"needs KEY=VALUE such as 'beam=1, 0, 0', not {shown(text)}")
+        try:
+            settings[name] = [float(item) for item in value.split(",")]
+        except ValueError:
+            settings[name] = value
     return settings
 
 
@@ -203,11 +219,12 @@ def instrument_of(
     tilt_link: str | int | None,
     bar: Sequence[Quantity] | None,
     camera: str | None,
+    settings: Mapping[str, Any],
 ) -> dict[str, Any]:
     """What is read, and the readings of a plan or a recording that say where: fields of `Plan`. Raises `InputError`."""
     reads: dict[str, Any] = {
         "observe": observe, "direction": direction, "anchor": _lengths("anchor", anchor), "anchor_free": anchor_free,
-        "tilt_link": tilt_link, "bar": _lengths("bar", bar), "camera": camera,
+        "tilt_link": tilt_link, "bar": _lengths("bar", bar), "camera": camera, "settings": settings,
     }  # fmt: skip
     if at is None:
         return observed_by(arm=arm.model, **reads)
@@ -216,8 +233,9 @@ def instrument_of(
         reads = _planned(Path(at), reads)
     if readings.bar_at is not None and reads["observe"] == "bar":
         reads["bar"] = sorted(set(readings.bar_at.tolist()))
-    if reads["observe"] in LABELS and readings.instrument.kinds != (reads["observe"],):
-        raise InputError("", "at", f"names nothing that is touched: it needs a {LABELS[reads['observe']]} in each row")
+    label = labels().get(reads["observe"])
+    if label is not None and readings.instrument.kinds != (reads["observe"],):
+        raise InputError("", "at", f"names nothing that is touched: it needs a {label} in each row")
     return {**observed_by(arm=arm.model, **reads), "at": readings}
 
 
@@ -227,17 +245,11 @@ def _planned(plan: Path, reads: dict[str, Any]) -> dict[str, Any]:
     if instrument is None or len(instrument.kinds) != 1 or instrument.kinds == ("position",):
         return reads
     kind = instrument.kinds[0]
-    planned: dict[str, Any] = {
-        "direction": instrument.direction if kind == "along" else None,
-        "anchor": instrument.anchor if kind == "distance" else None,
-        "tilt_link": (instrument.tilt_link or "base") if kind == "tilt" else None,
-        "camera": instrument.camera if kind == "camera" else None,
-    }
-    reads_planned = {
-        name: reads[name] if planned.get(name) is None or reads[name] is not None else planned[name] for name in reads
-    }
-    free = reads["anchor_free"] or (kind == "distance" and instrument.anchor is None)
-    return {**reads_planned, "observe": kind, "anchor_free": free}
+    said = dict(INSTRUMENTS[kind].words(instrument))
+    free = reads["anchor_free"] or bool(said.pop("anchor_free", False))
+    known = {name: reads[name] if reads[name] is not None else value for name, value in said.items() if name in reads}
+    further = {name: value for name, value in said.items() if name not in reads}
+    return {**reads, **known, "settings": {**further, **reads["settings"]}, "observe": kind, "anchor_free": free}
 
 
 def with_effects(arm: Arm, entries: Sequence[Mapping[str, Any] | str]) -> Arm:

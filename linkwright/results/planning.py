@@ -6,6 +6,7 @@ import math
 from collections.abc import Sequence
 
 from linkwright.core.diagnose.answer.sentences import name_of
+from linkwright.core.diagnose.instruments.registry import INSTRUMENTS
 from linkwright.core.diagnose.plan.planned import Planned
 from linkwright.core.diagnose.plan.promise import Shown
 from linkwright.core.diagnose.result import HALF
@@ -185,27 +186,11 @@ def _visits(planned: Planned) -> Item:
 
 def _reading(planned: Planned) -> tuple[str, ...]:
     """What is read, where that is not the tip's place."""
-    reads = planned.asked.reads
-    if reads.direction is not None:
-        return (f"Read is the tip's height along {', '.join(f'{value:.4g}' for value in reads.direction)}.",)
     if planned.touched:
         return _touching(planned)
-    if reads.kinds == ("tilt",):
-        where = f"link {reads.tilt_link}" if reads.tilt_link else "the base"
-        return (f"Read is how a level on {where} is tilted; how exactly it sits there the recording tells.",)
-    if reads.kinds == ("camera",):
-        on_tool = reads.camera == "on_tool"
-        where = "is on the tool and sees a fixed target" if on_tool else "is fixed and sees a target on the tool"
-        still = "the target" if on_tool else "the camera, which looks at their middle,"
-        return (
-            f"The camera {where}; where both are the recording tells. This is foreseen with {still} 1.5 to 2 times as "
-            "far from the middle of the places reached as these reach; whether the target is in view is not asked.",
-        )
-    if reads.anchor is None:
-        return ()
-    where = ", ".join(mm(value) for value in reads.anchor)
-    known = "about there; the recording has to tell just where" if planned.asked.anchor_free else "which is known"
-    return (f"Read is the tip's distance from {where}, {known}.",)
+    reads = planned.asked.reads
+    said = INSTRUMENTS[reads.kinds[0]].said(reads, anchor_free=planned.asked.anchor_free)
+    return (said,) if said else ()
 
 
 def _touching(planned: Planned) -> tuple[str, ...]:

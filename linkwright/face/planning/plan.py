@@ -9,11 +9,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from linkwright.core.diagnose.answer.sentences import name_of
-from linkwright.core.diagnose.instruments.instrument import LABELS
+from linkwright.core.diagnose.instruments.registry import labels
 from linkwright.core.diagnose.plan.planned import Planned
 from linkwright.core.diagnose.plan.promise import Shown
 from linkwright.core.diagnose.plan.torques import TorqueTold
-from linkwright.core.diagnose.plan.written import ALONG_BAR, READ, plan_text, read_plan
+from linkwright.core.diagnose.plan.written import ALONG_BAR, left_blank, plan_text, read_plan
 from linkwright.core.diagnose.reading.read_back import unlike
 from linkwright.core.diagnose.reading.write import settings_text
 from linkwright.face.arm import Arm
@@ -50,7 +50,7 @@ class Plan(Result):
 
         visits = self.found.visits
         columns: dict[str, Any] = {
-            name: values for name, values, _ in recording_columns(visits, self.arm.model) if name not in READ
+            name: values for name, values, _ in recording_columns(visits, self.arm.model) if name not in left_blank()
         }
         return pd.DataFrame(columns, index=pd.RangeIndex(1, visits.size + 1, name="visit"))
 
@@ -81,7 +81,9 @@ class Plan(Result):
     def _unlike(self, path: Path) -> Iterator[str]:
         """What the plan that is read from a file says otherwise; what it leaves blank says nothing."""
         back = read_plan(path, self.arm.model)
-        return unlike(self.found.recording, back, self.arm.model, without=(*READ, *LABELS.values(), ALONG_BAR))
+        return unlike(
+            self.found.recording, back, self.arm.model, without=(*left_blank(), *labels().values(), ALONG_BAR)
+        )
 
     def plot(self) -> go.Figure:
         """The smallest size of each cause over what is usual at most: this plan, and poses at random."""

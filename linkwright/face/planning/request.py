@@ -15,8 +15,9 @@ from linkwright.core.arm.avoid.regions import Region
 from linkwright.core.arm.effects import EFFECTS
 from linkwright.core.arm.files.avoid import read_avoid
 from linkwright.core.diagnose.instruments.instrument import Instrument
-from linkwright.core.diagnose.instruments.simulated_instrument import observed_by
-from linkwright.core.diagnose.plan.plan_request import INSTRUMENTS, Asked, Place, seen_axes
+from linkwright.core.diagnose.instruments.observes import observed_by
+from linkwright.core.diagnose.instruments.registry import INSTRUMENTS, with_setting
+from linkwright.core.diagnose.plan.plan_request import Asked, Place, instruments, seen_axes
 from linkwright.core.diagnose.plan.planned import Planned
 from linkwright.core.diagnose.plan.planning import NothingToSee
 from linkwright.core.diagnose.plan.planning import plan as planned
@@ -71,9 +72,9 @@ class Request:
         if repeats < 1 or poses * repeats > _MOST_READINGS:
             message = f"is at least 1, and {_MOST_READINGS} readings in all at most, not {repeats}"
             raise InputError("", "repeats", message)
-        if instrument not in INSTRUMENTS:
-            hint = nearest(instrument, list(INSTRUMENTS))
-            raise InputError("", "instrument", f"{shown(instrument)} is not one of {', '.join(INSTRUMENTS)}{hint}")
+        if instrument not in instruments():
+            hint = nearest(instrument, list(instruments()))
+            raise InputError("", "instrument", f"{shown(instrument)} is not one of {', '.join(instruments())}{hint}")
         for key, value in (("frame", self.frame), ("tool", self.tool)):
             if value not in ("known", "free"):
                 raise InputError("", key, f"is known or free, not {shown(value)}")
@@ -148,6 +149,7 @@ class Reads:
     tilt_link: str | int | None
     camera: Literal["fixed", "on_tool"] | None
     bar: Sequence[Quantity] | None
+    settings: Mapping[str, Any] = field(default_factory=dict[str, Any])
     request: Mapping[str, Any] = field(default_factory=dict[str, Any])
     sigma: float | None = None
     deep: float | None = None
@@ -159,9 +161,8 @@ class Reads:
         return self.deep or usual[0], self.turns or usual[1]
 
 
-_OWN = (("direction", "along"), ("anchor", "distance"), ("tilt_link", "tilt"), ("camera", "camera"), ("bar", "bar"))
-"""What says how an instrument reads, and the instrument that it goes with."""
-_TOUCHES = ("same_point", "plane")
+_WORDS = ("direction", "anchor", "tilt_link", "camera", "bar")
+"""The settings of instruments that are parameters; others come by name in `settings`."""
 
 
 def _reading(reads: Reads, arm: Arm, before: Readings | None) -> Reads:
@@ -170,12 +171,14 @@ def _reading(reads: Reads, arm: Arm, before: Readings | None) -> Reads:
     if before is not None and there is not None:
         reads = _of_before(reads, there, before)
     instrument = reads.instrument
-    for name, kind in _OWN:
-        if getattr(reads, name) is not None and instrument != kind:
-            raise InputError("", name, f"goes with the instrument {kind}, not {shown(instrument)}")
-    if reads.anchor_free and instrument != "distance":
+    given = {name: getattr(reads, name) for name in _WORDS} | dict(reads.settings)
+    for name, value in given.items():
+        if value is not None and instrument not in with_setting(name):
+            kinds = " or ".join(with_setting(name)) or "none"
+            raise InputError("", name, f"goes with the instrument {kinds}, not {shown(instrument)}")
+    if reads.anchor_free and instrument not in with_setting("anchor"):
         raise InputError("", "anchor_free", f"goes with the instrument distance, not {shown(instrument)}")
-    if instrument not in (*dict(_OWN).values(), *_TOUCHES):
+    if instrument not in INSTRUMENTS:
         return reads
     seen_axes(instrument, arm.model)
     at = None if reads.anchor is None else [in_si(item, "length", "anchor") for item in reads.anchor]
@@ -188,13 +191,11 @@ def _reading(reads: Reads, arm: Arm, before: Readings | None) -> Reads:
         tilt_link=reads.tilt_link,
         camera=reads.camera,
         bar=None if reads.bar is None else [in_si(item, "length", "bar") for item in reads.bar],
+        settings=reads.settings,
     )
-    own: Instrument = settings["instrument"]
-    if arm.model.planar() and own.direction is not None and not any(own.direction[:2]):
-        raise InputError("", "direction", "is out of the plane in which the arm moves; name one within it")
     request = {
         "slots": settings["slots"],
-        "reads": own,
+        "reads": settings["instrument"],
         "anchor_free": reads.anchor_free,
         "bar": settings.get("bar", ()),
     }
@@ -203,22 +204,25 @@ def _reading(reads: Reads, arm: Arm, before: Readings | None) -> Reads:
 
 def _of_before(reads: Reads, there: Instrument, before: Readings) -> Reads:
     """What is said, and otherwise what the instrument that is there already tells."""
-    kind = there.kinds[0]
-    if kind == "distance" and reads.anchor is None and there.anchor is None:
+    kind = INSTRUMENTS[there.kinds[0]]
+    said = dict(kind.words(there))
+    free = bool(said.pop("anchor_free", False))
+    if free and reads.anchor is None:
         raise InputError("", "anchor", "is missing: the recording does not tell where it is; say about where")
-    link, camera = there.tilt_link or "base", there.camera
-    for name, given, own in (("tilt_link", reads.tilt_link, link), ("camera", reads.camera, camera)):
-        if given is not None and kind == dict(_OWN)[name] and str(given) != str(own):
-            raise InputError("", name, f"is {own} in the recording to go on from, not {shown(given)}")
+    for name in ("tilt_link", "camera"):
+        given = getattr(reads, name)
+        if given is not None and name in said and str(given) != str(said[name]):
+            raise InputError("", name, f"is {said[name]} in the recording to go on from, not {shown(given)}")
+    known = {name: getattr(reads, name) or said[name] for name in said if name in _WORDS}
+    further = {name: value for name, value in said.items() if name not in _WORDS}
+    if "bar" in kind.settings and reads.bar is None:
+        known["bar"] = _places_along(before)
     return replace(
         reads,
-        instrument=kind,
-        direction=reads.direction or there.direction,
-        anchor=reads.anchor or there.anchor,
-        anchor_free=reads.anchor_free or (kind == "distance" and there.anchor is None),
-        tilt_link=link if kind == "tilt" else reads.tilt_link,
-        camera=camera if kind == "camera" else reads.camera,
-        bar=reads.bar if kind != "bar" or reads.bar is not None else _places_along(before),
+        instrument=kind.name,
+        anchor_free=reads.anchor_free or free,
+        settings={**further, **reads.settings},
+        **known,
     )
 
 
@@ -244,7 +248,7 @@ def _with_noise(
 ) -> Reads:
     """The same with what it scatters by, as far as anybody said."""
     camera = reads.instrument == "camera"
-    kind = "angle" if reads.instrument == "tilt" else "length"
+    kind = "angle" if _of_angles(reads.instrument) else "length"
     noise: dict[str, float | None] = {}
     for name, given, of in (("sigma", sigma, kind), ("sigma_depth", deep, "length"), ("sigma_angle", turns, "angle")):
         if given is not None and name != "sigma" and not camera:
@@ -273,25 +277,30 @@ def _refuse_unknown_weights(torques: Sequence[float], arm: Arm) -> None:
         raise InputError("", "torques", message)
 
 
+def _of_angles(instrument: str) -> bool:
+    """Whether an instrument reads angles."""
+    return instrument in INSTRUMENTS and INSTRUMENTS[instrument].numbers[0].quantity == "angle"
+
+
 def _refuse_free(instrument: str, frame: str, tool: str) -> None:
     """A level minds neither where a frame stands nor where a target sits, touches have no frame."""
+    kind = INSTRUMENTS.get(instrument)
     for name, given in (("frame", frame), ("tool", tool)):
-        if instrument == "tilt" and given == "free":
+        if kind is not None and not kind.of_place and given == "free":
             raise InputError("", name, "goes with an instrument that reads the tip's place; a level does not see it")
-        if instrument in (*_TOUCHES, "bar") and given == "free" and name == "frame":
+        if kind is not None and kind.label and given == "free" and name == "frame":
             raise InputError("", name, "goes with an instrument that reads the tip's place; touches are in no frame")
 
 
 def _instrument_of(recording: Readings, instrument: str) -> Instrument | None:
-    """The instrument of heights, distances, tilts, touches or a camera that a recording was made with, None of the
-    tip's place.
-    Raises `InputError` for others, and where another one is asked for."""
+    """The instrument that a recording was made with, None of the tip's place.
+    Raises `InputError` for several, and where another one is asked for."""
     if recording.slots is None:
-        if instrument in (*dict(_OWN).values(), *_TOUCHES):
+        if instrument in INSTRUMENTS:
             raise InputError("", "after", f"{recording.file} holds the tip's place; its own instrument goes on from it")
         return None
     first, kinds = recording.singles[0].instrument, {one.instrument.kinds for one in recording.singles}
-    if not kinds <= {(kind,) for kind in (*dict(_OWN).values(), *_TOUCHES)} or len(kinds) > 1:
+    if any(len(item) > 1 or item == ("position",) for item in kinds) or len(kinds) > 1:
         message = (
             "is not of one instrument that a plan goes on from: the tip's place, heights, distances, tilts, a camera"
         )

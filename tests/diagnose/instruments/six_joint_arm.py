@@ -8,9 +8,12 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from linkwright.core.arm.chain.chain import Arm, Joint, Link, LoadCase
-from linkwright.core.diagnose.instruments.instrument import CAMERA, Instrument
+from linkwright.core.diagnose.instruments.instrument import Instrument
+from linkwright.core.diagnose.instruments.registry import slots_of
 from linkwright.core.diagnose.recording import Recording
 from linkwright.core.sections.numeric import Array
+
+CAMERA = slots_of("camera")[0]
 
 AXES = ((0.0, 0.0, 1.0), (0.0, 1.0, 0.0), (0.0, 1.0, 0.0), (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (1.0, 0.0, 0.0))
 LENGTHS = (0.15, 0.45, 0.1, 0.35, 0.08, 0.1)

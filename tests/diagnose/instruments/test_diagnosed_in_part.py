@@ -4,12 +4,16 @@ import numpy as np
 import pytest
 
 from linkwright.core.diagnose.diagnosis import diagnose
-from linkwright.core.diagnose.instruments.instrument import ALONG, DISTANCE, Instrument
+from linkwright.core.diagnose.instruments.instrument import Instrument
+from linkwright.core.diagnose.instruments.registry import slots_of
 from linkwright.core.diagnose.instruments.split import laid_out
 from linkwright.core.diagnose.recording import Recording
 from linkwright.core.diagnose.several.recordings import together
 from tests.diagnose.arm_of_drives import turned_by, visited
 from tests.diagnose.recorded import planar_arm, planar_tip
+
+ALONG = slots_of("along")[0]
+DISTANCE = slots_of("distance")[0]
 
 SIGMA = 15e-6
 OFF = 6e-4

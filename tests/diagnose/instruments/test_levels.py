@@ -6,9 +6,12 @@ from scipy.spatial.transform import Rotation
 
 from linkwright.core.arm.chain.chain import EffectEntry
 from linkwright.core.diagnose.diagnosis import diagnose
-from linkwright.core.diagnose.instruments.instrument import TILT_X, TILT_Y, Instrument
+from linkwright.core.diagnose.instruments.instrument import Instrument
+from linkwright.core.diagnose.instruments.registry import slots_of
 from linkwright.core.diagnose.residual.observe import beyond_first_order, observe
 from tests.diagnose.instruments.spatial_arm import AXES, Truth, read, session, spatial_arm, torques
+
+TILT_X, TILT_Y = slots_of("tilt")
 
 SEAT = Rotation.from_euler("xyz", [0.02, 1.55, -0.03])
 """How the level sits on its link: turned a quarter about y, and askew."""

@@ -4,10 +4,13 @@ import numpy as np
 import pytest
 
 from linkwright.core.diagnose.diagnosis import diagnose
-from linkwright.core.diagnose.instruments.instrument import PLANE, Instrument
+from linkwright.core.diagnose.instruments.instrument import Instrument
+from linkwright.core.diagnose.instruments.registry import slots_of
 from linkwright.core.diagnose.recording import Recording
 from tests.diagnose.arm_of_drives import jacobian
 from tests.diagnose.recorded import planar_arm, planar_tip
+
+PLANE = slots_of("plane")[0]
 
 SIGMA = 15e-6
 OFF = 6e-4

@@ -5,10 +5,15 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from linkwright.core.arm.chain.chain import EffectEntry
-from linkwright.core.diagnose.instruments.instrument import ALONG, DISTANCE, PLANE, Instrument
+from linkwright.core.diagnose.instruments.instrument import Instrument
+from linkwright.core.diagnose.instruments.registry import slots_of
 from linkwright.core.diagnose.instruments.view import viewed
 from linkwright.core.diagnose.residual.observe import beyond_first_order, observe
 from tests.diagnose.instruments.spatial_arm import Truth, placed, read, session, spatial_arm, tips
+
+ALONG = slots_of("along")[0]
+DISTANCE = slots_of("distance")[0]
+PLANE = slots_of("plane")[0]
 
 ANCHOR = (0.7, -0.4, 0.9)
 UP = (0.36, 0.48, 0.8)

@@ -7,7 +7,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from linkwright.core.diagnose.diagnosis import diagnose
-from linkwright.core.diagnose.instruments.simulated_instrument import observed_by
+from linkwright.core.diagnose.instruments.observes import observed_by
 from linkwright.core.diagnose.plan.plan_request import Asked
 from linkwright.core.diagnose.plan.planning import plan
 from linkwright.core.diagnose.plan.promise import _sound

@@ -6,13 +6,17 @@ import numpy as np
 import pytest
 
 from linkwright.core.arm.chain.chain import Joint
-from linkwright.core.diagnose.instruments.instrument import ALONG, DISTANCE, Instrument
+from linkwright.core.diagnose.instruments.instrument import Instrument
+from linkwright.core.diagnose.instruments.registry import slots_of
 from linkwright.core.diagnose.reading.read import read_recording
 from linkwright.core.diagnose.reading.write import recording_text, settings_text
 from linkwright.core.diagnose.simulate import Plan, simulate
 from linkwright.core.units.quantities import InputError
 from tests.diagnose.instruments.spatial_arm import RANGE, placed, spatial_arm
 from tests.diagnose.recorded import planar_arm, planar_tip, poses, table, written
+
+ALONG = slots_of("along")[0]
+DISTANCE = slots_of("distance")[0]
 
 Q = poses(24)
 TIP = planar_tip(Q)
