@@ -12,7 +12,7 @@ PIP_INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-check
 PIP_COMPILE := $(BIN)/python -m piptools compile --quiet --generate-hashes --allow-unsafe --strip-extras \
 	--no-header --no-emit-index-url --no-emit-trusted-host --no-emit-find-links
 
-.PHONY: help demo pictures picture-reports test test-fast test-all lint benchmark results problems proof proof-sample proof-multibody motion-proof motion-proof-sample motion-real rules-docs effects-docs fuzz docs notebooks gallery lock clean
+.PHONY: help demo pictures picture-reports test test-fast test-all lint benchmark results problems proof proof-sample proof-multibody motion-proof motion-proof-sample motion-real rules-docs effects-docs instruments-docs fuzz docs notebooks gallery lock clean
 .DELETE_ON_ERROR:
 
 help:
@@ -34,6 +34,7 @@ help:
 	@echo "make motion-real  a UR10e and a Panda, where their logs are (LINKWRIGHT_DATA=..., MOTION_URDF=folder of ur10e.urdf and panda.urdf)"
 	@echo "make rules-docs docs/rules.md from the rules of the diagnosis"
 	@echo "make effects-docs docs/effects.md from the effects"
+	@echo "make instruments-docs docs/instruments.md from the instruments"
 	@echo "make fuzz       odd files of every kind, each read or refused in one line (FUZZ_INPUTS=100000 FUZZ_SEED=1; an hour)"
 	@echo "make docs       the site of the docs, commands and Python face, in build/handbook; fails on a broken link"
 	@echo "make notebooks  run examples/notebooks and store what they print and draw, with Chromium"
@@ -81,7 +82,7 @@ demo: $(RUNTIME)
 	$(BIN)/linkwright optimize examples/welding-arm/problem.yaml --out "$$out" \
 		&& $(BIN)/python -c "$$SHOW_DEMO" "$$out"
 
-# A run that was stopped is gone on with. What was solved is kept beside the picture, so that a test can draw it again.
+# The points are kept beside the picture, for a test to find some of them anew.
 pictures: $(DEV)
 	$(ONE_THREAD) $(BIN)/python -m handbook.front
 
@@ -182,6 +183,9 @@ rules-docs: $(DEV)
 
 effects-docs: $(DEV)
 	$(BIN)/python -m handbook.effects
+
+instruments-docs: $(DEV)
+	$(BIN)/python -m handbook.instruments
 
 # Each input within 10 s and 1 GiB; what is neither read nor refused is made as small as it can be, and shown.
 FUZZ_INPUTS ?= 100000

@@ -16,7 +16,7 @@ BLOCKS = BLOCK.findall(PAGE)
 def test_all_that_can_be_added_has_an_example():
     """A heading for each row of the table at the top, and a block below each."""
     rows = re.findall(r"^\| an? (\w+) \|", PAGE, re.MULTILINE)
-    assert rows == ["shape", "material", "effect", "figure", "command", "result"]
+    assert rows == ["shape", "material", "effect", "instrument", "figure", "command", "result"]
     parts = PAGE.split("\n## ")[1:]
     assert [part.split("\n")[0].split()[-1] for part in parts] == rows
     assert all(BLOCK.search(part) for part in parts)

@@ -12,13 +12,15 @@ from .kinds.along import ALONG
 from .kinds.bar import BAR
 from .kinds.camera import CAMERA
 from .kinds.distance import DISTANCE
+from .kinds.draw_wire import DRAW_WIRE
+from .kinds.laser_line import LASER_LINE
 from .kinds.plane import PLANE
 from .kinds.position import POSITION
 from .kinds.same_point import SAME_POINT
 from .kinds.tilt import TILT
 from .registry import INSTRUMENTS
 
-INSTRUMENTS.ship(POSITION, ALONG, DISTANCE, SAME_POINT, PLANE, TILT, BAR, CAMERA)
+INSTRUMENTS.ship(POSITION, ALONG, DISTANCE, SAME_POINT, PLANE, TILT, BAR, CAMERA, LASER_LINE, DRAW_WIRE)
 
 __all__ = [
     "INSTRUMENTS",

@@ -182,6 +182,7 @@ ELSEWHERE = {
     "examples/hidden-backlash/README.md": "tests/linkwright/test_examples_diagnosis.py",
     "examples/left-out-slopes/README.md": "tests/linkwright/test_examples_diagnosis.py",
     "examples/cable-drag/README.md": "tests/test_distribution.py",
+    "examples/range-difference/README.md": "tests/diagnose/instruments/test_kinds.py",
     "docs/how-to/tradeoff.md": "tests/handbook/test_front.py",
     "docs/paper.md": "tests/paper/test_commands.py",
 }
