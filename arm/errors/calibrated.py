@@ -21,7 +21,7 @@ from linkwright.core.arm.chain.vectors import is_zero, scale, subtract
 from linkwright.core.arm.effects import EFFECTS
 from linkwright.core.units.temperature import REFERENCE_TEMPERATURE
 
-from .tip import ActiveEffect, TipError, tip_error
+from .tip import ActiveEffect, Counted, TipError, tip_error
 
 
 def calibrated_temperature(loads: Sequence[LoadCase]) -> float | None:
@@ -68,11 +68,13 @@ def when_calibrated(effects: Sequence[ActiveEffect], load: LoadCase) -> list[Act
     return found
 
 
-def error_since_calibrated(state: PoseState, effects: Sequence[ActiveEffect], mode: PlayMode) -> TipError:
+def error_since_calibrated(
+    state: PoseState, effects: Sequence[ActiveEffect], mode: PlayMode, counted: Counted = "position"
+) -> TipError:
     """The tip's error at a pose less that in the calibrated state, with the play that a calibration leaves; `mode` is
-    how play counts."""
-    now = tip_error(state, effects)
-    there = tip_error(calibrated_state(state), when_calibrated(effects, state.load))
+    how play counts, `counted` as for `tip_error`."""
+    now = tip_error(state, effects, counted)
+    there = tip_error(calibrated_state(state), when_calibrated(effects, state.load), counted)
     intervals = [interval for interval in now.intervals if not EFFECTS[interval.effect].repeats]
     discs = [disc for disc in now.discs if not EFFECTS[disc.effect].repeats]
     if mode == "loaded":

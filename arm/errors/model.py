@@ -29,7 +29,7 @@ from linkwright.core.sections.taper import FreeTaper, Tapered
 
 from .calibrated import calibrated_temperature, error_since_calibrated, planar_in
 from .structure import by_structure
-from .tip import ActiveEffect, TipError, TipInterval, active_effects, tip_error
+from .tip import ActiveEffect, Counted, TipError, TipInterval, active_effects, tip_error
 
 BEAM_FIELDS = (
     "length",
@@ -193,23 +193,30 @@ class ErrorModel:
 
 
 def error_model(
-    arm: Arm, loads: Sequence[LoadCase] = (), only: str | None = None, *, drives: bool = False
+    arm: Arm,
+    loads: Sequence[LoadCase] = (),
+    only: str | None = None,
+    *,
+    drives: bool = False,
+    counted: Counted = "position",
 ) -> ErrorModel:
-    """The arm's error model under the load cases (its own payload by default); `only` keeps a single effect.
+    """The arm's error model under the load cases (its own payload by default); `only` keeps a single effect, `counted`
+    is what is counted of the tip's error (of `orientation` all vectors are rotations, rad).
 
     With `drives` the row p goes on with a factor of each joint's stiffness, then of each joint's backlash.
     """
-    return replace(_modelled(arm, tuple(loads or arm.cases), only, drives), arm=arm)
+    return replace(_modelled(arm, tuple(loads or arm.cases), only, drives, counted), arm=arm)
 
 
 @by_structure
-def _modelled(arm: Arm, loads: tuple[LoadCase, ...], only: str | None, drives: bool) -> ErrorModel:
-    cases = tuple(_case(arm, load, only, drives) for load in loads)
+def _modelled(arm: Arm, loads: tuple[LoadCase, ...], only: str | None, drives: bool, counted: Counted) -> ErrorModel:
+    cases = tuple(_case(arm, load, only, drives, counted) for load in loads)
     q, p = symbols(arm), beam_symbols(arm, drives=drives)
     position = place(arm, parts(q), [p[len(BEAM_FIELDS) * index] for index in range(arm.size)]).tip()
     # Clearances in the plane are one sum apart from all else; where tips have their own, each case keeps them.
     same_radii = arm.play != "worst" or len({round(float(case.radii.sum()), 15) for case in cases}) == 1
-    planar = same_radii and all(planar_in(arm, case.load) for case in cases)
+    # Rotations of a planar arm are across its plane.
+    planar = counted != "orientation" and same_radii and all(planar_in(arm, case.load) for case in cases)
     tip = _column(position)
     motion = vectorise([q, p], [tip, ca.vec(ca.densify(ca.jacobian(tip, q)))])
     return ErrorModel(arm, planar, cases, vectorise([q, p], [tip]), motion, drives)
@@ -249,7 +256,7 @@ def _taper(arm: Arm, index: int, link: Link, log_taper: Any) -> Taper:
     return beam_of(arm, index).taper if isinstance(link.section, Tapered) else UNIFORM
 
 
-def _case(arm: Arm, load: LoadCase, only: str | None, drives: bool = False) -> CaseModel:
+def _case(arm: Arm, load: LoadCase, only: str | None, drives: bool, counted: Counted) -> CaseModel:
     q, p = symbols(arm), beam_symbols(arm, drives=drives)
     effects = [active for active in active_effects(arm) if only is None or active.effect.id == only]
     beams = symbolic_beams(arm, p)
@@ -261,7 +268,7 @@ def _case(arm: Arm, load: LoadCase, only: str | None, drives: bool = False) -> C
         arm = replace(arm, joints=tuple(map(_stiffened, arm.joints, stiffer)))
     state = solve(arm, parts(q), beams, load)
     whole = load.relative_to is None
-    error = tip_error(state, effects) if whole else error_since_calibrated(state, effects, arm.play)
+    error = tip_error(state, effects, counted) if whole else error_since_calibrated(state, effects, arm.play, counted)
     if looser:
         error = replace(error, intervals=tuple(_loosened(interval, looser) for interval in error.intervals))
     outputs = _outputs(error, state)

@@ -7,8 +7,8 @@ the play mode's affair (`arm.errors.lost_motion`).
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
-from typing import cast
+from dataclasses import dataclass, replace
+from typing import Literal, cast
 
 from linkwright.core.arm.chain.chain import Arm, Zones
 from linkwright.core.arm.chain.statics import PoseState
@@ -162,24 +162,40 @@ def _followed(
     return (ZERO, moved) if state.joints[index].revolute else (moved, ZERO)
 
 
-def tip_error(state: PoseState, effects: Sequence[ActiveEffect]) -> TipError:
-    """The tip's error at a pose from the effects of a model."""
+Counted = Literal["position", "orientation", "lost_motion"]
+"""What is counted of the tip's error: its displacement (m), its rotation (rad), or the displacement (m) that play and
+friction alone leave, which is what a pose is not repeated by (ISO 9283, 7.2.2)."""
+
+
+def tip_error(state: PoseState, effects: Sequence[ActiveEffect], counted: Counted = "position") -> TipError:
+    """The tip's error at a pose from the effects of a model; of `orientation` all vectors are rotations (rad), and
+    there are no discs, as a pin that shifts in its bore turns nothing."""
+    carried = rotation_at_tip if counted == "orientation" else carried_to_tip
     twists = [twist for active in effects for twist in active.effect.twists(state, active.settings)]
     intervals: list[TipInterval] = []
     discs: list[TipDisc] = []
     for active in effects:
         for play in active.effect.play(state, active.settings):
             if isinstance(play, Interval):
-                vector = carried_to_tip(state, play.twists)
+                vector = carried(state, play.twists)
                 intervals.append(TipInterval(active.effect.id, play.twists[0].index, vector, play.seating))
             elif not state.arm.away_wholly(play.index):
                 discs.append(_disc(active.effect.id, play))
     kinks = tuple(
-        TipKink(carried_to_tip(state, kink.twists), kink.load, kink.zones)
+        TipKink(carried(state, kink.twists), kink.load, kink.zones)
         for active in effects
         for kink in active.effect.kinks(state, active.settings)
     )
-    return TipError(carried_to_tip(state, twists), tuple(intervals), tuple(discs), kinks)
+    error = TipError(carried(state, twists), tuple(intervals), tuple(discs), kinks)
+    if counted == "orientation":
+        return replace(error, discs=())
+    return _lost_motion(error) if counted == "lost_motion" else error
+
+
+def _lost_motion(error: TipError) -> TipError:
+    """The part of an error that is another each time that the arm comes to a pose."""
+    intervals = tuple(interval for interval in error.intervals if not EFFECTS[interval.effect].repeats)
+    return TipError(ZERO, intervals, tuple(disc for disc in error.discs if not EFFECTS[disc.effect].repeats))
 
 
 def _disc(effect: str, play: Disc) -> TipDisc:

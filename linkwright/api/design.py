@@ -13,6 +13,7 @@ from linkwright.api.signature import (
     Progress,
     Quantity,
     file_option,
+    pose_or_file,
 )
 
 if TYPE_CHECKING:
@@ -29,20 +30,25 @@ def evaluate(
     arm: ArmFile,
     problem: ProblemOption = None,
     *,
-    pose: Annotated["Sequence[Quantity] | str | None", Option(metavar="Q", kind=str)] = None,
+    pose: Annotated[
+        "Sequence[Quantity] | Sequence[Sequence[Quantity]] | File | None",
+        Option(metavar="Q", kind=str, read=pose_or_file),
+    ] = None,
     motion: Annotated[File | None, file_option("FILE")] = None,
 ) -> "Evaluation":
     """The worst position error over the workspace, where it is, what each effect adds, and the arm's figures.
 
-    Example: linkwright evaluate arm.yaml --pose "10 20 30" --json result.json
+    Example: linkwright evaluate arm.yaml --pose "20 deg, -30 deg, 10 deg" --json result.json
+    Example: linkwright evaluate arm.yaml --pose poses.csv
     Example: linkwright evaluate arm.yaml --motion motion.csv
 
     Args:
         arm: The arm file. In Python also an `Arm`.
         problem: Take workspace, loads and what is uncertain from this problem file. In Python also a `Problem`; without
             one they are the joint ranges and the arm's own payload.
-        pose: Where mm/N is asked for: degrees (mm for slides), in quotes. In Python also quantities (n,): text, or rad
-            and m; the worst pose by default.
+        pose: Print the tip's error there: its vector, length and rotation, and each effect's share; with one pose also
+            mm/N. In quotes, with units or in degrees (mm for slides), or a CSV of poses (q1_deg, q2_deg ...). In Python
+            also quantities (n,) or (N, n): text, or rad and m; mm/N is that of the worst pose by default.
         motion: A motion (CSV: t_s, q1_rad, q2_rad ..., of slides q3_m): what it asks of the drives is told too.
 
     Raises `InputError`, `MissingProperty` where the arm lacks a figure, `NoAnswer` where the workspace cannot be
@@ -55,22 +61,26 @@ def evaluate(
     >>> list(found.by_effect.columns)
     ['effect', 'title', 'error_mm']
     """
+    from linkwright.core.arm.errors.at_pose import errors_at
     from linkwright.core.arm.evaluation import evaluate as evaluated
     from linkwright.core.optimize.robust.figure import robust_figure
     from linkwright.face.arm import arm_of
-    from linkwright.face.evaluation import Evaluation, along, pose_of
+    from linkwright.face.evaluation import Evaluation, along, poses_of
     from linkwright.face.problem import cases_at, for_joints_of, problem_of
 
     given = arm_of(arm, tips="every")
-    at = None if pose is None else pose_of(given.model, pose)
+    poses = None if pose is None else poses_of(given.model, pose)
+    one = None if poses is None or len(poses) != 1 else poses[0]
     moving = None if motion is None else along(given.model, motion)
-    if problem is None:
-        return Evaluation(given, evaluated(given.model, pose=at), motion=moving)
-    asked = problem_of(problem).model
-    for_joints_of(given, asked)
-    evaluation = evaluated(given.model, asked.workspace, cases_at(asked, given), pose=at)
-    robust = None if asked.uncertain is None else robust_figure(given.model, asked)
-    return Evaluation(given, evaluation, robust, moving)
+    asked = None if problem is None else problem_of(problem).model
+    if asked is None:
+        evaluation = evaluated(given.model, pose=one)
+    else:
+        for_joints_of(given, asked)
+        evaluation = evaluated(given.model, asked.workspace, cases_at(asked, given), pose=one)
+    robust = None if asked is None or asked.uncertain is None else robust_figure(given.model, asked)
+    at = () if poses is None else errors_at(given.model, evaluation.load_cases, poses)
+    return Evaluation(given, evaluation, robust, moving, at)
 
 
 def optimize(

@@ -74,6 +74,11 @@ def numbers(text: str) -> list[float]:
         raise InputError("", "direction", f"needs three numbers such as '0, 0, 1', not {text!r}") from None
 
 
+def pose_or_file(text: str) -> Path | str:
+    """A pose as text, or the table of poses (CSV) that it names."""
+    return Path(text) if Path(text).suffix.lower() == ".csv" else text
+
+
 def span(text: str) -> tuple[str, str]:
     """Both ends of `20 degC to 35 degC`; one value is both. Raises `InputError`."""
     ends = text.split(" to ")

@@ -3,27 +3,32 @@
 from __future__ import annotations
 
 import math
+import re
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from os import PathLike
 from pathlib import Path
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 
 from linkwright.core.arm.chain.chain import Arm as Model
 from linkwright.core.arm.chain.following import completed
+from linkwright.core.arm.errors.at_pose import PoseError
 from linkwright.core.arm.evaluation import Evaluation as Found
 from linkwright.core.arm.figures import FIGURES, Figure
 from linkwright.core.arm.figures.error import MAX_ERROR
 from linkwright.core.arm.figures.frequency import FIRST_FREQUENCY
+from linkwright.core.arm.files.poses import read_poses
 from linkwright.core.arm.motion.loads import OfDrive, loads_of
 from linkwright.core.diagnose.motion.uses.trajectory import read_motion
 from linkwright.core.optimize.robust.result import RobustFigure
+from linkwright.core.sections.numeric import Array
 from linkwright.core.units.quantities import InputError
 from linkwright.face.arm import Arm
-from linkwright.face.plain_input import Quantity, in_si
+from linkwright.face.plain_input import File, Quantity, in_si
 from linkwright.face.result import Field, Reported, figure_of
 from linkwright.json.design import evaluation_json
 from linkwright.json.fields import joint_columns
@@ -42,6 +47,8 @@ UPPER, LOWER, ROBUST, DRIVES = "upper_bound", "lower_bound", "robust_error", "fi
 Values = Mapping[str, float | None]
 """Figures (SI) by name; None where one is not known."""
 _NONE: Values = MappingProxyType({})
+_UNIT = re.compile(r"\d\s*[^\W\d]")
+"""A unit behind a number."""
 _OF_DRIVE = ("torque", "rms_torque", "speed", "power", "energy", "braked")
 
 
@@ -140,6 +147,8 @@ class Evaluation(Figured, Reported):
     """The error over what the problem calls uncertain, SI."""
     motion: tuple[OfDrive, ...] | None = None
     """What a motion asks of each drive, SI; None where none was given."""
+    at: tuple[PoseError, ...] = ()
+    """The tip's error at each pose that was asked for, under each load case, SI."""
 
     min_safety_factor = Field[float | None](
         "The least factor of safety against yielding over links and poses.", "strength.least_safety_factor"
@@ -170,6 +179,31 @@ class Evaluation(Figured, Reported):
         return frame({"effect": list(found), "title": titles, "error_mm": errors})
 
     @property
+    def at_poses(self) -> pd.DataFrame:
+        """A row for each pose that was asked for and each load case: coordinates (deg, mm), load case (from 1), the
+        tip's error with its components (mm) and its rotation with its components (mrad), in the base frame."""
+        model, q = self.found.arm, np.array([error.q for error in self.at]).reshape(-1, self.found.arm.size)
+        columns: dict[str, Any] = joint_columns(model, completed(model, q) + 0.0)
+        columns["load_case"] = [error.load_case + 1 for error in self.at]
+        columns["error_mm"] = [1e3 * error.error for error in self.at]
+        columns |= _in_axes("error_{}_mm", [error.vector for error in self.at])
+        columns["orientation_error_mrad"] = [1e3 * error.orientation for error in self.at]
+        return frame(columns | _in_axes("rotation_{}_mrad", [error.rotation for error in self.at]))
+
+    @property
+    def at_poses_by_effect(self) -> pd.DataFrame:
+        """What each effect has of the error at each pose that was asked for: row of `at_poses` (from 0), share of the
+        error (they add up to 1), displacement (mm) and rotation (mrad)."""
+        parts = [(row, part) for row, error in enumerate(self.at) for part in error.by_effect]
+        columns: dict[str, Any] = {
+            "row": [row for row, _ in parts],
+            "effect": [part.effect for _, part in parts],
+            "share": [part.share for _, part in parts],
+        }
+        columns |= _in_axes("error_{}_mm", [part.vector for _, part in parts])
+        return frame(columns | _in_axes("rotation_{}_mrad", [part.rotation for _, part in parts]))
+
+    @property
     def drives(self) -> pd.DataFrame:
         """What the motion asks of each drive: greatest and RMS torque (N*m; N), greatest speed (rad/s; m/s) and power
         (W), energy put in and braked off (J); without a row where no motion was given."""
@@ -186,7 +220,7 @@ class Evaluation(Figured, Reported):
     @property
     def description(self) -> Description:
         """With what the problem calls uncertain."""
-        return describe(self.found, self.robust, self.motion)
+        return describe(self.found, self.robust, self.motion, self.at)
 
     def _designs(self) -> Mapping[str, Values]:
         robust = None if self.robust is None else self.robust.value
@@ -196,11 +230,17 @@ class Evaluation(Figured, Reported):
         return self.found.arm, FIGURES
 
     def _content(self) -> Mapping[str, Any]:
-        return evaluation_json(self.found, self.robust, self.motion)
+        return evaluation_json(self.found, self.robust, self.motion, self.at)
 
     def _tables(self) -> Mapping[str, pd.DataFrame]:
         drives = {} if self.motion is None else {"Drives in motion": self.drives}
-        return {"Worst poses": self.worst_poses, "By effect": self.by_effect, **drives}
+        asked = {"Asked poses": self.at_poses, "Asked poses by effect": self.at_poses_by_effect} if self.at else {}
+        return {"Worst poses": self.worst_poses, "By effect": self.by_effect, **asked, **drives}
+
+
+def _in_axes(heading: str, vectors: Sequence[Sequence[float]]) -> dict[str, list[float]]:
+    """The components of vectors in SI as columns in mm or mrad."""
+    return {heading.format(axis): [1e3 * vector[k] for vector in vectors] for k, axis in enumerate("xyz")}
 
 
 def along(model: Model, file: Path | str) -> tuple[OfDrive, ...]:
@@ -208,24 +248,44 @@ def along(model: Model, file: Path | str) -> tuple[OfDrive, ...]:
     return loads_of(read_motion(Path(file), model))
 
 
+def poses_of(model: Model, pose: Sequence[Quantity] | Sequence[Sequence[Quantity]] | File) -> Array:
+    """Poses (N, n) in rad and m: one as `pose_of` reads it, a list of such, or the table of poses (CSV: q1_deg, ...)
+    in a file. Raises `InputError`."""
+    if isinstance(pose, PathLike) or (isinstance(pose, str) and Path(pose).suffix.lower() == ".csv"):
+        return read_poses(Path(pose), model)[0]
+    if not isinstance(pose, str) and len(pose) and all(not isinstance(item, str) and np.ndim(item) for item in pose):
+        return np.array([pose_of(model, cast("Sequence[Quantity]", item)) for item in pose])
+    return np.array([pose_of(model, cast("Sequence[Quantity] | str", pose))])
+
+
 def pose_of(model: Model, pose: Sequence[Quantity] | str) -> tuple[float, ...]:
-    """Joint coordinates in SI, of quantities or of numbers in degrees (mm for slides) in one text, apart by blanks or
-    commas. Raises `InputError`, also for another number of them than joints."""
-    words = pose.replace(",", " ").split() if isinstance(pose, str) else pose
+    """Joint coordinates in SI, of quantities or of one text, apart by blanks or commas: numbers with their unit
+    (`20 deg, -30 deg`) or in degrees (mm for slides). Raises `InputError`, also for another number of them than
+    joints."""
+    words = _words(pose, model.size) if isinstance(pose, str) else pose
     if len(words) != model.size:
         raise InputError("", "pose", f"needs {model.size} numbers, one for each joint, not {len(words)}")
-    if isinstance(pose, str):
-        pairs = zip(map(_number, map(str, words)), model.joints, strict=True)
-        return tuple(math.radians(value) if joint.revolute else 1e-3 * value for value, joint in pairs)
     kinds = ["angle" if joint.revolute else "length" for joint in model.joints]
-    return tuple(in_si(value, kind, f"pose[{k}]") for k, (value, kind) in enumerate(zip(pose, kinds, strict=True), 1))
+    units = ["deg" if isinstance(pose, str) and joint.revolute else "mm" for joint in model.joints]
+    return tuple(
+        _number(word, unit)
+        if isinstance(pose, str) and not _UNIT.search(str(word))
+        else in_si(word, kind, f"pose[{k}]")
+        for k, (word, kind, unit) in enumerate(zip(words, kinds, units, strict=True), 1)
+    )
 
 
-def _number(word: str) -> float:
+def _words(text: str, size: int) -> list[str]:
+    """The numbers of a pose, with the units behind them."""
+    parts = [word.strip() for word in re.split(r"[,\s]+(?=[-+.\d])", text.strip())]
+    return parts if len(parts) == size else text.replace(",", " ").split()
+
+
+def _number(word: str | float, unit: str) -> float:
     try:
         value = float(word)
     except ValueError:
         value = math.nan
     if not math.isfinite(value):
         raise InputError("", "pose", f"'{word}' is not a number of degrees (or mm)")
-    return value
+    return math.radians(value) if unit == "deg" else 1e-3 * value

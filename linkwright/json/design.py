@@ -21,6 +21,7 @@ from linkwright.core.units.temperature import ZERO_CELSIUS
 from linkwright.json.fields import fields, fields_if, in_mm
 
 if TYPE_CHECKING:
+    from linkwright.core.arm.errors.at_pose import PoseError
     from linkwright.core.arm.evaluation import Compliance, Evaluation
     from linkwright.core.arm.motion.loads import OfDrive
     from linkwright.core.optimize.result import KeptLimit, NotRounded, OptimizationResult, Rounded
@@ -242,13 +243,35 @@ def _growth(evaluation: Evaluation) -> dict[str, Any] | None:
 
 
 def evaluation_json(
-    evaluation: Evaluation, robust: RobustFigure | None = None, motion: Sequence[OfDrive] | None = None
+    evaluation: Evaluation,
+    robust: RobustFigure | None = None,
+    motion: Sequence[OfDrive] | None = None,
+    at: Sequence[PoseError] = (),
 ) -> dict[str, Any]:
     """What `evaluate --json` writes."""
     return {
         **evaluation_figures(evaluation),
+        "poses": [_pose_error(evaluation.arm, error) for error in at],
         "robust": None if robust is None else _robust_figure(robust),
         "motion": None if motion is None else _in_motion(evaluation.arm, motion),
+    }
+
+
+def _pose_error(arm: Arm, error: PoseError) -> dict[str, Any]:
+    """The tip's error at a pose that was asked for, and what each effect has of it."""
+    return {
+        **_pose(arm, error.q, error.load_case),
+        **fields(error, "error_mm", "error_vector_mm=vector"),
+        "orientation_error_mrad": 1e3 * error.orientation,
+        "rotation_mrad": [1e3 * x for x in error.rotation],
+        **fields(error, "beyond_first_order_mm=beyond", "outside"),
+        "by_effect": [
+            {
+                **fields(part, "effect", "error_vector_mm=vector", "share"),
+                "rotation_mrad": [1e3 * x for x in part.rotation],
+            }
+            for part in error.by_effect
+        ],
     }
 
 

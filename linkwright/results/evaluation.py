@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from linkwright.core.arm.chain.chain import Arm
+from linkwright.core.arm.errors.at_pose import PoseError
 from linkwright.core.arm.evaluation import Evaluation
 from linkwright.core.arm.motion.loads import OfDrive
 from linkwright.core.optimize.robust.result import RobustFigure
@@ -15,6 +16,7 @@ from linkwright.report.pictures.sections import sections_grid
 from linkwright.report.pictures.side_view import side_view
 
 from . import design
+from .at_poses import at_poses
 from .document import (
     Cell,
     Description,
@@ -42,10 +44,13 @@ _SCALE = "Drawn to scale, each link as it stands in this pose."
 
 
 def describe(
-    evaluation: Evaluation, robust: RobustFigure | None = None, motion: Sequence[OfDrive] | None = None
+    evaluation: Evaluation,
+    robust: RobustFigure | None = None,
+    motion: Sequence[OfDrive] | None = None,
+    at: Sequence[PoseError] = (),
 ) -> Description:
     """All that is known of an arm as given; `robust`: over what is uncertain of it, `motion`: what one asks of its
-    drives."""
+    drives, `at`: the errors at poses that were asked for."""
     arm, named = evaluation.arm, (("", evaluation),)
     side = Picture(lambda: side_view(arm, evaluation.load_cases))
     over = Picture(lambda: designs.maps(named, (field_of(evaluation),)))
@@ -66,6 +71,7 @@ def describe(
         *design.rigid_links_words(evaluation),
         *design.notes(evaluation),
         *design.warnings(evaluation),
+        *at_poses(arm, at),
         section("The arm at its worst pose", Picture(lambda: designs.arms(named)), lead=_SCALE, detail=True),
         section("Side view", side, detail=True),
         section("What the joints carry", loads, design.joint_loads(evaluation), lead=LOADS, detail=True),
