@@ -38,6 +38,7 @@ from .reading.by_link import by_link as _by_link
 from .reading.called import CHOICES_CALLED, PROBLEM_CALLED
 from .reading.conditions import materials_where
 from .reading.contradictions import can_be_chosen, check_problem
+from .reading.lacking import LeftOut, without_lacking
 from .reading.limits import read_coordinates, read_limit
 from .reading.ranges import read_ranges, shared_ranges
 from .sizes.listed import Listed, read_sizes
@@ -88,6 +89,8 @@ class Problem:
     avoid: tuple[Region, ...] = ()
     lists: tuple[LinkLists, ...] | None = None
     """What each link may be of the shapes and materials, where links have lists of their own."""
+    left_out: tuple[LeftOut, ...] = ()
+    """Materials that were named but cannot be chosen."""
 
     def shapes_of(self, link: int) -> tuple[str, ...]:
         """The shapes that a link (from 0) may have; none for a rigid one."""
@@ -233,7 +236,7 @@ def problem_from(mapping: Mapping, arm: Arm, known: Catalogue, figures: MappingL
         avoid=avoid,
         lists=lists,
     )
-    problem = replace(problem, limits=(*limits, *_assumed(problem, off)))
+    problem = without_lacking(mapping, replace(problem, limits=(*limits, *_assumed(problem, off))))
     check_problem(mapping, problem)
     return problem
 

@@ -79,11 +79,13 @@ class Candidate:
 @dataclass(frozen=True)
 class Dropped:
     """A material or a shape of which every combination that was looked at was infeasible: its name, and the limits that
-    the design of it that comes nearest to keeping all of them still breaks."""
+    the design of it that comes nearest to keeping all of them still breaks. Of a material that could not be looked at
+    `why` says the reason instead."""
 
     kind: Literal["material", "section"]
     name: str
     limits: tuple[str, ...]
+    why: str = ""
 
 
 @dataclass(frozen=True)

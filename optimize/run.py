@@ -12,8 +12,9 @@ from linkwright.core.optimize.choice.combinations import Progress
 from .nominal import Log, Options, nominal_optimum
 from .problem import Problem
 from .reaching import start_that_reaches
-from .result import OptimizationResult
+from .result import Dropped, OptimizationResult
 from .robust.run import robust_structures
+from .sizes.options import without_stock
 from .sizes.run import listed_structures
 
 
@@ -41,10 +42,15 @@ def optimise(
     if start is not None:
         options.tell(start.why)
         problem = start.problem
+    left_out = (*problem.left_out, *without_stock(problem))
+    for item in left_out:
+        options.tell(f"{item.material} is not looked at: {item.why}")
     if problem.uncertain is not None:
         result = robust_structures(problem, options)
     elif problem.sizes is not None:
         result = listed_structures(problem, options)
     else:
         result = nominal_optimum(problem, options, problem)
+    dropped = tuple(Dropped("material", item.material, (), item.why) for item in left_out)
+    result = replace(result, dropped=(*dropped, *result.dropped))
     return result if start is None else replace(result, start=f'{start.why}, and "before" is that arm')

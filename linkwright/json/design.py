@@ -331,7 +331,7 @@ def optimization_json(result: OptimizationResult) -> dict[str, Any]:
         "iterations": len(result.iterations),
         "exchange_log": [{**of(iteration, *rounds), "objective_unit": unit} for iteration in result.iterations],
         "candidates": [of(candidate, *names, "outcome") for candidate in result.candidates],
-        "dropped": [fields(item, "kind", "name", "limits") for item in result.dropped],
+        "dropped": [fields(item, "kind", "name", "limits", "why") for item in result.dropped],
         "near_ties": ties,
         "near_ties_not_solved": result.near_ties_left,
         "actuators": [of(drive, "actuators", "outcome") for drive in result.drives],

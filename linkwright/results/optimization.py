@@ -133,8 +133,14 @@ def _not_asked_for(result: OptimizationResult) -> list[Paragraph]:
 def _dropped(result: OptimizationResult) -> list[Paragraph]:
     """What nothing could be made of, and what stands in its way."""
     kinds = {"material": "material", "section": "shape"}
-    rows = [(f"the {kinds[item.kind]} {item.name} drops out", " and ".join(item.limits)) for item in result.dropped]
-    return [Paragraph(f"{out}: what comes nearest of it breaks {broken}", "under") for out, broken in rows]
+    rows = [
+        (
+            f"the {kinds[item.kind]} {item.name} drops out",
+            item.why or f"what comes nearest of it breaks {' and '.join(item.limits)}",
+        )
+        for item in result.dropped
+    ]
+    return [Paragraph(f"{out}: {why}", "under") for out, why in rows]
 
 
 def _facts(result: OptimizationResult) -> Facts:

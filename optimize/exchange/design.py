@@ -20,8 +20,6 @@ from linkwright.core.arm.errors.model import (
     BEAM_FIELDS,
     beam_values,
     beams_of,
-    needs_shear_modulus,
-    needs_thermal_expansion,
 )
 from linkwright.core.arm.figures import ChosenMaterial, DesignExpressions
 from linkwright.core.arm.figures.strength import STRENGTH_FIELDS
@@ -29,6 +27,7 @@ from linkwright.core.materials.material import Material
 from linkwright.core.materials.walls import WallCompliance
 from linkwright.core.optimize.balance.balance import FIELDS, balance_values, balanced
 from linkwright.core.optimize.problem import Problem
+from linkwright.core.optimize.reading.lacking import needed_figures
 from linkwright.core.sections import SHAPES
 from linkwright.core.sections.numeric import Array
 from linkwright.core.sections.properties import SectionProperties
@@ -239,12 +238,7 @@ def _section_variable(link: int, variable: DesignVariable, lower: float, upper: 
 def material_row(materials: Sequence[Material | None], problem: Problem, first: int = 0) -> Array:
     """The materials' figures as the programs' parameters (for each link from the `first` on `MATERIAL_FIELDS`; the cost
     with work by the kilogram); raises `MissingProperty` for what is needed."""
-    needed = {"elastic_modulus", "density"}
-    if needs_shear_modulus(problem.arm, problem.load_cases):
-        needed |= {"shear_modulus"}
-    if needs_thermal_expansion(problem.arm):
-        needed |= {"thermal_expansion"}
-    needed |= {name for name in MATERIAL_FIELDS if problem.needs(name)}
+    needed = needed_figures(problem)
     rows: list[float] = []
     for link, material in enumerate(materials, start=first):
         if material is None:

@@ -14,6 +14,7 @@ from linkwright.core.optimize.choice.at_once.cells import COLUMNS
 from linkwright.core.optimize.choice.at_once.cells import columns_of as columns_of_sections
 from linkwright.core.optimize.exchange.design import material_row, material_values
 from linkwright.core.optimize.problem import Problem
+from linkwright.core.optimize.reading.lacking import LeftOut
 from linkwright.core.optimize.rounding.options import Option, comes_in
 from linkwright.core.sections.numeric import Array
 from linkwright.core.units.quantities import NoAnswer
@@ -55,6 +56,22 @@ def link_lists(problem: Problem) -> tuple[LinkList, ...]:
             made[key] = tuple(options), columns_of(problem, number, options)
         lists.append(LinkList(number, *made[key]))
     return tuple(lists)
+
+
+def without_stock(problem: Problem) -> tuple[LeftOut, ...]:
+    """The materials that may be chosen and in which none of the sizes listed for any link that may be of them comes."""
+    left_out: list[LeftOut] = []
+    for material in problem.materials or ():
+        own = [
+            listed
+            for number, listed in enumerate(problem.sizes or ())
+            if listed and material in problem.materials_of(number)
+        ]
+        sizes = [item.stock for listed in own for item in listed]
+        if sizes and not any(size is None or comes_in(size, material) for size in sizes):
+            shapes = " or ".join(dict.fromkeys(size.shape for size in sizes if size is not None))
+            left_out.append(LeftOut(material.name, f"no stock size of {shapes} listed comes in it"))
+    return tuple(left_out)
 
 
 def keeping(problem: Problem, link: int, options: Sequence[Option]) -> tuple[list[Option], Limit | None]:

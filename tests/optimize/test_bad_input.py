@@ -12,6 +12,7 @@ from linkwright.core.optimize.reading.called import CHOICES_CALLED, PROBLEM_CALL
 from linkwright.core.optimize.run import optimise
 from linkwright.core.sections.shapes import SHAPES
 from linkwright.core.units.quantities import InputError
+from tests.arm.builders import rod_lines
 from tests.optimize.builders import PAPER_ARM, problem_of
 
 LIMITS = "subject_to: {{{}}}\n"
@@ -135,12 +136,15 @@ def test_missing_price_of_a_material_is_wrong_input(tmp_path: Path) -> None:
         optimise(problem_of(tmp_path, PAPER_ARM, "subject_to: {cost: '<= 40 EUR'}\n"))
 
 
-def test_what_a_material_lacks_is_said_before_the_arm_is_evaluated(tmp_path: Path) -> None:
+def test_what_every_material_lacks_is_said_before_the_arm_is_evaluated(tmp_path: Path) -> None:
     """For an arm in space the evaluation alone may take a minute."""
-    text = "subject_to: {safety_factor: '>= 5'}\nchoose: {material: [aluminium-6061-t6, cfrp-quasi-isotropic]}\n"
+    text = "subject_to: {safety_factor: '>= 5'}\nchoose: {material: [cfrp-quasi-isotropic]}\n"
+    with pytest.raises(InputError, match=r"choose\.material.*cfrp-quasi-isotropic: its yield strength.*safety_factor"):
+        problem_of(tmp_path, PAPER_ARM, text)
+    without = rod_lines([400, 420], material="cfrp-quasi-isotropic")
     evaluated: list[object] = []
     with pytest.raises(MissingProperty, match=r"cfrp-quasi-isotropic.*yield_strength"):
-        optimise(problem_of(tmp_path, PAPER_ARM, text), begun=evaluated.append)
+        optimise(problem_of(tmp_path, without, "subject_to: {safety_factor: '>= 5'}\n"), begun=evaluated.append)
     assert evaluated == []
 
 
