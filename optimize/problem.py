@@ -15,7 +15,7 @@ from linkwright.core.arm.avoid.regions import Region
 from linkwright.core.arm.chain.chain import Arm, Calibrated, LoadCase
 from linkwright.core.arm.chain.vectors import ZERO
 from linkwright.core.arm.errors.parts import Part
-from linkwright.core.arm.figures import FIGURES, RANGES_CALLED, Figure, Limit, OfLinks, error_of_case
+from linkwright.core.arm.figures import DIRECTED, FIGURES, RANGES_CALLED, Figure, Limit, OfLinks, error_of_case
 from linkwright.core.arm.files.avoid import read_avoid
 from linkwright.core.arm.files.branches import tip_named
 from linkwright.core.arm.files.origin import UNKNOWN_ORIGIN
@@ -39,7 +39,7 @@ from .reading.called import CHOICES_CALLED, PROBLEM_CALLED
 from .reading.conditions import materials_where
 from .reading.contradictions import can_be_chosen, check_problem
 from .reading.lacking import LeftOut, without_lacking
-from .reading.limits import read_coordinates, read_limit
+from .reading.limits import directed_figure, names_direction, read_coordinates, read_directed, read_limit
 from .reading.ranges import read_ranges, shared_ranges
 from .sizes.listed import Listed, read_sizes
 from .uncertain import Uncertain, read_uncertain
@@ -194,7 +194,7 @@ def problem_from(mapping: Mapping, arm: Arm, known: Catalogue, figures: MappingL
         raise mapping.error("arm", f"chain[{arm.unknown_origins[0] + 1}].origin {UNKNOWN_ORIGIN}")
     with mapping.reading("arm"):
         mapping.also_called(PROBLEM_CALLED)
-        minimize = _objective(mapping, figures)
+        minimize, figures = _objective(mapping, figures)
         workspace = _workspace(mapping, arm)
         cases = _load_cases(mapping, arm) or arm.cases
         if mapping.has("relative_to"):
@@ -202,7 +202,8 @@ def problem_from(mapping: Mapping, arm: Arm, known: Catalogue, figures: MappingL
         limits, ranges, off = _subject_to(mapping, arm, figures)
         of_cases = _limits_of_cases(mapping, cases)
         limits = (*limits, *of_cases)
-        figures = {**figures, **{limit.name: limit.figure for limit in of_cases}} if of_cases else figures
+        own = {limit.name: limit.figure for limit in limits if limit.name not in figures}
+        figures = {**figures, **own} if own else figures
         avoid = read_avoid(mapping)
         needs = (figure.needs for figure in (figures[minimize], *(limit.figure for limit in limits)))
         chosen = _choose(mapping, known, arm, frozenset(itertools.chain(*needs)), ranges)
@@ -241,17 +242,23 @@ def problem_from(mapping: Mapping, arm: Arm, known: Catalogue, figures: MappingL
     return problem
 
 
-def _objective(mapping: Mapping, figures: MappingLike[str, Figure]) -> str:
-    """The figure that is minimised, or maximised where more of it is better."""
+def _objective(mapping: Mapping, figures: MappingLike[str, Figure]) -> tuple[str, MappingLike[str, Figure]]:
+    """The figure that is minimised, or maximised where more of it is better, and all figures, it among them."""
     key = "maximize" if mapping.has("maximize") else "minimize"
     if mapping.has("minimize") and mapping.has("maximize"):
         raise mapping.error("maximize", "stands beside minimize; keep one, and limit the other in subject_to")
     traded = {name: figure for name, figure in figures.items() if figure.traded}
-    name = mapping.choice(key, traded, "max_error")
+    if isinstance(mapping.content.get(key), dict):
+        along = directed_figure(mapping, key)
+        name, figures = along.name, {**figures, along.name: along}
+    else:
+        if mapping.content.get(key) in DIRECTED and mapping.content.get(key) not in traded:
+            raise mapping.error(key, f"needs a direction: {{{mapping.content[key]}: [0, 0, 1]}}")
+        name = mapping.choice(key, traded, "max_error")
     if figures[name].more_is_better != (key == "maximize"):
         more, other = ("less", "minimize") if key == "maximize" else ("more", "maximize")
         raise mapping.error(key, f"{name} is better the {more} there is of it; write {other}: {name}")
-    return name
+    return name, figures
 
 
 def _assumed(problem: Problem, off: frozenset[str]) -> tuple[Limit, ...]:
@@ -453,19 +460,29 @@ def _subject_to(
     if not mapping.has("subject_to"):
         return (), (Ranges(),) * arm.size, frozenset()
     with mapping.mapping("subject_to").reading() as body:
-        body.also_called({**RANGES_CALLED, **{name: figure.synonyms for name, figure in figures.items()}})
+        known = {name: item.synonyms for name, item in (*DIRECTED.items(), *figures.items())}
+        body.also_called({**RANGES_CALLED, **known})
         ranges = read_ranges(body, arm)
-        for name, figure in figures.items():
+        for name in dict.fromkeys((*figures, *DIRECTED)):
             if not body.has(name):
                 continue
             raw = body.raw(name)
+            entries = cast(list[object], raw) if isinstance(raw, list) else [raw]
+            figure = figures.get(name)
+            if figure is None:
+                limits += [read_directed(body, name, entry, arm) for entry in entries]
+                continue
             if raw is False or raw == "off":  # YAML takes a bare `off` for false
                 if figure.assumed is None:
                     raise body.error(name, "holds only where it is asked for; leave it out")
                 off.add(name)
                 continue
-            entries = cast(list[object], raw) if isinstance(raw, list) else [raw]
-            limits += [read_limit(body, figure, entry, arm) for entry in entries]
+            limits += [
+                read_directed(body, name, entry, arm)
+                if names_direction(name, entry)
+                else read_limit(body, figure, entry, arm)
+                for entry in entries
+            ]
     return tuple(limits), ranges, frozenset(off)
 
 

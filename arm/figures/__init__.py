@@ -10,6 +10,7 @@ from linkwright.core.registries import Registry
 from linkwright.core.units.quantities import Relation
 from linkwright.core.units.units import kinds
 
+from .along import DIRECTED, ORIENTATION_ERROR, REPEATABILITY, Directed, Direction
 from .design import ChosenMaterial, DesignExpressions, Designs, DesignValues, Totals
 from .error import AVERAGE_ERROR, MAX_ERROR, error_of_case
 from .figure import (
@@ -91,6 +92,8 @@ FIGURES.ship(
     INNER_SIZE,
     TIP_STIFFNESS,
     SIDEWAYS_STIFFNESS,
+    ORIENTATION_ERROR,
+    REPEATABILITY,
 )
 
 
@@ -106,6 +109,7 @@ def families_of(figures: Mapping[str, Figure]) -> tuple[PoseFamily[Any], ...]:
 
 
 __all__ = [
+    "DIRECTED",
     "FIGURES",
     "KEPT_WITHIN",
     "RANGES",
@@ -117,6 +121,8 @@ __all__ = [
     "DesignExpressions",
     "DesignValues",
     "Designs",
+    "Directed",
+    "Direction",
     "Figure",
     "Found",
     "Held",

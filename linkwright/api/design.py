@@ -63,6 +63,7 @@ def evaluate(
     """
     from linkwright.core.arm.errors.at_pose import errors_at
     from linkwright.core.arm.evaluation import evaluate as evaluated
+    from linkwright.core.arm.figures import FIGURES
     from linkwright.core.optimize.robust.figure import robust_figure
     from linkwright.face.arm import arm_of
     from linkwright.face.evaluation import Evaluation, along, poses_of
@@ -80,7 +81,8 @@ def evaluate(
         evaluation = evaluated(given.model, asked.workspace, cases_at(asked, given), pose=one)
     robust = None if asked is None or asked.uncertain is None else robust_figure(given.model, asked)
     at = () if poses is None else errors_at(given.model, evaluation.load_cases, poses)
-    return Evaluation(given, evaluation, robust, moving, at)
+    known = FIGURES if asked is None else asked.figures
+    return Evaluation(given, evaluation, robust, moving, at, known)
 
 
 def optimize(

@@ -6,7 +6,7 @@ import math
 import re
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from os import PathLike
 from pathlib import Path
 from types import MappingProxyType
@@ -149,6 +149,8 @@ class Evaluation(Figured, Reported):
     """What a motion asks of each drive, SI; None where none was given."""
     at: tuple[PoseError, ...] = ()
     """The tip's error at each pose that was asked for, under each load case, SI."""
+    known: Mapping[str, Figure] = field(default_factory=lambda: FIGURES)
+    """The figures, those of a problem's own (along a direction, say) among them."""
 
     min_safety_factor = Field[float | None](
         "The least factor of safety against yielding over links and poses.", "strength.least_safety_factor"
@@ -220,17 +222,17 @@ class Evaluation(Figured, Reported):
     @property
     def description(self) -> Description:
         """With what the problem calls uncertain."""
-        return describe(self.found, self.robust, self.motion, self.at)
+        return describe(self.found, self.robust, self.motion, self.at, self.known)
 
     def _designs(self) -> Mapping[str, Values]:
         robust = None if self.robust is None else self.robust.value
-        return {"value": values_of(self.found, {ROBUST: robust})}
+        return {"value": values_of(self.found, {ROBUST: robust}, self.known)}
 
     def _figured(self) -> tuple[Model, Mapping[str, Figure]]:
-        return self.found.arm, FIGURES
+        return self.found.arm, self.known
 
     def _content(self) -> Mapping[str, Any]:
-        return evaluation_json(self.found, self.robust, self.motion, self.at)
+        return evaluation_json(self.found, self.robust, self.motion, self.at, self.known)
 
     def _tables(self) -> Mapping[str, pd.DataFrame]:
         drives = {} if self.motion is None else {"Drives in motion": self.drives}

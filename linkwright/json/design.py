@@ -247,10 +247,11 @@ def evaluation_json(
     robust: RobustFigure | None = None,
     motion: Sequence[OfDrive] | None = None,
     at: Sequence[PoseError] = (),
+    known: Mapping[str, Figure] = FIGURES,
 ) -> dict[str, Any]:
     """What `evaluate --json` writes."""
     return {
-        **evaluation_figures(evaluation),
+        **evaluation_figures(evaluation, known),
         "poses": [_pose_error(evaluation.arm, error) for error in at],
         "robust": None if robust is None else _robust_figure(robust),
         "motion": None if motion is None else _in_motion(evaluation.arm, motion),

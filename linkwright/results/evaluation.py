@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 from linkwright.core.arm.chain.chain import Arm
 from linkwright.core.arm.errors.at_pose import PoseError
 from linkwright.core.arm.evaluation import Evaluation
+from linkwright.core.arm.figures import FIGURES, Figure
 from linkwright.core.arm.motion.loads import OfDrive
 from linkwright.core.optimize.robust.result import RobustFigure
 from linkwright.report.charts import designs
@@ -48,9 +49,10 @@ def describe(
     robust: RobustFigure | None = None,
     motion: Sequence[OfDrive] | None = None,
     at: Sequence[PoseError] = (),
+    known: Mapping[str, Figure] = FIGURES,
 ) -> Description:
     """All that is known of an arm as given; `robust`: over what is uncertain of it, `motion`: what one asks of its
-    drives, `at`: the errors at poses that were asked for."""
+    drives, `at`: the errors at poses that were asked for; `known` are the figures to tell."""
     arm, named = evaluation.arm, (("", evaluation),)
     side = Picture(lambda: side_view(arm, evaluation.load_cases))
     over = Picture(lambda: designs.maps(named, (field_of(evaluation),)))
@@ -60,7 +62,7 @@ def describe(
     unknown = tuple(f"{name.replace('_', ' ')} is not known: {reason}" for name, reason in evaluation.unknown.items())
     given = design.settings(design.asked(evaluation))
     poses = design.worst_poses(evaluation)
-    facts = Facts(tuple(Fact(*item) for item in design.figures(evaluation)))
+    facts = Facts(tuple(Fact(*item) for item in design.figures(evaluation, known)))
     items: list[Item] = [
         Paragraph(design.bound_words(evaluation), "under"),
         Paragraph(design.first_order_words(evaluation), "under"),

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping as MappingLike
 from types import MappingProxyType
 from typing import cast
 
 from linkwright.core.arm.chain.chain import Arm
-from linkwright.core.arm.figures import Demands, Figure, Limit
+from linkwright.core.arm.figures import DIRECTED, Demands, Direction, Figure, Limit
 from linkwright.core.units.quantities import Bound, Relation, read_bound, shown
 from linkwright.core.units.reading import Mapping
 
@@ -36,6 +37,55 @@ def read_limit(body: Mapping, figure: Figure, entry: object, arm: Arm) -> Limit:
     else:
         bound = read_bound(entry, figure.kind, file=body.file, key=body.path_of(name), senses=figure.senses)
     return Limit(figure, *_checked(body, name, figure, bound, entry), poses)
+
+
+def names_direction(name: str, entry: object) -> bool:
+    """Whether what stands under a figure's name makes a figure along a direction, or has to."""
+    directed = DIRECTED.get(name)
+    return directed is not None and isinstance(entry, dict) and directed.word in entry
+
+
+def read_directed(body: Mapping, name: str, entry: object, arm: Arm) -> Limit:
+    """The limit on a figure along a direction, `{direction: [0, 0, 1], value: "<= 0.05 mm"}`; raises `InputError`."""
+    directed = DIRECTED[name]
+    if not isinstance(entry, dict):
+        would_do = f'{{{directed.word}: [0, 0, 1], value: "..."}}'
+        raise body.error(name, f"needs its {directed.word}: {would_do}, not {shown(entry)}")
+    with Mapping(cast(object, entry), file=body.file, key=body.path_of(name)).reading() as inner:
+        figure = directed.figure(read_direction(inner, directed.word))
+        bound = inner.bound("value", figure.kind)
+        relation, value = _checked(inner, "value", figure, bound, inner.raw("value"))
+        poses = None
+        if inner.has("poses"):
+            if figure.at_poses is None:
+                raise inner.error("poses", f"{name} is limited over the whole workspace; leave it out")
+            poses = read_coordinates(inner, arm)
+    return Limit(figure, relation, value, poses)
+
+
+def read_direction(body: Mapping, key: str) -> Direction:
+    """A direction in the base frame, two or three numbers, as a unit vector. Raises `InputError`."""
+    raw = body.raw(key)
+    numbers = cast(list[object], raw) if isinstance(raw, list) else []
+    values = [float(x) for x in numbers if isinstance(x, int | float) and not isinstance(x, bool) and abs(x) < 1e9]
+    length = math.hypot(*values)
+    if len(values) != len(numbers) or len(values) not in (2, 3) or length < 1e-9:
+        raise body.error(key, f"is a direction in the base frame, e.g. [0, 0, 1], not {shown(raw)}")
+    x, y, z = (value / length for value in (*values, 0.0)[:3])
+    return x, y, z
+
+
+def directed_figure(mapping: Mapping, key: str) -> Figure:
+    """The figure along a direction that is minimised or maximised, `{error_along: [0, 0, 1]}`. Raises `InputError`."""
+    with mapping.mapping(key).reading() as body:
+        names = [name for name in DIRECTED if body.has(name)]
+        if len(names) != 1:
+            raise body.error("", f"names one figure with its direction, e.g. {{error_along: [0, 0, 1]}}; {_known()}")
+        return DIRECTED[names[0]].figure(read_direction(body, names[0]))
+
+
+def _known() -> str:
+    return f"those that take one are {', '.join(DIRECTED)}"
 
 
 def _checked(body: Mapping, key: str, figure: Figure, bound: Bound, entry: object) -> tuple[Relation, float]:

@@ -141,6 +141,7 @@ def question(problem: Problem, x: str, y: str, *, by: By | None = None, reach: R
     is nothing to trade.
     """
     known = axes_of(problem.figures)
+    x, y = (_along(known, name) for name in (x, y))
     _check(problem, x, y, known, by)
     axes = [replace(known[n], more_is_better=reach == "long") if n == "reach" else known[n] for n in (x, y)]
     caps: list[float | None] = []
@@ -169,6 +170,12 @@ def question(problem: Problem, x: str, y: str, *, by: By | None = None, reach: R
         y_cap=caps[1],
         by=by,
     )
+
+
+def _along(known: Mapping[str, Axis], name: str) -> str:
+    """The name of a figure along a direction, where a problem has one only."""
+    along = [key for key in known if key.startswith(f"{name} (")]
+    return along[0] if name not in known and len(along) == 1 else name
 
 
 def _check(problem: Problem, x: str, y: str, known: Mapping[str, Axis], by: By | None) -> None:
