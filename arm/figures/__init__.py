@@ -31,7 +31,7 @@ from .figure import (
 from .frequency import FIRST_FREQUENCY
 from .limit import KEPT_WITHIN, broken, excess, figures_of, shortfall
 from .local_buckling import LOCAL_BUCKLING
-from .proportions import ASPECT, INNER_SIZE
+from .proportions import ASPECT, INNER_SIZE, SECTION_HEIGHT, SECTION_WIDTH
 from .sideways import SIDEWAYS_STIFFNESS
 from .statics import OfStatics, at_poses
 from .strength import BUCKLING, SAFETY_FACTOR
@@ -89,6 +89,8 @@ FIGURES.ship(
     LOCAL_BUCKLING,
     WALL_SLENDERNESS,
     ASPECT,
+    SECTION_HEIGHT,
+    SECTION_WIDTH,
     INNER_SIZE,
     TIP_STIFFNESS,
     SIDEWAYS_STIFFNESS,

@@ -1,4 +1,4 @@
-"""The proportions of sections, and the room for cables through them."""
+"""The height, the width and the proportions of sections, and the room for cables through them."""
 
 from __future__ import annotations
 
@@ -18,21 +18,33 @@ if TYPE_CHECKING:
 def _aspect(section: Section, material: MaterialValues) -> tuple[Any, ...]:
     """Height over width, both outer; 1 for a round or a regular one."""
     del material
-    dimensions = section.given()
-    outer = [
-        dimension.name for dimension in section.dimensions if dimension.kind == "outer" and dimension.name in dimensions
-    ]
-    if "height" in outer:
-        widths = [dimensions[name] for name in outer if name.endswith("width")]
-        if len(widths) == 3:  # a flange that has a width of its own does not take the common one
-            widths = [dimensions["top_flange_width"], dimensions["bottom_flange_width"]]
-        width = widths[0] if len(widths) == 1 else maximum(*widths)
-        return (dimensions["height"] / width,)
-    if outer:
+    outer = _outer(section)
+    if outer and "height" not in outer:
         return (1.0,)
+    height, width = _height_and_width(section)
+    return (height / width,)
+
+
+def _outer(section: Section) -> dict[str, Any]:
+    """The outer dimensions that a section has."""
+    given = section.given()
+    return {item.name: given[item.name] for item in section.dimensions if item.kind == "outer" and item.name in given}
+
+
+def _height_and_width(section: Section) -> tuple[Any, Any]:
+    """How high and how wide a section is (m), as it lies in the plane in which its link bends."""
+    outer = _outer(section)
+    widths = [value for name, value in outer.items() if name.endswith("width")]
+    if "height" in outer and widths:
+        if len(widths) == 3:  # a flange that has a width of its own does not take the common one
+            widths = [outer["top_flange_width"], outer["bottom_flange_width"]]
+        return outer["height"], widths[0] if len(widths) == 1 else maximum(*widths)
+    if len(outer) == 1:  # as high as it is wide
+        (size,) = outer.values()
+        return size, size
     # From its corners alone: plain numbers, as nobody optimises them.
     corners = np.vstack(section.outline())
-    return (float(np.ptp(corners[:, 1]) / np.ptp(corners[:, 0])),)
+    return float(np.ptp(corners[:, 1])), float(np.ptp(corners[:, 0]))
 
 
 ASPECT = Figure(
@@ -43,6 +55,44 @@ ASPECT = Figure(
     key="aspect",
     follows=OfLinks(_aspect),
     note="greatest of any section",
+    by=("link",),
+)
+
+
+def _height(section: Section, material: MaterialValues) -> tuple[Any, ...]:
+    del material
+    return (_height_and_width(section)[0],)
+
+
+def _width(section: Section, material: MaterialValues) -> tuple[Any, ...]:
+    del material
+    return (_height_and_width(section)[1],)
+
+
+SECTION_HEIGHT = Figure(
+    name="section_height",
+    synonyms=("max_height", "profile_height"),
+    title="section height",
+    kind="length",
+    unit="mm",
+    factor=1e3,
+    senses=("<=",),
+    key="section_height_mm",
+    follows=OfLinks(_height),
+    note="greatest of any section, where its link bends",
+    by=("link",),
+)
+SECTION_WIDTH = Figure(
+    name="section_width",
+    synonyms=("max_width", "profile_width"),
+    title="section width",
+    kind="length",
+    unit="mm",
+    factor=1e3,
+    senses=("<=",),
+    key="section_width_mm",
+    follows=OfLinks(_width),
+    note="greatest of any section, across that",
     by=("link",),
 )
 

@@ -121,7 +121,8 @@ def _joint(mapping: Mapping, size: int) -> tuple[Joint, Motor | None]:
     with mapping.reading():
         mapping.also_called(_JOINT_CALLED)
         motor = read_motor(mapping, size)
-        kind = cast(JointType, mapping.choice("type", ("revolute", "prismatic"), "revolute"))
+        word = mapping.choice("type", ("revolute", "prismatic", "slide"), "revolute")
+        kind = cast(JointType, "prismatic" if word == "slide" else word)
         turns = kind == "revolute"
         motion = "angle" if turns else "length"
         follows = read_following(mapping, size, turns=turns)
@@ -310,6 +311,9 @@ def _section(mapping: Mapping) -> tuple[Section, str | None]:
     if not isinstance(raw, dict):
         raise mapping.error("section", f"needs a shape, e.g. {{shape: circle, diameter: 100 mm}}, not {shown(raw)}")
     body = mapping.mapping("section")
+    if "height_direction" in body.content:
+        would_do = "write it beside section: link: {section: {...}, height_direction: up}"
+        raise body.error("height_direction", f"is of the link, not of its section; {would_do}")
     return read_section(body), None
 
 

@@ -310,3 +310,18 @@ def test_what_is_written_is_plain_yaml(tmp_path: Path) -> None:
     content = yaml.safe_load(arm_to_yaml(arm_of(FULL_FILE, tmp_path)))
     assert content["chain"][0]["joint"]["backlash"] == "3.4 arcmin"
     assert content["chain"][0]["link"]["length"] == "400 mm"
+
+
+def test_a_slide_is_prismatic(tmp_path: Path) -> None:
+    """By either word it is the same arm, and it is written by the one of the format."""
+    text = "chain:\n  - joint: {{type: {}, range: [0 mm, 500 mm]}}\n    link: {{length: 200 mm, mass: 1 kg}}\n"
+    arms = [arm_of(text.format(word), tmp_path) for word in ("slide", "prismatic")]
+    assert arms[0].joints == arms[1].joints
+    assert arm_to_yaml(arms[0]) == arm_to_yaml(arms[1])
+
+
+def test_height_direction_within_a_section_is_told_where_it_belongs(tmp_path: Path) -> None:
+    section = "{shape: circle, diameter: 50 mm, height_direction: up}"
+    text = f"chain:\n  - joint: {{}}\n    link: {{length: 1 m, section: {section}, material: steel-s355}}\n"
+    with pytest.raises(InputError, match=r"link\.section\.height_direction: is of the link, .* beside section"):
+        arm_of(text, tmp_path)
