@@ -153,7 +153,8 @@ def tradeoff(
     """The trade-off between two figures: no design of the front can be beaten in both.
 
     Any two figures: max_error, average_error, mass, total_mass, cost, reach, safety_factor, first_frequency,
-    wall_slenderness, aspect, tip_stiffness, sideways_stiffness.
+    wall_slenderness, aspect, section_height, section_width, tip_stiffness, sideways_stiffness, orientation_error,
+    repeatability; error_along and tip_stiffness_along where the problem names a direction.
 
     Example: linkwright tradeoff problem.yaml --x mass --y max_error --by material --out front
 

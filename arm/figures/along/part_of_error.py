@@ -39,7 +39,8 @@ class PartOfError(PoseFamily[WorstCase]):
 
     def __init__(self, name: str, counted: Counted, direction: Direction | None = None) -> None:
         """`name`: that of the figure; `direction`: along (or about) which the error counts, all of it by default."""
-        self.name, self.counted, self.direction = name, counted, direction
+        self.name, self.direction = name, direction
+        self.counted: Counted = counted
         self.needs = frozenset({"masses"}) if counted == "orientation" else frozenset[str]()
 
     def __eq__(self, other: object) -> bool:
