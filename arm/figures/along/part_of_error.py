@@ -132,13 +132,13 @@ def _where(found: WorstCase) -> tuple[float, ...]:
 def _length(name: str, title: str, key: str, family: PartOfError, **more: Any) -> Figure:
     """A figure in mm."""
     limit: dict[str, Any] = {"kind": "length", "unit": "mm", "factor": 1e3, "senses": ("<=",), "everywhere": False}
-    return Figure(name=name, title=title, key=key, follows=ThroughPoses(family), where=_where, **limit, **more)
+    return Figure(name=name, title=title, key=key, follows=ThroughPoses(family), **limit, **more)
 
 
 def _angle(name: str, title: str, key: str, family: PartOfError, **more: Any) -> Figure:
     """A figure in mrad."""
     limit: dict[str, Any] = {"kind": "angle", "unit": "mrad", "factor": 1e3, "senses": ("<=",), "everywhere": False}
-    return Figure(name=name, title=title, key=key, follows=ThroughPoses(family), where=_where, **limit, **more)
+    return Figure(name=name, title=title, key=key, follows=ThroughPoses(family), **limit, **more)
 
 
 def error_along(direction: Direction) -> Figure:
@@ -162,6 +162,8 @@ ORIENTATION_ERROR = _angle(
     "worst rotation of the tip",
     "orientation_error_mrad",
     PartOfError("orientation_error", "orientation"),
+    where=_where,
+    note="greatest",
     synonyms=("angle_error", "rotation", "tilt", "angular_error"),
 )
 REPEATABILITY = _length(
@@ -169,6 +171,7 @@ REPEATABILITY = _length(
     "repeatability",
     "repeatability_mm",
     PartOfError("repeatability", "lost_motion"),
+    where=_where,
     note="farthest that play and friction alone move the tip",
     synonyms=("pose_repeatability", "lost_motion"),
 )

@@ -72,10 +72,6 @@ class StiffnessAlong(Stiffness):
         return None if stiffness is None else stiffness.value
 
 
-def _where(found: TipStiffness) -> tuple[float, ...]:
-    return found.q
-
-
 def stiffness_along(direction: Direction) -> Figure:
     """The least stiffness along a direction."""
     name = f"tip_stiffness_along {direction_words(direction)}"
@@ -91,7 +87,6 @@ def stiffness_along(direction: Direction) -> Figure:
         follows=ThroughPoses(family),
         more_is_better=True,
         note="least",
-        where=_where,
         at_poses=family.at_poses,
         everywhere=False,
     )
