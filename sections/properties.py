@@ -38,6 +38,12 @@ class SectionProperties:
         centroid_y: distance of the centroid from the left edge of the bounding box, m.
         centroid_z: distance of the centroid from the lower edge of the bounding box, m.
         product_moment_yz: integral of y z dA, m^4; zero where either axis is one of symmetry.
+        shear_centre_y: the shear centre's eccentricity from the centroid along y, m: a force through the
+        centroid twists
+            the section by its moment about the shear centre. Trefftz's, which no Poisson's ratio moves.
+        shear_centre_z: the same along z, m.
+        warping_constant: Vlasov's, about the shear centre, m^6; zero where a section hardly warps (closed or
+        solid).
     """
 
     area: Number
@@ -58,6 +64,14 @@ class SectionProperties:
     centroid_y: Number
     centroid_z: Number
     product_moment_yz: Number = 0.0
+    shear_centre_y: Number = 0.0
+    shear_centre_z: Number = 0.0
+    warping_constant: Number = 0.0
+
+    @property
+    def shear_centre(self) -> tuple[Number, Number]:
+        """The shear centre's eccentricity (y, z) from the centroid, m."""
+        return self.shear_centre_y, self.shear_centre_z
 
     @property
     def principal_moments(self) -> tuple[Number, Number]:

@@ -12,8 +12,8 @@ from typing import Any
 
 from linkwright.core.sections.numeric import Number, polynomial
 
-FILES = ("closed_and_i", "open_sections", "channels")
-"""The data files, each named as the module of `benchmarks/section_fits` (at commit 068436f) that made it."""
+FILES = ("closed_and_i", "open_sections", "channels", "shear_centres")
+"""The data files. `benchmarks.section_fits` makes the last, modules of that name at commit 068436f the others."""
 
 
 @dataclass(frozen=True)
@@ -24,8 +24,9 @@ class Fit:
         shape: the shape on which it is checked.
         figure: the figure of that shape that it enters.
         range: least and greatest ratio of dimensions, by `width / height` and the like, in which `error` holds.
-        error: greatest relative error of the figure at any Poisson's ratio from 0 to 0.45.
-        command: what made the coefficients, at commit 068436f.
+        error: greatest relative error of the figure at any Poisson's ratio from 0 to 0.45; of a shear centre that may
+            be at the centroid over the height.
+        command: what made the coefficients.
         coefficients: nested as `sections.numeric.polynomial` takes them.
     """
 

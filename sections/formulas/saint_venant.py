@@ -75,6 +75,10 @@ class SaintVenant:
             that stress is unbounded in theory; the tenth of an edge next to such a corner is left out.
         shear_y: (a, c) of A / A_sy = a + c (nu / (1 + nu))^2.
         shear_z: the same along z.
+        shear_centre: (y, z) from the centroid, m, by Trefftz: the point about which the section turns under a torque,
+            which does not depend on Poisson's ratio (E. Trefftz, Z. Angew. Math. Mech. 15 (1935) 220-225).
+        warping_constant: integral of the warping function about the shear centre squared, m^6; zero with holes, whose
+            closed walls hardly warp.
         nodes: number of boundary unknowns that were used.
     """
 
@@ -82,6 +86,8 @@ class SaintVenant:
     torsion_modulus: float
     shear_y: tuple[float, float]
     shear_z: tuple[float, float]
+    shear_centre: tuple[float, float]
+    warping_constant: float
     nodes: int
 
 
@@ -120,6 +126,7 @@ def solve(loops: Sequence[Array], fineness: float = 1.0) -> SaintVenant:
         second = d_squared + float(weight @ (phi1 * d_n))
         return m.area * first, m.area * second
 
+    centre, warps = _warping(boundary, warping[:, 0], flux[:, 0], m, whole=len(loops) == 1)
     shear_y = energies(m.zz / determinant, -m.yz / determinant)
     shear_z = energies(-m.yz / determinant, m.yy / determinant)
     return SaintVenant(
@@ -127,8 +134,37 @@ def solve(loops: Sequence[Array], fineness: float = 1.0) -> SaintVenant:
         torsion_modulus=torsion / float(stress[~np.repeat(sharp, 3)].max()) * size**3,
         shear_y=shear_y,
         shear_z=shear_z,
+        shear_centre=(centre[0] * size, centre[1] * size),
+        warping_constant=warps * size**6,
         nodes=y.size,
     )
+
+
+def _warping(
+    boundary: _Boundary, warping: Array, flux: Array, m: Moments, *, whole: bool
+) -> tuple[tuple[float, float], float]:
+    """Shear centre and warping constant from the warping function about the centroid, known on the boundary.
+
+    Integrals of y and z times that function follow from Green's identity with y^3 / 6 and z^3 / 6. Its square is half
+    of |f|^2 + Re f^2, where f = w + i r^2 / 2 is analytic: the integral of either is one along the boundary of a
+    section that is `whole` (without holes), of the first by f times the primitive of f.
+    """
+    y, z, ny, nz, weight = boundary.y, boundary.z, boundary.ny, boundary.nz, boundary.weight
+    with_y = float(weight @ (0.5 * y**2 * ny * warping - y**3 / 6.0 * flux))
+    with_z = float(weight @ (0.5 * z**2 * nz * warping - z**3 / 6.0 * flux))
+    matrix = np.array([[-m.yz, m.yy], [-m.zz, m.yz]])
+    y_s, z_s = (float(item) for item in np.linalg.solve(matrix, [with_y, with_z]))
+    if not whole:
+        return (y_s, z_s), 0.0
+    square = y**2 + z**2
+    alone = float(weight @ (0.5 * (y * ny + z * nz) * warping - 0.25 * square * flux))
+    values = warping + 0.5j * square
+    primitive = boundary.primitive(values)
+    along = weight * (-nz + 1j * ny)
+    analytic = np.sum(along * values**2 * (y - 1j * z)) / 2j
+    modulus = np.sum(along * values * np.conj(primitive)) / 2j
+    total = 0.5 * float(analytic.real + modulus.real)
+    return (y_s, z_s), total - alone**2 / m.area - z_s * with_y + y_s * with_z
 
 
 def _polynomial_energy(boundary: _Boundary, cy: float, cz: float) -> float:
@@ -169,6 +205,17 @@ class _Boundary:
         """Derivative of nodal values along the boundary."""
         slope = np.vander(GAUSS_POINTS, increasing=True)[:, :2] @ (np.array([[1.0], [2.0]]) * _BASIS[1:])
         return ((values.reshape(-1, 3) @ slope.T) * (2.0 / self._length)[:, None]).ravel()
+
+    def primitive(self, values: NDArray[np.complex128]) -> NDArray[np.complex128]:
+        """The integral of nodal values over the complex coordinate along the boundary, from its first point."""
+        columns = values.reshape(-1, 3) @ _BASIS.T
+        powers = np.arange(1, 4)
+        to_node = (GAUSS_POINTS[:, None] ** powers - (-1.0) ** powers) / powers
+        to_end = (1.0 - (-1.0) ** powers) / powers
+        step = 0.5 * self._length * (self._tangent[:, 0] + 1j * self._tangent[:, 1])
+        whole = step * (columns @ to_end)
+        before = np.cumsum(whole) - whole
+        return (before[:, None] + step[:, None] * (columns @ to_node.T)).ravel()
 
     def _layers(self) -> tuple[Array, Array]:
         """Matrices of the single and double layer potential, -ln(r) / (2 pi) and its normal derivative."""

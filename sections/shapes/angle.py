@@ -8,6 +8,7 @@ from typing import ClassVar
 from linkwright.core.sections.fits.fit import fitted
 from linkwright.core.sections.formulas.closed_forms import rectangle_torsion_constant
 from linkwright.core.sections.formulas.plastic import layered_modulus
+from linkwright.core.sections.formulas.shear_centre import angle_shear_centre, angle_warping_constant
 from linkwright.core.sections.numeric import Number, exp, maximum, sqrt
 from linkwright.core.sections.properties import SectionProperties
 from linkwright.core.sections.section import (
@@ -55,7 +56,7 @@ class Angle(Section):
         return 0.0
 
     def properties(self, poisson_ratio: Number) -> SectionProperties:
-        """Properties (SI), exact but for J and shear areas.
+        """Properties (SI), exact but for J, shear areas, shear centre and warping constant.
 
         These are fits to boundary element solutions, within 0.8 % for width / height from 0.3 to 3.5 and a thickness
         of 0.01 to 0.25 of the shorter leg. The torsion modulus is J over the thickness, the value for an open
@@ -70,6 +71,7 @@ class Angle(Section):
         second_moment_y = (b * t**3 + t * rise**3) / 12.0 + sum(a * dz**2 for a, _, dz in legs)
         second_moment_z = (t * b**3 + rise * t**3) / 12.0 + sum(a * dy**2 for a, dy, _ in legs)
         torsion = angle_torsion_base(b, h, t) * exp(fitted("angle_torsion", _features(b, h, t)))
+        shear_centre = angle_shear_centre(b, h, t, (y, z))
         return common_properties(
             shear=angle_shear_factors(b, h, t, poisson_ratio),
             area=area,
@@ -86,6 +88,9 @@ class Angle(Section):
             centroid_y=y,
             centroid_z=z,
             product_moment_yz=sum(a * dy * dz for a, dy, dz in legs),
+            shear_centre_y=shear_centre[0],
+            shear_centre_z=shear_centre[1],
+            warping_constant=angle_warping_constant(b, h, t),
         )
 
     def outline(self) -> Outline:

@@ -7,6 +7,7 @@ from typing import ClassVar
 
 from linkwright.core.sections.formulas.open_walls import channel_shear_factors, channel_torsion_constant
 from linkwright.core.sections.formulas.plastic import layered_modulus
+from linkwright.core.sections.formulas.shear_centre import channel_shear_centre, channel_warping_constant
 from linkwright.core.sections.numeric import Number, maximum
 from linkwright.core.sections.properties import SectionProperties
 from linkwright.core.sections.section import (
@@ -24,11 +25,8 @@ from linkwright.core.sections.section import (
 class Channel(Section):
     """A channel (U-section) with sharp corners and parallel flanges: the web stands at the left, along the height.
 
-    Left out: its shear centre is not at its centroid but outside the web, for thin walls 3 b^2 t_f / (6 b t_f + h t_w)
-    to the left of the web's middle (b and h between the middles of the walls). A load V through the centroids therefore
-    twists a channel too, by V (e + c) L / (G J), c from the web's middle to the centroid. The model leaves that out:
-    it holds where loads pass through the shear centre, or where something (a second channel, back to back) keeps the
-    link from twisting. Restrained warping, which stiffens a short channel against twisting, is left out too.
+    Its shear centre is not at its centroid but outside the web, for thin walls 3 b^2 t_f / (6 b t_f + h t_w) to the
+    left of the web's middle (b and h between the middles of the walls): a load through the centroids twists it.
 
     Attributes:
         width: of the flanges, from the outside of the web, m.
@@ -57,7 +55,7 @@ class Channel(Section):
         return 0.0
 
     def properties(self, poisson_ratio: Number) -> SectionProperties:
-        """Properties (SI), exact but for J and shear areas.
+        """Properties (SI), exact but for J, shear areas, shear centre and warping constant.
 
         These hold within 1 % of boundary element solutions for width / height from 0.2 to 1.6, flanges of 0.01 to 0.25
         of the height and a web of 0.01 to 0.25 of the width (`sections.formulas.open_walls`).
@@ -83,6 +81,8 @@ class Channel(Section):
             width=b,
             height=h,
             centroid_y=y,
+            shear_centre_y=-channel_shear_centre(b, h, t, w, y),
+            warping_constant=channel_warping_constant(b, h, t, w),
         )
 
     def outline(self) -> Outline:

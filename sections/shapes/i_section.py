@@ -10,6 +10,7 @@ import numpy as np
 
 from linkwright.core.sections.formulas.fillets import ARC_CHORDS, fillet_factors, fillet_torsion, spandrel
 from linkwright.core.sections.formulas.plastic import layered_modulus
+from linkwright.core.sections.formulas.shear_centre import i_section_warping
 from linkwright.core.sections.formulas.thin_walls import Flange, i_section_shear_factors, i_section_torsion_constant
 from linkwright.core.sections.numeric import Number, maximum
 from linkwright.core.sections.properties import SectionProperties
@@ -127,8 +128,9 @@ class ISection(Section):
         """Properties (SI); J and shear areas are fits, see `sections.formulas.thin_walls` for their range and error.
 
         Root fillets enter area, second and plastic moduli exactly, J and shear areas as `sections.formulas.fillets`
-        says. The torsion modulus is J over the greatest thickness, the value for an open thin-walled section; the
-        stress concentration at the inner corners is left out, as design codes do.
+        says, the warping constant not at all: they are near the middle, where nothing warps. The torsion modulus is J
+        over the greatest thickness, the value for an open thin-walled section; the stress concentration at the inner
+        corners is left out, as design codes do.
         """
         top, bottom, web = self.top, self.bottom, self.web_thickness
         height = self.height
@@ -149,6 +151,7 @@ class ISection(Section):
         fibre = 0.5 * height if same else maximum(centroid, height - centroid)
         thickest = maximum(top.thickness if same else maximum(top.thickness, bottom.thickness), web)
         torsion_constant = i_section_torsion_constant(top, None if same else bottom, height, web)
+        shear_centre, warping = i_section_warping(top, None if same else bottom, height, web, centroid)
         moments = (area, centroid, second_moment_y, second_moment_z)
         shear = i_section_shear_factors(top, None if same else bottom, height, web, poisson_ratio, *moments)
         radius = self.root_radius
@@ -177,6 +180,8 @@ class ISection(Section):
             width=width,
             height=height,
             centroid_z=centroid,
+            shear_centre_z=shear_centre,
+            warping_constant=warping,
         )
 
     def outline(self) -> Outline:

@@ -91,12 +91,11 @@ class Polygon(Section):
     def properties(self, poisson_ratio: Number) -> SectionProperties:
         """Properties (SI) about axes parallel to the given ones; area and second moments exact.
 
-        J and shear areas come from a boundary element solution, within 0.2 % for walls down to a hundredth
-        of the
-        outer size. Shear areas are those for a force along y or z, also where these are not principal axes.
-        Section moduli are I over the extreme fibre, meaningful where product_moment_yz is zero. The torsion
-        modulus
-        leaves out the tenth of each edge next to a re-entrant corner, where theory has an unbounded stress.
+        J, shear areas, shear centre and warping constant come from a boundary element solution, within 0.2 % for walls
+        down to a hundredth of the outer size. Shear areas are those for a force along y or z, also where these are not
+        principal axes. Section moduli are I over the extreme fibre, meaningful where product_moment_yz is zero. The
+        torsion modulus leaves out the tenth of each edge next to a re-entrant corner, where theory has an unbounded
+        stress.
         """
         loops = self._loops
         m = moments(loops)
@@ -123,6 +122,9 @@ class Polygon(Section):
             centroid_y=float(-low[0]),
             centroid_z=float(-low[1]),
             product_moment_yz=m.yz,
+            shear_centre_y=numeric.shear_centre[0],
+            shear_centre_z=numeric.shear_centre[1],
+            warping_constant=numeric.warping_constant,
         )
 
     def outline(self) -> Outline:

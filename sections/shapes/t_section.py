@@ -7,6 +7,7 @@ from typing import ClassVar
 
 from linkwright.core.sections.formulas.open_walls import t_shear_factors, t_torsion_constant
 from linkwright.core.sections.formulas.plastic import layered_modulus
+from linkwright.core.sections.formulas.shear_centre import t_shear_centre, t_warping_constant
 from linkwright.core.sections.numeric import Number, maximum
 from linkwright.core.sections.properties import SectionProperties
 from linkwright.core.sections.section import (
@@ -25,7 +26,7 @@ class TSection(Section):
     """A T-section with sharp corners: the flange lies on top, the web hangs from its middle.
 
     Its shear centre is where flange and web meet, not at the centroid. Loads in the plane of the web pass through both,
-    and do not twist it; a load across that plane does, which the model leaves out.
+    and do not twist it; a load across that plane does.
 
     Attributes:
         width: of the flange, m.
@@ -55,7 +56,7 @@ class TSection(Section):
         return 0.0
 
     def properties(self, poisson_ratio: Number) -> SectionProperties:
-        """Properties (SI), exact but for J and shear areas.
+        """Properties (SI), exact but for J, shear areas, shear centre and warping constant.
 
         These hold within 1 % of boundary element solutions for width / height from 0.6 to 3, a flange of 0.01 to 0.25
         of the height and a web of 0.01 to 0.25 of the width (`sections.formulas.open_walls`).
@@ -81,6 +82,8 @@ class TSection(Section):
             width=b,
             height=h,
             centroid_z=h - below_top,
+            shear_centre_z=t_shear_centre(b, h, t, w, below_top),
+            warping_constant=t_warping_constant(b, h, t, w),
         )
 
     def outline(self) -> Outline:

@@ -21,6 +21,8 @@ class Reference(NamedTuple):
     shear_area_y: float
     shear_area_z: float
     centroid: tuple[float, float]
+    shear_centre: tuple[float, float]
+    warping_constant: float
 
 
 def reference(section: Section, poisson_ratio: float, elements: int = 1500) -> Reference:
@@ -45,4 +47,6 @@ def reference(section: Section, poisson_ratio: float, elements: int = 1500) -> R
         asy * size**2,
         asz * size**2,
         tuple(size * c for c in solved.get_c()),
+        tuple(size * (s - c) for s, c in zip(solved.get_sc_t(), solved.get_c(), strict=True)),
+        solved.get_egamma(e_ref=1.0) * size**6,
     )

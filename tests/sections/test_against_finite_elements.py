@@ -190,3 +190,59 @@ def test_polygons(section: Polygon, nu: float) -> None:
     assert result.torsion_constant == pytest.approx(expected.torsion_constant, rel=5e-3)
     assert result.shear_area_y == pytest.approx(expected.shear_area_y, rel=5e-3)
     assert result.shear_area_z == pytest.approx(expected.shear_area_z, rel=5e-3)
+
+
+OPEN = [
+    Channel(0.05, 0.08, 0.006, 0.004),
+    Channel(0.03, 0.1, 0.012, 0.004),
+    TSection(0.06, 0.08, 0.006, 0.005),
+    Angle(0.06, 0.09, 0.006),
+    ISection(0.06, 0.08, 0.006, 0.005),
+    ISection(
+        height=0.08,
+        web_thickness=0.004,
+        top_flange_width=0.06,
+        bottom_flange_width=0.04,
+        top_flange_thickness=0.006,
+        bottom_flange_thickness=0.005,
+    ),
+    Triangle(0.04, 0.09),
+    TriangularTube(0.06, 0.08, 0.004),
+    Polygon(CHANNEL),
+    Polygon(ANGLE),
+]
+
+
+@pytest.mark.parametrize("section", OPEN, ids=lambda section: section.shape)
+def test_shear_centres_and_warping_constants(section: Section) -> None:
+    expected, result = reference(section, 0.3, 2500), section.properties(0.3)
+    centre = tuple(float(value) for value in result.shear_centre)
+    assert centre == pytest.approx(expected.shear_centre, abs=0.005 * float(result.height))
+    if section.shape in ("triangle", "triangular_tube"):
+        assert result.warping_constant == 0.0
+        return
+    # A T-section's walls warp across their thickness alone, as its closed form has it within 20 %.
+    tolerance = 0.2 if section.shape == "t_section" else 0.015
+    assert result.warping_constant == pytest.approx(expected.warping_constant, rel=tolerance)
+    if section.shape == "t_section":
+        assert result.warping_constant < 0.05 * float(
+            Channel(0.06, 0.08, 0.006, 0.005).properties(0.3).warping_constant
+        )
+
+
+@pytest.mark.parametrize(
+    "section", [Circle(0.1), Tube(0.1, 0.004), Rectangle(0.02, 0.05), RectangularTube(0.05, 0.1, 0.004), Octagon(0.1)]
+)
+def test_closed_and_solid_shapes_neither_twist_under_a_load_at_the_centroid_nor_warp(section: Section) -> None:
+    result = section.properties(0.3)
+    assert (*result.shear_centre, result.warping_constant) == (0.0, 0.0, 0.0)
+
+
+def test_channel_by_the_textbook() -> None:
+    """Thin walls: e = 3 b^2 t_f / (6 b t_f + h t_w) beyond the web's middle (Timoshenko, Strength of Materials II)."""
+    b, h, t = 0.1, 0.2, 0.0005
+    result = Channel(b + 0.5 * t, h + t, t, t).properties(0.3)
+    beyond = -float(result.shear_centre_y) - float(result.centroid_y) + 0.5 * t
+    assert beyond == pytest.approx(3.0 * b**2 / (6.0 * b + h), rel=5e-3)
+    constant = b**3 * h**2 * t / 12.0 * (3.0 * b + 2.0 * h) / (6.0 * b + h)
+    assert result.warping_constant == pytest.approx(constant, rel=0.02)
