@@ -2,28 +2,59 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 
+from linkwright.core.arm.bodies.warping import FREE, warping_of
 from linkwright.core.arm.chain.chain import Arm, LoadCase
 from linkwright.core.arm.effects.elastic.lateral_compliance import LATERAL_COMPLIANCE
 from linkwright.core.arm.placed.heights import told_of_heights
+from linkwright.core.sections.taper import Tapered
 from linkwright.core.units.quantities import format_quantity
 
 
 def notes_of(arm: Arm, cases: Sequence[LoadCase]) -> tuple[str, ...]:
     """The assumptions behind the figures of an arm under load cases, most far-reaching first."""
-    return (*default_gravity(arm), *payloads_left_off(cases), *rigid_bearings(arm), *told_of_heights(arm))
+    return (
+        *default_gravity(arm),
+        *payloads_left_off(cases),
+        *rigid_bearings(arm),
+        *twisted_links(arm, cases),
+        *told_of_heights(arm),
+    )
 
 
 def default_gravity(arm: Arm) -> list[str]:
     """One line for an arm in space whose file does not say where gravity acts."""
-    if arm.gravity_given or arm.planar():
+    if arm.gravity_given or arm.flat:
         return []
     acts = ", ".join(format_quantity(component, "acceleration") for component in arm.gravity)
     return [
         f"no gravity is given: it acts along -y of the base frame ([{acts}]); where z is up, write "
         "gravity: [0 m/s^2, 0 m/s^2, -9.81 m/s^2]"
     ]
+
+
+def twisted_links(arm: Arm, cases: Sequence[LoadCase]) -> list[str]:
+    """How open sections twist, one line a link: where loads at the centroid twist it, and which ends hold warping."""
+    if all(arm.planar(case) for case in cases):
+        return []
+    lines: list[str] = []
+    for index, link in enumerate(arm.links):
+        if link.section is None or not (link.asymmetry.eccentric or link.asymmetry.warps):
+            continue
+        about = ""
+        if link.asymmetry.eccentric:
+            offset = math.hypot(*(float(part) for part in link.section.properties(0.3).shear_centre))
+            about = f" about its shear centre, {format_quantity(offset, 'length', digits=3)} off its centroid"
+        ends = FREE if isinstance(link.section, Tapered) else warping_of(arm, index)
+        held = "its warping is free at both ends"
+        if ends.at_joint:
+            far = "at both ends" if ends.at_far_end else "at its joint and free at the tip"
+            held = f"its warping is held {far}"
+        also = f"; {held}" if link.asymmetry.warps else ""
+        lines.append(f"link {index + 1} ({link.section.shape.replace('_', ' ')}) twists{about}{also}")
+    return lines
 
 
 def payloads_left_off(cases: Sequence[LoadCase]) -> list[str]:
@@ -42,7 +73,7 @@ def payloads_left_off(cases: Sequence[LoadCase]) -> list[str]:
 
 def rigid_bearings(arm: Arm) -> list[str]:
     """One line for the joints of an arm in space whose drives give while nothing is known of how their bearings do."""
-    if arm.planar() or LATERAL_COMPLIANCE.id in arm.leave_out:
+    if arm.flat or LATERAL_COMPLIANCE.id in arm.leave_out:
         return []
     places = [entry.at for entry in arm.effects if entry.effect == LATERAL_COMPLIANCE.id]
     bare = [

@@ -287,7 +287,7 @@ def _workspace(mapping: Mapping, arm: Arm) -> Workspace:
         full = tuple((point[0], point[1], point[2] if len(point) == 3 else 0.0) for point in points)
         counted = cast(Part, body.choice("error", get_args(Part), "whole"))
         kind: Literal["path", "box"] = "box" if kinds[0] == "box" else "path"
-        space = Workspace(kind, full, None, flat or arm.planar(), counted, apart=kinds[0] == "points")
+        space = Workspace(kind, full, None, flat or arm.flat, counted, apart=kinds[0] == "points")
         if counted != "whole" and not space.segments:
             raise body.error(
                 "error", f"{counted} needs a direction: a path of two points or more, path: [[x, y], [x, y]]"
@@ -326,9 +326,9 @@ def _points(body: Mapping, kind: str, arm: Arm) -> list[tuple[float, ...]]:
     if len({len(point) for point in points}) != 1:
         raise body.error(kind, "mixes points of two and of three components")
     flat = len(points[0]) == 2
-    if not flat and arm.planar() and any(point[2] != 0.0 for point in points):
+    if not flat and arm.flat and any(point[2] != 0.0 for point in points):
         raise body.error(kind, "leaves the plane in which the arm moves: z must be 0 mm")
-    if flat and not arm.planar():
+    if flat and not arm.flat:
         raise body.error(kind, "needs three components (x, y, z): the arm moves in space")
     return points
 

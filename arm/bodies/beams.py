@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from linkwright.core.arm.bodies.warping import warping_of
 from linkwright.core.arm.chain.beam import Beam, elastic_beam
 from linkwright.core.arm.chain.chain import Arm
 from linkwright.core.arm.chain.taper import tapered_beam
@@ -49,4 +50,4 @@ def beam_of(arm: Arm, index: int, *, shear: bool = False, calibrated_at: float |
     if isinstance(link.section, Tapered):
         return tapered_beam(link.length, link.section, material, shear=shear)
     section = link.section.properties(0.3 if material.poisson_ratio is None else material.poisson_ratio)
-    return elastic_beam(link.length, section, material, shear=shear)
+    return elastic_beam(link.length, section, material, shear=shear, warping=warping_of(arm, index))

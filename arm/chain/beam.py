@@ -6,6 +6,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
+from linkwright.core.arm.bodies.warping import FREE, Warping, held_torsion
+
 from .vectors import ZERO, Scalar, Vector, minus, plus, times
 
 if TYPE_CHECKING:
@@ -64,7 +66,8 @@ class Taper:
     """What a tapered link is against a uniform one of its effective rigidities and its mean mass per length.
 
     `balance` is where its centre of mass is, as a share of its length from its joint. `axial_weight` and so on say how
-    much more it gives under its own weight; `column_height` and `column_width` how much more compression it holds.
+    much more it gives under its own weight; `column_height` and `column_width` how much more compression it holds;
+    `offset_square` is the mean square of the shear centre's eccentricity over the square of its mean, by flexibility.
     `density` is the mass per length over its mean at the ends of its `parts`. Plain numbers, whatever the length.
     """
 
@@ -76,6 +79,7 @@ class Taper:
     shear_width_weight: float = 1.0
     column_height: float = 1.0
     column_width: float = 1.0
+    offset_square: float = 1.0
     parts: tuple[Part, ...] = ()
     density: tuple[float, ...] = ()
     stations: tuple[Station, ...] = ()
@@ -93,8 +97,11 @@ class Beam:
     `height` is the direction in the section's plane along which its height lies: `flexural_rigidity_height` (E I_y,
     N*m^2) resists bending in the plane of link and height, `flexural_rigidity_width` (E I_z) bending across it;
     `flexural_rigidity_coupling` (E I_yz) is zero but for sections without an axis of symmetry.
-    Axial rigidity E A in N, torsional rigidity G J in N*m^2, shear rigidities G A_s in N, mass per length in kg/m,
-    thermal expansion in 1/K. A rigid link has `lumped_mass` in kg at `lumped_at` m from its joint. `first_moment`
+    Axial rigidity E A in N, shear rigidities G A_s in N, mass per length in kg/m, thermal expansion in 1/K. The
+    torsional rigidity (N*m^2) is the torque at the far end times the length over the twist: G J, or more where warping
+    is held (`arm.bodies.warping`); `torsion_by_weight` is how much more an even torque along the link twists it than
+    half of that at its end. `shear_centre_height` and `shear_centre_width` are where it turns, from its centroid (m).
+    A rigid link has `lumped_mass` in kg at `lumped_at` m from its joint. `first_moment`
     (kg*m) is what its mass times its centre, along the link and along its height and width, is beyond that of the rest.
     `stiffness_when_calibrated` and `shear_when_calibrated` are the moduli where the arm was calibrated over these.
     `log_taper` is the logarithm of the far end's size over that at the joint, where the two are alike.
@@ -115,6 +122,9 @@ class Beam:
     lumped_mass: Scalar = 0.0
     lumped_at: Scalar = 0.0
     flexural_rigidity_coupling: Scalar = 0.0
+    shear_centre_height: Scalar = 0.0
+    shear_centre_width: Scalar = 0.0
+    torsion_by_weight: Scalar = 1.0
     taper: Taper = UNIFORM
     first_moment: Vector = ZERO
     stiffness_when_calibrated: Scalar = 1.0
@@ -154,14 +164,25 @@ class Beam:
         return plus(times(self.mass_per_length, self.length), self.lumped_mass)
 
 
-def elastic_beam(length: Scalar, section: SectionProperties, material: MaterialValues, *, shear: bool = True) -> Beam:
-    """The beam that a section (SI) makes of a material at its temperature.
+def elastic_beam(
+    length: Scalar,
+    section: SectionProperties,
+    material: MaterialValues,
+    *,
+    shear: bool = True,
+    warping: Warping = FREE,
+) -> Beam:
+    """The beam that a section (SI) makes of a material at its temperature; `warping` says which of its ends hold that.
 
     Without `shear` the shear modulus may be missing; the beam then has no torsional and shear rigidity.
     Raises `materials.material.MissingProperty` for a figure that is needed and not there.
     """
     youngs, density = material.need("elastic_modulus"), material.need("density")
     modulus = material.need("shear_modulus") if shear else material.shear_modulus
+    torsional, by_weight = None, 1.0
+    if modulus is not None:
+        warps = times(youngs, section.warping_constant)
+        torsional, by_weight = held_torsion(length, modulus * section.torsion_constant, warps, warping)
     return Beam(
         length=length,
         mass_per_length=density * section.area,
@@ -169,7 +190,10 @@ def elastic_beam(length: Scalar, section: SectionProperties, material: MaterialV
         flexural_rigidity_height=youngs * section.second_moment_y,
         flexural_rigidity_width=youngs * section.second_moment_z,
         flexural_rigidity_coupling=times(youngs, section.product_moment_yz),
-        torsional_rigidity=None if modulus is None else modulus * section.torsion_constant,
+        torsional_rigidity=torsional,
+        torsion_by_weight=by_weight,
+        shear_centre_height=section.shear_centre_z,
+        shear_centre_width=section.shear_centre_y,
         shear_rigidity_height=None if modulus is None else modulus * section.shear_area_z,
         shear_rigidity_width=None if modulus is None else modulus * section.shear_area_y,
         thermal_expansion=material.thermal_expansion,

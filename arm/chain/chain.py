@@ -8,8 +8,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
-from functools import cached_property
+from dataclasses import dataclass, field, fields, replace
+from functools import cached_property, lru_cache
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Literal
 
@@ -114,6 +114,53 @@ class Joint:
 
 _ASKEW = 1e-9
 """Of a direction's component, what rounding makes of nought."""
+_OFF = 1e-6
+"""A shear centre this near to the centroid, as a share of width and height together, is at it."""
+
+
+@dataclass(frozen=True)
+class Asymmetry:
+    """What a section lacks of symmetry: whether it is `askew` (it bends out of the load's plane), whether its shear
+    centre is off its centroid along its height and along its width (a load at the centroid twists it), and whether it
+    `warps` where it is twisted."""
+
+    askew: bool = False
+    off_height: bool = False
+    off_width: bool = False
+    warps: bool = False
+
+    @property
+    def eccentric(self) -> bool:
+        """Whether some load at the centroid twists it."""
+        return self.off_height or self.off_width
+
+    def with_that(self, other: Asymmetry) -> Asymmetry:
+        """What either lacks."""
+        pairs = ((getattr(self, item.name), getattr(other, item.name)) for item in fields(Asymmetry))
+        return Asymmetry(*(one or two for one, two in pairs))
+
+    def covers(self, other: Asymmetry) -> bool:
+        """Whether it lacks all that another lacks."""
+        return self.with_that(other) == self
+
+
+SYMMETRIC = Asymmetry()
+"""Of a section with two axes of symmetry, along its height and its width."""
+
+
+@lru_cache(maxsize=256)
+def asymmetry_of(section: Section) -> Asymmetry:
+    """What a section, of plain numbers, lacks of symmetry."""
+    properties = section.properties(0.3)
+    moments = float(properties.second_moment_y) + float(properties.second_moment_z)
+    # Boundary elements place the shear centre of a symmetric polygon within rounding of its centroid.
+    size = _OFF * (float(properties.width) + float(properties.height))
+    return Asymmetry(
+        abs(float(properties.product_moment_yz)) > 1e-12 * moments,
+        abs(float(properties.shear_centre_z)) > size,
+        abs(float(properties.shear_centre_y)) > size,
+        float(properties.warping_constant) != 0.0,
+    )
 
 
 @dataclass(frozen=True)
@@ -130,7 +177,7 @@ class Link:
     it is a cantilever as long as its joint's coordinate (with its `zero`), and what has not run out stays in the sleeve
     and weighs there. `name` is what other programs call it. `inertia` of a rigid link (kg*m^2; xx, yy, zz, xy, xz, yz
     along the axes of its frame) is that of all that weighs on it (`mass` and `masses`, but motors of joints) about
-    their common centre; None: not known.
+    their common centre; None: not known. `may_lack` is what the sections that may be chosen for it lack of symmetry.
     """
 
     length: float
@@ -149,6 +196,12 @@ class Link:
     runs_out: bool = False
     name: str = ""
     inertia: tuple[float, float, float, float, float, float] | None = None
+    may_lack: Asymmetry = SYMMETRIC
+
+    @property
+    def asymmetry(self) -> Asymmetry:
+        """What its section lacks of symmetry, with what those that may be chosen for it lack."""
+        return self.may_lack if self.section is None else self.may_lack.with_that(asymmetry_of(self.section))
 
     @property
     def elastic(self) -> bool:
@@ -297,7 +350,12 @@ class Arm:
 
     @cached_property
     def _flat(self) -> bool:
-        """Whether axes, links, gravity and tool stay in the x-y plane (asked at every pose)."""
+        """Whether axes, links, gravity and tool stay in the x-y plane, and no load leaves it (asked at every pose)."""
+        return self.flat and not any(link.asymmetry.askew or link.asymmetry.off_width for link in self.links)
+
+    @cached_property
+    def flat(self) -> bool:
+        """Whether axes, links, gravity and tool stay in the x-y plane, wherever sections may bend or twist to."""
         for joint in self.joints:
             if joint.revolute != (joint.axis[:2] == (0.0, 0.0)) or (not joint.revolute and joint.axis[2] != 0.0):
                 return False
@@ -307,8 +365,6 @@ class Arm:
             if link.direction[2] != 0.0 or not _about_z(link.end_rotation):
                 return False
             if link.height_direction is not None and link.height_direction[2] != 0.0:
-                return False
-            if link.section is not None and askew(link.section):
                 return False
         return self.gravity[2] == 0.0 and self.tool[2] == 0.0
 
@@ -394,9 +450,7 @@ class Arm:
 
 def askew(section: Section) -> bool:
     """Whether a section has no axis of symmetry along its height or width, so that it bends out of the load's plane."""
-    properties = section.properties(0.3)
-    size = float(properties.second_moment_y) + float(properties.second_moment_z)
-    return abs(float(properties.product_moment_yz)) > 1e-12 * size
+    return asymmetry_of(section).askew
 
 
 def _about_z(rotation: Any) -> bool:

@@ -10,7 +10,7 @@ from .beam import Beam
 from .chain import Arm, EffectEntry, Joint, Link
 from .conditions import Conditions
 from .kinematics import section_directions
-from .vectors import IDENTITY, Scalar, times
+from .vectors import IDENTITY, Scalar, minus, plus, times
 
 PIECES = 4
 """Of each uniform elastic link. What a piece's own curvature leaves out falls with the square of their number: with
@@ -47,6 +47,8 @@ class Pieces:
             replace(
                 beams[o],
                 length=times(1.0 / counts[o], lengths[o]),
+                # Pieces beyond twist a piece by their whole weight, whatever its own does.
+                torsion_by_weight=plus(times(counts[o], minus(beams[o].torsion_by_weight, 1.0)), 1.0),
                 housed=beams[o].housed if piece == self.first[o] else 0.0,
             )
             for piece, o in enumerate(self.owner)

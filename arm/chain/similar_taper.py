@@ -5,7 +5,7 @@ second moments with D^4, whatever the shape, so that all that a taper does follo
 in r (t is the distance to the far end, in lengths):
 
     1 / (3 int t^2/D^4) = r, 1 / int 1/D^2 = r, 1 / int 1/D^4 = 3 r^3/(1 + r + r^2), int D^2 = (1 + r + r^2)/3,
-    int t/D^4 = (1 + 2 r)/(6 r^2)
+    int t/D^4 = (1 + 2 r)/(6 r^2), int D/D^4 = (1 + r)/(2 r^2), int D/D^4 int_s D^2 = (2 + r)/6
 
 A quarter of such a link is one of its own. What the link's weight does, and Euler's load, is interpolated over log r
 between values of `arm.chain.taper`. For floats and for an optimiser's symbols.
@@ -47,10 +47,12 @@ def similar_beam(beam: Beam, log_taper: Any) -> Beam:
         "shear_rigidity_height": ratio,
         "shear_rigidity_width": ratio,
         "mass_per_length": sums / 3.0,
+        **dict.fromkeys(_SHEAR_CENTRE, _offset(ratio)),
     }
     values: dict[str, Any] = {name: getattr(beam, name) for name in changes}
     changed: dict[str, Any] = {name: value * changes[name] for name, value in values.items() if value is not None}
-    return replace(beam, **changed, taper=similar_taper(log_taper), log_taper=log_taper)
+    taper, by_weight = similar_taper(log_taper), 2.0 * ratio * ratio * (2.0 + ratio) / ((1.0 + ratio) * sums)
+    return replace(beam, **changed, torsion_by_weight=by_weight, taper=taper, log_taper=log_taper)
 
 
 def similar_taper(log_taper: Any) -> Taper:
@@ -65,16 +67,17 @@ def similar_taper(log_taper: Any) -> Taper:
         own = far / near
         area, second = near * near * own / ratio, near**4 * own / ratio
         own_torsion = 3.0 * own**3 / (1.0 + own + own * own)
-        rigidities = {
+        rigidities: dict[str, Any] = {
             "axial_rigidity": area,
             "flexural_rigidity_height": second,
             "flexural_rigidity_width": second,
             "torsional_rigidity": near**4 * own_torsion * sums / (3.0 * ratio**3),
             "shear_rigidity_height": area,
             "shear_rigidity_width": area,
+            **dict.fromkeys(_SHEAR_CENTRE, near * _offset(own) / _offset(ratio)),
         }
         factors = _by_moments(own)
-        parts.append(Part(rigidities, Taper(height=factors, width=factors)))
+        parts.append(Part(rigidities, Taper(height=factors, width=factors, offset_square=_offset_square(own))))
     return Taper(
         balance=(0.25 + 0.5 * ratio + 0.75 * ratio * ratio) / sums,
         height=bending,
@@ -84,10 +87,24 @@ def similar_taper(log_taper: Any) -> Taper:
         shear_width_weight=by_weight,
         column_height=column,
         column_width=column,
+        offset_square=_offset_square(ratio),
         parts=tuple(parts),
         density=tuple(3.0 * (1.0 + (k / QUARTERS) * (ratio - 1.0)) ** 2 / sums for k in range(QUARTERS + 1)),
         stations=tuple(_station(share, ratio, sums) for share in STATIONS),
     )
+
+
+_SHEAR_CENTRE = ("shear_centre_height", "shear_centre_width")
+
+
+def _offset(ratio: Any) -> Any:
+    """The shear centre's mean eccentricity, by the flexibility of torsion, over that at the joint."""
+    return 1.5 * ratio * (1.0 + ratio) / (1.0 + ratio + ratio * ratio)
+
+
+def _offset_square(ratio: Any) -> Any:
+    """The mean of its square over the square of the mean."""
+    return 4.0 * (1.0 + ratio + ratio * ratio) / (3.0 * (1.0 + ratio) * (1.0 + ratio))
 
 
 def _by_moments(ratio: Any) -> BendingFactors:

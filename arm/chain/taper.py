@@ -74,7 +74,7 @@ def tapered_beam(length: float, section: Tapered, material: MaterialValues, *, s
         rows = slice(k * _NODES, (k + 1) * _NODES)
         cut = _Cut(quarter, 0.5 * weights, fitted / mean)  # its own weight is never asked for (see `arm.limits.modes`)
         piece, factors = _effective(_rows(local, rows, len(share)), cut, quarter, length)
-        ratios = {name: getattr(piece, name) / getattr(beam, name) for name in _RIGIDITIES if getattr(beam, name)}
+        ratios = {name: getattr(piece, name) / getattr(beam, name) for name in _OF_PARTS if getattr(beam, name)}
         parts.append(Part(ratios, factors))
     at = section.along(np.array(STATIONS), poisson_ratio)
     taper = replace(
@@ -100,6 +100,9 @@ _RIGIDITIES = (
 )
 
 
+_OF_PARTS = (*_RIGIDITIES, "shear_centre_height", "shear_centre_width")
+
+
 def _column(values: object, like: Array) -> Array:
     return np.broadcast_to(np.asarray(values, dtype=float), like.shape)
 
@@ -111,7 +114,7 @@ def _with(beam: Beam, **changes: object) -> Beam:
 def _rows(local: Beam, rows: slice, count: int) -> Beam:
     changes = {
         name: np.broadcast_to(np.asarray(value, dtype=float), (count,))[rows]
-        for name in _RIGIDITIES
+        for name in _OF_PARTS
         if (value := getattr(local, name)) is not None
     }
     return _with(local, **changes)
@@ -145,7 +148,10 @@ def _effective(local: Beam, cut: _Cut, share: Array, length: float) -> tuple[Bea
             changes[name] = 1.0 / cut.integral(flexibility)
             by_weight[name] = 2.0 * changes[name] * cut.integral(force * flexibility)
     centre = (cut.mass * Polynomial([0.0, 1.0])).integ()(1.0)
-    beam = _with(local, length=length, flexural_rigidity_coupling=0.0, **changes)
+    eccentric, square = _shear_centres(local, cut, share, force)
+    # Warping is taken as free along a tapered link.
+    changes.update(eccentric, flexural_rigidity_coupling=0.0)
+    beam = _with(local, length=length, **changes)
     return beam, Taper(
         balance=float(centre),
         height=bending[0],
@@ -153,7 +159,26 @@ def _effective(local: Beam, cut: _Cut, share: Array, length: float) -> tuple[Bea
         axial_weight=by_weight["axial_rigidity"],
         shear_height_weight=by_weight["shear_rigidity_height"],
         shear_width_weight=by_weight["shear_rigidity_width"],
+        offset_square=square,
     )
+
+
+def _shear_centres(local: Beam, cut: _Cut, share: Array, force: Array) -> tuple[dict[str, float], float]:
+    """What a beam's shear centre is on the mean, by the flexibility of torsion, with how much more its own weight
+    (`force` beyond each place) twists it; and the mean of its square over the square of the mean."""
+    means = {"shear_centre_height": 0.0, "shear_centre_width": 0.0, "torsion_by_weight": 1.0}
+    if local.torsional_rigidity is None:
+        return means, 1.0
+    flexibility = 1.0 / _column(local.torsional_rigidity, share)
+    flexibility = flexibility / cut.integral(flexibility)
+    square = 1.0
+    for name in ("shear_centre_height", "shear_centre_width"):
+        offset = _column(getattr(local, name), share)
+        means[name] = mean = cut.integral(offset * flexibility)
+        if mean != 0.0:
+            square = cut.integral(offset**2 * flexibility) / mean**2
+            means["torsion_by_weight"] = 2.0 * cut.integral(offset * force * flexibility) / mean
+    return means, square
 
 
 def _column_factor(rigidity: Array, cut: _Cut, effective: object) -> float:

@@ -16,7 +16,7 @@ import numpy as np
 
 from linkwright.core.arm.bodies.beams import beam_of
 from linkwright.core.arm.chain.beam import UNIFORM, Beam, Taper
-from linkwright.core.arm.chain.chain import Arm, Joint, Link, LoadCase, Zones, askew
+from linkwright.core.arm.chain.chain import Arm, Asymmetry, Joint, Link, LoadCase, Zones
 from linkwright.core.arm.chain.kinematics import parts, place, symbols
 from linkwright.core.arm.chain.similar_taper import similar_taper
 from linkwright.core.arm.chain.statics import PoseState, solve
@@ -41,6 +41,9 @@ BEAM_FIELDS = (
     "shear_rigidity_height",
     "shear_rigidity_width",
     "flexural_rigidity_coupling",
+    "shear_centre_height",
+    "shear_centre_width",
+    "torsion_by_weight",
     "thermal_expansion",
     "stiffness_when_calibrated",
     "shear_when_calibrated",
@@ -49,8 +52,8 @@ BEAM_FIELDS = (
     "counterweight",
     "counterweight_at",
 )
-"""The order in which `beam_values` lists each link's length, mass, rigidities, thermal expansion, what its moduli
-were where the arm was calibrated, its taper, and what is chosen of a counterbalance and a counterweight."""
+"""The order in which `beam_values` lists each link's length, mass, rigidities, shear centre, thermal expansion, what
+its moduli were where the arm was calibrated, its taper, and what is chosen of a counterbalance and a counterweight."""
 
 
 _BALANCE = ("balancer", "counterweight", "counterweight_at")
@@ -238,14 +241,27 @@ def symbolic_beams(arm: Arm, p: Any) -> tuple[Beam, ...]:
             values = {name: p[base + k] for k, name in enumerate(BEAM_FIELDS)}
             if link.material is None or not link.material.has("thermal_expansion"):
                 values["thermal_expansion"] = None  # an effect that needs it must notice
-            if link.section is None or not askew(link.section):
-                values["flexural_rigidity_coupling"] = 0.0  # a constant zero costs nothing
+            values.update(_of_symmetry(link.asymmetry))
             beams.append(Beam(**values, taper=_taper(arm, index, link, values["log_taper"])))
         else:
             rigid = beam_of(arm, index)
             own = {name: p[base + BEAM_FIELDS.index(name)] for name in _BALANCE}
             beams.append(Beam(length=p[base], lumped_mass=rigid.lumped_mass, lumped_at=rigid.lumped_at, **own))
     return tuple(beams)
+
+
+def _of_symmetry(asymmetry: Asymmetry) -> dict[str, float]:
+    """What symmetry settles of a beam: constants cost nothing."""
+    values: dict[str, float] = {}
+    if not asymmetry.askew:
+        values["flexural_rigidity_coupling"] = 0.0
+    if not asymmetry.off_height:
+        values["shear_centre_height"] = 0.0
+    if not asymmetry.off_width:
+        values["shear_centre_width"] = 0.0
+    if not asymmetry.eccentric:
+        values["torsion_by_weight"] = 1.0
+    return values
 
 
 def _taper(arm: Arm, index: int, link: Link, log_taper: Any) -> Taper:

@@ -13,7 +13,7 @@ from typing import Any, Concatenate, ParamSpec, TypeVar, cast
 
 import numpy as np
 
-from linkwright.core.arm.chain.chain import Arm, Link, askew
+from linkwright.core.arm.chain.chain import Arm, Link
 from linkwright.core.arm.effects import EFFECTS
 from linkwright.core.sections.taper import FreeTaper, Tapered
 
@@ -67,7 +67,7 @@ def link_entries(link: Link) -> object:
         return entries(link)
     expands = link.material is not None and link.material.has("thermal_expansion")
     rest = (entries(getattr(link, field.name)) for field in fields(link) if field.name not in _SYMBOLS)
-    return (askew(link.section), expands, *rest)
+    return (replace(link.asymmetry, warps=False), expands, *rest)
 
 
 def entries(value: object) -> object:

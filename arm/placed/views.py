@@ -42,7 +42,7 @@ def upwards(arm: Arm) -> Array:
 
 def view_of(arm: Arm, tip: Array) -> View:
     """The view onto the plane in which a planar arm moves, x across; else onto the upright plane through a tip (m)."""
-    if arm.planar():
+    if arm.flat:
         return View(np.array([1.0, 0.0, 0.0]), np.array([0.0, 1.0, 0.0]))
     up = upwards(arm)
     level = tip - (tip @ up) * up
@@ -75,7 +75,7 @@ def sides(arm: Arm) -> tuple[Side, ...]:
     views: list[Side] = []
     for body in stands(arm):
         towards, aside = whole.towards, np.cross(body.along, whole.up)
-        if not arm.planar() and np.linalg.norm(aside) > _NO_SIDE:
+        if not arm.flat and np.linalg.norm(aside) > _NO_SIDE:
             towards = aside
         up = np.cross(towards, body.along)
         views.append(Side(body, View(body.along, up / np.linalg.norm(up))))

@@ -71,7 +71,7 @@ def ring_of(lengths: Sequence[float], center: tuple[float, float] = (0.0, 0.0)) 
 
 def free_ring(arm: Arm) -> Ring | None:
     """The ring that an arm reaches, exactly; None unless it is planar and all its joints turn full circle."""
-    flat = arm.planar() and all(joint.revolute and joint.follows is None for joint in arm.joints)
+    flat = arm.flat and all(joint.revolute and joint.follows is None for joint in arm.joints)
     if not flat or any(high - low < 2.0 * math.pi - 1e-12 for low, high in (joint.range for joint in arm.joints)):
         return None
     frames = place(arm, [0.0] * arm.size)
@@ -103,7 +103,7 @@ class Reach:
     @property
     def dimensions(self) -> int:
         """2 for an arm that moves in the x-y plane, else 3."""
-        return 2 if self.arm.planar() else 3
+        return 2 if self.arm.flat else 3
 
     @cached_property
     def _box(self) -> tuple[Array, Array]:

@@ -24,7 +24,7 @@ from linkwright.core.optimize.problem import Problem
 from linkwright.core.sections.numeric import Array
 
 from .at_once.feasibility import Feasibility
-from .at_once.pose_rows import strength_products
+from .at_once.pose_rows import bends_askew, strength_products
 from .link_options import LinkOptions
 from .picks import Combination, OptionTable, option_table
 from .pose_products import (
@@ -258,6 +258,8 @@ def _of_family(
         merged[cut] = merged.get(cut, 0.0) + own
     for cut, own in merged.items():
         if own.max(initial=0.0) <= _FELT:
+            continue
+        if name == "strengths" and bends_askew(problem.arm):
             continue
         if name == "strengths":
             rows = strength_products(problem, prepared[cut.group], cut, p)  # type: ignore[index]

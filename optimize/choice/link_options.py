@@ -25,7 +25,7 @@ from linkwright.core.optimize.problem import Problem
 from linkwright.core.sections import SHAPES
 from linkwright.core.sections.numeric import Array
 
-from .at_once.cells import features, section_rows
+from .at_once.cells import features, section_rows, twisted
 from .products import EXPANSION, OfLink
 
 _GRID = MappingProxyType({1: 129, 2: 40, 3: 14, 4: 8})
@@ -59,6 +59,7 @@ class LinkOptions:
         """`link` (from 0) is the one, or the first of those alike."""
         self.problem, self.link, self.options, self.ranges = problem, link, tuple(options), problem.ranges[link]
         self._shear = needs_shear_modulus(problem.arm, problem.load_cases)
+        self._twisted = twisted(problem, link)
         self._limits = problem.limits_on_link(link)
         self._groups = tuple(self._group(shape) for shape in dict.fromkeys(shape for shape, _ in self.options))
         self._solvers: dict[tuple[str, int], Any] = {}
@@ -85,7 +86,8 @@ class LinkOptions:
         grid = grid.reshape(-1, len(kind.variables))
         with np.errstate(all="ignore"):
             section = kind.from_variables([*self._sizes(shape, grid.T[:, None])])
-            columns = features(section.properties(materials.poisson_ratio), materials, shear=self._shear)
+            properties = section.properties(materials.poisson_ratio)
+            columns = features(properties, materials, shear=self._shear, twisted=self._twisted)
             size = (len(places), len(grid))
             logarithms = np.log(np.stack([np.broadcast_to(column, size) for column in columns], axis=-1))
             allowed = np.ones(size, dtype=bool)
@@ -156,7 +158,7 @@ class LinkOptions:
         materials = _with_strength(row)
         sizes = self._sizes(shape, [at[k] for k in range(len(kind.variables))])
         properties = symbolic_properties(shape, sizes, materials.poisson_ratio)
-        columns = features(properties, materials, shear=self._shear)
+        columns = features(properties, materials, shear=self._shear, twisted=self._twisted)
         logarithms = ca.log(ca.vertcat(*[ca.fmin(column, _MOST_FEATURE) for column in columns]))
         growth = row[MATERIAL_FIELDS.index("thermal_expansion")]
         table = ca.reshape(powers, width, count).T

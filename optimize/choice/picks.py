@@ -7,6 +7,7 @@ import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
+from linkwright.core.arm.bodies.warping import warping_of
 from linkwright.core.materials.material import Material
 from linkwright.core.optimize.problem import Problem
 
@@ -64,6 +65,9 @@ class OptionTable:
                 problem.ranges[link].sizes,
                 problem.limits_on_link(link),
                 [problem.strength_share(link, m) for _, m in link_options],
+                (problem.arm.links[link].length, warping_of(problem.arm, link))
+                if problem.arm.links[link].asymmetry.warps
+                else None,
             )
             for link, link_options in zip(self.links, self.options, strict=True)
         ]

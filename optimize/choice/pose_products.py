@@ -109,7 +109,7 @@ def vectors_of(model: ErrorModel, cut: ErrorCut, p: Array) -> Vectors | None:
     another zone of a drive."""
     size = model.arm.size
     case = model.cases[cut.load_case]
-    if case.zones:
+    if case.zones or lopsided(model.arm, planar=model.planar):
         return None
     values = p.reshape(size, len(BEAM_FIELDS))
     weights = [(link, WEIGHT) for link in range(size) if values[link, WEIGHT] != 0.0]
@@ -138,6 +138,15 @@ def vectors_of(model: ErrorModel, cut: ErrorCut, p: Array) -> Vectors | None:
     sizes = _sizes(terms, features)
     largest = max(sizes.values(), default=0.0)
     return Vectors({power: c for power, c in terms.items() if not power or sizes[power] > _NOTHING * largest})
+
+
+def lopsided(arm: Arm, *, planar: bool) -> bool:
+    """Whether loads bend a link out of their plane, or twist it from its centroid: what that adds goes with where a
+    section's shear centre is too, which is no feature. In a plane only one beside that plane counts."""
+    return any(
+        link.asymmetry.askew or link.asymmetry.off_width or (link.asymmetry.off_height and not planar)
+        for link in arm.links
+    )
 
 
 Place = tuple[int, int]
@@ -261,6 +270,8 @@ def inertia_products(
 ) -> tuple[Products, float] | None:
     """(M phi)' F (M phi) omega^2 - phi' M phi for a cut's trial shape (kg m^2), above zero where the frequency (Hz) is
     missed; and phi' M phi of a design p, whose beams are given."""
+    if lopsided(arm, planar=False):
+        return None
     size = len(beams)
     own = p.reshape(size, len(BEAM_FIELDS))
     weights = [k for k in range(size) if own[k, WEIGHT] != 0.0]

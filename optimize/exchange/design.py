@@ -5,14 +5,15 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, fields, replace
-from functools import lru_cache
+from functools import lru_cache, reduce
 from typing import Any
 
 import casadi as ca
 import numpy as np
 
+from linkwright.core.arm.bodies.warping import FREE, warping_of
 from linkwright.core.arm.chain.beam import Beam, elastic_beam
-from linkwright.core.arm.chain.chain import Arm, LoadCase, askew
+from linkwright.core.arm.chain.chain import SYMMETRIC, Arm, Asymmetry, LoadCase, asymmetry_of
 from linkwright.core.arm.chain.prices import price_by_length, price_by_mass
 from linkwright.core.arm.chain.similar_taper import similar_beam
 from linkwright.core.arm.errors.calibrated import calibrated_temperature
@@ -179,22 +180,36 @@ def with_chosen_links(problem: Problem) -> Problem:
     whose taper is free where that is to be chosen.
 
     What the given section brings beside its rigidities (a taper's factors, a plane that it does not keep) is no
-    candidate's, so models are built of the arm without it.
+    candidate's, so models are built of the arm without it, and with what any candidate lacks of symmetry.
     """
-    if problem.shapes is None and not problem.free_tapers:
+    if problem.shapes is None and problem.sizes is None and not problem.free_tapers:
         return problem
     links = list(problem.arm.links)
     for index, link in enumerate(links):
         section = link.section.near if isinstance(link.section, Tapered) else link.section
-        if section is not None and askew(section) and problem.shapes is not None:
-            section = SHAPES[problem.shapes_of(index)[0]].start(1e-3, *problem.ranges[index].sizes)
+        lacking = link.may_lack
+        if section is not None:
+            candidates = _candidates(problem, index)
+            lacking = reduce(Asymmetry.with_that, map(asymmetry_of, candidates), lacking)
+            if candidates and not lacking.covers(asymmetry_of(section)):
+                section = candidates[0]
         if section is not None and problem.ranges[index].taper is not None:
             section = _free_taper(link.section, section)
-        if section is not link.section:
-            links[index] = replace(link, section=section, section_name=None)
+        if section is not link.section or lacking != link.may_lack:
+            name = link.section_name if section is link.section else None
+            links[index] = replace(link, section=section, section_name=name, may_lack=lacking)
     if all(new is old for new, old in zip(links, problem.arm.links, strict=True)):
         return problem
     return replace(problem, arm=problem.arm.with_links(tuple(links)))
+
+
+def _candidates(problem: Problem, link: int) -> list[Section]:
+    """A section of each shape that may be chosen for a link (from 0); none where its own shape stays."""
+    if problem.sizes is not None:
+        return list({item.section.shape: item.section for item in problem.sizes[link]}.values())
+    if problem.shapes is None:
+        return []
+    return [SHAPES[shape].start(1e-3, *problem.ranges[link].sizes) for shape in problem.shapes_of(link)]
 
 
 def _free_taper(section: Section | None, near: Section) -> Section:
@@ -295,7 +310,9 @@ def expressions(space: DesignSpace, x: Any, materials: Any) -> DesignExpressions
             continue
         material = material_values(materials, link)
         found = symbolic_properties(section.shape, chosen[link][0], material.poisson_ratio)
-        beam = elastic_beam(length, found, material, shear=True)
+        # Warping is taken as free along a tapered link.
+        held = warping_of(arm, link) if space.problem.ranges[link].taper is None else FREE
+        beam = elastic_beam(length, found, material, shear=True, warping=held)
         if space.problem.ranges[link].taper is not None:
             beam = similar_beam(beam, tapers[link])
         properties.append(found)
@@ -334,7 +351,8 @@ def arm_of(space: DesignSpace, x: Array, materials: Sequence[Material | None]) -
         plain: Section = type(section)(**{name: float(value) for name, value in section.given().items()})
         ratio = math.exp(float(tapers[k]))
         plain = plain if abs(ratio - 1.0) < _UNIFORM else similar(plain, ratio)
-        links[k] = replace(links[k], section=plain, length=float(length), material=material, section_name=None)
+        own = {"section": plain, "length": float(length), "material": material}
+        links[k] = replace(links[k], **own, section_name=None, may_lack=SYMMETRIC)
     return balanced(space.problem.arm.with_links(tuple(links)), space.balance([float(value) for value in x]))
 
 

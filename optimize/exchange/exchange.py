@@ -276,7 +276,7 @@ class Exchange:
         search = self.context.search
         p = numeric_beams(arm_of(self.space, x, chosen), self.context.problem.load_cases)
         place = np.array([*point, 0.0][:3])
-        used = np.array([1.0, 1.0, float(not self.context.model.planar)])
+        used = np.array([1.0, 1.0, float(not self.context.model.arm.flat)])
         starts = search.poses(p, 64)
         places = np.tile(place, (len(starts), 1))
         q, miss = pull(lambda q: search.motion(q, p), starts, places, search.lower, search.upper, used)
@@ -419,7 +419,7 @@ def error_cut(context: Context, pose: WorstPose, p: Array, space: DesignSpace) -
 
 def _anchor(context: Context, q: Array, p: Array) -> Anchor:
     """Where the tip stands, and how the joints can move without moving it."""
-    axes = 2 if context.model.planar else 3
+    axes = 2 if context.model.arm.flat else 3
     step = 1e-6
     tip = context.search.tip(q[None], p)[0]
     moved = [context.search.tip(q[None] + step * row, p)[0] for row in np.eye(len(q))]
@@ -433,7 +433,7 @@ def _anchor(context: Context, q: Array, p: Array) -> Anchor:
 def _anchored_again(context: Context, pool: Pool, p: Array) -> Pool:
     """The pool's poses for the lengths that the design now has, so that they reach the same places."""
     search = context.search
-    used = np.array([1.0, 1.0, float(not context.model.planar)])
+    used = np.array([1.0, 1.0, float(not context.model.arm.flat)])
     kept: list[ErrorCut] = []
     for cut in pool.errors:
         if cut.anchor is None:

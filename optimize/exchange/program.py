@@ -229,7 +229,7 @@ class Program:
         rounding = symbol("rounding")
         columns = [design.beam_column]
         if scenarios is not None:
-            columns = [scenario_column(design, scenario) for scenario in scenarios.held]
+            columns = [scenario_column(space.problem.arm, design, scenario) for scenario in scenarios.held]
         errors = error_rows(
             self.model, design, columns, y, room.errors, floor, rounding=rounding, anchored=self._anchored
         )
@@ -422,7 +422,7 @@ class Program:
     @property
     def _axes(self) -> int:
         """How many coordinates of the tip count."""
-        return 2 if self.model.planar else 3
+        return 2 if self.model.arm.flat else 3
 
     def _at_will(self, errors: Sequence[ErrorCut]) -> NDArray[np.bool_]:
         """Which joints of the anchored poses move as they like."""

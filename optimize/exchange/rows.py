@@ -112,7 +112,7 @@ def _anchored(
     other side of a singular pose: the equalities, and what must not be above zero."""
     arm = model.arm
     reached = place(arm, [at[k] for k in range(arm.size)], [beam.length for beam in design.beams]).tip()
-    axes = 2 if model.planar else 3
+    axes = 2 if arm.flat else 3
     rows = [ca.SX(reached[axis]) - tip[axis] for axis in range(axes)]
     jacobian = ca.jacobian(ca.vertcat(*rows), at)
     matrix = ca.reshape(null, arm.size, arm.size)

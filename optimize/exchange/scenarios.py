@@ -9,6 +9,7 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
+from linkwright.core.arm.bodies.warping import FREE, warping_of
 from linkwright.core.arm.chain.beam import Beam, elastic_beam
 from linkwright.core.arm.chain.chain import Arm, Link, LoadCase
 from linkwright.core.arm.chain.similar_taper import similar_beam
@@ -79,22 +80,23 @@ def _resized_link(link: Link, size: float, thickness: float) -> Link:
     return replace(link, section=resized(link.section, size, thickness), section_name=None)
 
 
-def scenario_column(design: DesignExpressions, scenario: Scenario) -> Any:
+def scenario_column(arm: Arm, design: DesignExpressions, scenario: Scenario) -> Any:
     """The same for a design in the optimiser's symbols."""
-    beams = [_beam(design, link, scenario) for link in range(len(design.beams))]
+    beams = [_beam(arm, design, link, scenario) for link in range(len(design.beams))]
     column = [getattr(beam, name) for beam in beams for name in BEAM_FIELDS]
     entries = [0.0 if entry is None else entry for entry in column]
     return ca.vertcat(*[ca.SX(entry) for entry in (*entries, *scenario.stiffness, *scenario.backlash)])
 
 
-def _beam(design: DesignExpressions, link: int, scenario: Scenario) -> Beam:
+def _beam(arm: Arm, design: DesignExpressions, link: int, scenario: Scenario) -> Beam:
     beam, section, material = design.beams[link], design.sections[link], design.materials[link]
     if section is None or material is None:
         return beam
     size, thickness = scenario.size[link], scenario.thickness[link]
     if size != 1.0 or thickness != 1.0:
         properties = resized(section, size, thickness).properties(material.poisson_ratio)
-        plain = elastic_beam(beam.length, properties, material, shear=True)
+        held = warping_of(arm, link) if isinstance(beam.log_taper, float) else FREE
+        plain = elastic_beam(beam.length, properties, material, shear=True, warping=held)
         if not isinstance(beam.log_taper, float):
             plain = similar_beam(plain, beam.log_taper)  # both ends are off by the same, so that they stay alike
         beam = replace(plain, **{name: getattr(beam, name) for name in FIELDS})

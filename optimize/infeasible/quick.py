@@ -223,8 +223,8 @@ def _through_poses(problem: Problem, extremes: dict[int, _Extremes]) -> list[Out
     model = search.model
     beams = beams_of(arm, problem.load_cases)
     bounds = [
-        _Bound("rigid, weightless links on these joints", _beams(beams, extremes, rigid=True)),
-        _Bound("the stiffest and lightest links that may be chosen", _beams(beams, extremes, rigid=False)),
+        _Bound("rigid, weightless links on these joints", _beams(arm, beams, extremes, rigid=True)),
+        _Bound("the stiffest and lightest links that may be chosen", _beams(arm, beams, extremes, rigid=False)),
     ]
     found: list[OutOfReach | None] = []
     try:
@@ -253,8 +253,9 @@ _VERBS = MappingProxyType(
 )
 
 
-def _beams(beams: Sequence[Beam], extremes: dict[int, _Extremes], *, rigid: bool) -> tuple[Beam, ...]:
-    """The links' beams; what shears counts as rigid, for no section bounds that."""
+def _beams(arm: Arm, beams: Sequence[Beam], extremes: dict[int, _Extremes], *, rigid: bool) -> tuple[Beam, ...]:
+    """The links' beams; what shears counts as rigid, and what twists where warping is held, for no section bounds
+    that."""
     changed: list[Beam] = []
     for link, beam in enumerate(beams):
         extreme = extremes.get(link)
@@ -270,7 +271,7 @@ def _beams(beams: Sequence[Beam], extremes: dict[int, _Extremes], *, rigid: bool
                     axial_rigidity=extreme.axial,
                     flexural_rigidity_height=extreme.height,
                     flexural_rigidity_width=extreme.width,
-                    torsional_rigidity=extreme.torsion,
+                    torsional_rigidity=None if arm.links[link].asymmetry.warps else extreme.torsion,
                     thermal_expansion=_expansion(beam, extreme),
                 )
             )

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, cast
 
-from linkwright.core.arm.chain.chain import askew
 from linkwright.core.arm.figures import Limit
 from linkwright.core.sections import SHAPES
 from linkwright.core.sections.taper import Tapered, size_ratio
@@ -18,9 +17,8 @@ if TYPE_CHECKING:
 
 
 def can_be_chosen(shape: str) -> bool:
-    """Whether a shape has dimensions to optimise and bends in the plane of its load, as the optimiser takes it to."""
-    kind = SHAPES[shape]
-    return bool(kind.variables) and not askew(kind.start(1e-3, (0.02, 0.2), (0.002, 0.02)))
+    """Whether a shape has dimensions to optimise."""
+    return bool(SHAPES[shape].variables)
 
 
 def check_problem(mapping: Mapping, problem: Problem) -> None:

@@ -8,6 +8,7 @@ from functools import cached_property
 
 import numpy as np
 
+from linkwright.core.arm.bodies.warping import held_torsion, warping_of
 from linkwright.core.arm.chain.beam import elastic_beam
 from linkwright.core.arm.chain.chain import Arm
 from linkwright.core.arm.chain.prices import price_by_length, price_by_mass
@@ -60,23 +61,26 @@ class Table:
             [self._row(option, link_list.link, shear, priced, strong) for option in link_list.options]
             for link_list in self.lists
         ]
-        self._beams, self._sections, self._prices, self._allowed = (
-            [np.array([entry[place] for entry in row]) for row in rows] for place in range(4)
+        self._beams, self._sections, self._prices, self._allowed, self._warping = (
+            [np.array([entry[place] for entry in row]) for row in rows] for place in range(5)
         )
         self._by_link: dict[Limit, list[Array]] = {}
 
     def _row(
         self, option: Option, link: int, shear: bool, priced: bool, strong: bool
-    ) -> tuple[Array, Array, float, float]:
-        """Beam values without length, section values, price (EUR/kg) and the stress that is allowed (Pa)."""
+    ) -> tuple[Array, Array, float, float, float]:
+        """Beam values without length and held warping, section values, price (EUR/kg), the stress that is allowed (Pa)
+        and the rigidity of warping (N*m^4)."""
         values = option.material.at(self.arm.temperature, calibrated_temperature(self.problem.load_cases))
         properties = option.section.properties(0.3 if values.poisson_ratio is None else values.poisson_ratio)
         beam = elastic_beam(1.0, properties, values, shear=shear)
+        warps = 0.0 if beam.torsional_rigidity is None else values.need("elastic_modulus") * properties.warping_constant
         price = price_by_mass(self.problem.arm, option.material) if priced else 0.0
         # The moduli that count for strength are those of `evaluate`.
         moduli = strength_values([option.section.properties(0.3)])
         share = self.problem.strength_share(link, option.material)
-        return beam_values([beam]), moduli, price, values.need("yield_strength") / share if strong else np.nan
+        allowed = values.need("yield_strength") / share if strong else np.nan
+        return beam_values([beam]), moduli, price, allowed, float(warps)
 
     def figures(self, picks: Integers) -> Figures:
         """The figures of designs: rows of picks are an option of each list, then a choice of lengths."""
@@ -88,6 +92,7 @@ class Table:
         mass = np.full(count, self._rigid_mass.sum())
         for number, link in enumerate(link_list.link for link_list in self.lists):
             p[:, link] = self._beams[number][picks[:, number]]
+            self._hold_warping(p[:, link], lengths[:, link], link, self._warping[number][picks[:, number]])
             s[:, link] = self._sections[number][picks[:, number]]
             masses = p[:, link, BEAM_FIELDS.index("mass_per_length")] * lengths[:, link]
             mass += masses
@@ -96,6 +101,15 @@ class Table:
         p[:, :, BEAM_FIELDS.index("length")] = lengths
         width = len(STRENGTH_FIELDS) * size
         return Figures(p.reshape(count, -1), s.reshape(count, width), mass, cost, lengths.sum(axis=1))
+
+    def _hold_warping(self, p: Array, lengths: Array, link: int, warping: Array) -> None:
+        """Beam values (N, B) of a link (from 0), in place, with what its ends hold of warping."""
+        if not warping.any():
+            return
+        stiff, by_weight = BEAM_FIELDS.index("torsional_rigidity"), BEAM_FIELDS.index("torsion_by_weight")
+        with np.errstate(divide="ignore"):
+            held = held_torsion(lengths, p[:, stiff], warping, warping_of(self.arm, link))
+        p[:, stiff], p[:, by_weight] = held
 
     def totals(self, figures: Figures) -> Totals:
         """The sums over designs, as arrays."""

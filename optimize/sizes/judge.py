@@ -275,7 +275,7 @@ class Judge:
 
     def _reaching(self, pose: Pose, lengths: int) -> Array | None:
         search, p = self.context.search, self._with_lengths(lengths)
-        used = np.array([1.0, 1.0, float(not self.context.model.planar)])
+        used = np.array([1.0, 1.0, float(not self.context.model.arm.flat)])
         target = np.array([pose.tip])
         q, miss = pull(lambda q: search.motion(q, p), np.array([pose.q]), target, search.lower, search.upper, used)
         return q[0] if miss[0] < 1e-7 else None

@@ -13,7 +13,7 @@ from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 from typing import cast
 
-from linkwright.core.arm.chain.chain import Arm, askew
+from linkwright.core.arm.chain.chain import Arm
 from linkwright.core.optimize.ranges import Ranges
 from linkwright.core.optimize.reading.by_link import by_link
 from linkwright.core.sections import SHAPES, SectionError, Stock, StockSize, load_stock
@@ -87,7 +87,6 @@ def _read(entry: object, file: object, path: str, shapes: Sequence[str], named: 
                 sizes = _named(known, name)
             except InputError as error:
                 raise InputError(file, path, error.message) from None
-            _refuse_askew(sizes[0].section, file, path)
             listed += [Listed(size.section, size) for size in sizes]
         return list({item.stock.name: item for item in listed if item.stock is not None}.values())
     with Mapping(entry, file=file, key=path).reading() as body:
@@ -120,8 +119,6 @@ def _combined(body: Mapping, shape: str, named: Collection[str]) -> list[Listed]
             continue
         if not section.check():
             listed.append(Listed(section))
-    if listed:
-        _refuse_askew(listed[0].section, body.file, body.key)
     return listed
 
 
@@ -156,11 +153,6 @@ def _values(body: Mapping, name: str) -> list[float]:
     if not values or min(values) <= 0.0:
         raise body.error(name, "needs lengths above zero, e.g. [40 mm, 50 mm]")
     return list(dict.fromkeys(values))
-
-
-def _refuse_askew(section: Section, file: object, path: str) -> None:
-    if askew(section):
-        raise InputError(file, path, f"a {section.shape} bends askew, and cannot be chosen")
 
 
 def _within(section: Section, ranges: Ranges) -> bool:

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from linkwright.core.arm.errors.model import needs_shear_modulus
 from linkwright.core.arm.figures import KEPT_WITHIN, Limit, OfLinks, excess
-from linkwright.core.optimize.choice.at_once.cells import COLUMNS
+from linkwright.core.optimize.choice.at_once.cells import COLUMNS, twisted
 from linkwright.core.optimize.choice.at_once.cells import columns_of as columns_of_sections
 from linkwright.core.optimize.exchange.design import material_row, material_values
 from linkwright.core.optimize.problem import Problem
@@ -39,7 +39,7 @@ def link_lists(problem: Problem) -> tuple[LinkList, ...]:
             continue
         materials = problem.materials_of(number)
         shares = tuple(problem.strength_share(number, material) for material in materials)
-        key = (id(listed), materials, shares, problem.limits_on_link(number))
+        key = (id(listed), materials, shares, problem.limits_on_link(number), twisted(problem, number))
         if key not in made:
             every = [
                 Option(item.section, material, None if item.stock is None else item.stock.name, m * len(listed) + k)
@@ -95,7 +95,7 @@ def _keeps(problem: Problem, limit: Limit, option: Option) -> bool:
 
 def columns_of(problem: Problem, link: int, options: Sequence[Option]) -> Array:
     """The columns (N, K) of options of a link (from 0)."""
-    shear = needs_shear_modulus(problem.arm, problem.load_cases)
+    shear, ends = needs_shear_modulus(problem.arm, problem.load_cases), twisted(problem, link)
     groups: dict[tuple[str, tuple[str, ...], str], list[int]] = {}
     for place, option in enumerate(options):
         key = (option.section.shape, tuple(option.section.given()), option.material.name)
@@ -106,7 +106,7 @@ def columns_of(problem: Problem, link: int, options: Sequence[Option]) -> Array:
         sizes = {name: np.array([float(getattr(options[k].section, name)) for k in places]) for name in names}
         values = material_values(material_row((first.material,), problem, link), 0)
         section = type(first.section)(**sizes)  # type: ignore[call-arg]
-        columns[places] = columns_of_sections(section, values, (len(places),), shear=shear)
+        columns[places] = columns_of_sections(section, values, (len(places),), shear=shear, twisted=ends)
     return columns
 
 

@@ -14,7 +14,7 @@ from linkwright.core.arm.error_map import error_map
 from linkwright.core.arm.evaluation import Evaluation, evaluate
 from linkwright.core.arm.figures import Limit, broken, excess
 from linkwright.core.arm.worst.workspace import Unreachable
-from linkwright.core.optimize.exchange.design import numeric_beams
+from linkwright.core.optimize.exchange.design import numeric_beams, with_chosen_links
 from linkwright.core.optimize.exchange.exchange import context_of
 from linkwright.core.optimize.nominal import Options
 from linkwright.core.optimize.problem import Problem
@@ -119,7 +119,7 @@ def listed_optimum(problem: Problem, options: Options, given: Problem) -> Optimi
     """The best design of a problem with `sizes` whose drives are chosen; `given` is the problem as people wrote it.
     Raises as `listed_structures` does."""
     began = time.perf_counter()
-    context = context_of(replace(problem, sizes=None))
+    context = context_of(replace(with_chosen_links(problem), sizes=None))
     before = options.evaluated(given)
     try:
         kind = FreeListSearch if problem.free_lengths else ListSearch

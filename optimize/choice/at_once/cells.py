@@ -17,6 +17,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from linkwright.core.arm.bodies.warping import FREE, Warping, warping_of
 from linkwright.core.arm.chain.beam import elastic_beam
 from linkwright.core.arm.errors.model import needs_shear_modulus
 from linkwright.core.arm.figures import ChosenMaterial, Limit, OfLinks
@@ -103,6 +104,7 @@ class Cells:
         """`link` (from 0) is the one, or the first of those alike."""
         self.problem, self.options, self.ranges = problem, tuple(options), problem.ranges[link]
         self._shear = needs_shear_modulus(problem.arm, problem.load_cases)
+        self._twisted = twisted(problem, link)
         self._limits = problem.limits_on_link(link)
         shapes = tuple(dict.fromkeys(shape for shape, _ in self.options))
         self._kinds = tuple(_kind_of(shape, self.ranges) for shape in shapes)
@@ -210,7 +212,7 @@ class Cells:
         count = points.shape[:2]
         with np.errstate(all="ignore"):
             section = kind.section([np.exp(points[..., k]) for k in range(points.shape[2])])
-            columns = columns_of(section, materials, count, shear=self._shear)
+            columns = columns_of(section, materials, count, shear=self._shear, twisted=self._twisted)
             rows = [
                 np.broadcast_to(np.asarray(value, dtype=float), count)
                 for value in section_rows(section, materials, self.ranges, self._limits)
@@ -348,12 +350,29 @@ def _sagging(values: Array, corners: int) -> Array:
     return _CURVED * (0.5 * (sides[:, :half] + sides[:, half:]) - middle)
 
 
-def columns_of(section: Section, materials: ChosenMaterial, shape: tuple[int, ...], *, shear: bool) -> Array:
+@dataclass(frozen=True)
+class Twisted:
+    """How a link's length (m) and ends make it stiffer against twisting than its section alone."""
+
+    length: float
+    warping: Warping
+
+
+def twisted(problem: Problem, link: int) -> Twisted:
+    """That of a link (from 0); of one whose length is free none, as torsion is then in no bound where it counts."""
+    arm = problem.arm
+    return Twisted(arm.links[link].length, FREE if problem.free_lengths else warping_of(arm, link))
+
+
+def columns_of(
+    section: Section, materials: ChosenMaterial, shape: tuple[int, ...], *, shear: bool, twisted: Twisted
+) -> Array:
     """The columns (*shape, K) of sections in materials."""
     columns = np.zeros((*shape, len(COLUMNS)))
     price: Any = materials.cost
     with np.errstate(all="ignore"):
-        for k, feature in enumerate(features(section.properties(materials.poisson_ratio), materials, shear=shear)):
+        found = features(section.properties(materials.poisson_ratio), materials, shear=shear, twisted=twisted)
+        for k, feature in enumerate(found):
             columns[..., k] = np.log(np.broadcast_to(feature, shape))
         columns[..., PRICE] = np.log(np.maximum(price * np.exp(columns[..., 0]), _LEAST_PRICE))
     columns[..., EXPANSION] = materials.thermal_expansion
@@ -361,9 +380,9 @@ def columns_of(section: Section, materials: ChosenMaterial, shape: tuple[int, ..
     return columns
 
 
-def features(found: SectionProperties, materials: ChosenMaterial, *, shear: bool) -> list[Any]:
+def features(found: SectionProperties, materials: ChosenMaterial, *, shear: bool, twisted: Twisted) -> list[Any]:
     """A section's features but for expansion (see `products.FEATURES`), in floats, arrays or symbols."""
-    beam = elastic_beam(1.0, found, materials, shear=shear)
+    beam = elastic_beam(twisted.length, found, materials, shear=shear, warping=twisted.warping)
     across = (beam.torsional_rigidity, beam.shear_rigidity_height, beam.shear_rigidity_width)
     rigid = [beam.axial_rigidity, beam.flexural_rigidity_height, beam.flexural_rigidity_width, *across]
     strong = [

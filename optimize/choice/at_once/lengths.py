@@ -83,6 +83,8 @@ class LengthRows:
     def _terms(self, cut: ErrorCut, p: Array) -> dict[Power, Array] | None:
         """The error at a pose, each product with powers of lengths; None where it is no such sum."""
         model = self.context.model
+        if not model.planar and any(link.asymmetry.warps for link in model.arm.links):
+            return None  # how stiff a link is against twisting goes with its length
         own = p.reshape(model.arm.size, len(BEAM_FIELDS))
         read: list[Mapping[Power, Array]] = []
         for lengths in self._samples:

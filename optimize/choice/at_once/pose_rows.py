@@ -23,6 +23,7 @@ from linkwright.core.optimize.choice.pose_products import (
     compression_products,
     error_vectors,
     inertia_products,
+    lopsided,
     stress_products,
 )
 from linkwright.core.optimize.choice.products import Power, Products
@@ -172,9 +173,13 @@ def _own(problem: Problem, arm: Arm) -> tuple[dict[str, dict[Power, Array]], dic
 
 def _family_rows(problem: Problem, name: str, prepared: Any, cut: Cut, arm: Arm, p: Array) -> list[PoseRow]:
     size = arm.size
+    if name == "strengths" and bends_askew(arm):
+        return []
     if name == "strengths":
         return [_scalar(item, size, limit) for limit, item in strength_products(problem, prepared[cut.group], cut, p)]
     if isinstance(prepared, PreparedStiffness):
+        if lopsided(arm, planar=False):
+            return []
         return _stiffness(problem, prepared, cut, p)
     if name != "modes":
         return []
@@ -210,6 +215,11 @@ def _stiffness(problem: Problem, prepared: PreparedStiffness, cut: Cut, p: Array
     for (link, k), value in zip(soft, moved[1:-1], strict=True):
         terms[((link, SOFT[k]),)] = limit * (value - moved[0]) * abs(values[link, k])
     return [row_of(terms, size, objective=False, scale=1.0, shift=-1.0, limit=number)]
+
+
+def bends_askew(arm: Arm) -> bool:
+    """Whether a link may bend out of its load's plane: its stress is then no sum of products."""
+    return any(link.asymmetry.askew for link in arm.links)
 
 
 def _scalar(products: Products, size: int, limit: int) -> PoseRow:
