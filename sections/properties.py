@@ -6,6 +6,9 @@ from dataclasses import dataclass
 
 from linkwright.core.sections.numeric import Number, atan2, sqrt
 
+_UNFELT = 1e6
+"""How much larger than the section modulus a modulus is that stands for no stress."""
+
 
 @dataclass(frozen=True)
 class SectionProperties:
@@ -44,6 +47,12 @@ class SectionProperties:
         shear_centre_z: the same along z, m.
         warping_constant: Vlasov's, about the shear centre, m^6; zero where a section hardly warps (closed or
         solid).
+        shear_stress_area_y: a shear force along y over the greatest shear stress that it makes (Jourawski's, at the
+            centroid's axis), m^2; where a shape does not say, 0.8 of the shear area, which is 2/3 of a rectangle.
+        shear_stress_area_z: the same along z, m^2.
+        junction_modulus_y: a moment about y over its stress where web and flange meet, m^3; where they do not, so large
+            that there is none.
+        junction_shear_area_z: a shear force along z over its stress in the web where that meets a flange, m^2.
     """
 
     area: Number
@@ -67,6 +76,18 @@ class SectionProperties:
     shear_centre_y: Number = 0.0
     shear_centre_z: Number = 0.0
     warping_constant: Number = 0.0
+    shear_stress_area_y: Number = None
+    shear_stress_area_z: Number = None
+    junction_modulus_y: Number = None
+    junction_shear_area_z: Number = None
+
+    def __post_init__(self) -> None:
+        for side in ("y", "z"):
+            if getattr(self, f"shear_stress_area_{side}") is None:
+                object.__setattr__(self, f"shear_stress_area_{side}", 0.8 * getattr(self, f"shear_area_{side}"))
+        if self.junction_modulus_y is None or self.junction_shear_area_z is None:
+            object.__setattr__(self, "junction_modulus_y", _UNFELT * self.section_modulus_y)
+            object.__setattr__(self, "junction_shear_area_z", self.shear_stress_area_z)
 
     @property
     def shear_centre(self) -> tuple[Number, Number]:

@@ -311,6 +311,13 @@ def common_properties(*, shear: tuple[Number, Number], **values: Number) -> Sect
     )
 
 
+def stress_area(second_moment: Number, width: Number, first_moment: Number) -> Number:
+    """A shear force over its stress where walls of that width (m) are cut, I b / Q, m^2; ``first_moment`` (m^3) is that
+    of all beyond the cut about the centroid (D. I. Jourawski 1856; Gere & Goodno, Mechanics of Materials, shear
+    stresses in beams)."""
+    return second_moment * width / first_moment
+
+
 def hollow_torsion_modulus(enclosed: Number, thickness: Number, torsion_constant: Number) -> Number:
     """W_t of a closed wall, m^3: Bredt's stress T / (2 A_m t), and that of the wall's own twist, T t / (2 J).
 

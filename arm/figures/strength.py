@@ -1,10 +1,14 @@
 """How near a link is to yielding, buckling, or bending beyond what linear theory can say.
 
 Stress: normal stress of axial force and of bending in both planes, added up at the corner where they meet (exact for
-bending in one plane, safe for round sections bent in two), with torsional shear by von Mises. Transverse shear
-vanishes at the fibre where bending is largest and is left out. Buckling: each link as an Euler column fixed at its
-joint and free at its end (effective length 2 L; Gere & Goodno, Mechanics of Materials, columns), under the largest
-compression along it. Deflection: a link's own bending against a tenth of its length, where linear theory ends.
+bending in one plane, safe for round sections bent in two), with torsional shear by von Mises. At both ends of a link
+also where transverse shear counts (Jourawski's V Q / (I b)): on the neutral axis, and where web and flange meet, with
+what bends there. Of solid and round sections nothing between is worse.
+
+Buckling: each link as an Euler column fixed at its joint and free at its end (effective length 2 L; Gere & Goodno,
+Mechanics of Materials, columns), under what presses its far end and its own weight, which is spread along it (along a
+tapered link it counts as if it were at the far end). Deflection: a link's own bending against a tenth of its length,
+where linear theory ends.
 """
 
 from __future__ import annotations
@@ -12,6 +16,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import reduce
 from typing import TYPE_CHECKING, Any
 
 import casadi as ca
@@ -37,10 +42,25 @@ if TYPE_CHECKING:
     from linkwright.core.arm.worst.search import WorstSearch
     from linkwright.core.sections.properties import SectionProperties
 
-STRENGTH_FIELDS = ("area", "section_modulus_y", "section_modulus_z", "torsion_modulus")
+STRENGTH_FIELDS = (
+    "area",
+    "section_modulus_y",
+    "section_modulus_z",
+    "torsion_modulus",
+    "shear_stress_area_y",
+    "shear_stress_area_z",
+    "junction_modulus_y",
+    "junction_shear_area_z",
+)
 """The order in which `strength_values` lists each link's section."""
 STATIONS = (0.0, 0.25, 0.5, 0.75, 1.0)
 """Where along a link its stress is looked at, as a share of its length from its joint."""
+STRESSES = len(STATIONS) + 2
+"""So many stresses each link has: where bending is largest at `STATIONS`, and where shear counts at both ends."""
+_SPREAD = (math.pi**2 / 4.0) / 7.837
+"""What a weight spread evenly along a column fixed at its foot counts against one at its end: it buckles under
+7.837 EI/L^2 where that does under pi^2/4 EI/L^2 (A. G. Greenhill 1881; S. P. Timoshenko & J. M. Gere, Theory of Elastic
+Stability, 2nd ed., 1961, art. 2.12)."""
 _CLIMBS = 3
 """Climbs for each station of each link, and for each link's compression."""
 LARGEST_DEFLECTION = 0.1
@@ -60,9 +80,10 @@ class StrengthCase(Expressions):
 
 
 def strength_values(sections: Sequence[SectionProperties | None]) -> Array:
-    """Each link's area and moduli as one row (4 per link, in the order of `STRENGTH_FIELDS`); 1 where rigid."""
+    """Each link's areas and moduli as one row (in the order of `STRENGTH_FIELDS`, link after link); 1 where rigid."""
     rows = [
-        [1.0] * 4 if section is None else [float(getattr(section, f)) for f in STRENGTH_FIELDS] for section in sections
+        [1.0] * len(STRENGTH_FIELDS) if section is None else [float(getattr(section, f)) for f in STRENGTH_FIELDS]
+        for section in sections
     ]
     return np.array(rows).ravel()
 
@@ -75,7 +96,11 @@ def strength_case(arm: Arm, load: LoadCase) -> StrengthCase:
     s = column_of_symbols("s", len(STRENGTH_FIELDS) * arm.size)
     state = solve(arm, parts(q), symbolic_beams(arm, p), load)
     links = tuple(index for index, link in enumerate(arm.links) if link.elastic)
-    stress = [item for i in links for item in _stresses(state.links[i], _entries(s, i))]
+    stress = [
+        item
+        for i in links
+        for item in (*_stresses(state.links[i], _entries(s, i)), *_sheared(state.links[i], _entries(s, i)))
+    ]
     compression = [_compression(state, i) for i in links]
     deflection = [_deflection(state.links[i]) for i in links]
     columns = (ca.vertcat(ca.SX(0, 1), *column) for column in (stress, compression, deflection))
@@ -119,31 +144,74 @@ def _stresses(link: LinkState, section: Sequence[Any]) -> list[Scalar]:
 
 def _ratios(at: Station) -> tuple[float, ...]:
     """In the order of `STRENGTH_FIELDS`."""
-    return tuple(getattr(at, name) for name in STRENGTH_FIELDS)
+    size = (at.area, at.section_modulus_y, at.section_modulus_z, at.torsion_modulus)
+    return (*size, at.area, at.area, at.section_modulus_y, at.area)
 
 
 def _stress_of(link: LinkState, section: Sequence[Any], rest: Scalar, beyond: Vector, half: Vector) -> Scalar:
     """The stress a distance `rest` (m) from the far end; `beyond` is the weight from there on, and `half` what at the
     far end has its moment."""
-    area, modulus_y, modulus_z, torsion_modulus = section
+    area, modulus_y, modulus_z, torsion_modulus, *_ = section
     force: Vector = add(link.force, beyond)
-    moment = add(link.moment, cross(scale(rest, link.along), add(link.force, half)))
     axial = _magnitude(dot(force, link.along)) / area
-    in_height, in_width = dot(moment, link.width), times(-1.0, dot(moment, link.height))
-    if not (isinstance(link.beam.flexural_rigidity_coupling, float) and link.beam.flexural_rigidity_coupling == 0.0):
-        # The moments that would bend a symmetric section as much as these bend this one.
-        curved = in_both_planes(link, in_height, in_width)
-        in_height = times(curved[0], link.beam.flexural_rigidity_height)
-        in_width = times(curved[1], link.beam.flexural_rigidity_width)
+    in_height, in_width = _moments(link, rest, half)
     bending = plus(_magnitude(in_height) / modulus_y, _magnitude(in_width) / modulus_z)
     shear = dot(link.moment, link.along) / torsion_modulus
     normal = plus(axial, bending)
     return ca.sqrt(normal * normal + 3.0 * shear * shear + 1e-6)
 
 
+def _moments(link: LinkState, rest: Scalar, half: Vector) -> tuple[Scalar, Scalar]:
+    """The moments (N*m) that bend a link towards its height and width a distance `rest` (m) from its far end."""
+    moment = add(link.moment, cross(scale(rest, link.along), add(link.force, half)))
+    in_height, in_width = dot(moment, link.width), times(-1.0, dot(moment, link.height))
+    if not (isinstance(link.beam.flexural_rigidity_coupling, float) and link.beam.flexural_rigidity_coupling == 0.0):
+        # The moments that would bend a symmetric section as much as these bend this one.
+        curved = in_both_planes(link, in_height, in_width)
+        in_height = times(curved[0], link.beam.flexural_rigidity_height)
+        in_width = times(curved[1], link.beam.flexural_rigidity_width)
+    return in_height, in_width
+
+
+def _sheared(link: LinkState, section: Sequence[Any]) -> list[Scalar]:
+    """The stresses where shear counts, at the joint and at the far end: a transverse force changes only by the link's
+    own weight between them."""
+    far = (0.0, scale(0.0, link.weight), scale(0.0, link.weight))
+    near = (link.beam.length, link.weight, scale(link.beam.taper.balance, link.weight))
+    stations = link.beam.taper.stations
+    smaller = [value * ratio for value, ratio in zip(section, _ratios(stations[-1]), strict=True)] if stations else None
+    return [_sheared_at(link, section, *near), _sheared_at(link, smaller or section, *far)]
+
+
+def _sheared_at(link: LinkState, section: Sequence[Any], rest: Scalar, beyond: Vector, half: Vector) -> Scalar:
+    """The greatest equivalent stress on the neutral axis of bending in height and in width, where both shear stresses
+    meet, and where web and flange meet; the rest as in `_stress_of`."""
+    area, modulus_y, modulus_z, torsion_modulus, across, along, junction, junction_area = section
+    force: Vector = add(link.force, beyond)
+    axial = _magnitude(dot(force, link.along)) / area
+    in_height, in_width = _moments(link, rest, half)
+    by_height, by_width = _magnitude(dot(force, link.height)), _magnitude(dot(force, link.width))
+    twisted = _magnitude(dot(link.moment, link.along)) / torsion_modulus
+    other = _magnitude(in_width) / modulus_z
+
+    def together(normal: Scalar, shear: Scalar) -> Scalar:
+        return normal * normal + 3.0 * shear * shear
+
+    both = ca.sqrt(ca.SX((by_height / along) ** 2 + (by_width / across) ** 2) + 1e-12)
+    squares = [
+        together(axial + other, by_height / along + twisted),
+        together(axial + _magnitude(in_height) / modulus_y, by_width / across + twisted),
+        together(axial, both + twisted),
+        together(axial + other + _magnitude(in_height) / junction, by_height / junction_area + twisted),
+    ]
+    return ca.sqrt(reduce(ca.fmax, map(ca.SX, squares)) + 1e-6)
+
+
 def _compression(state: PoseState, index: int) -> Scalar:
     link = state.links[index]
-    pressing = times(-1.0, dot(link.base_force, link.along))
+    # Stable loads are a convex set, so that a straight line between both Euler loads is on the safe side of it.
+    weight = link.weight if link.beam.taper.parts else scale(_SPREAD, link.weight)
+    pressing = times(-1.0, dot(add(link.force, weight), link.along))
     length = link.beam.length
     in_height, in_width = link.beam.flexural_rigidity_height, link.beam.flexural_rigidity_width
     assert in_height is not None
@@ -198,7 +266,7 @@ def worst_strength(
     links = cases[0].links
     count = len(links)
     results = [tuple(np.asarray(out) for out in case.vectorised(q, p, s)) for case in cases]
-    stress = np.stack([out[0].reshape(len(q), count, len(STATIONS)).max(axis=2) for out in results])
+    stress = np.stack([out[0].reshape(len(q), count, STRESSES).max(axis=2) for out in results])
     compression = np.stack([out[1] for out in results])
     deflection = np.stack([out[2] for out in results])
     greatest = stress.max(axis=(0, 1)) if count else np.zeros(0)
@@ -281,8 +349,8 @@ class Strength(PoseFamily[StrengthResult]):
                 elif limit.name == SAFETY_FACTOR.name:
                     material = design.materials[link]
                     assert material is not None
-                    for station in range(len(STATIONS)):
-                        share = stress[len(STATIONS) * entry + station] * limit.value
+                    for station in range(STRESSES):
+                        share = stress[STRESSES * entry + station] * limit.value
                         share = share / material.allowed_stress
                         yield number, ca.log(share) - held.slack[number]
 
@@ -345,7 +413,7 @@ class Strength(PoseFamily[StrengthResult]):
         """The least factors over the links."""
         strength = prepared[group]
         stress, compression, _ = strength.vectorised(q, designs.p, designs.sections)
-        greatest = np.reshape(stress, (len(q), len(strength.links), len(STATIONS))).max(axis=2)
+        greatest = np.reshape(stress, (len(q), len(strength.links), STRESSES)).max(axis=2)
         yields = designs.allowed_stresses[:, list(strength.links)]
         with np.errstate(divide="ignore"):
             pressed = np.maximum(compression.max(axis=1), 0.0)

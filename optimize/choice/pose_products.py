@@ -19,7 +19,7 @@ from linkwright.core.arm.chain.beam import Beam
 from linkwright.core.arm.chain.chain import Arm
 from linkwright.core.arm.errors.model import BEAM_FIELDS, ErrorModel
 from linkwright.core.arm.figures import Cut
-from linkwright.core.arm.figures.strength import STATIONS, STRENGTH_FIELDS, StrengthCase
+from linkwright.core.arm.figures.strength import STATIONS, STRENGTH_FIELDS, STRESSES, StrengthCase
 from linkwright.core.arm.limits.modes import SegmentedArm, work_and_inertia
 from linkwright.core.optimize.exchange.binding_poses import ErrorCut
 from linkwright.core.sections.numeric import Array
@@ -227,7 +227,7 @@ def stress_products(case: StrengthCase, cut: Cut, p: Array) -> dict[tuple[int, i
         for station in range(len(STATIONS)):
             terms: dict[Power, float] = {}
             for name, values in zip(names, every, strict=True):
-                column = values[:, len(STATIONS) * entry + station]
+                column = values[:, STRESSES * entry + station]
                 factor = (link, FEATURES.index(name))
                 slopes = (column[1:] - column[0]) / small
                 terms[(factor,)] = float(column[0] - slopes.sum())

@@ -20,6 +20,7 @@ from linkwright.core.sections.section import (
     common_properties,
     opening,
     poisson_square,
+    stress_area,
 )
 
 
@@ -88,6 +89,8 @@ class Angle(Section):
             centroid_y=y,
             centroid_z=z,
             product_moment_yz=sum(a * dy * dz for a, dy, dz in legs),
+            shear_stress_area_y=stress_area(second_moment_z, t, 0.5 * t * (b - y) ** 2),
+            shear_stress_area_z=stress_area(second_moment_y, t, 0.5 * t * (h - z) ** 2),
             shear_centre_y=shear_centre[0],
             shear_centre_z=shear_centre[1],
             warping_constant=angle_warping_constant(b, h, t),

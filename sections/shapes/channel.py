@@ -18,6 +18,7 @@ from linkwright.core.sections.section import (
     closed,
     common_properties,
     opening,
+    stress_area,
 )
 
 
@@ -82,6 +83,10 @@ class Channel(Section):
             height=h,
             centroid_y=y,
             shear_centre_y=-channel_shear_centre(b, h, t, w, y),
+            shear_stress_area_y=stress_area(second_moment_z, 2.0 * t, t * (b - y) ** 2),
+            shear_stress_area_z=stress_area(second_moment_y, w, 0.5 * b * t * (h - t) + 0.125 * w * clear**2),
+            junction_modulus_y=2.0 * second_moment_y / clear,
+            junction_shear_area_z=stress_area(second_moment_y, w, 0.5 * b * t * (h - t)),
             warping_constant=channel_warping_constant(b, h, t, w),
         )
 

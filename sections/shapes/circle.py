@@ -52,6 +52,8 @@ class Circle(Section):
             plastic_modulus_y=d**3 / 6.0,
             plastic_modulus_z=d**3 / 6.0,
             torsion_modulus=math.pi / 16.0 * d**3,
+            shear_stress_area_y=0.75 * area,
+            shear_stress_area_z=0.75 * area,
             width=d,
             height=d,
         )

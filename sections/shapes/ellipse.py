@@ -54,6 +54,8 @@ class Ellipse(Section):
             plastic_modulus_y=b * h**2 / 6.0,
             plastic_modulus_z=h * b**2 / 6.0,
             torsion_modulus=0.25 * area * minimum(b, h),
+            shear_stress_area_y=0.75 * area,
+            shear_stress_area_z=0.75 * area,
             width=b,
             height=h,
         )

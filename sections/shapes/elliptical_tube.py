@@ -22,6 +22,7 @@ from linkwright.core.sections.section import (
     ellipse_points,
     hollow_torsion_modulus,
     opening,
+    stress_area,
 )
 
 NODES = 12
@@ -113,6 +114,8 @@ class EllipticalTube(Section):
             plastic_modulus_y=4.0 * weighted(WHOLE, up.first),
             plastic_modulus_z=4.0 * weighted(WHOLE, right.first),
             torsion_modulus=hollow_torsion_modulus(enclosed, t, torsion),
+            shear_stress_area_y=stress_area(second_moment_z, 2.0 * t, 2.0 * weighted(WHOLE, right.first)),
+            shear_stress_area_z=stress_area(second_moment_y, 2.0 * t, 2.0 * weighted(WHOLE, up.first)),
             width=b,
             height=h,
         )

@@ -25,6 +25,7 @@ from linkwright.core.sections.section import (
     common_properties,
     design_variables,
     opening,
+    stress_area,
 )
 
 
@@ -154,6 +155,10 @@ class ISection(Section):
         shear_centre, warping = i_section_warping(top, None if same else bottom, height, web, centroid)
         moments = (area, centroid, second_moment_y, second_moment_z)
         shear = i_section_shear_factors(top, None if same else bottom, height, web, poisson_ratio, *moments)
+        upper = top.width * top.thickness * (height - 0.5 * top.thickness - centroid)
+        lower = bottom.width * bottom.thickness * (centroid - 0.5 * bottom.thickness)
+        ends = height - top.thickness - centroid, centroid - bottom.thickness
+        junction = ends[0] if same else maximum(*ends)
         radius = self.root_radius
         if radius is not None:
             without = i_section_shear_factors(top, None, height, web, 0.0, *moments)
@@ -182,6 +187,14 @@ class ISection(Section):
             centroid_z=centroid,
             shear_centre_z=shear_centre,
             warping_constant=warping,
+            shear_stress_area_y=stress_area(
+                second_moment_z, top.thickness + bottom.thickness, 0.125 * sum(t * b**2 for b, t, _ in parts)
+            ),
+            shear_stress_area_z=stress_area(
+                second_moment_y, web, upper + 0.5 * web * (height - top.thickness - centroid) ** 2
+            ),
+            junction_modulus_y=second_moment_y / junction,
+            junction_shear_area_z=stress_area(second_moment_y, web, upper if same else maximum(upper, lower)),
         )
 
     def outline(self) -> Outline:

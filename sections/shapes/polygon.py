@@ -122,6 +122,8 @@ class Polygon(Section):
             centroid_y=float(-low[0]),
             centroid_z=float(-low[1]),
             product_moment_yz=m.yz,
+            shear_stress_area_y=m.yy * _cut(loops, 0) / _first_moment(loops, 0),
+            shear_stress_area_z=m.zz * _cut(loops, 1) / _first_moment(loops, 1),
             shear_centre_y=numeric.shear_centre[0],
             shear_centre_z=numeric.shear_centre[1],
             warping_constant=numeric.warping_constant,
@@ -155,6 +157,34 @@ class Polygon(Section):
         """A polygon is fixed: it cannot be chosen within bounds."""
         del outer, wall
         return "polygon: its points are fixed, so it cannot be chosen within bounds"
+
+
+def _cut(loops: Sequence[NDArray[np.float64]], axis: int) -> float:
+    """Width (m) of what a line through the centroid cuts, where y (axis 0) or z (axis 1) is zero."""
+    places: list[float] = []
+    for loop in loops:
+        ends = np.roll(loop, -1, axis=0)
+        across = (loop[:, axis] > 0.0) != (ends[:, axis] > 0.0)
+        share = loop[across, axis] / (loop[across, axis] - ends[across, axis])
+        along = loop[across, 1 - axis] + share * (ends[across, 1 - axis] - loop[across, 1 - axis])
+        places += along.tolist()
+    places.sort()
+    return float(sum(places[1::2]) - sum(places[::2]))
+
+
+def _first_moment(loops: Sequence[NDArray[np.float64]], axis: int) -> float:
+    """First moment (m^3) about that line of what lies on its positive side, by Green's theorem edge by edge."""
+    total = 0.0
+    for loop in loops:
+        low, high = loop, np.roll(loop, -1, axis=0)
+        before, after = low[:, axis], high[:, axis]
+        step = high[:, 1 - axis] - low[:, 1 - axis]
+        change = np.where(before == after, 1.0, after - before)
+        start, end = np.maximum(before, 0.0), np.maximum(after, 0.0)
+        # Of an edge that crosses the line only the part beyond it counts.
+        beyond = np.where(before == after, (before > 0.0).astype(float), (end - start) / change)
+        total += float(np.sum(step * beyond * (start**2 + start * end + end**2))) / 6.0
+    return abs(total)
 
 
 def _as_points(key: str, points: Any) -> Points:

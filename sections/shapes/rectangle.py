@@ -53,6 +53,8 @@ class Rectangle(Section):
             plastic_modulus_y=0.25 * b * h**2,
             plastic_modulus_z=0.25 * h * b**2,
             torsion_modulus=rectangle_torsion_modulus(b, h),
+            shear_stress_area_y=b * h / 1.5,
+            shear_stress_area_z=b * h / 1.5,
             width=b,
             height=h,
         )

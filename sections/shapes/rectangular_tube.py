@@ -19,6 +19,7 @@ from linkwright.core.sections.section import (
     common_properties,
     design_variables,
     opening,
+    stress_area,
 )
 from linkwright.core.sections.shapes.rectangle import box
 
@@ -148,6 +149,10 @@ class RectangularTube(Section):
             plastic_modulus_y=plastic_y,
             plastic_modulus_z=plastic_z,
             torsion_modulus=2.0 * (b - web) * (h - flange) * minimum(flange, web),
+            shear_stress_area_y=stress_area(second_moment_z, 2.0 * flange, 0.5 * plastic_z),
+            shear_stress_area_z=stress_area(second_moment_y, 2.0 * web, 0.5 * plastic_y),
+            junction_modulus_y=2.0 * second_moment_y / (h - 2.0 * flange),
+            junction_shear_area_z=stress_area(second_moment_y, 2.0 * web, 0.5 * b * flange * (h - flange)),
             width=b,
             height=h,
         )

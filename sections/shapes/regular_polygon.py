@@ -20,6 +20,7 @@ from linkwright.core.sections.section import (
     hollow_torsion_modulus,
     opening,
     poisson_square,
+    stress_area,
 )
 
 
@@ -78,6 +79,8 @@ class Octagon(Section):
             plastic_modulus_y=plastic,
             plastic_modulus_z=plastic,
             torsion_modulus=self.torsion_modulus(torsion_constant),
+            shear_stress_area_y=stress_area(second_moment, (1.0 - self.inner) * width, 0.5 * plastic),
+            shear_stress_area_z=stress_area(second_moment, (1.0 - self.inner) * width, 0.5 * plastic),
             width=width,
             height=width,
         )

@@ -18,6 +18,7 @@ from linkwright.core.sections.section import (
     closed,
     common_properties,
     opening,
+    stress_area,
 )
 
 
@@ -83,6 +84,10 @@ class TSection(Section):
             height=h,
             centroid_z=h - below_top,
             shear_centre_z=t_shear_centre(b, h, t, w, below_top),
+            shear_stress_area_y=stress_area(second_moment_z, t, 0.125 * (t * b**2 + clear * w**2)),
+            shear_stress_area_z=stress_area(second_moment_y, w, 0.5 * w * (h - below_top) ** 2),
+            junction_modulus_y=second_moment_y / maximum(below_top - t, 0.01 * h),
+            junction_shear_area_z=stress_area(second_moment_y, w, b * t * (below_top - 0.5 * t)),
             warping_constant=t_warping_constant(b, h, t, w),
         )
 

@@ -53,6 +53,8 @@ class Triangle(Section):
             plastic_modulus_z=h * b**2 / 12.0,
             extreme_fibre_y=2.0 / 3.0 * h,
             torsion_modulus=triangle_torsion_modulus(b, h),
+            shear_stress_area_y=0.5 * b * h,
+            shear_stress_area_z=b * h / 3.0,
             width=b,
             height=h,
             centroid_z=h / 3.0,

@@ -21,6 +21,7 @@ from linkwright.core.sections.section import (
     hollow_torsion_modulus,
     opening,
     poisson_square,
+    stress_area,
 )
 
 
@@ -74,6 +75,8 @@ class TriangularTube(Section):
         second_moment_y = b * h**3 / 36.0 * (1.0 - square**2) + outer_area * (
             (solid - centroid) ** 2 - square * (hollow - centroid) ** 2
         )
+        # The wall that is cut at the apex, upright.
+        leg_cut = h - (t + inner * h)
         features = (b / (b + h), inner)
         solid_torsion = triangle_torsion_constant(b, h)
         torsion = solid_torsion * (1.0 - square**2) * exp(fitted("triangular_tube_torsion", features))
@@ -86,12 +89,24 @@ class TriangularTube(Section):
             plastic_modulus_y=self._plastic_modulus_y(),
             plastic_modulus_z=h * b**2 / 12.0 * (1.0 - inner**3),
             extreme_fibre_y=maximum(h - centroid, centroid),
+            shear_stress_area_y=stress_area(
+                h * b**3 / 48.0 * (1.0 - square**2), t + leg_cut, h * b**2 / 24.0 * (1.0 - inner**3)
+            ),
+            shear_stress_area_z=stress_area(
+                second_moment_y, 2.0 * t * sqrt(0.25 * b**2 + h**2) / h, self._first(centroid)
+            ),
             torsion_modulus=hollow_torsion_modulus(outer_area * (1.0 - 0.5 * t / radius) ** 2, t, torsion),
             width=b,
             height=h,
             centroid_z=centroid,
             shear_centre_z=triangular_tube_shear_centre(b, h, inner),
         )
+
+    def _first(self, line: Number) -> Number:
+        """First moment (m^3) of what lies above a line at this height about it, where that is its centroid's."""
+        b, h, t = self.width, self.height, self.thickness
+        inner = 1.0 - t / self.inscribed_radius
+        return 0.5 * (_distance_integral(b, h, 0.0, line) - _distance_integral(inner * b, inner * h, t, line))
 
     def _plastic_modulus_y(self) -> Number:
         """By the line that halves the area, found where it crosses base, hollow or point of the tube."""

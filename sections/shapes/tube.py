@@ -22,6 +22,7 @@ from linkwright.core.sections.section import (
     common_properties,
     ellipse_points,
     poisson_square,
+    stress_area,
 )
 
 
@@ -99,6 +100,8 @@ class Tube(Section):
             plastic_modulus_y=plastic,
             plastic_modulus_z=plastic,
             torsion_modulus=2.0 * second_moment / radius,
+            shear_stress_area_y=stress_area(second_moment, 2.0 * self.thickness, 0.5 * plastic),
+            shear_stress_area_z=stress_area(second_moment, 2.0 * self.thickness, 0.5 * plastic),
             width=self.diameter,
             height=self.diameter,
         )

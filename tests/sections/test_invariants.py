@@ -47,6 +47,7 @@ ORDERS = {
     "torsion_modulus": 3,
     "width": 1, "height": 1, "centroid_y": 1, "centroid_z": 1, "product_moment_yz": 4,
     "shear_centre_y": 1, "shear_centre_z": 1, "warping_constant": 6,
+    "shear_stress_area_y": 2, "shear_stress_area_z": 2, "junction_modulus_y": 3, "junction_shear_area_z": 2,
 }  # fmt: skip
 
 
@@ -214,7 +215,8 @@ def test_a_polygon_of_a_known_shape_agrees_with_it(nu: float) -> None:
     outer, inner = ([tuple(point) for point in loop[:-1]] for loop in tube.outline())
     expected, result = tube.properties(nu), Polygon(tuple(outer), (tuple(inner),)).properties(nu)
     for field in dataclasses.fields(expected):
-        if field.name != "torsion_modulus":
+        # A polygon does not say where web and flange meet.
+        if field.name not in ("torsion_modulus", "junction_modulus_y", "junction_shear_area_z"):
             value: Number = getattr(expected, field.name)
             room = 1e-12 if field.name.startswith("shear_centre") else 1e-15
             assert getattr(result, field.name) == pytest.approx(value, rel=0.011, abs=room)

@@ -14,6 +14,8 @@ from linkwright.core.arm.evaluation import evaluate
 from linkwright.core.arm.figures.strength import STRENGTHS, StrengthResult, strength_over
 from linkwright.core.materials.catalogue import load_catalogue
 from linkwright.core.materials.material import MissingProperty
+from linkwright.core.optimize.problem import read_problem
+from linkwright.core.optimize.run import optimise
 from linkwright.core.sections import build
 from tests.arm.builders import arm_of, rod_lines
 
@@ -94,6 +96,78 @@ def test_buckling_is_eulers_load_of_a_column_fixed_at_its_foot() -> None:
     pressed = strength(rod(), LoadCase(force=(-2e4, 0.0, 0.0)))
     assert pressed.buckling[0] == pytest.approx(euler / 2e4, rel=1e-9)
     assert strength(rod(), LoadCase(force=(2e4, 0.0, 0.0))).least_buckling is None
+
+
+def test_own_weight_along_a_column_buckles_it_later_than_the_same_at_its_end() -> None:
+    """(q L)_cr = 7.837 E I / L^2 (A. G. Greenhill 1881); with a load at the end the straight line between both."""
+    weight = STEEL.need("density") * AREA * 9.81 * LENGTH
+    alone = 7.837 * STEEL.need("elastic_modulus") * INERTIA / LENGTH**2
+    euler = math.pi**2 * STEEL.need("elastic_modulus") * INERTIA / (4 * LENGTH**2)
+    standing = rod((-9.81, 0.0, 0.0))
+    assert strength(standing, LoadCase()).buckling[0] == pytest.approx(alone / weight, rel=1e-6)
+    both = strength(standing, LoadCase(force=(-2e4, 0.0, 0.0))).buckling[0]
+    assert both == pytest.approx(1.0 / (2e4 / euler + weight / alone), rel=1e-6)
+
+
+def stubby(section: dict[str, float], shape: str, force: tuple[float, float, float]) -> float:
+    """The stress of a link of 1 mm, so short that nothing bends."""
+    link = Link(1e-3, section=build(shape, section), material=STEEL)
+    return strength(Arm("stub", (Joint(),), (link,), gravity=WEIGHTLESS), LoadCase(force=force)).stress[0]
+
+
+@pytest.mark.parametrize(
+    ("shape", "section", "greatest"),
+    [
+        # Over V / A: 4/3 of a circle, 2 of a thin tube, 3/2 of a rectangle, 3/2 of a triangle (Gere & Goodno).
+        ("circle", {"diameter": 0.05}, 4.0 / 3.0),
+        ("ellipse", {"width": 0.03, "height": 0.05}, 4.0 / 3.0),
+        ("tube", {"diameter": 0.08, "thickness": 0.0002}, 2.0),
+        ("rectangle", {"width": 0.03, "height": 0.05}, 1.5),
+        ("triangle", {"width": 0.03, "height": 0.05}, 1.5),
+    ],
+)
+def test_shear_on_the_neutral_axis(shape: str, section: dict[str, float], greatest: float) -> None:
+    area = float(build(shape, section).properties(0.3).area)
+    stress = stubby(section, shape, (0.0, -1e4, 0.0))
+    # What bends over a millimetre adds to a thousandth.
+    assert stress == pytest.approx(math.sqrt(3.0) * greatest * 1e4 / area, rel=5e-3)
+
+
+def test_bending_and_shear_meet_between_web_and_flange() -> None:
+    """sqrt(sigma^2 + 3 tau^2) at the junction of an I-section, sigma = M z / I, tau = V Q / (I t_w), by hand."""
+    b, h, t, w = 0.06, 0.12, 0.012, 0.004
+    second = (b * h**3 - (b - w) * (h - 2 * t) ** 3) / 12
+    force, length = 5e4, 0.05
+    sigma = force * length * (h / 2 - t) / second
+    tau = force * b * t * (h - t) / 2 / (second * w)
+    section = build("i_section", {"width": b, "height": h, "flange_thickness": t, "web_thickness": w})
+    link = Link(length, section=section, material=STEEL)
+    result = strength(Arm("stub", (Joint(),), (link,), gravity=WEIGHTLESS), LoadCase(force=(0.0, -force, 0.0)))
+    in_web = force * (b * t * (h - t) / 2 + w * (h / 2 - t) ** 2 / 2) / (second * w)
+    assert result.stress[0] == pytest.approx(max(math.sqrt(sigma**2 + 3 * tau**2), math.sqrt(3.0) * in_web), rel=1e-6)
+
+
+def test_a_tube_that_is_short_is_sized_for_shear(tmp_path: Path) -> None:
+    """60 mm and 2 t with a factor of 2: bending alone leaves a thin tube of 1.36 in shear."""
+    material = "{elastic_modulus: 70 GPa, poisson_ratio: 0.3, density: 2700 kg/m^3, yield_strength: 240 MPa}"
+    section = "{shape: tube, diameter: 80 mm, thickness: 3 mm}"
+    link = f"{{length: 60 mm, section: {section}, material: {material}}}"
+    (tmp_path / "arm.yaml").write_text(
+        f"chain:\n  - joint: {{range: [0 deg, 0 deg]}}\n    link: {link}\npayload: {{mass: 2000 kg}}\n"
+    )
+    (tmp_path / "problem.yaml").write_text(
+        "arm: arm.yaml\nminimize: mass\nsubject_to: {safety_factor: '>= 2', section_size: [20 mm, 120 mm], "
+        "thickness: [1 mm, 10 mm]}\n"
+    )
+    after = optimise(read_problem(tmp_path / "problem.yaml")).after
+    (tube,) = (link.section for link in after.arm.links)
+    assert tube is not None
+    radius, wall = 0.5 * float(tube.diameter), float(tube.thickness)
+    outer, inner = radius, radius - wall
+    shear = 2000 * 9.81 * 4 / 3 * (outer**2 + outer * inner + inner**2) / (outer**2 + inner**2)
+    shear /= math.pi * (outer**2 - inner**2)
+    assert 240e6 / (math.sqrt(3.0) * shear) >= 2.0 * (1.0 - 1e-3)
+    assert after.strength.least_safety_factor == pytest.approx(2.0, rel=1e-3)
 
 
 def test_the_weaker_way_buckles() -> None:

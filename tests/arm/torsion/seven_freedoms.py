@@ -3,7 +3,8 @@
 Nothing of the project is used. Members are divided into short elements: Euler-Bernoulli bending in both planes about
 principal axes, axial strain, and cubic Hermite twist with Saint-Venant's and Vlasov's energy (V. Z. Vlasov,
 Thin-walled Elastic Beams, 2nd ed., 1961). Nodes are at centroids; an element's own freedoms are those of its shear
-centre across the member, u_s = u + r x e, and of its centroid along it. Weight is shared out among the nodes, at centroids.
+centre across the member, u_s = u + r x e, and of its centroid along it. Weight is shared out among the nodes, at
+centroids.
 """
 
 from __future__ import annotations
