@@ -12,14 +12,17 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
-from benchmarks.real.textbook.chain import Array, Chain, skew, transform, turned
+from benchmarks.real.textbook.chain import Array, Chain, transform, turned
 
 TURN, SHIFT, SAG = 3e-3, 3e-3, 3e-3
 """Usual sizes: rad, m, and rad of a drive under all that it carries."""
 TOLD = 3.0
 """A direction counts where its usual size is so many times its standard error."""
 _ROUNDS = 6
+_SHARES = (1.0, 0.5, 0.25, 0.1)
+"""Of a step, tried until one leaves less."""
 
 
 @dataclass(frozen=True)
@@ -228,6 +231,18 @@ def seated(known: Calibration, poses: Poses) -> tuple[Setup, Array]:
     return setup, _left(known, setup, poses, _frames(known, setup, poses.q))
 
 
+def retargeted(known: Calibration, poses: Poses, seen: NDArray[np.bool_]) -> Array:
+    """What is left (M, 3) m of the poses that are not `seen` (N,), with the frame that the calibration was fitted with
+    and the target placed by those that are."""
+    setup = known.setups[0]
+    for _ in range(2):
+        frames = _frames(known, setup, poses.q)
+        rest = _left(known, setup, poses, frames)
+        turns = frames.rotations[-1][seen]
+        setup = replace(setup, tool=setup.tool + np.mean(np.einsum("nji,nj->ni", turns, rest[seen]), axis=0))
+    return _left(known, setup, poses, _frames(known, setup, poses.q))[~seen]
+
+
 def _solved(columns: Array, target: Array) -> Array:
     norm = np.linalg.norm(columns, axis=0)
     norm = np.where(norm > 0.0, norm, 1.0)
@@ -268,19 +283,39 @@ def calibrated(chain: Chain, several: Sequence[Poses], *, gives: bool = True, ge
         own_size, count = 9 * len(several), (6 * (chain.size - 1) if geometry else 0)
         if usual is None:
             usual = np.concatenate([np.tile([TURN] * 3 + [SHIFT] * 3, count // 6), _usual_sags(known, several, setups)])
-        step = _told(design, target, own_size, usual)
-        setups = [
-            _moved(setup, chain, step[9 * number : 9 * number + 9]) for number, setup in enumerate(setups)
-        ]
-        stations = known.stations.copy()
-        for k in range(count // 6):
-            size = step[own_size + 6 * k : own_size + 6 * k + 6]
-            stations[k + 1] = stations[k + 1] @ transform(turned(size[:3]), size[3:])
-        known = replace(known, stations=stations, sag=known.sag + step[own_size + count :])
+        step, before = _told(design, target, own_size, usual), float(target @ target)
+        for share in _SHARES:
+            tried = _stepped(known, setups, share * step, count // 6)
+            if _squares(*tried, several) < before:
+                known, setups = tried
+                break
+        else:
+            break
     rest = [
         _left(known, setup, poses, _frames(known, setup, poses.q)) for poses, setup in zip(several, setups, strict=True)
     ]
     return replace(known, setups=tuple(setups), rms=rms(np.concatenate(rest)))
+
+
+def _stepped(
+    known: Calibration, setups: Sequence[Setup], step: Array, joints: int
+) -> tuple[Calibration, list[Setup]]:
+    """The arm and its setups after a step; `joints` of it are of geometry."""
+    own = 9 * len(setups)
+    moved = [_moved(setup, known.chain, step[9 * k : 9 * k + 9]) for k, setup in enumerate(setups)]
+    stations = known.stations.copy()
+    for k in range(joints):
+        size = step[own + 6 * k : own + 6 * k + 6]
+        stations[k + 1] = stations[k + 1] @ transform(turned(size[:3]), size[3:])
+    return replace(known, stations=stations, sag=known.sag + step[own + 6 * joints :]), moved
+
+
+def _squares(known: Calibration, setups: Sequence[Setup], several: Sequence[Poses]) -> float:
+    """The sum of squares that is left, m^2."""
+    return sum(
+        float(np.sum(_left(known, setup, poses, _frames(known, setup, poses.q)) ** 2))
+        for poses, setup in zip(several, setups, strict=True)
+    )
 
 
 def _told(design: Array, target: Array, own: int, usual: Array) -> Array:
@@ -302,6 +337,3 @@ def _told(design: Array, target: Array, own: int, usual: Array) -> Array:
 def rms(residual: Array) -> float:
     """The RMS length, m."""
     return float(np.sqrt(np.mean(np.sum(residual**2, axis=1))))
-
-
-__all__ = ["Calibration", "Poses", "Setup", "calibrated", "nominal", "rms", "seated", "skew"]
