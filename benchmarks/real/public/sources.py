@@ -16,6 +16,8 @@ import yaml
 from numpy.typing import NDArray
 from scipy.signal import decimate
 
+from benchmarks.real.textbook.chain import from_urdf
+
 Array = NDArray[np.float64]
 LWR_DATA = "e6c077ea5c09bceb49840f49e83450bb5979029b"
 """The commit of kjyv/FloBaRoID before its logs became pointers to a file store."""
@@ -115,13 +117,14 @@ def _tx40(clone: Path, folder: Path) -> None:
     turns[5, 4] = forces[4, 5] = TX40_RATIOS[5]
     q = motor @ np.linalg.inv(turns).T + np.array([0.0, -np.pi / 2, np.pi / 2, 0.0, 0.0, 0.0])
     q, torque = (decimate(item, 10, axis=0, ftype="fir") for item in (q, current @ forces.T))
-    _log(folder / "exciting.csv", 10.0 * TX40_STEP * np.arange(len(q)), q, torque)
+    _log(folder / "exciting.csv", 10.0 * TX40_STEP * np.arange(len(q), dtype=float), q, torque)
     (folder / "robot.urdf").write_text(_text(clone, f"{root}/urdf/tx40_mdh_modified.urdf"), encoding="utf-8")
     _said(folder, {"observes": "motion"})
 
 
 def _tiago(clone: Path, folder: Path) -> None:
-    """Positions and efforts at 100 Hz of the torso and seven joints."""
+    """Positions and efforts of the torso and seven joints. The torso's effort is beside the weight that it carries,
+    which is added, as identification.py does."""
     root = "examples/tiago"
     read = {
         kind: _table(clone, f"{root}/data/identification/dynamic/tiago_{kind}.csv") for kind in ("position", "effort")
@@ -131,8 +134,11 @@ def _tiago(clone: Path, folder: Path) -> None:
     )
     time = read["position"]["t"].to_numpy()
     rows = TIAGO_ROWS
-    _log(folder / "exciting.csv", time[rows], q[rows], (effort * TIAGO_FACTORS)[rows], slides=(1,))
-    (folder / "robot.urdf").write_text(_text(clone, f"{root}/urdf/tiago_48_schunk.urdf"), encoding="utf-8")
+    model = folder / "robot.urdf"
+    model.write_text(_text(clone, f"{root}/urdf/tiago_48_schunk.urdf"), encoding="utf-8")
+    torque = effort * TIAGO_FACTORS
+    torque[:, 0] += 9.81 * from_urdf(model, TIAGO_JOINTS).mass.sum()
+    _log(folder / "exciting.csv", time[rows], q[rows], torque[rows], slides=(1,))
     _said(folder, {"observes": "motion"})
 
 
@@ -145,7 +151,7 @@ def _airbot(clone: Path, folder: Path) -> None:
             for what in ("q", "tau")
         )
         count = min(len(q), len(torque))
-        _log(folder / f"{kind}.csv", 0.01 * np.arange(count), q[:count, :6], torque[:count, :6])
+        _log(folder / f"{kind}.csv", 0.01 * np.arange(count, dtype=float), q[:count, :6], torque[:count, :6])
     (folder / "robot.urdf").write_text(_text(clone, f"{root}/urdf/airbot_play_v3_0_gripper.urdf"), encoding="utf-8")
     _said(folder, {"observes": "motion"})
 
@@ -182,7 +188,8 @@ def _panda(clone: Path, folder: Path) -> None:
     """Angles and joint torque sensors of the exciting motion at 1 kHz, here at 500 Hz: a number a line, seven a sample.
     The model is panda.urdf of Gepetto/example-robot-data, cloned beside it."""
     root = "matlab/data/Exciting_Traj/Trajectory_1/rbt_log/exciting_traj_"
-    read = {kind: np.fromstring(_text(clone, f"{root}{kind}.txt"), sep="\n") for kind in ("time", "positions", "torques")}
+    kinds = ("time", "positions", "torques")
+    read = {kind: np.fromstring(_text(clone, f"{root}{kind}.txt"), sep="\n") for kind in kinds}
     count = min(len(read["time"]), len(read["positions"]) // 7, len(read["torques"]) // 7)
     time, at = np.unique(read["time"][:count], return_index=True)
     q, torque = (read[kind][: 7 * count].reshape(count, 7)[at] for kind in ("positions", "torques"))

@@ -11,7 +11,10 @@ VARIABLE = "LINKWRIGHT_PUBLIC"
 
 
 def public_folder(name: str) -> Path:
-    """The folder of a public machine, in LINKWRIGHT_PUBLIC or else ../public from the project's root. Raises `NoDataError` where it is not there."""
+    """The folder of a public machine, in LINKWRIGHT_PUBLIC, else in ../public from the project's root.
+
+    Raises `NoDataError` where it is not there.
+    """
     root = os.environ.get(VARIABLE)
     folder = (Path(root) if root else ROOT.parent / "public") / name
     if not (folder / "recording.yaml").is_file():

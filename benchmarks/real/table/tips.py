@@ -16,7 +16,6 @@ import numpy as np
 from benchmarks.real import iiwa7
 from benchmarks.real.data import (
     EXAMPLES,
-    IIWA7,
     IRB120,
     MOTOMAN,
     PRINTER,
@@ -158,7 +157,8 @@ def iiwa() -> Iterator[Row]:
         held = Figures(said.nominal, MM * tips.rms(np.concatenate(left)), said.written)
         mine = Figures(MM * own.nominal_rms, MM * book.rms, MM * own.rms)
         names = " + ".join(f"{item:g} kg" for item in iiwa7.RUNS if item != payload)
-        yield Row("iiwa 7", names, f"{payload:g} kg", held, mine, _said(said.diagnosis), True, MM * said.diagnosis.rms_promised)
+        words, promised = _said(said.diagnosis), MM * said.diagnosis.rms_promised
+        yield Row("iiwa 7", names, f"{payload:g} kg", held, mine, words, True, promised)
 
 
 def _with_torque(recording: Recording) -> tips.Poses:
@@ -166,21 +166,22 @@ def _with_torque(recording: Recording) -> tips.Poses:
 
 
 def servo() -> Iterator[Row]:
-    """The first half of the pulls on the second; the textbook is a spring and a middle."""
+    """Every other pull on the pulls between them; the textbook is a spring and a middle."""
     arm = nominal(SERVO)
     recording = read(SERVO, recording_file(SERVO, "motor_telemetry_single.csv"))
-    first = np.arange(recording.size) < recording.size // 2
+    assert recording.force is not None
+    pull = np.cumsum(np.diff(np.sign(recording.force[:, 0]), prepend=0.0) != 0.0)
+    first = pull // 2 % 2 == 0
     seen, other = recording.kept(first), recording.kept(~first)
     file, said, promised = _ours(arm, [seen])
     force = recording.force
-    assert force is not None
     book = single.spring(seen.q[:, 0], seen.tip, force[first], 0.1)
     left = [book.left(item.q[:, 0], item.tip, force[rows]) for item, rows in ((other, ~first), (seen, first))]
     ours, own = predict(file, other), predict(file, seen)
     yield Row(
         "STS3215 servo",
-        "first half of the pulls",
-        "second half",
+        "every other pair of pulls",
+        "the pairs between",
         Figures(MM * ours.nominal_rms, MM * tips.rms(left[0]), MM * ours.rms),
         Figures(MM * own.nominal_rms, MM * tips.rms(left[1]), MM * own.rms),
         said,
@@ -217,21 +218,24 @@ def _warmth(recording: Recording) -> Array:
 
 
 def fanuc() -> Iterator[Row]:
-    """Two of three reflectors' poses on the third part: every third pose is judged, in turn."""
+    """24 poses of three reflectors, each with a frame and tool of its own, on the 12 others: every third, in turn."""
     folder = public_folder("fanuc")
     arm, chain = read_arm(folder / "arm.yaml"), from_arm_file(folder / "arm.yaml")
     each = [read_recording(folder / f"reflector{k}.csv", arm, folder / "recording.yaml") for k in (1, 2, 3)]
     for third in range(3):
         out = [item.row % 3 == third for item in each]
-        learned = {f"reflector {k}": item.kept(~o) for k, (item, o) in enumerate(zip(each, out, strict=True), start=1)}
-        rows = list(
-            compared("FANUC", arm, chain, learned, {f"{k}": item.kept(o) for k, (item, o) in enumerate(zip(each, out, strict=True), start=1)})
+        names = [f"reflector {k}" for k in (1, 2, 3)]
+        learned = {name: item.kept(~rows) for name, item, rows in zip(names, each, out, strict=True)}
+        judged = {name: item.kept(rows) for name, item, rows in zip(names, each, out, strict=True)}
+        rows = list(compared("FANUC", arm, chain, learned, judged))
+        nominal_left, textbook, ours = (
+            _mean([getattr(row.held, name) for row in rows]) for name in ("nominal", "textbook", "ours")
         )
         yield replace(
             rows[0],
             learned="24 poses, three reflectors",
             judged=f"12 others ({third + 1} of 3)",
-            held=Figures(*(_mean([getattr(row.held, name) for row in rows]) for name in ("nominal", "textbook", "ours"))),
+            held=Figures(nominal_left, textbook, ours),
         )
 
 

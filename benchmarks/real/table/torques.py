@@ -81,6 +81,7 @@ _UR10E = (
     "wrist_3_joint",
 )
 _PANDA = tuple(f"panda_joint{k}" for k in range(1, 8))
+_AIRBOT = tuple(f"joint{k}" for k in range(1, 7))
 _LWR = tuple(f"lwr_{k}_joint" for k in range(7))
 _SINGLE = ("20_01_22-joint_2", "20_01_22-joint_4")
 ROBOTS: Mapping[str, Robot] = MappingProxyType(
@@ -107,12 +108,8 @@ ROBOTS: Mapping[str, Robot] = MappingProxyType(
         ),
         "tx40": Robot("TX40", *_of_public("tx40"), tuple(f"joint_{k}" for k in range(1, 7)), "tool0", ("exciting",)),
         "tiago": Robot("TIAGo", *_of_public("tiago"), TIAGO_JOINTS, "arm_tool_link", ("exciting",)),
-        "airbot": Robot(
-            "AIRBOT", *_of_public("airbot"), tuple(f"joint{k}" for k in range(1, 7)), "link6", ("chirp",), ("trapezoidal",)
-        ),
-        "airbot-back": Robot(
-            "AIRBOT", *_of_public("airbot"), tuple(f"joint{k}" for k in range(1, 7)), "link6", ("trapezoidal",), ("chirp",)
-        ),
+        "airbot": Robot("AIRBOT", *_of_public("airbot"), _AIRBOT, "link6", ("chirp",), ("trapezoidal",)),
+        "airbot-back": Robot("AIRBOT", *_of_public("airbot"), _AIRBOT, "link6", ("trapezoidal",), ("chirp",)),
         "lwr4": Robot("LWR4", *_of_public("lwr4"), _LWR, "lwr_7_link", ("exciting1", "exciting2"), ("exciting3",)),
     }
 )

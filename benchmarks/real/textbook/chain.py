@@ -103,11 +103,11 @@ def from_arm_file(path: Path) -> Chain:
         offsets = [[_number(item) for item in row] for row in form["offsets"]]
         offsets += [[0.0, 0.0, 0.0]] * (count + 1 - len(offsets))
         fixed = np.stack([transform(place=offset) for offset in offsets])
-    elif all("dh" in entry["joint"] for entry in entries):
+    elif all("dh" in entry for entry in entries):
         axes = np.tile([0.0, 0.0, 1.0], (count, 1))
         fixed = np.stack([np.eye(4)] * (count + 1))
         for k, entry in enumerate(entries):
-            a, d, alpha, theta = (_number(entry["joint"]["dh"].get(name, 0.0)) for name in ("a", "d", "alpha", "theta"))
+            a, d, alpha, theta = (_number(entry["dh"].get(name, 0.0)) for name in ("a", "d", "alpha", "theta"))
             fixed[k] = fixed[k] @ transform(turned(np.array([0.0, 0.0, theta])))
             fixed[k + 1] = transform(turned(np.array([alpha, 0.0, 0.0])), (a, 0.0, d))
     else:
@@ -202,9 +202,7 @@ def _merged(
             turned_first = rotation @ there
             # Steiner, from the child's origin to the parent's: both cross terms count.
             lever, moment = skew(place), skew(turned_first)
-            inertia = inertia + rotation @ about @ rotation.T - (
-                more * lever @ lever + lever @ moment + moment @ lever
-            )
+            inertia = inertia + rotation @ about @ rotation.T - (more * lever @ lever + lever @ moment + moment @ lever)
             mass, first = mass + more, first + turned_first + more * place
     return mass, first, inertia
 
@@ -231,7 +229,7 @@ def _joint(element: ElementTree.Element) -> _Joint:
         "" if parent is None else str(parent.get("link")),
         "" if child is None else str(child.get("link")),
         _origin(element.find("origin")),
-        axis / np.linalg.norm(axis),
+        axis / max(float(np.linalg.norm(axis)), 1e-12),
     )
 
 

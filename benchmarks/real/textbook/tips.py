@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchmarks.real.textbook.chain import Array, Chain, transform, turned
+from benchmarks.real.textbook.least import thin_svd
 
 TURN, SHIFT, SAG = 3e-3, 3e-3, 3e-3
 """Usual sizes: rad, m, and rad of a drive under all that it carries."""
@@ -99,6 +100,12 @@ def _frames(known: Calibration, setup: Setup, q: Array) -> _Frames:
     )
 
 
+def places(known: Calibration, setup: Setup, q: Array) -> Array:
+    """Where the target is (N, 3) m in the measuring frame."""
+    poses = Poses(q, np.zeros((len(q), 3)))
+    return -_left(known, setup, poses, _frames(known, setup, q))
+
+
 def _down(known: Calibration, setup: Setup) -> Array:
     """Gravity in the measuring frame."""
     return setup.frame[:3, :3] @ known.chain.gravity
@@ -132,7 +139,10 @@ def _sags(known: Calibration, setup: Setup, poses: Poses, frames: _Frames) -> li
 def _moments(chain: Chain, poses: Poses, frames: _Frames, down: Array) -> list[tuple[Array, Array]]:
     """Where each link's weight acts (N, 3) and the weight (N, 3); the payload's last."""
     results = [
-        (frames.origins[k] + _behind(chain, frames, k) @ chain.centre[k], np.tile(chain.mass[k] * down, (len(poses.q), 1)))
+        (
+            frames.origins[k] + _behind(chain, frames, k) @ chain.centre[k],
+            np.tile(chain.mass[k] * down, (len(poses.q), 1)),
+        )
         for k in range(chain.size)
     ]
     if poses.payload is not None:
@@ -150,7 +160,7 @@ def _base(chain: Chain, frames: _Frames, moments: list[tuple[Array, Array]], dow
     """The base gives way to the moment of all weights about its foot."""
     foot = frames.origins[0]
     if chain.weighed:
-        whole = np.sum([np.cross(at - foot, force) for at, force in moments], axis=0)
+        whole: Array = np.sum([np.cross(at - foot, force) for at, force in moments], axis=0, dtype=float)
         return [_turn(frames, whole, foot)]
     levers = [lever for k in range(1, chain.size + 1) for lever in np.moveaxis(frames.rotations[k], 2, 0)]
     return [_turn(frames, np.cross(lever, down), foot) for lever in levers]
@@ -177,7 +187,7 @@ def _turn(frames: _Frames, turn: Array, about: Array) -> Array:
     return np.cross(turn, frames.tip - about)
 
 
-def _columns(known: Calibration, setup: Setup, frames: _Frames) -> tuple[Array, Array]:
+def _columns(known: Calibration, frames: _Frames) -> tuple[Array, Array]:
     """Columns of a setup's own sizes (N, 3, 9), and of the other joints' geometry (N, 3, 6 (n - 1))."""
     own, shared = [], []
     for k in range(known.chain.size):
@@ -225,7 +235,7 @@ def seated(known: Calibration, poses: Poses) -> tuple[Setup, Array]:
     setup = _aligned(known, poses)
     for _ in range(_ROUNDS):
         frames = _frames(known, setup, poses.q)
-        own, _ = _columns(known, setup, frames)
+        own, _ = _columns(known, frames)
         step = _solved(own.reshape(-1, 9), _left(known, setup, poses, frames).reshape(-1))
         setup = _moved(setup, known.chain, step)
     return setup, _left(known, setup, poses, _frames(known, setup, poses.q))
@@ -268,7 +278,7 @@ def calibrated(chain: Chain, several: Sequence[Poses], *, gives: bool = True, ge
         blocks, targets = [], []
         for number, (poses, setup) in enumerate(zip(several, setups, strict=True)):
             frames = _frames(known, setup, poses.q)
-            own, shared = _columns(known, setup, frames)
+            own, shared = _columns(known, frames)
             sags = _sags(known, setup, poses, frames) if gives else []
             if len(known.sag) == 0:
                 known = replace(known, sag=np.zeros(len(sags)))
@@ -297,9 +307,7 @@ def calibrated(chain: Chain, several: Sequence[Poses], *, gives: bool = True, ge
     return replace(known, setups=tuple(setups), rms=rms(np.concatenate(rest)))
 
 
-def _stepped(
-    known: Calibration, setups: Sequence[Setup], step: Array, joints: int
-) -> tuple[Calibration, list[Setup]]:
+def _stepped(known: Calibration, setups: Sequence[Setup], step: Array, joints: int) -> tuple[Calibration, list[Setup]]:
     """The arm and its setups after a step; `joints` of it are of geometry."""
     own = 9 * len(setups)
     moved = [_moved(setup, known.chain, step[9 * k : 9 * k + 9]) for k, setup in enumerate(setups)]
@@ -322,11 +330,11 @@ def _told(design: Array, target: Array, own: int, usual: Array) -> Array:
     """Least squares: frame and tool as they come, the rest along what the readings tell beside these."""
     free, rest = design[:, :own], design[:, own:] * usual
     norm = np.linalg.norm(free, axis=0)
-    basis, values, _ = np.linalg.svd(free / np.where(norm > 0.0, norm, 1.0), full_matrices=False)
+    basis, values, _ = thin_svd(free / np.where(norm > 0.0, norm, 1.0))
     basis = basis[:, values > 1e-9 * values[0]]
     beside = rest - basis @ (basis.T @ rest)
     aim = target - basis @ (basis.T @ target)
-    left, sizes, right = np.linalg.svd(beside, full_matrices=False)
+    left, sizes, right = thin_svd(beside)
     along = left.T @ aim
     scatter = np.sqrt(max(float(aim @ aim - along @ along), 1e-30) / max(len(aim) - own - len(sizes), 1))
     use = (sizes > TOLD * scatter) & (sizes > 1e-9 * sizes[0]) if len(sizes) else np.zeros(0, dtype=bool)

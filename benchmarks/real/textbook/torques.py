@@ -1,4 +1,4 @@
-"""Identification of an arm by its drive torques: base inertial parameters, friction, offset and rotors by least squares.
+"""Identification of an arm by its drive torques: base inertial parameters, friction, offset and rotors.
 
 Per joint Coulomb and viscous friction, an offset and the rotor's inertia stand beside the rigid regressor. Torques and
 columns go through the same low-pass without phase; rows are weighted by what the first fit leaves at each joint. What
@@ -16,6 +16,7 @@ from scipy.interpolate import CubicSpline
 from scipy.signal import butter, sosfiltfilt
 
 from benchmarks.real.textbook.chain import Array, Chain, skew
+from benchmarks.real.textbook.least import thin_svd
 
 RATE = 100.0
 """Hz, of the even clock."""
@@ -76,20 +77,21 @@ def regressor(chain: Chain, q: Array, velocity: Array, acceleration: Array) -> A
     """
     count, size = q.shape
     rotation, origin = np.tile(np.eye(3), (count, 1, 1)), np.zeros((count, 3))
-    spin, turning, pull = np.zeros((count, 3)), np.zeros((count, 3)), np.tile(-chain.gravity, (count, 1))
+    spin, turning = np.zeros((count, 3)), np.zeros((count, 3))
+    pull: Array = np.tile(-chain.gravity, (count, 1))
     axes: list[Array] = []
     origins: list[Array] = []
     result = np.zeros((count, size, 10 * size))
     for k in range(size):
         step = rotation @ chain.fixed[k][:3, 3]
-        pull = pull + np.cross(turning, step) + np.cross(spin, np.cross(spin, step))
+        pull = np.asarray(pull + np.cross(turning, step) + np.cross(spin, np.cross(spin, step)), dtype=float)
         origin, rotation = origin + step, rotation @ chain.fixed[k][:3, :3]
         axis = rotation @ chain.axes[k]
         rate, more = velocity[:, k : k + 1], acceleration[:, k : k + 1]
         if chain.slides[k]:
             out = axis * q[:, k : k + 1]
-            pull = pull + np.cross(turning, out) + np.cross(spin, np.cross(spin, out))
-            pull = pull + 2.0 * np.cross(spin, axis * rate) + axis * more
+            pull = np.asarray(pull + np.cross(turning, out) + np.cross(spin, np.cross(spin, out)), dtype=float)
+            pull = np.asarray(pull + 2.0 * np.cross(spin, axis * rate) + axis * more, dtype=float)
             origin = origin + out
         else:
             turning = turning + axis * more + np.cross(spin, axis * rate)
@@ -139,15 +141,12 @@ def _tensor_columns(vector: Array) -> Array:
 
 def _own(velocity: Array, acceleration: Array) -> Array:
     """(N, n, 4) columns of each drive."""
-    return np.stack(
-        [np.tanh(velocity / SMOOTH_SIGN), velocity, np.ones_like(velocity), acceleration], axis=2
-    )
+    return np.stack([np.tanh(velocity / SMOOTH_SIGN), velocity, np.ones_like(velocity), acceleration], axis=2)
 
 
 @dataclass(frozen=True)
 class _Rows:
-    """Filtered: `columns` (M, n, 10 n) of the bodies, `own` (M, n, 4) of the drives, `torque` (M, n); `counts` (M, n).
-    """
+    """Filtered: `columns` (M, n, 10 n) of the bodies, `own` (M, n, 4) of the drives, `torque` and `counts` (M, n)."""
 
     columns: Array
     own: Array
@@ -167,9 +166,7 @@ def _rows(chain: Chain, log: Log, cutoff: float, every: int) -> _Rows:
     rate = 1.0 / float(np.median(np.diff(log.time)))
     # What the even clock cannot hold is taken off before samples are dropped.
     before = [low_passed(item, 0.4 * RATE, rate) if rate > 1.2 * RATE else item for item in (log.q, log.torque)]
-    q, torque = (
-        np.column_stack([np.interp(time, log.time, column) for column in item.T]) for item in before
-    )
+    q, torque = (np.column_stack([np.interp(time, log.time, column) for column in item.T]) for item in before)
     smooth = CubicSpline(time, low_passed(q, 2.0 * cutoff))
     velocity, acceleration = smooth(time, 1), smooth(time, 2)
     counts = np.abs(velocity) > SLOW
@@ -187,7 +184,9 @@ def _rows(chain: Chain, log: Log, cutoff: float, every: int) -> _Rows:
     )
 
 
-def identified(chain: Chain, logs: Sequence[Log], cutoff: float = 8.0, *, base: bool = True, more: bool = True) -> Identification:
+def identified(
+    chain: Chain, logs: Sequence[Log], cutoff: float = 8.0, *, base: bool = True, more: bool = True
+) -> Identification:
     """An arm by its motion logs.
 
     Args:
@@ -216,7 +215,7 @@ def identified(chain: Chain, logs: Sequence[Log], cutoff: float = 8.0, *, base: 
             joint.append(np.full(int(use.sum()), j))
     matrix, aim, of = np.concatenate(design), np.concatenate(target), np.concatenate(joint)
     usual = np.concatenate([_usual(chain)[:width], np.full(_OWN * n, np.inf)])
-    weight, size = np.ones(n), np.zeros(matrix.shape[1])
+    weight, size, rest = np.ones(n), np.zeros(matrix.shape[1]), aim
     for _ in range(3):
         size = _least(matrix * weight[of, None], aim * weight[of], usual)
         rest = aim - matrix @ size
@@ -242,19 +241,20 @@ def _least(matrix: Array, aim: Array, usual: Array) -> Array:
     scale = np.where(known, 1.0 / np.where(norm > 0.0, norm, 1.0), np.where(known, 1.0, usual))
     scaled = matrix * scale
     if known.all():
-        return np.linalg.lstsq(scaled, aim, rcond=_KEPT)[0] * scale
-    left, sizes, right = np.linalg.svd(scaled[:, known], full_matrices=False)
+        return np.asarray(np.linalg.lstsq(scaled, aim, rcond=_KEPT)[0] * scale, dtype=float)
+    left, sizes, right = thin_svd(scaled[:, known])
     basis = left[:, sizes > 1e-6 * sizes[0]]
     beside = scaled[:, ~known] - basis @ (basis.T @ scaled[:, ~known])
     rest = aim - basis @ (basis.T @ aim)
-    u, values, vt = np.linalg.svd(beside, full_matrices=False)
+    u, values, vt = thin_svd(beside)
     along = u.T @ rest
     real = values > 1e-7 * values[0]
     scatter = np.sqrt(max(float(rest @ rest - along[real] @ along[real]), 1e-30) / len(aim))
     told = real & (values > _TOLD * _CORRELATED * scatter)
     size = np.zeros(len(usual))
     size[~known] = vt[told].T @ (along[told] / values[told])
-    size[known] = right.T @ ((left.T @ (aim - scaled[:, ~known] @ size[~known])) / np.where(sizes > 1e-6 * sizes[0], sizes, np.inf))
+    tellable = np.where(sizes > 1e-6 * sizes[0], sizes, np.inf)
+    size[known] = right.T @ ((left.T @ (aim - scaled[:, ~known] @ size[~known])) / tellable)
     return size * scale
 
 

@@ -1,1 +1,0 @@
-"""Motion logs of real arms."""
