@@ -12,7 +12,7 @@ PIP_INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-check
 PIP_COMPILE := $(BIN)/python -m piptools compile --quiet --generate-hashes --allow-unsafe --strip-extras \
 	--no-header --no-emit-index-url --no-emit-trusted-host --no-emit-find-links
 
-.PHONY: help demo pictures picture-reports test test-fast test-all lint benchmark results problems proof proof-sample proof-multibody motion-proof motion-proof-sample real-table canonical rules-docs effects-docs instruments-docs fuzz docs notebooks gallery lock clean
+.PHONY: help demo pictures picture-reports test test-fast test-all lint benchmark results problems proof proof-sample proof-multibody motion-proof motion-proof-sample real-table rules-docs effects-docs instruments-docs fuzz docs notebooks gallery lock clean
 .DELETE_ON_ERROR:
 
 help:
@@ -32,7 +32,6 @@ help:
 	@echo "make motion-proof  the diagnosis on motion logs of MuJoCo arms (PROOF_CASES=300 PROOF_HALF=development or proof; hours)"
 	@echo "make motion-proof-sample  twenty of them, some minutes"
 	@echo "make real-table  what written files leave of real machines, beside the textbook's least squares (LINKWRIGHT_DATA=..., LINKWRIGHT_PUBLIC=..., REAL=names; twenty minutes)"
-	@echo "make canonical  draw the sixty canonical recordings anew and record which are missed (CANONICAL=record: only the latter)"
 	@echo "make rules-docs docs/rules.md from the rules of the diagnosis"
 	@echo "make effects-docs docs/effects.md from the effects"
 	@echo "make instruments-docs docs/instruments.md from the instruments"
@@ -179,11 +178,6 @@ motion-proof motion-proof-sample: $(DEV)
 REAL ?=
 real-table: $(DEV)
 	@$(ONE_THREAD) $(BIN)/python -m benchmarks.real table $(REAL)
-
-# Changing what is asked for of one of them is a decision, said in the commit.
-CANONICAL ?= make record
-canonical: $(DEV)
-	@for step in $(CANONICAL); do $(ONE_THREAD) $(BIN)/python -m benchmarks.canonical $$step || exit 1; done
 
 rules-docs: $(DEV)
 	$(BIN)/python -m benchmarks.rules docs/rules.md
