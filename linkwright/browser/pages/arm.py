@@ -13,7 +13,7 @@ from linkwright.browser.server.drawings import at_pose, middle
 from linkwright.browser.server.folder import arm_from_text
 from linkwright.core.units.quantities import InputError
 
-from .file_choice import FileChoice
+from .edit.file_choice import FileChoice
 from .frame import Problem, framed, panel, picture, sides
 from .result_view import Asking
 

@@ -9,7 +9,7 @@ from typing import Any
 from nicegui import ui
 
 import linkwright as lw
-from linkwright.browser.pages.file_choice import FileChoice
+from linkwright.browser.pages.edit.file_choice import FileChoice
 from linkwright.browser.pages.frame import Problem, framed, panel, row, sides
 from linkwright.browser.pages.result_view import Asking
 from linkwright.browser.server.answers import Desk

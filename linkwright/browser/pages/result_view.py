@@ -8,7 +8,7 @@ from typing import Any
 
 from nicegui import events, ui
 
-from linkwright.browser.pages.file_choice import SaveRow
+from linkwright.browser.pages.edit.file_choice import SaveRow
 from linkwright.browser.pages.frame import Problem, bring_into_view, heading, panel, picture, row, stack
 from linkwright.browser.pages.runs import Runs
 from linkwright.browser.server.answers import Answer, Desk, as_kept, left_behind, on_shelf

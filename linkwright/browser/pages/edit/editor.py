@@ -18,7 +18,7 @@ from linkwright.core.units.quantities import InputError
 from linkwright.core.units.reading import parse_yaml, yaml_line
 from linkwright.face.plain_input import steps_of
 
-from .frame import Problem, heading, row, stack
+from linkwright.browser.pages.frame import Problem, heading, row, stack
 
 _PAUSE = 0.35
 """Seconds without a further change after which a text is checked."""

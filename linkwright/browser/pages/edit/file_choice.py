@@ -10,7 +10,7 @@ from typing import cast
 
 from nicegui import events, ui
 
-from linkwright.browser.pages.editor import YamlEditor
+from linkwright.browser.pages.edit.editor import YamlEditor
 from linkwright.browser.pages.frame import Problem, panel, row, stack
 from linkwright.browser.server.answers import Desk
 from linkwright.browser.server.dropped import plain_name

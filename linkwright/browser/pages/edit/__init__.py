@@ -1,0 +1,1 @@
+"""Files under edit: as text and as fields, chosen, saved."""
