@@ -9,13 +9,14 @@ from typing import Any
 from nicegui import ui
 
 from linkwright.browser.server.answers import Desk
+from linkwright.browser.server.asked import Asked
 from linkwright.browser.server.drawings import at_pose, middle
 from linkwright.browser.server.folder import arm_from_text
 from linkwright.core.units.quantities import InputError
 
+from .asking import Asking
 from .edit.file_choice import FileChoice
 from .frame import Problem, framed, panel, picture, sides
-from .result_view import Asking
 
 
 class ArmPage(Asking):
@@ -39,13 +40,18 @@ class ArmPage(Asking):
                 self._ask.enabled = False  # until the file is read
                 self._answers()
 
-    async def begin(self) -> None:
-        """Open the first arm."""
-        await self._choice.begin()
-        await self._runs.begin()
+    def _now(self) -> tuple[str, str]:
+        return self._choice.editor.name, self._choice.editor.text
+
+    async def _open(self, asked: Asked | None) -> None:
+        await self._choice.begin(asked)
+
+    async def _open_as_it_was(self, asked: Asked) -> None:
+        await self._choice.open_as_it_was(asked)
 
     async def _check(self) -> None:
         name, text = self._choice.editor.name, self._choice.editor.text
+        await self._compare()
         try:
             self._arm = await asyncio.to_thread(arm_from_text, name, text)
         except InputError as error:

@@ -11,6 +11,7 @@ from typing import Any
 from nicegui import events, ui
 
 from linkwright.browser.server.answers import Desk
+from linkwright.browser.server.asked import Asked
 from linkwright.browser.server.dropped import FURTHER, Dropped, plain_name, question, with_another
 from linkwright.browser.server.folder import arm_from_text
 from linkwright.browser.server.guard import MOST_UPLOADED
@@ -18,8 +19,8 @@ from linkwright.core.diagnose.reading.foreign.proposal import IGNORED, OTHER, Me
 from linkwright.core.units.quantities import InputError, read_number
 from linkwright.core.units.reading import yaml_line
 
+from .asking import Asking
 from .frame import Problem, framed, panel, row, sides, stack
-from .result_view import Asking
 
 _ENDINGS = (".csv", ".txt", ".tsv", ".dat", ".parquet", ".pq", ".xlsx")
 
@@ -27,11 +28,14 @@ _ENDINGS = (".csv", ".txt", ".tsv", ".dat", ".parquet", ".pq", ".xlsx")
 class DiagnosisPage(Asking):
     """The page of one visitor; what they dropped is held until they leave."""
 
+    _edits = False
+
     def __init__(self, desk: Desk) -> None:
         super().__init__(desk, "diagnose")
         self._arm: Any = None
         self._held: list[Dropped] = []
-        self._shown: Dropped | None = None
+        self._looked_at: Dropped | None = None
+        self._arm_text = ""
         self._fields: dict[str, ui.input | ui.select | ui.textarea] = {}
         lead = "Drop recordings of the real arm; what its model leaves out is looked for."
         with framed("Diagnosis", lead), sides() as (left, right):
@@ -92,11 +96,16 @@ class DiagnosisPage(Asking):
             self._units = ui.checkbox("of several arms of one type: anything may differ").props("dense")
         self._go = ui.button("Diagnose", on_click=self._start).props("no-caps")
 
-    async def begin(self) -> None:
-        """List the arms."""
+    def _now(self) -> tuple[str, str]:
+        return str(self._choice.value or "") if self._arm_text else "", self._arm_text
+
+    async def _open(self, asked: Asked | None) -> None:
         names = await asyncio.to_thread(self._desk.folder.names, "arm")
-        self._choice.set_options(names, value=names[0] if names else None)
-        await self._runs.begin()
+        first = names[0] if names else None
+        self._choice.set_options(names, value=asked.file if asked is not None and asked.file in names else first)
+
+    async def _open_as_it_was(self, asked: Asked) -> None:
+        await self._open(asked)  # an arm is edited on its own page
 
     async def _arm_chosen(self) -> None:
         name = self._choice.value
@@ -106,9 +115,12 @@ class DiagnosisPage(Asking):
             text = await asyncio.to_thread(self._desk.folder.read, name)
             self._arm = await asyncio.to_thread(arm_from_text, name, text)
         except InputError as error:
-            self._arm = None
+            self._arm, self._arm_text = None, ""
             self._problem.say(str(error))
+            await self._compare()
             return
+        self._arm_text = text
+        await self._compare()
         self._problem.say("")
         for item in self._held:
             await self._propose(item)
@@ -123,16 +135,16 @@ class DiagnosisPage(Asking):
             self._too_large()
             return
         # What is told of the one before is likely so of the next as well.
-        settings = dict(self._shown.told) if self._shown is not None else {}
+        settings = dict(self._looked_at.told) if self._looked_at is not None else {}
         fresh = Dropped(name, await event.file.read(), settings)
         try:
             self._held = with_another(self._held, fresh)
         except InputError as error:
             self._problem.say(str(error))
             return
-        self._result.clear()
-        await self._propose(fresh, self._shown)
-        self._shown = fresh
+        self._clear()
+        await self._propose(fresh, self._looked_at)
+        self._looked_at = fresh
         self._show()
 
     async def _propose(self, recording: Dropped, like: Dropped | None = None) -> None:
@@ -146,7 +158,7 @@ class DiagnosisPage(Asking):
 
     def _show(self) -> None:
         """The recording that is looked at: its fields, its columns, and what is read of all."""
-        shown = self._shown
+        shown = self._looked_at
         self._asked.visible = shown is not None
         if shown is None:
             self._map_panel.visible = False
@@ -163,7 +175,7 @@ class DiagnosisPage(Asking):
 
     def _tell(self) -> None:
         """What is read of all, and what is wrong with the first that anything is wrong with."""
-        shown = self._shown
+        shown = self._looked_at
         names = [item.name for item in self._held]
         self._which.set_options(names, value=None if shown is None else shown.name)
         self._several.visible = self._units.visible = len(self._held) > 1
@@ -181,17 +193,17 @@ class DiagnosisPage(Asking):
 
     def _chosen(self) -> None:
         recording = next((item for item in self._held if item.name == self._which.value), None)
-        if recording is not None and recording is not self._shown:
-            self._shown = recording
+        if recording is not None and recording is not self._looked_at:
+            self._looked_at = recording
             self._show()
 
     def _take_out(self) -> None:
-        self._held = [item for item in self._held if item is not self._shown]
-        self._shown = self._held[-1] if self._held else None
+        self._held = [item for item in self._held if item is not self._looked_at]
+        self._looked_at = self._held[-1] if self._held else None
         self._show()
 
     async def _reread(self) -> None:
-        shown = self._shown
+        shown = self._looked_at
         settings = {name: str(field.value or "").strip() for name, field in self._fields.items()}
         if shown is None or settings == {name: shown.told.get(name, "") for name in settings}:
             return
@@ -202,7 +214,7 @@ class DiagnosisPage(Asking):
     def _show_map(self) -> None:
         self._map.clear()
         self._map_panel.value = True
-        shown = self._shown
+        shown = self._looked_at
         self._map_panel.visible = shown is not None and bool(shown.meanings)
         if shown is None:
             return
@@ -222,7 +234,7 @@ class DiagnosisPage(Asking):
 
     async def _take(self, remedy: Mapping[str, Any]) -> None:
         """Settle the recording that is looked at as its refusal proposes."""
-        shown = self._shown
+        shown = self._looked_at
         if shown is None:
             return
         try:

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Generator
+from collections.abc import Generator, Mapping
 from contextlib import contextmanager
 from importlib.resources import files
+from types import MappingProxyType
 
 from nicegui import ui
 
@@ -16,6 +17,12 @@ PAGES = (
     ("Catalogues", "/catalogues"),
     ("Results", "/results"),
 )
+
+
+ADDRESS_OF: Mapping[str, str] = MappingProxyType(
+    {"evaluate": "/", "optimize": "/optimise", "tradeoff": "/tradeoff", "diagnose": "/diagnosis"}
+)
+"""The page that asks for each kind of job."""
 
 
 def styles() -> str:

@@ -9,10 +9,11 @@ from typing import Any
 from nicegui import ui
 
 import linkwright as lw
+from linkwright.browser.pages.asking import Asking
 from linkwright.browser.pages.edit.file_choice import FileChoice
 from linkwright.browser.pages.frame import Problem, framed, panel, row, sides
-from linkwright.browser.pages.result_view import Asking
 from linkwright.browser.server.answers import Desk
+from linkwright.browser.server.asked import Asked
 from linkwright.browser.server.folder import staged
 from linkwright.core.units.quantities import InputError
 
@@ -44,12 +45,17 @@ class ProblemPage(Asking):
         """The settings of the work."""
         return {"round_to": self._round.value or None}
 
-    async def begin(self) -> None:
-        """Open the first problem."""
-        await self._choice.begin()
-        await self._runs.begin()
+    def _now(self) -> tuple[str, str]:
+        return self._choice.editor.name, self._choice.editor.text
+
+    async def _open(self, asked: Asked | None) -> None:
+        await self._choice.begin(asked)
+
+    async def _open_as_it_was(self, asked: Asked) -> None:
+        await self._choice.open_as_it_was(asked)
 
     async def _check(self) -> None:
+        await self._compare()
         try:
             checked = await asyncio.to_thread(_read, self._desk, self._choice.editor.name, self._choice.editor.text)
         except InputError as error:

@@ -3,21 +3,20 @@
 from __future__ import annotations
 
 import html
-from collections.abc import Awaitable, Callable, Mapping
-from typing import Any
+from collections.abc import Awaitable, Callable
 
 from nicegui import events, ui
 
 from linkwright.browser.pages.edit.file_choice import SaveRow
-from linkwright.browser.pages.frame import Problem, bring_into_view, heading, panel, picture, row, stack
-from linkwright.browser.pages.runs import Runs
+from linkwright.browser.pages.frame import Problem, heading, panel, picture, row, stack
 from linkwright.browser.server.answers import Answer, Desk, as_kept, left_behind, on_shelf
+from linkwright.browser.server.asked import ASKED
 from linkwright.browser.server.drawings import Design, Front, Pose, front_from, poses_from
-from linkwright.browser.server.jobs import Job
+from linkwright.browser.server.jobs import Job, noun
 from linkwright.browser.server.shelf import Kept
 from linkwright.core.units.quantities import InputError
 
-_OWN = ("poses.json", "front.json")
+_OWN = ("poses.json", "front.json", ASKED)
 """Files that are for these pages alone."""
 _NOT_PNG = ("zoom", "pan", "select", "lasso", "zoomin", "zoomout", "autoscale", "resetscale")
 """Buttons of a chart that save nothing."""
@@ -25,7 +24,10 @@ _LONGEST_NAME, _LONGEST_NOTE = 120, 4000
 """Letters that a result's name and its note may have."""
 
 
-async def show_result(desk: Desk, number: int, gone: str = "There is no result {}; it may have been removed.") -> None:
+_GONE = "There is no result {}; it may have been removed."
+
+
+async def show_result(desk: Desk, number: int, gone: str = _GONE) -> None:
     """Show a result that is kept, or that it is `gone`."""
     try:
         result = await desk.looked_up(desk.shelf.find, number)
@@ -165,8 +167,8 @@ def _named(desk: Desk, result: Kept) -> None:
 
 
 def _origin(result: Kept) -> str:
-    stopped = "" if result.complete else "; stopped, so this is the best until then"
-    return f"{result.kind} of {result.title}, {result.made} UTC, {result.seconds:.1f} s{stopped}"
+    stopped = "" if result.complete else "; stopped, so this is the best so far"
+    return f"{noun(result.kind)} of {result.title}, {result.made} UTC, {result.seconds:.1f} s{stopped}"
 
 
 def _keep_arm(desk: Desk, answer: Answer) -> None:
@@ -233,31 +235,3 @@ def _table(headings: tuple[str, ...], rows: list[tuple[str, ...]]) -> None:
     body = "".join("<tr>" + "".join(f"<td>{html.escape(cell)}</td>" for cell in item) + "</tr>" for item in rows)
     with ui.element("div").classes("lw-scroll"):
         ui.html(f'<table class="lw-table"><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>', sanitize=True)
-
-
-class Asking:
-    """A page that runs jobs of one kind: those at work, and below them the last result."""
-
-    def __init__(self, desk: Desk, kind: str) -> None:
-        self._desk, self._kind = desk, kind
-
-    def _answers(self) -> None:
-        """Where the work is seen, and what it found."""
-        self._runs = Runs(self._desk.jobs, self._kind, self._ended)
-        self._result = stack().classes("lw-answer")
-
-    def _begin(self, title: str, inputs: Mapping[str, bytes], request: Mapping[str, Any]) -> None:
-        """Begin it. Raises `InputError` where too much is at work."""
-        self._desk.jobs.start(self._kind, title, inputs, request)
-        self._runs.refuse("")
-        self._result.clear()
-
-    async def _ended(self, job: Job, late: bool) -> None:
-        self._result.clear()
-        with self._result:
-            if job.result is not None:
-                await show_result(self._desk, job.result, "" if late else "It was removed meanwhile.")
-            else:
-                await show_unkept(self._desk, job)
-        if not late:
-            bring_into_view(self._result)

@@ -8,11 +8,12 @@ from functools import partial
 from nicegui import ui
 
 from linkwright.browser.server.answers import Desk, on_shelf
-from linkwright.browser.server.jobs import Job
+from linkwright.browser.server.asked import ASKED
+from linkwright.browser.server.jobs import Job, noun
 from linkwright.browser.server.shelf import NAME, Kept, Run
 from linkwright.core.units.quantities import InputError
 
-from .frame import Problem, framed, heading, row, stack
+from .frame import ADDRESS_OF, Problem, framed, heading, row, stack
 from .result_view import Naming, show_result, show_unkept
 from .runs import Runs
 
@@ -62,9 +63,10 @@ class ResultsPage:
         self._nothing.visible = not results and not cut
         self._list([*cut, *results])
 
-    async def _ended(self, job: Job, late: bool) -> None:
+    async def _ended(self, job: Job, late: bool) -> bool:
         del job, late
         await self.begin()
+        return True
 
     def _list(self, items: Sequence[Kept | Run]) -> None:
         """Show these, one below the other. What is shown already stays, so that a click in the meantime is heard."""
@@ -80,7 +82,7 @@ class ResultsPage:
     def _show_kept(self, result: Kept) -> ui.element:
         with ui.element("div").classes("lw-kept") as shown:
             ui.label(result.made).classes("lw-note")
-            ui.label(result.kind if result.complete else f"{result.kind} (stopped)").classes("lw-note")
+            ui.label(noun(result.kind) if result.complete else f"{noun(result.kind)} (stopped)").classes("lw-note")
             with ui.element("p").classes("lw-found"):
                 ui.link(result.name or result.line, f"/results/{result.id}")
                 for more in (result.line if result.name else "", result.note, result.title):
@@ -100,7 +102,7 @@ class ResultsPage:
     def _show_cut(self, run: Run) -> ui.element:
         with ui.element("div").classes("lw-kept") as shown:
             ui.label(run.began).classes("lw-note")
-            ui.label(f"{run.kind} (cut off)").classes("lw-note")
+            ui.label(f"{noun(run.kind)} (cut off)").classes("lw-note")
             with ui.element("p").classes("lw-found"):
                 ui.label("Its server ended before it did, so nothing of it is kept; begin it again.")
                 ui.label(f"{run.title} (server: process {run.server})").classes("lw-note")
@@ -133,13 +135,24 @@ class ResultPage:
     def __init__(self, desk: Desk, number: int) -> None:
         self._desk, self._number = desk, number
         with framed("Results"):
-            with row():
+            with row() as self._ways:
                 ui.link("all results", "/results")
             heading(f"Result {number}")
             Runs(desk.jobs)
             self._shown = stack()
 
     async def begin(self) -> None:
-        """Show it."""
+        """Show it, and the way to the file that it is of."""
+        with self._ways:
+            await self._show_way()
         with self._shown:
             await show_result(self._desk, self._number)
+
+    async def _show_way(self) -> None:
+        desk, number = self._desk, self._number
+        try:
+            result, names = await desk.looked_up(lambda: (desk.shelf.find(number), desk.shelf.names(number)))
+        except InputError:
+            return  # said where the result is shown
+        if result is not None and ASKED in names and result.kind in ADDRESS_OF:
+            ui.link("its file, to ask again", f"{ADDRESS_OF[result.kind]}?result={number}")

@@ -16,11 +16,11 @@ _LOOK = 0.25
 
 class Runs:
     """All jobs on the server, in every tab alike. `ended` is awaited with each job of a `kind` (any, where empty) that
-    has a result, and at first with the last one that ended before the page was opened (`late`). All other jobs, and all
-    where there is no `ended`, leave a link.
+    has a result, and at first with the last one that ended before the page was opened (`late`); it gives whether the
+    page shows the result. All other jobs leave a link.
     """
 
-    def __init__(self, jobs: Jobs, kind: str = "", ended: Callable[[Job, bool], Awaitable[None]] | None = None) -> None:
+    def __init__(self, jobs: Jobs, kind: str = "", ended: Callable[[Job, bool], Awaitable[bool]] | None = None) -> None:
         self._jobs, self._kind, self._ended = jobs, kind, ended
         self._rows: dict[int, _Row] = {}
         self._seen = {job.number for job in jobs.ended}
@@ -28,10 +28,14 @@ class Runs:
         self._place = stack()
         ui.timer(_LOOK, self._look)
 
+    @property
+    def last(self) -> Job | None:
+        """What ended last of the kind."""
+        return next((job for job in reversed(self._jobs.ended) if job.kind == self._kind), None)
+
     async def begin(self) -> None:
         """Show what ended last."""
-        last = next((job for job in reversed(self._jobs.ended) if job.kind == self._kind), None)
-        if last is not None:
+        if (last := self.last) is not None:
             await self._show(last, late=True)
 
     def refuse(self, why: str) -> None:
@@ -54,16 +58,15 @@ class Runs:
     async def _show(self, job: Job, *, late: bool) -> None:
         if self._ended is not None and self._kind in (job.kind, ""):
             self._problem.say(job.message if job.state == "refused" else "")
-            if job.state != "refused":
-                await self._ended(job, late)
-            return
+            if job.state == "refused" or await self._ended(job, late):
+                return
         with self._place, panel():
             if job.result is not None:
                 ui.link(job.answer, f"/results/{job.result}")
             else:
                 ui.label(job.message).classes("lw-note")
             if job.name not in job.message:
-                ui.label(job.name).classes("lw-note")
+                ui.label(job.name + ("" if job.complete else ", stopped: the best so far")).classes("lw-note")
 
 
 class _Row:

@@ -12,6 +12,7 @@ from linkwright.browser.pages.results import ResultPage, ResultsPage
 from linkwright.browser.server.answers import Desk
 
 from .arm import ArmPage
+from .asking import Asking
 from .catalogues import CataloguesPage
 from .diagnosis import DiagnosisPage
 from .optimise import ProblemPage
@@ -32,13 +33,24 @@ def _add(address: str, made: Callable[[], _Page]) -> None:
     ui.page(address)(shown)
 
 
+def _add_asking(address: str, made: Callable[[], Asking]) -> None:
+    """A page that asks; `?result=NUMBER` opens what a kept result is of."""
+
+    async def shown(result: int | None = None) -> None:
+        page = made()
+        await ui.context.client.connected()
+        await page.begin(result)
+
+    ui.page(address)(shown)
+
+
 def add_pages(desk: Desk) -> None:
     """Add every page of a server. NiceGUI keeps pages for the whole process, so there is one server in each."""
     lead = "The best design within a problem's limits. Stop leaves the best so far."
-    _add("/", lambda: ArmPage(desk))
-    _add("/optimise", lambda: ProblemPage(desk, "optimize", "Optimise", lead))
-    _add("/tradeoff", lambda: TradeoffPage(desk))
-    _add("/diagnosis", lambda: DiagnosisPage(desk))
+    _add_asking("/", lambda: ArmPage(desk))
+    _add_asking("/optimise", lambda: ProblemPage(desk, "optimize", "Optimise", lead))
+    _add_asking("/tradeoff", lambda: TradeoffPage(desk))
+    _add_asking("/diagnosis", lambda: DiagnosisPage(desk))
     _add("/catalogues", lambda: CataloguesPage(desk))
     _add("/results", lambda: ResultsPage(desk))
 

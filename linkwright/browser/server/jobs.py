@@ -15,10 +15,12 @@ from collections.abc import Mapping
 from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any, Literal
 
 from linkwright.core.units.quantities import InputError
 
+from .asked import ASKED, Asked, asked_of
 from .folder import put
 from .shelf import Run, Shelf
 
@@ -30,12 +32,23 @@ _PATIENCE = 10.0
 """Seconds that work which is to end is given to leave its best so far."""
 
 
+_NOUNS: Mapping[str, str] = MappingProxyType(
+    {"evaluate": "Evaluation", "optimize": "Optimisation", "tradeoff": "Trade-off", "diagnose": "Diagnosis"}
+)
+
+
+def noun(kind: str) -> str:
+    """What a kind of job is called."""
+    return _NOUNS.get(kind, kind)
+
+
 @dataclass(eq=False)
 class Job:
     """One piece of work: what it is, how far it is, what came of it.
 
     `answer` is the line that says what was found, known before its files are written; `result` is its number on the
-    shelf. Where it could not be kept it is `unkept`, `message` says why, and its files stay in `left`.
+    shelf. Where it could not be kept it is `unkept`, `message` says why, and its files stay in `left`. `asked` is what
+    it answers.
     """
 
     number: int
@@ -55,11 +68,12 @@ class Job:
     run: int | None = None
     stopping: bool = False
     process: asyncio.subprocess.Process | None = None
+    asked: Asked | None = None
 
     @property
     def name(self) -> str:
         """Which work it is, for whoever did not begin it."""
-        return f"{self.kind} of {self.title}"
+        return f"{noun(self.kind)} of {self.title}"
 
     @property
     def seconds(self) -> float:
@@ -112,7 +126,7 @@ class Jobs:
         """Begin; `inputs` are the files that it reads, by name. Raises `InputError` where too much is at work."""
         if len(self.running) >= MOST_AT_ONCE:
             raise InputError("", "", f"{MOST_AT_ONCE} are at work already; stop one of them, or wait")
-        job = Job(len(self._all) + 1, kind, title)
+        job = Job(len(self._all) + 1, kind, title, asked=asked_of(kind, inputs, asked))
         self._all[job.number] = job
         task = asyncio.get_running_loop().create_task(self._done(job, dict(inputs), dict(asked)))
         self._tasks.add(task)
@@ -124,6 +138,7 @@ class Jobs:
         assert job.left is not None
         try:
             files = await asyncio.to_thread(_files, job.left / "out")
+            files |= {} if job.asked is None else {ASKED: job.asked.content()}
             job.result = await asyncio.to_thread(
                 self._shelf.keep,
                 job.kind,

@@ -22,7 +22,9 @@ from linkwright.commands.parameters import parameters_of, paths_in
 from linkwright.core.executors import WorkersLost
 from linkwright.core.units.quantities import InputError, NoAnswer
 from linkwright.face.evaluation import Evaluation
+from linkwright.face.result import Result
 from linkwright.face.tradeoff import Tradeoff
+from linkwright.results.document import plain
 
 from .folder import called_plainly
 
@@ -75,10 +77,16 @@ def answered(kind: str, root: Path, out: Path, asked: Mapping[str, Any]) -> None
         if hasattr(signal, name):
             signal.signal(getattr(signal, name), signal.SIG_IGN)
     lost = "" if crew.lost is None else f"; {crew.lost}"
-    say(answer=repr(result)[1:-1] + lost, complete=not getattr(result, "interrupted", False))
+    say(answer=_verdict(result) + lost, complete=not getattr(result, "interrupted", False))
     arm = None if problem is None else problem.arm_file
     result.save(out, made_from=[*named, *([] if arm is None else [arm])])
     _beside(result, out, words.get("settings", ()))
+
+
+def _verdict(result: Result) -> str:
+    """The sentence that heads the result's report."""
+    words = " ".join(plain(result.description.headline).split())
+    return words[:1].upper() + words[1:]
 
 
 def _placed(names: str | list[str], root: Path) -> Path | list[Path]:

@@ -81,10 +81,10 @@ def test_a_locked_base_loses_no_answer(server, page):
         page.get_by_role("button", name="Evaluate").click()
         page.get_by_role("alert").filter(has_text="This answer is not kept: ").wait_for()
         page.get_by_role("alert").filter(has_text="is locked by another program").wait_for()
-        page.get_by_text("Evaluation: worst position error").wait_for()
+        page.get_by_text("Worst position error").wait_for()
         page.frame_locator("iframe").get_by_role("heading", level=1).wait_for()
         page.goto(server.url + "results")
-        page.get_by_text("Evaluation: worst position error").first.wait_for()
+        page.get_by_text("Worst position error").first.wait_for()
     page.get_by_role("button", name="Keep again").click()
     page.get_by_role("button", name="Keep again").wait_for(state="detached")
     # The page asks for the kept report now, which must not be gone before it is answered.
@@ -100,10 +100,10 @@ def test_a_run_that_was_cut_off_is_listed(server, page):
     host = Jobs(shelf)._name.partition(" on ")[2]
     run = shelf.begin("optimize", "a long problem", f"{server.process.pid} on {host}")
     page.goto(server.url + "results")
-    page.get_by_text("optimize (cut off)").wait_for()
+    page.get_by_text("Optimisation (cut off)").wait_for()
     page.get_by_text("a long problem").wait_for()
     page.get_by_role("button", name=f"forget run {run}", exact=True).click()
-    page.get_by_text("optimize (cut off)").wait_for(state="detached")
+    page.get_by_text("Optimisation (cut off)").wait_for(state="detached")
     assert shelf.runs() == []
 
 

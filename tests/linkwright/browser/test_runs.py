@@ -56,17 +56,17 @@ def test_every_tab_and_a_reload_show_what_runs(server, page):
     other.set_default_timeout(120_000)
     for place in ("diagnosis", "catalogues", ""):
         other.goto(server.url + place)
-        other.get_by_role("status").filter(has_text="optimize of problem.yaml: ").wait_for()
+        other.get_by_role("status").filter(has_text="Optimisation of problem.yaml: ").wait_for()
     other.get_by_role("button", name="Stop").click()
-    answer = other.get_by_role("link", name="Optimization: interrupted")
-    answer.wait_for()
-    page.locator(".lw-answer .lw-done", has_text="Optimization: interrupted").wait_for()
+    other.get_by_text("Optimisation of problem.yaml, stopped: the best so far").wait_for()
+    answer = other.get_by_role("link", name="worst error")
+    page.locator(".lw-answer .lw-note", has_text="stopped, so this is the best so far").wait_for()
     answer.click()
-    other.get_by_text("stopped, so this is the best until then").wait_for()
+    other.get_by_text("stopped, so this is the best so far").wait_for()
     other.close()
     page.get_by_role("button", name="Stop").wait_for(state="detached")
     page.reload()
-    page.locator(".lw-answer .lw-done", has_text="Optimization: interrupted").wait_for()
+    page.locator(".lw-answer .lw-note", has_text="stopped, so this is the best so far").wait_for()
     for name in ("arm.yaml", "problem.yaml"):
         (server.folder / name).unlink()
 

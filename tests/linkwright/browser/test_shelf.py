@@ -185,7 +185,7 @@ def test_an_answer_that_cannot_be_kept_is_there_and_can_be_kept_again(tmp_path):
         job = await ended(jobs)
         assert job.state == "unkept"
         assert "move it away" in job.message
-        assert job.answer.startswith("Evaluation: worst position error")
+        assert job.answer.startswith("Worst position error")
         report = (job.left / "out" / "report.html").read_bytes()
         await jobs.keep(job)
         assert job.state == "unkept"

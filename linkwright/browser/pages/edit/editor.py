@@ -11,14 +11,13 @@ from typing import Any, cast
 
 from nicegui import ui
 
+from linkwright.browser.pages.frame import Problem, heading, row, stack
 from linkwright.browser.server.folder import Kind
 from linkwright.browser.server.keys import Place, known_keys, meaning, to_choose
 from linkwright.core.catalogues.yaml_edit import YamlText
 from linkwright.core.units.quantities import InputError
 from linkwright.core.units.reading import parse_yaml, yaml_line
 from linkwright.face.plain_input import steps_of
-
-from linkwright.browser.pages.frame import Problem, heading, row, stack
 
 _PAUSE = 0.35
 """Seconds without a further change after which a text is checked."""

@@ -13,6 +13,7 @@ from nicegui import events, ui
 from linkwright.browser.pages.edit.editor import YamlEditor
 from linkwright.browser.pages.frame import Problem, panel, row, stack
 from linkwright.browser.server.answers import Desk
+from linkwright.browser.server.asked import Asked
 from linkwright.browser.server.dropped import plain_name
 from linkwright.browser.server.folder import Folder, Kind, Occupied, arm_of_urdf, templates
 from linkwright.core.units.quantities import InputError
@@ -163,11 +164,23 @@ class FileChoice:
                 discard.props("dense outline no-caps color=negative")
                 ui.button("Stay here", on_click=lambda: self._ask.submit("stay")).props("dense outline no-caps")
 
-    async def begin(self) -> None:
-        """Open the first file there is."""
+    async def begin(self, asked: Asked | None = None) -> None:
+        """Open the file that an answer is of, or its text where that file is gone; without one the first there is."""
         names = await self._look()
-        if names:
-            self._list.value = names[0]
+        if asked is not None and asked.file not in names:
+            await self.open_as_it_was(asked)
+        elif asked is not None or names:
+            self._list.value = names[0] if asked is None else asked.file
+
+    async def open_as_it_was(self, asked: Asked) -> None:
+        """Open a file's text as an answer was given of it; it is not saved."""
+        if not await self._may_go():
+            return
+        try:
+            there = await asyncio.to_thread(self._desk.folder.read, asked.file)
+        except InputError:
+            there = ""
+        await self._open(asked.file, asked.text, there)
 
     async def _look(self) -> list[str]:
         names = await asyncio.to_thread(self._desk.folder.names, self._kind)
@@ -209,11 +222,12 @@ class FileChoice:
         choice = await self._ask
         return choice == "discard" or (choice == "save" and await self._save.save())
 
-    async def _open(self, name: str, text: str) -> None:
-        self._save.opened = (name, text)
+    async def _open(self, name: str, text: str, there: str | None = None) -> None:
+        """Edit a text under a file's name; `there` is what the file holds, where that is another one."""
+        self._save.opened = (name, text if there is None else there)
         self._save.name = name
         self.editor.load(name, text)
-        self._list.value = name
+        self._list.value = name if name in cast(list[str], self._list.options) else None
         await self._changed()
 
     async def _begun(self, name: str, text: str) -> bool:
