@@ -146,10 +146,15 @@ def __getattr__(name: str) -> Any:
     home = next((module for module, names in HOMES.items() if name in names), None)
     if home is None:
         raise AttributeError(f"module 'linkwright' has no attribute '{name}'")
-    value = globals()[name] = getattr(import_module(home), name)
+    value = getattr(import_module(home), name)
+    if home.startswith("linkwright.api."):
+        from linkwright.api.signature import shown_signature
+
+        value.__signature__ = shown_signature(value)
+    globals()[name] = value
     return value
 
 
 def __dir__() -> list[str]:
-    """What can be used."""
-    return sorted({*globals(), *__all__})
+    """The public names."""
+    return sorted([*__all__, "__version__"])

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import inspect
+import re
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeVar
+from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeVar, get_args, get_origin
 
 from linkwright.core.units.quantities import InputError, shown
 
@@ -108,3 +110,29 @@ Listed = Annotated[T, Option(metavar="LIST", kind=str, read=listed)]
 """Several values in one word, between commas."""
 Numbered = Annotated[T, Option(metavar="N")]
 Text = Annotated[T, Option(kind=str)]
+
+
+class _Words:
+    """An annotation that shows as its words, without quotation marks."""
+
+    def __init__(self, words: str) -> None:
+        self._words = words
+
+    def __repr__(self) -> str:
+        """The words."""
+        return self._words
+
+
+def shown_signature(function: Callable[..., Any]) -> inspect.Signature:
+    """A function's signature as people read it: what the command line asks for by is left out of annotations."""
+    given = inspect.signature(function)
+    parameters = [item.replace(annotation=_annotation(item.annotation)) for item in given.parameters.values()]
+    return given.replace(parameters=parameters, return_annotation=_annotation(given.return_annotation))
+
+
+def _annotation(annotation: Any) -> Any:
+    if annotation is inspect.Signature.empty:
+        return annotation
+    bare = get_args(annotation)[0] if get_origin(annotation) is Annotated else annotation
+    words = bare if isinstance(bare, str) else getattr(bare, "__forward_arg__", None) or inspect.formatannotation(bare)
+    return _Words(re.sub(r"\b(?:typing|collections\.abc|pathlib)\.", "", words))

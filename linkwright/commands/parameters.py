@@ -89,7 +89,8 @@ def parameters_of(function: Callable[..., Any]) -> Iterator[Parameter]:
     """The parameters of a function that are annotated with an `Option` or an `Argument`; programs alone have others."""
     descriptions = _args_of(function)
     for name, parameter in inspect.signature(function).parameters.items():
-        base, *notes = get_args(parameter.annotation) if get_origin(parameter.annotation) is Annotated else (None,)
+        annotation = function.__annotations__.get(name)  # its signature is as people read it
+        base, *notes = get_args(annotation) if get_origin(annotation) is Annotated else (None,)
         option = next((note for note in reversed(notes) if isinstance(note, Option)), None)
         if option is not None:
             kind = option.kind or _kind(name, base)

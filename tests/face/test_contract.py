@@ -335,3 +335,23 @@ def test_what_is_no_file_is_told_by_the_name_of_its_argument():
     ):
         with pytest.raises(lw.InputError, match=told):
             call()
+
+
+def test_signatures_are_for_people():
+    """Annotations as they are written in the documentation, without what the command line asks by; defaults stay."""
+    import inspect
+
+    for name in ("diagnose", "evaluate", "optimize", "tradeoff", "simulate"):
+        words = str(inspect.signature(getattr(lw, name)))
+        assert "Option(" not in words
+        assert "Annotated" not in words
+        assert "'Arm" not in words
+    assert str(inspect.signature(lw.evaluate)).startswith(
+        "(arm: Arm | File, problem: Problem | File | None = None, *, "
+    )
+    assert inspect.signature(lw.diagnose).parameters["thorough"].default is False
+
+
+def test_what_is_listed_is_public():
+    """And nothing that the package only uses."""
+    assert set(dir(lw)) == {*lw.__all__, "__version__"}
