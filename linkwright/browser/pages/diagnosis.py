@@ -12,15 +12,15 @@ from nicegui import events, ui
 
 from linkwright.browser.server.answers import Desk
 from linkwright.browser.server.asked import Asked
-from linkwright.browser.server.dropped import FURTHER, Dropped, plain_name, question, with_another
+from linkwright.browser.server.dropped import FURTHER, Dropped, plain_name, question, simulated, with_another
 from linkwright.browser.server.folder import arm_from_text
 from linkwright.browser.server.guard import MOST_UPLOADED
 from linkwright.core.diagnose.reading.foreign.proposal import IGNORED, OTHER, Meaning, known_names, units_of
-from linkwright.core.units.quantities import InputError, read_number
+from linkwright.core.units.quantities import InputError, NoAnswer, read_number
 from linkwright.core.units.reading import yaml_line
 
 from .asking import Asking
-from .frame import Problem, framed, panel, row, sides, stack
+from .frame import Problem, framed, heading, panel, row, sides, stack
 
 _ENDINGS = (".csv", ".txt", ".tsv", ".dat", ".parquet", ".pq", ".xlsx")
 
@@ -37,7 +37,7 @@ class DiagnosisPage(Asking):
         self._looked_at: Dropped | None = None
         self._arm_text = ""
         self._fields: dict[str, ui.input | ui.select | ui.textarea] = {}
-        lead = "Drop recordings of the real arm; what its model leaves out is looked for."
+        lead = "Drop recordings of the real arm. The diagnosis finds what its file is missing."
         with framed("Diagnosis", lead), sides() as (left, right):
             with left:
                 with panel():
@@ -57,10 +57,37 @@ class DiagnosisPage(Asking):
                 with panel() as self._asked:
                     self._ask()
             with right:
+                with panel() as self._first:
+                    self._explain()
                 with ui.expansion(_COLUMNS, value=True).classes("lw-panel") as self._map_panel:
                     self._map = stack()
                 self._answers()
         self._asked.visible = self._map_panel.visible = False
+
+    def _explain(self) -> None:
+        """What a recording is, while there is none."""
+        heading("What a recording is")
+        ui.label("A table of poses, measured or logged. Its columns may have any names.").classes("lw-note")
+        for what, columns in _KINDS:
+            ui.label(what).classes("lw-done")
+            ui.label(columns).classes("lw-note")
+        self._example = ui.button("Try a simulated recording of this arm", on_click=self._simulated)
+        self._example.props("outline dense no-caps").classes("self-start")
+
+    async def _simulated(self) -> None:
+        """Drop a recording that the arm itself makes, with an encoder that is off."""
+        if self._arm is None:
+            self._problem.say(_NO_ARM)
+            return
+        self._example.enabled = False
+        try:
+            fresh = await asyncio.to_thread(simulated, self._arm)
+        except (InputError, NoAnswer) as error:
+            self._problem.say(str(error))
+            return
+        finally:
+            self._example.enabled = True
+        await self._add(fresh)
 
     def _ask(self) -> None:
         """Which recordings there are, what is known of the one that is shown beside its columns, and the button."""
@@ -102,6 +129,7 @@ class DiagnosisPage(Asking):
     async def _open(self, asked: Asked | None) -> None:
         names = await asyncio.to_thread(self._desk.folder.names, "arm")
         first = names[0] if names else None
+        self._first.visible = self._runs.last is None
         self._choice.set_options(names, value=asked.file if asked is not None and asked.file in names else first)
 
     async def _open_as_it_was(self, asked: Asked) -> None:
@@ -136,7 +164,10 @@ class DiagnosisPage(Asking):
             return
         # What is told of the one before is likely so of the next as well.
         settings = dict(self._looked_at.told) if self._looked_at is not None else {}
-        fresh = Dropped(name, await event.file.read(), settings)
+        await self._add(Dropped(name, await event.file.read(), settings))
+
+    async def _add(self, fresh: Dropped) -> None:
+        """Look at another recording."""
         try:
             self._held = with_another(self._held, fresh)
         except InputError as error:
@@ -160,13 +191,14 @@ class DiagnosisPage(Asking):
         """The recording that is looked at: its fields, its columns, and what is read of all."""
         shown = self._looked_at
         self._asked.visible = shown is not None
+        self._first.visible = shown is None and self._runs.last is None
         if shown is None:
             self._map_panel.visible = False
             self._problem.say("")
             self._offers.clear()
             return
         if self._arm is None:
-            self._problem.say("choose an arm file first; the Arm page can put an example into the folder")
+            self._problem.say(_NO_ARM)
             return
         for name, field in self._fields.items():
             field.value = shown.told.get(name, "")
@@ -221,7 +253,7 @@ class DiagnosisPage(Asking):
         self._map_panel.text = f"What the columns of {shown.name} are" if len(self._held) > 1 else _COLUMNS
         model = self._arm.model
         names = {name: name for name in known_names(model)}
-        choices = {OTHER: "not of the arm: a possible cause", IGNORED: "not used", **names}
+        choices = {OTHER: "other data (tested as a cause)", IGNORED: "not used", **names}
         with self._map:
             for number, meaning in enumerate(shown.meanings):
                 with ui.element("div").classes("lw-map") as place:
@@ -258,6 +290,11 @@ class DiagnosisPage(Asking):
 
 
 _COLUMNS = "What its columns are"
+_NO_ARM = "choose an arm file first; the Arm page can put an example into the folder"
+_KINDS = (
+    ("Measured tips", "Joint angles, and where a tracker or a dial gauge saw the tip."),
+    ("A motion log", "Time, joint angles and torques or currents, as a controller logs them."),
+)
 
 
 class _ColumnRow:

@@ -89,13 +89,14 @@ def bring_into_view(element: ui.element) -> None:
     ui.run_javascript(f"getHtmlElement({element.id}).firstElementChild.scrollIntoView({{block: 'nearest'}})")
 
 
-def picture(svg: str = "") -> ui.html:
-    """A picture of the reports, to be saved as PNG; whatever could run in it is taken out, for it may come from a
-    file."""
+def picture(svg: str = "", *, save: bool = True) -> ui.html:
+    """A picture of the reports, with a button that saves it as PNG unless `save` is false. Whatever could run in it is
+    taken out, for it may come from a file."""
     made = ui.html(svg, sanitize=True).classes("lw-picture")
-    save = f"() => savePicture(getHtmlElement({made.id}).querySelector('svg'))"
-    button = ui.button("PNG").props('flat dense no-caps size=sm aria-label="PNG of this drawing"').classes("self-end")
-    button.on("click", js_handler=save)
+    if save:
+        saved = f"() => savePicture(getHtmlElement({made.id}).querySelector('svg'))"
+        button = ui.button("PNG").props('flat dense no-caps size=sm aria-label="PNG of this drawing"')
+        button.classes("self-end").on("click", js_handler=saved)
     return made
 
 

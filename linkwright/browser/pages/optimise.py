@@ -11,9 +11,10 @@ from nicegui import ui
 import linkwright as lw
 from linkwright.browser.pages.asking import Asking
 from linkwright.browser.pages.edit.file_choice import FileChoice
-from linkwright.browser.pages.frame import Problem, framed, panel, row, sides
+from linkwright.browser.pages.frame import Problem, framed, panel, picture, row, sides
 from linkwright.browser.server.answers import Desk
 from linkwright.browser.server.asked import Asked
+from linkwright.browser.server.drawings import at_pose, middle
 from linkwright.browser.server.folder import staged
 from linkwright.core.units.quantities import InputError
 
@@ -30,6 +31,7 @@ class ProblemPage(Asking):
                 self._problem = Problem()
                 with panel():
                     self._line = ui.label().classes("lw-done")
+                    self._picture = picture()
                     self._asked()
                 self._answers()
 
@@ -67,6 +69,8 @@ class ProblemPage(Asking):
         self._choice.editor.mark(None)
         self._ask.enabled = True
         self._line.text = repr(checked)[1:-1]
+        arm = checked.model.arm
+        self._picture.content = await asyncio.to_thread(at_pose, arm, middle(arm))
 
     async def _start(self) -> None:
         name, text = self._choice.editor.name, self._choice.editor.text
@@ -100,7 +104,7 @@ class TradeoffPage(ProblemPage):
             self._y = _choice(names, "max_error", "Upwards")
             self._by = _choice({"": "one front", "material": "each material", "shape": "each shape"}, "", "A front for")
             self._accuracy = _choice(dict(_ACCURACIES), 0.1, "Accuracy")
-            self._ask = ui.button("Trace", on_click=self._start).props("no-caps")
+            self._ask = ui.button("Trade-off", on_click=self._start).props("no-caps")
             self._ask.enabled = False  # until the file is read
 
     def _question(self) -> dict[str, Any]:

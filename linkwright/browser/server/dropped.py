@@ -25,6 +25,7 @@ FURTHER = "further"
 LAYOUT = ("skip_rows", "separator", "decimal", "encoding")
 _LONGEST_NAME = 80
 """Bytes of a file's name that are kept, its end."""
+_SIMULATED = 30
 MOST = 12
 """Recordings that can be diagnosed at once here."""
 
@@ -120,6 +121,15 @@ class Dropped:
         layout = {name: self.told.get(name, "") for name in LAYOUT}
         with staged({self.name: self.content, SETTINGS: settings_text((), layout).encode()}) as root:
             return read_table(root / self.name, read_settings(root / SETTINGS).layout)
+
+
+def simulated(arm: lw.Arm) -> Dropped:
+    """A recording that an arm makes whose last encoder is off by a quarter of a degree. Raises `InputError`,
+    `NoAnswer`."""
+    turning = [number for number, joint in enumerate(arm.model.joints, start=1) if joint.revolute and joint.driven]
+    wrong = [{"effect": "encoder_offset", "at": turning[-1], "offset": "0.25 deg"}] if turning else []
+    made = lw.simulate(arm, poses=_SIMULATED, with_=wrong, sides="one").table
+    return Dropped("simulated.csv", made.to_csv(index=False).encode())
 
 
 def plain_name(name: str) -> str:

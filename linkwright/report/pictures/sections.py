@@ -35,6 +35,15 @@ def sections_grid(arms: Sequence[tuple[str, Arm]]) -> str:
     return cards + element("p", text(note), class_="lead")
 
 
+def section_picture(arm: Arm, index: int) -> str:
+    """The cross-section of a link (from 0) alone, as large as there is room; nothing where it is rigid."""
+    link, side = arm.links[index], sides(arm)[index]
+    if link.section is None:
+        return ""
+    size = 1e3 * float(np.ptp(side.section(np.asarray(link.section.outline()[0])), axis=0).max())
+    return _section(index + 1, "", link, side, size)
+
+
 def _card(number: int, arms: Sequence[tuple[str, Arm]], row: Sequence[_Drawn | None], size: float) -> str:
     figures = [_figure(number, when, item, size) for (when, _), item in zip(arms, row, strict=True) if item is not None]
     heading = element("h3", text(f"Link {number}"))

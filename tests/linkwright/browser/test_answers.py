@@ -82,7 +82,9 @@ def test_an_answer_from_before_a_change_says_so(server, page):
     arm.write_text(arm.read_text(encoding="utf-8") + "# a comment\n", encoding="utf-8")
     page.reload()
     page.locator(".lw-answer .lw-done").wait_for()
-    changed = page.get_by_role("status").filter(has_text="This answer is of other.yaml as it was before it was changed.")
+    changed = page.get_by_role("status").filter(
+        has_text="This answer is of other.yaml as it was before it was changed."
+    )
     changed.wait_for(state="hidden")
     arm.write_text(arm.read_text(encoding="utf-8").replace("800 mm", "700 mm"), encoding="utf-8")
     page.reload()

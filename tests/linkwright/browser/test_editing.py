@@ -32,7 +32,7 @@ def test_what_is_not_saved_is_said_before_it_is_lost(server, page):
     page.get_by_text("reach 900 mm").wait_for()
     unsaved = page.get_by_text("Changes are not saved.")
     length = page.get_by_label("length", exact=True).first
-    length.fill("650 mm")
+    length.fill("650")
     length.press("Enter")
     unsaved.wait_for()
     choose(page, "Arm file", "other.yaml")
@@ -54,7 +54,7 @@ def test_what_is_not_saved_is_said_before_it_is_lost(server, page):
     page.get_by_text("Arm: other arm, 2 joints, reach 900 mm").wait_for()
     unsaved.wait_for(state="hidden")
     assert "650 mm" in (server.folder / "example-arm.yaml").read_text(encoding="utf-8")
-    length.fill("700 mm")
+    length.fill("700")
     length.press("Enter")
     unsaved.wait_for()
     choose(page, "Arm file", "example-arm.yaml")
@@ -75,22 +75,23 @@ def test_names_and_keys_are_chosen_by_a_part_of_them(server, page):
     material.fill("s355")
     page.get_by_role("option", name="steel-s355", exact=True).click()
     page.get_by_text("Changes are not saved.").wait_for()
-    key = page.get_by_label("Any key")
+    page.get_by_role("button", name="2 revolute joint, link 400 mm, tube").press("Enter")
+    key = page.get_by_label("Add to joint or link 2")
     key.click()
-    key.fill("chain[2].joint.actu")
-    page.get_by_role("option", name="chain[2].joint.actuator", exact=True).click()
+    key.fill("joint.actu")
+    page.get_by_role("option", name="joint.actuator", exact=True).click()
     page.get_by_text("a name of linkwright actuators list").wait_for()
-    value = page.get_by_label("Value; empty takes it out")
+    value = page.locator(".lw-pair").nth(1).get_by_label("Value (leave empty to remove)")
     value.click()
     value.fill("RV-20E")
     page.get_by_role("option", name="RV-20E", exact=True).click()
-    page.get_by_role("button", name="Set", exact=True).click()
+    page.locator(".lw-pair").nth(1).get_by_role("button", name="Set", exact=True).click()
     page.get_by_label("actuator", exact=True).wait_for()
     page.get_by_text("reach 900 mm").wait_for()
     page.get_by_label("length", exact=True).first.fill("65 kg")
     page.get_by_label("length", exact=True).first.press("Enter")
     page.locator(".q-field--error", has=page.get_by_label("length", exact=True)).get_by_text("is a mass").wait_for()
-    page.get_by_label("length", exact=True).first.fill("650 mm")
+    page.get_by_label("length", exact=True).first.fill("0.65 m")
     page.get_by_label("length", exact=True).first.press("Enter")
     page.locator(".q-field--error").wait_for(state="detached")
     page.get_by_role("button", name="Save", exact=True).click()
@@ -146,3 +147,61 @@ def test_a_new_arm_begins_as_a_shipped_one_or_a_urdf(server, page):
     given = lw.import_arm(ROOT / "examples" / "urdf" / "tabletop.urdf", tip="tip").arm.model
     assert [joint.name for joint in made.joints] == [joint.name for joint in given.joints]
     assert [link.length for link in made.links] == pytest.approx([link.length for link in given.links], abs=1e-9)
+
+
+def test_numbers_have_units_and_pairs_fold(server, page):
+    """A bare number keeps its unit, another unit is typed or chosen; a pair's fields are there once it is opened, and
+    a fault in a folded one opens it."""
+    page.goto(server.url)
+    page.get_by_text("reach 900 mm").wait_for()
+    assert page.get_by_label("length", exact=True).count() == 1  # the second pair is folded
+    length, unit = page.get_by_label("length", exact=True), page.get_by_label("unit of length")
+    length.fill("650")
+    length.press("Enter")
+    page.get_by_text("reach 1050 mm").wait_for()
+    length.fill("0.7 m")
+    length.press("Enter")
+    page.get_by_text("reach 1100 mm").wait_for()
+    assert (length.input_value(), unit.input_value()) == ("0.7", "m")
+    unit.click()
+    page.get_by_role("option", name="cm", exact=True).click()
+    page.get_by_text("reach 407 mm").wait_for()
+    page.get_by_label("range from").first.fill("-90")
+    page.get_by_label("range from").first.press("Enter")
+    page.get_by_role("tab", name="Text").click()
+    assert "range: [-90 deg, 100 deg]" in page.locator(".cm-content").inner_text()
+    assert "length: 0.7 cm" in page.locator(".cm-content").inner_text()
+    text = (server.folder / "other.yaml").read_text(encoding="utf-8")
+    (server.folder / "other.yaml").write_text(text.replace("length: 400 mm", "length: 400 kg"), encoding="utf-8")
+    page.evaluate("window.onbeforeunload = null")
+    page.reload()
+    page.get_by_text("reach 900 mm").wait_for()
+    choose(page, "Arm file", "other.yaml")
+    page.locator(".lw-pair").nth(1).locator(".q-field--error").get_by_text("is a mass").wait_for()
+
+
+def test_a_section_is_drawn_as_it_is_chosen(server, page):
+    """A shape gets dimensions about as large, a stock size is one name; both are arms at once."""
+    page.goto(server.url)
+    page.get_by_text("reach 900 mm").wait_for()
+    drawn = page.locator(".lw-section svg").first
+    drawn.wait_for()
+    before = drawn.get_attribute("aria-label")
+    section = page.get_by_label("section", exact=True).first
+    section.click()
+    section.fill("tube")
+    page.get_by_role("option", name="tube", exact=True).click()
+    page.get_by_label("diameter", exact=True).first.wait_for()
+    page.wait_for_function(
+        "before => document.querySelector('.lw-section svg')?.getAttribute('aria-label') !== before", arg=before
+    )
+    page.get_by_role("tab", name="Text").click()
+    assert "section: {shape: tube, diameter: 120 mm, thickness: 5 mm}" in page.locator(".cm-content").inner_text()
+    page.get_by_role("tab", name="Fields").click()
+    section = page.get_by_label("section", exact=True).first
+    section.click()
+    section.fill("IPE 80")
+    page.get_by_role("option", name="IPE 80", exact=True).click()
+    page.get_by_label("diameter", exact=True).wait_for(state="detached")
+    page.locator(".lw-section svg[aria-label*='IPE 80'], .lw-section svg[aria-label*='46']").first.wait_for()
+    page.evaluate("window.onbeforeunload = null")

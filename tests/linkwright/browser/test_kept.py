@@ -73,7 +73,7 @@ def test_a_locked_base_loses_no_answer(server, page):
     """Another program holds it while an arm is evaluated: the answer and its report are there, and kept by a click."""
     Folder(server.folder).add_examples()
     page.goto(server.url)
-    page.locator(".lw-picture svg .joint").first.wait_for()
+    page.get_by_text("reach 900 mm").wait_for()
     shelf = Shelf(server.folder)
     before = {item.id for item in shelf.all()}
     with closing(sqlite3.connect(shelf.path, isolation_level=None)) as other:
@@ -131,7 +131,7 @@ def test_an_arm_that_another_program_changed_is_not_written_over(server, page):
     arm = server.folder / "example-arm.yaml"
     text = arm.read_text(encoding="utf-8")
     page.goto(server.url)
-    page.locator(".lw-picture svg .joint").first.wait_for()
+    page.get_by_text("reach 900 mm").wait_for()
     page.get_by_label("length", exact=True).first.fill("650 mm")
     page.get_by_label("length", exact=True).first.press("Enter")
     page.get_by_text("reach 1050 mm").wait_for()

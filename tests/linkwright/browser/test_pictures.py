@@ -25,6 +25,7 @@ def test_drawings_and_charts_are_saved(server, page):
     """In colours, and three times as large as they are seen; charts by their own button."""
     Folder(server.folder).add_examples()
     page.goto(server.url)
+    page.get_by_role("tab", name="From the side").click()
     drawing = page.locator(".lw-picture svg").first
     drawing.locator(".joint").first.wait_for()
     box = drawing.bounding_box()

@@ -18,7 +18,7 @@ def test_the_answer_is_in_view_beside_or_below_its_form(server, page):
     """Its line on the screen without a touch of the wheel; to the right of the form where there is room."""
     Folder(server.folder).add_examples()
     page.goto(server.url)
-    page.locator(".lw-picture svg .joint").first.wait_for()
+    page.get_by_text("reach 900 mm").wait_for()
     page.get_by_role("button", name="Evaluate").click()
     line = page.locator(".lw-answer .lw-done")
     line.wait_for()
@@ -35,7 +35,7 @@ def test_the_answer_is_in_view_beside_or_below_its_form(server, page):
     for item in Shelf(server.folder).all():
         Shelf(server.folder).remove(item.id)
     page.reload()
-    page.locator(".lw-picture svg .joint").first.wait_for()
+    page.get_by_text("reach 900 mm").wait_for()
     page.wait_for_timeout(500)
     assert line.count() == 0
 
