@@ -25,7 +25,8 @@ FURTHER = "further"
 LAYOUT = ("skip_rows", "separator", "decimal", "encoding")
 _LONGEST_NAME = 80
 """Bytes of a file's name that are kept, its end."""
-_SIMULATED = 30
+_SIMULATED, _OFF = 30, 0.25
+"""Poses, and degrees that an encoder is off, of a recording to try."""
 MOST = 12
 """Recordings that can be diagnosed at once here."""
 
@@ -127,8 +128,9 @@ def simulated(arm: lw.Arm) -> Dropped:
     """A recording that an arm makes whose last encoder is off by a quarter of a degree. Raises `InputError`,
     `NoAnswer`."""
     turning = [number for number, joint in enumerate(arm.model.joints, start=1) if joint.revolute and joint.driven]
-    wrong = [{"effect": "encoder_offset", "at": turning[-1], "offset": "0.25 deg"}] if turning else []
-    made = lw.simulate(arm, poses=_SIMULATED, with_=wrong, sides="one").table
+    made = lw.simulate(arm, poses=_SIMULATED, sides="one").table
+    for number in turning[-1:]:
+        made[f"q{number}_deg"] += _OFF
     return Dropped("simulated.csv", made.to_csv(index=False).encode())
 
 
