@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from linkwright.core.arm.chain.chain import EffectEntry
 from linkwright.core.arm.effects import EFFECTS, Settings
+from linkwright.core.arm.effects.loads.inertial import OfInertia, torque_of_more
 from linkwright.core.arm.motion.motion import Motion
 from linkwright.core.arm.motion.rigid import inverse_dynamics
 from linkwright.core.sections.numeric import Array
@@ -17,8 +18,9 @@ from linkwright.core.sections.numeric import Array
 def model_torque(motion: Motion) -> Array:
     """Torques that a motion takes of the drives: the rigid arm's, with what the arm's `effects` add.
 
-    What goes by a load (friction under it, elasticity) goes by the rigid arm's torque. What is of the instrument (a
-    torque constant, an offset, a delay) comes last, and goes by all that is before it, as what is logged does.
+    What goes by a load (friction under it, elasticity) goes by what the drives pass on to the arm: its links, with what
+    its effects add to their weight. What is of the instrument (a torque constant, an offset, a delay) comes last, and
+    goes by all that is before it, as what is logged does.
 
     Args:
         motion: The motion; its own `torque` does not count.
@@ -37,20 +39,44 @@ def model_torque(motion: Motion) -> Array:
     >>> model_torque(turning).round(9).tolist()
     [[3.0]]
     """
-    entries = motion.arm.effects
+    return torque_stages(motion).logged
+
+
+@dataclass(frozen=True)
+class Stages:
+    """Torques (N, n), N*m (N for slides), in the order in which they come about: `load` is what the drives pass on to
+    the arm (links, payload, tilt), `drive` what they give, friction and rotors included, `logged` what the instrument
+    makes of that."""
+
+    load: Array
+    drive: Array
+    logged: Array
+
+
+def torque_stages(motion: Motion) -> Stages:
+    """The torques of `model_torque` with what they are made of."""
+    instrument = [entry for entry in motion.arm.effects if EFFECTS[entry.effect].of_instrument]
+    others = [entry for entry in motion.arm.effects if entry not in instrument]
+    loads = [entry for entry in others if EFFECTS[entry.effect].place != "joint"]
     rigid = inverse_dynamics(motion)
-    of_arm = [entry for entry in entries if not EFFECTS[entry.effect].of_instrument]
-    torque = rigid + torque_of(replace(motion, torque=rigid), of_arm)
-    return torque + torque_of(replace(motion, torque=torque), [entry for entry in entries if entry not in of_arm])
+    load = rigid + torque_of(replace(motion, torque=rigid), loads)
+    drive = load + torque_of(replace(motion, torque=load), [entry for entry in others if entry not in loads])
+    return Stages(load, drive, drive + torque_of(replace(motion, torque=drive), instrument))
 
 
 def torque_of(motion: Motion, entries: Sequence[EffectEntry]) -> Array:
     """What effects with these entries take of the drives (N, n) beyond the rigid arm, one added to the other."""
     torque = np.zeros(motion.q.shape)
+    parameters = np.zeros((motion.arm.size, 10))
     for entry in entries:
         torques = EFFECTS[entry.effect].torques
+        if isinstance(torques, OfInertia):  # bodies add up, and take one pass together
+            parameters += torques.parameters(motion.arm, Settings.of(entry))
+            continue
         for joint, more in ({} if torques is None else torques(motion, Settings.of(entry))).items():
             torque[:, joint] += more
+    for joint, more in torque_of_more(motion, parameters).items():
+        torque[:, joint] += more
     return torque
 
 

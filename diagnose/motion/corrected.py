@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from linkwright.core.arm.chain.chain import Arm, EffectEntry
+from linkwright.core.arm.effects import EFFECTS
 from linkwright.core.arm.effects.effect import Effect
 from linkwright.core.sections.numeric import Array
 
@@ -26,8 +27,8 @@ def completed(arm: Arm, groups: Sequence[Group], numbers: Sequence[Array], more:
     entries = list(arm.effects)
     for group, own in zip(groups, numbers, strict=True):
         for entry in _entries(group, own):
-            _join(entries, entry, {shape.name for shape in group.effect.shapes})
-    return replace(arm, effects=(*entries, *more))
+            _join(entries, entry, {shape.name for shape in group.effect.shapes}, arm.size)
+    return replace(arm, effects=tuple(_readable(entry) for entry in (*entries, *more)))
 
 
 def _entries(group: Group, numbers: Array) -> list[EffectEntry]:
@@ -41,15 +42,33 @@ def _entries(group: Group, numbers: Array) -> list[EffectEntry]:
     return [EffectEntry(group.effect.id, at, {**values, **shapes}) for at, values in by_place.items()]
 
 
-def _join(entries: list[EffectEntry], entry: EffectEntry, shapes: set[str]) -> None:
+def _join(entries: list[EffectEntry], entry: EffectEntry, shapes: set[str], joints: int) -> None:
+    """Enter an entry, added to what the arm has of the same effect, place and shapes. What it has at several places
+    with that among them is taken apart: a size that only a sum makes possible is no file's."""
     for number, item in enumerate(entries):
-        same = item.effect == entry.effect and item.at == entry.at
-        if same and all(item.parameters.get(name) == entry.parameters.get(name) for name in shapes):
-            names = {**item.parameters, **entry.parameters}
-            summed = {
-                name: value if name in shapes else item.parameters.get(name, 0.0) + entry.parameters.get(name, 0.0)
-                for name, value in names.items()
-            }
-            entries[number] = EffectEntry(entry.effect, entry.at, summed)
-            return
+        if item.effect != entry.effect or any(item.parameters.get(k) != entry.parameters.get(k) for k in shapes):
+            continue
+        places = item.at or (tuple(range(1, joints + 1)) if entry.at else ())
+        if not set(entry.at) <= set(places) or (places and not entry.at):
+            continue
+        names = {**item.parameters, **entry.parameters}
+        summed = {
+            name: value if name in shapes else item.parameters.get(name, 0.0) + entry.parameters.get(name, 0.0)
+            for name, value in names.items()
+        }
+        others = tuple(place for place in places if place not in entry.at)
+        rest = [EffectEntry(item.effect, others, item.parameters)] if others else []
+        entries[number : number + 1] = [*rest, EffectEntry(entry.effect, entry.at, summed)]
+        return
     entries.append(entry)
+
+
+def _readable(entry: EffectEntry) -> EffectEntry:
+    """An entry whose sizes a file may hold."""
+    effect = EFFECTS[entry.effect]
+    limits = {size.name: (size.lower, size.upper) for size in (*effect.torque_sizes, *effect.shapes)}
+    held = {
+        name: min(max(value, limits[name][0]), limits[name][1]) if name in limits else value
+        for name, value in entry.parameters.items()
+    }
+    return EffectEntry(entry.effect, entry.at, held)

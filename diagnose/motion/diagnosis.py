@@ -17,8 +17,9 @@ from linkwright.core.diagnose.rules.rules import Rules
 from linkwright.core.sections.numeric import Array
 from linkwright.core.units.quantities import InputError
 
-from .corrected import completed, entry_of
+from .corrected import entry_of
 from .findings import finding_of, findings
+from .judged import Judged, as_written, judged
 from .log import MotionLog
 from .model.candidates import candidates, scanned, with_variants
 from .model.identify import Identified, identify
@@ -27,7 +28,6 @@ from .model.noise import noise
 from .model.products import products
 from .model.ripple import Ripple, ripples
 from .model.rows import LogRows, joint_rows, log_rows, with_sources
-from .model.search import rms
 from .preparation import PreparedLog, prepare
 from .result import MotionDiagnosis, OfJoint, OfLog, Traces
 from .sentences import answer, verdict_of
@@ -109,7 +109,9 @@ def diagnosed(
     )
     tell("what is left", 0.95)
     seen = [_structure(identified, joint, request) for joint in range(arm.size)]
-    return _result(arm, logs, prepared, identified, sizes, seen, swift, rules, begun), (identified, sizes)
+    judge = judged(arm, identified, sizes.numbers, [entry_of(effect, item) for effect, item in swift], rules=rules)
+    sizes = as_written(sizes, identified, judge.named)
+    return _result(arm, logs, prepared, identified, sizes, judge, seen, swift, rules, begun), (identified, sizes)
 
 
 def _ripples(
@@ -181,20 +183,21 @@ def _result(
     prepared: Sequence[PreparedLog],
     identified: Identified,
     sizes: Estimates,
+    judge: Judged,
     seen: Sequence[Structure],
     swift: Sequence[tuple[Effect, Ripple]],
     rules: Rules,
     begun: float,
 ) -> MotionDiagnosis:
-    made, nothing = identified.products, np.zeros(identified.pool.width)
-    held_out = identified.held.left(identified.fitted, bodies=True)
-    moves = made.rows.sum(axis=0) > 0
-    before, after, held, floor = (
+    given, written, counts = judge.given, judge.written, judge.counts
+    moves = counts.sum(axis=0) > 0
+    before, after, held, of_named, floor = (
         np.where(moves, item, np.nan)  # nobody knows what a model is worth at a joint that stood still
         for item in (
-            rms(made.left(nothing), made),
-            rms(made.left(sizes.sizes), made),
-            rms(held_out, made),
+            *(
+                np.sqrt(left.sum(axis=0) / np.maximum(counts.sum(axis=0), 1))
+                for left in (given.left, written.left, written.held_out, judge.named.held_out)
+            ),
             identified.noise.sigma,
         )
     )
@@ -221,27 +224,23 @@ def _result(
         if large or (item.depends_on and share[item.joint - 1] * max(what.shares) ** 0.5 > rules.motion.unexplained)
     ]
     named = (
-        *findings(identified, sizes, arm, rules=rules),
+        *findings(identified, sizes, judge, arm, rules=rules),
         *(finding_of(effect, item, held) for effect, item in swift),
     )
     # What is named at a joint and yet foretells no other motion of it is not what is there.
     claimed = np.sqrt(sum((np.square(item.rms_explained) for item in named), np.zeros(arm.size)))
     worse = [
-        joint + 1 for joint in range(arm.size) if claimed[joint] > 0.5 * before[joint] and held[joint] > before[joint]
+        joint + 1
+        for joint in range(arm.size)
+        if claimed[joint] > 0.5 * before[joint] and of_named[joint] > before[joint]
     ]
     unknown = unknown_of(sorted({*worse, *open_joints}), seen, per_joint)
     verdict = verdict_of(named, unknown)
-    groups, numbers, start = [], [], 0
-    for member in identified.members:
-        group = identified.pool.groups[member.group]
-        groups.append(group)
-        numbers.append(sizes.numbers[start : start + group.rank])
-        start += group.rank
     return MotionDiagnosis(
         arm=arm,
         logs=tuple(logs),
         verdict=verdict,
-        sentence=answer(verdict, named, unknown, per_joint),
+        sentence=answer(verdict, named, unknown, per_joint, judge.rivals),
         per_joint=per_joint,
         findings=named,
         unknown=unknown,
@@ -253,10 +252,11 @@ def _result(
         split=identified.split,
         cutoff=prepared[0].low_pass,
         rates=_rates(logs),
-        traces=tuple(_traces(rows, sizes.sizes) for rows in identified.rows),
-        of_logs=tuple(_of_log(identified, sizes, held_out, number) for number in range(len(logs))),
-        corrected=completed(arm, groups, numbers, [entry_of(effect, item) for effect, item in swift]),
+        traces=tuple(_traces(*rows, written.sizes) for rows in zip(given.rows, written.rows, strict=True)),
+        of_logs=tuple(_of_log(identified, judge, number) for number in range(len(logs))),
+        corrected=written.arm,
         notes=(_HELD_OUT, *_sparse(prepared)),
+        rivals=judge.rivals,
         seconds=time.perf_counter() - begun,
     )
 
@@ -311,7 +311,8 @@ def _spacing(prepared: PreparedLog) -> float:
     return float(np.median(np.diff(times))) if len(times) > 1 else 0.0
 
 
-def _traces(rows: LogRows, sizes: Array) -> Traces:
+def _traces(rows: LogRows, written: LogRows, sizes: Array) -> Traces:
+    """What is drawn of a log: `rows` are about the arm as given, `written` about that with sizes (W,)."""
     prepared = rows.prepared
     every = max(1, int(np.ceil(len(prepared.kept) / _DRAWN)))
     part = slice(None, None, every)
@@ -325,15 +326,15 @@ def _traces(rows: LogRows, sizes: Array) -> Traces:
         prepared.motion.velocity[at],
         measured,
         before,
-        before + rows.explained(sizes)[part],
+        measured - (written.target - written.explained(sizes))[part],
         prepared.moving[part],
     )
 
 
-def _of_log(identified: Identified, sizes: Estimates, held_out: Array, number: int) -> OfLog:
+def _of_log(identified: Identified, judge: Judged, number: int) -> OfLog:
     log = identified.rows[number].prepared.log
     here = identified.products.log == number
-    rows = max(int(identified.products.rows[here].sum()), 1)
+    rows = max(int(judge.counts[here].sum()), 1)
 
     def size(left: Array) -> float:
         return float(np.sqrt(left[here].sum() / rows))
@@ -344,8 +345,8 @@ def _of_log(identified: Identified, sizes: Estimates, held_out: Array, number: i
         log.unit,
         log.date,
         log.size,
-        size(identified.products.left(np.zeros(identified.pool.width))),
-        size(identified.products.left(sizes.sizes)),
-        size(held_out),
+        size(judge.given.left),
+        size(judge.written.left),
+        size(judge.written.held_out),
         tuple(item.row for item in log.rejected),
     )

@@ -15,6 +15,7 @@ from linkwright.core.diagnose.rules.rules import Rules
 from linkwright.core.sections.numeric import Array
 from linkwright.core.units.quantities import format_quantity
 
+from .judged import Judged
 from .model.candidates import Group
 from .model.evidence import Member
 from .model.feasible import feasible
@@ -24,12 +25,15 @@ from .model.ripple import Ripple
 from .result import Alternative, MotionFinding
 
 
-def findings(found: Identified, sizes: Estimates, arm: Arm, *, rules: Rules) -> tuple[MotionFinding, ...]:
+def findings(
+    found: Identified, sizes: Estimates, judge: Judged, arm: Arm, *, rules: Rules
+) -> tuple[MotionFinding, ...]:
     """The findings, the one that explains most of the torque first.
 
     Args:
         found: What was identified.
         sizes: Of its members, in their order.
+        judge: What held-out motion says of the arm with them.
         arm: The arm.
         rules: Which names are told apart.
     """
@@ -55,7 +59,7 @@ def findings(found: Identified, sizes: Estimates, arm: Arm, *, rules: Rules) -> 
                 parameters,
                 alike,
                 tuple(explained.tolist()),
-                tuple(found.held.rms(others).tolist()),
+                tuple(judge.without(member.group).tolist()),
                 evidence,
                 found.chance.p_value(found.system, others, evidence, found.system.beside_joints_of(member.group)),
                 reading(group, parameters, alike, explained),

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from linkwright.core.arm.chain.chain import Arm
+from linkwright.core.diagnose.judge.rivals import Rivals
 from linkwright.core.diagnose.result import FittedParameter, WrittenArm
 from linkwright.core.sections.numeric import Array
 
@@ -117,7 +118,8 @@ class MotionDiagnosis:
     (Hz) the low-pass on both sides (None: none), `rates` (Hz) those of the logs. `gate_p` is how often chance alone
     would make any candidate as evident beside the model as given; what is too small or foretells no other motion is not
     named. `sentence` is the plain answer, `notes` what rests on what. `written` says what the corrected arm's file
-    leaves of the same motion (N*m; None: not tried).
+    leaves of the same motion (N*m; None: not tried), `rivals` which models were tried on held-out motion, and which of
+    them `corrected` holds.
     """
 
     arm: Arm
@@ -141,3 +143,4 @@ class MotionDiagnosis:
     notes: tuple[str, ...]
     seconds: float
     written: WrittenArm | None = None
+    rivals: Rivals | None = None

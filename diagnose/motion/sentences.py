@@ -7,6 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from linkwright.core.arm.effects import EFFECTS
+from linkwright.core.diagnose.judge.rivals import Rivals
 
 from .findings import less, name_of, or_else, sized
 from .result import MotionFinding, MotionUnknown, OfJoint, Verdict
@@ -29,8 +30,9 @@ def answer(
     named: Sequence[MotionFinding],
     unknown: MotionUnknown | None,
     per_joint: Sequence[OfJoint],
+    rivals: Rivals | None = None,
 ) -> str:
-    """The plain answer."""
+    """The plain answer; where the file holds another of the rivals than what was named, which and why."""
     if verdict == "insufficient_data":
         return "The logs hold too little motion: no joint moves for three seconds above 0.03 rad/s."
     if verdict == "none":
@@ -49,10 +51,9 @@ def answer(
             sentences.append(f"Friction is what the model lacks most: {_and(rubs)}{with_it}{rest}.")
         else:
             sentences.append(f"The model lacks {_and([_short(each) for _, each in shown])}{rest}.")
-        before, held = (
-            float(np.sqrt(np.nanmean([getattr(each, name) ** 2 for each in per_joint])))
-            for name in ("before", "held_out")
-        )
+        before = float(np.sqrt(np.nanmean([each.before**2 for each in per_joint])))
+        of_named = None if rivals is None else rivals.of("named")
+        held = of_named.held_out if of_named else float(np.sqrt(np.nanmean([each.held_out**2 for each in per_joint])))
         sentences.append(f"{held:.3g} of {before:.3g} N*m is left on motion that was not fitted.")
         sentences += [_undecided(item) for item in named[:_SAID] if item.alternatives]
     if unknown is not None:
@@ -62,6 +63,8 @@ def answer(
         sentences.append(
             f"At joint {joints} stays {unknown.amplitude:.3g} N*m that nothing in the library explains{on}."
         )
+    if named and rivals is not None and rivals.written != "named":
+        sentences.append(rivals.why)
     return " ".join(sentences)
 
 

@@ -376,7 +376,8 @@ def _bounds(source: Source, arm: Arm, most_usual: float, *, alone: bool = False)
     at = tuple(index + 1 for index in source.at)
     had = [0.0] * len(source.sizes)
     for entry in arm.effects:
-        if entry.effect == source.effect.id and (not entry.at or set(at) <= set(entry.at)):
+        shaped_alike = all(entry.parameters.get(name) == value for name, value in source.shapes.items())
+        if entry.effect == source.effect.id and shaped_alike and (not entry.at or set(at) <= set(entry.at)):
             more = (entry.parameters.get(size.name, 0.0) for size in source.sizes)
             had = [own + value for own, value in zip(had, more, strict=True)]
     limits: list[tuple[float, float]] = []

@@ -31,8 +31,8 @@ _FOLDS = 5
 class Identified:
     """What was identified: `members` of the system over the rows that count; `fitted` are those and the nuisances,
     beside which columns' sizes have random effects of standard deviation `unnamed` (W,). `gate_p` is how often chance
-    would name anything; `folds` (B,) hold motion out, named by `split`; `torque` (n,) is the RMS of each joint's torque
-    where it moves, N*m."""
+    would name anything; `folds` (B,) hold motion out, named by `split`; reversals count at the joints `turning` (n,);
+    `torque` (n,) is the RMS of each joint's torque where it moves, N*m."""
 
     pool: Candidates
     rows: tuple[LogRows, ...]
@@ -46,6 +46,8 @@ class Identified:
     members: tuple[Member, ...]
     gate_p: float
     split: str
+    folds: NDArray[np.int64]
+    turning: NDArray[np.bool_]
     torque: Array
 
     @property
@@ -135,7 +137,7 @@ def identify(
     while True:
         joints = {joint for m in members if turning[m.group] for joint in _joints(pool, m)}
         pick = np.array([joint in joints for joint in range(len(torque))])
-        final = _fit(pool, _mixed(steady.products, near.products, pick), certain, seed)
+        final = _fit(pool, mixed(steady.products, near.products, pick), certain, seed)
         members = _kept(pool, final, folds, members, torque, rules=rules)
         if joints == {joint for m in members if turning[m.group] for joint in _joints(pool, m)}:
             break
@@ -154,6 +156,8 @@ def identify(
         tuple(members),
         gate_p,
         split,
+        folds,
+        pick,
         torque,
     )
 
@@ -198,7 +202,7 @@ def _torque(rows: Sequence[LogRows]) -> Array:
     return np.maximum(np.sqrt(square / np.maximum(count, 1.0)), 1e-12)
 
 
-def _mixed(steady: Products, near: Products, pick: NDArray[np.bool_]) -> Products:
+def mixed(steady: Products, near: Products, pick: NDArray[np.bool_]) -> Products:
     """Each joint by the rows that hold nothing unnamed: with reversals (n,) where something was named for them."""
     return replace(
         near,

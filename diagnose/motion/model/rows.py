@@ -9,10 +9,12 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
+from linkwright.core.arm.chain.chain import Arm
+from linkwright.core.arm.effects import EFFECTS
 from linkwright.core.arm.effects.loads.inertial import OfInertia
-from linkwright.core.arm.motion.dynamics import model_torque
+from linkwright.core.arm.motion.dynamics import torque_of, torque_stages
 from linkwright.core.arm.motion.motion import Motion
-from linkwright.core.arm.motion.rigid import inverse_dynamics, regressor
+from linkwright.core.arm.motion.rigid import regressor
 from linkwright.core.diagnose.motion.preparation import PreparedLog
 from linkwright.core.diagnose.rules.rules import Rules
 from linkwright.core.sections.numeric import Array
@@ -25,9 +27,9 @@ from .products import JointRows
 class LogRows:
     """A log's kept samples: `columns` are, by joint, the model's columns that move it, `design` by joint (M, K) their
     filtered values, `target` (M, n) the filtered torque that the model as given leaves, `block` (M,) blocks of time.
-    `nominal` (N, n) is the torque of the model as given, `rigid` (N, n) that without friction, not filtered; `measured`
-    (N, n) is filtered, `given` (M, n) the filtered torque of the model as given. `block` (M,) numbers blocks
-    of `length` s."""
+    `nominal` (N, n) is the torque of the model as given, `rigid` (N, n) what its drives pass on to the arm, not
+    filtered; `measured` (N, n) is filtered, `given` (M, n) the filtered torque of the model as given. `block` (M,)
+    numbers blocks of `length` s."""
 
     prepared: PreparedLog
     columns: tuple[NDArray[np.int64], ...]
@@ -56,10 +58,10 @@ def log_rows(prepared: PreparedLog, pool: Candidates, *, rules: Rules) -> LogRow
     filtered = np.zeros((len(kept), n))
     for part, numbers, within in prepared.pieces():
         motion = prepared.piece(part)
-        given, bare = model_torque(motion), inverse_dynamics(motion)
-        nominal[part], rigid[part] = given, bare
-        filtered[numbers] = prepared.filtered(given)[within]
-        _fill(design, place, prepared, pool.sources, replace(motion, torque=bare), numbers, within)
+        given = torque_stages(motion)
+        nominal[part], rigid[part] = given.logged, given.load
+        filtered[numbers] = prepared.filtered(given.logged)[within]
+        _fill(design, place, prepared, pool.sources, replace(motion, torque=given.load), numbers, within)
     clock = prepared.motion.time
     length = min(rules.motion.block, float(clock[-1] - clock[0]) / rules.fitting.least_parts)
     block = np.floor((clock[kept] - clock[0]) / length).astype(np.int64)
@@ -105,6 +107,47 @@ def with_loads(rows: LogRows, pool: Candidates, sizes: Array) -> LogRows:
             joint = source.joints[0]
             target[:, joint] += late[joint] * design[joint][:, place[joint][source.start]]
     return replace(rows, design=tuple(design), target=target)
+
+
+def about(rows: LogRows, pool: Candidates, arm: Arm, sizes: Array) -> LogRows:
+    """The rows linearised about an arm that holds sizes (W,) of the model's columns as entries of its file.
+
+    What is left of the target by those sizes is what `predict` says of the file; columns are what it changes by.
+    """
+    prepared = rows.prepared
+    own = replace(prepared, motion=replace(prepared.motion, arm=arm))
+    left, load, drive = np.zeros_like(rows.target), np.zeros_like(rows.nominal), np.zeros_like(rows.nominal)
+    for part, numbers, within in own.pieces():
+        torque = torque_stages(own.piece(part))
+        load[part], drive[part] = torque.load, torque.drive
+        left[numbers] = prepared.filtered(prepared.measured[part] - torque.logged)[within]
+    place = [{int(c): k for k, c in enumerate(at)} for at in rows.columns]
+    design = [item.copy() for item in rows.design]
+    for instrument, torque in ((False, load), (True, drive)):
+        chosen = [s for s in pool.sources if s.by_load and s.effect.of_instrument == instrument]
+        for part, numbers, within in prepared.pieces():
+            _fill(design, place, prepared, chosen, prepared.piece(part, torque), numbers, within)
+    gains = gains_of(own)
+    for source in pool.sources:
+        for joint in () if source.effect.of_instrument else source.joints:
+            design[joint][:, [place[joint][int(c)] for c in source.columns]] *= gains[joint]
+    again = replace(rows, design=tuple(design))
+    return replace(again, target=left + again.explained(sizes))
+
+
+def gains_of(prepared: PreparedLog) -> Array:
+    """How many times (n,) the instrument logs what each drive gives."""
+    motion = _piece_of(prepared)
+    entries = [entry for entry in motion.arm.effects if EFFECTS[entry.effect].of_instrument]
+    nothing = np.zeros_like(motion.q)
+    one, none = (torque_of(replace(motion, torque=nothing + unit), entries) for unit in (1.0, 0.0))
+    return 1.0 + (one - none).mean(axis=0)
+
+
+def _piece_of(prepared: PreparedLog) -> Motion:
+    """A few samples of a log."""
+    stretch = prepared.stretches[0]
+    return prepared.piece(slice(stretch.start, min(stretch.start + 8, stretch.stop)))
 
 
 def delays(pool: Candidates, sizes: Array, joints: int) -> Array:

@@ -1,0 +1,259 @@
+"""The rivals of a diagnosis of motion logs, each as the arm that its file would hold, judged on motion held out.
+
+Sizes are bounded least squares of what the arm with its entries leaves, linearised about that arm (Gauss-Newton). What
+is told of a rival is what `predict` tells of its file, on the samples that count there.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from linkwright.core.arm.chain.chain import Arm, EffectEntry
+from linkwright.core.arm.effects.drives.armature import ARMATURE
+from linkwright.core.arm.effects.drives.torque_offset import TORQUE_OFFSET
+from linkwright.core.arm.effects.friction.friction_coulomb import FRICTION_COULOMB
+from linkwright.core.arm.effects.friction.friction_viscous import FRICTION_VISCOUS
+from linkwright.core.arm.effects.loads.link_inertial import LINK_INERTIAL
+from linkwright.core.diagnose.judge.rivals import Name, Rival, Rivals, chosen
+from linkwright.core.diagnose.rules.rules import Rules
+from linkwright.core.sections.numeric import Array
+
+from .corrected import completed
+from .model.candidates import Candidates, Group
+from .model.evidence import Member, System, system
+from .model.feasible import feasible
+from .model.identify import Identified, mixed
+from .model.intervals import Estimates
+from .model.products import Products, products
+from .model.rows import LogRows, about, joint_rows
+from .model.search import HeldOut, rms
+
+_TEXTBOOK = (LINK_INERTIAL, FRICTION_COULOMB, FRICTION_VISCOUS, TORQUE_OFFSET, ARMATURE)
+"""What everybody fits: W. Khalil & E. Dombre, Modeling, Identification and Control of Robots (2002), ch. 12."""
+_STEPS = 4
+"""Times that a model is linearised about the arm as it would be written, at most."""
+_SETTLED = 1e-3
+"""Of the noise, by how much a last step may still change torques."""
+
+
+@dataclass(frozen=True)
+class Filed:
+    """A set of causes as a file holds them: `numbers` (k,) of all `members` in SI, `sizes` (W,) of the model's columns,
+    the `arm` with its entries. `rows` are linearised about it; `left` and `held_out` (B, n) are sums of squares that
+    it leaves where `predict` counts, and that fits to the other folds leave. `held` makes such fits."""
+
+    members: tuple[Member, ...]
+    numbers: Array
+    sizes: Array
+    arm: Arm
+    rows: tuple[LogRows, ...]
+    left: Array
+    held_out: Array
+    held: HeldOut
+
+
+@dataclass(frozen=True)
+class Judged:
+    """The rivals, what each would write (`filed`, by name), and what counts: `rows` (B, n) samples of each block."""
+
+    rivals: Rivals
+    filed: tuple[tuple[Name, Filed], ...]
+    counts: Array
+
+    @property
+    def written(self) -> Filed:
+        """What is written."""
+        return dict(self.filed)[self.rivals.written]
+
+    @property
+    def given(self) -> Filed:
+        """The arm as given."""
+        return dict(self.filed)["nominal"]
+
+    @property
+    def named(self) -> Filed:
+        """The arm with what was named."""
+        return dict(self.filed)["named"]
+
+    def without(self, group: int) -> Array:
+        """RMS (n,) that held-out motion leaves where a name (its group's number) alone is left out and the rest fitted
+        again, N*m."""
+        others = [Member(k, m.scale) for k, m in enumerate(self.named.members) if m.group != group]
+        return rms(self.named.held.left(others), self.named.held.products)
+
+
+@dataclass(frozen=True)
+class _Linearised:
+    """Products of rows about an arm: to fit, with reversals where they count, and as `predict` counts."""
+
+    rows: tuple[LogRows, ...]
+    fit: Products
+    counted: Products
+
+
+def judged(arm: Arm, identified: Identified, start: Array, more: Sequence[EffectEntry], *, rules: Rules) -> Judged:
+    """The rivals of what was identified.
+
+    Args:
+        arm: The arm as given.
+        identified: The search's result.
+        start: (k,) its members' numbers in SI, first of all numbers, to begin with.
+        more: Entries beside them.
+        rules: How wide sizes may be.
+    """
+    nothing = np.zeros(identified.pool.width)
+    bare = _about(identified, arm, nothing)
+    given = _filed(identified, bare, (), arm, np.zeros(0), nothing)
+    named = _settled(arm, identified, _wide(identified.members, rules), start, more)
+    named = _without_harm(arm, identified, given, named, more)
+    textbook = _settled(arm, identified, _textbook(identified), None, (), bare)
+    ridge = _settled(arm, identified, _with_rest(identified, named.members), None, more)
+    filed: tuple[tuple[Name, Filed], ...] = (
+        ("nominal", given),
+        ("named", named),
+        ("textbook", textbook),
+        ("ridge", ridge),
+    )
+    counts = bare.counted.rows.astype(float)
+    return Judged(chosen([_rival(name, item, counts) for name, item in filed]), filed, counts)
+
+
+def _wide(members: Sequence[Member], rules: Rules) -> tuple[Member, ...]:
+    """Once causes are named, the logs say how large they are, not their prior."""
+    return tuple(Member(member.group, rules.fitting.usual * max(member.scale, 1.0)) for member in members)
+
+
+def _textbook(identified: Identified) -> tuple[Member, ...]:
+    """Inertial parameters of each link, friction, offset and rotor of each drive, as far as something shows them."""
+    shown = identified.products.rms.max(axis=0)
+    return tuple(
+        Member(number, 100.0)
+        for number, group in enumerate(identified.pool.groups)
+        if group.effect in _TEXTBOOK and not group.tied and not group.nuisance and shown[group.columns].any()
+    )
+
+
+def _with_rest(identified: Identified, members: Sequence[Member]) -> tuple[Member, ...]:
+    """What was named, and the textbook's numbers held to what is usual."""
+    families = {identified.pool.groups[member.group].family for member in members}
+    rest = (m for m in _textbook(identified) if identified.pool.groups[m.group].family not in families)
+    return (*members, *(Member(member.group, 1.0) for member in rest))
+
+
+def _about(identified: Identified, arm: Arm, sizes: Array) -> _Linearised:
+    rows = tuple(about(row, identified.pool, arm, sizes) for row in identified.rows)
+    by_joint = joint_rows(rows)
+    counted = products(by_joint, identified.pool.width, near=False)
+    if not identified.turning.any():
+        return _Linearised(rows, counted, counted)
+    near = products(by_joint, identified.pool.width, near=True)
+    return _Linearised(rows, mixed(counted, near, identified.turning), counted)
+
+
+def _settled(
+    arm: Arm,
+    identified: Identified,
+    members: tuple[Member, ...],
+    start: Array | None,
+    more: Sequence[EffectEntry],
+    given: _Linearised | None = None,
+) -> Filed:
+    """A set with sizes by which its own arm, as it would be written, leaves least."""
+    pool = identified.pool
+    groups = [pool.groups[member.group] for member in members]
+    usual = np.concatenate([np.zeros(0), *(group.usual for group in groups)])
+    numbers = np.zeros(len(usual)) if start is None else start[: len(usual)]
+    spread = _spread(pool, members)
+    weights = identified.noise.weights
+    written = completed(arm, groups, _parts(groups, numbers), more)
+    rows = _about(identified, written, spread @ numbers) if given is None else given
+    alone = [Member(number, member.scale) for number, member in enumerate(members)]
+    for _ in range(_STEPS if members else 0):
+        better = feasible(_system(identified, rows.fit, members), alone).numbers * usual
+        if (rows.fit.explained(spread @ (better - numbers)) * np.sqrt(weights) < _SETTLED).all():
+            break
+        numbers = better
+        written = completed(arm, groups, _parts(groups, numbers), more)
+        rows = _about(identified, written, spread @ numbers)
+    return _filed(identified, rows, members, written, numbers, spread @ numbers)
+
+
+def _spread(pool: Candidates, members: Sequence[Member]) -> Array:
+    """The sizes of the model's columns by a set's numbers (W, k), SI."""
+    ranks = [pool.groups[member.group].rank for member in members]
+    spread, start = np.zeros((pool.width, sum(ranks))), 0
+    for member, rank in zip(members, ranks, strict=True):
+        group = pool.groups[member.group]
+        spread[group.columns, start : start + rank] += group.mixing
+        start += rank
+    return spread
+
+
+def _parts(groups: Sequence[Group], numbers: Array) -> list[Array]:
+    """A set's numbers group by group."""
+    ends = np.cumsum([group.rank for group in groups])
+    return np.split(numbers, ends[:-1]) if groups else []
+
+
+def _system(
+    identified: Identified, made: Products, members: Sequence[Member], blocks: NDArray[np.bool_] | None = None
+) -> System:
+    """The system of a set alone, its members numbered as they stand in it."""
+    pool = replace(identified.pool, groups=tuple(identified.pool.groups[member.group] for member in members))
+    return system(pool, made, identified.noise.weights, np.zeros(pool.width), blocks)
+
+
+def _filed(
+    identified: Identified, rows: _Linearised, members: tuple[Member, ...], arm: Arm, numbers: Array, sizes: Array
+) -> Filed:
+    folds = identified.folds
+    systems = tuple(_system(identified, rows.fit, members, folds != fold) for fold in np.unique(folds))
+    held = HeldOut(rows.counted, folds, systems)
+    left = rows.counted.left(sizes)
+    alone = [Member(number, member.scale) for number, member in enumerate(members)]
+    held_out = held.left(alone, bodies=True) if members else left
+    return Filed(members, numbers, sizes, arm, rows.rows, left, held_out, held)
+
+
+def _without_harm(arm: Arm, identified: Identified, given: Filed, named: Filed, more: Sequence[EffectEntry]) -> Filed:
+    """The names without those that move only joints of which held-out motion is then foretold worse than as given."""
+    worse = set(np.flatnonzero(named.held_out.sum(axis=0) > given.held_out.sum(axis=0)).tolist())
+    moved = identified.system.moved
+    kept = tuple(
+        member
+        for member in named.members
+        if not set(np.flatnonzero(moved[identified.pool.groups[member.group].columns].any(axis=0)).tolist()) <= worse
+    )
+    return named if len(kept) == len(named.members) else _settled(arm, identified, kept, None, more)
+
+
+def _rival(name: Name, filed: Filed, counts: Array) -> Rival:
+    in_sample, held_out = together(filed.left, counts), together(filed.held_out, counts)
+    return Rival(name, len(filed.numbers), in_sample, held_out, filed.held_out, counts)
+
+
+def together(left: Array, counts: Array) -> float:
+    """RMS of all joints: the root of the mean over those that move of their mean squares, N*m."""
+    rows = counts.sum(axis=0)
+    moves = rows > 0
+    return float(np.sqrt(np.mean(left.sum(axis=0)[moves] / rows[moves]))) if moves.any() else float("nan")
+
+
+def as_written(sizes: Estimates, identified: Identified, named: Filed) -> Estimates:
+    """The estimates with the numbers that the named arm's file holds; intervals are as wide as they were."""
+    numbers, place = sizes.numbers.copy(), 0
+    of_group, start = {}, 0
+    for member in named.members:
+        rank = identified.pool.groups[member.group].rank
+        of_group[member.group] = named.numbers[start : start + rank]
+        start += rank
+    for member in identified.members:
+        rank = identified.pool.groups[member.group].rank
+        if member.group in of_group:
+            numbers[place : place + rank] = of_group[member.group]
+        place += rank
+    return replace(sizes, numbers=np.concatenate((numbers[:place], sizes.numbers[place:])))
