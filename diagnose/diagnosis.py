@@ -13,11 +13,11 @@ from linkwright.core.diagnose.answer.conclusion import Conclusion
 from linkwright.core.diagnose.answer.confirmation import Confirmed
 from linkwright.core.diagnose.answer.sentences import label_of, of_branches, put_right
 from linkwright.core.diagnose.answer.torques import of_torque_loads, of_unknown_weights
+from linkwright.core.diagnose.first_look.zeros import refuse_another_zero
 from linkwright.core.diagnose.fitting.geometry import about_geometry
 from linkwright.core.diagnose.fitting.loads.torque_loads import loads_by_torque
 from linkwright.core.diagnose.fitting.origins import located
 from linkwright.core.diagnose.fitting.prepare import prepare
-from linkwright.core.diagnose.mistakes.zeros import refuse_another_zero
 from linkwright.core.diagnose.patterns.library import Candidate
 from linkwright.core.diagnose.residual.free_origins import turned_by, with_origins_of
 from linkwright.core.diagnose.residual.masses_from_torques import weighed_by_torque

@@ -15,14 +15,14 @@ from numpy.typing import NDArray
 
 from linkwright.core.arm.chain.arrays import nominal
 from linkwright.core.arm.chain.chain import Arm
+from linkwright.core.diagnose.first_look.recording import contradictions, distance_with_joint_free, shown_length
+from linkwright.core.diagnose.first_look.units import IN_A_ROW, unit_changes, widest
 from linkwright.core.diagnose.recording import Recording, RejectedRow
 from linkwright.core.diagnose.residual.placement import Placement, placed
 from linkwright.core.diagnose.rules.rules import RULES, Rules
 from linkwright.core.sections.numeric import Array
 
-from .contradictions import contradictions, distance_with_joint_free, shown_length
 from .row_lists import rows_text
-from .units import IN_A_ROW, unit_changes, widest
 
 Mask = NDArray[np.bool_]
 

@@ -14,6 +14,7 @@ from scipy.interpolate import CubicSpline
 
 from linkwright.core.arm.chain.chain import Arm
 from linkwright.core.arm.motion.motion import Motion
+from linkwright.core.diagnose.first_look.smoothing import bridged
 from linkwright.core.diagnose.rules.rules import Rules
 from linkwright.core.sections.numeric import Array
 
@@ -136,7 +137,9 @@ def prepare(arm: Arm, log: MotionLog, *, rules: Rules) -> PreparedLog:
         return values if divide == 1 else [low_pass(v, _HELD * working, rate)[::divide] for v in values]
 
     q = thinned(_need(even(log.q)))
-    measured = thinned(_need(even(log.torque)))
+    torque, unknown = bridged(log.torque, log.time)
+    measured = thinned(_need(even(torque)))
+    made_up = np.concatenate([part[::divide] > 0.0 for part in _need(even(unknown))])
     logged = even(log.velocity)
     cutoff = log.cutoff or _cutoff(q, working, rules) if held else np.inf
     smooth = min(rules.motion.bands * cutoff, _HELD * working)
@@ -175,6 +178,12 @@ def prepare(arm: Arm, log: MotionLog, *, rules: Rules) -> PreparedLog:
     indices = np.concatenate([np.arange(stretch.start + apart // 2, stretch.stop, apart) for stretch in stretches])
     moving, near = _counting(motion, stretches, working, cutoff, rules)
     known = np.isfinite(np.concatenate(measured))
+    blur = round(0.25 / cutoff * working)
+    for stretch in stretches:
+        part = slice(stretch.start, stretch.stop)
+        for joint in np.flatnonzero(made_up[part].any(axis=0)).tolist():
+            places = np.flatnonzero(made_up[part, joint])
+            known[part, joint] &= ~_around(places, blur, stretch.stop - stretch.start)
     moving, near = moving & known, near & known
     near &= moving.any(axis=0)  # friction is told by steady motion first: a joint that only trembles tells none
     tidy = np.nan_to_num(np.concatenate(measured))

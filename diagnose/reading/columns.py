@@ -243,6 +243,10 @@ def unit_in_header(suffix: str) -> str:
     return parts[0] + "".join("/" + re.sub(r"([A-Za-z])([2-9])$", r"\1^\2", part) for part in parts[1:])
 
 
+_SHORT = 8
+"""Digits and more in which a factor is better written as a division."""
+
+
 def formulas(headers: Sequence[str], arm: Arm, matrix: Array, offset: Array | None = None) -> dict[str, str]:
     """Formulas that make of columns what they were meant to be, those that stay as they are left out.
 
@@ -259,15 +263,22 @@ def formulas(headers: Sequence[str], arm: Arm, matrix: Array, offset: Array | No
         terms = [(float(matrix[k, n] * sizes[n] / sizes[k]), headers[n]) for n in order]
         if offset is not None and offset[k]:
             terms.append((float(offset[k] / sizes[k]), ""))
-        parts = [
-            ("- " if factor < 0.0 else "+ ")
-            + "*".join([*([f"{abs(factor):.9g}"] if abs(factor) != 1.0 or not of else []), *([of] if of else [])])
-            for factor, of in terms
-        ]
+        parts = [("- " if factor < 0.0 else "+ ") + _term(abs(factor), of) for factor, of in terms]
         formula = " ".join(parts).removeprefix("+ ")
         if formula != own and np.isfinite([factor for factor, _ in terms]).all():
             results[own] = f"-{formula[2:]}" if formula.startswith("- ") else formula
     return results
+
+
+def _term(factor: float, of: str) -> str:
+    """`2.5*q1_deg`, `q1_deg`, `q1_deg/57.2957795` where that is shorter, or a number alone."""
+    number = f"{factor:.9g}"
+    if not of:
+        return number
+    if factor == 1.0:
+        return of
+    inverse = f"{1.0 / factor:.9g}" if factor else number
+    return f"{of}/{inverse}" if factor < 1.0 and len(number) > _SHORT and "e" not in inverse else f"{number}*{of}"
 
 
 def _size(header: str, arm: Arm) -> float:

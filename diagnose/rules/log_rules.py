@@ -47,6 +47,11 @@ class LogRules:
         "share of the torque's variance",
         "What bodies and friction leave of a torque at least: less is no gain of a convention.",
     )
+    conventions_exact: float = rule(
+        0.002,
+        "share of the torque's variance",
+        "What is left below it tells no reading of a log from another.",
+    )
     conventions_samples: float = rule(
         8.0, "samples", "So many independent ones tell of conventions: what no model explains is alike for seconds."
     )
@@ -65,6 +70,21 @@ class LogRules:
     )
     convention_window: float = rule(
         0.1, "s", "Speeds and accelerations are means over this; poses further apart are taken at rest."
+    )
+    lag: float = rule(
+        0.1,
+        "share of the speeds' spread",
+        "Speeds that lag the coordinates' own by a filter and differ by more for it are taken from the coordinates.",
+    )
+    clipped: float = rule(
+        0.005,
+        "share of the samples",
+        "A torque that holds its extreme to the last digit so often, in motion, is clipped.",
+    )
+    clipped_beside: float = rule(
+        5.0,
+        "times the next values' count",
+        "A clipped torque holds its extreme this much oftener than values beside it.",
     )
     least_gear: float = rule(
         12.0,

@@ -78,6 +78,15 @@ class MistakeRules:
         "Of conventions that leave no more than this, the one that is made most often goes first; of a log's, all are "
         "told.",
     )
+    one_number: float = rule(
+        0.1,
+        "1, or rad",
+        "A ratio or a coupling that is off by less, a zero that is nearer, a joint that gives way by less is fitted by "
+        "the library's effects, and no other reading of the recording.",
+    )
+    exact: float = rule(
+        1e-5, "share of the reach", "What is left below it tells no reading of the recording from another."
+    )
     stuck: float = rule(
         0.8, "share of the rows", "Of a joint's reading that stands still, as many must fit with the joint free."
     )

@@ -46,6 +46,24 @@ NO_RULES = {
         "_TOLD",
         "_TUKEY",
     },
+    "first_look/library.py": {"_QUARTER", "_SIDES", "_SIGNS"},
+    "first_look/log.py": {"_DEGREE", "_FINER", "_NEXT", "_TOLD"},
+    "first_look/recording.py": {"_LATE"},
+    "first_look/search.py": {"_SIZED"},  # how far a search looks, here and below
+    "first_look/tips.py": {
+        "_ALIKE",
+        "_BEAM",
+        "_DEEP",
+        "_FINER",
+        "_LIKELY",
+        "_MOST_RATIO, _MOST_SAG",
+        "_POSES",
+        "_SETTLES, _ROUNDS",
+        "_STEPS, _ZOOM_STEPS, _ZOOMS, _FAMILIES",
+        "_TOGETHER",
+    },
+    "first_look/torques.py": {"_BEST, _SAMPLES", "_ROUNDS, _AT_ONCE"},
+    "first_look/units.py": {"_LENGTHS", "_MILLIONS", "_LENGTH_SIZES", "_ANGLE_SIZES", "IN_A_ROW"},
     "fitting/room/active_bounds.py": {"_ALIKE"},  # what rounding leaves
     "fitting/room/small_causes.py": {"_PRODUCTS", "_SEEN", "_STEPS"},  # directions that tell nothing; a search's steps
     "fitting/room/unnamed.py": {"_STEPS", "_TINY"},
@@ -65,8 +83,6 @@ NO_RULES = {
     "instruments/touching.py": {"_ABOUT, _AROUND", "_INNER", "_LONGEST, _MISSED", "_NEAR, _EXACT", "_POSTURES"},
     "residual/torque.py": {"_TOLD"},
     "instruments/view.py": {"_STEPS, _START_STEPS, _START_ROWS", "_BETTER", "_FOUND", "_LONGEST"},
-    "mistakes/convention_search.py": {"_BEAM", "_DEEP", "_LATE", "_LIKELY", "_POSES", "_TOGETHER", "_ZERO_STEPS"},
-    "mistakes/conventions.py": {"_QUARTER", "_SIGNS"},
     "mistakes/row_lists.py": {"_MOST"},
     "motion/diagnosis.py": {"_DRAWN"},
     "motion/model/candidates.py": {"SHARPER", "_MOST_VARIANTS", "_PROBED"},  # an effect's entry; what a scan is for
@@ -79,15 +95,6 @@ NO_RULES = {
     "motion/model/search.py": {"_MOST", "_MOST_FOR_ONE", "_PROMISING"},  # how far a search looks
     "motion/preparation.py": {"_HELD", "_MOST", "_PIECE", "_WORKING_RATE"},
     "motion/reading/read.py": {"_HEAD"},
-    "motion/reading/conventions.py": {
-        "_ANY_SIDE",
-        "_BEST, _SAMPLES",
-        "_ROUNDS, _AT_ONCE",
-        "_DEGREE",
-        "_FINER",
-        "_QUARTER",
-        "_TOLD",
-    },
     "motion/sentences.py": {"_SAID"},
     "motion/simulate.py": {"_NOISE"},
     "motion/unknown.py": {"_BINS", "_DRAWS"},
@@ -103,7 +110,6 @@ NO_RULES = {
         "_SPEED, _SLIDING",
     },
     "motion/written.py": {"_DIGITS"},
-    "mistakes/units.py": {"_LENGTHS", "_MILLIONS", "_LENGTH_SIZES", "_ANGLE_SIZES", "IN_A_ROW"},
     "patterns/forces.py": {"_CORES", "_GRID", "_STARTS, _STEPS"},
     "patterns/form.py": {"BY_ANOTHER", "FORCE_IN_TIME", "IN_PART", "OF_JOINT", "PULL", "REGION"},  # shapes of forms
     "patterns/forms.py": {"_ENDS", "_MANY_VISITS", "_MOMENTS, _PERIODS, _REGIONS", "_STRETCHES, _WIDEST"},
@@ -116,9 +122,11 @@ NO_RULES = {
     "plan/tried.py": {"_RUN, _MOST_RUN", "_TOUCHES", "_CORNERS", "_WRITTEN_ANGLE, _WRITTEN_LENGTH"},
     "plan/written.py": {"_CLOCK"},
     "predict.py": {"_HAIR"},
+    "reading/columns.py": {"_SHORT"},  # how a number is written
     "reading/files.py": {"_LARGEST_PARQUET"},
     "reading/foreign/bags.py": {"_MOST"},  # of a picture
     "reading/foreign/clock.py": {"_UNITS", "_SINCE_1970", "_SHORTEST, _LONGEST"},  # sizes of units
+    "reading/foreign/doubts.py": {"_MOST"},  # how often a file is read
     "reading/foreign/lerobot.py": {"_PAUSE"},
     "reading/foreign/proposal.py": {"_METRES", "_TURN"},  # sizes of units
     "reading/formula.py": {"_LONGEST, _DEEPEST"},
@@ -214,7 +222,6 @@ def test_bare_numbers_are_found(source, names):
 NOT_DECIDED = {
     "answer/sentences.py": {0.1},  # a nuisance's share of a direction that is not told: which names are listed
     "fitting/noise_left.py": {1e-3},  # a median of nought where most readings are alike
-    "mistakes/contradictions.py": {0.999},  # of alike units the first
     "mistakes/motion.py": {1e-3},  # a joint's coordinate that moves at all
     "patterns/forms.py": {0.01},  # points that coincide
     "reading/read_back.py": {10.0},  # the base of decimals

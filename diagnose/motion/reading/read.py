@@ -102,9 +102,9 @@ def log_from(table: Table, arm: Arm, held: ReadingSettings, *, rules: Rules = RU
     warnings += drives.warnings
     log = _assembled(columns, strangers, table, arm, held, drives, warnings)
     done = checked_samples(log, arm, columns, table.ragged, rules=rules)
-    from .conventions import check_conventions  # here, for what is a log is told without it
+    from linkwright.core.diagnose.first_look.log import look_at_log  # here, for what is a log is told without it
 
-    return check_conventions(done, arm, {name: column.header for name, column in columns.items()}, rules)
+    return look_at_log(done, arm, {name: column.header for name, column in columns.items()}, rules)
 
 
 def _rows_of_others(columns: dict[str, ReadColumn], few: float) -> NDArray[np.bool_] | None:

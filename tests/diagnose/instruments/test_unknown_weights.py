@@ -15,7 +15,7 @@ import pytest
 from linkwright.core.arm.chain.chain import Arm, Joint, Link
 from linkwright.core.arm.evaluation import evaluate
 from linkwright.core.diagnose.diagnosis import diagnose
-from linkwright.core.diagnose.mistakes.torque_sign import refuse_torques_of_another_sign
+from linkwright.core.diagnose.first_look.torque_sign import refuse_torques_of_another_sign
 from linkwright.core.diagnose.predict import predict
 from linkwright.core.diagnose.recording import Recording
 from linkwright.core.diagnose.rules.rules import RULES

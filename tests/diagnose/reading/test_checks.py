@@ -13,8 +13,8 @@ from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
 from linkwright.core.arm.chain.chain import Arm, Joint, Link
+from linkwright.core.diagnose.first_look.units import unit_changes
 from linkwright.core.diagnose.mistakes.row_lists import rows_text
-from linkwright.core.diagnose.mistakes.units import unit_changes
 from linkwright.core.diagnose.reading.read import read_recording
 from linkwright.core.diagnose.recording import Recording
 from linkwright.core.sections.numeric import Array

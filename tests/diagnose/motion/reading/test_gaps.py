@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from linkwright.core.arm.files.read import read_arm
+from linkwright.core.diagnose.first_look.smoothing import smoothed
 from linkwright.core.diagnose.motion.log import MotionLog
 from linkwright.core.diagnose.motion.reading.read import read_log
-from linkwright.core.diagnose.motion.reading.smoothing import smoothed
 from linkwright.core.diagnose.rules.rules import RULES
 
 UPPER, FORE, MID, HAND = 0.33, 0.25, 6.0, 3.5

@@ -21,8 +21,8 @@ from linkwright.core.diagnose.residual.observe import observe
 from linkwright.core.diagnose.residual.observed import rms_length
 from linkwright.core.units.quantities import InputError
 
-from .contradictions import shown_length
-from .conventions import no_slip, zero_slip
+from .library import Library
+from .recording import shown_length
 
 
 def refuse_another_zero(
@@ -44,10 +44,10 @@ def refuse_another_zero(
             before, after = _left(prepared), _left(other)
             numbers = min(prepared.observed.rows, other.observed.rows) * prepared.observed.components
             if 2.0 * numbers * math.log(before / max(after, 1e-300)) > rules.zero_fits:
-                slip = zero_slip(no_slip(arm.size, recording.tip.shape[1]), index, angle, f"q{index + 1}")
+                zero = Library(arm, {}, recording.tip.shape[1]).zero(index, angle)
                 whole = math.degrees(math.remainder(joint.zero + angle, 2.0 * math.pi))
                 message = (
-                    f"{slip.said[0]}, it seems: {beyond} of its readings are beyond the range that the arm file "
+                    f"{zero.said[0]}, it seems: {beyond} of its readings are beyond the range that the arm file "
                     f"declares, and none is then; what frame and tool leave falls from {shown_length(before)} to "
                     f"{shown_length(after)}; write `zero: {whole:.4g} deg` (with dh: theta) at joint {index + 1} in "
                     "the arm file"

@@ -34,7 +34,7 @@ def smoothed(log: MotionLog, rules: LogRules) -> tuple[Smoothed, NDArray[np.int6
     """
     steps = np.diff(log.time)
     interval = float(np.median(steps))
-    torque, every = np.nan_to_num(log.torque), np.arange(log.size)
+    torque, every = np.nan_to_num(bridged(log.torque, log.time)[0]), np.arange(log.size)
     if interval > rules.convention_window:
         still = np.zeros(log.q.shape)
         velocity = still if log.velocity is None else log.velocity
@@ -52,6 +52,17 @@ def smoothed(log: MotionLog, rules: LogRules) -> tuple[Smoothed, NDArray[np.int6
     gaps = np.append(steps > rules.gap * interval, False).astype(np.int8)
     clear = np.flatnonzero(maximum_filter1d(gaps, 4 * width + 1, mode="constant") == 0)
     return Smoothed(q, velocity, acceleration, direction, torque), clear if len(clear) else every
+
+
+def bridged(torque: Array, time: Array) -> tuple[Array, Array]:
+    """Torques (N, n) with single samples that are not known (nan) put between those beside them, and which these are
+    (1, else 0); a drive of which none is known stays so."""
+    unknown = ~np.isfinite(torque) & np.isfinite(torque).any(axis=0)
+    torque = torque.copy()
+    for joint in np.flatnonzero(unknown.any(axis=0)).tolist():
+        bad = unknown[:, joint]
+        torque[bad, joint] = np.interp(time[bad], time[~bad], torque[~bad, joint])
+    return torque, unknown.astype(float)
 
 
 def moving_average(values: Array, width: int, times: int = 1) -> Array:

@@ -1,4 +1,5 @@
-"""Whether joints and tips of a recording as a whole tell of the same motion: units, frame, tool, conventions.
+"""Whether joints and tips of a recording as a whole tell of the same motion: units, frame, tool, conventions, and one
+number of a joint.
 
 What contradicts the arm as a whole is refused with what would mend it; a frame or tool that is a little off is said.
 """
@@ -7,6 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,10 +22,13 @@ from linkwright.core.sections.numeric import Array
 from linkwright.core.units.quantities import InputError, format_quantity
 from linkwright.core.units.reading import refusal, written
 
-from .convention_search import Explained, explained_by_convention
-from .units import UnitChange, unit_changes
+from .library import Library
+from .search import Judged, likeliest
+from .tips import TipEvidence
 
 Mask = NDArray[np.bool_]
+_LATE = 5
+"""Rows by which tips may stand beside their joints, at most."""
 
 
 def contradictions(
@@ -33,10 +38,10 @@ def contradictions(
 
     Raises `InputError` where another unit, frame, tool or convention is needed, or nothing that is known would do.
     """
-    if place.misfit > _much(place, reach, rules):
+    gross = place.misfit > _much(place, reach, rules)
+    if gross:
         _refuse_still_joint(recording, arm, place, reach, headers, rules)
-        _refuse_units(recording, arm, place, reach, headers, rules)
-    _refuse_conventions(recording, arm, place, reach, headers, rules)
+    _refuse_transformed(recording, arm, place, reach, headers, rules, gross=gross)
     return _frame_sentences(recording, arm, place, reach, headers, rules)
 
 
@@ -47,37 +52,6 @@ def _much(place: Placement, reach: float, rules: Rules) -> float:
 
 def _spread(points: Array) -> float:
     return float(np.median(np.linalg.norm(points - np.median(points, axis=0), axis=1)))
-
-
-def _refuse_units(
-    recording: Recording, arm: Arm, place: Placement, reach: float, headers: Mapping[str, str], rules: Rules
-) -> None:
-    """Raise where another unit of a column makes joints and tip agree."""
-    best: tuple[float, float, UnitChange] | None = None
-    for change in unit_changes(arm, recording.tip.shape[1], headers):
-        tried = placed(
-            arm,
-            recording.q * change.q,
-            recording.tip * change.tip,
-            frame=recording.frame == "free",
-            tool=recording.tool == "free",
-        )
-        # Relative to the motion: in units that are small enough, everything is close to everything.
-        share = tried.misfit / max(_spread(tried.modelled), 1e-3 * reach)
-        good = share < rules.mistakes.whole and tried.misfit < rules.mistakes.better * place.misfit
-        if recording.frame == "free" or recording.tool == "free":
-            # What is free takes a point to anywhere: a unit that shrinks the data to one explains nothing.
-            good &= tried.misfit < rules.mistakes.whole * _spread(recording.tip * change.tip)
-        if good and (best is None or share < 0.999 * best[0]):
-            best = (share, tried.misfit, change)
-    if best is None:
-        return
-    _, misfit, change = best
-    message = (
-        f"{change.said()}: then the middle reading is {shown_length(misfit)} from the nominal tip, and not "
-        f"{shown_length(place.misfit)}"
-    )
-    raise refusal(recording.file, "", message, {"columns": change.formulas()})
 
 
 def _refuse_still_joint(
@@ -97,20 +71,28 @@ def _refuse_still_joint(
             raise InputError(recording.file, name, message)
 
 
-def _refuse_conventions(
-    recording: Recording, arm: Arm, place: Placement, reach: float, headers: Mapping[str, str], rules: Rules
+def _refuse_transformed(
+    recording: Recording,
+    arm: Arm,
+    place: Placement,
+    reach: float,
+    headers: Mapping[str, str],
+    rules: Rules,
+    *,
+    gross: bool,
 ) -> None:
-    """Raise where a joint that counts the other way, another zero, mirrored axes and the like make them agree."""
-    if place.misfit < rules.mistakes.noticed * reach or recording.size < rules.search.least_observations:
+    """Raise where another unit, a joint that counts the other way or goes by another ratio, mirrored axes and the like
+    make joints and tip agree."""
+    if place.misfit < rules.mistakes.noticed * reach:
         return
-    gross = place.misfit > _much(place, reach, rules)
     frame, tool = recording.frame == "free", recording.tool == "free"
+    limit = rules.mistakes.better * place.misfit
 
-    def explained(*, frame: bool, tool: bool) -> Explained | None:
-        q, tip = recording.q, recording.tip
-        return explained_by_convention(
-            arm, q, tip, headers, place.misfit, frame=frame, tool=tool, gross=gross, rules=rules
-        )
+    def explained(*, frame: bool, tool: bool) -> Judged | None:
+        library = Library(arm, headers, recording.tip.shape[1], frame=frame)
+        look = TipEvidence(library, recording.q, recording.tip, frame, tool, reach, limit, gross, rules)
+        # Readings taken on the move lag by a row or two as well; what they are off by is small beside the motion.
+        return _explained(look, place.misfit)
 
     cause, further = explained(frame=frame, tool=tool), dict[str, str]()
     if not (frame and tool):
@@ -119,24 +101,75 @@ def _refuse_conventions(
         turned = placed(arm, recording.q, recording.tip, frame=True, tool=tool).misfit
         if cause is None and gross and free >= rules.mistakes.better * place.misfit:
             cause, further = explained(frame=True, tool=True), {"frame": "free", "tool": "free"}
-        elif cause is not None and turned <= rules.mistakes.simpler * cause.misfit:
+        elif cause is not None and turned <= rules.mistakes.simpler * cause.left:
             return  # a frame that was turned says as much, and is commoner
-        elif cause is not None and free <= rules.mistakes.simpler * cause.misfit:
+        elif cause is not None and free <= rules.mistakes.simpler * cause.left:
             # A tool says as much: what is commoner with both free beside the convention too, the smaller tool says.
             beside = placed(
-                cause.slip.read(arm), *cause.slip.applied(recording.q, recording.tip), frame=True, tool=True
+                cause.transformation.read(arm),
+                *cause.transformation.applied(recording.q, recording.tip),
+                frame=True,
+                tool=True,
             )
             smaller = np.linalg.norm(beside.tool) < rules.mistakes.better * np.linalg.norm(both.tool)
             if beside.misfit > rules.mistakes.simpler * free or not smaller:
                 return
     if cause is not None:
-        message = (
-            f"{cause.sentence()}, it seems: then the middle reading is {shown_length(cause.misfit)} from the nominal "
-            f"tip, and not {shown_length(place.misfit)}"
-        )
-        columns = cause.slip.columns(arm, headers)
+        whole = cause.transformation
+        said = whole.sentence()
+        change = f"{shown_length(cause.left)} from the nominal tip, and not {shown_length(place.misfit)}"
+        message = f"{said}{'' if 'seem' in said else ', it seems'}: then the middle reading is {change}"
+        columns = whole.columns(arm, headers)
         remedy = {**({"columns": columns} if columns else {}), **further}
         raise refusal(recording.file, "", message, *([remedy] if remedy else []))
+
+
+def _explained(look: TipEvidence, misfit: float) -> Judged | None:
+    """The likeliest transformation that explains why the middle reading is off by `misfit`, None where none does."""
+    if look.gross and (late := _other_rows(look)) is not None:
+        return late
+    # Frame, tool and a wrong convention together fit a few points by chance.
+    poses = len(np.unique(np.round(look.q, 3), axis=0))
+    few = poses < look.rules.search.least_observations
+    if few and (look.frame or look.tool or poses < look.rules.residual.enough_freedom):
+        return None
+    singles = [] if few else look.library.of_tips()
+    units = [] if few else list(look.library.units())
+    # A frame that is free takes up much; beside another mistake, nobody gets a single column's unit wrong.
+    kinds = [] if look.frame else [each for each in units if len(each.acts_on) in (look.tip.shape[1], look.arm.size)]
+    again = [*singles, *kinds] if look.gross else []
+    tried = likeliest(look, look.given(misfit), [*singles, *(units if look.gross else [])], again)
+    return next((each for each in tried if each.explains), None)
+
+
+def _other_rows(look: TipEvidence) -> Judged | None:
+    """Tips that stand some rows beside their joints, or in the opposite or any other order."""
+
+    def judged(look: TipEvidence, late: int, said: str) -> Judged | None:
+        shifted = replace(look.library.none, late=late, said=(said,))
+        left = look.confirmed(shifted)
+        return Judged((shifted,), shifted, 0.0, left, explains=True) if left < limit else None
+
+    limit = min(look.limit, look.rules.mistakes.whole * _spread(look.tip))
+    for rows in range(1, min(_LATE, len(look.q) // 4) + 1):
+        for late in (rows, -rows):
+            text = f"{rows} row{'s' if rows > 1 else ''} {'later' if late > 0 else 'earlier'}"
+            if each := judged(look, late, f"the tips stand {text} than the joints that they belong to"):
+                return each
+    if each := judged(replace(look, tip=look.tip[::-1]), 0, "the tips stand in the opposite order"):
+        return each
+    if look.frame or look.tool:
+        return None
+    from scipy.spatial import KDTree
+
+    tips, _ = nominal(look.arm, look.q, look.tip.shape[1])
+    left = float(np.median(KDTree(tips).query(look.tip)[0]))
+    # By chance the nearest of N tips is about N^(-1/D) of their spread away.
+    by_chance = float(np.linalg.norm(tips.std(axis=0))) * len(tips) ** (-1.0 / tips.shape[1])
+    if left < min(limit, look.rules.mistakes.better * by_chance):
+        said = ("the tips stand in another order than the joints",)
+        return Judged((), replace(look.library.none, said=said), 0.0, left, explains=True)
+    return None
 
 
 def _frame_sentences(

@@ -1,0 +1,282 @@
+"""Whether coordinates, speeds and torques of a motion log tell of the same motion, and of this arm.
+
+A log is refused with the settings that would put it right where they leave plainly less; what dynamics cannot tell
+apart is told beside it. Torques that were clipped are no torques, and speeds that lag are taken from the coordinates.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import replace
+from types import MappingProxyType
+
+import numpy as np
+from numpy.typing import NDArray
+
+from linkwright.core.arm.chain.chain import Arm
+from linkwright.core.diagnose.mistakes.row_lists import rows_text
+from linkwright.core.diagnose.motion.log import MotionLog
+from linkwright.core.diagnose.rules.rules import Rules
+from linkwright.core.sections.numeric import Array
+from linkwright.core.units.quantities import InputError
+from linkwright.core.units.reading import refusal
+
+from .library import Library
+from .search import Judged, likeliest
+from .smoothing import moving_average
+from .torques import TorqueEvidence
+
+_DEGREE = math.degrees(1.0)
+_FINER = MappingProxyType({"ms": 1e3, "us": 1e6, "ns": 1e9})
+_TOLD = 2
+"""Transformations that explain a log alike, of which so many are told."""
+_NEXT = 4
+"""Values beside an extreme, which a torque that is not clipped holds about as often."""
+
+
+def look_at_log(log: MotionLog, arm: Arm, headers: Mapping[str, str], rules: Rules) -> MotionLog:
+    """The log, less clipped torques and speeds that lag, with sentences on what is doubted.
+
+    Args:
+        log: The log, its samples checked.
+        arm: The arm; where a link's mass is not known, or nothing weighs, its torques tell nothing.
+        headers: The header of each column by name (`q1`: `q1_rad`).
+        rules: What counts as plainly wrong.
+
+    Raises:
+        InputError: The log is plainly meant otherwise, with what to write.
+    """
+    log = _without_clipped(log, headers, rules)
+    _refuse_speeds(log, headers, rules)
+    log = _without_lag(log, headers, rules)
+    _refuse_coordinates(log, arm, headers, rules)
+    _refuse_beyond_effort(log, arm, headers, rules)
+    return _refuse_weights(log, arm, headers, rules)
+
+
+def _refuse_weights(log: MotionLog, arm: Arm, headers: Mapping[str, str], rules: Rules) -> MotionLog:
+    """Refuse torques that go against the arm's weights as read, and with them as meant otherwise."""
+    base = "current" if log.from_current else "tau"
+    library = Library(arm, headers, base=base)
+    evidence = TorqueEvidence.of(log, library, rules)
+    if evidence is None:
+        return log
+    _refuse_motor_torques(evidence, log, arm, headers, rules)
+    given = evidence.given()
+    log = _of_little_torque(evidence, log, headers, rules)
+    if given.total < rules.log.conventions_gain:
+        return log
+    # Speeds that are the coordinates' own decide on their unit; what no constant fits, no side of gravity explains.
+    singles = library.of_torques(units=log.velocity is None, gravity=not log.torque_constants_free)
+    tried = likeliest(evidence, given, singles, [each for each in singles if each.common])
+    best = [each for each in tried if each.total < given.total and each.explains]
+    if not best:
+        return _saying(log, _unexplained(log, evidence, given, headers, rules))
+    alike = [each for each in best if each.total - best[0].total < 2.0 * math.log(rules.mistakes.as_well)]
+    told = sorted((each.transformation for each in alike), key=lambda each: each.gravity is not None)[:_TOLD]
+    said = "; as well it could be that ".join(each.sentence() for each in told)
+    remedies = [{"columns": columns} for each in told if (columns := each.columns(arm, headers))]
+    raise refusal(log.file, "", f"goes against the arm's weights: {said}", *remedies)
+
+
+def _saying(log: MotionLog, *sentences: str) -> MotionLog:
+    return replace(log, warnings=(*log.warnings, *(each for each in sentences if each)))
+
+
+def _unexplained(
+    log: MotionLog, evidence: TorqueEvidence, given: Judged, headers: Mapping[str, str], rules: Rules
+) -> str:
+    """What is to be said of currents of unknown constants that are no torques; empty where they are."""
+    if not log.torque_constants_free or given.explains:
+        return ""
+    shares = evidence.shares()
+    bearing = np.std(evidence.rigid, axis=0) > rules.log.heavy * float(np.std(evidence.rigid, axis=0).max())
+    strange = [k for k in evidence.joints.tolist() if bearing[k] and shares[k] > rules.log.explains]
+    if not strange:
+        return ""
+    told = [f"{k + 1}" for k in evidence.joints.tolist() if bearing[k] and k not in strange]
+    names = ", ".join(headers.get(f"current{k + 1}", f"current{k + 1}") for k in strange)
+    sentence = (
+        f"{names}: no torque constant makes this the torque of the arm's weights and friction; is it a voltage or "
+    )
+    sentence += "a PWM? If it is a current, write its `torque_constants`."
+    return sentence + (f" Without them these joints can be told: {', '.join(told)}." if told else "")
+
+
+def _without_clipped(log: MotionLog, headers: Mapping[str, str], rules: Rules) -> MotionLog:
+    """The log without torques that hold their extreme, as clipped ones do: those samples of that joint are unknown."""
+    base, torque, sentences = "current" if log.from_current else "tau", log.torque.copy(), list[str]()
+    moves = np.any(np.diff(log.q, axis=0, prepend=np.nan) != 0.0, axis=1)
+    for k in range(torque.shape[1]):
+        clipped = np.zeros(log.size, dtype=bool)
+        for sign in (1.0, -1.0):
+            clipped |= _held(sign * torque[:, k], moves, rules)
+        if clipped.any():
+            name = headers.get(f"{base}{k + 1}", f"{base}{k + 1}")
+            extremes = " and ".join(f"{item:.4g}" for item in np.unique(torque[clipped, k]).tolist())
+            unit = "A" if log.torque_constants_free else "N*m"
+            sentences.append(
+                f"{name} is clipped at {extremes} {unit}: {int(clipped.sum())} of {log.size} samples hold that value "
+                f"({rows_text(log.row[clipped])}) and are set aside at joint {k + 1}."
+            )
+            torque[clipped, k] = np.nan
+    return _saying(replace(log, torque=torque), *sentences) if sentences else log
+
+
+def _held(values: Array, moves: NDArray[np.bool_], rules: Rules) -> NDArray[np.bool_]:
+    """Where values are their greatest, if they are so far oftener than they are anything beside it."""
+    nothing = np.zeros(len(values), dtype=bool)
+    if not np.isfinite(values).all():
+        return nothing
+    levels, counts = np.unique(values[moves], return_counts=True)
+    if len(levels) <= _NEXT or counts[-1] < max(rules.log.clipped * len(values), _NEXT):
+        return nothing
+    usual = rules.log.clipped_beside * float(counts[-1 - _NEXT : -1].max())
+    return values == levels[-1] if counts[-1] > usual else nothing
+
+
+def _refuse_beyond_effort(log: MotionLog, arm: Arm, headers: Mapping[str, str], rules: Rules) -> None:
+    """Refuse torques that are far beyond what the arm file says that drives give: they are in another unit."""
+    if log.torque_constants_free:
+        return
+    efforts = np.array([math.nan if joint.effort is None else joint.effort for joint in arm.joints])
+    middle = np.nanmedian(np.abs(np.where(np.isfinite(log.torque).any(axis=0), log.torque, 0.0)), axis=0)
+    beyond = [k for k in range(arm.size) if middle[k] > rules.log.least_gear * efforts[k]]
+    if beyond:
+        k = beyond[0]
+        message = f"is {middle[k]:.3g} N*m in the middle, and joint {k + 1} by the arm file gives {efforts[k]:.3g} N*m"
+        _refuse_millimetres(log, arm, headers, f"{message} at most; is it in N*mm")
+
+
+def _refuse_millimetres(log: MotionLog, arm: Arm, headers: Mapping[str, str], message: str) -> None:
+    base = "current" if log.from_current else "tau"
+    names = [name for k in range(arm.size) if (name := headers.get(f"{base}{k + 1}", ""))]
+    raise refusal(log.file, ", ".join(names), f"{message}?", {"columns": {name: f"{name}/1000" for name in names}})
+
+
+def _refuse_motor_torques(
+    evidence: TorqueEvidence, log: MotionLog, arm: Arm, headers: Mapping[str, str], rules: Rules
+) -> None:
+    """Refuse torques that follow the arm's weights, all by a factor that is a gear's, or a unit's."""
+    if evidence.free:
+        return
+    rigid = evidence.rigid
+    factors: dict[int, float] = {}
+    spread = np.std(rigid, axis=0)
+    for k in evidence.joints.tolist():
+        if spread[k] < rules.log.heavy * float(spread[evidence.joints].max()):
+            continue
+        y, m = (item - item.mean() for item in (evidence.torque[:, k], rigid[:, k]))
+        correlation = float(y @ m) / max(math.sqrt(float(y @ y) * float(m @ m)), 1e-300)
+        if abs(correlation) > rules.fitting.same_way:
+            factors[k] = float(m @ m) / float(y @ m)
+    sizes = [abs(factor) for factor in factors.values()]
+    if not sizes or (min(sizes) < rules.log.least_gear and max(sizes) * rules.log.least_gear > 1.0):
+        return
+    if min(sizes) >= rules.log.least_gear:
+        # Nobody has gears at some joints alone: what bears too little to tell is taken for alike.
+        usual = float(np.median(sizes))
+        ratios = [float(f"{abs(factors.get(k, usual)):.3g}") for k in range(arm.size)]
+        by = ", ".join(f"{abs(factor):.3g} at joint {k + 1}" for k, factor in factors.items())
+        message = f"torques are less than the arm's weights make by factors of {by}: they seem to be of the motors"
+        better = "better than these are the gears' own figures, of all joints"
+        raise refusal(log.file, "", f"{message}; {better}", {"gear_ratios": ratios})
+    message = f"are more than the arm's weights make by a factor of {1.0 / max(sizes):.3g}"
+    _refuse_millimetres(log, arm, headers, f"{message}; are they in another unit (N*mm)")
+
+
+def _of_little_torque(evidence: TorqueEvidence, log: MotionLog, headers: Mapping[str, str], rules: Rules) -> MotionLog:
+    """The log, with a sentence on torques that are next to nothing beside what the arm's weights make."""
+    logged, made = (np.sqrt(np.mean(np.square(each), axis=0)) for each in (evidence.torque, evidence.rigid))
+    little = [k for k in evidence.joints.tolist() if logged[k] * rules.log.least_gear < made[k]]
+    if evidence.free or not little:
+        return log
+    base = "current" if log.from_current else "tau"
+    each = ", ".join(f"{headers.get(f'{base}{k + 1}', '')} {logged[k]:.2g} for {made[k]:.2g}" for k in little)
+    sentence = (
+        f"Torques are next to nothing beside those of the arm file's weights (RMS: {each}): not logged, or currents?"
+    )
+    return _saying(log, sentence)
+
+
+def _without_lag(log: MotionLog, headers: Mapping[str, str], rules: Rules) -> MotionLog:
+    """The log without speeds that a causal filter made late: they are then the coordinates' own."""
+    if log.velocity is None:
+        return log
+    interval = float(np.median(np.diff(log.time)))
+    width = max(1, round(rules.log.convention_window / interval))
+    if interval > rules.log.convention_window:
+        return log
+    steps = moving_average(np.gradient(moving_average(log.q, width), log.time, axis=0), width)
+    speeds = moving_average(log.velocity, width, 2)
+    rates = np.gradient(steps, log.time, axis=0)
+    lags: dict[int, float] = {}
+    for k in range(log.q.shape[1]):
+        apart, rate = speeds[:, k] - steps[:, k], rates[:, k]
+        size = float(rate @ rate)
+        if size <= 0.0:
+            continue
+        # A delay by a filter: what is logged is the speed of before.
+        share = -float(apart @ rate) / math.sqrt(max(float(apart @ apart), 1e-300) * size)
+        seconds = -float(apart @ rate) / size
+        large = math.sqrt(float(apart @ apart) / max(float(steps[:, k] @ steps[:, k]), 1e-300)) > rules.log.lag
+        if abs(share) > rules.log.explains and large and abs(seconds) > interval:
+            lags[k] = seconds
+    if not lags:
+        return log
+    names = ", ".join(
+        f"{headers.get(f'v{k + 1}', '')} {'lags' if by > 0.0 else 'leads'} the angles by {1e3 * abs(by):.3g} ms"
+        for k, by in lags.items()
+    )
+    return _saying(
+        replace(log, velocity=None), f"{names}, as by a filter: speeds are differences of the joint coordinates."
+    )
+
+
+def _refuse_speeds(log: MotionLog, headers: Mapping[str, str], rules: Rules) -> None:
+    """Refuse speeds that are not those of the coordinates: the other way, in another unit."""
+    if log.velocity is None:
+        return
+    interval = float(np.median(np.diff(log.time)))
+    width = max(1, round(rules.log.convention_window / interval))
+    steps = np.gradient(moving_average(log.q, width), log.time, axis=0)
+    speeds = moving_average(log.velocity, width)
+    for k in range(log.q.shape[1]):
+        size = math.sqrt(float(steps[:, k] @ steps[:, k]) * float(speeds[:, k] @ speeds[:, k]))
+        if size <= 0.0 or abs(float(steps[:, k] @ speeds[:, k])) / size < rules.fitting.same_way:
+            continue
+        factor = float(speeds[:, k] @ steps[:, k]) / float(steps[:, k] @ steps[:, k])
+        if rules.log.slowest < factor < 1.0 / rules.log.slowest:
+            continue
+        speed, place = headers.get(f"v{k + 1}", f"v{k + 1}"), headers.get(f"q{k + 1}", f"q{k + 1}")
+        message = f"is {factor:.3g} times what {place} goes by in a second"
+        unit = next((unit for unit, by in _FINER.items() if math.isclose(factor, by, rel_tol=0.2)), "")
+        if interval > rules.log.convention_window and not unit:
+            continue  # poses, from which no speed follows
+        if math.isclose(factor, _DEGREE, rel_tol=0.05):
+            factor = _DEGREE
+        remedies = [{speed: f"{speed}/{factor:.7g}" if factor > 0.0 else f"-{speed}"}]
+        if unit:
+            message += f", as by a clock that counts {unit}"
+            clock = headers.get("time", "time")
+            remedies.insert(0, {"t_s": f"{clock}/{_FINER[unit]:.0f}"})
+        if math.isclose(abs(factor), 1.0 / _DEGREE, rel_tol=0.2):
+            message += ", as of angles in degrees"
+            remedies.insert(0, {place: f"{place}/{_DEGREE:.7g}"})
+        raise refusal(log.file, speed, message, *({"columns": remedy} for remedy in remedies))
+
+
+def _refuse_coordinates(log: MotionLog, arm: Arm, headers: Mapping[str, str], rules: Rules) -> None:
+    """Refuse coordinates that go through several times what their joints can: of motors, or in another unit. What can
+    turn a whole turn may turn on."""
+    low, high = np.quantile(log.q, [0.01, 0.99], axis=0)
+    for k, joint in enumerate(arm.joints):
+        through, whole = float(high[k] - low[k]), joint.range[1] - joint.range[0]
+        if through < rules.log.beyond_range * whole or (joint.revolute and whole > math.tau - rules.residual.turned):
+            continue
+        name, by = headers.get(f"q{k + 1}", f"q{k + 1}"), _DEGREE if joint.revolute else 1e3
+        unit = "rad" if joint.revolute else "m"
+        message = f"goes through {through:.3g} {unit}, and joint {k + 1} by {arm.name!r} through {whole:.3g} at most: "
+        message += f"is it in {'degrees' if joint.revolute else 'mm'} or of the motor? Write `columns: {{{name}: "
+        raise InputError(log.file, name, f"{message}{name}/{by:.7g}}}` in recording.yaml, or its gear's ratio there")
