@@ -47,6 +47,7 @@ Region = Mapping[str, Any] | tuple[Sequence[Quantity], Sequence[Quantity]]
 def columns(
     file: Annotated[File, Argument(metavar="FILE", kind=Path)],
     arm: Annotated["Arm | File | None", Option(metavar="ARM", reads="arm", kind=Path)] = None,
+    check: Annotated[bool, Option()] = False,
 ) -> "Columns":
     """What the columns of another program's file may mean, and the recording.yaml that says so.
 
@@ -54,11 +55,13 @@ def columns(
     with the proposal, and what is wrong with it is told.
 
     Example: linkwright columns log.csv --arm arm.yaml --out recording.yaml
+    Example: linkwright columns log.csv --arm arm.yaml --check
 
     Args:
         file: The file.
         arm: The arm file: its joints' names, ranges and kinds tell what columns are of, and in which unit. In Python
             also an `Arm`.
+        check: Say all that is doubtful of the recording, a line each, without a diagnosis; needs the arm.
 
     Raises `InputError` where the file is no table.
 
@@ -70,11 +73,14 @@ def columns(
     observes: motion
     """
     from linkwright.core.diagnose.reading.foreign.proposed_file import propose
+    from linkwright.core.units.quantities import InputError
     from linkwright.face.arm import arm_of
     from linkwright.face.recording import Columns
 
     given = None if arm is None else arm_of(arm, tips="first", unknown_origins=True).model
-    return Columns(propose(Path(file), given))
+    if check and given is None:
+        raise InputError("", "--check", "needs the arm that was recorded; give --arm ARM")
+    return Columns(propose(Path(file), given, check=check))
 
 
 def plan(

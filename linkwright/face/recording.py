@@ -351,6 +351,10 @@ def describe_columns(found: Proposal) -> Description:
     used = sum(meaning.named for meaning in found.meanings)
     reads = f", {found.reads}" if found.reads else ""
     headline = f"{name}: {kind}{reads}; {used} of {len(found.meanings)} columns tell of an arm"
+    if found.doubts is not None:
+        lines = tuple(f"{doubt.grade}: {doubt.text}" for doubt in found.doubts)
+        said: Item = Lines(lines) if lines else Paragraph("Nothing is doubtful.")
+        return Description(f"{name}: columns", headline, (said,), headline)
     rows = [(meaning.header, meaning.ours if meaning.named else "", _why(meaning)) for meaning in found.meanings]
     items: list[Item] = [Paragraph(found.wrong, "warning")] if found.wrong else []
     items.append(shown_table(("column", "is", ""), rows, first=60))
@@ -418,6 +422,7 @@ class Columns(Result):
             "columns": columns,
             "notes": [*proposal.notes, *proposal.warnings],
             "settings": proposal.settings,
+            **({} if proposal.doubts is None else {"doubts": [vars(doubt) for doubt in proposal.doubts]}),
         }
 
     def _tables(self) -> Mapping[str, pd.DataFrame]:

@@ -20,6 +20,7 @@ from linkwright.core.diagnose.reading.table import Table
 from linkwright.core.diagnose.rules.rules import RULES, Rules
 from linkwright.core.units.quantities import InputError
 
+from .doubts import Doubt, doubts_of
 from .proposal import IGNORED, Meaning, is_motion, name_and_unit, proposed, settings_text
 from .words import said_by
 
@@ -42,11 +43,13 @@ class Proposal:
     warnings: tuple[str, ...]
     wrong: str
     remedies: tuple[Mapping[str, Any], ...]
+    doubts: tuple[Doubt, ...] | None = None
 
 
-def propose(file: Path, arm: Arm | None, *, rules: Rules = RULES) -> Proposal:
+def propose(file: Path, arm: Arm | None, *, check: bool = False, rules: Rules = RULES) -> Proposal:
     """What the columns of a file may mean, for an arm or for one with as many joints as the file; what the settings
-    beside it say stands. Raises `InputError` where it is no table."""
+    beside it say stands. `check`: all that is doubtful of it is said too (`doubts`). Raises
+    `InputError` where it is no table."""
     beside = find_settings(file)
     held = read_settings(beside)
     table = read_table(file, held.layout)
@@ -73,6 +76,7 @@ def propose(file: Path, arm: Arm | None, *, rules: Rules = RULES) -> Proposal:
         fresh,
         said,
         remedies,
+        doubts_of(file, arm, settings, _read, rules) if check and arm is not None else None,
     )
 
 
