@@ -141,12 +141,17 @@ def _refuse_beyond_effort(log: MotionLog, arm: Arm, headers: Mapping[str, str], 
     if log.torque_constants_free:
         return
     efforts = np.array([math.nan if joint.effort is None else joint.effort for joint in arm.joints])
-    middle = np.nanmedian(np.abs(np.where(np.isfinite(log.torque).any(axis=0), log.torque, 0.0)), axis=0)
-    beyond = [k for k in range(arm.size) if middle[k] > rules.log.least_gear * efforts[k]]
-    if beyond:
-        k = beyond[0]
-        message = f"is {middle[k]:.3g} N*m in the middle, and joint {k + 1} by the arm file gives {efforts[k]:.3g} N*m"
-        _refuse_millimetres(log, arm, headers, f"{message} at most; is it in N*mm")
+    logged = np.where(np.isfinite(log.torque).any(axis=0), log.torque, np.nan)
+    told = np.flatnonzero(np.isfinite(logged).any(axis=0) & (efforts > 0.0))
+    if not len(told):
+        return
+    middle = np.nanmedian(np.abs(logged[:, told]), axis=0)
+    # One joint that is loaded beyond its drive tells of no unit: most of them do.
+    if float(np.median(middle / efforts[told])) > rules.log.least_gear:
+        k = int(np.argmax(middle / efforts[told]))
+        gives = f"joint {told[k] + 1} by the arm file gives {efforts[told[k]]:.3g} N*m"
+        message = f"is {middle[k]:.3g} N*m in the middle at joint {told[k] + 1}, and {gives} at most; is it in N*mm"
+        _refuse_millimetres(log, arm, headers, message)
 
 
 def _refuse_millimetres(log: MotionLog, arm: Arm, headers: Mapping[str, str], message: str) -> None:

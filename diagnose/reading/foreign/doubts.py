@@ -56,6 +56,8 @@ def _with(settings: str, remedy: Mapping[str, Any]) -> str:
         held: dict[str, Any] = dict(content_of(place))
     for name, value in remedy.items():
         before = held.get(name)
-        both = isinstance(before, Mapping) and isinstance(value, Mapping)
-        held[name] = {**before, **value} if both else value
+        if isinstance(before, Mapping) and isinstance(value, Mapping):
+            held[name] = dict(before) | dict(value)
+        else:
+            held[name] = value
     return "".join(f"{name}: {yaml_line(value)}\n" for name, value in held.items())
