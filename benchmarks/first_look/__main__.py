@@ -12,6 +12,7 @@ import functools
 import re
 import tempfile
 import zlib
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -22,7 +23,7 @@ from linkwright.core.diagnose.reading.read import read_recording
 from linkwright.core.units.quantities import InputError
 
 from .mistakes import LOGS, PAIRS, TIPS
-from .recordings import Case, logs, tips
+from .recordings import Case, Spoil, logs, tips
 
 _ACCUSED = re.compile(
     r"other way|another zero|changed places|seem|holds q|left-handed|the tips stand|turns [\d.]+ times|gives"
@@ -75,7 +76,8 @@ def main() -> None:
     reader.add_argument("--only", default="")
     reader.add_argument("--show", action="store_true")
     asked = reader.parse_args()
-    ways = [(f"tips: {name}", tips, (spoil,)) for name, spoil in TIPS.items()]
+    ways: list[tuple[str, Callable[[np.random.Generator], Case], tuple[Spoil, ...]]] = []
+    ways += [(f"tips: {name}", tips, (spoil,)) for name, spoil in TIPS.items()]
     ways += [(f"logs: {name}", logs, (spoil,)) for name, spoil in LOGS.items()]
     for motion, one, other in PAIRS:
         world = LOGS if motion else TIPS
