@@ -85,7 +85,7 @@ class Machine:
             forces.append(self.masses[k] * at(centre))
             moments.append(self.inertias[k] * turning)
             centres.append(origins[:, k] + centre)
-            push = at(out)
+            push = push + np.cross(turning, out) + np.cross(spin, np.cross(spin, out))
         torque = np.zeros((count, self.size))
         for k in range(self.size):
             moment = np.zeros((count, 3))

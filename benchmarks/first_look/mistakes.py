@@ -181,8 +181,9 @@ def clipped(case: Case, rng: Rng) -> Case:
 def lagging(case: Case, rng: Rng) -> Case:
     """Speeds by a causal filter."""
     interval = float(np.median(np.diff(case.columns["t_s"])))
-    b, a = butter(2, float(rng.uniform(2.0, 4.0)), fs=1.0 / interval)
-    columns = {f"dq{k + 1}_radps": lfilter(b, a, case.extra["v"][:, k]) for k in range(case.machine.size)}
+    b, a = np.asarray(butter(2, float(rng.uniform(2.0, 4.0)), fs=1.0 / interval, output="ba"), dtype=float)
+    late = np.asarray(lfilter(b, a, case.extra["v"], axis=0), dtype=float)
+    columns = {f"dq{k + 1}_radps": late[:, k] for k in range(case.machine.size)}
     return with_columns(case, r"lag.* by .*ms", **columns)
 
 
