@@ -71,21 +71,21 @@ class Machine:
         """Torques (N, n), N*m, of a motion without friction."""
         axes, origins, turns = self.frames(q)
         count = len(q)
+        spin: Array
+        turning: Array
+        push: Array
         spin, turning, push = np.zeros((count, 3)), np.zeros((count, 3)), np.broadcast_to(-self.gravity, (count, 3))
         forces, moments, centres = [], [], []
         for k in range(self.size):
-            turning = turning + axes[:, k] * a[:, k : k + 1] + np.cross(spin, axes[:, k] * v[:, k : k + 1])
+            turned = np.asarray(np.cross(spin, axes[:, k] * v[:, k : k + 1]), dtype=np.float64)
+            turning = turning + axes[:, k] * a[:, k : k + 1] + turned
             spin = spin + axes[:, k] * v[:, k : k + 1]
-
-            def at(arm: Array, push: Array = push, spin: Array = spin, turning: Array = turning) -> Array:
-                return push + np.cross(turning, arm) + np.cross(spin, np.cross(spin, arm))
-
             out = turns[:, k] @ self.links[k]
             centre = self.centres[k] * out
-            forces.append(self.masses[k] * at(centre))
+            forces.append(self.masses[k] * _pushed(push, spin, turning, centre))
             moments.append(self.inertias[k] * turning)
             centres.append(origins[:, k] + centre)
-            push = push + np.cross(turning, out) + np.cross(spin, np.cross(spin, out))
+            push = _pushed(push, spin, turning, out)
         torque = np.zeros((count, self.size))
         for k in range(self.size):
             moment = np.zeros((count, 3))
@@ -97,6 +97,11 @@ class Machine:
     def weights(self, q: Array) -> Array:
         """Torques (N, n), N*m, that hold the arm at rest."""
         return self.torques(q, np.zeros_like(q), np.zeros_like(q))
+
+
+def _pushed(push: Array, spin: Array, turning: Array, arm: Array) -> Array:
+    """The acceleration (N, 3) at the end of an arm (N, 3) of a body."""
+    return np.asarray(push + np.cross(turning, arm) + np.cross(spin, np.cross(spin, arm)), dtype=np.float64)
 
 
 def about(axis: Array, angle: Array) -> Array:
