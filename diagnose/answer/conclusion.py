@@ -15,9 +15,10 @@ from linkwright.core.arm.assumptions import default_gravity
 from linkwright.core.arm.chain.chain import Arm
 from linkwright.core.arm.effects import EFFECTS
 from linkwright.core.diagnose.fitting.corrected_arm import corrected_arm
-from linkwright.core.diagnose.fitting.fit import beyond_nuisances, displacement, fit, remaining
+from linkwright.core.diagnose.fitting.fit import displacement, fit, remaining
 from linkwright.core.diagnose.fitting.held_out import hardest, splits
 from linkwright.core.diagnose.fitting.identified_origins import identified_origins
+from linkwright.core.diagnose.judge.for_file import ForFile, for_file, rms_of_file
 from linkwright.core.diagnose.recording import Recording, RejectedRow
 from linkwright.core.diagnose.residual.observed import rms_length
 from linkwright.core.diagnose.residual.visits import one_condition
@@ -100,10 +101,11 @@ class Conclusion:
                 unknown = replace(unknown, decide=_COME_BACK)
         findings, exchanges = self._findings(), self._exchanges()
         apart = differences(self.prepared, self.names.refit, self.names.outside, self.names.p_values)
-        corrected, of_arm = corrected_arm(arm, self.names.refit, rules=self.rules.fitting)
+        file = for_file(self.names)
+        corrected, of_arm = corrected_arm(arm, file.names.refit, rules=self.rules.fitting)
         room = self.names.unnamed() if self.names.members and arm.unknown_origins else None
         corrected, origins = identified_origins(
-            self.prepared, self.names.refit, self.names.outside, corrected, room, self.search
+            file.names.prepared, file.names.refit, file.names.outside, corrected, room, self.search
         )
         self.names.tell("next poses", 0.95)
         proposed = next_poses(
@@ -114,7 +116,7 @@ class Conclusion:
         )
         held = {name: part.rms() for name, part in self.names.held_out.items()}
         rejected = (*recording.rejected, *self.names.noise.outliers, *self.prepared.rejected)
-        recordings = self._with_arms(arm, self._recordings(before, self.names.after(), rejected))
+        recordings = self._with_arms(arm, self._recordings(before, self.names.after(), rejected), file)
         if recordings:
             held["one recording at a time"] = from_others(recordings)
         rms_before, rms_after = rms_length(before), rms_length(after)
@@ -171,6 +173,7 @@ class Conclusion:
                 *recording.warnings,
                 *self.names.noise.warnings,
                 *of_arm,
+                *((said,) if (said := file.note()) is not None else ()),
                 *notes(self.names, self.rest),
                 *(of_exchange(exchange) for exchange in exchanges),
             ),
@@ -178,7 +181,7 @@ class Conclusion:
             lack_of_fit=self.rest.lack_of_fit,
             small=self.rest.small,
             scatter=self.rest.scatter(),
-            rms_promised=rms_length(self._left_by_names()),
+            rms_promised=rms_of_file(file),
             recordings=recordings,
             differences=apart,
             origins=origins,
@@ -205,13 +208,13 @@ class Conclusion:
         model = (self.prepared.beside, np.concatenate(columns, axis=2))
         return of_recordings(self.observed, self.names.floors, residuals, model, rejected)
 
-    def _with_arms(self, arm: Arm, recordings: tuple[OfRecording, ...]) -> tuple[OfRecording, ...]:
+    def _with_arms(self, arm: Arm, recordings: tuple[OfRecording, ...], file: ForFile) -> tuple[OfRecording, ...]:
         """The recordings, each with the corrected arm of its own where they are of several arms."""
-        which, left = self.observed.which, self._left_by_names()
+        which, left = self.observed.which, file.left()
         if not self.observed.recording.units:
             return recordings
         arms = [
-            corrected_arm(arm, self.names.refit, only=index, rules=self.rules.fitting)[0]
+            corrected_arm(arm, file.names.refit, only=index, rules=self.rules.fitting)[0]
             for index in range(len(recordings))
         ]
         return tuple(
@@ -251,14 +254,6 @@ class Conclusion:
         if self.names.named is None:
             return 1.0
         return min(1.0, 2.0 * min(test.p_value for test in self.names.named.gate))
-
-    def _left_by_names(self) -> Array:
-        """What is left (N, D), m, where the forms' part is not taken off: no arm file can hold that."""
-        width = self.observed.components
-        if not self.names.outside:
-            return self.names.after()
-        moved = displacement(self.prepared, self.names.fitted, self.names.outside)
-        return self.names.after() + beyond_nuisances(self.prepared, moved)[:, :width]
 
     def _findings(self) -> tuple[Finding, ...]:
         width = self.observed.components

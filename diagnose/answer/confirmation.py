@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import replace
 from typing import TypeVar
@@ -49,9 +50,10 @@ class Confirmed:
         progress: Progress,
         floors: Sequence[NoiseFloor] = (),
         alike: Alike | None = None,
+        forms: bool = True,
     ) -> None:
         self.namer, self.named, self.alike_aside = namer, named, alike
-        self.floors = floors
+        self.floors, self.whole, self.may_have_forms = floors, whole, forms
         self.noise, self.options, self.tell = noise, options, progress
         self.rules: Rules = namer.prepared.observed.rules
         self.unconfirmed: list[str] = []
@@ -73,6 +75,22 @@ class Confirmed:
             self.refit = refit(self.prepared, self.members, self.outside, self.fitted, room)
             self._test_what_is_left()
         self.together = only_with(self.prepared, self.refit, rules=self.rules.answer)
+
+    def of_the_library(self, members: Sequence[int]) -> Confirmed:
+        """Some groups of the library confirmed on the same readings, with no form beside them or in their place."""
+        assert self.named is not None
+        named = replace(self.named, members=tuple(members), outside=(), p_values=(math.nan,) * len(members))
+        return Confirmed(
+            self.namer,
+            named,
+            self.noise,
+            self.options,
+            whole=self.whole,
+            progress=self.tell,
+            floors=self.floors,
+            alike=self.alike_aside,
+            forms=False,
+        )
 
     def _test_what_is_left(self) -> None:
         """Test anew what seems to be beyond chance in what is left, where motion beyond first order was part of it."""
@@ -105,7 +123,7 @@ class Confirmed:
     def _form_instead(self, whole: Recording | None) -> bool:
         """Take up a form where it is a better answer than what is left of the findings, or stands beside it: what the
         refuted one was named for is unexplained again. Whether there is one."""
-        if self.named is None:
+        if self.named is None or not self.may_have_forms:
             return False
         namer = self.namer.with_prepared(self.search)
         again = weighed_again(namer, self.named, self.found, self.p_values)
@@ -310,6 +328,12 @@ class Confirmed:
         """What some of the members and forms leave of parts of the workspace that their fit has not seen."""
         whole = [*self.members, *self.outside]
         return hardest(self.held_out).rms([0, *(1 + whole.index(m) for m in members)])
+
+    def rms_held_out_of_file(self) -> float:
+        """What the members leave of parts of the workspace that their fit has not seen, forms fitted beside them: those
+        stand in no file."""
+        whole = range(1 + len(self.members) + len(self.outside))
+        return rms_length(hardest(self.held_out).residual(whole, shown=range(1 + len(self.members))))
 
     def moved(self, places: Sequence[int]) -> float:
         """The RMS length (m) of what some findings move together, beyond what the nuisances take up."""

@@ -175,9 +175,9 @@ class HeldOut:
         whole[out] = left
         return whole
 
-    def residual(self, which: Sequence[int] | None = None) -> Array:
+    def residual(self, which: Sequence[int] | None = None, shown: Sequence[int] | None = None) -> Array:
         """The tip's residual (N, D), m, of each reading under a fit of some parts (all by default) that has not seen
-        its fold."""
+        its fold; of what was fitted, only the parts `shown` are taken off (all by default)."""
         width = self._observed.components
         spans = [np.arange(*self._edges[k : k + 2]) for k in (range(len(self._edges) - 1) if which is None else which)]
         taken = np.concatenate([np.zeros(0, dtype=np.int64), *spans])
@@ -189,6 +189,8 @@ class HeldOut:
         values = np.zeros((len(self._size), len(self._products)))
         for fold, (gram, wanted) in enumerate(self._products):
             values[taken, fold] = normal_solution(whole - gram[at], against - wanted[taken]) / self._size[taken]
+        for part in () if shown is None else set(range(len(self._parts))) - set(shown):
+            values[self._edges[part] : self._edges[part + 1]] = 0.0
         moved = self._moved(values)
         missed = self._observed.residual - moved[np.arange(len(moved)), :, self._fold]
         left = missed[:, :width]

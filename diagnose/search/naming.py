@@ -34,13 +34,15 @@ Mask = NDArray[np.bool_]
 @dataclass(frozen=True)
 class Named:
     """What was found: groups of the library (`members`) and forms (`outside`), the p-value of each member's own test,
-    the gate's two tests (library, forms), and the test of what is left."""
+    the gate's two tests (library, forms), and the test of what is left. `without_forms` are the groups of the library
+    that fit best where no form stands beside them or in their place: what a file can hold."""
 
     members: tuple[int, ...]
     outside: tuple[int, ...]
     p_values: tuple[float, ...]
     gate: tuple[Calibrated, Calibrated]
     left: tuple[Calibrated, Calibrated] | None
+    without_forms: tuple[int, ...] = ()
 
     @property
     def everything(self) -> tuple[int, ...]:
@@ -236,10 +238,11 @@ def name_missing(
         members, p_values = further, p_of_further
     else:
         members, p_values = _anew(namer, members, p_values, tell)
+    without_forms = members
     members, outside, p_values = _against_forms(namer, members, p_values)
     left = namer.test((*members, *outside))
     tell(1.0)
-    return Named(members, outside, p_values, gate, left)
+    return Named(members, outside, p_values, gate, left, without_forms)
 
 
 def _anew(
