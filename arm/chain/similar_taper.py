@@ -51,7 +51,9 @@ def similar_beam(beam: Beam, log_taper: Any) -> Beam:
     }
     values: dict[str, Any] = {name: getattr(beam, name) for name in changes}
     changed: dict[str, Any] = {name: value * changes[name] for name, value in values.items() if value is not None}
-    taper, by_weight = similar_taper(log_taper), 2.0 * ratio * ratio * (2.0 + ratio) / ((1.0 + ratio) * sums)
+    taper, by_weight = similar_taper(log_taper), 1.0
+    if any(not isinstance(values[name], float) or values[name] != 0.0 for name in _SHEAR_CENTRE):
+        by_weight = 2.0 * ratio * ratio * (2.0 + ratio) / ((1.0 + ratio) * sums)
     return replace(beam, **changed, torsion_by_weight=by_weight, taper=taper, log_taper=log_taper)
 
 

@@ -8,11 +8,9 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from typing import Literal, Protocol
+from typing import Protocol
 
 from .transformation import Transformation, apart
-
-Grade = Literal["refused", "doubted", "fine"]
 
 
 @dataclass(frozen=True, eq=False)

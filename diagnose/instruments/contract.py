@@ -27,8 +27,9 @@ _POSES = 40
 _EXACT = MappingProxyType({"length": 1e-6, "angle": 1e-4})
 """m, or what an angle shows in a metre; so much of a recording without noise may be left. An arm in the plane turns a
 level about one axis, which tells how it sits about the others to first order only."""
-_STEP, _LINEAR = 1e-6, 1e-3
-"""m or rad by which arms are moved, and the share by which what they show may be other than first order says."""
+_STEP, _LINEAR, _SMALLEST = 1e-6, 1e-3, 1e-9
+"""m or rad by which arms are moved, and the share by which what they show may be other than first order says; below
+the smallest it is rounding."""
 
 
 def check_instrument(kind: InstrumentKind) -> None:
@@ -81,7 +82,7 @@ def _behaviour(kind: InstrumentKind, arm: Arm) -> Iterator[str]:
     again = _read_back(made.instrument)
     if again is not None and replace(again, labels=made.instrument.labels) != made.instrument:
         yield f"is {made.instrument} and reads back from its settings as {again}"
-    observed = observe(arm, made)
+    observed = observe(arm, made, rules=RULES)
     left = float(np.abs(observed.residual[:, : observed.components]).max())
     if left > _EXACT[kind.numbers[0].quantity]:
         yield f"leaves {left:.2g} of what it reads of a sound arm"
@@ -125,7 +126,7 @@ def _slopes(kind: InstrumentKind, scene: Scene, random: np.random.Generator) -> 
 
 def _differ(name: str, found: Array, said: Array) -> Iterator[str]:
     size = max(float(np.abs(found).max()), float(np.abs(said).max()))
-    if float(np.abs(found - said).max()) > _LINEAR * max(size, 1e-3 * _STEP):
+    if float(np.abs(found - said).max()) > _LINEAR * max(size, _SMALLEST):
         yield f"`{name}` is not what it shows"
 
 

@@ -232,11 +232,11 @@ def _without_harm(arm: Arm, identified: Identified, given: Filed, named: Filed, 
 
 
 def _rival(name: Name, filed: Filed, counts: Array) -> Rival:
-    in_sample, held_out = together(filed.left, counts), together(filed.held_out, counts)
+    in_sample, held_out = rms_together(filed.left, counts), rms_together(filed.held_out, counts)
     return Rival(name, len(filed.numbers), in_sample, held_out, filed.held_out, counts)
 
 
-def together(left: Array, counts: Array) -> float:
+def rms_together(left: Array, counts: Array) -> float:
     """RMS of all joints: the root of the mean over those that move of their mean squares, N*m."""
     rows = counts.sum(axis=0)
     moves = rows > 0

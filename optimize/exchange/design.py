@@ -175,6 +175,10 @@ def symbolic_properties(shape: str, sizes: list[Any], poisson_ratio: Any) -> Sec
     return SectionProperties(**{item.name: column[k] for k, item in enumerate(fields(SectionProperties))})
 
 
+_ANY_SIZES = ((0.005, 0.5), (0.001, 0.05))
+"""m; outer sizes and walls of a section that stands for its shape alone."""
+
+
 def with_chosen_links(problem: Problem) -> Problem:
     """The problem with a uniform link wherever the choice of shapes replaces a tapered or an askew one, and with links
     whose taper is free where that is to be chosen.
@@ -209,7 +213,7 @@ def _candidates(problem: Problem, link: int) -> list[Section]:
         return list({item.section.shape: item.section for item in problem.sizes[link]}.values())
     if problem.shapes is None:
         return []
-    return [SHAPES[shape].start(1e-3, *problem.ranges[link].sizes) for shape in problem.shapes_of(link)]
+    return [SHAPES[shape].start(1e-3, *_ANY_SIZES) for shape in problem.shapes_of(link)]
 
 
 def _free_taper(section: Section | None, near: Section) -> Section:

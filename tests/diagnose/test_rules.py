@@ -77,14 +77,18 @@ NO_RULES = {
     "fitting/terms.py": {"DIFFERENCE"},
     "fitting/loads/by_drives.py": {"CARRIED, PUSHED", "LEVEL", "_ROUNDING", "_TURNS, _SETTLED"},
     "fitting/thresholds.py": {"_ALIKE", "_AT_ONCE", "_REACH", "_LOOKED_AT", "_FURTHEST"},  # how a staircase is searched
-    "instruments/checks.py": {"_SCALES"},
+    "instruments/contract.py": {"_POSES", "_EXACT", "_STEP, _LINEAR, _SMALLEST"},  # what is asked of instruments
     "instruments/camera.py": {"_STEPS, _FOUND", "_LONGEST", "_EXACT"},
-    "instruments/instrument.py": {"KINDS", "X, ALONG, DISTANCE, POINT, PLANE, TILT_X, TILT_Y, BAR, CAMERA, COUNT"},
+    "instruments/kinds/draw_wire.py": {"_ZERO"},  # what is simulated
+    "instruments/kinds/laser_line.py": {"_GRAZING", "_NOWHERE", "_OFF, _ASKEW", "_STEPS"},
+    "instruments/kinds/tilt.py": {"_ASKEW", "_BETTER", "_LONGEST", "_START_STEPS"},
+    "instruments/look.py": {"SCALES"},
     "instruments/touching.py": {"_ABOUT, _AROUND", "_INNER", "_LONGEST, _MISSED", "_NEAR, _EXACT", "_POSTURES"},
     "residual/torque.py": {"_TOLD"},
-    "instruments/view.py": {"_STEPS, _START_STEPS, _START_ROWS", "_BETTER", "_FOUND", "_LONGEST"},
+    "instruments/view.py": {"_STEPS, _START_STEPS, _START_ROWS", "_BETTER", "_FOUND"},
     "mistakes/row_lists.py": {"_MOST"},
     "motion/diagnosis.py": {"_DRAWN"},
+    "motion/judged.py": {"_SETTLED", "_STEPS"},
     "motion/model/candidates.py": {"SHARPER", "_MOST_VARIANTS", "_PROBED"},  # an effect's entry; what a scan is for
     "motion/model/chance.py": {"_DRAWS"},
     "motion/model/evidence.py": {"SCALES", "_FREE", "_MULTIPLES", "_SPARING"},  # what is tried; no prior; Akaike's nat

@@ -101,7 +101,7 @@ def test_a_column_of_a_joint_that_is_none_is_passed_over():
     [
         (lambda t: t.assign(q2_deg=t["q2_deg"] - 90.0), {"q2_deg": "q2_deg + 90"}),
         (lambda t: t.assign(q2_deg=90.0 - t["q2_deg"]), {"q2_deg": "-q2_deg + 90"}),
-        (lambda t: t.assign(x_mm=t["x_mm"] / 1e3, y_mm=t["y_mm"] / 1e3), {"x_mm": "x_mm*1000", "y_mm": "y_mm*1000"}),
+        (lambda t: t.assign(x_mm=t["x_mm"] / 1e3, y_mm=t["y_mm"] / 1e3), {"x_mm": "1000*x_mm", "y_mm": "1000*y_mm"}),
     ],
     ids=["zero", "zero and sign", "unit"],
 )  # fmt: skip

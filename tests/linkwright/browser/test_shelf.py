@@ -171,7 +171,7 @@ def test_what_is_stopped_before_anything_was_found_says_which_it_was(tmp_path):
 
     job = asyncio.run(stopped(Jobs(Shelf(tmp_path))))
     assert job.state == "refused"
-    assert job.message == ("evaluate of an arm was stopped before anything was finished, so there is nothing to keep")
+    assert job.message == ("Evaluation of an arm was stopped before anything was finished, so there is nothing to keep")
 
 
 def test_an_answer_that_cannot_be_kept_is_there_and_can_be_kept_again(tmp_path):

@@ -177,7 +177,8 @@ def test_symbols_and_numbers_are_one(shape: str, tmp_path: Path) -> None:
     symbols: Any = ca.SX.sym("x", len(x))  # pyright: ignore[reportCallIssue]
     shares = np.random.default_rng(4).uniform(-1.0, 1.0, len(problem.uncertain.places))
     scenario = problem.uncertain.scenario(shares)
-    column = ca.Function("column", [symbols], [scenario_column(expressions(space, symbols, materials), scenario)])
+    entries = scenario_column(space.problem.arm, expressions(space, symbols, materials), scenario)
+    column = ca.Function("column", [symbols], [entries])
     values = scenario_values(arm_of(space, x, chosen), problem.load_cases, scenario)
     known = values != 0.0
     np.testing.assert_allclose(np.array(column(x)).ravel()[known], values[known], rtol=1e-12)
