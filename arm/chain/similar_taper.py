@@ -51,10 +51,22 @@ def similar_beam(beam: Beam, log_taper: Any) -> Beam:
     }
     values: dict[str, Any] = {name: getattr(beam, name) for name in changes}
     changed: dict[str, Any] = {name: value * changes[name] for name, value in values.items() if value is not None}
-    taper, by_weight = similar_taper(log_taper), 1.0
-    if any(not isinstance(values[name], float) or values[name] != 0.0 for name in _SHEAR_CENTRE):
-        by_weight = 2.0 * ratio * ratio * (2.0 + ratio) / ((1.0 + ratio) * sums)
+    taper, by_weight = similar_taper(log_taper), 2.0 * ratio * ratio * (2.0 + ratio) / ((1.0 + ratio) * sums)
+    if all(isinstance(values[name], float) and values[name] == 0.0 for name in _SHEAR_CENTRE):
+        taper, by_weight = _about_centroid(taper), 1.0
     return replace(beam, **changed, torsion_by_weight=by_weight, taper=taper, log_taper=log_taper)
+
+
+def _about_centroid(taper: Taper) -> Taper:
+    """The same of a section that twists about its centroid: no eccentricity is spread along it."""
+    parts = [
+        Part(
+            {name: value for name, value in part.rigidities.items() if name not in _SHEAR_CENTRE},
+            replace(part.taper, offset_square=1.0),
+        )
+        for part in taper.parts
+    ]
+    return replace(taper, parts=tuple(parts), offset_square=1.0)
 
 
 def similar_taper(log_taper: Any) -> Taper:
