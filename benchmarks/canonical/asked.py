@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from benchmarks.blind import answers as of_tips
+from benchmarks.blind.parameters import UNITS
 from benchmarks.motion import names as of_torques
 from linkwright.command_line import outcome
 
@@ -60,8 +61,8 @@ def faults(name: str, asked: Mapping[str, Any], given: Answer) -> list[str]:
     Args:
         name: The recording; its first word is the world.
         asked: `verdict` those that will do; `names` each large cause as effect and places, to be named or among the
-            alternatives of a name; `others` small ones that may be named; `sizes` by parameter the true value and the
-            relative tolerance; `joints` how many the arm has.
+            alternatives of a name; `others` small ones that may be named; `sizes` by parameter the true value in SI
+            units and the relative tolerance; `joints` how many the arm has.
         given: The answer.
     """
     results = [] if given.verdict in asked["verdict"] else [f"{given.verdict}, not {' or '.join(asked['verdict'])}"]
@@ -90,7 +91,7 @@ def faults(name: str, asked: Mapping[str, Any], given: Answer) -> list[str]:
 def _sizes(
     asked: Mapping[str, Sequence[float]], names: Sequence[Any], missing: Sequence[Mapping[str, Any]]
 ) -> list[str]:
-    """Sizes of the true names that are off; what an interval holds is right."""
+    """Sizes of the true names that are off, in SI units; what an interval holds is right."""
     results: list[str] = []
     effects = {effect for effect, _ in names}
     for entry in missing:
@@ -98,8 +99,10 @@ def _sizes(
             if entry["effect"] not in effects or f"{entry['effect']}.{parameter}" not in asked:
                 continue
             value, tolerance = asked[f"{entry['effect']}.{parameter}"]
-            ends = size.get("ci95") or [size["value"], size["value"]]
-            close = abs(size["value"] - value) <= tolerance * abs(value)
+            _, unit = UNITS[size.get("unit") or ""]
+            given = unit * size["value"]
+            ends = [unit * end for end in size.get("ci95") or [size["value"]]]
+            close = abs(given - value) <= tolerance * abs(value)
             if not close and not min(ends) <= value <= max(ends):
-                results.append(f"{entry['effect']}.{parameter} is {size['value']:.3g}, not {value:.3g}")
+                results.append(f"{entry['effect']}.{parameter} is {given:.3g}, not {value:.3g}")
     return results
