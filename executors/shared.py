@@ -9,14 +9,13 @@ from concurrent.futures import FIRST_COMPLETED, Future, wait
 from typing import Any
 
 from .executor import Executor, Item, Kept, Pulse, Result, Work, WorkersLost, no_pulse
-from .packing import packed, unpacked
 
 BEAT = 0.1
 """Seconds between two calls of a pulse while results are waited for."""
 
 
-Begin = Callable[[bytes], Future[bytes]]
-"""Begins a step with a packed item."""
+Begin = Callable[[Any], Future[Any]]
+"""Begins a step with an item."""
 
 
 class Shared(Executor):
@@ -43,7 +42,7 @@ class Shared(Executor):
         if not left:
             return
         tries = dict.fromkeys(left, 0)
-        busy: dict[Future[bytes], tuple[int, Begin]] = {}
+        busy: dict[Future[Any], tuple[int, Begin]] = {}
         ended: list[tuple[int, Any, BaseException | None]] = []
         free = self._open(work, len(left))
         try:
@@ -51,7 +50,7 @@ class Shared(Executor):
                 while left and free:
                     number, begin = left.popleft(), free.pop()
                     tries[number] += 1
-                    busy[begin(packed(items[number]))] = number, begin
+                    busy[begin(items[number])] = number, begin
                 yield from ended  # workers have their next items before anybody works on these results
                 ended.clear()
                 pulse()
@@ -62,7 +61,7 @@ class Shared(Executor):
                     if isinstance(error, WorkersLost) and tries[number] < self._tries:
                         left.appendleft(number)
                     else:
-                        ended.append((number, None if error else unpacked(future.result()), error))
+                        ended.append((number, None if error else future.result(), error))
                 if busy and not ended:
                     self._look()
         finally:
@@ -74,7 +73,7 @@ class Shared(Executor):
         """What begins a step of this work, once for each of at most `steps` that can be under way together."""
 
     @abstractmethod
-    def _error(self, future: Future[bytes], number: int, tries: int) -> BaseException | None:
+    def _error(self, future: Future[Any], number: int, tries: int) -> BaseException | None:
         """What a step raised that was begun so often; `WorkersLost` where it was the end of its workers."""
 
     @abstractmethod

@@ -7,6 +7,7 @@ stands at each pose as it does for the worst error.
 
 from __future__ import annotations
 
+from abc import abstractmethod
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, ClassVar
@@ -33,10 +34,10 @@ SPREAD = 192
 """Poses that a workspace which lists none is looked at in."""
 _MOST_AT_ONCE = 4_000_000
 """Designs times poses that are looked at together."""
-_MOST_TOLD = 3
-"""Worst poses of a load case that become rows together."""
+_MOST_SHOWN = 3
+"""Worst poses that become rows together."""
 _FLOOR = 1e-24
-"""Keeps the logarithm of an error of zero (m^2) finite."""
+"""Keeps the logarithm of an error of zero (m^2, rad^2) finite."""
 
 
 @dataclass(frozen=True)
@@ -58,7 +59,7 @@ class PreparedAverage:
     @property
     def plays(self) -> int:
         """The most intervals of play that a load case has."""
-        return max(len(case.error.intervals) for case in self.model.cases)
+        return _plays(self.model)
 
 
 def averaged_over(search: WorstSearch, p: Array) -> tuple[Array, Array]:
@@ -96,11 +97,7 @@ class Average(PoseFamily[AverageError]):
         case, width = prepared.model.cases[group], prepared.plays + 3
         total: Any = 0.0
         for number, (q, share) in enumerate(zip(prepared.poses, prepared.shares.tolist(), strict=True)):
-            play = pose[1][width * number : width * (number + 1)]
-            outputs = case.function(ca.SX(q), design.beam_column)
-            vector = outputs[0] + play[prepared.plays :]
-            for k in range(len(case.error.intervals)):
-                vector = vector + play[k] * outputs[1][3 * k : 3 * k + 3]
+            vector = _displaced(case, ca.SX(q), pose[1][width * number : width * (number + 1)], design)
             total = total + share * ca.dot(vector, vector)
         for number, value, slack in held.on(self.name):
             yield number, 0.5 * ca.log(total + _FLOOR) - ca.log(value) - slack
@@ -140,11 +137,9 @@ class Average(PoseFamily[AverageError]):
         return np.max([self._means(prepared, case, designs.p) for case in prepared.model.cases], axis=0)
 
     def _means(self, prepared: PreparedAverage, case: CaseModel, p: Array) -> Array:
-        total, arm = np.zeros(len(p)), prepared.model.arm
+        total = np.zeros(len(p))
         for q, share in zip(prepared.poses, prepared.shares.tolist(), strict=True):
-            arrays = case.arrays(np.broadcast_to(q, (len(p), len(q))), p)
-            error = played(arrays, case.radii, arm.play, planar=prepared.model.planar, statistics=arm.statistics).error
-            total += share * error**2
+            total += share * _played(prepared.model, case, np.broadcast_to(q, (len(p), len(q))), p) ** 2
         return np.sqrt(total)
 
 
@@ -152,95 +147,125 @@ def _mean(errors: Array, shares: Array) -> float:
     return float(np.sqrt(shares @ errors**2))
 
 
-@dataclass(frozen=True)
-class PreparedCase:
-    """The search for the worst error under one load case alone."""
-
-    search: WorstSearch
-
-
-class CaseError(PoseFamily[WorstCase]):
-    """The worst error under one load case (from 0): a cut holds where play stands beside the pose."""
+class SearchedError(PoseFamily[WorstCase]):
+    """The worst over a workspace of what counts of the tip's error, by a search of its own without a certificate: a cut
+    holds where play stands beside the pose. `name` is that of its figure."""
 
     is_error: ClassVar[bool] = True
 
-    def __init__(self, case: int) -> None:
-        self.case, self.name = case, f"error_of_load_case_{case + 1}"
+    @abstractmethod
+    def prepare(self, problem: Asked) -> WorstSearch:
+        """The search."""
 
-    def __eq__(self, other: object) -> bool:
-        return isinstance(other, CaseError) and other.case == self.case
+    def case(self, group: int) -> int | None:
+        """Which of the model's cases tells of a load case; None where none does."""
+        return group
 
-    def __hash__(self) -> int:
-        return hash((CaseError, self.case))
+    def group(self, case: int) -> int:
+        """The load case of one of the model's cases."""
+        return case
 
-    def prepare(self, problem: Asked) -> PreparedCase:
-        """The error under this load case."""
-        return PreparedCase(self._search(problem.arm, problem.load_cases, problem.workspace))
-
-    def _search(self, arm: Arm, cases: Sequence[LoadCase], workspace: Workspace) -> WorstSearch:
-        return worst_search(error_model(arm, (cases[self.case],)), workspace)
-
-    def more(self, prepared: PreparedCase) -> int:
+    def more(self, prepared: WorstSearch) -> int:
         """The side of each play, and how far clearances move the tip."""
-        return len(prepared.search.model.cases[0].error.intervals) + 3
+        return _plays(prepared.model) + 3
 
     def rows(
-        self, prepared: PreparedCase, group: int, pose: tuple[Any, Any], design: DesignExpressions, held: Held
+        self, prepared: WorstSearch, group: int, pose: tuple[Any, Any], design: DesignExpressions, held: Held
     ) -> Iterator[tuple[int, Any]]:
         """The error over what is allowed, in logarithms."""
-        case = prepared.search.model.cases[0]
-        if group != self.case:
+        number = self.case(group)
+        if number is None:
             return
-        outputs, plays = case.function(pose[0], design.beam_column), len(case.error.intervals)
-        vector = outputs[0] + pose[1][plays:]
-        for k in range(plays):
-            vector = vector + pose[1][k] * outputs[1][3 * k : 3 * k + 3]
-        for number, limit in enumerate(held.limits):
-            if limit.figure.follows == ThroughPoses(self):
-                row = 0.5 * ca.log(ca.dot(vector, vector) + _FLOOR) - ca.log(limit.value)
-                yield number, row - held.slack[number]
-
-    def evaluate(self, design: DesignValues) -> WorstCase:
-        """The worst error under the load case, without a certificate."""
-        search = self._search(design.arm, design.load_cases, design.search.workspace)
-        return search.worst(design.p, certify=False)
+        vector = _displaced(prepared.model.cases[number], pose[0], pose[1], design)
+        for number, value, slack in held.on(self.name):
+            yield number, 0.5 * ca.log(ca.dot(vector, vector) + _FLOOR) - ca.log(value) - slack
 
     def values(self, found: WorstCase) -> Mapping[str, float | None]:
-        """The worst error, by its figure's name."""
-        return {error_of_case(self.case).name: found.error}
+        """The worst of it."""
+        return {self.name: found.error}
 
-    def worst(self, prepared: PreparedCase, problem: Asked, design: DesignValues) -> list[Worst]:
+    def worst(self, prepared: WorstSearch, problem: Asked, design: DesignValues) -> list[Worst]:
         """The worst poses, with where play stands."""
         del problem
-        name, worst = error_of_case(self.case).name, list[Worst]()
-        for pose in prepared.search.worst(design.p, certify=False).poses[:_MOST_TOLD]:
+        worst: list[Worst] = []
+        for pose in prepared.worst(design.p, certify=False).poses[:_MOST_SHOWN]:
             shift = np.reshape(pose.shifts, (-1, 3)).sum(axis=0).tolist()
-            worst.append(Worst(name, pose.error, Cut(pose.q, self.case, (*pose.signs, *shift))))
+            signs = (*pose.signs, *[0.0] * (_plays(prepared.model) - len(pose.signs)))
+            worst.append(Worst(self.name, pose.error, Cut(pose.q, self.group(pose.load_case), (*signs, *shift))))
         return worst
 
-    def at_pose(self, prepared: PreparedCase, group: int, q: Array, designs: Designs) -> Mapping[str, Array]:
-        """The error of each design at its pose, under this load case."""
-        if group != self.case:
-            return {}
-        model = prepared.search.model
-        case, arm = model.cases[0], model.arm
-        arrays = case.arrays(q, designs.p)
-        error = played(arrays, case.radii, arm.play, planar=model.planar, statistics=arm.statistics)
-        return {error_of_case(self.case).name: error.error}
+    def at_pose(self, prepared: WorstSearch, group: int, q: Array, designs: Designs) -> Mapping[str, Array]:
+        """The error of each design at its pose."""
+        case = self.case(group)
+        return {} if case is None else {self.name: _played(prepared.model, prepared.model.cases[case], q, designs.p)}
+
+
+def _plays(model: ErrorModel) -> int:
+    """The most intervals of play that a load case has."""
+    return max(len(case.error.intervals) for case in model.cases)
+
+
+def _displaced(case: CaseModel, q: Any, play: Any, design: DesignExpressions) -> Any:
+    """The tip's error at a pose in symbols; `play` holds the side of each interval and, last, how far clearances move
+    the tip."""
+    outputs = case.function(q, design.beam_column)
+    vector = outputs[0] + play[play.numel() - 3 :]
+    for k in range(len(case.error.intervals)):
+        vector = vector + play[k] * outputs[1][3 * k : 3 * k + 3]
+    return vector
+
+
+def _played(model: ErrorModel, case: CaseModel, q: Array, p: Array) -> Array:
+    """The errors (N,) at poses q (N, n) of designs p (N, m), with the play where the arm's mode puts it."""
+    arm, arrays = model.arm, case.arrays(q, p)
+    return played(arrays, case.radii, arm.play, planar=model.planar, statistics=arm.statistics).error
+
+
+class CaseError(SearchedError):
+    """The worst error under one load case (from 0)."""
+
+    def __init__(self, case: int) -> None:
+        self.number, self.name = case, f"max_error of load case {case + 1}"
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, CaseError) and other.number == self.number
+
+    def __hash__(self) -> int:
+        return hash((CaseError, self.number))
+
+    def prepare(self, problem: Asked) -> WorstSearch:
+        """The error under this load case."""
+        return self._search(problem.arm, problem.load_cases, problem.workspace)
+
+    def _search(self, arm: Arm, cases: Sequence[LoadCase], workspace: Workspace) -> WorstSearch:
+        return worst_search(error_model(arm, (cases[self.number],)), workspace)
+
+    def case(self, group: int) -> int | None:
+        """The only one."""
+        return 0 if group == self.number else None
+
+    def group(self, case: int) -> int:
+        """This one."""
+        del case
+        return self.number
+
+    def evaluate(self, design: DesignValues) -> WorstCase:
+        """The worst error under the load case."""
+        return self._search(design.arm, design.load_cases, design.search.workspace).worst(design.p, certify=False)
 
 
 def error_of_case(case: int) -> Figure:
     """The worst error under one load case (from 0), which a limit of that case's own is on."""
-    number = case + 1
+    family = CaseError(case)
     return Figure(
-        name=f"max_error of load case {number}",
-        title=f"worst error of load case {number}",
+        name=family.name,
+        title=f"worst error of load case {case + 1}",
         kind="length",
         unit="mm",
         factor=1e3,
         senses=("<=",),
-        key=f"max_error_of_load_case_{number}_mm",
-        follows=ThroughPoses(CaseError(case)),
+        key=f"max_error_of_load_case_{case + 1}_mm",
+        follows=ThroughPoses(family),
         traded=False,
         digits=5,
     )

@@ -59,42 +59,30 @@ ASPECT = Figure(
 )
 
 
-def _height(section: Section, material: MaterialValues) -> tuple[Any, ...]:
-    del material
-    return (_height_and_width(section)[0],)
+def _outer_size(name: str, where: str, number: int, synonyms: tuple[str, ...]) -> Figure:
+    """The greatest height (`number` 0) or width (1) of any section."""
+
+    def size(section: Section, material: MaterialValues) -> tuple[Any, ...]:
+        del material
+        return (_height_and_width(section)[number],)
+
+    return Figure(
+        name=f"section_{name}",
+        synonyms=synonyms,
+        title=f"section {name}",
+        kind="length",
+        unit="mm",
+        factor=1e3,
+        senses=("<=",),
+        key=f"section_{name}_mm",
+        follows=OfLinks(size),
+        note=f"greatest of any section, {where}",
+        by=("link",),
+    )
 
 
-def _width(section: Section, material: MaterialValues) -> tuple[Any, ...]:
-    del material
-    return (_height_and_width(section)[1],)
-
-
-SECTION_HEIGHT = Figure(
-    name="section_height",
-    synonyms=("max_height", "profile_height"),
-    title="section height",
-    kind="length",
-    unit="mm",
-    factor=1e3,
-    senses=("<=",),
-    key="section_height_mm",
-    follows=OfLinks(_height),
-    note="greatest of any section, where its link bends",
-    by=("link",),
-)
-SECTION_WIDTH = Figure(
-    name="section_width",
-    synonyms=("max_width", "profile_width"),
-    title="section width",
-    kind="length",
-    unit="mm",
-    factor=1e3,
-    senses=("<=",),
-    key="section_width_mm",
-    follows=OfLinks(_width),
-    note="greatest of any section, across that",
-    by=("link",),
-)
+SECTION_HEIGHT = _outer_size("height", "where its link bends", 0, ("max_height", "profile_height"))
+SECTION_WIDTH = _outer_size("width", "across that", 1, ("max_width", "profile_width"))
 
 
 def _inner(section: Section, material: MaterialValues) -> tuple[Any, ...] | None:

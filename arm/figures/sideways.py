@@ -10,12 +10,20 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from linkwright.core.arm.chain.chain import Arm, LoadCase
-from linkwright.core.arm.errors.model import beam_values, beams_of, needs_shear_modulus
+from linkwright.core.arm.errors.model import beams_of, needs_shear_modulus
 from linkwright.core.units.quantities import InputError
 
 from .design import DesignValues
-from .figure import Asked, Figure, ThroughPoses
-from .tip_stiffness import Stiffness, TipCompliance, TipStiffness, compliance_along, least_stiffness, tips_of
+from .figure import Asked
+from .tip_stiffness import (
+    Stiffness,
+    TipCompliance,
+    TipStiffness,
+    compliance_along,
+    softest_pose,
+    stiffness_figure,
+    tips_of,
+)
 
 SIDEWAYS = LoadCase(force=(0.0, 0.0, 1.0))
 """One newton across the plane."""
@@ -41,16 +49,18 @@ class Sideways(Stiffness):
     needs: frozenset[str] = frozenset()
     called: str = "sideways_stiffness"
 
+    forces: tuple[LoadCase, ...] = (SIDEWAYS,)
+
+    def of_arm(self, arm: Arm, cases: Sequence[LoadCase]) -> TipCompliance:
+        """The compliance across the plane."""
+        return sideways_compliance(arm, tips_of(cases))
+
     def evaluate(self, design: DesignValues) -> TipStiffness | None:
         """The softest pose of the workspace; None in space, or where nothing gives.
 
         Raises `MissingProperty` for what a planar model does without: a shear modulus, say, for links that twist.
         """
-        if not design.search.model.planar:
-            return None
-        p = beam_values(beams_of(design.arm, [*design.load_cases, SIDEWAYS]))
-        compliance = sideways_compliance(design.arm, tips_of(design.load_cases))
-        return least_stiffness(compliance, design.poses, p, design.search)
+        return super().evaluate(design) if design.search.model.planar else None
 
     def compliance(self, problem: Asked) -> TipCompliance:
         """The compliance across the plane; raises `InputError` where there is none to limit."""
@@ -61,24 +71,19 @@ class Sideways(Stiffness):
         if needs_shear_modulus(arm, [SIDEWAYS]) and not needs_shear_modulus(arm, cases):
             message = "needs links that shear: leave out torsion too, or do not leave out shear_deformation"
             raise InputError("", f"subject_to.{self.called}", message)
-        return sideways_compliance(arm, tips_of(cases))
+        return self.of_arm(arm, cases)
 
 
 ACROSS = Sideways()
 """What the tip of a planar arm gives across its plane."""
 
-SIDEWAYS_STIFFNESS = Figure(
-    name="sideways_stiffness",
+SIDEWAYS_STIFFNESS = stiffness_figure(
+    "sideways_stiffness",
+    ACROSS,
+    "sideways_stiffness",
     synonyms=("lateral_stiffness", "out_of_plane_stiffness"),
     title="sideways stiffness",
-    kind="linear_stiffness",
-    unit="N/mm",
-    factor=1e-3,
-    senses=(">=",),
-    key="sideways_stiffness_N_per_mm",
-    follows=ThroughPoses(ACROSS),
-    more_is_better=True,
     note="least, across the arm's plane",
-    where=lambda found: found.q,
+    where=softest_pose,
     everywhere=False,
 )

@@ -145,9 +145,17 @@ class Stiffness(PoseFamily[TipStiffness]):
     needs: frozenset[str] = frozenset({"compliances"})
     called: str = "tip_stiffness"
 
+    forces: tuple[LoadCase, ...] = ()
+    """The forces beside the load cases under which the beams' values are needed."""
+
+    def of_arm(self, arm: Arm, cases: Sequence[LoadCase]) -> TipCompliance:
+        """The compliance at the tips that load cases name; where all is planar, in its plane."""
+        planar = all(arm.on(load.tip).planar(load) for load in cases)
+        return tip_compliance(arm, planar=planar, tips=tips_of(cases))
+
     def compliance(self, problem: Asked) -> TipCompliance:
-        """The compliance of the problem's arm."""
-        return _compliance(problem.arm, problem.load_cases)
+        """The compliance of the problem's arm; raises `InputError` where there is none to limit."""
+        return self.of_arm(problem.arm, problem.load_cases)
 
     def prepare(self, problem: Asked) -> PreparedStiffness:
         """The compliance, and the numbers of the limits on it."""
@@ -179,8 +187,15 @@ class Stiffness(PoseFamily[TipStiffness]):
 
     def evaluate(self, design: DesignValues) -> TipStiffness | None:
         """The softest pose of the workspace; None where nothing gives."""
-        compliance = _compliance(design.arm, design.load_cases)
-        return least_stiffness(compliance, design.poses, design.p, design.search)
+        p = beam_values(beams_of(design.arm, [*design.load_cases, *self.forces])) if self.forces else design.p
+        return least_stiffness(self.of_arm(design.arm, design.load_cases), design.poses, p, design.search)
+
+    def at_poses(self, evaluation: Evaluation, poses: Sequence[tuple[float, ...]]) -> float | None:
+        """The least (N/m) at the poses that a limit names."""
+        cases = evaluation.load_cases
+        p = beam_values(beams_of(evaluation.arm, [*cases, *self.forces]))
+        stiffness = least_stiffness(self.of_arm(evaluation.arm, cases), poses, p)
+        return None if stiffness is None else stiffness.value
 
     def values(self, found: TipStiffness) -> Mapping[str, float | None]:
         """The least stiffness."""
@@ -213,33 +228,36 @@ class Stiffness(PoseFamily[TipStiffness]):
         return np.min([stiffnesses(prepared.compliance.matrices(q, designs.p)) for q in places], axis=0)
 
 
-def _compliance(arm: Arm, cases: Sequence[LoadCase]) -> TipCompliance:
-    """The compliance at the tips that load cases name; where all is planar, in its plane."""
-    planar = all(arm.on(load.tip).planar(load) for load in cases)
-    return tip_compliance(arm, planar=planar, tips=tips_of(cases))
+def softest_pose(found: TipStiffness) -> tuple[float, ...]:
+    """The pose that has the least stiffness."""
+    return found.q
 
 
-def _at_poses(evaluation: Evaluation, poses: Sequence[tuple[float, ...]]) -> float | None:
-    p = beam_values(beams_of(evaluation.arm, evaluation.load_cases))
-    stiffness = least_stiffness(_compliance(evaluation.arm, evaluation.load_cases), poses, p)
-    return None if stiffness is None else stiffness.value
+def stiffness_figure(name: str, family: Stiffness, key: str, **more: Any) -> Figure:
+    """The figure of a family of stiffnesses, in N/mm."""
+    return Figure(
+        name=name,
+        kind="linear_stiffness",
+        unit="N/mm",
+        factor=1e-3,
+        senses=(">=",),
+        key=f"{key}_N_per_mm",
+        follows=ThroughPoses(family),
+        more_is_better=True,
+        **more,
+    )
 
 
 STIFFNESS = Stiffness()
 """What the tip gives in all directions that count."""
 
-TIP_STIFFNESS = Figure(
-    name="tip_stiffness",
+TIP_STIFFNESS = stiffness_figure(
+    "tip_stiffness",
+    STIFFNESS,
+    "tip_stiffness",
     synonyms=("stiffness", "compliance"),
     title="tip stiffness",
-    kind="linear_stiffness",
-    unit="N/mm",
-    factor=1e-3,
-    senses=(">=",),
-    key="tip_stiffness_N_per_mm",
-    follows=ThroughPoses(STIFFNESS),
-    more_is_better=True,
     note="least",
-    where=lambda found: found.q,
-    at_poses=_at_poses,
+    where=softest_pose,
+    at_poses=STIFFNESS.at_poses,
 )

@@ -7,35 +7,23 @@ moves the tip (ISO 9283, 7.2.2 asks for its spread).
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
 from dataclasses import replace
-from typing import Any, ClassVar
+from typing import Any
 
-import casadi as ca
-import numpy as np
-
-from linkwright.core.arm.errors.lost_motion import played
 from linkwright.core.arm.errors.model import ErrorModel, error_model
 from linkwright.core.arm.errors.parts import onto, part_of
 from linkwright.core.arm.errors.tip import Counted
-from linkwright.core.arm.figures.design import DesignExpressions, Designs, DesignValues
-from linkwright.core.arm.figures.figure import Asked, Cut, Figure, Held, PoseFamily, ThroughPoses, Worst
+from linkwright.core.arm.figures.design import DesignValues
+from linkwright.core.arm.figures.error import SearchedError
+from linkwright.core.arm.figures.figure import Asked, Figure, ThroughPoses
 from linkwright.core.arm.worst.search import WorstCase, WorstSearch
-from linkwright.core.sections.numeric import Array
 from linkwright.core.units.quantities import InputError
 
 from .direction import Directed, Direction, direction_key, direction_words
 
-_MOST_SHOWN = 3
-"""Worst poses that become rows together."""
-_FLOOR = 1e-24
-"""Keeps the logarithm of an error of zero (m^2, rad^2) finite."""
 
-
-class PartOfError(PoseFamily[WorstCase]):
-    """The worst of what is counted of the tip's error: a cut holds where play stands beside the pose."""
-
-    is_error: ClassVar[bool] = True
+class PartOfError(SearchedError):
+    """The worst of what is counted of the tip's error."""
 
     def __init__(self, name: str, counted: Counted, direction: Direction | None = None) -> None:
         """`name`: that of the figure; `direction`: along (or about) which the error counts, all of it by default."""
@@ -68,53 +56,12 @@ class PartOfError(PoseFamily[WorstCase]):
             raise InputError("", f"subject_to.{self.name}", message)
         return WorstSearch(model, problem.workspace)
 
-    def more(self, prepared: WorstSearch) -> int:
-        """The side of each play, and how far clearances move the tip."""
-        return self._plays(prepared) + 3
-
-    def _plays(self, prepared: WorstSearch) -> int:
-        return max(len(case.error.intervals) for case in prepared.model.cases)
-
-    def rows(
-        self, prepared: WorstSearch, group: int, pose: tuple[Any, Any], design: DesignExpressions, held: Held
-    ) -> Iterator[tuple[int, Any]]:
-        """The error over what is allowed, in logarithms."""
-        case, plays = prepared.model.cases[group], self._plays(prepared)
-        outputs = case.function(pose[0], design.beam_column)
-        vector = outputs[0] + pose[1][plays:]
-        for k in range(len(case.error.intervals)):
-            vector = vector + pose[1][k] * outputs[1][3 * k : 3 * k + 3]
-        for number, value, slack in held.on(self.name):
-            yield number, 0.5 * ca.log(ca.dot(vector, vector) + _FLOOR) - ca.log(value) - slack
-
     def evaluate(self, design: DesignValues) -> WorstCase | None:
         """The worst of it; None where nothing of the arm can make it any."""
         model = self._model(design)
         if self.counted == "lost_motion" and not _has_play(model):
             return None
         return WorstSearch(model, design.search.workspace).worst(design.p, certify=False)
-
-    def values(self, found: WorstCase) -> Mapping[str, float | None]:
-        """The worst of it."""
-        return {self.name: found.error}
-
-    def worst(self, prepared: WorstSearch, problem: Asked, design: DesignValues) -> list[Worst]:
-        """The worst poses, with where play stands."""
-        del problem
-        worst: list[Worst] = []
-        for pose in prepared.worst(design.p, certify=False).poses[:_MOST_SHOWN]:
-            shift = np.reshape(pose.shifts, (-1, 3)).sum(axis=0).tolist()
-            signs = (*pose.signs, *[0.0] * (self._plays(prepared) - len(pose.signs)))
-            worst.append(Worst(self.name, pose.error, Cut(pose.q, pose.load_case, (*signs, *shift))))
-        return worst
-
-    def at_pose(self, prepared: WorstSearch, group: int, q: Array, designs: Designs) -> Mapping[str, Array]:
-        """The error of each design at its pose."""
-        model = prepared.model
-        case, arm = model.cases[group], model.arm
-        arrays = case.arrays(q, designs.p)
-        error = played(arrays, case.radii, arm.play, planar=model.planar, statistics=arm.statistics)
-        return {self.name: error.error}
 
 
 def _has_play(model: ErrorModel) -> bool:
