@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
 from linkwright.core.arm.motion.motion import Motion
 from linkwright.core.sections.numeric import Array
 
-from .effect import Only, Settings, among
+from .effect import Effect, Only, Settings, among
 
 AT_REST = 0.01
 """rad/s, m/s; below some such speed a joint stands as far as a log tells, and friction has no sign."""
@@ -42,3 +43,12 @@ class OfEachDrive:
             and not joint.passive
             and among(self.only, index, revolute=joint.revolute)
         }
+
+
+def drive_effect(
+    amount: Callable[[Motion, Mapping[str, float], int], Array], *, only: Only | None = None, **fields: Any
+) -> Effect:
+    """An effect that takes something of each drive, in proportion to its sizes: `amount` as for `OfEachDrive`, `fields`
+    those of `Effect` beside."""
+    torques = OfEachDrive(amount, only)
+    return Effect(place="joint", needs_drive=True, linear=True, only=only, torques=torques, **fields)

@@ -15,8 +15,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from .at_once.branching import Branching, Proof
-from .at_once.feasibility import feasibility_of
-from .bounds import MOST_AT_ONCE, CombinationBounds, combination_bounds
+from .at_once.feasibility import MOST_AT_ONCE, feasibility_of
+from .bounds import CombinationBounds, combination_bounds
 from .chooser import Chooser, Solved
 from .picks import Combination, count, uniform
 
@@ -74,7 +74,7 @@ def among_many(chooser: Chooser) -> Among:
     elif sums and count(problem) > MOST_AT_ONCE:
         return _at_once(chooser, _MOST_PARTS)
     chooser.feasibility = chooser.feasibility or feasibility_of(context)
-    bounds = combination_bounds(context, chooser.feasibility)
+    bounds = combination_bounds(problem, chooser.feasibility)
     gap = _one_by_one(chooser, bounds)
     return Among(gap if gap is not None and math.isfinite(gap) else None, bounds=None if gap is None else bounds)
 
@@ -200,6 +200,6 @@ def learn_from(bounds: CombinationBounds, pick: Combination, solved: Solved, eno
         return None
     learnt = True
     if known < solved.objective * (1.0 - _LOOSE):
-        learnt = bounds.learn(solved.exchange, solved.solution, solved.materials, pick, solved.pool, enough)
+        learnt = bounds.learn(solved.exchange, solved.solution, pick, solved.objective, enough)
     bounds.bounds[place] = max(float(bounds.bounds[place]), solved.objective)
     return learnt

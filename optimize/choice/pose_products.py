@@ -52,8 +52,8 @@ _APART = (1.7, 0.6, 1.3, 0.8, 1.9)
 """Factors from a design to another one, at which the sum is tried."""
 
 
-def features_of(p: Array, size: int, strength: Array | None = None) -> Array:
-    """The links' features (n, K) for beam values p; 1 where a link has none. `strength` (n, 3) are those of stress."""
+def features_of(p: Array, size: int) -> Array:
+    """The links' features (n, K) for beam values p; 1 where a link has none, and of stress."""
     values = p.reshape(size, len(BEAM_FIELDS))
     features = np.ones((size, len(FEATURES)))
     for link in range(size):
@@ -63,8 +63,6 @@ def features_of(p: Array, size: int, strength: Array | None = None) -> Array:
             if values[link, place] != 0.0:
                 features[link, feature] = 1.0 / values[link, place]
     features[:, EXPANSION] = values[:, _GROWTH]
-    if strength is not None:
-        features[:, FEATURES.index("stress_axial") : EXPANSION] = strength
     return features
 
 
@@ -80,19 +78,6 @@ class Vectors:
         for power, c in self.terms.items():
             vector += c * float(np.prod([features[place] for place in power]))
         return vector
-
-    def along(self, direction: Array) -> Products:
-        """Its part along a direction (3,): never more than its length."""
-        return Products({power: float(c @ direction) for power, c in self.terms.items()})
-
-
-def error_products(model: ErrorModel, cut: ErrorCut, p: Array) -> Products | None:
-    """The error (m) at a pose along the direction that it has for a design p: never more than the error itself."""
-    products = error_vectors(model, cut, p)
-    if products is None:
-        return None
-    whole = products.value(features_of(p, model.arm.size))
-    return products.along(whole / np.linalg.norm(whole)) if np.any(whole) else None
 
 
 def error_vectors(model: ErrorModel, cut: ErrorCut, p: Array) -> Vectors | None:
@@ -353,7 +338,6 @@ def _inertia_terms(
 __all__ = [
     "Vectors",
     "compression_products",
-    "error_products",
     "error_vectors",
     "features_of",
     "inertia_products",

@@ -2,24 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from linkwright.core.arm.effects.effect import torque
+from linkwright.core.arm.effects.torques import drive_effect
 
-from linkwright.core.arm.effects.effect import Effect, torque
-from linkwright.core.arm.effects.torques import OfEachDrive
-from linkwright.core.arm.motion.motion import Motion
-from linkwright.core.sections.numeric import Array
-
-
-def _torque(motion: Motion, values: Mapping[str, float], joint: int) -> Array:
-    return values.get("inertia", 0.0) * motion.acceleration[:, joint]
-
-
-ARMATURE = Effect(
+ARMATURE = drive_effect(
+    lambda motion, values, joint: values.get("inertia", 0.0) * motion.acceleration[:, joint],
     id="armature",
     title="inertia of the drive's rotor",
     formula="J_i q''_i",
-    place="joint",
-    needs_drive=True,
     cause="drives in motion",
     needs="accelerations",
     aliases=("link_inertial", "torque_delay"),
@@ -30,7 +20,5 @@ ARMATURE = Effect(
             "robots that carry 3 to 20 kg: 0.1 kg*m^2 at wrists, 0.5 to 4 kg*m^2 at shoulders",
         ),
     ),
-    torques=OfEachDrive(_torque),
     rank=62,
-    linear=True,
 )

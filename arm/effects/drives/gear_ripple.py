@@ -6,8 +6,8 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from linkwright.core.arm.effects.effect import Effect, shape, torque
-from linkwright.core.arm.effects.torques import OfEachDrive
+from linkwright.core.arm.effects.effect import shape, torque
+from linkwright.core.arm.effects.torques import drive_effect
 from linkwright.core.arm.motion.motion import Motion
 from linkwright.core.sections.numeric import Array
 
@@ -21,12 +21,11 @@ def _torque(motion: Motion, values: Mapping[str, float], joint: int) -> Array:
     return values.get("sine", 0.0) * np.sin(phase) + values.get("cosine", 0.0) * np.cos(phase)
 
 
-GEAR_RIPPLE = Effect(
+GEAR_RIPPLE = drive_effect(
+    _torque,
     id="gear_ripple",
     title="ripple of a gear's torque",
     formula="a_i sin k q_i + b_i cos k q_i",
-    place="joint",
-    needs_drive=True,
     cause="drives in motion",
     needs="slow motion, sampled three times a period or more",
     aliases=("friction_place", "spring"),
@@ -45,8 +44,6 @@ GEAR_RIPPLE = Effect(
             "teeth of the output stage and twice that; gear ratios; pole pairs times the gear ratio",
         ),
     ),
-    torques=OfEachDrive(_torque),
     enough=(("sine", "order"), ("cosine", "order")),
     rank=182,
-    linear=True,
 )

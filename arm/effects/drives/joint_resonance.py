@@ -6,8 +6,8 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from linkwright.core.arm.effects.effect import Effect, torque
-from linkwright.core.arm.effects.torques import OfEachDrive
+from linkwright.core.arm.effects.effect import torque
+from linkwright.core.arm.effects.torques import drive_effect
 from linkwright.core.arm.motion.motion import Motion
 from linkwright.core.arm.motion.rigid import load_torque
 from linkwright.core.sections.numeric import Array
@@ -20,12 +20,11 @@ def _torque(motion: Motion, values: Mapping[str, float], joint: int) -> Array:
     return -size * motion.rate(motion.rate(load_torque(motion)[:, joint]))
 
 
-JOINT_RESONANCE = Effect(
+JOINT_RESONANCE = drive_effect(
+    _torque,
     id="joint_resonance",
     title="resonance of an elastic joint",
     formula="-(1/omega_i)^2 d^2 tau_i/dt^2",
-    place="joint",
-    needs_drive=True,
     cause="drives in motion",
     needs="fast changes of torque, sampled well above the resonance",
     aliases=("armature", "torque_delay"),
@@ -37,7 +36,5 @@ JOINT_RESONANCE = Effect(
             "robots under load: 5 to 15 Hz",
         ),
     ),
-    torques=OfEachDrive(_torque),
     rank=216,
-    linear=True,
 )

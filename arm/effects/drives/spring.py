@@ -2,24 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from linkwright.core.arm.effects.effect import given, torque
+from linkwright.core.arm.effects.torques import drive_effect
 
-from linkwright.core.arm.effects.effect import Effect, given, torque
-from linkwright.core.arm.effects.torques import OfEachDrive
-from linkwright.core.arm.motion.motion import Motion
-from linkwright.core.sections.numeric import Array
-
-
-def _torque(motion: Motion, values: Mapping[str, float], joint: int) -> Array:
-    return values.get("stiffness", 0.0) * (motion.q[:, joint] - values.get("rest", 0.0))
-
-
-SPRING = Effect(
+SPRING = drive_effect(
+    lambda motion, values, joint: values.get("stiffness", 0.0) * (motion.q[:, joint] - values.get("rest", 0.0)),
     id="spring",
     title="spring at a joint",
     formula="k_i (q_i - rest)",
-    place="joint",
-    needs_drive=True,
     cause="drives in motion",
     needs="a wide travel, at postures of which the load is known",
     aliases=("torque_offset", "counterbalance", "link_inertial"),
@@ -36,8 +26,6 @@ SPRING = Effect(
             "somewhere in the range",
         ),
     ),
-    torques=OfEachDrive(_torque),
     lasts="a while",
     rank=172,
-    linear=True,
 )

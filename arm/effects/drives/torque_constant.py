@@ -2,25 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-
-from linkwright.core.arm.effects.effect import Effect, torque
-from linkwright.core.arm.effects.torques import OfEachDrive
-from linkwright.core.arm.motion.motion import Motion
+from linkwright.core.arm.effects.effect import torque
+from linkwright.core.arm.effects.torques import drive_effect
 from linkwright.core.arm.motion.rigid import load_torque
-from linkwright.core.sections.numeric import Array
 
-
-def _torque(motion: Motion, values: Mapping[str, float], joint: int) -> Array:
-    return values.get("excess", 0.0) * load_torque(motion)[:, joint]
-
-
-TORQUE_CONSTANT = Effect(
+TORQUE_CONSTANT = drive_effect(
+    lambda motion, values, joint: values.get("excess", 0.0) * load_torque(motion)[:, joint],
     id="torque_constant",
     title="error of a torque constant",
     formula="e_i tau_i",
-    place="joint",
-    needs_drive=True,
     cause="drives in motion",
     needs="a mass that is known for certain",
     aliases=("link_inertial", "payload", "friction_load"),
@@ -32,8 +22,6 @@ TORQUE_CONSTANT = Effect(
             "makers' figures of motors and losses in gears: 5 to 15 %",
         ),
     ),
-    torques=OfEachDrive(_torque),
     of_instrument=True,
     rank=155,
-    linear=True,
 )

@@ -6,8 +6,8 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from linkwright.core.arm.effects.effect import Effect, torque
-from linkwright.core.arm.effects.torques import OfEachDrive
+from linkwright.core.arm.effects.effect import torque
+from linkwright.core.arm.effects.torques import drive_effect
 from linkwright.core.arm.motion.motion import Motion
 from linkwright.core.arm.motion.rigid import load_torque
 from linkwright.core.sections.numeric import Array
@@ -20,12 +20,11 @@ def _torque(motion: Motion, values: Mapping[str, float], joint: int) -> Array:
     return -delay * motion.rate(load_torque(motion)[:, joint])
 
 
-TORQUE_DELAY = Effect(
+TORQUE_DELAY = drive_effect(
+    _torque,
     id="torque_delay",
     title="delay of the torque",
     formula="-d_i dtau_i/dt",
-    place="joint",
-    needs_drive=True,
     cause="drives in motion",
     needs="fast changes of torque, and a clock",
     aliases=("armature", "link_inertial"),
@@ -37,10 +36,8 @@ TORQUE_DELAY = Effect(
             "filters and cycles of controllers: 2 to 30 ms",
         ),
     ),
-    torques=OfEachDrive(_torque),
     of_instrument=True,
     together=True,
     lasts="a recording",
     rank=215,
-    linear=True,
 )

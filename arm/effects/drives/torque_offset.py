@@ -2,27 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-
 import numpy as np
 
-from linkwright.core.arm.effects.effect import Effect, torque
-from linkwright.core.arm.effects.torques import OfEachDrive
-from linkwright.core.arm.motion.motion import Motion
-from linkwright.core.sections.numeric import Array
+from linkwright.core.arm.effects.effect import torque
+from linkwright.core.arm.effects.torques import drive_effect
 
-
-def _torque(motion: Motion, values: Mapping[str, float], joint: int) -> Array:
-    del joint
-    return np.full(motion.size, values.get("torque", 0.0))
-
-
-TORQUE_OFFSET = Effect(
+TORQUE_OFFSET = drive_effect(
+    lambda motion, values, _: np.full(motion.size, values.get("torque", 0.0)),
     id="torque_offset",
     title="offset of the torque's zero",
     formula="t_i",
-    place="joint",
-    needs_drive=True,
     cause="drives in motion",
     needs="motion both ways, at postures of which the load is known",
     aliases=("friction_asymmetry", "spring", "base_tilt"),
@@ -33,9 +22,7 @@ TORQUE_OFFSET = Effect(
             "what is logged where there is no torque", "current sensors and torque sensors: 1 % of their range"
         ),
     ),
-    torques=OfEachDrive(_torque),
     of_instrument=True,
     lasts="a while",
     rank=72,
-    linear=True,
 )

@@ -2,24 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from linkwright.core.arm.effects.effect import torque
+from linkwright.core.arm.effects.torques import direction, drive_effect
 
-from linkwright.core.arm.effects.effect import Effect, torque
-from linkwright.core.arm.effects.torques import OfEachDrive, direction
-from linkwright.core.arm.motion.motion import Motion
-from linkwright.core.sections.numeric import Array
-
-
-def _torque(motion: Motion, values: Mapping[str, float], joint: int) -> Array:
-    return values.get("torque", 0.0) * 0.5 * (1.0 + direction(motion.velocity[:, joint]))
-
-
-FRICTION_ASYMMETRY = Effect(
+FRICTION_ASYMMETRY = drive_effect(
+    lambda motion, values, joint: values.get("torque", 0.0) * 0.5 * (1.0 + direction(motion.velocity[:, joint])),
     id="friction_asymmetry",
     title="friction that differs with the direction",
     formula="f_i (1 + sign(q'_i))/2",
-    place="joint",
-    needs_drive=True,
     cause="friction in motion",
     needs="motion both ways",
     aliases=("torque_offset", "friction_coulomb"),
@@ -30,8 +20,6 @@ FRICTION_ASYMMETRY = Effect(
             "friction towards increasing coordinates beyond that the other way", "up to a third of the dry friction"
         ),
     ),
-    torques=OfEachDrive(_torque),
     lasts="a while",
     rank=145,
-    linear=True,
 )

@@ -2,24 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from linkwright.core.arm.effects.effect import torque
+from linkwright.core.arm.effects.torques import direction, drive_effect
 
-from linkwright.core.arm.effects.effect import Effect, torque
-from linkwright.core.arm.effects.torques import OfEachDrive, direction
-from linkwright.core.arm.motion.motion import Motion
-from linkwright.core.sections.numeric import Array
-
-
-def _torque(motion: Motion, values: Mapping[str, float], joint: int) -> Array:
-    return values.get("torque", 0.0) * direction(motion.velocity[:, joint])
-
-
-FRICTION_COULOMB = Effect(
+FRICTION_COULOMB = drive_effect(
+    lambda motion, values, joint: values.get("torque", 0.0) * direction(motion.velocity[:, joint]),
     id="friction_coulomb",
     title="dry (Coulomb) friction",
     formula="f_i sign(q'_i)",
-    place="joint",
-    needs_drive=True,
     cause="friction in motion",
     needs="motion both ways",
     aliases=("friction_load", "friction_asymmetry", "torque_offset"),
@@ -32,8 +22,6 @@ FRICTION_COULOMB = Effect(
             "gears of robots that carry 3 to 20 kg: 0.2 N*m at wrists, 20 N*m at shoulders",
         ),
     ),
-    torques=OfEachDrive(_torque),
     lasts="a while",
     rank=52,
-    linear=True,
 )

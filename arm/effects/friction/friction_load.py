@@ -6,8 +6,8 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from linkwright.core.arm.effects.effect import Effect, torque
-from linkwright.core.arm.effects.torques import OfEachDrive, direction
+from linkwright.core.arm.effects.effect import torque
+from linkwright.core.arm.effects.torques import direction, drive_effect
 from linkwright.core.arm.motion.motion import Motion
 from linkwright.core.arm.motion.rigid import load_torque
 from linkwright.core.sections.numeric import Array
@@ -17,12 +17,11 @@ def _torque(motion: Motion, values: Mapping[str, float], joint: int) -> Array:
     return values.get("share", 0.0) * np.abs(load_torque(motion)[:, joint]) * direction(motion.velocity[:, joint])
 
 
-FRICTION_LOAD = Effect(
+FRICTION_LOAD = drive_effect(
+    _torque,
     id="friction_load",
     title="friction that grows with the load",
     formula="mu_i |tau_i| sign(q'_i)",
-    place="joint",
-    needs_drive=True,
     cause="friction in motion",
     needs="several loads at one speed: postures, or payloads",
     aliases=("friction_coulomb", "friction_place", "torque_constant"),
@@ -34,8 +33,6 @@ FRICTION_LOAD = Effect(
             "losses of harmonic drives and of planetary gears: 5 to 10 % of the load",
         ),
     ),
-    torques=OfEachDrive(_torque),
     lasts="a while",
     rank=100,
-    linear=True,
 )

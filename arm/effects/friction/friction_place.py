@@ -6,8 +6,8 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from linkwright.core.arm.effects.effect import Effect, torque
-from linkwright.core.arm.effects.torques import OfEachDrive, direction
+from linkwright.core.arm.effects.effect import torque
+from linkwright.core.arm.effects.torques import direction, drive_effect
 from linkwright.core.arm.motion.motion import Motion
 from linkwright.core.sections.numeric import Array
 
@@ -18,12 +18,11 @@ def _torque(motion: Motion, values: Mapping[str, float], joint: int) -> Array:
     return direction(motion.velocity[:, joint]) * pattern
 
 
-FRICTION_PLACE = Effect(
+FRICTION_PLACE = drive_effect(
+    _torque,
     id="friction_place",
     title="friction that goes with the joint's angle",
     formula="sign(q'_i) (a_i sin q_i + b_i cos q_i)",
-    place="joint",
-    needs_drive=True,
     cause="friction in motion",
     needs="a wide travel, both ways",
     aliases=("friction_load", "friction_coulomb"),
@@ -37,9 +36,7 @@ FRICTION_PLACE = Effect(
             for name in ("sine", "cosine")
         ),
     ),
-    torques=OfEachDrive(_torque, "joints that turn"),
     only="joints that turn",
     lasts="a while",
     rank=186,
-    linear=True,
 )

@@ -6,8 +6,8 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from linkwright.core.arm.effects.effect import Effect, torque
-from linkwright.core.arm.effects.torques import OfEachDrive
+from linkwright.core.arm.effects.effect import torque
+from linkwright.core.arm.effects.torques import drive_effect
 from linkwright.core.arm.motion.motion import Motion
 from linkwright.core.sections.numeric import Array
 
@@ -16,12 +16,11 @@ def _torque(motion: Motion, values: Mapping[str, float], joint: int) -> Array:
     return values.get("coefficient", 0.0) * motion.velocity[:, joint] * np.abs(motion.velocity[:, joint])
 
 
-FRICTION_QUADRATIC = Effect(
+FRICTION_QUADRATIC = drive_effect(
+    _torque,
     id="friction_quadratic",
     title="friction with the square of the speed",
     formula="e_i q'_i |q'_i|",
-    place="joint",
-    needs_drive=True,
     cause="friction in motion",
     needs="slow and fast motion",
     aliases=("friction_viscous",),
@@ -33,8 +32,6 @@ FRICTION_QUADRATIC = Effect(
             "up to half of the viscous friction at full speed, mostly negative (greases that thin under shear)",
         ),
     ),
-    torques=OfEachDrive(_torque),
     lasts="a while",
     rank=120,
-    linear=True,
 )

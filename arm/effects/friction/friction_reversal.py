@@ -7,8 +7,8 @@ from itertools import pairwise
 
 import numpy as np
 
-from linkwright.core.arm.effects.effect import Effect, shape, torque
-from linkwright.core.arm.effects.torques import OfEachDrive, direction
+from linkwright.core.arm.effects.effect import shape, torque
+from linkwright.core.arm.effects.torques import direction, drive_effect
 from linkwright.core.arm.motion.motion import Motion
 from linkwright.core.sections.numeric import Array
 
@@ -39,12 +39,11 @@ def _torque(motion: Motion, values: Mapping[str, float], joint: int) -> Array:
     return motion.sampled * values.get("torque", 0.0) * (built - direction(motion.velocity[:, joint]))
 
 
-FRICTION_REVERSAL = Effect(
+FRICTION_REVERSAL = drive_effect(
+    _torque,
     id="friction_reversal",
     title="friction that builds up after a reversal",
     formula="f_i (z_i - sign(q'_i)), dz/dq = (sign(q'_i) - z)/x_i (Dahl)",
-    place="joint",
-    needs_drive=True,
     cause="friction in motion",
     needs="reversals, sampled densely",
     aliases=("friction_stribeck", "friction_coulomb"),
@@ -59,8 +58,6 @@ FRICTION_REVERSAL = Effect(
             "motion after which 63 % of it is there", "harmonic drives and rolling bearings: 1 to 10 mrad at the joint"
         ),
     ),
-    torques=OfEachDrive(_torque),
     lasts="a while",
     rank=135,
-    linear=True,
 )

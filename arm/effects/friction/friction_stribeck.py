@@ -6,8 +6,8 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from linkwright.core.arm.effects.effect import Effect, shape, torque
-from linkwright.core.arm.effects.torques import OfEachDrive, direction
+from linkwright.core.arm.effects.effect import shape, torque
+from linkwright.core.arm.effects.torques import direction, drive_effect
 from linkwright.core.arm.motion.motion import Motion
 from linkwright.core.sections.numeric import Array
 
@@ -17,12 +17,11 @@ def _torque(motion: Motion, values: Mapping[str, float], joint: int) -> Array:
     return values.get("torque", 0.0) * direction(speed) * np.exp(-np.abs(speed) / values.get("speed", 0.1))
 
 
-FRICTION_STRIBECK = Effect(
+FRICTION_STRIBECK = drive_effect(
+    _torque,
     id="friction_stribeck",
     title="more friction at low speed (Stribeck)",
     formula="f_i sign(q'_i) exp(-|q'_i|/v_s)",
-    place="joint",
-    needs_drive=True,
     cause="friction in motion",
     needs="slow motion beside fast, both ways",
     aliases=("friction_reversal", "friction_coulomb"),
@@ -37,8 +36,6 @@ FRICTION_STRIBECK = Effect(
             "speed at which it has fallen to 37 %", "greased gears: 0.03 to 0.3 rad/s at the joint"
         ),
     ),
-    torques=OfEachDrive(_torque),
     lasts="a while",
     rank=110,
-    linear=True,
 )

@@ -2,24 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from linkwright.core.arm.effects.effect import torque
+from linkwright.core.arm.effects.torques import drive_effect
 
-from linkwright.core.arm.effects.effect import Effect, torque
-from linkwright.core.arm.effects.torques import OfEachDrive
-from linkwright.core.arm.motion.motion import Motion
-from linkwright.core.sections.numeric import Array
-
-
-def _torque(motion: Motion, values: Mapping[str, float], joint: int) -> Array:
-    return values.get("coefficient", 0.0) * motion.velocity[:, joint]
-
-
-FRICTION_VISCOUS = Effect(
+FRICTION_VISCOUS = drive_effect(
+    lambda motion, values, joint: values.get("coefficient", 0.0) * motion.velocity[:, joint],
     id="friction_viscous",
     title="viscous friction",
     formula="d_i q'_i",
-    place="joint",
-    needs_drive=True,
     cause="friction in motion",
     needs="several speeds",
     aliases=("friction_quadratic", "friction_coulomb"),
@@ -31,8 +21,6 @@ FRICTION_VISCOUS = Effect(
             "friction over speed", "greased gears and seals of robots that carry 3 to 20 kg: 0.5 to 50 N*m*s/rad"
         ),
     ),
-    torques=OfEachDrive(_torque),
     lasts="a while",
     rank=54,
-    linear=True,
 )

@@ -6,8 +6,8 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from linkwright.core.arm.effects.effect import Effect, shape, torque
-from linkwright.core.arm.effects.torques import OfEachDrive, direction
+from linkwright.core.arm.effects.effect import shape, torque
+from linkwright.core.arm.effects.torques import direction, drive_effect
 from linkwright.core.arm.motion.motion import Motion
 from linkwright.core.sections.numeric import Array
 from linkwright.core.units.temperature import REFERENCE_TEMPERATURE
@@ -22,12 +22,11 @@ def _torque(motion: Motion, values: Mapping[str, float], joint: int) -> Array:
     return found + values.get("per_kelvin", 0.0) * way * (motion.temperature - REFERENCE_TEMPERATURE)
 
 
-FRICTION_WARMUP = Effect(
+FRICTION_WARMUP = drive_effect(
+    _torque,
     id="friction_warmup",
     title="friction that falls as it warms",
     formula="f_i sign(q'_i) (1 - exp(-t/T)), or h_i sign(q'_i) (temperature - 20 degC)",
-    place="joint",
-    needs_drive=True,
     cause="friction in motion",
     needs="the same motion early and late, or a temperature",
     aliases=("friction_coulomb",),
@@ -44,8 +43,6 @@ FRICTION_WARMUP = Effect(
             "time after which 63 % of the change is done", "12 s of a film of grease to 30 min of a gearbox"
         ),
     ),
-    torques=OfEachDrive(_torque),
     lasts="a recording",
     rank=165,
-    linear=True,
 )

@@ -32,10 +32,12 @@ _ROUGH = 5e-3
 """How loose cells may be where combinations are ranked only."""
 _ROOM = 1e-2
 """Bounds of options that are out by more than this need not be exact."""
+_LEAST, _ROOM_AT_MOST = 1e-12, 1.5
+"""An objective (SI) counts as at least so much; bounds beyond so many times one need not be exact."""
 _WORTH_IT, _IN_VAIN = 4, 4
 """One combination that rules out fewer others was in vain; after so many of those no more are asked."""
-_MOST = 3_000_000
-"""For more combinations it is not kept which of them are out."""
+MOST_AT_ONCE = 3_000_000
+"""For more combinations it is not kept which of them are out, and what bounds each."""
 
 
 @dataclass(frozen=True)
@@ -145,6 +147,24 @@ class Feasibility:
             return False
         return self.relaxation.least_breach(self._root, self._root, enough=2.0 * _SURE).bound > _SURE
 
+    def bounds_by(
+        self, exchange: Exchange, solution: Solution, pick: Combination, objective: float, enough: float
+    ) -> NDArray[np.float64] | None:
+        """A bound (SI) on every combination by the multipliers of one, of which a solution is given with its objective;
+        well known only below `enough`. None where the model is no sum of products."""
+        worth = max(objective, _LEAST)
+        arm = arm_of(exchange.space, solution.x, pick.materials)
+        p = numeric_beams(arm, self.context.problem.load_cases)
+        rows = rows_of(self.context, solution.active, arm, p, worth)
+        if rows is None or not any(row.objective for row in rows):
+            return None
+        self.relaxation.rows = rows
+        relaxed = self.relaxation.solve(self._only(pick), math.inf)
+        if not math.isfinite(relaxed.bound):
+            return np.full(self.impossible.shape, -np.inf)
+        room = min(enough / worth, _ROOM_AT_MOST) - relaxed.bound
+        return worth * self._sums(relaxed, max(room, 0.0) + _ROOM)
+
     def _read(self, exchange: Exchange, x: Array, pick: Combination, pool: Pool) -> bool:
         """The rows of a pool, read off about a design; False where there are none."""
         arm = arm_of(exchange.space, x, pick.materials)
@@ -166,8 +186,12 @@ class Feasibility:
 
     def _breaches(self, relaxed: Relaxed) -> NDArray[np.float64]:
         """How far limits are broken at least (relative), for every combination."""
+        return self._sums(relaxed, max(_SURE - relaxed.bound, 0.0) + _ROOM)
+
+    def _sums(self, relaxed: Relaxed, room: float) -> NDArray[np.float64]:
+        """The bound by a relaxed part's prices on every combination, as for `Relaxation.by_option`."""
         everywhere = replace(relaxed, node=replace(relaxed.node, cells=self._root.cells))
-        bound, losses = self.relaxation.by_option(everywhere, max(_SURE - relaxed.bound, 0.0) + _ROOM)
+        bound, losses = self.relaxation.by_option(everywhere, room)
         table = np.array(bound)
         for axis, (link_losses, cells) in enumerate(zip(losses, self.relaxation.cells, strict=True)):
             # An option without a cell has no section that keeps the limits on single links.
@@ -185,4 +209,4 @@ def feasibility_of(context: Context) -> Feasibility | None:
     if problem.arm.play != "worst" and context.uses_error:
         return None
     options = option_table(problem)
-    return Feasibility(context) if options.links and math.prod(options.shape) <= _MOST else None
+    return Feasibility(context) if options.links and math.prod(options.shape) <= MOST_AT_ONCE else None
