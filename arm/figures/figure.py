@@ -104,6 +104,9 @@ class PoseFamily(ABC, Generic[Found]):
     """Whether `at_pose` bounds many designs at once; otherwise designs are looked at one by one."""
     is_error: ClassVar[bool] = False
     """Whether it is an error of the tip, which smaller sections make greater."""
+    stiffer_is_better: ClassVar[bool] = False
+    """Whether no arm does better than a stiffer and lighter one, so that its figure with the stiffest and lightest
+    links that may be chosen bounds every design; the quick refusals (`optimize.infeasible.quick`) then hold it too."""
     slope: ClassVar[float] = 1.0
     """By how many per cent a row gives way for one per cent of its limit."""
 

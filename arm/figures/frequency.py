@@ -228,6 +228,7 @@ class Modes(PoseFamily[Frequency]):
     needs: frozenset[str] = frozenset({"masses"})
     called: str = "first_frequency"
     bounds_many: ClassVar[bool] = False
+    stiffer_is_better: ClassVar[bool] = True
     # Inertia over stiffness goes with the frequency squared.
     slope: ClassVar[float] = 2.0
 

@@ -13,7 +13,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import casadi as ca
 import numpy as np
@@ -144,6 +144,7 @@ class Stiffness(PoseFamily[TipStiffness]):
     name: str = "stiffness"
     needs: frozenset[str] = frozenset({"compliances"})
     called: str = "tip_stiffness"
+    stiffer_is_better: ClassVar[bool] = True
 
     forces: tuple[LoadCase, ...] = ()
     """The forces beside the load cases under which the beams' values are needed."""

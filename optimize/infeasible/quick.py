@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from types import MappingProxyType
 
 import numpy as np
@@ -17,13 +18,11 @@ import numpy as np
 from linkwright.core.arm.chain.beam import Beam, Taper
 from linkwright.core.arm.chain.chain import Arm
 from linkwright.core.arm.chain.prices import fixed_price, price_by_length, price_by_mass
-from linkwright.core.arm.errors.model import ErrorModel, beam_values, beams_of, error_model
+from linkwright.core.arm.errors.model import beam_values, beams_of, error_model
 from linkwright.core.arm.errors.rigid_links import rigid as rigid_beam
 from linkwright.core.arm.errors.rigid_links import values_of_rigid
-from linkwright.core.arm.figures import KEPT_WITHIN, Limit, excess
-from linkwright.core.arm.figures.frequency import least_frequency
-from linkwright.core.arm.figures.sideways import sideways_compliance
-from linkwright.core.arm.figures.tip_stiffness import least_stiffness, tip_compliance, tips_of
+from linkwright.core.arm.figures import KEPT_WITHIN, Limit, ThroughPoses, WorstError, excess
+from linkwright.core.arm.figures.design import DesignValues
 from linkwright.core.arm.figures.torque import drive_case, rated_torques
 from linkwright.core.arm.worst.parts import worst_search
 from linkwright.core.arm.worst.search import WorstSearch
@@ -206,51 +205,60 @@ def _ideal(problem: Problem) -> Arm:
 
 
 @dataclass(frozen=True)
-class _Bound:
-    """An arm that no design can be better than, and the words for its links."""
+class _Ideal(DesignValues):
+    """An arm that no design can be better than, with beams of its own."""
 
-    words: str
-    beams: tuple[Beam, ...]
+    given: tuple[Beam, ...] = ()
+
+    @cached_property
+    def beams(self) -> tuple[Beam, ...]:
+        """The links as beams."""
+        return self.given
 
 
-def _through_poses(problem: Problem, extremes: dict[int, _Extremes]) -> list[OutOfReach | None]:
-    limited = {limit.name for limit in problem.limits}
-    if not limited & {"max_error", "first_frequency", "tip_stiffness", "sideways_stiffness", "torque_use"}:
+def _through_poses(problem: Problem, extremes: dict[int, _Extremes]) -> list[OutOfReach]:
+    if not any(limit.name == "torque_use" or _bounded(limit) for limit in problem.limits):
         return []
-    arm = _ideal(problem)
-    problem = replace(problem, arm=arm)
-    search = worst_search(error_model(arm, problem.load_cases), problem.workspace)
-    model = search.model
-    beams = beams_of(arm, problem.load_cases)
-    bounds = [
-        _Bound("rigid, weightless links on these joints", _beams(arm, beams, extremes, rigid=True)),
-        _Bound("the stiffest and lightest links that may be chosen", _beams(arm, beams, extremes, rigid=False)),
-    ]
-    found: list[OutOfReach | None] = []
+    problem = replace(problem, arm=_ideal(problem))
+    arm, cases = problem.arm, problem.load_cases
+    search = worst_search(error_model(arm, cases), problem.workspace)
+    beams = beams_of(arm, cases)
+    ideals: dict[str, _Ideal] = {}
+    for words, rigid in _IDEALS.items():
+        given = _beams(arm, beams, extremes, rigid=rigid)
+        ideals[words] = _Ideal(arm, cases, search, values_of_rigid(given), _POSES, given=given)
+    unreachable: list[OutOfReach | None] = []
     try:
-        found += [
-            _of_drives(problem, search, bounds[0].beams, extremes, limit) for limit in problem.limit("torque_use")
+        weightless = next(iter(ideals.values())).given
+        unreachable += [
+            _of_drives(problem, search, weightless, extremes, limit) for limit in problem.limit("torque_use")
         ]
-        for limit in problem.limits:
-            for bound in bounds:
-                best = _best(problem, model, search, limit, bound, extremes)
-                bound_here = None if best is None else OutOfReach(limit, best, f"{bound.words} {_VERBS[limit.name]}")
-                if bound_here is not None and _beyond(bound_here):
-                    found.append(bound_here)
+        for number, limit in enumerate(problem.limits):
+            for words, ideal in ideals.items():
+                best = _best(problem, number, ideal, extremes) if _bounded(limit) else None
+                verb = "err by" if isinstance(limit.figure.follows, WorstError) else "reach"
+                bound = None if best is None else OutOfReach(limit, best, f"{words} {verb}")
+                if bound is not None and _beyond(bound):
+                    unreachable.append(bound)
                     break
     except Unreachable:
         pass  # the search for designs tells of that
-    return found
+    return [item for item in unreachable if item is not None]
 
 
-_VERBS = MappingProxyType(
+_IDEALS = MappingProxyType(
     {
-        "max_error": "err by",
-        "first_frequency": "reach",
-        "tip_stiffness": "reach",
-        "sideways_stiffness": "reach",
+        "rigid, weightless links on these joints": True,
+        "the stiffest and lightest links that may be chosen": False,
     }
 )
+"""Links that no design can be better than, in words, and whether they are rigid."""
+
+
+def _bounded(limit: Limit) -> bool:
+    """Whether stiff and light links bound the figure that a limit is on."""
+    follows = limit.figure.follows
+    return isinstance(follows, WorstError) or (isinstance(follows, ThroughPoses) and follows.family.stiffer_is_better)
 
 
 def _beams(arm: Arm, beams: Sequence[Beam], extremes: dict[int, _Extremes], *, rigid: bool) -> tuple[Beam, ...]:
@@ -283,31 +291,15 @@ def _expansion(beam: Beam, extreme: _Extremes) -> float | None:
     return None if beam.thermal_expansion is None else extreme.least_expansion
 
 
-def _best(
-    problem: Problem,
-    model: ErrorModel,
-    search: WorstSearch,
-    limit: Limit,
-    bound: _Bound,
-    extremes: dict[int, _Extremes],
-) -> float | None:
-    """The best (SI) that a limited figure could be; None where nothing tells."""
-    arm, p = problem.arm, values_of_rigid(bound.beams)
-    if limit.name == "first_frequency":
-        slowest = least_frequency(arm, search, bound.beams, p, problem.load_cases)
-        return None if slowest is None else slowest.value
-    if limit.name in ("tip_stiffness", "sideways_stiffness"):
-        planar = all(arm.planar(load) for load in problem.load_cases)
-        if limit.name == "sideways_stiffness" and not planar:
-            return None
-        tips = tips_of(problem.load_cases)
-        stiff = limit.name == "tip_stiffness"
-        compliance = tip_compliance(arm, planar=planar, tips=tips) if stiff else sideways_compliance(arm, tips)
-        softest = least_stiffness(compliance, search.poses(p, _POSES) if limit.poses is None else limit.poses, p)
-        return None if softest is None else softest.value
-    if limit.name == "max_error":
-        return _least_error(problem, model, search, p, extremes)
-    return None
+def _best(problem: Problem, number: int, ideal: _Ideal, extremes: dict[int, _Extremes]) -> float | None:
+    """The best (SI) that the figure of a limit (its number) could be; None where nothing tells."""
+    follows = problem.limits[number].figure.follows
+    if not isinstance(follows, ThroughPoses):
+        return _least_error(problem, ideal.search, ideal.p, extremes)
+    worst = follows.family.worst(follows.family.prepare(problem), problem, ideal)
+    figure = problem.limits[number].figure
+    values = [item.value for item in worst if item.name == figure.name and item.limit in (None, number)]
+    return figure.worst(values) if values else None
 
 
 def _of_drives(
@@ -337,15 +329,14 @@ def _of_drives(
     return OutOfReach(limit, float(use[joint]), f"with the lightest links joint {joint + 1} uses of its rated torque")
 
 
-def _least_error(
-    problem: Problem, model: ErrorModel, search: WorstSearch, p: Array, extremes: dict[int, _Extremes]
-) -> float | None:
+def _least_error(problem: Problem, search: WorstSearch, p: Array, extremes: dict[int, _Extremes]) -> float | None:
     """The error (m) that every design has at some pose at least: no two terms may cancel there, whichever way what the
     links are made of grows."""
     if problem.arm.play != "worst" or problem.workspace.error != "whole" or problem.balances:
         return None
     if any(case.relative_to is not None for case in problem.load_cases):
         return None  # what is subtracted grows with what gives
+    model = search.model
     fixed = fixed_error(model)
     beams = beams_of(problem.arm, problem.load_cases)
     ends = [beam_values(_growing(beams, extremes, end)) for end in (0, 1)]

@@ -4,20 +4,27 @@ from __future__ import annotations
 
 import math
 from abc import abstractmethod
-from collections.abc import Callable
-from dataclasses import dataclass
-from typing import TypeVar
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
 
+import numpy as np
+
+from linkwright.core.optimize.choice.at_once.cells import LENGTH
+from linkwright.core.optimize.choice.at_once.lengths import log_spans
 from linkwright.core.optimize.choice.at_once.parts import BranchAndBound
+from linkwright.core.optimize.choice.at_once.relaxation import Node, Relaxation, Relaxed
+from linkwright.core.optimize.choice.at_once.splitting import split
 from linkwright.core.optimize.exchange.binding_poses import Pool
 from linkwright.core.optimize.exchange.exchange import Context
 from linkwright.core.optimize.result import Iteration
+from linkwright.core.sections.numeric import Array
 
 from .designs_at_once import Table
 from .judge import Judge
 from .options import LinkList, agreeing
+from .points import Points
+from .rows import Integers
 
-Part = TypeVar("Part")
 Progress = Callable[[int, int, str], None]
 _AGREE = 1e-6
 """A row may be this far (relative) above what the whole evaluation of a design says."""
@@ -45,8 +52,9 @@ class Found:
         return max(0.0, 1.0 - self.bound / self.objective) if self.objective else 0.0
 
 
-class ListedSearch(BranchAndBound[Part]):
-    """Looks for the best design of a problem whose sections are listed."""
+class ListedSearch(BranchAndBound[Node]):
+    """Looks for the best design of a problem whose sections are listed: each listed section is a cell of one point of
+    the relaxation on all combinations (`optimize.choice.at_once.relaxation`)."""
 
     def __init__(
         self,
@@ -65,6 +73,12 @@ class ListedSearch(BranchAndBound[Part]):
         self.context, self.lists, self.progress, self._log = context, lists, progress, log
         self.history: list[Iteration] = []
         self.judge = Judge(context, table or Table(context.problem, lists), self._heard)
+        problem = context.problem
+        self.links = tuple(link_list.link for link_list in lists)
+        points = {id(link_list.columns): Points(link_list) for link_list in lists}
+        self._points = [points[id(link_list.columns)] for link_list in lists]
+        spans = log_spans(problem, self.links) if problem.free_lengths else None
+        self.relaxation = Relaxation(self._points, self.links, problem.arm.size, spans)
         self.compared = 0
         self.bounded = True
         """Whether there are rows, so that anything can be bounded."""
@@ -101,6 +115,51 @@ class ListedSearch(BranchAndBound[Part]):
     def exclude(self, pick: tuple[int, ...]) -> None:
         """Leave a design out of the next run: it turned out to break a limit after all."""
         self.judge.exclude(pick)
+
+    def _columns(self, pick: Sequence[int]) -> Array:
+        """The columns (n K) of an option of each link."""
+        return self.relaxation.full(
+            np.array([link_list.columns[option] for link_list, option in zip(self.lists, pick, strict=True)])
+        )
+
+    def _losses(self, node: Node, relaxed: Relaxed) -> tuple[float, list[Array]]:
+        """A bound on a part by the prices of a relaxed one, and by how much it rises at least where a link must be each
+        of the part's options."""
+        bound, losses = relaxed.constant, list[Array]()
+        parts = zip(self._points, node.cells, relaxed.prices, node.low, node.high, strict=True)
+        for points, ids, price, low, high in parts:
+            scores = points.corners[ids, 0] @ price
+            least = float(scores.min())
+            bound += least + float(price[LENGTH]) * float((low if price[LENGTH] >= 0.0 else high)[LENGTH])
+            losses.append(scores - least)
+        return bound, losses
+
+    def _filtered(self, node: Node, relaxed: Relaxed, enough: float) -> Node:
+        """The part without the options that alone bring its bound to what is enough."""
+        bound, losses = self._losses(node, relaxed)
+        cells = zip(node.cells, losses, strict=True)
+        return replace(node, cells=tuple(ids[link_losses < enough - bound] for ids, link_losses in cells))
+
+    def _likely(self, relaxed: Relaxed, most: int) -> list[Integers]:
+        """So many options of each link of a part: what it is mixed of, and those that cost least."""
+        mixed = [{column.cell for column, _ in relaxed.shares if column.link == k} for k in range(len(self.lists))]
+        few: list[Integers] = []
+        for ids, losses, link_mixed in zip(
+            relaxed.node.cells, self._losses(relaxed.node, relaxed)[1], mixed, strict=True
+        ):
+            order = np.lexsort((losses, ~np.isin(ids, list(link_mixed))))
+            few.append(ids[order[:most]])
+        return few
+
+    def _halves(self, node: Node, relaxed: Relaxed) -> list[Node]:
+        """A part in two; none where that wins nothing."""
+        halves: list[Node] = []
+        for part in split(self.relaxation, node, relaxed, by_kind=False):
+            # What cells hold says where they are; sides of their columns would only be rows more.
+            low, high = np.full_like(part.low, -np.inf), np.full_like(part.high, np.inf)
+            low[:, LENGTH], high[:, LENGTH] = part.low[:, LENGTH], part.high[:, LENGTH]
+            halves.append(replace(part, low=low, high=high))
+        return halves
 
     def _ended(self, *, known: bool, interrupted: bool) -> Found:
         """How the search ended; `known`: whether the bound holds."""

@@ -1,9 +1,9 @@
 """The best of all designs from lists, with a bound that closes: branch and bound over the lists, an exchange for poses.
 
-A part of all designs is bounded (`relaxation`); options that would raise its bound above the best design are out, and
-so are combinations whose losses do together. What few are left are compared one by one over the poses known; those that
-could win over their whole workspace, whose worst poses join the rows. Where too many are left the part is split in two
-by what the mixture of a link differs in (Land and Doig 1960, doi:10.2307/1910129).
+A part of all designs is bounded (`optimize.choice.at_once.relaxation`); options that would raise its bound above the
+best design are out, and so are combinations whose losses do together. What few are left are compared one by one over
+the poses known; those that could win over their whole workspace, whose worst poses join the rows. Where too many are
+left the part is split in two by what the mixture of a link differs in (Land and Doig 1960, doi:10.2307/1910129).
 """
 
 from __future__ import annotations
@@ -13,9 +13,9 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
-from linkwright.core.optimize.choice.at_once.pose_rows import rows_of
+from linkwright.core.optimize.choice.at_once.pose_rows import PoseRow, rows_of
+from linkwright.core.optimize.choice.at_once.relaxation import Node, Relaxed
 from linkwright.core.optimize.exchange.binding_poses import Pool
 from linkwright.core.optimize.exchange.design import numeric_beams
 from linkwright.core.optimize.exchange.exchange import Context
@@ -25,8 +25,7 @@ from linkwright.core.sections.numeric import Array
 from .designs_at_once import Table
 from .listed_search import Found, ListedSearch, Progress
 from .options import LinkList, agreeing
-from .relaxation import Part, Relaxation, Relaxed
-from .rows import Integers, greatest, product, table_row
+from .rows import Integers, TableRow, greatest, product, table_row
 
 CLOSE = 1e-4
 """A part whose bound is this near to the best design (relative) holds nothing worth winning: the exchange's own gap."""
@@ -45,7 +44,7 @@ _OFFERED = 512
 _MOST_OFFERS = 40
 
 
-class ListSearch(ListedSearch[Part]):
+class ListSearch(ListedSearch):
     """Looks for the best design where lengths stay."""
 
     def __init__(
@@ -59,7 +58,8 @@ class ListSearch(ListedSearch[Part]):
     ) -> None:
         """`table` is that of the lists, where it is there already."""
         super().__init__(context, lists, "bounding all combinations", progress=progress, log=log, table=table)
-        self.relaxation = Relaxation(lists)
+        self._rows: list[TableRow] = []
+        """The relaxation's rows over the lists' options."""
         self.close = CLOSE
         """The gap at which nothing is left to win."""
         self.place = 0
@@ -69,7 +69,8 @@ class ListSearch(ListedSearch[Part]):
 
     def at(self, place: int) -> Found:
         """Look for a design with a choice of lengths of the table that is better than the best so far."""
-        self.place, self._known, self.relaxation.rows, self.bounded = place, Pool(), [], True
+        self.place, self._known, self.bounded = place, Pool(), True
+        self.relaxation.rows, self._rows = [], []
         self.judge.pool = Pool()
         return self.run()
 
@@ -99,7 +100,7 @@ class ListSearch(ListedSearch[Part]):
         return self._ended(known=not interrupted and self._agrees(), interrupted=interrupted)
 
     def _values(self, pick: tuple[int, ...]) -> list[tuple[bool, float]]:
-        rows = self.relaxation.rows if pick[-1] == self.place else []
+        rows = self._rows if pick[-1] == self.place else []
         return [(row.objective, float(row.values(np.array([pick[:-1]]))[0])) for row in rows]
 
     # ---- begin
@@ -118,7 +119,7 @@ class ListSearch(ListedSearch[Part]):
             self.bounded = False
             return
         self._own = len(rows)
-        self.relaxation.rows = [table_row(row, self.lists) for row in rows]
+        self._join(rows)
         self._refresh()
 
     def _worth(self, pick: Sequence[int]) -> float:
@@ -142,15 +143,19 @@ class ListSearch(ListedSearch[Part]):
         if rows is None:
             self.bounded = False
             return
-        self.relaxation.rows += [table_row(row, self.lists) for row in rows[self._own :]]
+        self._join(rows[self._own :])
 
-    def _roots(self) -> list[Part]:
+    def _join(self, rows: Sequence[PoseRow]) -> None:
+        self.relaxation.rows += rows
+        self._rows += [table_row(row, self.lists) for row in rows]
+
+    def _roots(self) -> list[Node]:
         """All designs, in parts that agree in what must be the same."""
-        return [Part(options) for options in agreeing(self.lists, self.context.problem.same)]
+        return [self.relaxation.root(options) for options in agreeing(self.lists, self.context.problem.same)]
 
     # ---- parts
 
-    def _step(self, part: Part) -> None:
+    def _step(self, part: Node) -> None:
         if part.bound >= self._enough():
             self._done_with(part.bound)
             return
@@ -164,16 +169,25 @@ class ListSearch(ListedSearch[Part]):
         if bound >= enough:
             self._done_with(bound)
             return
-        left = self._filtered(relaxed, enough - bound)
-        relaxed = replace(relaxed, part=replace(left[0], bound=bound), losses=left[1], shares=left[2], bound=bound)
-        if any(len(link_options) == 0 for link_options in relaxed.part.options):
+        left = self._filtered(replace(relaxed.node, bound=bound), relaxed, enough)
+        if any(len(ids) == 0 for ids in left.cells):
             self._done_with(enough)
             return
-        picks = combined(relaxed.losses, enough - bound, _MOST_COMPARED)
-        if picks is not None and self._compare(self._picks(relaxed.part, picks)):
+        least, losses = self._losses(left, relaxed)
+        picks = combined(losses, enough - least, _MOST_COMPARED)
+        if picks is not None and self._compare(self._picks(left, picks)):
             self._done_with(enough)
             return
-        self._split(relaxed)
+        for item in self._halves(left, relaxed) or self._by_weight(left):
+            self._push(item, bound)
+
+    def _by_weight(self, node: Node) -> list[Node]:
+        """A part in two, by the weights of the link that has most options."""
+        k = max(range(len(self.lists)), key=lambda index: len(node.cells[index]))
+        weights = self.lists[k].columns[node.cells[k], 0]
+        below = np.argsort(np.argsort(weights, kind="stable")) < len(weights) // 2
+        sides = (below, ~below)
+        return [replace(node, cells=(*node.cells[:k], node.cells[k][side], *node.cells[k + 1 :])) for side in sides]
 
     def _worth_going_on(self) -> bool:
         """Whether one more part could help, and is not one too many."""
@@ -205,26 +219,18 @@ class ListSearch(ListedSearch[Part]):
     def _enough(self) -> float:
         return self.objective * (1.0 - self.close)
 
-    def _compared_all(self, part: Part) -> bool:
-        counts = [len(link_options) for link_options in part.options]
+    def _compared_all(self, part: Node) -> bool:
+        counts = [len(link_options) for link_options in part.cells]
         if math.prod(counts) > _MOST_COMPARED:
             return False
         enough = self._enough()
-        if not self._compare(product(part.options)):
+        if not self._compare(product(part.cells)):
             return False
         self._done_with(enough if math.isinf(self.objective) else self._enough())
         return True
 
-    def _filtered(self, relaxed: Relaxed, room: float) -> tuple[Part, tuple[Array, ...], tuple[Array, ...]]:
-        """The part without the options that cost more than there is room for."""
-        keep = [losses < room for losses in relaxed.losses]
-        options = tuple(link_options[stay] for link_options, stay in zip(relaxed.part.options, keep, strict=True))
-        losses = tuple(link_losses[stay] for link_losses, stay in zip(relaxed.losses, keep, strict=True))
-        shares = tuple(link_shares[stay] for link_shares, stay in zip(relaxed.shares, keep, strict=True))
-        return replace(relaxed.part, options=options), losses, shares
-
-    def _picks(self, part: Part, places: Integers) -> Integers:
-        return np.stack([link_options[places[:, k]] for k, link_options in enumerate(part.options)], axis=1)
+    def _picks(self, part: Node, places: Integers) -> Integers:
+        return np.stack([link_options[places[:, k]] for k, link_options in enumerate(part.cells)], axis=1)
 
     def _placed(self, picks: Integers) -> Integers:
         """Options of the links with the choice of lengths."""
@@ -233,12 +239,7 @@ class ListSearch(ListedSearch[Part]):
     def _try(self, relaxed: Relaxed) -> None:
         """Combinations of the options of each link that cost least."""
         per_link = max(2, int(_TRIED ** (1.0 / len(self.lists))))
-        best: list[Integers] = []
-        for losses, share in zip(relaxed.losses, relaxed.shares, strict=True):
-            # What is mixed costs nothing, and comes first.
-            order = np.lexsort((losses, share <= 1e-9))
-            best.append(order[:per_link])
-        self._compare(self._picks(relaxed.part, product(best)))
+        self._compare(product(self._likely(relaxed, per_link)))
 
     def _compare(self, picks: Integers) -> bool:
         """Compare designs one by one; whether none of them is left that could win."""
@@ -247,8 +248,8 @@ class ListSearch(ListedSearch[Part]):
         known: tuple[int, float] | None = None
         size = _OFFERED
         for _ in range(_MOST_OFFERS):
-            if known != (now := (len(self.relaxation.rows), self._enough())):
-                values, keep = greatest(self.relaxation.rows, left, now[1])
+            if known != (now := (len(self._rows), self._enough())):
+                values, keep = greatest(self._rows, left, now[1])
                 order = np.argsort(values, kind="stable")
                 left, values, known, size = left[keep][order], values[order], now, _OFFERED
             if not len(left):
@@ -261,32 +262,6 @@ class ListSearch(ListedSearch[Part]):
             if not self.judge.complete:
                 return False
         return not len(left)
-
-    def _split(self, relaxed: Relaxed) -> None:
-        """A part in two, by what the mixture of a link differs in most in one of the cuts that count."""
-        best: tuple[float, int, NDArray[np.bool_]] | None = None
-        for k, (share, link_options) in enumerate(zip(relaxed.shares, relaxed.part.options, strict=True)):
-            mixed = share / max(float(share.sum()), 1e-300)
-            for cut, m in zip(relaxed.cuts, relaxed.multipliers, strict=True):
-                if m <= 1e-9 or len(link_options) < 2:
-                    continue
-                values = cut.parts[k][link_options]
-                mean = float(mixed @ values)
-                spread = m * float(mixed @ np.abs(values - mean))
-                if best is None or spread > best[0]:
-                    best = spread, k, np.asarray(values <= mean)
-        if best is None or best[0] <= 1e-12 or best[2].all() or not best[2].any():
-            k = max(range(len(self.lists)), key=lambda index: len(relaxed.part.options[index]))
-            weights = self.lists[k].columns[relaxed.part.options[k], 2]
-            below: NDArray[np.bool_] = np.asarray(weights <= np.median(weights))
-            if below.all():
-                below = np.arange(len(weights)) < len(weights) // 2
-        else:
-            _, k, below = best
-        for side in (below, ~below):
-            options = list(relaxed.part.options)
-            options[k] = options[k][side]
-            self._push(replace(relaxed.part, options=tuple(options)), relaxed.part.bound)
 
 
 def combined(losses: Sequence[Array], room: float, most: int) -> Integers | None:

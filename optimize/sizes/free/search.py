@@ -17,9 +17,8 @@ import numpy as np
 
 from linkwright.core.arm.worst.workspace import Unreachable
 from linkwright.core.optimize.choice.at_once.cells import COLUMNS, LENGTH
-from linkwright.core.optimize.choice.at_once.lengths import LengthRows, log_spans
-from linkwright.core.optimize.choice.at_once.relaxation import Node, Relaxation, Relaxed
-from linkwright.core.optimize.choice.at_once.splitting import split
+from linkwright.core.optimize.choice.at_once.lengths import LengthRows
+from linkwright.core.optimize.choice.at_once.relaxation import Node, Relaxed
 from linkwright.core.optimize.exchange.binding_poses import Pool
 from linkwright.core.optimize.exchange.design import numeric_beams
 from linkwright.core.optimize.exchange.exchange import Context, context_of
@@ -27,12 +26,11 @@ from linkwright.core.optimize.exchange.program import cut_of
 from linkwright.core.optimize.result import Iteration
 from linkwright.core.optimize.sizes.listed_search import Found, ListedSearch, Progress
 from linkwright.core.optimize.sizes.options import LinkList, agreeing
-from linkwright.core.optimize.sizes.rows import Integers, greatest, product, table_row
+from linkwright.core.optimize.sizes.rows import greatest, product, table_row
 from linkwright.core.optimize.sizes.search import ListSearch
 from linkwright.core.sections.numeric import Array
 
 from .fitting import fitted, moved
-from .points import Points
 from .program import LengthProgram, Lengths
 from .rows import SettledRow
 
@@ -58,7 +56,7 @@ _TURNS = 4
 _SUMS = ("mass", "total_mass", "cost")
 
 
-class FreeListSearch(ListedSearch[Node]):
+class FreeListSearch(ListedSearch):
     """Looks for the best design where lengths are free."""
 
     def __init__(
@@ -71,10 +69,6 @@ class FreeListSearch(ListedSearch[Node]):
     ) -> None:
         super().__init__(context, lists, "bounding all sections and lengths", progress=progress, log=log)
         problem = context.problem
-        self.links = tuple(link_list.link for link_list in lists)
-        points = {id(link_list.columns): Points(link_list) for link_list in lists}
-        self._points = [points[id(link_list.columns)] for link_list in lists]
-        self.relaxation = Relaxation(self._points, self.links, problem.arm.size, log_spans(problem, self.links))
         sums = problem.arm.play == "worst" or not context.uses_error
         self.bounded = sums and not problem.workspace.in_space and problem.minimize in ("max_error", *_SUMS)
         self._rows = LengthRows(context)
@@ -158,12 +152,6 @@ class FreeListSearch(ListedSearch[Node]):
         self._settled = [*self._settled, *(SettledRow(row) for row in rows[len(self._settled) :])]
         self._program = LengthProgram(rows, self.context.problem.limits, self.links, self.relaxation.lengths)
 
-    def _columns(self, pick: Sequence[int]) -> Array:
-        """The columns (n K) of an option of each link."""
-        return self.relaxation.full(
-            np.array([link_list.columns[option] for link_list, option in zip(self.lists, pick, strict=True)])
-        )
-
     # ---- parts
 
     def _branch(self) -> None:
@@ -194,33 +182,11 @@ class FreeListSearch(ListedSearch[Node]):
         if any(len(ids) == 0 for ids in left.cells):
             self._done_with(enough)
             return
-        parts = split(self.relaxation, left, relaxed, by_kind=False)
+        parts = self._halves(left, relaxed)
         if not parts:
             self._done_with(bound)
         for item in parts:
-            # What cells hold says where they are; sides of their columns would only be rows more.
-            low, high = np.full_like(item.low, -np.inf), np.full_like(item.high, np.inf)
-            low[:, LENGTH], high[:, LENGTH] = item.low[:, LENGTH], item.high[:, LENGTH]
-            self._push(replace(item, low=low, high=high), bound)
-
-    def _losses(self, relaxed: Relaxed) -> list[Array]:
-        """By how much the bound rises at least where a link must be each of a part's options."""
-        cells = zip(self._points, relaxed.node.cells, relaxed.prices, strict=True)
-        return [points.losses(ids, price) for points, ids, price in cells]
-
-    def _filtered(self, node: Node, relaxed: Relaxed, enough: float) -> Node:
-        """The part without the options that alone bring its bound to what is enough."""
-        bound = relaxed.constant
-        for points, ids, price, low, high in zip(
-            self._points, node.cells, relaxed.prices, node.low, node.high, strict=True
-        ):
-            end = float((low if price[LENGTH] >= 0.0 else high)[LENGTH])
-            bound += float((points.corners[ids, 0] @ price).min()) + float(price[LENGTH]) * end
-        remaining = [
-            ids[link_losses < enough - bound]
-            for ids, link_losses in zip(node.cells, self._losses(relaxed), strict=True)
-        ]
-        return replace(node, cells=tuple(remaining))
+            self._push(item, bound)
 
     # ---- designs
 
@@ -240,11 +206,7 @@ class FreeListSearch(ListedSearch[Node]):
     def _picks(self, relaxed: Relaxed, lengths: Sequence[float]) -> list[tuple[int, ...]]:
         """The best few combinations of the options that cost least, at lengths (m)."""
         per_link = max(2, int(_TRIED ** (1.0 / len(self.lists))))
-        mixed = [{column.cell for column, _ in relaxed.shares if column.link == k} for k in range(len(self.lists))]
-        few: list[Integers] = []
-        for ids, losses, item in zip(relaxed.node.cells, self._losses(relaxed), mixed, strict=True):
-            order = np.lexsort((losses, ~np.isin(ids, list(item))))
-            few.append(ids[order[:per_link]])
+        few = self._likely(relaxed, per_link)
         logarithms = np.log(np.array(lengths))
         sub = [
             LinkList(link_list.link, tuple(link_list.options[k] for k in ids), link_list.columns[ids])

@@ -9,10 +9,11 @@ import pytest
 
 from linkwright.core.optimize.choice.at_once.cells import COLUMNS
 from linkwright.core.optimize.choice.at_once.pose_rows import PoseRow, row_of
+from linkwright.core.optimize.choice.at_once.relaxation import Relaxation
 from linkwright.core.optimize.choice.products import Power
 from linkwright.core.optimize.rounding.options import Option
 from linkwright.core.optimize.sizes.options import LinkList
-from linkwright.core.optimize.sizes.relaxation import Part, Relaxation
+from linkwright.core.optimize.sizes.points import Points
 from linkwright.core.optimize.sizes.rows import greatest, table_row
 from linkwright.core.optimize.sizes.search import combined
 from linkwright.core.sections.numeric import Array
@@ -45,12 +46,12 @@ def _row(generator: np.random.Generator, *, objective: bool, level: float = 0.0)
 def test_bound_and_losses_are_below_every_combination(seed: int) -> None:
     generator = np.random.default_rng(seed)
     lists = _lists(generator)
-    relaxation = Relaxation(lists)
+    relaxation = Relaxation([Points(item) for item in lists], range(_LINKS), _LINKS)
     mass = {((link, _HEAVY),): np.ones(1) for link in range(_LINKS)}
     rows = [_row(generator, objective=True) for _ in range(3)]
     rows.append(row_of(mass | {(): np.array([-generator.uniform(2.0, 4.0)])}, _LINKS, objective=False, scale=1.0))
     rows.append(_row(generator, objective=False, level=generator.uniform(4.0, 12.0)))
-    relaxation.rows = [table_row(row, lists) for row in rows]
+    relaxation.rows = rows
     every = np.array(list(itertools.product(range(_OPTIONS), repeat=_LINKS)))
     # By the rows as they are, products and all.
     values = np.full(len(every), -np.inf)
@@ -58,23 +59,27 @@ def test_bound_and_losses_are_below_every_combination(seed: int) -> None:
         y = np.concatenate([own.columns[k] for own, k in zip(lists, pick, strict=True)])
         kept = all(row.value(y) <= 1e-9 for row in rows if not row.objective)
         values[n] = max(row.value(y) for row in rows if row.objective) if kept else np.inf
-    worst, left = greatest(relaxation.rows, every, np.inf)
+    worst, left = greatest([table_row(row, lists) for row in rows], every, np.inf)
     assert sorted(left.tolist()) == np.flatnonzero(np.isfinite(values)).tolist()
     assert worst == pytest.approx(values[left])
-    result = relaxation.solve(Part(tuple(np.arange(_OPTIONS) for _ in lists)), np.inf)
+    result = relaxation.solve(relaxation.root(), np.inf)
     assert result.bound <= values.min() * (1.0 + 1e-9)
     if np.isinf(result.bound):
         return
+    scores = [item.columns @ price for item, price in zip(lists, result.prices, strict=True)]
+    bound = result.constant + sum(float(item.min()) for item in scores)
+    losses = [item - item.min() for item in scores]
+    assert bound == pytest.approx(result.bound, rel=1e-3)
     for k in range(_LINKS):
         for option in range(_OPTIONS):
             least = values[every[:, k] == option].min()
-            assert result.bound + result.losses[k][option] <= least * (1.0 + 1e-9)
+            assert bound + losses[k][option] <= least * (1.0 + 1e-9)
     # Losses of several links add up.
-    together = sum(result.losses[k][every[:, k]] for k in range(_LINKS))
-    assert np.all(result.bound + together <= values * (1.0 + 1e-9))
+    together = sum(losses[k][every[:, k]] for k in range(_LINKS))
+    assert np.all(bound + together <= values * (1.0 + 1e-9))
     # A part of one design alone has a bound that is its value, but for what chords take off.
     best = every[int(values.argmin())]
-    alone = relaxation.solve(Part(tuple(np.array([k]) for k in best)), np.inf)
+    alone = relaxation.solve(relaxation.root([np.array([k]) for k in best]), np.inf)
     assert alone.bound == pytest.approx(values.min(), rel=2e-4)
 
 

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from linkwright.core.optimize.choice.at_once.cells import Cells, Ids
-from linkwright.core.optimize.sizes.options import LinkList
-from linkwright.core.sections.numeric import Array
+from linkwright.core.optimize.choice.at_once.cells import Cells
+
+from .options import LinkList
 
 
 class Points(Cells):
@@ -27,8 +27,3 @@ class Points(Cells):
     def spent(self) -> bool:
         """A point has no parts."""
         return True
-
-    def losses(self, ids: Ids, price: Array) -> Array:
-        """By how much more than the least of `ids` each of them costs (N)."""
-        scores = self.corners[ids, 0] @ price
-        return scores - scores.min()
