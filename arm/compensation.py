@@ -171,8 +171,8 @@ def _brought_back(
     for number in range(steps):
         there = q[rows] + moved[rows]
         if number:
-            found, sure = error_at(there, kept)
-            missing = goal[rows] - tip_position(arm, there) - found
+            result, sure = error_at(there, kept)
+            missing = goal[rows] - tip_position(arm, there) - result
         if not np.isfinite(missing).all():  # it is bent beyond all numbers
             break
         step, brought = _least_squares(jacobian(arm, there) * drives[:, None], missing)

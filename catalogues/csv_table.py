@@ -75,16 +75,16 @@ def read_cells(path: Path | str) -> Cells:
     """The cells of a table. Raises `InputError`."""
     text = workbook_text(path, None) if is_workbook(path) else read_text(path)
     reader = csv.DictReader(io.StringIO(text, newline=""), strict=True)
-    found: list[tuple[str, dict[str, str] | None]] = []
+    results: list[tuple[str, dict[str, str] | None]] = []
     try:
         headings = tuple(reader.fieldnames or ())
         for row in reader:
             torn = None in row or None in row.values()
             cells = None if torn else {key: fused(text.strip()) for key, text in row.items() if text.strip()}
-            found.append((f"line {reader.line_num}", cells))
+            results.append((f"line {reader.line_num}", cells))
     except csv.Error as error:
         raise InputError(path, f"line {reader.line_num}", f"is no table: {error}") from None
-    return Cells(headings, tuple(found))
+    return Cells(headings, tuple(results))
 
 
 def read_rows(

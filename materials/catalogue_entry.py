@@ -133,8 +133,8 @@ def _read(
     sources: dict[str, str] = {key: item.source for key, item in properties.items()}
     marks = _marks(mapping, sources if magnetic is None else {**sources, "magnetic": magnetic_source}, found_in)
     for property_name, item in properties.items():
-        unconfirmed, found = marks[property_name]
-        properties[property_name] = replace(item, unconfirmed=unconfirmed, found_in=found)
+        unconfirmed, result = marks[property_name]
+        properties[property_name] = replace(item, unconfirmed=unconfirmed, found_in=result)
     bending = None
     if mapping.has("laminate"):
         made, bending = read_laminate(mapping, references, default_source, find)
@@ -153,11 +153,11 @@ def _marks(
     mapping: Mapping, sources: MappingLike[str, str], found_in: MappingLike[str, str]
 ) -> dict[str, tuple[str, str]]:
     """What was looked for in vain, and where it was found, for each value of an entry that names a source."""
-    missing, found = (_texts(mapping, key, sources) for key in ("unconfirmed", "found_in"))
-    for name in set(missing) & set(found):
+    missing, result = (_texts(mapping, key, sources) for key in ("unconfirmed", "found_in"))
+    for name in set(missing) & set(result):
         raise mapping.error(f"found_in.{name}", "was found and is not confirmed; only one can be")
     return {
-        name: (missing.get(name, ""), "" if name in missing else found.get(name, found_in.get(source, "")))
+        name: (missing.get(name, ""), "" if name in missing else result.get(name, found_in.get(source, "")))
         for name, source in sources.items()
     }
 
@@ -350,10 +350,10 @@ def _ply(keys: Mapping, find: Finder) -> Material:
         own.close()
         return ply
     name = keys.text("ply")
-    found = find(name)
-    if found is None:
+    result = find(name)
+    if result is None:
         raise keys.error("ply", f"there is no material '{name}' here; give a ply's properties in place")
-    return found
+    return result
 
 
 def _temperatures_to_check(item: Property) -> list[float]:

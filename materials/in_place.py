@@ -15,15 +15,15 @@ _LAMINATE = MappingProxyType({"angles": "angle", "thicknesses": "length"})
 def with_units(content: MappingLike[str, Any]) -> dict[str, Any]:
     """The keys of a material described in place, the numbers that a program gave in SI as text with their units."""
     kinds: dict[str, str] = {**property_kinds()}
-    found: dict[str, Any] = {}
+    results: dict[str, Any] = {}
     for name, value in content.items():
         if name in kinds:
-            found[name] = _property(value, kinds[name])
+            results[name] = _property(value, kinds[name])
         elif name == "laminate" and isinstance(value, dict):
-            found[name] = _laminate(cast(dict[str, Any], value))
+            results[name] = _laminate(cast(dict[str, Any], value))
         else:
-            found[name] = value
-    return found
+            results[name] = value
+    return results
 
 
 def _property(value: Any, kind: str) -> Any:

@@ -328,15 +328,15 @@ class Material:
                 if name in ("elastic_modulus", "density"):
                     raise
                 beyond.append((name, error.valid))
-        found = MaterialValues(self.name, temperature, beyond=tuple(beyond), walls=None, **values)
-        found = replace(found, walls=self._walls(found))
-        if calibrated_at is None or calibrated_at == temperature or found.elastic_modulus is None:
-            return found
-        softer = self.need("elastic_modulus", calibrated_at) / found.elastic_modulus
+        result = MaterialValues(self.name, temperature, beyond=tuple(beyond), walls=None, **values)
+        result = replace(result, walls=self._walls(result))
+        if calibrated_at is None or calibrated_at == temperature or result.elastic_modulus is None:
+            return result
+        softer = self.need("elastic_modulus", calibrated_at) / result.elastic_modulus
         shear = softer
-        if found.shear_modulus is not None:
-            shear = self.need("shear_modulus", calibrated_at) / found.shear_modulus
-        return replace(found, stiffness_when_calibrated=softer, shear_when_calibrated=shear)
+        if result.shear_modulus is not None:
+            shear = self.need("shear_modulus", calibrated_at) / result.shear_modulus
+        return replace(result, stiffness_when_calibrated=softer, shear_when_calibrated=shear)
 
     def _walls(self, values: MaterialValues) -> WallCompliance | None:
         """How thin walls buckle, by the values at one temperature."""

@@ -111,7 +111,7 @@ class _Solver:
         """What comes near the best, over all structures looked at that may hold any of it: of each, its own best and
         what comes near that. What was solved before is not solved again."""
         limit = search.objective * (1.0 + NEAR)
-        found: dict[tuple[Structure, Combination], Tie] = {}
+        results: dict[tuple[Structure, Combination], Tie] = {}
         left, interrupted = 0, False
         for structure, noted in search.noted.items():
             if noted.outcome == "infeasible" or (noted.objective is not None and noted.objective > limit):
@@ -127,14 +127,14 @@ class _Solver:
             arm = arm_of(choice.space, choice.exchanged.x, choice.combination.materials)
             for item in (Tie(choice.combination, choice.objective, arm), *choice.ties.solved):
                 if item.objective <= limit:
-                    found[structure, item.combination] = item
+                    results[structure, item.combination] = item
             left += choice.ties.left
             interrupted = choice.interrupted or choice.ties.interrupted
             if interrupted:
                 break
         assert search.best is not None
-        found.pop((search.best[0], best.combination), None)
-        ties = tuple(sorted(found.values(), key=lambda each: each.objective))
+        results.pop((search.best[0], best.combination), None)
+        ties = tuple(sorted(results.values(), key=lambda each: each.objective))
         return Ties(ties, left, left == 0 and not interrupted, interrupted)
 
 

@@ -299,8 +299,8 @@ def _listed_poses(body: Mapping, arm: Arm) -> Workspace:
     """Poses by their joint coordinates: from a table, which may give them weights, or as they stand in the file."""
     weights: tuple[float, ...] = ()
     if isinstance(body.raw("poses"), str):
-        found, given = read_poses(Path(str(body.file)).parent / body.text("poses"), arm)
-        poses = tuple(tuple(row) for row in found.tolist())
+        result, given = read_poses(Path(str(body.file)).parent / body.text("poses"), arm)
+        poses = tuple(tuple(row) for row in result.tolist())
         weights = () if given is None else tuple(given.tolist())
     else:
         poses = read_coordinates(body, arm)

@@ -21,7 +21,7 @@ def near_ties_of(context: Context, ties: Sequence[Tie]) -> tuple[NearTie, ...]:
     """The near ties, each with an error model of its own drives."""
     arm = context.problem.arm
     contexts: dict[tuple[Actuator | None, ...], Context] = {tuple(joint.actuator for joint in arm.joints): context}
-    found: list[NearTie] = []
+    results: list[NearTie] = []
     for tie in ties:
         drives = tuple(joint.actuator for joint in tie.arm.joints)
         if drives not in contexts:
@@ -30,8 +30,8 @@ def near_ties_of(context: Context, ties: Sequence[Tie]) -> tuple[NearTie, ...]:
                 for joint_drives, joint in zip(drives, arm.joints, strict=True)
             )
             contexts[drives] = context_of(replace(context.problem, arm=with_actuators(arm, others)))
-        found.append(_near_tie(contexts[drives], tie))
-    return tuple(found)
+        results.append(_near_tie(contexts[drives], tie))
+    return tuple(results)
 
 
 def _near_tie(context: Context, tie: Tie) -> NearTie:

@@ -73,29 +73,29 @@ def doubts(
     def shown(value: float) -> str:
         return format_quantity(figure.badness(value), figure.kind, digits=6)
 
-    found: list[str] = []
+    results: list[str] = []
     if not abs(objective - claimed) <= room:
-        found.append(f"the design does {shown(objective)}, not the {shown(claimed)} that it was found with")
+        results.append(f"the design does {shown(objective)}, not the {shown(claimed)} that it was found with")
     if not lower_bound <= objective + room:
-        found.append(f"the design does {shown(objective)}, better than its own bound {shown(lower_bound)}")
+        results.append(f"the design does {shown(objective)}, better than its own bound {shown(lower_bound)}")
     worst = after.worst
     if worst.upper_bound is not None and not worst.error <= worst.upper_bound * (1.0 + 1e-9) + NOTHING:
-        found.append("the error is above its own upper bound")
+        results.append("the error is above its own upper bound")
     for limit in problem.limits:
         value = limit.of(after)
         if excess(limit, value) > GAP:
-            found.append(f"{limit.text} is not kept: {format_quantity(value, limit.figure.kind, digits=6)}")
+            results.append(f"{limit.text} is not kept: {format_quantity(value, limit.figure.kind, digits=6)}")
     less, more = (0.0 if item.unreached is None else item.unreached.share for item in (before, after))
     if problem.must_reach and after.unreached is not None:
-        found.append(after.unreached.where(problem.workspace.kind))
+        results.append(after.unreached.where(problem.workspace.kind))
     elif more > less:
         kind, shares = problem.workspace.kind, (f"{100.0 * share:.2g} %" for share in (more, less))
-        found.append(f"the design leaves {next(shares)} of the {kind} unreached, the arm as given {next(shares)}")
+        results.append(f"the design leaves {next(shares)} of the {kind} unreached, the arm as given {next(shares)}")
     before_value = figure.value(before)
     was = math.inf if not before_value else figure.badness(before_value)
     if own and was < objective - room and keeps_limits(problem, before):
-        found.append(f"the arm as given keeps all limits and does {shown(was)}")
-    return tuple(found)
+        results.append(f"the arm as given keeps all limits and does {shown(was)}")
+    return tuple(results)
 
 
 def keeps_limits(problem: Problem, evaluation: Evaluation) -> bool:

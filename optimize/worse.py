@@ -27,12 +27,12 @@ class Worse:
 
 def worse_figures(figures: Mapping[str, Figure], before: Evaluation, after: Evaluation) -> tuple[Worse, ...]:
     """The figures known of both that are worse after than before, each by its own sense of better."""
-    found: list[Worse] = []
+    results: list[Worse] = []
     for figure in figures.values():
         one, other = figure.value(before), figure.value(after)
         if one is not None and other is not None and _lost(one, other, more_is_better=figure.more_is_better):
-            found.append(Worse(figure, one, other))
-    return tuple(found)
+            results.append(Worse(figure, one, other))
+    return tuple(results)
 
 
 def _lost(before: float, after: float, *, more_is_better: bool) -> bool:

@@ -36,7 +36,7 @@ def jacobian(arm: Arm, q: Array) -> Array:
     frames = place(arm, [q[:, index] for index in range(arm.size)])
     tip = columns(frames.tip(), count)
     here = np.zeros((count, 3))
-    found = np.empty((count, arm.size, 3))
+    result = np.empty((count, arm.size, 3))
     axes = np.empty((count, arm.size, 3))
     arms = np.empty((count, arm.size, 3))
     for index, (joint, link) in enumerate(zip(frames.joints, frames.links, strict=True)):
@@ -44,21 +44,21 @@ def jacobian(arm: Arm, q: Array) -> Array:
         axes[:, index] = columns(joint.axis, count)
         arms[:, index] = tip - here
         here = here + columns(link.vector, count)
-        found[:, index] = np.cross(axes[:, index], arms[:, index]) if arm.joints[index].revolute else axes[:, index]
+        result[:, index] = np.cross(axes[:, index], arms[:, index]) if arm.joints[index].revolute else axes[:, index]
     for follower, joint in enumerate(arm.joints):
         if joint.follows is not None:
             for tie in joint.follows.ties:
-                found[:, tie.joint] += tie.weight * found[:, follower]
+                result[:, tie.joint] += tie.weight * result[:, follower]
             if not joint.driven:
-                found[:, follower] = 0.0
+                result[:, follower] = 0.0
     if arm.angles == "absolute":
         # Such a drive turns its own link alone and carries the rest along unturned.
         for index in range(arm.size):
             if arm.joints[index].revolute:
                 after = carried_unturned(arm.joints, index)
                 beyond = arms[:, after] if after < arm.size else 0.0
-                found[:, index] = np.cross(axes[:, index], arms[:, index] - beyond)
-    return found
+                result[:, index] = np.cross(axes[:, index], arms[:, index] - beyond)
+    return result
 
 
 def motion_directions(arm: Arm, q: Array) -> Array:

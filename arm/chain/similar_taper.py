@@ -169,10 +169,10 @@ def _coefficients() -> tuple[tuple[float, ...], ...]:
         taper = tapered_beam(1.0, Tapered(near, near.scaled(math.exp(_SPAN * float(node)))), plain).taper
         bending = taper.height
         rows.append([bending.weight_deflection, bending.weight_slope, taper.axial_weight, taper.column_height])
-    found: list[tuple[float, ...]] = []
+    results: list[tuple[float, ...]] = []
     for values in np.log(np.array(rows, dtype=float)).T:
         fitted = Chebyshev.fit(nodes, values, _DEGREE, domain=[-1.0, 1.0])
         coefficients = [float(item) for item in fitted.coef]
         coefficients[0] -= float(fitted(0.0))  # a uniform link is exactly that
-        found.append(tuple(coefficients))
-    return tuple(found)
+        results.append(tuple(coefficients))
+    return tuple(results)

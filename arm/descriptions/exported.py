@@ -161,12 +161,12 @@ def _tips(arm: Arm, ends: Mapping[int | None, tuple[str, Frame]], names: Names) 
     if not arm.branches:
         on, place = ends[arm.size - 1]
         return (End(names.tips[0], on, onward(place, (IDENTITY, arm.tool)), arm.payload.mass, names.tools[0]),)
-    found: list[End] = []
+    results: list[End] = []
     for branch, name, tool in zip(arm.branches, names.tips, names.tools, strict=True):
         on, place = ends[branch.end - 1]
         frame = onward(place, (IDENTITY, branch.tool))
-        found.append(End(name, on, frame, branch.payload.mass, tool))
-    return tuple(found)
+        results.append(End(name, on, frame, branch.payload.mass, tool))
+    return tuple(results)
 
 
 def standing(joint: Joint) -> Frame:

@@ -137,14 +137,14 @@ def _branch_name(link: str, taken: Sequence[str]) -> str:
 
 def _together(lists: Sequence[Sequence[Lacking]], numbers: Sequence[Sequence[int]]) -> tuple[Lacking, ...]:
     """What several ways lack, said once, with the numbers of joints and links in the whole arm."""
-    found: dict[tuple[str, str], Lacking] = {}
+    results: dict[tuple[str, str], Lacking] = {}
     for own, places in zip(lists, numbers, strict=True):
         for one in own:
             at = tuple(places[number - 1] + 1 for number in one.at)
-            before = found.get((one.what, one.shows))
+            before = results.get((one.what, one.shows))
             merged = at if before is None else tuple(sorted({*before.at, *at}))
-            found[one.what, one.shows] = replace(one, at=merged)
-    return tuple(found.values())
+            results[one.what, one.shows] = replace(one, at=merged)
+    return tuple(results.values())
 
 
 def _named(robot: Robot, name: str, option: str) -> str:

@@ -52,10 +52,10 @@ def _named(given: Sequence[str], kind: str, reserved: Sequence[str]) -> tuple[tu
 
 def _unlike(names: Iterable[str], taken: set[str]) -> list[str]:
     """The names, with as many `_` after each as make it unlike those taken and the ones before."""
-    found: list[str] = []
+    results: list[str] = []
     for name in names:
         name_here = name
-        while name_here in taken or name_here in found:
+        while name_here in taken or name_here in results:
             name_here += "_"
-        found.append(name_here)
-    return found
+        results.append(name_here)
+    return results

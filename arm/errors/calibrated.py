@@ -61,11 +61,11 @@ def when_calibrated(effects: Sequence[ActiveEffect], load: LoadCase) -> list[Act
     reference = load.relative_to
     if reference is None or reference.temperature is None:
         return list(effects)
-    found: list[ActiveEffect] = []
+    results: list[ActiveEffect] = []
     for active in effects:
         values = {name: value for name, value in active.settings.values.items() if name != "warming"}
-        found.append(replace(active, settings=replace(active.settings, values=MappingProxyType(values))))
-    return found
+        results.append(replace(active, settings=replace(active.settings, values=MappingProxyType(values))))
+    return results
 
 
 def error_since_calibrated(

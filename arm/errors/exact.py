@@ -125,10 +125,10 @@ def settled_shape(
     tip, done, between = shape.tip, np.zeros(rows, dtype=bool), np.zeros((rows, 1), dtype=bool)
     for _ in range(MOST_PASSES):
         earlier, last = last, shape
-        found, there = chain.bent(shape, effects)
-        if not np.isfinite(found.tip).all():  # it is bent beyond all numbers
+        result, there = chain.bent(shape, effects)
+        if not np.isfinite(result.tip).all():  # it is bent beyond all numbers
             break
-        shape, now = found, there
+        shape, now = result, there
         settled = np.linalg.norm(shape.tip - last.tip, axis=1) <= SETTLED
         swinging = ~settled & (np.linalg.norm(shape.tip - earlier.tip, axis=1) <= SETTLED)
         # A pose that is found stays as it is: what it is depends on no other that is computed with it.

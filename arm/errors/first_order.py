@@ -57,19 +57,19 @@ def beyond_first_order(
     settled = True
     for index, case in enumerate(cases):
         state = solve(arm, [q[:, joint] for joint in range(arm.size)], beams_of(arm, (case,)), case)
-        exact, first, found = _both(state, effects, channels)
+        exact, first, result = _both(state, effects, channels)
         if case.relative_to is not None:
             exact_there, first_there, found_there = _both(
                 calibrated_state(state), when_calibrated(effects, case), channels
             )
-            exact, first, found = exact - exact_there, first - first_there, found & found_there
+            exact, first, result = exact - exact_there, first - first_there, result & found_there
         if projections is not None:
             exact, first = (np.einsum("nij,nj->ni", projections, item) for item in (exact, first))
         off: Array = np.linalg.norm(exact - first, axis=1)
-        settled = settled and bool(found.all())
+        settled = settled and bool(result.all())
         most = max(most, float(off.max()))
         longer = max(longer, float((np.linalg.norm(exact, axis=1) - np.linalg.norm(first, axis=1)).max()))
-        if index == number and found[0]:
+        if index == number and result[0]:
             at_worst = float(off[0])
     return BeyondFirstOrder(at_worst, most if settled else None, longer if settled else None, len(q))
 

@@ -63,14 +63,14 @@ def seen(state: PoseState, effect: Effect, settings: Settings, asked: Asked) -> 
     if effect.before_encoder and asked.command:
         # The encoder reads this motion, so a tip computed from its readings lacks nothing.
         return replace(seen_of_links(state, (), asked), command=_drives(state, twists, asked))
-    found, level = seen_of_links(state, twists, asked), None
-    if found.level is not None and asked.levels is not None:
+    result, level = seen_of_links(state, twists, asked), None
+    if result.level is not None and asked.levels is not None:
         # What an instrument of the tip is off by turns no level; a base that does not stand plumb turns everything.
         of_tip = effect.of_instrument and effect.place in ("base", "tip")
         plumb = columns(effect.against_plumb(settings), asked.rows)
-        level = found.level * (not of_tip) + np.where((asked.levels >= 0)[:, None], plumb, 0.0)
+        level = result.level * (not of_tip) + np.where((asked.levels >= 0)[:, None], plumb, 0.0)
     joint_side = _drives(state, twists, asked) if asked.joint_side else None
-    return replace(found, joint_side=joint_side, base=_base(twists, asked), level=level)
+    return replace(result, joint_side=joint_side, base=_base(twists, asked), level=level)
 
 
 def seen_of_links(state: PoseState, twists: Sequence[Twist], asked: Asked) -> Channels:

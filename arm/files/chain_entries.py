@@ -359,7 +359,7 @@ def product_of_exponentials(mapping: Mapping, entries: list[Entry]) -> tuple[lis
         ]
         path = mapping.path_of("offsets")
         steps = [_triple(step, "length", mapping.file, f"{path}[{k}]") for k, step in enumerate(offsets, start=1)]
-    found: list[Entry] = []
+    results: list[Entry] = []
     for index, entry in enumerate(entries):
         if entry.length_given or entry.origin is not None:
             raise mapping.error("", f"contradicts chain[{index + 1}], which gives a length, dh or origin of its own")
@@ -368,8 +368,8 @@ def product_of_exponentials(mapping: Mapping, entries: list[Entry]) -> tuple[lis
         joint = replace(entry.joint, axis=unit(directions[index]))
         if index == 0:
             joint = replace(joint, origin_translation=steps[0])
-        found.append(Entry(joint, along(steps[index + 1], entry.link), True, None, motor=entry.motor))
-    return found, ZERO
+        results.append(Entry(joint, along(steps[index + 1], entry.link), True, None, motor=entry.motor))
+    return results, ZERO
 
 
 def _triple(value: object, kind: str, file: object, key: str) -> FloatVector:

@@ -126,11 +126,11 @@ def segment_coordinates(arm: SegmentedArm, q: Sequence[Scalar]) -> list[Scalar]:
 
 def segment_beams(arm: SegmentedArm, beams: Sequence[Beam]) -> list[Beam]:
     """Each link's beam, shared out among its segments (weightless: masses enter on their own)."""
-    found: list[Beam] = []
+    results: list[Beam] = []
     for index, (owner, kind) in enumerate(zip(arm.owner, arm.kinds, strict=True)):
         number = sum(1 for k in range(index) if arm.owner[k] == owner and arm.kinds[k] == "part")
-        found.append(_segment(beams[owner], kind, number))
-    return found
+        results.append(_segment(beams[owner], kind, number))
+    return results
 
 
 def _segment(beam: Beam, kind: SegmentKind, number: int) -> Beam:
@@ -217,7 +217,7 @@ def response(
         for way, at, beams in zip(segments.ways, own, parts, strict=True)
     ]
     pulls = [_pull(way, at, load) for way, at, load in zip(segments.ways, frames, loads, strict=True)]
-    found: dict[int, Vector] = {}
+    results: dict[int, Vector] = {}
     for number, way in enumerate(segments.ways):
         pushed, turning = list(loads[number]), None
         if len(segments.ways) > 1:
@@ -236,8 +236,8 @@ def response(
             frames=frames[number],
         )
         twists = [twist for effect in segments.effects for twist in effect.effect.twists(state, effect.settings)]
-        found.update(zip(way.nodes, displacements(state, twists), strict=True))
-    return tuple(found[k] for k in range(len(segments.owner)))
+        results.update(zip(way.nodes, displacements(state, twists), strict=True))
+    return tuple(results[k] for k in range(len(segments.owner)))
 
 
 def _pull(way: CutWay, frames: Frames, forces: Sequence[Vector]) -> tuple[Vector, Vector]:

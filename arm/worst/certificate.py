@@ -102,10 +102,10 @@ def maximise(
         for start in range(0, len(centers), _CHUNK):
             part = slice(start, start + _CHUNK)
             values[part], tops[part] = upper_bounds(terms, centers[part], half[part], which[part])
-        found = values if admissible is None else np.where(admissible(centers, half, which), values, -np.inf)
-        if len(found) and found.max() > best:
-            top = int(np.argmax(found))
-            best, best_point, best_function = float(found[top]), centers[top].copy(), int(which[top])
+        result = values if admissible is None else np.where(admissible(centers, half, which), values, -np.inf)
+        if len(result) and result.max() > best:
+            top = int(np.argmax(result))
+            best, best_point, best_function = float(result[top]), centers[top].copy(), int(which[top])
         enough = best + gap * abs(best) if np.isfinite(best) else -np.inf
         open_cells = tops > enough
         if np.any(~open_cells):

@@ -104,11 +104,11 @@ def _places(workspace: Workspace) -> tuple[Array, Array]:
     if workspace.kind == "box":
         return _places_in_box(points.min(axis=0), points.max(axis=0), in_plane=workspace.in_plane)
     lengths = [math.dist(a, b) for a, b in workspace.pieces]
-    found = [points]
+    results = [points]
     for (a, b), length in zip(np.array(workspace.pieces), lengths, strict=True):
         share = np.linspace(0.0, 1.0, 2 + round(_ALONG * length / (sum(lengths) or 1.0)))[1:-1, None]
-        found.append(a + share * (b - a))
-    places = np.vstack(found)
+        results.append(a + share * (b - a))
+    places = np.vstack(results)
     return places, np.ones(len(places))
 
 

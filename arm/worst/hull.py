@@ -357,9 +357,9 @@ def bound(played: PlayedVector, known: float, *, gap: float, effort: int, narrow
         halved, smaller, inside = _narrowed(narrow, halved, smaller)
         whole = np.repeat(tops[chosen], 2)[inside]
         # A part is no worse than the whole, whatever rounding says.
-        found = np.minimum(played.longest(halved, smaller), whole)
+        result = np.minimum(played.longest(halved, smaller), whole)
         centers, half = np.concatenate([centers[rest], halved]), np.concatenate([half[rest], smaller])
-        tops = np.concatenate([tops[rest], found])
+        tops = np.concatenate([tops[rest], result])
 
 
 def _narrowed(narrow: Narrowing | None, centers: Array, half: Array) -> tuple[Array, Array, NDArray[np.bool_]]:

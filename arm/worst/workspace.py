@@ -347,8 +347,8 @@ class RegionCells:
         cells (d, N), m."""
         count, axes = len(centers), range(2 if self.workspace.in_plane else 3)
         beside = self.tip.remainder(half, 1)
-        found = [self.tip.at(centers, np.full(count, axis, dtype=np.intp), order=1) for axis in axes]
-        values, slopes = np.stack([item[0] for item in found]), np.stack([item[1] for item in found])
+        results = [self.tip.at(centers, np.full(count, axis, dtype=np.intp), order=1) for axis in axes]
+        values, slopes = np.stack([item[0] for item in results]), np.stack([item[1] for item in results])
         return values, slopes, np.stack([np.broadcast_to(beside[axis], (count,)) for axis in axes])
 
     def _tips(self, centers: Array, half: Array) -> tuple[Array, Array]:

@@ -265,11 +265,11 @@ class _Viewing:
         best, least = place, np.inf
         for rotation in self._rotations():
             tried = replace(place, rotation=rotation, translation=self._shift(rotation, place))
-            found, _ = few._fitted(tried, _START_STEPS)  # its own kind
-            rms = few.seen(found).rms()
+            result, _ = few._fitted(tried, _START_STEPS)  # its own kind
+            rms = few.seen(result).rms()
             # An earlier start turns less: it stays unless another fits clearly better.
             if rms < _BETTER * least:
-                best, least = replace(place, rotation=found.rotation, translation=found.translation), rms
+                best, least = replace(place, rotation=result.rotation, translation=result.translation), rms
         return best
 
     def _rotations(self) -> Iterator[Array]:

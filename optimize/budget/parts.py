@@ -113,7 +113,7 @@ def _stacked(loads: Sequence[Sequence[_Part]], states: Sequence[int]) -> tuple[_
     """The parts under one load after another. One that another tip alone has, of several on one torso, is nought at
     the states of the others."""
     by_load = [_numbered(parts) for parts in loads]
-    found: list[_Part] = []
+    results: list[_Part] = []
     for key in dict.fromkeys(key for item in by_load for key in item):
         there = [item.get(key) for item in by_load]
         first = next(item for item in there if item is not None)
@@ -127,8 +127,8 @@ def _stacked(loads: Sequence[Sequence[_Part]], states: Sequence[int]) -> tuple[_
             )
             for name in names
         }
-        found.append(replace(first, **rows))
-    return tuple(found)
+        results.append(replace(first, **rows))
+    return tuple(results)
 
 
 def _numbered(parts: Sequence[_Part]) -> dict[tuple[object, ...], _Part]:

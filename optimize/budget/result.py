@@ -122,11 +122,11 @@ def budget(
         would_do = "stiffness, backlash or clearance of joints, sections of links, or a sheet with tolerances"
         raise InputError("", "", f"{arm.name} has no data of anything that errs; give {would_do}")
     draws = Draws(sheet.seed, sheet.draws, parts.states)
-    found = errors(parts, draws)
-    quantile_worst = quantile(found, sheet.share)
+    result = errors(parts, draws)
+    quantile_worst = quantile(result, sheet.share)
     place = int(np.argmax(quantile_worst))
-    worst, average = _figures(found, sheet.share, spread)
-    samples = np.sort(found.max(axis=1))
+    worst, average = _figures(result, sheet.share, spread)
+    samples = np.sort(result.max(axis=1))
     upper = upper_rank(sheet.share, sheet.draws)
     places = owners(parts)
     done, steps = 0, len(named) + len(places) + len(sheet.options)
@@ -219,6 +219,6 @@ def _poses(arm: Arm, sheet: Sheet, workspace: Workspace, cases: Sequence[LoadCas
     if not len(evenly):
         raise NoRoom(f"what is to be avoided leaves none of {_LOOKED_AT} poses of the workspace")
     parts = parts_of(arm, sheet, spread, cases)
-    found = errors(parts, Draws(sheet.seed, _ARMS, parts.states))
-    of_arms = spread[np.unique(found.argmax(axis=1) % len(spread))]
+    result = errors(parts, Draws(sheet.seed, _ARMS, parts.states))
+    of_arms = spread[np.unique(result.argmax(axis=1) % len(spread))]
     return np.vstack([worst, of_arms, others[len(evenly) :], evenly]), len(evenly)

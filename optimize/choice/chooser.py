@@ -125,9 +125,9 @@ class Chooser:
                 continue
             if self.progress is not None:
                 self.progress(number, len(picks), "bounding combinations")
-            found = self.solve_unless_ruled_out(pick)
-            if found is not None and found.objective is not None and found.solution is not None:
-                bounds.append((found.objective, number, found.solution.x))
+            result = self.solve_unless_ruled_out(pick)
+            if result is not None and result.objective is not None and result.solution is not None:
+                bounds.append((result.objective, number, result.solution.x))
         bounds.sort(key=lambda entry: entry[:2])
         for done, (bound, number, start) in enumerate(bounds):
             if self.progress is not None:
@@ -523,12 +523,12 @@ class Chooser:
 
 def _alone(exchange: Exchange, materials: Array, pool: Pool, starts: Sequence[Array]) -> Answer:
     """What a combination comes to for a pool alone, from one start after another until there is a solution."""
-    found, unsolved = None, False
+    result, unsolved = None, False
     for start in starts:
-        found = exchange.bound(materials, pool, start)
-        if found is not None:
+        result = exchange.bound(materials, pool, start)
+        if result is not None:
             break
         unsolved = unsolved or not exchange.infeasible
     assert exchange.room is not None
-    solution, objective = (None, None) if found is None else found
-    return Answer(exchange.room, objective, solution, found is None and unsolved, None)
+    solution, objective = (None, None) if result is None else result
+    return Answer(exchange.room, objective, solution, result is None and unsolved, None)

@@ -129,7 +129,7 @@ def uniform(problem: Problem) -> list[Combination]:
     shapes, materials = options(problem)
     kinds = list(dict.fromkeys(itertools.chain.from_iterable(shapes)))
     common_materials = list(dict.fromkeys(itertools.chain.from_iterable(materials)))
-    found = [
+    results = [
         Combination(
             tuple(shape if shape in own else next(iter(own)) for own in shapes),
             tuple(material if material in own else next(iter(own)) for own in materials),
@@ -137,7 +137,7 @@ def uniform(problem: Problem) -> list[Combination]:
         for shape in kinds
         for material in common_materials
     ]
-    return list(dict.fromkeys(found))
+    return list(dict.fromkeys(results))
 
 
 def one_link_changed(problem: Problem, pick: Combination, link: int) -> list[Combination]:

@@ -313,13 +313,13 @@ def expressions(space: DesignSpace, x: Any, materials: Any) -> DesignExpressions
             mass = mass + rigid_beams[link].lumped_mass
             continue
         material = material_values(materials, link)
-        found = symbolic_properties(section.shape, chosen[link][0], material.poisson_ratio)
+        result = symbolic_properties(section.shape, chosen[link][0], material.poisson_ratio)
         # Warping is taken as free along a tapered link.
         held = warping_of(arm, link) if space.problem.ranges[link].taper is None else FREE
-        beam = elastic_beam(length, found, material, shear=True, warping=held)
+        beam = elastic_beam(length, result, material, shear=True, warping=held)
         if space.problem.ranges[link].taper is not None:
             beam = similar_beam(beam, tapers[link])
-        properties.append(found)
+        properties.append(result)
         beams.append(beam)
         chosen_materials.append(material)
         weight = beam.mass_per_length * length
@@ -329,7 +329,7 @@ def expressions(space: DesignSpace, x: Any, materials: Any) -> DesignExpressions
         own_figure: dict[str, Any] = {name: value}
         beams[link] = replace(beams[link], **own_figure)
     column = [getattr(beam, name) for beam in beams for name in BEAM_FIELDS]
-    strength = [1.0 if found is None else getattr(found, name) for found in properties for name in STRENGTH_FIELDS]
+    strength = [1.0 if result is None else getattr(result, name) for result in properties for name in STRENGTH_FIELDS]
     return DesignExpressions(
         tuple(sections),
         tuple(chosen_materials),

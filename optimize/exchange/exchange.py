@@ -335,8 +335,8 @@ class Exchange:
             certified = worst.certified
             violation = worst.error / max(allowed, LEAST_ERROR) - 1.0
             worse = [pose for pose in worst.poses if pose.error > allowed * (1.0 + 0.1 * TOLERANCE)]
-            found = [error_cut(context, pose, p, self.space) for pose in worse[:_MOST_ADDED]]
-            grown = grown.with_errors(tuple(found)).with_errors(tuple(self._between(found, grown)))
+            results = [error_cut(context, pose, p, self.space) for pose in worse[:_MOST_ADDED]]
+            grown = grown.with_errors(tuple(results)).with_errors(tuple(self._between(results, grown)))
         for family, prepared in context.families:
             cuts: list[Cut] = []
             for each in family.worst(prepared, context.problem, context.design(arm, p)):
@@ -466,6 +466,6 @@ def first_pool(context: Context, space: DesignSpace, x: Array, chosen: Sequence[
         poses = [pose for pose in worst.poses if pose.error > 0.9 * worst.error][:4]
         pool = pool.with_errors(tuple(error_cut(context, pose, p, space) for pose in poses))
     for family, prepared in context.families:
-        found = family.worst(prepared, context.problem, context.design(arm, p))
-        pool = pool.with_cuts(family.name, family.first(found))
+        result = family.worst(prepared, context.problem, context.design(arm, p))
+        pool = pool.with_cuts(family.name, family.first(result))
     return pool

@@ -124,11 +124,11 @@ def _anchored(
 
 def filled(cuts: Sequence[AnyCut], slots: Sequence[int]) -> list[AnyCut]:
     """The cut in each slot, group after group (load cases, for the error); spare slots repeat the group's last."""
-    found: list[AnyCut] = []
+    results: list[AnyCut] = []
     for group, count in enumerate(slots):
         members = [cut for cut in cuts if cut.group == group]
-        found += [members[min(slot, len(members) - 1)] for slot in range(count)]
-    return found
+        results += [members[min(slot, len(members) - 1)] for slot in range(count)]
+    return results
 
 
 def error_parameters(model: ErrorModel, cuts: Sequence[ErrorCut], *, anchored: bool) -> tuple[list[float], list[float]]:

@@ -60,9 +60,9 @@ def robust_structures(problem: Problem, options: Options) -> OptimizationResult:
             return Answer(nominal.objective, nominal, interrupted=True)
         if worst and nominal.objective >= known:
             return None
-        found = robust_optimum(problem_here, nominal, options)
-        seconds += found.seconds
-        return Answer(found.objective, found, found.interrupted)
+        outcome = robust_optimum(problem_here, nominal, options)
+        seconds += outcome.seconds
+        return Answer(outcome.objective, outcome, outcome.interrupted)
 
     search = StructureSearch(problem if every else replace(problem, actuators=None), solve, options.progress)
     search.run()

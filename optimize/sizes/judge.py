@@ -100,8 +100,8 @@ class Judge:
             near = [pose for pose in worst.poses if pose.error > 0.9 * worst.error][:_ADDED]
             self.add_poses(np.array([pose.q for pose in near]), [pose.load_case for pose in near], p)
         for family, prepared in self.context.families:
-            found = family.worst(prepared, self.problem, self.context.design(arm, p))
-            self.pool = self.pool.with_cuts(family.name, family.first(found))
+            result = family.worst(prepared, self.problem, self.context.design(arm, p))
+            self.pool = self.pool.with_cuts(family.name, family.first(result))
 
     def cuts(self) -> Pool:
         """All poses that told, those of families that look at designs one by one among them."""
@@ -402,11 +402,11 @@ class Judge:
             if not feasible:
                 break
             if family.bounds_many:
-                found = family.worst(prepared, self.problem, self.context.design(arm, p))
-                feasible = self._keeps(found)
+                result = family.worst(prepared, self.problem, self.context.design(arm, p))
+                feasible = self._keeps(result)
                 if not feasible:
-                    cases = [family.load_case(item.cut) for item in found]
-                    self.add_poses(np.array([item.cut.q for item in found]), cases, p)
+                    cases = [family.load_case(item.cut) for item in result]
+                    self.add_poses(np.array([item.cut.q for item in result]), cases, p)
         return feasible
 
 

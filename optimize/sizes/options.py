@@ -113,14 +113,14 @@ def columns_of(problem: Problem, link: int, options: Sequence[Option]) -> Array:
 def agreeing(lists: Sequence[LinkList], same: frozenset[str]) -> list[tuple[NDArray[np.intp], ...]]:
     """All designs, in parts that agree in what must be the same: of each link the options (by number) in a part."""
     kinds = [kinds_of(link_list, same) for link_list in lists]
-    found: list[tuple[NDArray[np.intp], ...]] = []
+    results: list[tuple[NDArray[np.intp], ...]] = []
     for kind in dict.fromkeys(kinds[0]):
         options = tuple(
             np.array([k for k, item in enumerate(link_kinds) if item == kind], dtype=np.intp) for link_kinds in kinds
         )
         if all(len(link_options) for link_options in options):
-            found.append(options)
-    return found
+            results.append(options)
+    return results
 
 
 def kinds_of(own: LinkList, same: frozenset[str]) -> list[object]:

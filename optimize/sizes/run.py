@@ -97,7 +97,7 @@ def listed_structures(problem: Problem, options: Options) -> OptimizationResult:
     lower_bound = min([best.objective, *bounds]) if known else best.objective
     gap = max(0.0, 1.0 - lower_bound / best.objective) if known and best.objective else None
     proven = gap is not None and gap <= 2.0 * CLOSE
-    found = replace(
+    outcome = replace(
         best,
         limits=limits_in_words(problem),
         drives=search.drives(),
@@ -111,8 +111,8 @@ def listed_structures(problem: Problem, options: Options) -> OptimizationResult:
         interrupted=search.interrupted,
     )
     if search.interrupted:
-        return replace(found, status="interrupted", optimum="local")
-    return found if proven or best.status == "doubtful" else replace(found, status="searched", optimum="local")
+        return replace(outcome, status="interrupted", optimum="local")
+    return outcome if proven or best.status == "doubtful" else replace(outcome, status="searched", optimum="local")
 
 
 def listed_optimum(problem: Problem, options: Options, given: Problem) -> OptimizationResult:

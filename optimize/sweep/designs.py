@@ -201,16 +201,16 @@ class Sweep:
         return np.where(worst > 0.0, 1.0 / np.where(worst > 0.0, worst, 1.0), np.nan) if less else worst
 
     def _one_by_one(self, figure: Figure, family: PoseFamily[Any], report: Report) -> Array:
-        found = np.full(len(self.rows), np.nan)
+        result = np.full(len(self.rows), np.nan)
         for number in range(len(self.rows)):
             arm = self.design(number)
             design = DesignValues(arm, self.cases, self.search, self.p[number])
             question = _Question(arm, self.cases, (Limit(figure, figure.senses[0], 1.0),))
             worst = family.worst(family.prepare(question), question, design)
             values = [item.value for item in worst if item.name == figure.name]
-            found[number] = figure.worst(values) if values else np.nan
+            result[number] = figure.worst(values) if values else np.nan
             report((number + 1) / len(self.rows))
-        return found
+        return result
 
     def _error(self, group: int, q: Array, designs: Integers) -> Array:
         """The error (m) of some designs, each at a pose of its own, in a load case."""

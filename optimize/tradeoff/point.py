@@ -284,9 +284,9 @@ class _Trial:
             if pick == done or search.bound_on(self._push, pick, self._held) >= self.badness:
                 continue
             search.say(f"bounding combination {number + 1} of {len(picks)}", number / len(picks))
-            found = self._bound(pick, pool)
-            if found is not None:
-                bounds.append((found[0], number, found[1]))
+            result = self._bound(pick, pool)
+            if result is not None:
+                bounds.append((result[0], number, result[1]))
         bounds.sort(key=lambda entry: entry[:2])
         for done_of, (bound, number, start) in enumerate(bounds):
             if bound < self.badness:

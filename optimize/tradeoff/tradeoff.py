@@ -127,8 +127,8 @@ def _envelope(question: Question, tracers: Sequence[Tracer], accuracy: float) ->
 
     def best(stretch: Stretch[Node]) -> Node | None:
         names = dict.fromkeys((stretch.left.group, stretch.right.group))
-        found = [node for name in names if (node := named[name].at(stretch.level)) is not None]
-        return min(found, key=lambda node: axes[1].badness(node.y), default=None)
+        results = [node for name in names if (node := named[name].at(stretch.level)) is not None]
+        return min(results, key=lambda node: axes[1].badness(node.y), default=None)
 
     most = len(nodes) + 40 * max(len(changes), 1)
     return refine(axes, nodes, changes, best, accuracy, most=most, listed=question.given.sizes is not None)

@@ -135,8 +135,8 @@ def _triangles(content: bytes) -> Array | None:
     else:
         lines = (line.split() for line in content.decode("ascii", errors="replace").splitlines())
         try:
-            found = [[float(word) for word in words[1:4]] for words in lines if words[:1] == ["vertex"]]
-            corners = np.array(found, dtype=float).reshape(-1, 3, 3)
+            results = [[float(word) for word in words[1:4]] for words in lines if words[:1] == ["vertex"]]
+            corners = np.array(results, dtype=float).reshape(-1, 3, 3)
         except ValueError:
             return None
     return corners if np.all(np.isfinite(corners)) else None

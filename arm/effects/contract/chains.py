@@ -132,10 +132,10 @@ def faults_on(
     tried: Iterable[Tried], faults: Callable[[Tried], Iterable[str]], where: Callable[[Tried], str]
 ) -> list[str]:
     """What is wrong on any of what is tried, as phrases, each once; what is raised there is one of them."""
-    found: dict[str, None] = {}
+    results: dict[str, None] = {}
     for item in tried:
         try:
-            found.update(dict.fromkeys(faults(item)))
+            results.update(dict.fromkeys(faults(item)))
         except _FAILURES as error:
-            found[f"raises {type(error).__name__} ({error}) on {where(item)}"] = None
-    return list(found)
+            results[f"raises {type(error).__name__} ({error}) on {where(item)}"] = None
+    return list(results)

@@ -16,10 +16,10 @@ from linkwright.core.units.temperature import REFERENCE_TEMPERATURE
 def _torque(motion: Motion, values: Mapping[str, float], joint: int) -> Array:
     way = direction(motion.velocity[:, joint])
     warmed = 1.0 - np.exp(-motion.time / values.get("time", 300.0))
-    found = values.get("torque", 0.0) * way * warmed
+    result = values.get("torque", 0.0) * way * warmed
     if motion.temperature is None:
-        return found
-    return found + values.get("per_kelvin", 0.0) * way * (motion.temperature - REFERENCE_TEMPERATURE)
+        return result
+    return result + values.get("per_kelvin", 0.0) * way * (motion.temperature - REFERENCE_TEMPERATURE)
 
 
 FRICTION_WARMUP = drive_effect(

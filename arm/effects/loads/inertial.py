@@ -61,9 +61,9 @@ def torque_of_more(motion: Motion, parameters: Array) -> Mapping[int, Array]:
     if not parameters.any():
         return MappingProxyType({})
     arm = without_tip_load(motion.arm)
-    found = rigid_torque(arm, parameters, motion.q, motion.velocity, motion.acceleration)
+    result = rigid_torque(arm, parameters, motion.q, motion.velocity, motion.acceleration)
     last = int(np.flatnonzero(parameters.any(axis=1))[-1])
-    return {index: found[:, index] for index in range(last + 1)}
+    return {index: result[:, index] for index in range(last + 1)}
 
 
 def of_links(arm: Arm, settings: Settings) -> Array:

@@ -249,16 +249,16 @@ class Cells:
         """The least of a sum of columns (N) over what of each cell keeps its limits, from below: as well as it is known
         for those cells that come within `room` of the least of all. And how much curvature may have done to it, along
         all dimensions together; infinite where limits were not looked at, or nothing is known of corners."""
-        found, bent = self._sags(ids, price)
-        values = (self.corners[ids, :-1] @ price).min(axis=1) - found
+        result, bent = self._sags(ids, price)
+        values = (self.corners[ids, :-1] @ price).min(axis=1) - result
         bent = np.where(self.across[ids], np.inf, bent)
         doubtful = self.across[ids]
         while (doubtful & (values <= values.min() + room)).any():
             near = np.flatnonzero(doubtful)
             if len(near) > _AT_ONCE:
                 near = near[np.argpartition(values[near], _AT_ONCE - 1)[:_AT_ONCE]]
-            found, curved = self._over_kept(ids[near], price)
-            values[near], bent[near], doubtful[near] = np.maximum(values[near], found), curved, False
+            result, curved = self._over_kept(ids[near], price)
+            values[near], bent[near], doubtful[near] = np.maximum(values[near], result), curved, False
         return values, bent
 
     def _over_kept(self, ids: Ids, price: Array) -> tuple[Array, Array]:
@@ -294,16 +294,16 @@ class Cells:
         """The least of a sum of columns over what of a cell keeps its limits, and the columns that it comes from;
         infinite where nothing keeps them all."""
         scores, held, bends = self.corners[cell, :-1] @ price, self.held[cell], self.held_bends[cell]
-        shares, found = np.eye(len(scores))[scores.argmin()], np.zeros(held.shape[1])
+        shares, result = np.eye(len(scores))[scores.argmin()], np.zeros(held.shape[1])
         empty = False
         if self.across[cell]:
             mixed = mixture(scores, held - np.maximum(bends, 0.0).sum(axis=0))
             empty = mixed is None
-            shares, found = mixed or (shares, found)
+            shares, result = mixed or (shares, result)
         own = self.bends[cell]
-        along = own @ price + bends @ found
-        sag, _ = self._sags(np.array([cell]), price, found[None])
-        value = float((scores + held @ found).min() - _GIVES * found.sum() - sag[0])
+        along = own @ price + bends @ result
+        sag, _ = self._sags(np.array([cell]), price, result[None])
+        value = float((scores + held @ result).min() - _GIVES * result.sum() - sag[0])
         there = shares > 0.0
         taken = shares[there] @ self.corners[cell, :-1][there] - own[along > 0.0].sum(axis=0)
         taken -= _CANCELLED * np.sign(price) * np.abs(own).sum(axis=0)
@@ -371,8 +371,8 @@ def columns_of(
     columns = np.zeros((*shape, len(COLUMNS)))
     price: Any = materials.cost
     with np.errstate(all="ignore"):
-        found = features(section.properties(materials.poisson_ratio), materials, shear=shear, twisted=twisted)
-        for k, feature in enumerate(found):
+        result = features(section.properties(materials.poisson_ratio), materials, shear=shear, twisted=twisted)
+        for k, feature in enumerate(result):
             columns[..., k] = np.log(np.broadcast_to(feature, shape))
         columns[..., PRICE] = np.log(np.maximum(price * np.exp(columns[..., 0]), _LEAST_PRICE))
     columns[..., EXPANSION] = materials.thermal_expansion

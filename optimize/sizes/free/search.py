@@ -229,16 +229,16 @@ class FreeListSearch(ListedSearch):
         start = [lengths[link] for link in self.links]
         for _ in range(_MOST_ROUNDS):
             assert self._program is not None
-            found: Lengths | None = self._program.solve(columns, start)
-            if found is None or found.value >= self.objective * (1.0 - _BETTER):
+            result: Lengths | None = self._program.solve(columns, start)
+            if result is None or result.value >= self.objective * (1.0 - _BETTER):
                 return
-            start = list(found.lengths)
+            start = list(result.lengths)
             whole = list(self.context.problem.arm.lengths)
-            for link, length in zip(self.links, found.lengths, strict=True):
+            for link, length in zip(self.links, result.lengths, strict=True):
                 whole[link] = length
             place = self._offer(pick, [fitted(self.context.problem, whole)])[0]
             p = self.judge.table.figures(np.array([[*pick, place]])).p[0]
-            allowed = found.value * self.worth if self.context.problem.minimize == "max_error" else self._allowed
+            allowed = result.value * self.worth if self.context.problem.minimize == "max_error" else self._allowed
             if not self._learn(p, allowed):
                 return
             self._refresh()
