@@ -47,7 +47,7 @@ def _row(row: Any, kind: str) -> Any:
     if not isinstance(row, list):
         return row
     pairs = zip(cast(list[Any], row), ("temperature", kind), strict=False)
-    return [_written(item, own) for item, own in pairs]
+    return [_written(item, entry) for item, entry in pairs]
 
 
 def _laminate(value: dict[str, Any]) -> dict[str, Any]:

@@ -519,7 +519,7 @@ def _choose(
 
 def _all(by_link: ByLink[tuple[Item, ...]]) -> tuple[Item, ...] | None:
     """What any link may be; None where nothing is said."""
-    return tuple(dict.fromkeys(item for own in by_link.each for item in own or ())) or None
+    return tuple(dict.fromkeys(item for entry in by_link.each for item in entry or ())) or None
 
 
 def _shapes(body: Mapping, key: str) -> tuple[str, ...]:

@@ -165,9 +165,9 @@ class StructureSearch(Generic[Found]):
         improved = True
         while improved and self.best is not None and self.best[0].places == places:
             before = self.objective
-            for joint, own in enumerate(lists):
+            for joint, entry in enumerate(lists):
                 pick = self.best[0].drives
-                self._try_all([(*pick[:joint], other, *pick[joint + 1 :]) for other in own], places)
+                self._try_all([(*pick[:joint], other, *pick[joint + 1 :]) for other in entry], places)
             improved = self.objective < before * (1.0 - _BETTER)
 
     # ---- what became of all

@@ -159,9 +159,9 @@ class Branches(Acting):
     def at_end(self, link: int, load: Load) -> Load:
         """At the torso's end with all that hangs there."""
         if link == self.arm.branches[0].first - 1:
-            for away, own in self.hanging:
-                own = own.scaled(away)
-                load = load.pushed(own.force).turned(own.moment)
+            for away, item in self.hanging:
+                item = item.scaled(away)
+                load = load.pushed(item.force).turned(item.moment)
         return load
 
     def passed_by(self, link: int, beyond: Load, load: Load) -> Load:

@@ -58,14 +58,14 @@ def turns(arm: Arm, q: Sequence[Scalar]) -> list[Scalar]:
     """How far each joint turns (rad) or slides (m) at coordinates q; what q holds of joints without a drive of their
     own does not count."""
     return [
-        own if joint.follows is None else joint.follows.at(own, q) for joint, own in zip(arm.joints, q, strict=True)
+        item if joint.follows is None else joint.follows.at(item, q) for joint, item in zip(arm.joints, q, strict=True)
     ]
 
 
 def coordinates(arm: Arm, q: Sequence[Scalar]) -> list[Scalar]:
     """The coordinates q with those of joints that only follow filled in."""
     whole = turns(arm, q)
-    return [own if joint.driven else turn for joint, own, turn in zip(arm.joints, q, whole, strict=True)]
+    return [item if joint.driven else turn for joint, item, turn in zip(arm.joints, q, whole, strict=True)]
 
 
 def completed(arm: Arm, q: Array) -> Array:

@@ -121,7 +121,7 @@ def in_base_frame(state: PoseState, index: int, vector: FloatVector) -> Vector:
     link, at_pose = state.arm.links[index], state.links[index]
     height, width = section_directions(link, state.arm.joints[index])
     axes = ((link.direction, at_pose.along), (height, at_pose.height), (width, at_pose.width))
-    along, up, aside = (scale(snap(dot(vector, own)), there) for own, there in axes)
+    along, up, aside = (scale(snap(dot(vector, item)), there) for item, there in axes)
     return add(along, add(up, aside))
 
 

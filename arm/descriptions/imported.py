@@ -81,8 +81,8 @@ def _several(robot: Robot, start: str, ends: Sequence[str], chains: Sequence[Seq
         robot.file,
         start,
         ", ".join(ends),
-        (*names[0][0], *(name for own, _ in names[1:] for name in own[shared:])),
-        (*names[0][1], *(name for _, own in names[1:] for name in own[shared:])),
+        (*names[0][0], *(name for item, _ in names[1:] for name in item[shared:])),
+        (*names[0][1], *(name for _, item in names[1:] for name in item[shared:])),
         tuple(dict.fromkeys(note for way in ways for note in way.notes)),
         _together([way.lacking for way in ways], numbers),
         tuple(dict.fromkeys(said for way in ways for said in way.lost)),
@@ -109,13 +109,13 @@ def _ways(robot: Robot, start: str, ends: Sequence[str], chains: Sequence[Sequen
 def _shared(robot: Robot, ends: Sequence[str], names: Sequence[Sequence[str]]) -> int:
     """How many joints several ways have in common, all of them the same; raises `InputError` for none, and for more."""
     count = 0
-    while all(len(own) > count + 1 for own in names) and len({own[count] for own in names}) == 1:
+    while all(len(item) > count + 1 for item in names) and len({item[count] for item in names}) == 1:
         count += 1
     listed = ", ".join(map(shown, ends))
     if not count:
         message = f"{listed} share no joint that moves, so that none loads another; import each by itself"
         raise InputError(robot.file, "tip", message)
-    if len({own[count] for own in names}) < len(names):
+    if len({item[count] for item in names}) < len(names):
         raise InputError(robot.file, "tip", f"{listed} part at several places; name tips that part at one")
     return count
 
@@ -138,8 +138,8 @@ def _branch_name(link: str, taken: Sequence[str]) -> str:
 def _together(lists: Sequence[Sequence[Lacking]], numbers: Sequence[Sequence[int]]) -> tuple[Lacking, ...]:
     """What several ways lack, said once, with the numbers of joints and links in the whole arm."""
     results: dict[tuple[str, str], Lacking] = {}
-    for own, places in zip(lists, numbers, strict=True):
-        for one in own:
+    for item, places in zip(lists, numbers, strict=True):
+        for one in item:
             at = tuple(places[number - 1] + 1 for number in one.at)
             before = results.get((one.what, one.shows))
             merged = at if before is None else tuple(sorted({*before.at, *at}))

@@ -419,10 +419,10 @@ def _with_links(frames: Frames, turns: Sequence[Rows], owner: Sequence[int]) -> 
     """Frames turned as the links are, each with the one that is its `owner`."""
     joints: list[JointFrame] = []
     links: list[LinkFrame] = []
-    for link, joint, own in zip(frames.links, frames.joints, owner, strict=True):
-        before = turns[own - 1] if own else IDENTITY
+    for link, joint, item in zip(frames.links, frames.joints, owner, strict=True):
+        before = turns[item - 1] if item else IDENTITY
         joints.append(JointFrame(rotate(before, joint.lead), rotate(before, joint.axis), joint.before))
-        turn = turns[own]
+        turn = turns[item]
         links.append(LinkFrame(rotate(turn, link.vector), *_turned(turn, _directions(link))))
     return Frames(tuple(joints), tuple(links), rotate(turns[-1], frames.tool), frames.orientation)
 

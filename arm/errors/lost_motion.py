@@ -145,8 +145,8 @@ def _plane_vertices(intervals: Array) -> Array:
     size = np.sqrt(x * x + y * y)
     parallel = np.abs(turning) <= 1e-12 * (size[:, :, None] * size[:, None, :])
     rows: list[Array] = []
-    for side, own in itertools.product((-1.0, 1.0), (-1.0, 1.0)):
-        rows.append(np.where(parallel, own * np.where(products >= 0.0, 1.0, -1.0), side * np.sign(turning)))
+    for side, item in itertools.product((-1.0, 1.0), (-1.0, 1.0)):
+        rows.append(np.where(parallel, item * np.where(products >= 0.0, 1.0, -1.0), side * np.sign(turning)))
     return np.concatenate(rows, axis=1)
 
 

@@ -72,7 +72,7 @@ def loads_at(far: Sequence[Any], share: Any, weight_beyond: Any, moment_beyond: 
     its weight beyond, and that weight's moment about the cut (per weight and length)."""
     force, moment, weight, length = far[0:3], far[3:6], far[6:9], far[9]
     rest, lever = (1.0 - share) * length, moment_beyond * length
-    carried = [item + weight_beyond * own for item, own in zip(force, weight, strict=True)]
+    carried = [item + weight_beyond * entry for item, entry in zip(force, weight, strict=True)]
     return WallLoads(
         pressing=-carried[0],
         in_height=moment[2] + rest * force[1] + lever * weight[1],
@@ -225,24 +225,24 @@ def local_buckling(
     links = cases[0].links
     buckling = Buckling(tuple(cases), tuple(link_modes(arm, number, beams[number]) for number in links))
     best = [
-        LinkBuckling(number, math.inf if own.unknown is None else None, unknown=own.unknown)
-        for number, own in zip(links, buckling.modes, strict=True)
+        LinkBuckling(number, math.inf if item.unknown is None else None, unknown=item.unknown)
+        for number, item in zip(links, buckling.modes, strict=True)
     ]
-    if all(own.modes is None for own in buckling.modes):
+    if all(item.modes is None for item in buckling.modes):
         return LocalBuckling(tuple(best))
     for case in range(len(cases)):
         top = climbed(search, lambda q, case=case: buckling.greatest(case, q, p), poses, p, _CLIMBS, least=least)
         every = np.vstack([poses, top])
         uses = buckling.greatest(case, every, p)
-        for entry, own in enumerate(buckling.modes):
+        for entry, item in enumerate(buckling.modes):
             place = int(np.argmax(uses[:, entry]))
             use, known = float(uses[place, entry]), best[entry].factor
-            if own.modes is None or known is None or use * known <= 1.0 or use < _FELT:
+            if item.modes is None or known is None or use * known <= 1.0 or use < _FELT:
                 continue
-            at = own.uses(buckling.far(case, every[place][None], p)[entry])[0]
+            at = item.uses(buckling.far(case, every[place][None], p)[entry])[0]
             station, mode = np.unravel_index(int(np.argmax(at)), at.shape)
-            share, q = float(own.stations[0][station]), tuple(every[place].tolist())
-            best[entry] = LinkBuckling(links[entry], 1.0 / use, own.names[mode], q, case, share)
+            share, q = float(item.stations[0][station]), tuple(every[place].tolist())
+            best[entry] = LinkBuckling(links[entry], 1.0 / use, item.names[mode], q, case, share)
     return LocalBuckling(tuple(best))
 
 

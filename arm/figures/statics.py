@@ -58,9 +58,9 @@ def greatest(
         poses = np.vstack([poses, *climbs])
     values = np.stack([case(poses) for case in cases])
     extremes: list[Extreme] = []
-    for own in np.moveaxis(values, -1, 0):
-        case, pose = np.unravel_index(int(np.argmax(own)), own.shape)
-        extremes.append(Extreme(float(own[case, pose]), tuple(poses[int(pose)].tolist()), int(case)))
+    for item in np.moveaxis(values, -1, 0):
+        case, pose = np.unravel_index(int(np.argmax(item)), item.shape)
+        extremes.append(Extreme(float(item[case, pose]), tuple(poses[int(pose)].tolist()), int(case)))
     return extremes
 
 

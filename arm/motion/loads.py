@@ -33,11 +33,11 @@ def loads_of(motion: Motion) -> tuple[OfDrive, ...]:
     power = drive_power(motion, torque)
     span = float(motion.time[-1] - motion.time[0])
     loads: list[OfDrive] = []
-    for own, speed, work in zip(torque.T, motion.velocity.T, power.T, strict=True):
+    for item, speed, work in zip(torque.T, motion.velocity.T, power.T, strict=True):
         loads.append(
             OfDrive(
-                torque=float(np.abs(own).max()),
-                rms_torque=float(np.sqrt(np.trapezoid(own**2, motion.time) / span)),
+                torque=float(np.abs(item).max()),
+                rms_torque=float(np.sqrt(np.trapezoid(item**2, motion.time) / span)),
                 speed=float(np.abs(speed).max()),
                 power=float(work.max()),
                 energy=float(np.trapezoid(np.maximum(work, 0.0), motion.time)),

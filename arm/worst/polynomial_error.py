@@ -151,10 +151,10 @@ def error_polynomials(
 def _standings(count: int, regions: Sequence[Way], *, loaded: bool) -> tuple[Array, Array, Array]:
     """The weights of each function, and the least and most of the loads between which it counts."""
     signs = sign_vertices(count)
-    weights = np.array([[*own, *region.weights] for own, region in _pairs(signs, regions)])
+    weights = np.array([[*item, *region.weights] for item, region in _pairs(signs, regions)])
     seats = signs if loaded else np.zeros((len(signs), 0))
-    least = np.array([[*np.where(own > 0.0, 0.0, -np.inf), *region.least] for own, region in _pairs(seats, regions)])
-    most = np.array([[*np.where(own > 0.0, np.inf, 0.0), *region.most] for own, region in _pairs(seats, regions)])
+    least = np.array([[*np.where(item > 0.0, 0.0, -np.inf), *region.least] for item, region in _pairs(seats, regions)])
+    most = np.array([[*np.where(item > 0.0, np.inf, 0.0), *region.most] for item, region in _pairs(seats, regions)])
     return weights, least, most
 
 
@@ -177,11 +177,11 @@ def _columns(
             )
             vector = played(only_discs, np.where(pushed, case.radii, 0.0), "loaded", planar=planar).vector
         rows = [arrays.intervals.reshape(len(q), -1)]
-        for k, own in enumerate(case.zones):
+        for k, item in enumerate(case.zones):
             # What a drive winds up by is no polynomial, but within each zone it is its load and a constant.
             load, moved = arrays.kink_loads[:, k], arrays.kinks[:, k]
-            vector = vector - wound_up(load, own)[:, None] * moved
-            rows += [load[:, None] * moved / own[0][1], moved * (own[0][0] / own[0][1])]
+            vector = vector - wound_up(load, item)[:, None] * moved
+            rows += [load[:, None] * moved / item[0][1], moved * (item[0][0] / item[0][1])]
         rows = [vector, *rows]
         if loaded:
             # Only the signs of the loads count: in parts of all loads they are pure numbers.

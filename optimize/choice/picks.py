@@ -131,8 +131,8 @@ def uniform(problem: Problem) -> list[Combination]:
     common_materials = list(dict.fromkeys(itertools.chain.from_iterable(materials)))
     results = [
         Combination(
-            tuple(shape if shape in own else next(iter(own)) for own in shapes),
-            tuple(material if material in own else next(iter(own)) for own in materials),
+            tuple(shape if shape in item else next(iter(item)) for item in shapes),
+            tuple(material if material in item else next(iter(item)) for item in materials),
         )
         for shape in kinds
         for material in common_materials
@@ -145,12 +145,12 @@ def one_link_changed(problem: Problem, pick: Combination, link: int) -> list[Com
     shapes, materials = options(problem)
     trials: list[Combination] = []
     for shape, material in itertools.product(shapes[link], materials[link]):
-        new_shapes = tuple(shape if k == link else own for k, own in enumerate(pick.shapes))
-        new_materials = tuple(material if k == link else own for k, own in enumerate(pick.materials))
+        new_shapes = tuple(shape if k == link else item for k, item in enumerate(pick.shapes))
+        new_materials = tuple(material if k == link else item for k, item in enumerate(pick.materials))
         if "section" in problem.same or "size" in problem.same:
-            new_shapes = tuple(shape if own is not None else None for own in pick.shapes)
+            new_shapes = tuple(shape if item is not None else None for item in pick.shapes)
         if "material" in problem.same:
-            new_materials = tuple(material if own is not None else None for own in pick.materials)
-        if all(one in own for one, own in zip((*new_shapes, *new_materials), (*shapes, *materials), strict=True)):
+            new_materials = tuple(material if item is not None else None for item in pick.materials)
+        if all(one in item for one, item in zip((*new_shapes, *new_materials), (*shapes, *materials), strict=True)):
             trials.append(Combination(new_shapes, new_materials))
     return list(dict.fromkeys(trials))

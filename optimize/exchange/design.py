@@ -458,14 +458,14 @@ def as_given(space: DesignSpace) -> Array | None:
     """The numbers of the arm as given, or the nearest within the bounds; None where its shapes are others."""
     lengths = _starting_lengths(space)
     x: list[float] = []
-    for link, (shape, own) in enumerate(zip(space.shapes, space.problem.arm.links, strict=True)):
+    for link, (shape, item) in enumerate(zip(space.shapes, space.problem.arm.links, strict=True)):
         if shape is None:
             continue
-        if own.section is None or own.section.shape != shape:
+        if item.section is None or item.section.shape != shape:
             return None
-        ratio = size_ratio(own.section)
+        ratio = size_ratio(item.section)
         if ratio is None:
             return None
-        near = own.section.near if isinstance(own.section, Tapered) else own.section
+        near = item.section.near if isinstance(item.section, Tapered) else item.section
         x += _own_values(space, link, near, lengths[link], ratio)
     return np.array([*x, *_given_balance(space)])

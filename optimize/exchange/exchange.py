@@ -154,7 +154,7 @@ def badness_of(context: Context, program: Program, x: Array, arm: Arm, materials
             value = figure.of_links(arm)
             return math.inf if value is None else figure.badness(value)
         case ThroughPoses(family):
-            prepared = next(each for own, each in context.families if own is family)
+            prepared = next(each for item, each in context.families if item is family)
             worst = family.worst(prepared, context.problem, context.design(arm, p))
             return max((figure.badness(each.value) for each in worst if each.name == figure.name), default=math.inf)
 

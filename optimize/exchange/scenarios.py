@@ -40,14 +40,14 @@ class Scenarios:
         count = len(self.model.cases)
         poses = [
             replace(pose, load_case=pose.load_case + count * number)
-            for number, own in enumerate(worst)
-            for pose in own.poses
+            for number, item in enumerate(worst)
+            for pose in item.poses
         ]
-        bounds = [own.upper_bound for own in worst]
+        bounds = [item.upper_bound for item in worst]
         return WorstCase(
-            max(own.error for own in worst),
+            max(item.error for item in worst),
             None if None in bounds else max(bound for bound in bounds if bound is not None),
-            all(own.certified for own in worst),
+            all(item.certified for item in worst),
             tuple(sorted(poses, key=lambda pose: -pose.error)),
         )
 

@@ -47,8 +47,8 @@ def without_lacking(mapping: Mapping, problem: Problem) -> Problem:
     if not left_out:
         return problem
     materials = tuple(material for material in problem.materials if not reasons[material])
-    lists = None if problem.lists is None else tuple(_list(own, materials) for own in problem.lists)
-    if not materials or any(own.materials == () for own in lists or ()):
+    lists = None if problem.lists is None else tuple(_list(entry, materials) for entry in problem.lists)
+    if not materials or any(entry.materials == () for entry in lists or ()):
         whole = "; ".join(f"{item.material}: {item.why}" for item in left_out)
         message = f"leaves a link without a material, as figures are missing ({whole}); name another material"
         raise mapping.error("choose.material", f"{message}, or add the figure with `linkwright materials edit`")

@@ -73,7 +73,7 @@ class Sweep:
     def design(self, number: int) -> Arm:
         """One of the designs."""
         return self.arm.with_links(
-            tuple(own[option] for own, option in zip(self.options, self.rows[number].tolist(), strict=True))
+            tuple(item[option] for item, option in zip(self.options, self.rows[number].tolist(), strict=True))
         )
 
     def _by_link(self, of: Callable[[int, Link], object]) -> list[Array]:
@@ -153,10 +153,10 @@ class Sweep:
     def _totals(self) -> Totals:
         masses, costs, reaches = (np.empty(len(self.rows)) for _ in range(3))
         of_links = np.stack(self._by_link(self._mass), axis=1)
-        for number, own in enumerate(of_links.tolist()):
+        for number, item in enumerate(of_links.tolist()):
             design = self.design(number)
-            cost = material_cost(design, own)
-            masses[number], costs[number] = sum(own), np.nan if cost is None else cost
+            cost = material_cost(design, item)
+            masses[number], costs[number] = sum(item), np.nan if cost is None else cost
             reaches[number] = max(sum(design.lengths[k] for k in design.on(case.tip).to_tip) for case in self.cases)
         return Totals(masses, costs, reaches, heaviest_carried(self.arm, self.cases))
 

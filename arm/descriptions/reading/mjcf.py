@@ -234,7 +234,7 @@ class _Reading:
         if inertial_element is not None and from_geoms != "true":
             whole = self._inertial(inertial_element)
         elif from_geoms != "false":
-            masses = [self._of_geom(geom, own, placed) for geom, own, placed in geoms if self._counts(geom, own)]
+            masses = [self._of_geom(geom, entry, placed) for geom, entry, placed in geoms if self._counts(geom, entry)]
             weighed = None not in masses
             whole = together(mass for mass in masses if mass is not None)
         beside = [item.tag for item, _, _ in parts if item.tag not in _OF_A_BODY]

@@ -26,10 +26,10 @@ def _torques(motion: Motion, settings: Settings) -> Mapping[int, Array]:
     drives = [joint.driven and not joint.passive for joint in motion.arm.joints]
     for index in range(1, motion.arm.size):
         if settings.acts_at(index) and drives[index - 1] and drives[index]:
-            for own, other in ((index, index - 1), (index - 1, index)):
-                one, two = motion.velocity[:, own], motion.velocity[:, other]
+            for item, other in ((index, index - 1), (index - 1, index)):
+                one, two = motion.velocity[:, item], motion.velocity[:, other]
                 more = viscous * two + dry * direction(one + two) + apart * direction(one - two)
-                torques[own] = torques.get(own, np.zeros(motion.size)) + more
+                torques[item] = torques.get(item, np.zeros(motion.size)) + more
     return torques
 
 
