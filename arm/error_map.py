@@ -37,10 +37,10 @@ def error_map(search: WorstSearch, p: Array, *, poses: int | None = None, cells:
     q = np.vstack(seeds)
     errors = [search.errors(q, p, case).error for case in range(len(model.cases))]
     named = tips_of([case.load for case in model.cases])
-    own = {name: error_model(model.arm.on(name), (LoadCase(),)).tip for name in named if name}
-    if own:
+    by_name = {name: error_model(model.arm.on(name), (LoadCase(),)).tip for name in named if name}
+    if by_name:
         # Of several tips each has its own places.
-        tips = np.vstack([own[case.load.tip](q, p)[0] for case in model.cases])
+        tips = np.vstack([by_name[case.load.tip](q, p)[0] for case in model.cases])
         error = np.concatenate(errors)
     else:
         tips, error = search.tip(q, p), np.max(errors, axis=0)

@@ -73,7 +73,7 @@ def wall_of(ply: Ply, angles: Sequence[float], thicknesses: Sequence[float] | No
     stiffness, coupling, bending, thermal = np.zeros((3, 3)), np.zeros((3, 3)), np.zeros((3, 3)), np.zeros(3)
     edges = np.concatenate([[0.0], np.cumsum(shares)]) - 0.5
     grows = ply.expansion_along is not None and ply.expansion_across is not None
-    own = np.array([ply.expansion_along or 0.0, ply.expansion_across or 0.0, 0.0])
+    values = np.array([ply.expansion_along or 0.0, ply.expansion_across or 0.0, 0.0])
     for number, (angle, share) in enumerate(zip(angles, shares.tolist(), strict=True)):
         to_ply = _strains_turned(angle)
         turned = to_ply.T @ ply.stiffness @ to_ply
@@ -81,7 +81,7 @@ def wall_of(ply: Ply, angles: Sequence[float], thicknesses: Sequence[float] | No
         low, high = edges[number], edges[number + 1]
         coupling += 0.5 * (high**2 - low**2) * turned
         bending += 4.0 * (high**3 - low**3) * turned
-        thermal += share * (to_ply.T @ ply.stiffness @ own)
+        thermal += share * (to_ply.T @ ply.stiffness @ values)
     if np.abs(stiffness[:2, 2]).max() > _BALANCED_WITHIN * np.trace(stiffness):
         raise Unbalanced
     compliance = np.linalg.inv(stiffness)

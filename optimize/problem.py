@@ -202,8 +202,8 @@ def problem_from(mapping: Mapping, arm: Arm, known: Catalogue, figures: MappingL
         limits, ranges, off = _subject_to(mapping, arm, figures)
         of_cases = _limits_of_cases(mapping, cases)
         limits = (*limits, *of_cases)
-        own = {limit.name: limit.figure for limit in limits if limit.name not in figures}
-        figures = {**figures, **own} if own else figures
+        by_name = {limit.name: limit.figure for limit in limits if limit.name not in figures}
+        figures = {**figures, **by_name} if by_name else figures
         avoid = read_avoid(mapping)
         needs = (figure.needs for figure in (figures[minimize], *(limit.figure for limit in limits)))
         chosen = _choose(mapping, known, arm, frozenset(itertools.chain(*needs)), ranges)

@@ -63,8 +63,8 @@ def start_that_reaches(problem: Problem) -> Start | None:
     if not problem.must_reach:
         return None
     missing = _missed(problem, problem.arm)
-    own = np.array([problem.arm.lengths[k] for k in free_links(problem)])
-    if missing is None and allowed(problem, own):
+    values = np.array([problem.arm.lengths[k] for k in free_links(problem)])
+    if missing is None and allowed(problem, values):
         return None
     finder = _Finder(problem)
     lengths = finder.found()

@@ -161,11 +161,11 @@ def _diagnosed(body: Mapping, arm: Arm, widths: dict[str, tuple[float, ...]]) ->
                 raise body.error("diagnosis", f"{path} is no diagnosis.json: {shown(parameter)} holds no figures")
             width = min(0.5 * abs(ends[1] - ends[0]) / abs(value), _MOST)
             places: Any = at or finding.get("at") or list(range(1, arm.size + 1))
-            own = list(widths[name])
+            entries = list(widths[name])
             for number in cast(list[Any], places if isinstance(places, list) else [places]):
                 if type(number) is int and 1 <= number <= arm.size and _has(arm, name, number - 1):
-                    own[number - 1], used = width, True
-            widths[name] = tuple(own)
+                    entries[number - 1], used = width, True
+            widths[name] = tuple(entries)
     if not used:
         would_do = "give it with the arm.yaml that the diagnosis wrote"
         raise body.error("diagnosis", f"{path.name} holds no interval of a drive here; {would_do}")

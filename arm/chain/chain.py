@@ -214,8 +214,8 @@ class Link:
         (a and d of one Denavit-Hartenberg row, an origin of several components), those of x, y and z that are not
         nought."""
         components = zip(("x", "y", "z"), self.direction, strict=True)
-        own = tuple(name for name, share in components if abs(share) > _ASKEW)
-        return own if len(own) > 1 else ("length",)
+        entries = tuple(name for name, share in components if abs(share) > _ASKEW)
+        return entries if len(entries) > 1 else ("length",)
 
 
 @dataclass(frozen=True)

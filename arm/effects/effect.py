@@ -387,8 +387,8 @@ class Effect:
         if len(at) > 1:
             return tuple(parameter for parameter in self.sizes if parameter.of_all) or self.sizes
         here = None if self.sizes_at is None or not at else self.sizes_at(arm, at[0])
-        own = [parameter for parameter in self.sizes if not parameter.of_all]
-        return tuple(parameter for parameter in own if here is None or parameter.name in here)
+        entries = [parameter for parameter in self.sizes if not parameter.of_all]
+        return tuple(parameter for parameter in entries if here is None or parameter.name in here)
 
     @property
     def torque_sizes(self) -> tuple[Parameter, ...]:

@@ -245,8 +245,8 @@ def symbolic_beams(arm: Arm, p: Any) -> tuple[Beam, ...]:
             beams.append(Beam(**values, taper=_taper(arm, index, link, values["log_taper"])))
         else:
             rigid = beam_of(arm, index)
-            own = {name: p[base + BEAM_FIELDS.index(name)] for name in _BALANCE}
-            beams.append(Beam(length=p[base], lumped_mass=rigid.lumped_mass, lumped_at=rigid.lumped_at, **own))
+            by_name = {name: p[base + BEAM_FIELDS.index(name)] for name in _BALANCE}
+            beams.append(Beam(length=p[base], lumped_mass=rigid.lumped_mass, lumped_at=rigid.lumped_at, **by_name))
     return tuple(beams)
 
 

@@ -315,8 +315,8 @@ class Walls(PoseFamily[LocalBuckling]):
         """The wall of each link that is nearest to buckling."""
         limits = [limit.value for limit in problem.limits if limit.name == LOCAL_BUCKLING.name]
         worst = self._over(design, prepared, _CLIMBED_FROM / max(limits, default=_ASSUMED))
-        own = tuple(link_modes(design.arm, number, design.beams[number]) for number in prepared[0].links)
-        modes = Buckling(prepared, own)
+        entries = tuple(link_modes(design.arm, number, design.beams[number]) for number in prepared[0].links)
+        modes = Buckling(prepared, entries)
         return [
             Worst(
                 LOCAL_BUCKLING.name,

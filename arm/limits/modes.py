@@ -209,12 +209,12 @@ def response(
     """The displacements (m) of the segments' far ends under forces (N) there; `q` and `beams` are the whole arm's."""
     beams = run_out(segments.whole, beams, q)
     places, pieces = segment_coordinates(segments, q), segment_beams(segments, beams)
-    own = [[places[k] for k in way.nodes] for way in segments.ways]
+    entries = [[places[k] for k in way.nodes] for way in segments.ways]
     parts = [[pieces[k] for k in way.nodes] for way in segments.ways]
     loads = [[forces[k] for k in way.nodes] for way in segments.ways]
     frames = [
         place(way.arm, at, [beam.length for beam in beams])
-        for way, at, beams in zip(segments.ways, own, parts, strict=True)
+        for way, at, beams in zip(segments.ways, entries, parts, strict=True)
     ]
     pulls = [_pull(way, at, load) for way, at, load in zip(segments.ways, frames, loads, strict=True)]
     results: dict[int, Vector] = {}
@@ -227,7 +227,7 @@ def response(
             turning = {end: reduce(add, [moment for _, moment in others], ZERO)}
         state = solve(
             way.arm,
-            own[number],
+            entries[number],
             parts[number],
             LoadCase(),
             warming=0.0,

@@ -36,10 +36,10 @@ class PartSearch(WorstSearch):
         self._loads = len(model.cases)
         projections = [onto(_direction(piece), workspace.error, planar=model.planar) for piece in self.pieces]
         super().__init__(part_of(model, projections), workspace, gap=gap)
-        own = [self.model.cases[k * self._loads : (k + 1) * self._loads] for k in range(len(self.pieces))]
+        entries = [self.model.cases[k * self._loads : (k + 1) * self._loads] for k in range(len(self.pieces))]
         self._searches = [
             WorstSearch(replace(self.model, cases=cases), replace(piece, error="whole"), gap=gap)
-            for cases, piece in zip(own, self.pieces, strict=True)
+            for cases, piece in zip(entries, self.pieces, strict=True)
         ]
 
     def worst(

@@ -258,9 +258,9 @@ def inertia_products(
     if lopsided(arm, planar=False):
         return None
     size = len(beams)
-    own = p.reshape(size, len(BEAM_FIELDS))
-    weights = [k for k in range(size) if own[k, WEIGHT] != 0.0]
-    soft = [(link, k) for link in range(size) for k in SOFT if own[link, k] != 0.0]
+    array = p.reshape(size, len(BEAM_FIELDS))
+    weights = [k for k in range(size) if array[k, WEIGHT] != 0.0]
+    soft = [(link, k) for link in range(size) for k in SOFT if array[link, k] != 0.0]
     tips = len(segments.ways)
     payloads, shape = cut.more[:tips], cut.more[tips:]
     omega = 2.0 * np.pi * frequency
@@ -269,13 +269,13 @@ def inertia_products(
         varied: list[Beam] = []
         for k, beam in enumerate(beams):
             values: dict[str, Any] = {
-                name: designs[:, k, place] for place, name in enumerate(BEAM_FIELDS) if own[k, place] != 0.0
+                name: designs[:, k, place] for place, name in enumerate(BEAM_FIELDS) if array[k, place] != 0.0
             }
             varied.append(Beam(**values) if beam.lumped_mass == 0.0 else beam)
         work, inertia = work_and_inertia(arm, segments, cut.q, varied, payloads, shape)
         return omega**2 * np.broadcast_to(work, len(designs)), np.broadcast_to(inertia, len(designs))
 
-    return _inertia_terms(measured, own, weights, soft)
+    return _inertia_terms(measured, array, weights, soft)
 
 
 def _inertia_terms(

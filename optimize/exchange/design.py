@@ -355,8 +355,8 @@ def arm_of(space: DesignSpace, x: Array, materials: Sequence[Material | None]) -
         plain: Section = type(section)(**{name: float(value) for name, value in section.given().items()})
         ratio = math.exp(float(tapers[k]))
         plain = plain if abs(ratio - 1.0) < _UNIFORM else similar(plain, ratio)
-        own = {"section": plain, "length": float(length), "material": material}
-        links[k] = replace(links[k], **own, section_name=None, may_lack=SYMMETRIC)
+        by_name = {"section": plain, "length": float(length), "material": material}
+        links[k] = replace(links[k], **by_name, section_name=None, may_lack=SYMMETRIC)
     return balanced(space.problem.arm.with_links(tuple(links)), space.balance([float(value) for value in x]))
 
 

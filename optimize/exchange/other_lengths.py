@@ -49,12 +49,12 @@ def other_lengths(
     if not anchored(space) or context.scenarios is not None or not context.uses_error:
         return []
     at = np.flatnonzero([variable.name == LENGTH for variable in space.variables])
-    own = np.exp(x[at])
-    orders = [own[list(order)] for order in islice(permutations(reversed(range(len(at)))), _ORDERS)]
+    values = np.exp(x[at])
+    orders = [values[list(order)] for order in islice(permutations(reversed(range(len(at)))), _ORDERS)]
     known, reached = _score(context, space, x, chosen), _reached(context, space, x, chosen)
     candidates: list[tuple[float, Array]] = []
     for lengths in (*orders, *spread_lengths(space.problem, _LOOKED_AT)):
-        if not allowed(space.problem, lengths) or _near(lengths, own):
+        if not allowed(space.problem, lengths) or _near(lengths, values):
             continue
         trial = x.copy()
         trial[at] = np.log(lengths)

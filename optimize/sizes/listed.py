@@ -51,7 +51,7 @@ def read_sizes(
     if len(entries) != arm.size:
         raise body.error("sizes", f"is one entry for all links, or one for each of the {arm.size} links")
     both = zip(shapes, arm.links, strict=True)
-    named = {shape for own, link in both if link.section is not None for shape in own or (link.section.shape,)}
+    named = {shape for element, link in both if link.section is not None for shape in element or (link.section.shape,)}
     made: dict[object, tuple[Listed, ...]] = {}
     sizes: list[tuple[Listed, ...]] = []
     for number, (entry, link) in enumerate(zip(entries, arm.links, strict=True), start=1):

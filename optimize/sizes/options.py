@@ -62,12 +62,12 @@ def without_stock(problem: Problem) -> tuple[LeftOut, ...]:
     """The materials that may be chosen and in which none of the sizes listed for any link that may be of them comes."""
     left_out: list[LeftOut] = []
     for material in problem.materials or ():
-        own = [
+        entries = [
             listed
             for number, listed in enumerate(problem.sizes or ())
             if listed and material in problem.materials_of(number)
         ]
-        sizes = [item.stock for listed in own for item in listed]
+        sizes = [item.stock for listed in entries for item in listed]
         if sizes and not any(size is None or comes_in(size, material) for size in sizes):
             shapes = " or ".join(dict.fromkeys(size.shape for size in sizes if size is not None))
             left_out.append(LeftOut(material.name, f"no stock size of {shapes} listed comes in it"))

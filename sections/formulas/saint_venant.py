@@ -224,8 +224,8 @@ class _Boundary:
         along = np.einsum("pek,ek->pe", offset, self._tangent)
         normal = np.column_stack((self._tangent[:, 1], -self._tangent[:, 0]))
         d = -np.einsum("pek,ek->pe", offset, normal)
-        own = np.repeat(np.arange(count), 3)
-        d[np.arange(3 * count), own] = 0.0
+        values = np.repeat(np.arange(count), 3)
+        d[np.arange(3 * count), values] = 0.0
         d[np.abs(d) < 1e-14] = 0.0
         half = 0.5 * self._length[None, :]
         safe = np.where(d == 0.0, 1.0, d)

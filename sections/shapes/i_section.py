@@ -112,13 +112,13 @@ class ISection(Section):
     @property
     def symmetric(self) -> bool:
         """Whether both flanges are given by the same dimensions."""
-        own = (
+        entries = (
             self.top_flange_width,
             self.bottom_flange_width,
             self.top_flange_thickness,
             self.bottom_flange_thickness,
         )
-        return all(value is None for value in own)
+        return all(value is None for value in entries)
 
     @property
     def inner_diameter(self) -> Number:

@@ -188,8 +188,8 @@ def load_stock(paths: Sequence[Path | str] = (), *, user: bool = True) -> Stock:
 
     A file named by the environment variable or in ``paths`` must exist. Raises InputError, one line.
     """
-    own = [read_file(path) for path in USER_STOCK.over(paths, user=user)]
-    return _stock([shipped_sizes(), *own]) if own else _shipped_stock()
+    entries = [read_file(path) for path in USER_STOCK.over(paths, user=user)]
+    return _stock([shipped_sizes(), *entries]) if entries else _shipped_stock()
 
 
 @lru_cache(maxsize=1)

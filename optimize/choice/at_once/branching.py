@@ -150,8 +150,8 @@ class Branching(BranchAndBound[Node]):
             self.worth = self.context.search.worst(self._read_off[1], certify=False).error
         else:
             mass, cost, _ = self.chooser.totals(pick, start)
-            own = {"mass": mass, "total_mass": mass + carried_mass(problem)}
-            self.worth = max(own.get(problem.minimize, cost), _LITTLE)
+            by_name = {"mass": mass, "total_mass": mass + carried_mass(problem)}
+            self.worth = max(by_name.get(problem.minimize, cost), _LITTLE)
         return self._refresh()
 
     def _refresh(self) -> bool:

@@ -137,8 +137,8 @@ class Cells:
         for number, kind in enumerate(self._kinds):
             options = np.flatnonzero(self._kind == number)
             size = len(kind.names)
-            own = np.zeros((len(options), self._width))
-            low, high = own.copy(), own.copy()
+            values = np.zeros((len(options), self._width))
+            low, high = values.copy(), values.copy()
             low[:, :size], high[:, :size] = kind.lower, kind.upper
             ids, _ = self._made(options, low, high)
             for _ in range(24):
@@ -300,13 +300,13 @@ class Cells:
             mixed = mixture(scores, held - np.maximum(bends, 0.0).sum(axis=0))
             empty = mixed is None
             shares, result = mixed or (shares, result)
-        own = self.bends[cell]
-        along = own @ price + bends @ result
+        values = self.bends[cell]
+        along = values @ price + bends @ result
         sag, _ = self._sags(np.array([cell]), price, result[None])
         value = float((scores + held @ result).min() - _GIVES * result.sum() - sag[0])
         there = shares > 0.0
-        taken = shares[there] @ self.corners[cell, :-1][there] - own[along > 0.0].sum(axis=0)
-        taken -= _CANCELLED * np.sign(price) * np.abs(own).sum(axis=0)
+        taken = shares[there] @ self.corners[cell, :-1][there] - values[along > 0.0].sum(axis=0)
+        taken -= _CANCELLED * np.sign(price) * np.abs(values).sum(axis=0)
         return np.inf if empty else value, taken
 
     def telling_axes(self, ids: Ids, price: Array) -> Ids:

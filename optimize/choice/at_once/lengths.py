@@ -85,17 +85,17 @@ class LengthRows:
         model = self.context.model
         if not model.planar and any(link.asymmetry.warps for link in model.arm.links):
             return None  # how stiff a link is against twisting goes with its length
-        own = p.reshape(model.arm.size, len(BEAM_FIELDS))
+        array = p.reshape(model.arm.size, len(BEAM_FIELDS))
         read: list[Mapping[Power, Array]] = []
         for lengths in self._samples:
-            design = own.copy()
+            design = array.copy()
             design[self._links, BEAM_FIELDS.index("length")] = lengths
             vectors = error_vectors(model, cut, design.ravel())
             if vectors is None:
                 return None
             read.append(vectors.terms)
         table = np.prod((self._samples / self._scale)[:, None, :] ** self._monomials, axis=2)
-        sizes = {power: max(_size(item.get(power), power, p, own) for item in read) for power in _powers(read)}
+        sizes = {power: max(_size(item.get(power), power, p, array) for item in read) for power in _powers(read)}
         largest = max(sizes.values(), default=0.0)
         terms: dict[Power, Array] = {}
         for power, size in sizes.items():

@@ -91,11 +91,11 @@ def row_of(
             link, k = power[0]
             linear[link * width + k] += c / scale
             continue
-        own = np.zeros(size * width)
+        values = np.zeros(size * width)
         for link, k in power:
-            own[link * width + k] += 1.0
+            values[link * width + k] += 1.0
         coefficients.append(c / scale)
-        powers.append(own)
+        powers.append(values)
     return PoseRow(
         constant,
         np.array(coefficients).reshape(-1, dimension),

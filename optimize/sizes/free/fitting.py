@@ -18,10 +18,10 @@ def fitted(problem: Problem, lengths: Sequence[float]) -> tuple[float, ...]:
     reach is within its limits."""
     least, most = np.array(problem.length_spans).T
     free = np.array([link.section is not None for link in problem.arm.links])
-    own = np.array(lengths, dtype=float)
+    values = np.array(lengths, dtype=float)
 
     def scaled(factor: float) -> Array:
-        return np.where(free, np.clip(factor * own, least, most), own)
+        return np.where(free, np.clip(factor * values, least, most), values)
 
     now = scaled(1.0)
     low, high = _reach(problem)
@@ -29,7 +29,7 @@ def fitted(problem: Problem, lengths: Sequence[float]) -> tuple[float, ...]:
     if low <= total <= high:
         return tuple(now.tolist())
     wanted = low if total < low else high
-    ends = [float((least / own)[free].min()), float((most / own)[free].max())]
+    ends = [float((least / values)[free].min()), float((most / values)[free].max())]
     for _ in range(_HALVED):
         middle = 0.5 * (ends[0] + ends[1])
         ends[0 if scaled(middle).sum() < wanted else 1] = middle
@@ -53,9 +53,9 @@ def _reach(problem: Problem) -> tuple[float, float]:
 def moved(problem: Problem, lengths: Sequence[float], links: Sequence[int], step: float) -> Iterator[tuple[float, ...]]:
     """Lengths (m) beside others, as near as the problem allows: one link longer or shorter by a share, or two of them,
     one at the expense of the other."""
-    own = np.array(lengths)
-    steps = step * np.diag(own)
-    pairs = [steps[one] - steps[other] * own[one] / own[other] for one, other in itertools.combinations(links, 2)]
+    values = np.array(lengths)
+    steps = step * np.diag(values)
+    pairs = [steps[one] - steps[other] * values[one] / values[other] for one, other in itertools.combinations(links, 2)]
     for change in (*(steps[one] for one in links), *pairs):
-        for trial in (own + change, own - change):
+        for trial in (values + change, values - change):
             yield fitted(problem, trial)
