@@ -119,7 +119,7 @@ def read_uncertain(mapping: Mapping, arm: Arm) -> Uncertain | None:
 
 
 def read_widths(body: Mapping, name: str, arm: Arm) -> tuple[float, ...]:
-    """A width for each link or joint: one for all, or a list; nought where there is nothing of that to be uncertain."""
+    """A width for each link or joint: one for all, or a list; zero where there is nothing of that to be uncertain."""
     what = "links" if name in OF_LINKS else "joints"
     if not body.has(name):
         return (0.0,) * arm.size

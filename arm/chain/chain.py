@@ -113,7 +113,7 @@ class Joint:
 
 
 _ASKEW = 1e-9
-"""Of a direction's component, what rounding makes of nought."""
+"""Of a direction's component, what rounding makes of zero."""
 _OFF = 1e-6
 """A shear centre this near to the centroid, as a share of width and height together, is at it."""
 
@@ -212,7 +212,7 @@ class Link:
     def given_by(self) -> tuple[str, ...]:
         """The numbers that say where its far end is: its `length` alone, or, where it runs along no axis of its frame
         (a and d of one Denavit-Hartenberg row, an origin of several components), those of x, y and z that are not
-        nought."""
+        zero."""
         components = zip(("x", "y", "z"), self.direction, strict=True)
         entries = tuple(name for name, share in components if abs(share) > _ASKEW)
         return entries if len(entries) > 1 else ("length",)

@@ -27,7 +27,7 @@ from linkwright.core.arm.chain.vectors import (
 Quaternion = tuple[Scalar, Vector]
 """A rotation: cosine of half its angle, and its axis times the sine."""
 _NONE = 1e-150
-"""What stands for an angle of nought where it divides."""
+"""What stands for an angle of zero where it divides."""
 _LEAST = 1e-15
 """Of half a turn about an axis nothing tells which way round is the short one."""
 

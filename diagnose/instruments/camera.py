@@ -43,7 +43,7 @@ _EACH = ("residual", "turned", "axes", "shown", "turning", "depths", "at", "away
 
 @dataclass(frozen=True)
 class Sight:
-    """What a camera's readings are against the model: `residual` (N, 3), m, and `turned` (N, 3), rad (nought where a
+    """What a camera's readings are against the model: `residual` (N, 3), m, and `turned` (N, 3), rad (zero where a
     row has no orientation), measured less modelled, both in the camera's axes, the columns of `axes` (N, 3, 3) in the
     base frame. `shown` and `turning` (N, 3, 3) are what displacements and turns of the tool in the base frame show,
     `depths` (N,), m, how deep in its view the target is. `rotation` and `translation` bring the measuring frame into

@@ -116,7 +116,7 @@ class Change(ABC):
         """Of displacements (N, 3), m, and turns (N, 3), rad, (N, W)."""
 
 
-class Part:
+class Part(ABC):
     """One kind's numbers in one fit. What is unknown of it is its state: `own` numbers that the fit steps together with
     frame and tool (`own_columns`, `stepped`), or what follows from where the tips are (`refit`)."""
 
@@ -141,9 +141,9 @@ class Part:
         del at
         return state
 
+    @abstractmethod
     def model(self, state: Any, at: Array, frame: Frame) -> Modelled:
         """The numbers of tips `at` (N, 3)."""
-        raise NotImplementedError
 
     def in_frame(self) -> Marked:
         """Which numbers move with the measuring frame (N, W)."""
@@ -290,8 +290,10 @@ class InstrumentKind(ABC):
         """Its numbers in a fit."""
 
     def simulated(self, stood: Stood, instrument: Instrument, random: np.random.Generator) -> Array:
-        """What it reads of an arm without noise (N, k), what nobody knows of it drawn; nan where it reads nothing."""
-        raise NotImplementedError
+        """What it reads of an arm without noise (N, k), what nobody knows of it drawn; nan where it reads nothing,
+        as one that touches what it was led to."""
+        del instrument, random
+        return np.full((len(stood.tips), len(self.numbers)), np.nan)
 
     def refuse(self, look: Look) -> None:
         """Raise `InputError` where its numbers contradict the joints as a whole."""

@@ -10,7 +10,7 @@ from linkwright.core.sections.numeric import Array
 
 def touched_planes(at: Array, touches: NDArray[np.int64], count: int, *, flat: bool) -> tuple[Array, Array, Array]:
     """The planes that fit what was touched best: normals (count, 3), offsets (count,) m and how far their touches reach
-    along each of the plane's axes (count, 2), RMS, m; nought for labels without touches."""
+    along each of the plane's axes (count, 2), RMS, m; zero for labels without touches."""
     normals, offsets, reach = np.zeros((count, 3)), np.zeros(count), np.zeros((count, 2))
     width = 2 if flat else 3
     for label in range(count):

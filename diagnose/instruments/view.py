@@ -100,7 +100,7 @@ class Within(Change):
         return mask
 
     def exact(self, moved: Array, turned: Array) -> Array:
-        """Of its rows, nought of others."""
+        """Of its rows, zero of others."""
         own = slice(self.first, self.first + len(self.change.mask))
         seen = np.zeros((self.rows, self.change.mask.shape[1]))
         seen[own] = self.change.exact(moved[own], turned[own])

@@ -110,7 +110,7 @@ _Part = TypeVar("_Part", Fixed, Varying, Play)
 
 
 def _stacked(loads: Sequence[Sequence[_Part]], states: Sequence[int]) -> tuple[_Part, ...]:
-    """The parts under one load after another. One that another tip alone has, of several on one torso, is nought at
+    """The parts under one load after another. One that another tip alone has, of several on one torso, is zero at
     the states of the others."""
     by_load = [_numbered(parts) for parts in loads]
     results: list[_Part] = []

@@ -285,7 +285,7 @@ def _inertia_terms(
     soft: Sequence[tuple[int, int]],
 ) -> tuple[Products, float] | None:
     size = len(own)
-    # Quadratic in the weights for each flexibility: at nought, at one and two of each, at one of each pair.
+    # Quadratic in the weights for each flexibility: at zero, at one and two of each, at one of each pair.
     steps = [(), *((k,) for k in weights), *((k, k) for k in weights), *itertools.combinations(weights, 2)]
     bare = own.copy()
     bare[weights, WEIGHT] = 0.0

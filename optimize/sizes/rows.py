@@ -37,7 +37,7 @@ class TableRow:
     shift: float
 
     def values(self, picks: Integers) -> Array:
-        """What must not be above t (or nought) for designs: rows of picks are an option of each link."""
+        """What must not be above t (or zero) for designs: rows of picks are an option of each link."""
         vectors = np.broadcast_to(self.constant, (len(picks), len(self.constant))).copy()
         products: Array | None = None
         for k, link_part in enumerate(self.own):

@@ -55,7 +55,7 @@ class ChangeOfRange(Change):
     normal: Array
 
     def exact(self, moved: Array, turned: Array) -> Array:
-        """The change of the distance itself; nought of beams that graze."""
+        """The change of the distance itself; zero of beams that graze."""
         before, after = self.beams @ self.normal, Rotation.from_rotvec(turned).apply(self.beams) @ self.normal
         meets = (before >= _GRAZING) & (after >= 0.5 * _GRAZING)
         now = (self.read * before - moved @ self.normal) / np.where(meets, after, 1.0)

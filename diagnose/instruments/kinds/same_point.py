@@ -11,7 +11,7 @@ from linkwright.core.sections.numeric import Array
 
 
 class TouchPart(Part):
-    """Readings that touch what has a label: what is read is nought, and how far off the tip is what is modelled."""
+    """Readings that touch what has a label: what is read is zero, and how far off the tip is what is modelled."""
 
     def label(self) -> Any:
         """The label of each row that touches something of this kind."""
@@ -30,7 +30,7 @@ class TouchPart(Part):
         return self.mask & (self.scene.touches == label)[:, None]
 
     def middles(self, at: Array) -> Array:
-        """The middle of the tips that touch each label (labels, 3), m; nought for others."""
+        """The middle of the tips that touch each label (labels, 3), m; zero for others."""
         count, touches = len(self.scene.instrument.labels), self.scene.touches
         places = [
             at[touches == label].mean(axis=0) if (touches == label).any() else np.zeros(3) for label in range(count)

@@ -77,7 +77,7 @@ class _Part(Part):
         return best
 
     def _of(self, values: Array) -> Array:
-        """Of values of both axes (N, 2, ..) those of each number (N, W, ..), nought elsewhere."""
+        """Of values of both axes (N, 2, ..) those of each number (N, W, ..), zero elsewhere."""
         index = np.clip(self.scene.slots - self.first, 0, 1)
         taken = np.stack([values[np.arange(len(values)), index[:, k]] for k in range(index.shape[1])], axis=1)
         return np.where(self.mask.reshape(*self.mask.shape, *[1] * (taken.ndim - 2)), taken, 0.0)

@@ -37,7 +37,7 @@ from .partial_cells import mixture, multipliers
 COLUMNS = (*FEATURES, "price", "length")
 """What a cell holds of a section: the logarithms of its features, thermal expansion as it is, the logarithm of the
 price of its material by length (EUR/m); and the logarithm of the link's length where that is free, which no section
-settles (nought in every cell)."""
+settles (zero in every cell)."""
 EXPANSION, PRICE, LENGTH = FEATURES.index("expansion"), len(FEATURES), len(FEATURES) + 1
 _PLAIN = 4
 """So many of the features every section has; one of the others that is not known is in no sum."""
@@ -207,7 +207,7 @@ class Cells:
         return slice(first, self.count)
 
     def _measured(self, kind: _Kind, options: Ids, points: Array) -> tuple[Array, NDArray[np.bool_], Array]:
-        """The columns of sections, whether they keep all limits, and the values that must not be above nought."""
+        """The columns of sections, whether they keep all limits, and the values that must not be above zero."""
         materials = material_values(self._rows[options].T[:, :, None], 0)
         count = points.shape[:2]
         with np.errstate(all="ignore"):
@@ -396,7 +396,7 @@ def features(found: SectionProperties, materials: ChosenMaterial, *, shear: bool
 
 
 def section_rows(section: Section, materials: ChosenMaterial, ranges: Ranges, limits: Sequence[Limit]) -> list[Any]:
-    """What must not be above nought for a section to be possible and a single link of it to keep its limits."""
+    """What must not be above zero for a section to be possible and a single link of it to keep its limits."""
     constraints = (*section.constraints(), *section.bound_constraints(*ranges.sizes))
     return [*(item.value for item in constraints), *(x for limit in limits for x in _kept(limit, section, materials))]
 

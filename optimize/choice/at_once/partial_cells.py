@@ -18,8 +18,8 @@ _LEAST = 1e-300
 
 
 def multipliers(scores: Array, held: Array) -> Array:
-    """Multipliers (N, H), none below nought, for the sums of columns at corners (N, C) and what must not be above
-    nought there (N, C, H): they raise the least of `scores + held @ multipliers` over the corners."""
+    """Multipliers (N, H), none below zero, for the sums of columns at corners (N, C) and what must not be above
+    zero there (N, C, H): they raise the least of `scores + held @ multipliers` over the corners."""
     multiplier = np.zeros((len(held), held.shape[2]))
     total = scores.copy()
     across = np.any(held > 0.0, axis=1) & np.any(held <= 0.0, axis=1)
@@ -33,7 +33,7 @@ def multipliers(scores: Array, held: Array) -> Array:
 
 
 def _of_one(scores: Array, held: Array) -> Array:
-    """The best multiplier (N) of one limit: where the lower hull of (held, score) over the corners crosses nought."""
+    """The best multiplier (N) of one limit: where the lower hull of (held, score) over the corners crosses zero."""
     every = np.arange(len(held))
     beyond = held > 0.0
     out = scores.argmin(axis=1)

@@ -62,7 +62,7 @@ class PoseRow:
         return self.constant + self.linear.T @ y + self.coefficients.T @ np.exp(self.powers @ y)
 
     def value(self, y: Array) -> float:
-        """What must not be above t, or nought."""
+        """What must not be above t, or zero."""
         vector = self.vector(y)
         return self.shift + (float(vector[0]) if len(vector) == 1 else float(np.linalg.norm(vector)))
 

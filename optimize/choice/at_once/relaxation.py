@@ -302,7 +302,7 @@ class _Solve:
         return mixed
 
     def _touch(self, y: Array, t: float, *, every: bool = False) -> bool:
-        """Add tangents at columns y where rows are above t or nought."""
+        """Add tangents at columns y where rows are above t or zero."""
         at = self.relaxation.full(y)
         fresh = False
         for number, row in enumerate(self.relaxation.rows):
