@@ -171,6 +171,7 @@ class Part(ABC):
 
     def settled(self, state: Any, at: Array, settled: Array) -> None:
         """Put tips `settled` (N, 3) where the readings say that they are, if they touch something."""
+        del state, at, settled
 
     def untold(self, shares: Array) -> tuple[str, ...]:
         """Sentences on the unknowns that the readings do not tell, by the share of each in that (own,)."""
