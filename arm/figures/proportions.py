@@ -4,47 +4,27 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
-from linkwright.core.sections.numeric import maximum
-
 from .figure import Figure, OfLinks
 
 if TYPE_CHECKING:
     from linkwright.core.materials.material import MaterialValues
     from linkwright.core.sections import Section
 
-
-def _aspect(section: Section, material: MaterialValues) -> tuple[Any, ...]:
-    """Height over width, both outer; 1 for a round or a regular one."""
-    del material
-    outer = _outer(section)
-    if outer and "height" not in outer:
-        return (1.0,)
-    height, width = _height_and_width(section)
-    return (height / width,)
-
-
-def _outer(section: Section) -> dict[str, Any]:
-    """The outer dimensions that a section has."""
-    given = section.given()
-    return {item.name: given[item.name] for item in section.dimensions if item.kind == "outer" and item.name in given}
+_ANY_RATIO = 0.3
+"""A Poisson's ratio; sizes do not depend on it."""
 
 
 def _height_and_width(section: Section) -> tuple[Any, Any]:
     """How high and how wide a section is (m), as it lies in the plane in which its link bends."""
-    outer = _outer(section)
-    widths = [value for name, value in outer.items() if name.endswith("width")]
-    if "height" in outer and widths:
-        if len(widths) == 3:  # a flange that has a width of its own does not take the common one
-            widths = [outer["top_flange_width"], outer["bottom_flange_width"]]
-        return outer["height"], widths[0] if len(widths) == 1 else maximum(*widths)
-    if len(outer) == 1:  # as high as it is wide
-        (size,) = outer.values()
-        return size, size
-    # From its corners alone: plain numbers, as nobody optimises them.
-    corners = np.vstack(section.outline())
-    return float(np.ptp(corners[:, 1])), float(np.ptp(corners[:, 0]))
+    properties = section.properties(_ANY_RATIO)
+    return properties.height, properties.width
+
+
+def _aspect(section: Section, material: MaterialValues) -> tuple[Any, ...]:
+    """Height over width, both outer; 1 for a round or a regular one."""
+    del material
+    height, width = _height_and_width(section)
+    return (height / width,)
 
 
 ASPECT = Figure(
