@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from linkwright.core.sections.numeric import Number, is_symbol
 from linkwright.core.sections.properties import SectionProperties
+from linkwright.core.sections.wall import Wall, WallKind
 
 Bounds: TypeAlias = tuple[float, float]
 """Least and greatest allowed value, m (or m^2 for an area)."""
@@ -139,6 +140,8 @@ class Section(ABC):
     """What describes the shape."""
     variables: ClassVar[tuple[DesignVariable, ...]]
     """What an optimiser chooses; empty where the shape is fixed. By default the dimensions that have to be given."""
+    solid: ClassVar[bool] = False
+    """Whether it has no walls that could buckle."""
     most_wall: ClassVar[float] = 0.5
     """The wall at which nothing is left open, as a fraction of the outer size where all outer sizes are equal."""
 
@@ -159,6 +162,16 @@ class Section(ABC):
     @abstractmethod
     def outline(self) -> Outline:
         """Polylines for drawing to scale, in metres about the centroid (y right, z up); plain floats only."""
+
+    def wall_parts(self, web: WallKind) -> tuple[Wall, ...] | None:
+        """Its walls, their places counted from the left and lower edge of its bounding box; `web` says how a wall along
+        the height counts that may be bent about its middle. None where they are not known."""
+        del web
+        return () if self.solid else None
+
+    def together(self) -> tuple[Wall, ...]:
+        """Several walls that are limited together as one, beside each by itself."""
+        return ()
 
     def given(self) -> dict[str, Any]:
         """The dimensions that were given, by name, as an arm file would hold them (m)."""

@@ -22,6 +22,7 @@ from linkwright.core.sections.section import (
     poisson_square,
     stress_area,
 )
+from linkwright.core.sections.wall import Wall, WallKind
 
 
 @dataclass(frozen=True)
@@ -109,6 +110,20 @@ class Angle(Section):
             opening("leg_width", "the thickness", "the width", self.thickness / self.width),
             opening("leg_height", "the thickness", "the height", self.thickness / self.height),
         )
+
+    def wall_parts(self, web: WallKind) -> tuple[Wall, ...]:
+        """Where they are and how they are held."""
+        del web
+        b, h, t = self.width, self.height, self.thickness
+        one, askew = 0.5 * t, (False, False)
+        return (
+            Wall("leg_width", "the lying leg", "angle", b, t, ((t, one), (b, one)), mirrored=askew),
+            Wall("leg_height", "the standing leg", "angle", h, t, ((one, t), (one, h)), mirrored=askew),
+        )
+
+    def together(self) -> tuple[Wall, ...]:
+        """Of an angle the mean of its legs is limited too."""
+        return (Wall("legs", "both legs", "legs", 0.5 * (self.width + self.height), self.thickness),)
 
 
 def _features(width: Number, height: Number, thickness: Number) -> tuple[Number, Number]:

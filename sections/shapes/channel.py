@@ -20,6 +20,7 @@ from linkwright.core.sections.section import (
     opening,
     stress_area,
 )
+from linkwright.core.sections.wall import Wall, WallKind
 
 
 @dataclass(frozen=True)
@@ -102,4 +103,22 @@ class Channel(Section):
         return (
             opening("web_height", "both flange thicknesses", "the height", 2.0 * self.flange_thickness / self.height),
             opening("flange_overhang", "the web thickness", "the width", self.web_thickness / self.width),
+        )
+
+    def wall_parts(self, web: WallKind) -> tuple[Wall, ...]:
+        """Where they are and how they are held."""
+        b, h, flange, stem = self.width, self.height, self.flange_thickness, self.web_thickness
+        top = h - 0.5 * flange
+        mirrored = (True, False)
+        return (
+            Wall("flange", "the flanges", "outstand", b - stem, flange, ((stem, top), (b, top)), mirrored=mirrored),
+            Wall(
+                "web",
+                "the web",
+                web,
+                h - 2.0 * flange,
+                stem,
+                ((0.5 * stem, flange), (0.5 * stem, h - flange)),
+                mirrored=mirrored,
+            ),
         )

@@ -29,6 +29,7 @@ class Circle(Section):
     diameter: Number
 
     shape: ClassVar[str] = "circle"
+    solid: ClassVar[bool] = True
     synonyms: ClassVar[tuple[str, ...]] = ("round", "round_bar", "rod", "solid_round", "cylinder", "disc")
     dimensions: ClassVar[tuple[Dimension, ...]] = (Dimension("diameter", "outer diameter", "outer"),)
 

@@ -31,6 +31,7 @@ class Ellipse(Section):
     height: Number
 
     shape: ClassVar[str] = "ellipse"
+    solid: ClassVar[bool] = True
     synonyms: ClassVar[tuple[str, ...]] = ("oval",)
     dimensions: ClassVar[tuple[Dimension, ...]] = (
         Dimension("width", "full axis across the bending plane", "outer"),

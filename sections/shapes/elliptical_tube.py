@@ -24,6 +24,7 @@ from linkwright.core.sections.section import (
     opening,
     stress_area,
 )
+from linkwright.core.sections.wall import Arc, Wall, WallKind
 
 NODES = 12
 """Points on a quarter of the ellipse, at the middles of equal steps of its parameter."""
@@ -49,6 +50,9 @@ WHOLE = tuple(
     for j in range(NODES)
 )
 """The same over the whole quarter."""
+
+_ARC_STEPS = 8
+"""Into how many steps of its parameter a quarter of an ellipse is parted."""
 
 
 @dataclass(frozen=True)
@@ -135,6 +139,26 @@ class EllipticalTube(Section):
         return tuple(
             opening(name, "the wall", "the least radius of curvature", 2.0 * self.thickness * one / other**2)
             for name, one, other in sides
+        )
+
+    def wall_parts(self, web: WallKind) -> tuple[Wall, ...]:
+        """As a round tube of the curvature radius there: one axis squared over the other where its slenderness is asked
+        for. Both are told, so that an optimiser meets no kink."""
+        del web
+        b, h, t = self.width, self.height, self.thickness
+        half_b, half_h = 0.5 * (b - t), 0.5 * (h - t)
+        arcs: list[tuple[Arc, ...]] = [(), ()]
+        for step in range(_ARC_STEPS + 1):
+            angle = 0.5 * math.pi * step / _ARC_STEPS
+            cosine, sine = math.cos(angle), math.sin(angle)
+            radius = ((half_b * sine) ** 2 + (half_h * cosine) ** 2) ** 1.5 / (half_b * half_h)
+            # The points nearer to the top belong to it, the others to the sides.
+            top = 2 * step >= _ARC_STEPS
+            arcs[top] += (Arc(radius, 0.5 * b + half_b * cosine, 0.5 * h + half_h * sine),)
+        enclosed = math.pi * half_b * half_h
+        return (
+            Wall("flange", "top and bottom of the wall", "round", b**2 / h, t, arcs=arcs[1], encloses=enclosed),
+            Wall("web", "the sides of the wall", "round", h**2 / b, t, arcs=arcs[0], encloses=enclosed),
         )
 
 

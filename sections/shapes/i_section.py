@@ -27,6 +27,7 @@ from linkwright.core.sections.section import (
     opening,
     stress_area,
 )
+from linkwright.core.sections.wall import Wall, WallKind
 
 
 @dataclass(frozen=True)
@@ -254,6 +255,43 @@ class ISection(Section):
                 "root_overhang",
                 "the root radius must fit under the flange",
                 2.0 * (self.root_radius - overhang) / self.top.width,
+            ),
+        )
+
+    def wall_parts(self, web: WallKind) -> tuple[Wall, ...]:
+        """Where they are and how they are held."""
+        root = 0.0 if self.root_radius is None else self.root_radius
+        top, bottom, height = self.top, self.bottom, self.height
+        clear = height - top.thickness - bottom.thickness - 2.0 * root
+        middle = 0.5 * maximum(top.width, bottom.width)
+        same = self.symmetric
+        flanges = [("flange", "the flanges", top, height - 0.5 * top.thickness)]
+        if not same:
+            flanges = [("top_flange", "the top flange", top, height - 0.5 * top.thickness)]
+            flanges.append(("bottom_flange", "the bottom flange", bottom, 0.5 * bottom.thickness))
+            web = "internal"
+        stem = 0.5 * self.web_thickness + root
+        return (
+            *(
+                Wall(
+                    name,
+                    text,
+                    "outstand",
+                    0.5 * flange.width - stem,
+                    flange.thickness,
+                    ((middle + stem, z), (middle + 0.5 * flange.width, z)),
+                    mirrored=(same, True),
+                )
+                for name, text, flange, z in flanges
+            ),
+            Wall(
+                "web",
+                "the web",
+                web,
+                clear,
+                self.web_thickness,
+                ((middle, bottom.thickness + root), (middle, height - top.thickness - root)),
+                mirrored=(same, True),
             ),
         )
 

@@ -31,6 +31,7 @@ class Rectangle(Section):
     height: Number
 
     shape: ClassVar[str] = "rectangle"
+    solid: ClassVar[bool] = True
     synonyms: ClassVar[tuple[str, ...]] = ("square", "flat_bar", "block")
     dimensions: ClassVar[tuple[Dimension, ...]] = (
         Dimension("width", "side across the bending plane", "outer"),

@@ -22,6 +22,7 @@ from linkwright.core.sections.section import (
     stress_area,
 )
 from linkwright.core.sections.shapes.rectangle import box
+from linkwright.core.sections.wall import Wall, WallKind
 
 
 @dataclass(frozen=True)
@@ -193,5 +194,35 @@ class RectangularTube(Section):
                 "corner_wall",
                 "the corner must not be thinner than the wall: inner radius at most the outer one",
                 (inner - outer) / half,
+            ),
+        )
+
+    def wall_parts(self, web: WallKind) -> tuple[Wall, ...]:
+        """Where they are and how they are held."""
+        flange, side = self.walls
+        b, h = self.width, self.height
+        rounding = 0.0 if self.radii is None else self.radii[1]
+        across = b - 2.0 * side - 2.0 * rounding
+        along = h - 2.0 * flange - 2.0 * rounding
+        enclosed = (b - side) * (h - flange)
+        top, right = h - 0.5 * flange, b - 0.5 * side
+        return (
+            Wall(
+                "flange",
+                "top and bottom",
+                "internal",
+                across,
+                flange,
+                ((side + rounding, top), (b - side - rounding, top)),
+                encloses=enclosed,
+            ),
+            Wall(
+                "web",
+                "the sides",
+                web,
+                along,
+                side,
+                ((right, flange + rounding), (right, h - flange - rounding)),
+                encloses=enclosed,
             ),
         )

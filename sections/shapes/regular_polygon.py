@@ -22,6 +22,7 @@ from linkwright.core.sections.section import (
     poisson_square,
     stress_area,
 )
+from linkwright.core.sections.wall import Wall, WallKind
 
 
 def half_side(sides: int) -> float:
@@ -44,6 +45,7 @@ class Octagon(Section):
     fits: ClassVar[str] = "octagon"
     """J and shear areas by how large the hollow is."""
     shape: ClassVar[str] = "octagon"
+    solid: ClassVar[bool] = True
     dimensions: ClassVar[tuple[Dimension, ...]] = (Dimension("width", "across flats", "outer"),)
 
     @property
@@ -106,6 +108,7 @@ class OctagonalTube(Octagon):
     thickness: Number
 
     shape: ClassVar[str] = "octagonal_tube"
+    solid: ClassVar[bool] = False
     dimensions: ClassVar[tuple[Dimension, ...]] = (
         Dimension("width", "outer width across flats", "outer"),
         Dimension("thickness", "wall thickness", "wall"),
@@ -129,3 +132,19 @@ class OctagonalTube(Octagon):
     def constraints(self) -> tuple[Constraint, ...]:
         """The wall must leave a hollow."""
         return (opening("hollow", "two walls", "the width", 2.0 * self.thickness / self.width),)
+
+    def wall_parts(self, web: WallKind) -> tuple[Wall, ...]:
+        """Sides at the top, at the right and between them; the others are their mirror images."""
+        del web
+        t, tangent = self.thickness, half_side(self.sides)
+        middle = 0.5 * self.width
+        apothem, half = middle - 0.5 * t, (middle - t) * tangent
+        enclosed = self.sides * tangent * apothem**2
+        results: list[Wall] = []
+        for name, turn in (("wall", 0.0), ("sloping", 0.25 * math.pi), ("web", 0.5 * math.pi)):
+            y, z = math.sin(turn), math.cos(turn)
+            ends = tuple(
+                (middle + apothem * y + s * half * z, middle + apothem * z - s * half * y) for s in (-1.0, 1.0)
+            )
+            results.append(Wall(name, "each side", "internal", 2.0 * half, t, (ends[0], ends[1]), encloses=enclosed))
+        return tuple(results)

@@ -20,6 +20,7 @@ from linkwright.core.sections.section import (
     opening,
     stress_area,
 )
+from linkwright.core.sections.wall import Wall, WallKind
 
 
 @dataclass(frozen=True)
@@ -103,4 +104,19 @@ class TSection(Section):
         return (
             opening("web_height", "the flange thickness", "the height", self.flange_thickness / self.height),
             opening("flange_overhang", "the web thickness", "the width", self.web_thickness / self.width),
+        )
+
+    def wall_parts(self, web: WallKind) -> tuple[Wall, ...]:
+        """The web's free edge may be the compressed one, so it counts as an outstand too."""
+        del web
+        b, h, flange, stem = self.width, self.height, self.flange_thickness, self.web_thickness
+        top, root, middle = h - 0.5 * flange, 0.5 * (b + stem), 0.5 * b
+        mirrored = (False, True)
+        return (
+            Wall(
+                "flange", "the flange", "outstand", 0.5 * (b - stem), flange, ((root, top), (b, top)), mirrored=mirrored
+            ),
+            Wall(
+                "web", "the web", "outstand", h - flange, stem, ((middle, h - flange), (middle, 0.0)), mirrored=mirrored
+            ),
         )

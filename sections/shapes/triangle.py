@@ -30,6 +30,7 @@ class Triangle(Section):
     height: Number
 
     shape: ClassVar[str] = "triangle"
+    solid: ClassVar[bool] = True
     dimensions: ClassVar[tuple[Dimension, ...]] = (
         Dimension("width", "base, across the bending plane", "outer"),
         Dimension("height", "height, in the bending plane", "outer"),

@@ -23,6 +23,7 @@ from linkwright.core.sections.section import (
     poisson_square,
     stress_area,
 )
+from linkwright.core.sections.wall import Wall, WallKind
 
 
 @dataclass(frozen=True)
@@ -138,6 +139,39 @@ class TriangularTube(Section):
     def constraints(self) -> tuple[Constraint, ...]:
         """The wall must leave a hollow."""
         return (opening("hollow", "the wall", "the inscribed circle's radius", self.thickness / self.inscribed_radius),)
+
+    def wall_parts(self, web: WallKind) -> tuple[Wall, ...]:
+        """The hollow is the outer triangle shrunk about the centre of the inscribed circle."""
+        del web
+        b, h, t, radius = self.width, self.height, self.thickness, self.inscribed_radius
+        inner = 1.0 - t / radius
+        leg = sqrt(0.25 * b**2 + h**2)
+        enclosed = 0.5 * b * h * (1.0 - 0.5 * t / radius) ** 2
+        middle, reach, apex = 0.5 * b, 0.5 * inner * b, radius + inner * (h - radius)
+        out_y, out_z = 0.5 * t * h / leg, 0.5 * t * 0.5 * b / leg
+        mirrored = (False, True)
+        return (
+            Wall(
+                "base",
+                "the base",
+                "internal",
+                inner * b,
+                t,
+                ((middle - reach, 0.5 * t), (middle + reach, 0.5 * t)),
+                mirrored=mirrored,
+                encloses=enclosed,
+            ),
+            Wall(
+                "legs",
+                "the legs",
+                "internal",
+                inner * leg,
+                t,
+                ((middle + reach + out_y, t + out_z), (middle + out_y, apex + out_z)),
+                mirrored=mirrored,
+                encloses=enclosed,
+            ),
+        )
 
 
 def _distance_integral(base: Number, height: Number, floor: Number, line: Number) -> Number:

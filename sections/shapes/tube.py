@@ -24,6 +24,7 @@ from linkwright.core.sections.section import (
     poisson_square,
     stress_area,
 )
+from linkwright.core.sections.wall import Arc, Wall, WallKind
 
 
 @dataclass(frozen=True)
@@ -173,3 +174,20 @@ class Tube(Section):
     def uniform(cls, size: float, thickness: float) -> Self:
         """The tube of this diameter and wall (m)."""
         return cls(size, thickness)
+
+    def wall_parts(self, web: WallKind) -> tuple[Wall, ...]:
+        """Where they are and how they are held."""
+        del web
+        radius = 0.5 * (self.diameter - self.thickness)
+        enclosed = math.pi * radius**2
+        return (
+            Wall(
+                "wall",
+                "the wall",
+                "round",
+                self.diameter,
+                self.thickness,
+                arcs=(Arc(radius),),
+                encloses=enclosed,
+            ),
+        )
