@@ -84,7 +84,9 @@ def answered(kind: str, root: Path, out: Path, asked: Mapping[str, Any]) -> None
 
 
 def _verdict(result: Result) -> str:
-    """The sentence that heads the result's report."""
+    """The sentence that heads the result's report; of a search that was stopped, that it was."""
+    if getattr(result, "interrupted", False):
+        return repr(result)[1:-1]
     words = " ".join(plain(result.description.headline).split())
     return words[:1].upper() + words[1:]
 
