@@ -423,8 +423,9 @@ class Diagnosis:
     arm file with the findings in it. `sentence` is the plain answer. `lack_of_fit` is None where too few poses were
     read again; `small` are causes too small to be named that are more than noise together (None: none are needed to
     explain what is left), `scatter` says how many times the noise floor readings scatter by from visit to visit, where
-    that is more than noise and nothing explains it (None elsewhere). `rms_promised` (m) is what the fit says that the
-    named findings alone leave, `written` what the corrected arm's file leaves (None: not tried). `labels` says which
+    that is more than noise and nothing explains it (None elsewhere). `rms_promised` (m) is what the
+    `corrected` arm leaves by `predict`, `written` what the corrected arm's file leaves (None: not tried). `labels`
+    says which
     sides or payloads seem to stand beside the wrong readings (None: none). `recordings` are those that were diagnosed
     together (none named: one), `differences` what is not the same in all of them.
     `origins` are fixed transforms that the arm file leaves free, as they were found. `other_arms` says what tells apart

@@ -18,7 +18,8 @@ from linkwright.core.diagnose.fitting.corrected_arm import corrected_arm
 from linkwright.core.diagnose.fitting.fit import displacement, fit, remaining
 from linkwright.core.diagnose.fitting.held_out import hardest, splits
 from linkwright.core.diagnose.fitting.identified_origins import identified_origins
-from linkwright.core.diagnose.judge.for_file import ForFile, for_file, rms_of_file
+from linkwright.core.diagnose.judge.for_file import ForFile, for_file
+from linkwright.core.diagnose.predict import residual_under
 from linkwright.core.diagnose.recording import Recording, RejectedRow
 from linkwright.core.diagnose.residual.observed import rms_length
 from linkwright.core.diagnose.residual.visits import one_condition
@@ -181,7 +182,7 @@ class Conclusion:
             lack_of_fit=self.rest.lack_of_fit,
             small=self.rest.small,
             scatter=self.rest.scatter(),
-            rms_promised=rms_of_file(file),
+            rms_promised=self._left_by_file(corrected, recordings),
             recordings=recordings,
             differences=apart,
             origins=origins,
@@ -210,21 +211,26 @@ class Conclusion:
 
     def _with_arms(self, arm: Arm, recordings: tuple[OfRecording, ...], file: ForFile) -> tuple[OfRecording, ...]:
         """The recordings, each with the corrected arm of its own where they are of several arms."""
-        which, left = self.observed.which, file.left()
         if not self.observed.recording.units:
             return recordings
         arms = [
             corrected_arm(arm, file.names.refit, only=index, rules=self.rules.fitting)[0]
             for index in range(len(recordings))
         ]
+        own = zip(recordings, arms, self.observed.recording.parts(), strict=True)
         return tuple(
-            replace(
-                one,
-                corrected=arms[index],
-                rms_promised=rms_length(left[which == index]),
-            )
-            for index, one in enumerate(recordings)
+            replace(one, corrected=file_arm, rms_promised=rms_length(residual_under(file_arm, part)))
+            for one, file_arm, part in own
         )
+
+    def _left_by_file(self, corrected: Arm, recordings: Sequence[OfRecording]) -> float:
+        """The RMS length (m) that what is written leaves, by the function that `predict` uses; of several arms what
+        each one's own file leaves."""
+        if not self.observed.recording.units:
+            return rms_length(residual_under(corrected, self.observed.recording))
+        count = np.bincount(self.observed.which, minlength=len(recordings))
+        squares = np.array([one.rms_promised for one in recordings]) ** 2
+        return float(np.sqrt(count @ squares / count.sum()))
 
     def _from_others(self, which: NDArray[np.int64]) -> Array:
         """The tip's residuals (N, D), m, of each recording by what the others say, its own frame still to be fitted."""

@@ -14,10 +14,7 @@ import numpy as np
 
 from linkwright.core.diagnose.answer.confirmation import Confirmed
 from linkwright.core.diagnose.answer.sentences import mm
-from linkwright.core.diagnose.fitting.fit import beyond_nuisances, displacement
 from linkwright.core.diagnose.fitting.held_out import hardest
-from linkwright.core.diagnose.residual.observed import rms_length
-from linkwright.core.sections.numeric import Array
 
 
 @dataclass(frozen=True)
@@ -29,14 +26,6 @@ class ForFile:
     held_out: float
     given: float
     instead: bool
-
-    def left(self) -> Array:
-        """The tip's residual (N, D), m, of the names alone: what forms explain stands in no file."""
-        names = self.names
-        if not names.outside:
-            return names.after()
-        moved = displacement(names.prepared, names.fitted, names.outside)
-        return names.after() + beyond_nuisances(names.prepared, moved)[:, : names.observed.components]
 
     def note(self) -> str | None:
         """What is said where the file holds other names than the answer; None where it holds the same."""
@@ -73,8 +62,3 @@ def for_file(names: Confirmed) -> ForFile:
     if names.members and best.held_out >= given:
         best = ForFile(names.of_the_library(()), given, given, instead=True)
     return best
-
-
-def rms_of_file(file: ForFile) -> float:
-    """The RMS length (m) that the arm file is to leave of the readings."""
-    return rms_length(file.left())

@@ -74,4 +74,4 @@ def test_what_predicts_stays_in_the_file(result) -> None:
 
 
 def test_the_promise_is_the_files(result) -> None:
-    assert predict(result.corrected, result.recording).rms == pytest.approx(result.rms_promised, rel=1e-3)
+    assert predict(result.corrected, result.recording).rms == pytest.approx(result.rms_promised, rel=1e-6)
