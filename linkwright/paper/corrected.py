@@ -26,7 +26,7 @@ from linkwright.core.sections import build
 from linkwright.core.sections.numeric import Array
 from linkwright.core.sections.section import Section
 from linkwright.core.units.quantities import format_quantity
-from linkwright.paper.printed import FILE, Paper
+from linkwright.paper.printed import FILE, Paper, words
 
 DEFORMATION = frozenset({"link_bending", "slope_propagation", "axial", "torsion", "shear_deformation"})
 """The effects that are deformation; left out for the figures without it."""
@@ -192,12 +192,7 @@ def shapes(arms: PaperArm, tell: Callable[[str, float], None], names: Sequence[s
         best = optimise(problem).after
         rows.append({"label": name, "error_mm": 1e3 * best.worst.error, "mass_kg": best.mass})
     rows.sort(key=lambda row: row["error_mm"])
-    note = (
-        "The least worst error of links of one shape, each of its own size (outer dimensions 20 to 140 mm, walls 2 to "
-        "10 mm), that weigh no more than the paper's together. Without a tool a link carries links alone: its sag "
-        "depends on how far from the middle its material lies, so that the best weigh far less than they may."
-    )
-    return Extended("shapes_at_their_best", "Shapes at their best proportions", rows, note)
+    return _extended("shapes_at_their_best", rows)
 
 
 def materials(arms: PaperArm, names: Sequence[str] = MATERIALS) -> Extended:
@@ -218,11 +213,12 @@ def materials(arms: PaperArm, names: Sequence[str] = MATERIALS) -> Extended:
             }
         )
     rows.sort(key=lambda row: row["equal_mass_mm"])
-    note = (
-        "Round bars of one diameter, and of that at which the links weigh what the paper's do. The sag of a bar "
-        "goes with density over modulus, which common metals share, and with the inverse square of its diameter."
-    )
-    return Extended("materials_compared", "Materials at equal size and at equal mass", rows, note)
+    return _extended("materials_compared", rows)
+
+
+def _extended(key: str, rows: Rows) -> Extended:
+    said = words()["extended"][key]
+    return Extended(key, said["title"], rows, said["note"])
 
 
 def _mass(arm: Arm) -> float:

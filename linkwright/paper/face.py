@@ -66,15 +66,9 @@ class Tables(Result):
         for table in self.book.tables:
             rows: list[dict[str, Any]] = []
             for row in table.rows:
-                cells: dict[str, Any] = {"label": row.label}
-                for name, values, factor in (
-                    ("paper", [float(text) for text in row.printed], 1.0),
-                    ("reproduced_mm2", row.reproduced, 1.0),
-                    ("as_equations_read_mm", row.as_read, 1e3),
-                    ("corrected_mm", row.corrected, 1e3),
-                ):
-                    cells.update({f"{name}_{k}": factor * value for k, value in enumerate(values, 1)})
-                rows.append({**cells, "note": row.note})
+                measures = {"paper": [float(text) for text in row.printed], **row.computed}
+                cells = {f"{name}_{k}": x for name, values in measures.items() for k, x in enumerate(values, 1)}
+                rows.append({"label": row.label, **cells, "note": row.note})
             frames[table.key] = frame(rows)
         return {**frames, **{item.key: frame(item.rows) for item in self.extended}}
 

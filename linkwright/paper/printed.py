@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping as MappingLike
-from dataclasses import dataclass
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 from decimal import ROUND_HALF_UP, Decimal
+from functools import cache
 from importlib.resources import files
 from types import MappingProxyType
-from typing import cast
+from typing import Any
 
-from linkwright.core.units.quantities import InputError, read_quantity
-from linkwright.core.units.reading import Mapping, parse_yaml
+from linkwright.core.units.quantities import read_quantity
+from linkwright.core.units.reading import parse_own_yaml
 
 
 @dataclass(frozen=True)
@@ -39,6 +41,15 @@ class Row:
     def agrees(self) -> tuple[bool, ...]:
         """Which printed figures are met to their last digit."""
         return tuple(one == other for one, other in zip(self.printed, self.reproduced_printed, strict=True))
+
+    @property
+    def computed(self) -> Mapping[str, list[float]]:
+        """What stands beside the printed figures, by names that carry the unit."""
+        return {
+            "reproduced_mm2": list(self.reproduced),
+            "as_equations_read_mm": [1e3 * value for value in self.as_read],
+            "corrected_mm": [1e3 * value for value in self.corrected],
+        }
 
 
 @dataclass(frozen=True)
@@ -79,6 +90,20 @@ def tally(tables: tuple[Table, ...]) -> Tally:
 
 
 FILE = "printed.yaml"
+_KINDS = MappingProxyType(
+    {
+        "lengths": "length",
+        "diameter": "length",
+        "elastic_modulus": "elastic_modulus",
+        "density": "density",
+        "clearance": "length",
+        "backlash": "angle",
+        "weight": "length",
+        "tool": "length",
+        "dimensions": "length",
+    }
+)
+"""What is a quantity in the file, by its key; everything else is words and whole numbers."""
 
 
 @dataclass(frozen=True)
@@ -92,46 +117,35 @@ class Parameters:
 
 
 @dataclass(frozen=True)
-class PlayRow:
-    """A row of Table III or IV: the joints (from 1) that have play, and PE without and with deformation."""
+class PrintedRow:
+    """A row of Tables III to VII: the figures as printed, and what they are of.
 
-    joints: tuple[int, ...]
+    Attributes:
+        printed: PE without and with deformation, at both ends of a range, or alone.
+        joints: of Tables III and IV the joints (from 1) that have play.
+        signs: of Table V the side at which each joint's backlash lies (1 or -1).
+        name: of Tables VI and VII.
+        elastic_modulus, density: of Table VI at both ends of the range, Pa and kg/m^3.
+        poisson_ratio: of Table VI; supplied, not printed.
+        shape, dimensions: of Table VII as arm files have them, m.
+        formula: of Table VII, printed for I.
+    """
+
     printed: tuple[str, ...]
-
-
-@dataclass(frozen=True)
-class DirectionRow:
-    """A row of Table V: the side at which each joint's backlash lies (1 or -1)."""
-
-    signs: tuple[int, ...]
-    printed: tuple[str, ...]
-
-
-@dataclass(frozen=True)
-class MaterialRow:
-    """A row of Table VI at both ends of its range: moduli in Pa, densities in kg/m^3; `poisson_ratio` is supplied."""
-
-    name: str
-    elastic_modulus: tuple[float, float]
-    density: tuple[float, float]
-    printed: tuple[str, ...]
-    poisson_ratio: float
+    joints: tuple[int, ...] = ()
+    signs: tuple[int, ...] = ()
+    name: str = ""
+    elastic_modulus: tuple[float, ...] = ()
+    density: tuple[float, ...] = ()
+    poisson_ratio: float = math.nan
+    shape: str = ""
+    dimensions: Mapping[str, float] = field(default_factory=dict[str, float])
+    formula: str = ""
 
     @property
     def one_figure(self) -> bool:
         """Whether the paper prints one figure, and no range."""
-        return self.elastic_modulus[0] == self.elastic_modulus[1] and self.density[0] == self.density[1]
-
-
-@dataclass(frozen=True)
-class ShapeRow:
-    """A row of Table VII: the shape and dimensions (m) as arm files have them, and the formula printed for I."""
-
-    name: str
-    shape: str
-    dimensions: MappingLike[str, float]
-    formula: str
-    printed: tuple[str, ...]
+        return len({*self.elastic_modulus}) == len({*self.density}) == 1
 
 
 @dataclass(frozen=True)
@@ -142,11 +156,11 @@ class Paper:
     """
 
     parameters: Parameters
-    clearance: tuple[PlayRow, ...]
-    backlash: tuple[PlayRow, ...]
-    direction: tuple[DirectionRow, ...]
-    material: tuple[MaterialRow, ...]
-    shape: tuple[ShapeRow, ...]
+    clearance: tuple[PrintedRow, ...]
+    backlash: tuple[PrintedRow, ...]
+    direction: tuple[PrintedRow, ...]
+    material: tuple[PrintedRow, ...]
+    shape: tuple[PrintedRow, ...]
     clearance_size: float
     backlash_size: float
     weight_sag: float
@@ -154,80 +168,47 @@ class Paper:
 
 
 def read_paper() -> Paper:
-    """The paper as typed in the package. Raises `InputError` where the file is not what it should be."""
-    content = parse_yaml(files("linkwright.paper").joinpath(FILE).read_text(encoding="utf-8"), file=FILE)
-    with Mapping(content, file=FILE).reading() as mapping:
-        with mapping.mapping("supplied").reading() as supplied, supplied.mapping("poisson_ratio").reading() as ratios:
-            poisson = {name: ratios.number(name) for name in ratios.content}
-        with mapping.mapping("inferred").reading() as inferred, mapping.mapping("fitted").reading() as fitted:
-            return Paper(
-                parameters=_parameters(mapping.mapping("parameters")),
-                clearance=tuple(_play(row) for row in mapping.mappings("clearance")),
-                backlash=tuple(_play(row) for row in mapping.mappings("backlash")),
-                direction=tuple(_direction(row) for row in mapping.mappings("backlash_direction")),
-                material=tuple(_material(row, poisson) for row in mapping.mappings("material")),
-                shape=tuple(_shape(row) for row in mapping.mappings("shape")),
-                clearance_size=inferred.quantity("clearance", "length"),
-                backlash_size=inferred.quantity("backlash", "angle"),
-                weight_sag=fitted.quantity("weight", "length"),
-                tool_sag=fitted.quantity("tool", "length"),
-            )
+    """The paper as typed in the package."""
+    content = _of_package(FILE)
+    inferred, fitted = _in_si(content["inferred"]), _in_si(content["fitted"])
+    ratios = content["supplied"]["poisson_ratio"]
+    return Paper(
+        parameters=Parameters(**_in_si(content["parameters"])),
+        clearance=_rows(content["clearance"]),
+        backlash=_rows(content["backlash"]),
+        direction=_rows(content["backlash_direction"]),
+        material=_rows({**row, "poisson_ratio": ratios[row["name"]]} for row in content["material"]),
+        shape=_rows(content["shape"]),
+        clearance_size=inferred["clearance"],
+        backlash_size=inferred["backlash"],
+        weight_sag=fitted["weight"],
+        tool_sag=fitted["tool"],
+    )
 
 
-def _parameters(mapping: Mapping) -> Parameters:
-    with mapping.reading():
-        lengths = mapping.vector("lengths", "length", 3)
-        return Parameters(
-            lengths=(lengths[0], lengths[1], lengths[2]),
-            elastic_modulus=mapping.quantity("elastic_modulus", "elastic_modulus"),
-            density=mapping.quantity("density", "density"),
-            diameter=mapping.quantity("diameter", "length"),
-        )
+@cache
+def words() -> Mapping[str, Any]:
+    """What is said of the tables and figures (`words.yaml`)."""
+    return _of_package("words.yaml")
 
 
-def _printed(mapping: Mapping) -> tuple[str, ...]:
-    figures = mapping.items("printed")
-    if not all(isinstance(figure, str) for figure in figures):
-        raise mapping.error("printed", "holds figures as texts, so that their last digit stays")
-    return tuple(cast(list[str], figures))
+def _of_package(name: str) -> Mapping[str, Any]:
+    content: Any = parse_own_yaml(files("linkwright.paper").joinpath(name).read_text(encoding="utf-8"))
+    return content
 
 
-def _whole(mapping: Mapping, name: str) -> tuple[int, ...]:
-    return tuple(int(cast(int, number)) for number in mapping.items(name))
+def _rows(rows: Any) -> tuple[PrintedRow, ...]:
+    return tuple(PrintedRow(**_in_si(row)) for row in rows)
 
 
-def _play(mapping: Mapping) -> PlayRow:
-    with mapping.reading():
-        return PlayRow(_whole(mapping, "joints"), _printed(mapping))
+def _in_si(entries: Mapping[str, Any]) -> dict[str, Any]:
+    """Entries with quantities in SI and lists as tuples."""
+    return {key: _value(entry, _KINDS.get(key)) for key, entry in entries.items()}
 
 
-def _direction(mapping: Mapping) -> DirectionRow:
-    with mapping.reading():
-        return DirectionRow(_whole(mapping, "signs"), _printed(mapping))
-
-
-def _material(mapping: Mapping, poisson: MappingLike[str, float]) -> MaterialRow:
-    with mapping.reading():
-        name = mapping.text("name")
-        if name not in poisson:
-            raise InputError(FILE, "supplied", f"has no Poisson's ratio for {name}")
-        modulus = mapping.vector("elastic_modulus", "elastic_modulus", 2)
-        density = mapping.vector("density", "density", 2)
-        ends = (modulus[0], modulus[1]), (density[0], density[1])
-        return MaterialRow(name, *ends, _printed(mapping), poisson[name])
-
-
-def _shape(mapping: Mapping) -> ShapeRow:
-    with mapping.reading():
-        with mapping.mapping("dimensions").reading() as given:
-            dimensions = {
-                name: read_quantity(given.raw(name), "length", file=FILE, key=given.path_of(name))
-                for name in given.content
-            }
-        return ShapeRow(
-            mapping.text("name"),
-            mapping.text("shape"),
-            MappingProxyType(dimensions),
-            mapping.text("formula"),
-            _printed(mapping),
-        )
+def _value(entry: Any, kind: str | None) -> Any:
+    if isinstance(entry, Mapping):
+        return MappingProxyType({key: _value(item, kind) for key, item in entry.items()})
+    if isinstance(entry, Sequence) and not isinstance(entry, str):
+        return tuple(_value(item, kind) for item in entry)
+    return entry if kind is None else read_quantity(entry, kind, file=FILE, key=kind)

@@ -10,6 +10,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from types import MappingProxyType
+from typing import Any
 
 import numpy as np
 
@@ -21,14 +22,15 @@ from linkwright.core.arm.worst.search import WorstSearch
 from linkwright.core.arm.worst.workspace import spread
 from linkwright.core.materials.catalogue import load_catalogue
 from linkwright.core.sections.numeric import Array
-from linkwright.paper.conventions import SQUARE, Conventions, squared
+from linkwright.paper.conventions import SQUARE, Conventions
 from linkwright.paper.corrected import PaperArm, pose_errors, search_of, worst_error
-from linkwright.paper.printed import read_paper
+from linkwright.paper.printed import read_paper, words
 from linkwright.results.figures_in_words import figure, mm
 
 YIELD_MATERIAL = "aluminium-6061-t6"
 """Whose yield strength figure 9 takes: the paper prints none."""
 _FULL = np.array([math.pi] * 3)
+_ALL = (1, 2, 3)
 
 
 @dataclass(frozen=True)
@@ -55,6 +57,14 @@ def make_figures(*, poses: int = 2**18, cells: int = 56, points: int = 25) -> tu
     return (maker.error_map(), maker.around(), maker.clearance(), maker.backlash(), maker.length())
 
 
+def _figure(number: str, columns: Mapping[str, Any], marks: Mapping[str, float], **values: str) -> Figure:
+    """A figure with its title and remarks, into which the `values` are filled."""
+    said = words()["figures"][number]
+    frozen = MappingProxyType({name: tuple(np.asarray(column).tolist()) for name, column in columns.items()})
+    remarks = tuple(remark.format(**values) for remark in said["remarks"])
+    return Figure(number, said["title"], frozen, MappingProxyType(dict(marks)), remarks)
+
+
 @dataclass(frozen=True)
 class _Maker:
     poses: int
@@ -72,34 +82,21 @@ class _Maker:
     def error_map(self) -> Figure:
         arm = self.arms.arm()
         q = spread(-_FULL, _FULL, self.poses)
-        tips = tip_position(arm, q)[:, :2]
-        ours = pose_errors(arm, q)
-        theirs = self._paper_squares(np.cumsum(q, axis=1))
         reach = sum(arm.lengths)
         size = 2.0 * reach / self.cells
-        cell = np.clip(((tips + reach) / size).astype(int), 0, self.cells - 1)
+        cell = np.clip(((tip_position(arm, q)[:, :2] + reach) / size).astype(int), 0, self.cells - 1)
         flat = cell[:, 1] * self.cells + cell[:, 0]
-        columns = {name: list[float]() for name in ("x_mm", "y_mm", "corrected_mm", "paper_mm2")}
-        worst, worst_squares = np.full(self.cells**2, np.nan), np.full(self.cells**2, np.nan)
-        for values, store in ((1e3 * ours, worst), (theirs, worst_squares)):
+        middles = 1e3 * ((np.arange(self.cells) + 0.5) * size - reach)
+        columns = {"x_mm": np.tile(middles, self.cells), "y_mm": np.repeat(middles, self.cells)}
+        errors = {"corrected_mm": 1e3 * pose_errors(arm, q), "paper_mm2": self._paper_squares(np.cumsum(q, axis=1))}
+        for name, values in errors.items():
+            columns[name] = np.full(self.cells**2, np.nan)
             order = np.argsort(values)
-            store[flat[order]] = values[order]  # the largest of a cell is written last
-        for index in range(self.cells**2):
-            row, column = divmod(index, self.cells)
-            columns["x_mm"].append(1e3 * ((column + 0.5) * size - reach))
-            columns["y_mm"].append(1e3 * ((row + 0.5) * size - reach))
-            columns["corrected_mm"].append(float(worst[index]))
-            columns["paper_mm2"].append(float(worst_squares[index]))
-        largest = worst_error(arm)
-        return _figure(
-            "5",
-            "Position error under deformation, over the workspace",
-            columns,
-            {"corrected_max_mm": 1e3 * largest, "paper_max_mm2": squared(self.conventions.sag)},
-            f"The worst error met at each place of the tip, over {figure(float(self.poses), 6)} poses. True maximum "
-            f"{mm(largest)}; the paper prints 0.0015, the square of {mm(self.conventions.sag, 3)}.",
-            "Both are worst where the arm is held straight out, and least where it stands or hangs.",
-        )
+            columns[name][flat[order]] = values[order]  # the largest of a cell is written last
+        largest, sag = worst_error(arm), self.conventions.sag
+        marks = {"corrected_max_mm": 1e3 * largest, "paper_max_mm2": _squared(sag)}
+        said = {"poses": figure(float(self.poses), 6), "largest": mm(largest), "sag": mm(sag, 3)}
+        return _figure("5", columns, marks, **said)
 
     def _paper_squares(self, absolute: Array) -> Array:
         moved = self.conventions.fitted.at(absolute)
@@ -109,98 +106,76 @@ class _Maker:
         angles = np.linspace(0.0, 2.0 * math.pi, 73)
         q = np.stack([angles, np.zeros_like(angles), np.zeros_like(angles)], axis=1)
         turned = np.where(q > math.pi, q - 2.0 * math.pi, q)
-        clearance = self.arms.arm(clearance=(1, 2, 3))
-        paper_play = 3.0 * SQUARE * self.conventions.paper.clearance_size
-        paper_sag = np.sqrt(self._paper_squares(np.repeat(angles[:, None], 3, axis=1))) * 1e-3
         alone = 3.0 * self.conventions.paper.clearance_size
+        paper_sag = np.sqrt(self._paper_squares(np.repeat(angles[:, None], 3, axis=1))) * 1e-3
         columns = {
             "shoulder_deg": np.degrees(angles),
             "corrected_clearance_mm": np.full_like(angles, 1e3 * alone),
-            "corrected_with_deformation_mm": 1e3 * pose_errors(clearance, turned),
-            "paper_clearance_mm2": np.full_like(angles, squared(paper_play)),
-            "paper_with_deformation_mm2": (1e3 * (paper_play + paper_sag)) ** 2,
+            "corrected_with_deformation_mm": 1e3 * pose_errors(self.arms.arm(clearance=_ALL), turned),
+            "paper_clearance_mm2": np.full_like(angles, _squared(SQUARE * alone)),
+            "paper_with_deformation_mm2": _squared(SQUARE * alone + paper_sag),
         }
-        return _figure(
-            "6",
-            "Clearance alone and with deformation, the arm straight, turned at the shoulder",
-            {name: values.tolist() for name, values in columns.items()},
-            {},
-            "Clearance alone gives the same worst error in every pose; deformation makes it depend on the pose. The "
-            "paper's axes cannot be read, so the pose is taken as the straight arm turning once around.",
-        )
+        return _figure("6", columns, {})
 
     def clearance(self) -> Figure:
         sizes = np.geomspace(0.005e-3, 2e-3, self.points)
-        ours = [worst_error(self.arms.arm(clearance=(1, 2, 3), clearance_size=float(size))) for size in sizes]
+        ours = [worst_error(self.arms.arm(clearance=_ALL, clearance_size=size)) for size in sizes.tolist()]
         theirs = 3.0 * SQUARE * sizes
         columns = {
-            "clearance_mm": (1e3 * sizes).tolist(),
-            "corrected_clearance_mm": (3e3 * sizes).tolist(),
-            "corrected_with_deformation_mm": (1e3 * np.array(ours)).tolist(),
-            "paper_clearance_mm2": ((1e3 * theirs) ** 2).tolist(),
-            "paper_with_deformation_mm2": ((1e3 * (theirs + self.conventions.sag)) ** 2).tolist(),
+            "clearance_mm": 1e3 * sizes,
+            "corrected_clearance_mm": 3e3 * sizes,
+            "corrected_with_deformation_mm": 1e3 * np.array(ours),
+            "paper_clearance_mm2": _squared(theirs),
+            "paper_with_deformation_mm2": _squared(theirs + self.conventions.sag),
         }
         even = worst_error(self.arms.arm()) / 3.0
-        return _figure(
-            "7",
-            "Clearance of all three joints, 0.005 to 2 mm",
-            columns,
-            {"clearance_equals_deformation_mm": 1e3 * even},
-            f"The true error is a straight line: three clearances plus the sag. Below {mm(even, 3)} of clearance "
-            "deformation is the larger part. The paper's curves are parabolas of the same straight lines.",
-        )
+        return _figure("7", columns, {"clearance_equals_deformation_mm": 1e3 * even}, even=mm(even, 3))
 
     def backlash(self) -> Figure:
         turns = np.linspace(0.0, 0.01, self.points)
-        ours = [worst_error(self.arms.arm(backlash=(1, 2, 3), backlash_size=float(turn))) for turn in turns]
+        ours = [worst_error(self.arms.arm(backlash=_ALL, backlash_size=turn)) for turn in turns.tolist()]
         lengths = self.conventions.paper.parameters.lengths
         swing, whole = sum(lengths), sum(sum(lengths[index:]) for index in range(3))
         theirs = SQUARE * swing * turns
         columns = {
-            "backlash_rad": turns.tolist(),
-            "corrected_backlash_mm": (1e3 * whole * turns).tolist(),
-            "corrected_with_deformation_mm": (1e3 * np.array(ours)).tolist(),
-            "paper_backlash_mm2": ((1e3 * theirs) ** 2).tolist(),
-            "paper_with_deformation_mm2": ((1e3 * (theirs + self.conventions.sag)) ** 2).tolist(),
+            "backlash_rad": turns,
+            "corrected_backlash_mm": 1e3 * whole * turns,
+            "corrected_with_deformation_mm": 1e3 * np.array(ours),
+            "paper_backlash_mm2": _squared(theirs),
+            "paper_with_deformation_mm2": _squared(theirs + self.conventions.sag),
         }
-        return _figure(
-            "8",
-            "Backlash of all three drives, to either side",
-            columns,
-            {"backlash_of_table_IV_rad": self.conventions.paper.backlash_size},
-            "The paper sweeps from “0.005 to 0.01mm”, a length for an angle: taken as rad here, from zero on. That "
-            "range is ten to twenty times the backlash of its Table IV (0.0005 rad).",
-            f"In a serial arm the error is {figure(whole / swing, 3)} times that of the paper's absolute angles "
-            "(without its √2).",
-        )
+        marks = {"backlash_of_table_IV_rad": self.conventions.paper.backlash_size}
+        return _figure("8", columns, marks, times=figure(whole / swing, 3))
 
     def length(self) -> Figure:
         scales = np.geomspace(1.0, 20.0, self.points)
         swept = _Lengthened(self.arms)
-        ours = [swept.worst(float(scale)) for scale in scales]
+        ours = [swept.worst(scale) for scale in scales.tolist()]
         paper = self.conventions.paper
-        theirs = [squared(paper.weight_sag * scale**4 + paper.tool_sag * scale**3) for scale in scales]
         breaking, bending = swept.yields_at(), swept.bends_at()
         reach = sum(paper.parameters.lengths)
         columns = {
-            "reach_mm": (1e3 * reach * scales).tolist(),
-            "corrected_mm": (1e3 * np.array(ours)).tolist(),
-            "paper_mm2": theirs,
-            "safety_factor": [swept.safety(float(scale)) for scale in scales],
+            "reach_mm": 1e3 * reach * scales,
+            "corrected_mm": 1e3 * np.array(ours),
+            "paper_mm2": [_squared(paper.weight_sag * x**4 + paper.tool_sag * x**3) for x in scales.tolist()],
+            "safety_factor": [swept.safety(scale) for scale in scales.tolist()],
         }
-        slope = math.log(ours[-1] / ours[-2]) / math.log(scales[-1] / scales[-2])
-        return _figure(
-            "9",
-            "All links lengthened alike, the bars as thick as they are",
-            columns,
-            {"yields_at_reach_mm": 1e3 * reach * breaking, "linear_to_reach_mm": 1e3 * reach * bending},
-            f"The error grows with the power {figure(slope, 3)} of the length, and the paper's square of it with "
-            "twice that: the sharp rise is no sign of yielding.",
-            f"A link really yields, under the arm's own weight, at a reach of {mm(reach * breaking)} "
-            f"({figure(breaking, 3)} times the arm's; {YIELD_MATERIAL}, {figure(1e-6 * swept.strength, 3)} MPa; "
-            f"statics of the undeformed arm). From {mm(reach * bending)} on a link bends by more than a tenth of its "
-            "length: linear bending, ours as well, ends before anything yields.",
-        )
+        power = math.log(ours[-1] / ours[-2]) / math.log(scales[-1] / scales[-2])
+        marks = {"yields_at_reach_mm": 1e3 * reach * breaking, "linear_to_reach_mm": 1e3 * reach * bending}
+        said = {
+            "power": figure(power, 3),
+            "yields": mm(reach * breaking),
+            "breaking": figure(breaking, 3),
+            "material": YIELD_MATERIAL,
+            "strength": figure(1e-6 * swept.strength, 3),
+            "bends": mm(reach * bending),
+        }
+        return _figure("9", columns, marks, **said)
+
+
+def _squared(distance: Any) -> Any:
+    """What the paper prints for distances (m): their squares, mm^2."""
+    return (1e3 * distance) ** 2
 
 
 @dataclass(frozen=True)
@@ -252,10 +227,3 @@ def _crossing(value: Callable[[float], float]) -> float:
         middle = 0.5 * (low + high)
         low, high = (middle, high) if value(middle) > 0.0 else (low, middle)
     return 0.5 * (low + high)
-
-
-def _figure(
-    number: str, title: str, columns: Mapping[str, list[float]], marks: Mapping[str, float], *remarks: str
-) -> Figure:
-    frozen = MappingProxyType({name: tuple(values) for name, values in columns.items()})
-    return Figure(number, title, frozen, MappingProxyType(dict(marks)), remarks)

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import csv
-import io
 import re
 from collections.abc import Iterable, Sequence
 from typing import Any
 
+from linkwright.output.table_file import frame
 from linkwright.paper.output.figures import Figure
 from linkwright.paper.printed import Row, Table, tally
 from linkwright.paper.tables import Book, Proof, Verdict
@@ -16,7 +15,6 @@ from linkwright.results.document import table as shown
 
 BEGIN, END = "<!-- begin: linkwright tables -->", "<!-- end: linkwright tables -->"
 """Between these lines `--markdown` replaces, in a file that has them."""
-_MEASURES = ("paper", "reproduced_mm2", "as_equations_read_mm", "corrected_mm")
 
 
 def tables_json(book: Book, verdicts: Sequence[Verdict], proofs: Sequence[Proof]) -> dict[str, Any]:
@@ -40,10 +38,8 @@ def _row_json(row: Row) -> dict[str, Any]:
         "label": row.label,
         "paper": [float(text) for text in row.printed],
         "reproduced": [float(text) for text in row.reproduced_printed],
-        "reproduced_mm2": list(row.reproduced),
         "agrees": list(row.agrees),
-        "as_equations_read_mm": [1e3 * value for value in row.as_read],
-        "corrected_mm": [1e3 * value for value in row.corrected],
+        **row.computed,
         "note": row.note,
     }
 
@@ -89,27 +85,24 @@ def plain(value: float) -> float | None:
 def table_csv(table: Table) -> str:
     """A table as CSV: a line per row, each measure's columns side by side, then the note."""
     names = [column.replace(" ", "_") for column in table.columns]
-    header = ["label", *(f"{measure}_{name}" for measure in _MEASURES for name in names), "note"]
-    lines: list[Sequence[object]] = [header]
+    rows: list[dict[str, Any]] = []
     for row in table.rows:
-        figures: list[object] = [*row.printed]
-        figures += [plain(value) for value in row.reproduced]
-        figures += [plain(1e3 * value) for value in (*row.as_read, *row.corrected)]
-        lines.append([row.label, *figures, row.note])
-    return _csv(lines)
+        measures: dict[str, Iterable[Any]] = {"paper": row.printed}
+        measures |= {name: map(plain, values) for name, values in row.computed.items()}
+        cells = {
+            f"{name}_{of}": value for name, values in measures.items() for of, value in zip(names, values, strict=False)
+        }
+        rows.append({"label": row.label, **cells, "note": row.note})
+    return _csv(rows)
 
 
 def figure_csv(figure: Figure) -> str:
     """A figure's columns as CSV; empty where a map has no pose."""
-    names = list(figure.columns)
-    rows = zip(*figure.columns.values(), strict=True)
-    return _csv([names, *([plain(value) for value in row] for row in rows)])
+    return _csv({name: [plain(value) for value in values] for name, values in figure.columns.items()})
 
 
-def _csv(lines: Iterable[Sequence[object]]) -> str:
-    out = io.StringIO()
-    csv.writer(out, lineterminator="\n").writerows(lines)
-    return out.getvalue()
+def _csv(rows: Any) -> str:
+    return str(frame(rows).to_csv(index=False, lineterminator="\n"))
 
 
 def cells(row: Row) -> tuple[str, str, str, str]:
