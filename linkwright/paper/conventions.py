@@ -18,6 +18,7 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from scipy.optimize import minimize
@@ -124,6 +125,50 @@ class Deformation:
 
 
 @dataclass(frozen=True)
+class Reading:
+    """Distances (m) of the paper's tables by one reading of its equations.
+
+    `scale` is what play is multiplied by; `weight_sag` and `tool_sag` (m) are the deformation's two parts at full
+    stretch, `deformation` the same at any pose.
+    """
+
+    paper: Paper
+    scale: float
+    weight_sag: float
+    tool_sag: float
+    deformation: Deformation
+
+    @property
+    def sag(self) -> float:
+        """The deformation at full stretch, m."""
+        return self.weight_sag + self.tool_sag
+
+    def play(self, joints: Sequence[int], *, backlash: bool) -> tuple[float, float]:
+        """Tables III and IV without and with deformation: the distances of all joints with play simply add up."""
+        lengths = self.paper.parameters.lengths
+        arms = [lengths[joint - 1] for joint in joints]
+        size = self.paper.backlash_size * sum(arms) if backlash else self.paper.clearance_size * len(joints)
+        return self.scale * size, self.scale * size + self.sag
+
+    def direction(self, signs: Sequence[int]) -> tuple[float, float]:
+        """Table V without and with deformation: the largest over all poses for these signs. With absolute angles some
+        pose lines up the links' swings whatever their signs."""
+        turns = [self.scale * self.paper.backlash_size * sign for sign in signs]
+        swings = zip(turns, self.paper.parameters.lengths, strict=True)
+        return sum(abs(turn) * length for turn, length in swings), self.deformation.worst_with(turns)
+
+    def material(self, modulus: float, density: float) -> float:
+        """Table VI: the links' part goes with density over modulus, the tool's with 1 over modulus."""
+        parameters = self.paper.parameters
+        softer = parameters.elastic_modulus / modulus
+        return softer * (self.tool_sag + self.weight_sag * density / parameters.density)
+
+    def shape(self, second_moment: float) -> float:
+        """Table VII: pure bending, which goes with I of the circle over I (m^4)."""
+        return self.sag * self.deformation.equations.second_moment / second_moment
+
+
+@dataclass(frozen=True)
 class Conventions:
     """The paper's conventions on its own data: printed figures (mm^2) out of Table II and the two fitted constants."""
 
@@ -135,75 +180,26 @@ class Conventions:
         return Equations(self.paper.parameters)
 
     @cached_property
-    def as_read(self) -> Deformation:
-        """The deformation as the equations read: no tool, nothing fitted."""
-        return Deformation(self.equations)
-
-    @cached_property
     def fitted(self) -> Deformation:
-        """The same, scaled so that its two parts have the fitted sizes at full stretch."""
+        """The equations' deformation, scaled so that its two parts have the fitted sizes at full stretch."""
         per_newton = float(np.hypot(*self.equations.tool_deflection(np.zeros((1, 3)))[0]))
         return Deformation(
             self.equations, self.paper.weight_sag / self.equations.weight_sag, self.paper.tool_sag / per_newton
         )
 
-    @property
-    def sag(self) -> float:
-        """The fitted deformation at full stretch, m."""
-        return self.paper.weight_sag + self.paper.tool_sag
+    @cached_property
+    def printed(self) -> Reading:
+        """What the printed figures turn out to be; they are the squares of these distances."""
+        return Reading(self.paper, SQUARE, self.paper.weight_sag, self.paper.tool_sag, self.fitted)
 
-    def printed_play(self, joints: Sequence[int], *, backlash: bool) -> tuple[float, float]:
-        """PE (mm^2) of Table III or IV without and with deformation: the distances simply add, then are squared."""
-        size = SQUARE * self._play(joints, backlash=backlash)
-        return squared(size), squared(size + self.sag if joints else self.sag)
-
-    def read_play(self, joints: Sequence[int], *, backlash: bool) -> tuple[float, float]:
-        """The same as the equations read: distances in m, with a root and without sqrt(2)."""
-        size = self._play(joints, backlash=backlash)
-        return size, size + self.equations.weight_sag
-
-    def printed_direction(self, signs: Sequence[int]) -> tuple[float, float]:
-        """PE (mm^2) of Table V without and with deformation: the largest over all poses for these signs."""
-        turns = [SQUARE * self.paper.backlash_size * sign for sign in signs]
-        return squared(self._everywhere(turns)), squared(self.fitted.worst_with(turns))
-
-    def read_direction(self, signs: Sequence[int]) -> tuple[float, float]:
-        """The same as the equations read, distances in m."""
-        turns = [self.paper.backlash_size * sign for sign in signs]
-        return self._everywhere(turns), self.as_read.worst_with(turns)
-
-    def printed_material(self, modulus: float, density: float) -> float:
-        """PE (mm^2) of Table VI: the links' part goes with density over modulus, the tool's with 1 over modulus."""
-        parameters = self.paper.parameters
-        softer = parameters.elastic_modulus / modulus
-        return squared(softer * (self.paper.tool_sag + self.paper.weight_sag * density / parameters.density))
-
-    def read_material(self, modulus: float, density: float) -> float:
-        """The same as the equations read, a distance in m."""
-        parameters = self.paper.parameters
-        return self.equations.weight_sag * (parameters.elastic_modulus / modulus) * (density / parameters.density)
-
-    def printed_shape(self, second_moment: float) -> float:
-        """PE (mm^2) of Table VII: pure bending, the square of I of the circle over I (m^4)."""
-        return squared(self.sag * self.equations.second_moment / second_moment)
-
-    def read_shape(self, second_moment: float) -> float:
-        """The same as the equations read, a distance in m."""
-        return self.equations.weight_sag * self.equations.second_moment / second_moment
-
-    def _play(self, joints: Sequence[int], *, backlash: bool) -> float:
-        """Clearances, or what backlash moves the links' ends by, added up without sqrt(2), m."""
-        if not backlash:
-            return self.paper.clearance_size * len(joints)
-        return sum(self.paper.backlash_size * self.paper.parameters.lengths[joint - 1] for joint in joints)
-
-    def _everywhere(self, turns: Sequence[float]) -> float:
-        """With absolute angles some pose lines up the links' swings whatever their signs, m."""
-        return sum(abs(turn) * length for turn, length in zip(turns, self.paper.parameters.lengths, strict=True))
+    @cached_property
+    def as_read(self) -> Reading:
+        """As the equations read: with a root and without sqrt(2), no tool, nothing fitted."""
+        return Reading(self.paper, 1.0, self.equations.weight_sag, 0.0, Deformation(self.equations))
 
 
-def squared(distance: float) -> float:
-    """What the paper prints for a distance (m): its square, mm^2."""
+def squared(distance: Any) -> Any:
+    """What the paper prints for a distance (m), or an array of them: the square, mm^2."""
     return (1e3 * distance) ** 2
 
 

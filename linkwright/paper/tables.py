@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
 from typing import Literal
@@ -12,7 +12,7 @@ from linkwright.core.arm.chain.chain import Arm, Joint, Link
 from linkwright.core.arm.worst.reach import ring_of
 from linkwright.core.arm.worst.seam import SeamCheck, check_seam
 from linkwright.core.sections import build
-from linkwright.paper.conventions import Conventions, printed_second_moment
+from linkwright.paper.conventions import Conventions, Reading, printed_second_moment, squared
 from linkwright.paper.corrected import DEFORMATION, PaperArm, least_deformation, material, worst_error, worst_signed
 from linkwright.paper.printed import Paper, Row, Table, read_paper, words
 from linkwright.results.figures_in_words import figure, mm
@@ -48,13 +48,22 @@ def _note(*names: str, **values: str) -> str:
     return " ".join(words()["notes"][name].format(**values) for name in names)
 
 
+def _squares(distances: Iterable[float]) -> tuple[float, ...]:
+    """What the paper prints for distances (m), mm^2."""
+    return tuple(map(squared, distances))
+
+
 @dataclass(frozen=True)
 class _Maker:
     paper: Paper
 
     @cached_property
-    def conventions(self) -> Conventions:
-        return Conventions(self.paper)
+    def printed(self) -> Reading:
+        return Conventions(self.paper).printed
+
+    @cached_property
+    def as_read(self) -> Reading:
+        return Conventions(self.paper).as_read
 
     @cached_property
     def arms(self) -> PaperArm:
@@ -66,8 +75,8 @@ class _Maker:
         values = {
             "weight": mm(paper.weight_sag, 5),
             "tool": mm(paper.tool_sag),
-            "sag": mm(self.conventions.equations.weight_sag, 3),
-            "used": mm(self.conventions.sag, 3),
+            "sag": mm(self.as_read.sag, 3),
+            "used": mm(self.printed.sag, 3),
             "clearance": mm(paper.clearance_size),
             "backlash": figure(paper.backlash_size),
         }
@@ -92,16 +101,16 @@ class _Maker:
         backlash = which == "backlash"
         for row in self.paper.backlash if backlash else self.paper.clearance:
             arm = partial(self.arms.arm, **{which: row.joints})
-            reproduced = self.conventions.printed_play(row.joints, backlash=backlash)
-            read = self.conventions.read_play(row.joints, backlash=backlash)
+            printed = self.printed.play(row.joints, backlash=backlash)
+            read = self.as_read.play(row.joints, backlash=backlash)
             corrected = (worst_error(arm(leave_out=DEFORMATION)), worst_error(arm()))
-            made = Row(joints_label(row.joints), row.printed, reproduced, read, corrected, "", len(row.printed))
+            made = Row(joints_label(row.joints), row.printed, _squares(printed), read, corrected, "", len(row.printed))
             yield replace(made, note=self._play_note(made, row.joints, backlash=backlash))
 
     def _play_note(self, made: Row, joints: Sequence[int], *, backlash: bool) -> str:
         added = mm(made.corrected[1] - made.corrected[0], 3)
         if not joints:
-            return _note("sag", sag=mm(self.conventions.sag, 3), added=added)
+            return _note("sag", sag=mm(self.printed.sag, 3), added=added)
         names = [] if made.agrees[1] else ["stopped_early"]
         names.append("disc" if not backlash else "nothing_follows" if tuple(joints) == (3,) else "beyond_turns")
         return _note(*names, "adds", swing=mm(made.corrected[0]), read=mm(made.as_read[0]), added=added)
@@ -111,9 +120,8 @@ class _Maker:
         for row in self.paper.direction:
             corrected = tuple(worst_signed(arm, row.signs) for arm in arms)
             label = " ".join("+" if sign > 0 else "−" for sign in row.signs)
-            reproduced = self.conventions.printed_direction(row.signs)
-            read = self.conventions.read_direction(row.signs)
-            made = Row(label, row.printed, reproduced, read, corrected, "", 2)
+            squares, read = _squares(self.printed.direction(row.signs)), self.as_read.direction(row.signs)
+            made = Row(label, row.printed, squares, read, corrected, "", 2)
             name = "equal_signs" if made.agrees[1] else "mixed_signs"
             yield replace(made, note=_note(name, printed=made.printed[1], ours=made.reproduced_printed[1]))
 
@@ -124,8 +132,8 @@ class _Maker:
             made = Row(
                 row.name,
                 row.printed,
-                tuple(self.conventions.printed_material(*end) for end in ends),
-                tuple(self.conventions.read_material(*end) for end in ends),
+                _squares(self.printed.material(*end) for end in ends),
+                tuple(self.as_read.material(*end) for end in ends),
                 tuple(corrected),
                 "",
                 1 if row.one_figure else 2,
@@ -145,12 +153,12 @@ class _Maker:
     def shape(self) -> Iterator[Row]:
         for row in self.paper.shape:
             misprinted = printed_second_moment(row.shape, row.dimensions, misprint=True)
-            wrong = figure(self.conventions.printed_shape(misprinted), 2)
+            wrong = figure(squared(self.printed.shape(misprinted)), 2)
             yield Row(
                 row.name,
                 row.printed,
-                (self.conventions.printed_shape(printed_second_moment(row.shape, row.dimensions)),),
-                (self.conventions.read_shape(misprinted),),
+                _squares((self.printed.shape(printed_second_moment(row.shape, row.dimensions)),)),
+                (self.as_read.shape(misprinted),),
                 (worst_error(self.arms.arm(section=build(row.shape, dict(row.dimensions)))),),
                 _note(row.shape, misprinted=wrong),
                 1,

@@ -22,7 +22,7 @@ from linkwright.core.arm.worst.search import WorstSearch
 from linkwright.core.arm.worst.workspace import spread
 from linkwright.core.materials.catalogue import load_catalogue
 from linkwright.core.sections.numeric import Array
-from linkwright.paper.conventions import SQUARE, Conventions
+from linkwright.paper.conventions import SQUARE, Conventions, squared
 from linkwright.paper.corrected import PaperArm, pose_errors, search_of, worst_error
 from linkwright.paper.printed import read_paper, words
 from linkwright.results.figures_in_words import figure, mm
@@ -93,8 +93,8 @@ class _Maker:
             columns[name] = np.full(self.cells**2, np.nan)
             order = np.argsort(values)
             columns[name][flat[order]] = values[order]  # the largest of a cell is written last
-        largest, sag = worst_error(arm), self.conventions.sag
-        marks = {"corrected_max_mm": 1e3 * largest, "paper_max_mm2": _squared(sag)}
+        largest, sag = worst_error(arm), self.conventions.printed.sag
+        marks = {"corrected_max_mm": 1e3 * largest, "paper_max_mm2": squared(sag)}
         said = {"poses": figure(float(self.poses), 6), "largest": mm(largest), "sag": mm(sag, 3)}
         return _figure("5", columns, marks, **said)
 
@@ -112,8 +112,8 @@ class _Maker:
             "shoulder_deg": np.degrees(angles),
             "corrected_clearance_mm": np.full_like(angles, 1e3 * alone),
             "corrected_with_deformation_mm": 1e3 * pose_errors(self.arms.arm(clearance=_ALL), turned),
-            "paper_clearance_mm2": np.full_like(angles, _squared(SQUARE * alone)),
-            "paper_with_deformation_mm2": _squared(SQUARE * alone + paper_sag),
+            "paper_clearance_mm2": np.full_like(angles, squared(SQUARE * alone)),
+            "paper_with_deformation_mm2": squared(SQUARE * alone + paper_sag),
         }
         return _figure("6", columns, {})
 
@@ -125,8 +125,8 @@ class _Maker:
             "clearance_mm": 1e3 * sizes,
             "corrected_clearance_mm": 3e3 * sizes,
             "corrected_with_deformation_mm": 1e3 * np.array(ours),
-            "paper_clearance_mm2": _squared(theirs),
-            "paper_with_deformation_mm2": _squared(theirs + self.conventions.sag),
+            "paper_clearance_mm2": squared(theirs),
+            "paper_with_deformation_mm2": squared(theirs + self.conventions.printed.sag),
         }
         even = worst_error(self.arms.arm()) / 3.0
         return _figure("7", columns, {"clearance_equals_deformation_mm": 1e3 * even}, even=mm(even, 3))
@@ -141,8 +141,8 @@ class _Maker:
             "backlash_rad": turns,
             "corrected_backlash_mm": 1e3 * whole * turns,
             "corrected_with_deformation_mm": 1e3 * np.array(ours),
-            "paper_backlash_mm2": _squared(theirs),
-            "paper_with_deformation_mm2": _squared(theirs + self.conventions.sag),
+            "paper_backlash_mm2": squared(theirs),
+            "paper_with_deformation_mm2": squared(theirs + self.conventions.printed.sag),
         }
         marks = {"backlash_of_table_IV_rad": self.conventions.paper.backlash_size}
         return _figure("8", columns, marks, times=figure(whole / swing, 3))
@@ -157,7 +157,7 @@ class _Maker:
         columns = {
             "reach_mm": 1e3 * reach * scales,
             "corrected_mm": 1e3 * np.array(ours),
-            "paper_mm2": [_squared(paper.weight_sag * x**4 + paper.tool_sag * x**3) for x in scales.tolist()],
+            "paper_mm2": [squared(paper.weight_sag * x**4 + paper.tool_sag * x**3) for x in scales.tolist()],
             "safety_factor": [swept.safety(scale) for scale in scales.tolist()],
         }
         power = math.log(ours[-1] / ours[-2]) / math.log(scales[-1] / scales[-2])
@@ -171,11 +171,6 @@ class _Maker:
             "bends": mm(reach * bending),
         }
         return _figure("9", columns, marks, **said)
-
-
-def _squared(distance: Any) -> Any:
-    """What the paper prints for distances (m): their squares, mm^2."""
-    return (1e3 * distance) ** 2
 
 
 @dataclass(frozen=True)
