@@ -7,15 +7,13 @@ from typing import Protocol
 
 from nicegui import ui
 
-from linkwright.browser.pages.optimise import TradeoffPage
+from linkwright.browser.pages.edited import ArmPage, ProblemPage, TradeoffPage
 from linkwright.browser.pages.results import ResultPage, ResultsPage
 from linkwright.browser.server.answers import Desk
 
-from .arm import ArmPage
 from .asking import Asking
 from .catalogues import CataloguesPage
 from .diagnosis import DiagnosisPage
-from .optimise import ProblemPage
 
 
 class _Page(Protocol):
