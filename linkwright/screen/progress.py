@@ -6,55 +6,21 @@ import threading
 import time
 from collections.abc import Generator
 from contextlib import contextmanager
+from typing import Any
 
 from rich.console import Console
-from rich.progress import BarColumn, Progress, ProgressColumn, Task, TaskID, TextColumn, TimeElapsedColumn
+from rich.progress import BarColumn, Progress, TaskID, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 from rich.table import Column
-from rich.text import Text
 
 from linkwright.output.stream import printable
 from linkwright.screen.console import console
 from linkwright.screen.loudness import loudness
 
-_ENOUGH = 0.01
-"""A share behind from which an end is estimated."""
-_ANEW = 0.5
-"""Where the share falls below this part of what it was, another part of the work has begun."""
-
-
-class Pace:
-    """Hears shares (0 to 1) with the time of day at which each was reached; parts follow one another."""
-
-    def __init__(self, now: float) -> None:
-        self._began, self._before, self.share = now, 0.0, 0.0
-
-    def heard(self, share: float, now: float) -> None:
-        """A share that is reached now."""
-        if share < _ANEW * self.share:
-            self._began, self._before = now, share
-        self.share = share
-
-    def left(self, now: float) -> float | None:
-        """Seconds until the end of the part; None as long as nothing can be said of it."""
-        gone = self.share - self._before
-        if gone < _ENOUGH or not self.share < 1.0:
-            return None
-        return (now - self._began) * (1.0 - self.share) / gone
-
-
-def in_words(seconds: float | None) -> str:
-    """An estimate of a time, as coarse as it is."""
-    if seconds is None:
-        return ""
-    if seconds < 90.0:
-        return f"about {max(round(seconds), 1)} s left"
-    minutes = seconds / 60.0
-    return f"about {minutes:.0f} min left" if minutes < 90.0 else f"about {minutes / 60.0:.0f} h left"
-
-
 _PATIENCE = 1.0
 """Seconds of silence; what is done by then needs no bar."""
 _BAR_WIDTH = 20
+_PERIOD = 600.0
+"""Seconds whose steps an end is estimated from: those of a long search are minutes apart."""
 
 
 class Steps:
@@ -68,7 +34,7 @@ class Steps:
         """`text` is shown until something is heard."""
         self._screen: Console = console(errors=True)
         self._text, self._began = printable(text), time.monotonic()
-        self._pace = Pace(self._began)
+        self._share = 0.0
         self._bar: Progress | None = None
         self._task = TaskID(0)
         self._lock = threading.RLock()
@@ -81,12 +47,10 @@ class Steps:
 
     def __call__(self, text: str, share: float) -> None:
         """`text` says what is being done now."""
-        now = time.monotonic()
         with self._lock:
-            self._text = printable(text)
-            self._pace.heard(share, now)
+            self._text, self._share = printable(text), share
             # A notebook shows nothing of another thread.
-            if self._bar is None and self._screen.is_jupyter and now - self._began >= _PATIENCE:
+            if self._bar is None and self._screen.is_jupyter and time.monotonic() - self._began >= _PATIENCE:
                 self._show()
             if self._bar is not None:
                 # Without a share there is no end to run towards.
@@ -123,32 +87,18 @@ class Steps:
             if self._closed or self._bar is not None or loudness() == "answer":
                 return
             # Where the screen is narrow the words go on below each other, and bar and times stay whole.
-            bar, elapsed = (BarColumn(_BAR_WIDTH, table_column=_whole()), TimeElapsedColumn(table_column=_whole()))
+            bar = BarColumn(_BAR_WIDTH, table_column=_whole())
+            times = TimeElapsedColumn(table_column=_whole()), TimeRemainingColumn(table_column=_whole())
             what = TextColumn("{task.description}", markup=False, table_column=Column())
-            columns = (bar, elapsed, _Left(self._pace), what)
-            self._bar = Progress(*columns, console=self._screen, transient=True, redirect_stdout=False)
-            share = self._pace.share
-            self._task = self._bar.add_task(self._text, total=1.0 if share > 0.0 else None)
-            self._bar.update(self._task, completed=share)
+            look: Any = {"transient": True, "redirect_stdout": False, "speed_estimate_period": _PERIOD}
+            self._bar = Progress(bar, *times, what, console=self._screen, **look)
+            self._task = self._bar.add_task(self._text, total=1.0 if self._share > 0.0 else None)
+            self._bar.update(self._task, completed=self._share)
             self._bar.start()
 
 
 def _whole() -> Column:
     return Column(no_wrap=True)
-
-
-class _Left(ProgressColumn):
-    """How long it still takes."""
-
-    max_refresh = 0.5
-
-    def __init__(self, pace: Pace) -> None:
-        super().__init__(table_column=_whole())
-        self._pace = pace
-
-    def render(self, task: Task) -> Text:  # noqa: ARG002 - the pace knows of parts
-        """In words."""
-        return Text(in_words(self._pace.left(time.monotonic())))
 
 
 @contextmanager
