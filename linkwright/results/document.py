@@ -62,6 +62,10 @@ class Column:
     detail: bool = False
 
 
+BARS = Column("", detail=True)
+"""The column of bars of a table that a screen shows without them."""
+
+
 @dataclass(frozen=True)
 class Table:
     """A table; `title` stands over it.

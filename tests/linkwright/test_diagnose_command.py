@@ -3,7 +3,6 @@
 import io
 import json
 import math
-import re
 import xml.etree.ElementTree as ET
 from dataclasses import replace
 from itertools import pairwise
@@ -24,13 +23,14 @@ from linkwright.json.diagnosis import diagnosis_json, minimum_detectable
 from linkwright.json.parameters import in_unit, unit_of
 from linkwright.output.diagnosis_folder import compensated, residuals
 from linkwright.output.files import json_text
-from linkwright.report.charts.bars import ladder_picture
 from linkwright.report.charts.covariates import covariates
 from linkwright.report.described import page_of
 from linkwright.report.pictures.svg import Plot, binned, round_ticks
 from linkwright.results.diagnoses.answer import answer, to_do
 from linkwright.results.diagnoses.described import describe
+from linkwright.results.diagnoses.evidence import ladder
 from linkwright.results.diagnoses.words import effect_words, interval, value
+from linkwright.results.document import Table
 from linkwright.results.figures_in_words import figure, mm
 from linkwright.screen.described import show
 from tests.diagnose.made_diagnosis import RECORDED, made_arm, made_diagnosis, write_recording
@@ -243,16 +243,12 @@ def test_that_there_is_another_cause_is_said_before_every_name_of_the_first():
 
 
 def test_the_ladder_is_drawn_to_scale():
-    """A bar's length goes by what a model leaves, a line stands at the noise floor; more rungs than six are summed."""
+    """Beside each model a bar goes by what it leaves of the largest."""
     made = made_diagnosis("named")
-    bars = [
-        float(item.attrib["width"])
-        for item in ET.fromstring(re.search("<svg.*?</svg>", ladder_picture(made)).group()).iter("rect")
-    ]
-    assert bars == pytest.approx([400.0, 400.0 * made.ladder[1].rms / made.ladder[0].rms], rel=1e-4)
-    long = (made.ladder[0], *(replace(made.ladder[1], label=f"+ cause {k}") for k in range(9)))
-    assert "+ 5 more" in ladder_picture(replace(made, ladder=long))
-    assert ladder_picture(replace(made, ladder=made.ladder[:1])) == ""
+    (rows,) = (item.rows for item in ladder(made).items if isinstance(item, Table))
+    shares = [dict(row[-1].bars)["after"] for row in rows]
+    assert shares[1] / shares[0] == pytest.approx(made.ladder[1].rms / made.ladder[0].rms)
+    assert max(share for row in rows for _, share in row[-1].bars) == pytest.approx(1.0)
 
 
 def test_page_says_everything_that_was_found():

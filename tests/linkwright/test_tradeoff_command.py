@@ -15,7 +15,8 @@ from linkwright.core.arm.evaluation import evaluate
 from linkwright.core.arm.figures import FIGURES
 from linkwright.core.arm.files.read import read_arm
 from linkwright.core.optimize.tradeoff.question import axes_of
-from linkwright.report.charts.fronts import _axis, ticks
+from linkwright.report.charts.fronts import _axis
+from linkwright.report.pictures.svg import marks
 from linkwright.results.tradeoff import spread
 from tests.linkwright.conftest import ROOT
 from tests.linkwright.samples import unpacked
@@ -160,15 +161,15 @@ def test_ctrl_c_leaves_the_points_solved_so_far(two, points, kept):
 
 
 def test_marks_of_an_axis():
-    assert ticks(0.9, 4.2, log=False) == pytest.approx([1.0, 1.5, 2.0, 2.5, 3.0, 3.5, 4.0])
-    assert ticks(0.9, 30.0, log=True) == pytest.approx([1.0, 2.0, 5.0, 10.0, 20.0])
-    assert ticks(1e-3, 2.0, log=True) == pytest.approx([1e-3, 1e-2, 0.1, 1.0])
+    assert marks(0.9, 4.2, log=False) == pytest.approx([1.0, 2.0, 3.0, 4.0])
+    assert marks(0.9, 30.0, log=True) == pytest.approx([1.0, 2.0, 5.0, 10.0, 20.0])
+    assert marks(1e-3, 2.0, log=True) == pytest.approx([1e-3, 1e-2, 0.1, 1.0])
 
 
 def test_a_figure_in_logarithms_is_marked_in_words_as_the_picture_is():
     """Plotly's own marks between powers of ten are too small to read; a front's price need not be known everywhere."""
     axis = _axis([[0.37, 3.0], [None, 5.0]], log=True)
-    assert axis["tickvals"] == ticks(0.37, 5.0, log=True)
+    assert axis["tickvals"] == marks(0.37, 5.0, log=True)
     assert axis["ticktext"] == ["0.5", "1", "2", "5"]
     assert "tickvals" not in _axis([[0.37, 3.0]], log=False)
 

@@ -22,15 +22,15 @@ from linkwright.face.result import Field, Reported, drawn
 from linkwright.json.fields import fields, in_joint_unit, in_mm
 from linkwright.output.files import REPORT, RESULT
 from linkwright.output.table_file import frame
-from linkwright.report.charts.bars import causes_picture
 from linkwright.results.document import (
+    BARS,
+    Bars,
     Description,
     Fact,
     Facts,
     Item,
     Lines,
     Paragraph,
-    Picture,
     Value,
     amount,
     length,
@@ -80,18 +80,20 @@ def describe(found: Found) -> Description:
     if tip := found.load_cases[found.load_case - 1].tip:
         loads = f" at {tip}'s tip{loads}"
     items.append(Paragraph(f"Most at {where}{loads}: {mm(found.at_worst, 3)} for {kept} of arms."))
+    largest = max((size for cause in found.causes for size in (cause.at_worst, cause.average)), default=0.0) or 1.0
     rows = [
         (
             cause_title(cause.name),
             length(unless_nothing(cause.at_worst, found.at_worst), 3),
             length(unless_nothing(cause.average, found.average), 3),
             share(unless_nothing(cause.share, 1.0)),
+            Bars((("before", cause.at_worst / largest), ("after", cause.average / largest))),
         )
         for cause in found.causes
     ]
-    bars = Picture(lambda: causes_picture([(cause_title(x.name), x.at_worst, x.average) for x in found.causes]))
-    columns = ("each cause alone", "at the worst pose", "average", "share of the square")
-    items.append(section("Causes", bars, table(columns, rows)))
+    columns = ("each cause alone", "at the worst pose", "average", "share of the square", BARS)
+    lead = "Bars: at the worst pose (grey), and on average over poses and arms (blue)."
+    items.append(section("Causes", table(columns, rows), lead=lead))
     if found.options:
         priced = [
             (option.name, _euro(option.price), length(option.worst, 3), length(option.average, 3), _per_euro(option))
@@ -106,8 +108,7 @@ def describe(found: Found) -> Description:
         items.append(section("What it would bring to make a part better", table(headings_, rows_), lead=lead))
     items.append(Lines(_rests_on(found)))
     headline = f"{kept} of arms err by {mm(found.worst, 3)} at most"
-    largest = cause_title(found.causes[0].name)
-    brief = f"{headline}; most: {largest}"
+    brief = f"{headline}; most: {cause_title(found.causes[0].name)}"
     name = f"{arm.name}, tip of {arm.tip}" if arm.tip and not arm.every_tip else arm.name
     return Description(f"{name}: error budget", brief, tuple(items), brief, f"{name}: ")
 

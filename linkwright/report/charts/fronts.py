@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
+from itertools import pairwise
 from typing import Any
+
+import numpy as np
 
 from linkwright.core.optimize.tradeoff.front import Front, Point, Tradeoff
 from linkwright.core.optimize.tradeoff.question import Axis
 from linkwright.report.page import figure_place
 from linkwright.report.pictures.plots import Figure
-from linkwright.report.pictures.svg import element, nice_below, text
+from linkwright.report.pictures.svg import Plot, element, label, marks, text
 from linkwright.results.document import Drawn
 from linkwright.results.figures_in_words import figure, section_words, with_unit
 
@@ -49,24 +51,15 @@ def picture_words(result: Tradeoff) -> str:
     return words + "."
 
 
-WIDTH, HEIGHT = 860.0, 560.0
-_LEFT, _RIGHT, _TOP, _BOTTOM = 92.0, 30.0, 60.0, 64.0
 COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#7a7a00", "#7f3c8d")
 """Apart for people who are colour-blind as well (after Okabe and Ito, Color Universal Design, 2008)."""
-INK, MUTED, LINE = "#1d2530", "#5b6675", "#d9dee5"
-Place = Callable[[float], float]
-
-
-def ticks(low: float, high: float, *, log: bool) -> list[float]:
-    """Values at which an axis is marked: round ones, on an axis in logarithms 1, 2 and 5 times powers of ten."""
-    if log:
-        powers = range(math.floor(math.log10(low)), math.ceil(math.log10(high)) + 1)
-        steps = (1.0, 2.0, 5.0) if math.log10(high / low) < 2.5 else (1.0,)
-        values = [step * 10.0**power for power in powers for step in steps]
-    else:
-        step = nice_below((high - low) / 5.0)
-        values = [step * k for k in range(math.ceil(low / step - 1e-9), math.floor(high / step + 1e-9) + 1)]
-    return [value for value in values if low * (1.0 - 1e-9) <= value <= high * (1.0 + 1e-9)]
+_GREY = "#b8c0cb"
+_LOOK = (
+    "svg{background:#fff;font-family:system-ui,'Segoe UI',Roboto,'Helvetica Neue',Arial,sans-serif}"
+    "text{fill:#5b6675;stroke:#fff;stroke-width:4;stroke-linejoin:round;paint-order:stroke}.figures{fill:#1d2530}"
+    ".axis{stroke:#d9dee5}.frame,.front{fill:none}.frame{stroke:#5b6675}.front{stroke-linejoin:round}"
+)
+"""The picture's own styles: it stands by itself, on white."""
 
 
 def span(axis: Axis, values: Sequence[float], *, log: bool) -> tuple[float, float]:
@@ -85,178 +78,70 @@ def _axis(drawn: Sequence[Sequence[float | None]], *, log: bool) -> Figure:
     if not log:
         return {"type": "linear", "zeroline": False}
     values = [value for values in drawn for value in values if value is not None]
-    marks = ticks(min(values), max(values), log=True) if values else []
-    own = {"tickmode": "array", "tickvals": marks, "ticktext": [figure(mark) for mark in marks]}
-    return {"type": "log", "zeroline": False, **(own if len(marks) > 1 else {"exponentformat": "power"})}
+    ticks = marks(min(values), max(values), log=True) if values else []
+    own = {"tickmode": "array", "tickvals": ticks, "ticktext": [figure(tick) for tick in ticks]}
+    return {"type": "log", "zeroline": False, **(own if len(ticks) > 1 else {"exponentformat": "power"})}
 
 
 def tradeoff_picture(result: Tradeoff) -> str:
-    """The picture as an SVG file."""
+    """The picture as an SVG file: the fronts with their knee and both ends; of several their envelope too."""
     x, y = result.asked.x, result.asked.y
     across = span(x, [point.x for point in result.points], log=result.logs[0])
     up = span(y, [point.y for point in result.points], log=result.logs[1])
-    place_x = _scale(across, (_LEFT, WIDTH - _RIGHT), log=result.logs[0])
-    place_y = _scale(up, (HEIGHT - _BOTTOM, _TOP), log=result.logs[1])
-
-    def at(point: Point) -> tuple[float, float]:
-        return place_x(x.factor * point.x), place_y(y.factor * point.y)
-
-    grouped = len(result.fronts) > 1
-    legend, more = _legend(result) if grouped else ([], 0.0)
-    parts = [element("rect", x=0, y=0, width=WIDTH, height=HEIGHT + more, fill="#ffffff"), *legend]
-    parts += _frame(x, across, place_x, y, up, place_y, result.logs)
-    parts += _ends(result, at)  # beneath the fronts, so that its words hide no point
-    if grouped:
-        parts.append(_curve(result, result.envelope, at, "#b8c0cb", 7.0))
-    for number, front in enumerate(result.fronts):
-        colour = COLOURS[number % len(COLOURS)]
-        parts.append(_curve(result, front, at, colour, 2.0))
-        parts += [_dot(at(point), 2.6, colour) for point in result.of(front)]
-    parts += _knee(result, at)
-    better = [f"{'more' if axis.more_is_better else 'less'} {axis.title}" for axis in (x, y)]
+    several = len(result.fronts) > 1
+    plot = Plot(
+        738.0, 436.0, across, up, 92.0, 48.0 + 20.0 * (len(result.fronts) + 1) * several, 60.0, 30.0, result.logs
+    )
+    left, foot = plot.left, plot.top + plot.height + 54.0
+    better = " and ".join(f"{'more' if axis.more_is_better else 'less'} {axis.title}" for axis in (x, y))
     title = f"{result.asked.given.arm.name}: {y.title} against {x.title}"
-    parts.append(_words(_LEFT, 26.0, title, size=17, colour=INK, anchor="start", weight="600"))
-    parts.append(_words(_LEFT, 46.0, f"better: {better[0]}, {better[1]}", size=12.5, anchor="start"))
-    window = f"0 0 {WIDTH:g} {HEIGHT + more:g}"
-    family = "system-ui, 'Segoe UI', Roboto, 'Helvetica Neue', Arial, sans-serif"
-    return (
-        f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="{window}" width="{WIDTH:g}" height="{HEIGHT + more:g}" '
-        f'role="img" aria-label="{text(picture_words(result)).replace(chr(34), "")}" font-family="{family}">'
-        + "".join(parts)
-        + "</svg>\n"
-    )
+    parts = [label(left, 26.0, 17.0, title, "start", "figures"), label(left, 46.0, 12.5, f"better: {better}", "start")]
+    drawn = [(front, COLOURS[k % len(COLOURS)], 2.0) for k, front in enumerate(result.fronts)]
+    for number, (front, colour, wide) in enumerate([(result.envelope, _GREY, 7.0), *drawn] if several else drawn):
+        at = [_curve_place(plot, result, *place) for place in _steps(result, front)]
+        course = "M" + "L".join(f"{u:.2f},{v:.2f}" for u, v in at)
+        parts.append(element("path", d=course, class_="front", stroke=colour, stroke_width=wide))
+        if front is not result.envelope or not several:
+            places = [_curve_place(plot, result, point.x, point.y) for point in result.of(front)]
+            parts += [element("circle", cx=u, cy=v, r=2.6, fill=colour) for u, v in places]
+        if several:
+            row = foot + 20.0 * number
+            parts.append(element("path", d=f"M{left},{row}h20", class_="front", stroke=colour, stroke_width=wide))
+            parts.append(label(left + 26.0, row + 4.0, 12.0, "envelope" if not number else front.name, "start"))
+    envelope = result.of(result.envelope)
+    ends = [("", number) for number in dict.fromkeys((envelope[0].number, envelope[-1].number))]
+    knees = [] if result.envelope.knee is None else [("knee: ", result.envelope.knee)]
+    for what, number in (*ends, *knees):
+        parts += _pointed_out(plot, result, result.points[number - 1], what)
+    drawing = plot.drawn(picture_words(result), (x.heading, y.heading), element("style", _LOOK), *parts)
+    return drawing.replace("<svg ", '<svg xmlns="http://www.w3.org/2000/svg" ', 1) + "\n"
 
 
-def _scale(values: tuple[float, float], places: tuple[float, float], *, log: bool) -> Place:
-    low, high = (math.log(value) for value in values) if log else values
-
-    def place(value: float) -> float:
-        share = ((math.log(value) if log else value) - low) / (high - low)
-        return places[0] + share * (places[1] - places[0])
-
-    return place
+def _curve_place(plot: Plot, result: Tradeoff, x: float, y: float) -> tuple[float, float]:
+    """Where a point of both figures (SI) stands on the page."""
+    factors = result.asked.x.factor, result.asked.y.factor
+    return float(plot.x(np.array(factors[0] * x))), float(plot.y(np.array(factors[1] * y)))
 
 
-def _frame(
-    x: Axis,
-    across: tuple[float, float],
-    place_x: Place,
-    y: Axis,
-    up: tuple[float, float],
-    place_y: Place,
-    logs: tuple[bool, bool],
-) -> list[str]:
-    bottom, right = HEIGHT - _BOTTOM, WIDTH - _RIGHT
-    parts: list[str] = []
-    for value in ticks(*across, log=logs[0]):
-        at = place_x(value)
-        parts.append(_line((at, _TOP), (at, bottom), LINE, 1.0))
-        parts.append(_words(at, bottom + 18.0, figure(value), size=12.0))
-    for value in ticks(*up, log=logs[1]):
-        at = place_y(value)
-        parts.append(_line((_LEFT, at), (right, at), LINE, 1.0))
-        parts.append(_words(_LEFT - 8.0, at + 4.0, figure(value), size=12.0, anchor="end"))
-    parts.append(_line((_LEFT, bottom), (right, bottom), MUTED, 1.2))
-    parts.append(_line((_LEFT, _TOP), (_LEFT, bottom), MUTED, 1.2))
-    parts.append(_words(0.5 * (_LEFT + right), bottom + 44.0, x.heading, size=13.5, colour=INK))
-    middle = 0.5 * (_TOP + bottom)
-    words = y.heading
-    parts.append(
-        element(
-            "text",
-            text(words),
-            x=22.0,
-            y=middle,
-            font_size=13.5,
-            fill=INK,
-            text_anchor="middle",
-            transform=f"rotate(-90 22 {middle:g})",
-        )
-    )
-    return parts
+def _steps(result: Tradeoff, front: Front) -> list[tuple[float, float]]:
+    """Where a front runs (SI): straight from point to point, at a step level first, then down."""
+    points, steps = result.of(front), set(front.steps)
+    places = [(points[0].x, points[0].y)]
+    for before, point in pairwise(points):
+        places += [(point.x, before.y)] if (before.number, point.number) in steps else []
+        places.append((point.x, point.y))
+    return places
 
 
-def _curve(result: Tradeoff, front: Front, at: Callable[[Point], tuple[float, float]], colour: str, wide: float) -> str:
-    """Straight from point to point; at a step level first, then down."""
-    points = result.of(front)
-    steps = set(front.steps)
-    places = [at(point) for point in points]
-    drawn = f"M{places[0][0]:.2f},{places[0][1]:.2f}"
-    for k in range(1, len(points)):
-        (_, before), (across, up) = places[k - 1], places[k]
-        if (points[k - 1].number, points[k].number) in steps:
-            drawn += f"L{across:.2f},{before:.2f}"
-        drawn += f"L{across:.2f},{up:.2f}"
-    return element(
-        "path", d=drawn, fill="none", stroke=colour, stroke_width=wide, stroke_linejoin="round", stroke_linecap="round"
-    )
-
-
-def _knee(result: Tradeoff, at: Callable[[Point], tuple[float, float]]) -> list[str]:
-    if result.envelope.knee is None:
-        return []
-    point = result.points[result.envelope.knee - 1]
-    across, up = at(point)
-    size = 7.0
-    diamond = f"M{across - size:.2f},{up:.2f}l{size},{-size}l{size},{size}l{-size},{size}z"
-    words = f"knee: {shown(result.asked.x, point.x, 3)}, {shown(result.asked.y, point.y, 3)}"
-    # On the better side of the front, where nothing else is drawn, as far as there is room.
-    room = 8.0 * len(words) + 12.0
-    right, above = result.asked.x.more_is_better, result.asked.y.more_is_better
-    if (not right and across - room < _LEFT) or (right and across + room > WIDTH - _RIGHT):
-        right, above = not right, not above
-    start = (across + 12.0, "start") if right else (across - 12.0, "end")
-    mark = element("path", d=diamond, fill="#ffffff", stroke=INK, stroke_width=2.0)
-    height = up - 12.0 if above else up + 20.0
-    return [mark, _words(start[0], height, words, size=13.0, colour=INK, anchor=start[1], weight="600")]
-
-
-def _ends(result: Tradeoff, at: Callable[[Point], tuple[float, float]]) -> list[str]:
-    parts: list[str] = []
-    points = result.of(result.envelope)
-    for number in dict.fromkeys((points[0].number, points[-1].number)):
-        point = result.points[number - 1]
-        across, up = at(point)
-        late = across > 0.5 * WIDTH
-        # Beyond the end itself, where no front goes on: above the highest point, below the lowest.
-        first = number == points[0].number
-        height = up - 11.0 if first != result.asked.y.more_is_better else up + 20.0
-        words = f"{shown(result.asked.x, point.x, 4)}, {shown(result.asked.y, point.y, 4)}"
-        parts.append(element("circle", cx=across, cy=up, r=5.0, fill="none", stroke=INK, stroke_width=1.6))
-        start = (across + 9.0, "end") if late else (across - 9.0, "start")
-        parts.append(_words(start[0], height, words, size=12.0, anchor=start[1]))
-    return parts
-
-
-def _legend(result: Tradeoff) -> tuple[list[str], float]:
-    """The fronts' names below the picture, in as many rows as they need, and the height that those take."""
-    parts: list[str] = []
-    across, up = _LEFT, HEIGHT + 2.0
-    entries = [(front.name, COLOURS[k % len(COLOURS)], 3.0) for k, front in enumerate(result.fronts)]
-    for name, colour, wide in [*entries, ("envelope", "#b8c0cb", 7.0)]:
-        width = 48.0 + 7.0 * len(name)
-        if across > _LEFT and across + width > WIDTH - _RIGHT:
-            across, up = _LEFT, up + 20.0
-        parts.append(_line((across, up), (across + 20.0, up), colour, wide))
-        parts.append(_words(across + 26.0, up + 4.0, name, size=12.0, anchor="start"))
-        across += width
-    return parts, up + 16.0 - HEIGHT
-
-
-def _dot(place: tuple[float, float], size: float, colour: str) -> str:
-    return element("circle", cx=place[0], cy=place[1], r=size, fill=colour)
-
-
-def _line(start: tuple[float, float], end: tuple[float, float], colour: str, wide: float) -> str:
-    return element("line", x1=start[0], y1=start[1], x2=end[0], y2=end[1], stroke=colour, stroke_width=wide)
-
-
-def _words(
-    x: float, y: float, content: str, *, size: float, colour: str = MUTED, anchor: str = "middle", weight: str = "400"
-) -> str:
-    halo = {"stroke": "#ffffff", "stroke_width": 4.0, "stroke_linejoin": "round", "paint_order": "stroke"}
-    placed = {"x": x, "y": y, "font_size": size, "fill": colour, "text_anchor": anchor, "font_weight": weight}
-    return element("text", text(content), **placed, **halo)
+def _pointed_out(plot: Plot, result: Tradeoff, point: Point, what: str) -> list[str]:
+    """A ring around a point and its figures, on the side of the front where there is room for them."""
+    u, v = _curve_place(plot, result, point.x, point.y)
+    words = f"{what}{shown(result.asked.x, point.x, 4)}, {shown(result.asked.y, point.y, 4)}"
+    late = u > plot.left + 0.5 * plot.width
+    above = (point is result.of(result.envelope)[0]) != result.asked.y.more_is_better and not what
+    start = (u - 9.0, "end") if late else (u + 9.0, "start")
+    ring = element("circle", cx=u, cy=v, r=5.0, fill="none", stroke="#1d2530", stroke_width=1.6)
+    return [ring, label(start[0], v - 11.0 if above else v + 20.0, 12.0, words, start[1], "figures")]
 
 
 _ENVELOPE = "rgba(140,150,165,0.45)"

@@ -12,14 +12,12 @@ import numpy as np
 from linkwright.core.arm.chain.chain import Arm
 from linkwright.core.diagnose.motion.result import MotionDiagnosis, Traces
 from linkwright.core.sections.numeric import Array
-from linkwright.report.charts.bars import joints_picture
-from linkwright.report.page import figure_place, side_by_side
+from linkwright.report.page import figure_place
 from linkwright.report.pictures.plots import Figure
 from linkwright.report.pictures.residual_map import chosen_rows
 from linkwright.report.pictures.svg import Plot, binned, course, dots, element, spanned, text
 from linkwright.results.document import Drawn
-from linkwright.results.figures_in_words import percent
-from linkwright.results.motion.words import torque, torque_unit
+from linkwright.results.motion.words import torque_unit
 
 MOST_LINES = 14
 """Pictures against time at most."""
@@ -28,27 +26,6 @@ MOST_INSTANTS, MOST_DOTS = 3600, 900
 whatever was logged."""
 _WIDTH, _HEIGHT = 420.0, 170.0
 _DIGITS = 4
-
-
-def per_joint_picture(diagnosis: MotionDiagnosis) -> str:
-    """Bars for each joint, as shares of its own torque: before, after, held out, and a mark at the floor."""
-    rows: list[tuple[str, str, tuple[float, float, float], float]] = []
-    for item in diagnosis.per_joint:
-        if math.isnan(item.before):
-            rows.append((f"joint {item.joint}", "stood still or not logged", (0.0, 0.0, 0.0), 0.0))
-            continue
-        # The torque's own RMS, of which `share` is left on motion held out.
-        whole = item.held_out / item.share if item.share > 0.0 else math.nan
-        figures = [value / whole if math.isfinite(whole) else 0.0 for value in (item.before, item.after, item.held_out)]
-        unit = torque_unit(diagnosis.arm, item.joint)
-        told = f"{torque(item.before, unit).text} → {torque(item.held_out, unit).text}, {percent(item.share)} is left"
-        rows.append((f"joint {item.joint}", told, (figures[0], figures[1], figures[2]), item.floor / whole))
-    words = (
-        "What is left of each joint's torque, as a share of it: before (grey), after (blue), on motion not fitted "
-        "(pale). The red marks are the noise floor."
-    )
-    about = "; ".join(f"{name}: {told}" for name, told, *_ in rows)
-    return side_by_side(joints_picture(rows, words, about))
 
 
 def torque_against_time(diagnosis: MotionDiagnosis) -> Drawn:

@@ -112,7 +112,8 @@ _TEXT = 12.0
 
 @dataclass(frozen=True)
 class Plot:
-    """A frame of `width` by `height` units on the page that shows `across` and `up` (low, high) in the data's units."""
+    """A frame of `width` by `height` units on the page that shows `across` and `up` (low, high) in the data's units;
+    `logs` says which of the two axes are logarithmic."""
 
     width: float
     height: float
@@ -122,16 +123,15 @@ class Plot:
     bottom: float = 38.0
     top: float = 8.0
     right: float = 12.0
+    logs: tuple[bool, bool] = (False, False)
 
     def x(self, values: Array) -> Array:
         """Where data stands across the page."""
-        low, high = self.across
-        return self.left + (np.asarray(values, dtype=float) - low) / (high - low) * self.width
+        return self.left + _shares(values, self.across, log=self.logs[0]) * self.width
 
     def y(self, values: Array) -> Array:
         """Where data stands down the page."""
-        low, high = self.up
-        return self.top + (high - np.asarray(values, dtype=float)) / (high - low) * self.height
+        return self.top + (1.0 - _shares(values, self.up, log=self.logs[1])) * self.height
 
     def drawn(self, about: str, names: tuple[str, str], *children: str, ticks: Sequence[float] | None = None) -> str:
         """The plot with frame, ticks and the axes' names; `ticks` are those across, by default round figures."""
@@ -151,15 +151,32 @@ class Plot:
     def _ticks(self, ticks: Sequence[float] | None) -> list[str]:
         parts: list[str] = []
         foot = self.top + self.height
-        for value in round_ticks(*self.across) if ticks is None else ticks:
+        for value in marks(*self.across, log=self.logs[0]) if ticks is None else ticks:
             x = float(self.x(np.array(value)))
             parts.append(line((x, self.top), (x, foot), "axis", 1.0))
             parts.append(label(x, foot + 15.0, _TEXT, figure(value, 6)))
-        for value in round_ticks(*self.up):
+        for value in marks(*self.up, log=self.logs[1]):
             y = float(self.y(np.array(value)))
             parts.append(line((self.left, y), (self.left + self.width, y), "axis", 1.0))
             parts.append(label(self.left - 5.0, y + 4.0, _TEXT, figure(value, 6), "end"))
         return parts
+
+
+def _shares(values: Array, span: tuple[float, float], *, log: bool) -> Array:
+    """Where values lie between the ends of a span, 0 to 1."""
+    ends, shown = np.array(span), np.asarray(values, dtype=float)
+    (low, high), shown = (np.log(ends), np.log(shown)) if log else (ends, shown)
+    return (shown - low) / (high - low)
+
+
+def marks(low: float, high: float, *, log: bool) -> list[float]:
+    """Values at which an axis is marked: round ones, on an axis in logarithms 1, 2 and 5 times powers of ten."""
+    if not log:
+        return round_ticks(low, high)
+    powers = range(math.floor(math.log10(low)), math.ceil(math.log10(high)) + 1)
+    steps = (1.0, 2.0, 5.0) if math.log10(high / low) < 2.5 else (1.0,)
+    values = [step * 10.0**power for power in powers for step in steps]
+    return [value for value in values if low * (1.0 - 1e-9) <= value <= high * (1.0 + 1e-9)]
 
 
 def round_ticks(low: float, high: float, most: int = 5) -> list[float]:

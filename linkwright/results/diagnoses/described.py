@@ -11,7 +11,6 @@ from linkwright.core.diagnose.answer.sentences import about_of, name_of
 from linkwright.core.diagnose.result import Diagnosis, Finding, LackOfFit, Unknown
 from linkwright.core.diagnose.rules.rules import RULES
 from linkwright.redesigning import Redesign, redesign_section
-from linkwright.report.charts.bars import ladder_picture
 from linkwright.report.charts.covariates import joint_curves, small_multiples
 from linkwright.report.charts.designs import arm_at_mismatch
 from linkwright.report.page import side_by_side
@@ -75,7 +74,7 @@ def describe(diagnosis: Diagnosis, redesign: Redesign | None = None) -> Descript
     could = detectable(diagnosis, detail=diagnosis.verdict not in ("none", "insufficient_data"))
     items: list[Item | None] = [
         _next_steps(diagnosis),
-        Picture(lambda: side_by_side(arm_at_mismatch(diagnosis), ladder_picture(diagnosis))),
+        Picture(lambda: side_by_side(arm_at_mismatch(diagnosis))),
         Paragraph(diagnosis.sentence),
         _facts(diagnosis),
         Paragraph(diagnosis.noise_source),

@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 from pathlib import PurePath
 
-from linkwright.core.diagnose.motion.result import MotionDiagnosis, MotionFinding, MotionUnknown
-from linkwright.report.charts.motion import left_against, per_joint_picture, torque_against_time
+from linkwright.core.diagnose.motion.result import MotionDiagnosis, MotionFinding, MotionUnknown, OfJoint
+from linkwright.report.charts.motion import left_against, torque_against_time
 from linkwright.results.design import settings
 from linkwright.results.diagnoses.evidence import set_aside
 from linkwright.results.diagnoses.words import (
@@ -20,6 +20,8 @@ from linkwright.results.diagnoses.words import (
     whole_sentence,
 )
 from linkwright.results.document import (
+    BARS,
+    Bars,
     Cell,
     Column,
     Description,
@@ -65,7 +67,6 @@ def describe(diagnosis: MotionDiagnosis) -> Description:
     items: list[Item | None] = [
         _currents(diagnosis),
         Lines(to_do(diagnosis)) if to_do(diagnosis) else None,
-        Picture(lambda: per_joint_picture(diagnosis)) if known else None,
         Paragraph(spoken(diagnosis.sentence)),
         _facts(diagnosis),
         _broken_promise(diagnosis),
@@ -158,10 +159,21 @@ def _joints(diagnosis: MotionDiagnosis) -> Section:
         text = f"{depends} (p {probability(item.p_unknown).text})" if depends else ""
         if math.isnan(item.before):
             text = "stood still or not logged"
-        rows.append([count(item.joint), *(torque(value, unit) for value in figures), share(item.share), text])
-    headings = ("joint", "before", "after", "held out", "floor", "of its torque", "what is left depends on")
-    lead = "What the model leaves of each joint's torque (RMS, where the joint moves); held out: on motion not fitted."
+        bars = Bars(tuple(zip(("before", "after", "held"), _shares(item), strict=True)))
+        row = [count(item.joint), *(torque(value, unit) for value in figures), share(item.share), text, bars]
+        rows.append(row)
+    headings = ("joint", "before", "after", "held out", "floor", "of its torque", "what is left depends on", BARS)
+    lead = (
+        "What the model leaves of each joint's torque (RMS, where the joint moves); held out: on motion not fitted. "
+        "Bars are shares of the joint's torque: before (grey), after (blue), held out (pale)."
+    )
     return section("Each joint", table(headings, rows), lead=lead)
+
+
+def _shares(item: OfJoint) -> tuple[float, float, float]:
+    """What is left before, after and on motion held out, of the joint's torque."""
+    whole = item.held_out / item.share if item.share > 0.0 else math.nan  # the RMS of its torque
+    return item.before / whole, item.after / whole, item.held_out / whole
 
 
 def _logs(diagnosis: MotionDiagnosis) -> Section:

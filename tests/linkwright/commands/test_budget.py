@@ -29,8 +29,8 @@ def test_the_hobby_arm(linkwright, tmp_path):
     for each in ("worst error, 95 % of arms", "compliance of the drives", "jig for the zeros", "mm per EUR"):
         assert each in words
     page = (out / "report.html").read_text(encoding="utf-8")
-    assert "<svg" in page
-    assert "at the worst pose (above)" in page
+    assert 'class="fill before"' in page
+    assert "Bars: at the worst pose (grey)" in page
     assert "What to buy better first" in (tmp_path / "said.md").read_text(encoding="utf-8")
     assert len(repr(result)) < 200
     assert len(result.plot().data) == 2
