@@ -19,10 +19,10 @@ _LARGE, _SMALL = (760.0, 240.0), (300.0, 150.0)
 _TICKS = 5
 
 
-def chart(found: Watch, each: Watched, title: str, changes: Sequence[str], *, large: bool) -> str:
+def chart(result: Watch, each: Watched, title: str, changes: Sequence[str], *, large: bool) -> str:
     """A control chart: what each recording says with its interval, the level, the band of quiet recordings, and red
     where it changed; `title` says of what, `changes` what changed."""
-    days = [one.date for one in found.recordings]
+    days = [one.date for one in result.recordings]
     when = np.array([float((day - days[0]).days) for day in days])
     factor, unit = _unit(each)
     shown = np.isfinite(each.values)
@@ -44,7 +44,7 @@ def chart(found: Watch, each: Watched, title: str, changes: Sequence[str], *, la
     for tick in range(0, int(span) + 1, step):
         x_ = float(plot.x(np.array(float(tick))))
         parts.append(line((x_, plot.top), (x_, foot), "axis", 1.0))
-        parts.append(label(x_, foot + 15.0, _TEXT, _day(found, tick)))
+        parts.append(label(x_, foot + 15.0, _TEXT, _day(result, tick)))
     for change in each.changes:
         time = when[change.first] if change.kind != "step" else 0.5 * (when[change.last] + when[change.first])
         early = when[max(change.earliest - 1, 0)] if change.kind == "step" else when[change.earliest]

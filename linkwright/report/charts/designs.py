@@ -59,9 +59,9 @@ def maps(named: Named, fields: Sequence[ErrorMap]) -> Drawn:
         words = error_map_words(field, evaluation)
         heading = element("h3", text(when.capitalize())) if when else ""
         places.append(element("div", heading, figure_place(name, words, text(words))))
-        own = colour_range([field], [evaluation])
-        if own != colours:
-            figures[f"{name}-own"] = in_own_colours(name, *own)
+        alone = colour_range([field], [evaluation])
+        if alone != colours:
+            figures[f"{name}-own"] = in_own_colours(name, *alone)
             on_paper.append(in_own_place(name, when, words))
     return Drawn(side_by_side(*places) + only_on_paper(on_paper), figures)
 

@@ -79,8 +79,8 @@ def _axis(drawn: Sequence[Sequence[float | None]], *, log: bool) -> Figure:
         return {"type": "linear", "zeroline": False}
     values = [value for values in drawn for value in values if value is not None]
     ticks = marks(min(values), max(values), log=True) if values else []
-    own = {"tickmode": "array", "tickvals": ticks, "ticktext": [figure(tick) for tick in ticks]}
-    return {"type": "log", "zeroline": False, **(own if len(ticks) > 1 else {"exponentformat": "power"})}
+    marked = {"tickmode": "array", "tickvals": ticks, "ticktext": [figure(tick) for tick in ticks]}
+    return {"type": "log", "zeroline": False, **(marked if len(ticks) > 1 else {"exponentformat": "power"})}
 
 
 def tradeoff_picture(result: Tradeoff) -> str:
@@ -93,7 +93,7 @@ def tradeoff_picture(result: Tradeoff) -> str:
         738.0, 436.0, across, up, 92.0, 48.0 + 20.0 * (len(result.fronts) + 1) * several, 60.0, 30.0, result.logs
     )
     left, foot = plot.left, plot.top + plot.height + 54.0
-    better = " and ".join(f"{'more' if axis.more_is_better else 'less'} {axis.title}" for axis in (x, y))
+    better = ", ".join(f"{'more' if axis.more_is_better else 'less'} {axis.title}" for axis in (x, y))
     title = f"{result.asked.given.arm.name}: {y.title} against {x.title}"
     parts = [label(left, 26.0, 17.0, title, "start", "figures"), label(left, 46.0, 12.5, f"better: {better}", "start")]
     drawn = [(front, COLOURS[k % len(COLOURS)], 2.0) for k, front in enumerate(result.fronts)]
@@ -136,7 +136,8 @@ def _steps(result: Tradeoff, front: Front) -> list[tuple[float, float]]:
 def _pointed_out(plot: Plot, result: Tradeoff, point: Point, what: str) -> list[str]:
     """A ring around a point and its figures, on the side of the front where there is room for them."""
     u, v = _curve_place(plot, result, point.x, point.y)
-    words = f"{what}{shown(result.asked.x, point.x, 4)}, {shown(result.asked.y, point.y, 4)}"
+    digits = 3 if what else 4
+    words = f"{what}{shown(result.asked.x, point.x, digits)}, {shown(result.asked.y, point.y, digits)}"
     late = u > plot.left + 0.5 * plot.width
     above = (point is result.of(result.envelope)[0]) != result.asked.y.more_is_better and not what
     start = (u - 9.0, "end") if late else (u + 9.0, "start")

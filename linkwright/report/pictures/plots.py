@@ -72,9 +72,9 @@ def error_map_figure(
         "margin": {"l": 60, "r": 10, "t": 10, "b": 50},
         "showlegend": False,
     }
-    own = colour_range([field], [evaluation])
-    if own != colours:
-        layout.update(with_scales(colours, own, ("zmin", "zmax")))
+    alone = colour_range([field], [evaluation])
+    if alone != colours:
+        layout.update(with_scales(colours, alone, ("zmin", "zmax")))
     return {"data": [heat, _marks(field, evaluation)], "layout": layout}
 
 
@@ -83,17 +83,17 @@ def in_own_colours(name: str, least: float, greatest: float) -> Figure:
     return {LIKE: name, "from": least, "to": greatest}
 
 
-def with_scales(common: tuple[float, float], own: tuple[float, float], ends: tuple[str, str]) -> Figure:
+def with_scales(common: tuple[float, float], alone: tuple[float, float], ends: tuple[str, str]) -> Figure:
     """What a layout holds with the buttons: `ends` are what plotly calls the ends of the colours."""
     margin = {"l": 60, "r": 10, "t": 44, "b": 50}
-    return {"updatemenus": [_scales(common, own, ends)], "margin": margin}
+    return {"updatemenus": [_scales(common, alone, ends)], "margin": margin}
 
 
-def _scales(common: tuple[float, float], own: tuple[float, float], ends: tuple[str, str]) -> Figure:
+def _scales(common: tuple[float, float], alone: tuple[float, float], ends: tuple[str, str]) -> Figure:
     """Two buttons: the colours of all maps, or those of this one."""
     buttons = [
         {"label": words, "method": "restyle", "args": [dict(zip(ends, colours, strict=True)), [0]]}
-        for words, colours in (("common scale", common), ("own scale", own))
+        for words, colours in (("common scale", common), ("own scale", alone))
     ]
     place = {"x": 0.0, "xanchor": "left", "y": 1.02, "yanchor": "bottom", "pad": {"t": 0, "b": 4}}
     look = {"font": {"color": "#1d2530"}, "bgcolor": "#f5f7f9"}  # a chosen button stays light on a dark page too

@@ -147,18 +147,18 @@ def _sizes(
     ]
     notes.append((scale * steps.end, 0.0, [f"payload {with_unit(payload, 'kg')}"]))
     rows, placed = Levels(), list[tuple[float, float, float, int, list[str]]]()
-    for x, begin, told in notes:
-        wide = max(width_of(item, _SIZE) for item in told)
+    for x, begin, shown in notes:
+        wide = max(width_of(item, _SIZE) for item in shown)
         middle = min(max(x, room[0] + 0.5 * wide + 2.0), room[1] - 0.5 * wide - 2.0)
-        placed.append((x, begin, middle, rows.placed(middle - 0.5 * wide - 4.0, middle + 0.5 * wide + 4.0), told))
-    tall = [max(len(told) for *_, row, told in placed if row == k) * _ROW + 6.0 for k in range(len(rows.rows))]
+        placed.append((x, begin, middle, rows.placed(middle - 0.5 * wide - 4.0, middle + 0.5 * wide + 4.0), shown))
+    tall = [max(len(shown) for *_, row, shown in placed if row == k) * _ROW + 6.0 for k in range(len(rows.rows))]
     foot = [-half - 12.0 - sum(tall[:k]) for k in range(len(tall))]
     parts: list[str] = []
-    for x, begin, middle, row, told in placed:
+    for x, begin, middle, row, shown in placed:
         parts.append(line((x, begin), (x, foot[row] + 2.0), "axis", 1.0))
         parts += [
-            label(middle, foot[row] - 3.0 - (len(told) - 1 - k) * _ROW, _SIZE, item, class_="figures")
-            for k, item in enumerate(told)
+            label(middle, foot[row] - 3.0 - (len(shown) - 1 - k) * _ROW, _SIZE, item, class_="figures")
+            for k, item in enumerate(shown)
         ]
     # The words stand over the lines that lead to those above them.
     parts.sort(key=lambda part: not part.startswith("<line"))
@@ -215,10 +215,10 @@ def _edges(rings: Sequence[Array]) -> list[float]:
     """Heights (mm, from the axis) at which a section has edges between its top and its foot; of each of its rings the
     places (mm) up the page."""
     low, high = float(rings[0].min()), float(rings[0].max())
-    found: set[float] = set()
+    result: set[float] = set()
     for k, ring in enumerate(rings):
         edges = np.unique(np.round(ring, 3))
         if len(edges) > _FEW_EDGES:
             edges = edges[[0, -1]] if k else edges[:0]
-        found |= {float(edge) for edge in edges}
-    return sorted(edge for edge in found if low + 0.01 < edge < high - 0.01)
+        result |= {float(edge) for edge in edges}
+    return sorted(edge for edge in result if low + 0.01 < edge < high - 0.01)
