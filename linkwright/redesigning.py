@@ -90,13 +90,13 @@ def redesign(
     problem: Problem,
     given: Arm,
     corrected: Arm,
-    told: Callable[[str, float], None] | None = None,
+    shown: Callable[[str, float], None] | None = None,
 ) -> Redesign:
     """Solve the problem with the arm as given and as corrected, both without what belongs to the instrument.
 
-    `told` hears of the steps. Raises `InputError` where the problem is for another arm, and what `optimise` raises.
+    `shown` hears of the steps. Raises `InputError` where the problem is for another arm, and what `optimise` raises.
     """
-    tell = told or _silent
+    tell = shown or _silent
     given, corrected = without_instrument(given), without_instrument(corrected)
     if problem.arm.size != given.size:
         raise InputError(problem.file, "arm", f"has {problem.arm.size} joints, the arm diagnosed has {given.size}")

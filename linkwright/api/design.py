@@ -271,18 +271,18 @@ def budget(
     from linkwright.face.arm import arm_of
     from linkwright.face.planning.budget import Budget, sheet_of
     from linkwright.face.problem import cases_at, problem_of
-    from linkwright.face.progress import told
+    from linkwright.face.progress import reporting
 
     given = arm_of(arm, tips="every")
     asked = sheet_of(given, sheet)
     space, loads, avoid = None, (), ()
     if problem is not None:
-        own = problem_of(problem).model
-        if own.arm.size != given.model.size:
-            message = f"is for {own.arm.size} joints; {given.name} has {given.model.size}"
-            raise InputError(own.file, "arm", message)
-        space, loads, avoid = own.workspace, cases_at(own, given), own.avoid
-    with told(progress) as hear:
+        stated = problem_of(problem).model
+        if stated.arm.size != given.model.size:
+            message = f"is for {stated.arm.size} joints; {given.name} has {given.model.size}"
+            raise InputError(stated.file, "arm", message)
+        space, loads, avoid = stated.workspace, cases_at(stated, given), stated.avoid
+    with reporting(progress) as hear:
         try:
             return Budget(given, budgeted(given.model, asked, space, loads, avoid=avoid, progress=hear))
         except NoRoom as error:

@@ -91,7 +91,7 @@ def diagnose(
     from linkwright.face.arm import arm_of, catalogue_of
     from linkwright.face.motion.log import logs_of, of_tips_alone
     from linkwright.face.plain_input import known_effects
-    from linkwright.face.progress import told
+    from linkwright.face.progress import reporting
 
     options = Options(thorough=thorough, without=known_effects(without))
     given = arm_of(arm, tips="first", unknown_origins=True)
@@ -99,7 +99,7 @@ def diagnose(
         from linkwright.face.motion.diagnosis import diagnosed_motion
 
         of_tips_alone(units=units, problem=problem is not None)
-        with told(progress) as tell:
+        with reporting(progress) as tell:
             return diagnosed_motion(given, logs, options, tell)
     from linkwright.core.diagnose.diagnosis import diagnose as diagnosed
     from linkwright.face.diagnosis import Diagnosis, recordings_of
@@ -108,7 +108,7 @@ def diagnose(
 
     read = recordings_of(recording, given, settings, units=units)
     asked = None if problem is None else problem_of(problem)
-    with told(progress) as tell:
+    with reporting(progress) as tell:
         diagnosis = diagnosed(given.model, read.found, options, tell)
         answer = Diagnosis(given, read, with_written(diagnosis, catalogue_of(given.catalogue)))
         return answer if asked is None else replace(answer, redesign=redesign(asked, answer, progress=tell))
@@ -153,17 +153,17 @@ def compare(
     from linkwright.face.motion.log import logs_of
     from linkwright.face.plain_input import known_effects
     from linkwright.face.planning.comparison import compared
-    from linkwright.face.progress import told
+    from linkwright.face.progress import reporting
 
     options = Options(thorough=thorough, without=known_effects(without))
     given = arm_of(arm, tips="first")
     if logs := logs_of([before, after], given, settings):
         from linkwright.face.motion.comparison import compared_motion
 
-        with told(progress) as tell:
+        with reporting(progress) as tell:
             return compared_motion(given, logs, options, tell)
     both = [recording_of(item, given, settings) for item in (before, after)]
-    with told(progress) as tell:
+    with reporting(progress) as tell:
         return compared(given, both, options, tell)
 
 
@@ -191,13 +191,13 @@ def redesign(
     """
     from linkwright.face.design import Redesign
     from linkwright.face.problem import problem_of
-    from linkwright.face.progress import told
+    from linkwright.face.progress import reporting
     from linkwright.redesigning import redesign as redesigned
     from linkwright.redesigning import refuse_nothing_of_the_tip
 
     asked = problem_of(problem)
     refuse_nothing_of_the_tip(diagnosis.found.arm, diagnosis.found.corrected)
-    with told(progress) as tell:
+    with reporting(progress) as tell:
         result = redesigned(asked.model, diagnosis.found.arm, diagnosis.found.corrected, tell)
     return Redesign(asked, result)
 
@@ -241,7 +241,7 @@ def predict(
     from linkwright.face.diagnosis import recording_of
     from linkwright.face.motion.log import logs_of, of_tips_alone
     from linkwright.face.prediction import Prediction
-    from linkwright.face.progress import told
+    from linkwright.face.progress import reporting
 
     given = arm_of(arm, tips="first")
     if logs := logs_of(recording, given, settings):
@@ -251,7 +251,7 @@ def predict(
         return predicted_motion(given, logs[0])
     read = recording_of(recording, given, settings)
     asked = replace(read.found, frame=frame or read.found.frame, tool=tool or read.found.tool)
-    with told(progress) as tell:
+    with reporting(progress) as tell:
         return Prediction(given, read, predicted(given.model, asked, given.learned, tell))
 
 
@@ -342,7 +342,7 @@ def watch(
     from linkwright.face.motion.log import logs_of, of_tips_alone
     from linkwright.face.plain_input import known_effects
     from linkwright.face.planning.watch import Watch, read_dated, read_dated_logs
-    from linkwright.face.progress import told
+    from linkwright.face.progress import reporting
 
     asked = basics() if for_ is None else tuple(for_)
     known_effects(asked, "for_")
@@ -356,10 +356,10 @@ def watch(
 
         of_tips_alone(for_=for_ is not None, search=not search)
         read_dated_logs(logs)
-        with told(progress) as tell:
+        with reporting(progress) as tell:
             return Watch(given, watch_motion(given.model, [log.found for log in logs], options, tell), logs)
     read = read_dated(several, given, settings)
-    with told(progress) as tell:
+    with reporting(progress) as tell:
         held = [item.found for item in read]
         result = watched(given.model, held, asked, options, tell, search=search)
     return Watch(given, result, tuple(read))

@@ -29,12 +29,12 @@ def tables(*, quick: Annotated[bool, Option()] = False, progress: Progress | Non
     >>> list(paper["clearance"].columns)[:3]
     ['label', 'paper_1', 'paper_2']
     """
-    from linkwright.face.progress import told
+    from linkwright.face.progress import reporting
     from linkwright.paper.corrected import extended
     from linkwright.paper.face import Tables
     from linkwright.paper.tables import make_tables, proofs, verdicts
 
-    with told(progress) as tell:
+    with reporting(progress) as tell:
         tell("the paper's tables", 0.0)
         book = make_tables()
         further = () if quick else extended(book.paper, tell)

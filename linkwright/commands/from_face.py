@@ -358,7 +358,7 @@ NOTHING = "Nothing is written without --out DIR or --json FILE."
 
 def commands() -> Mapping[str, Made]:
     """These commands by name."""
-    watched = Out(own=(RESULT, REPORT))
+    watched = Out(files=(RESULT, REPORT))
     table = Out("Write the table: .csv, .parquet or .md.", ())
     plan = Out("The plan: a recording whose tip is still blank.", (), beside=True)
     recording = Out("The recording to write, a CSV file.", (), beside=True, required=True)

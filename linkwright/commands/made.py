@@ -36,17 +36,17 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Out:
-    """What `--out` names: a folder, whose files are its `own`, or where there are none a file. `beside`: settings are
+    """What `--out` names: a folder, which holds `files`, or where there are none a file. `beside`: settings are
     written beside it; `required`: it must be given."""
 
     help: str = "Write report.html and the other files there; nothing is without it."
-    own: tuple[str, ...] = (RESULT, REPORT, DESIGN)
+    files: tuple[str, ...] = (RESULT, REPORT, DESIGN)
     beside: bool = False
     required: bool = False
 
     def typed(self) -> Any:
         """As typer reads it."""
-        option = typer.Option("--out", metavar="DIR" if self.own else "FILE", help=self.help)
+        option = typer.Option("--out", metavar="DIR" if self.files else "FILE", help=self.help)
         return Annotated[Path, option] if self.required else Annotated[Path | None, option]
 
 
@@ -188,7 +188,7 @@ class Made:
         del words
         if self.out is not None and self.out.beside and targets.out == OUTPUT:
             raise InputError("", "--out", "needs the name of a file; the settings are written beside it")
-        if self.out is not None and not self.out.own:
+        if self.out is not None and not self.out.files:
             check_target(targets.out, *inputs)
         for target in (targets.json, targets.markdown, targets.pdf, targets.csv):
             check_target(target, *inputs)
@@ -207,7 +207,7 @@ class Made:
     @contextmanager
     def claimed(self, folder: Path | None) -> Generator[None]:
         """The folder that `--out` names, made or taken again; one that was made goes again where nothing came of it."""
-        if folder is None or self.out is None or not self.out.own:
+        if folder is None or self.out is None or not self.out.files:
             yield
             return
         there = folder.exists()
@@ -221,7 +221,7 @@ class Made:
 
     def claim(self, folder: Path) -> None:
         """Make the folder, or take an earlier one of this command again. Raises `InputError`."""
-        claim_own(folder, self.name, self.out.own if self.out is not None else ())
+        claim_own(folder, self.name, self.out.files if self.out is not None else ())
 
     def call(self, given: dict[str, Any], targets: Targets, crew: Executor) -> Any:
         """Call the function; a bar shows how far it is."""
@@ -267,7 +267,7 @@ class Made:
                 raise InputError("--with", error.key, error.message) from None
             if error.file or error.key not in flags:
                 raise
-            message = re.sub(r"`(\w+)`", lambda found: flags.get(found[1], found[0]), error.message)
+            message = re.sub(r"`(\w+)`", lambda match: flags.get(match[1], match[0]), error.message)
             raise InputError("", flags[error.key], message) from None
 
 

@@ -76,7 +76,7 @@ Contour: TypeAlias = Ring | Corners | Arcs
 
 
 def contours(section: Section) -> list[Contour]:
-    """The outer edge, then those of holes. A shape of its own kind has the lines of its `outline`."""
+    """The outer edge, then those of holes. A shape of another kind has the lines of its `outline`."""
     match section:
         case Circle():
             return [Ring(0.5 * section.diameter, 0.5 * section.diameter)]

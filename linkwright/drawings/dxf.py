@@ -113,7 +113,7 @@ def _undated() -> Generator[None]:
 
 @dataclass(frozen=True)
 class _Cut:
-    """A section as it is seen along its link, m: its edges in its own directions (across, along its height), and how
+    """A section as it is seen along its link, m: its edges in its directions (across, along its height), and how
     those are turned on the page."""
 
     section: Section
@@ -181,7 +181,7 @@ def _link(sheet: _Sheet, link: Link, seen: _Seen, words: str, at: float) -> None
 def _section(sheet: _Sheet, cut: _Cut, begin: float, axis: float, name: str) -> float:
     """A cross-section from `begin` on, its centroid at the height of the link's axis; gives where the next may begin.
 
-    Its sizes are those along its own width and height, however it is turned.
+    Its sizes are those along its width and height, however it is turned.
     """
     rings, letters = cut.rings, sheet.letters
     low, high = rings[0].min(axis=0), rings[0].max(axis=0)

@@ -72,20 +72,20 @@ def solids(arm: Arm, progress: Callable[[str, float], None] | None = None) -> di
 def stepped(arm: Arm, progress: Callable[[str, float], None] | None = None) -> Exported:
     """The arm's links as named bodies of one assembly, AP214, in mm. Raises `InputError` where build123d is missing,
     and for an arm of which no link has a section."""
-    found = solids(arm, progress)
-    if not found:
+    result = solids(arm, progress)
+    if not result:
         raise InputError("", "to", "no link of the arm has a section, so that there is no body to write as STEP")
     from build123d import Compound, export_step
 
     (progress or _silent)("writing", 1.0)
     bodies: list[Solid] = []
-    for name, solid in found.items():
+    for name, solid in result.items():
         solid.label = name
         bodies.append(solid)
     whole = Compound(children=bodies, label=arm.name or "arm")
     file = io.BytesIO()
     export_step(whole, file, timestamp=_MADE)
-    bare = [str(k) for k in range(1, arm.size + 1) if f"link {k}" not in found]
+    bare = [str(k) for k in range(1, arm.size + 1) if f"link {k}" not in result]
     lost: list[str] = []
     if bare:
         verb = "is rigid and has" if len(bare) == 1 else "are rigid and have"
@@ -95,7 +95,7 @@ def stepped(arm: Arm, progress: Callable[[str, float], None] | None = None) -> E
     counted = itertools.count(1)
     text = re.sub(
         r"(NEXT_ASSEMBLY_USAGE_OCCURRENCE\(')\d+'",  # numbered on from file to file
-        lambda found: f"{found[1]}{next(counted)}'",
+        lambda match: f"{match[1]}{next(counted)}'",
         file.getvalue().decode("utf-8"),
     )
     return Exported(arm, "step", text, carried, tuple(lost), ())

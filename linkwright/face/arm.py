@@ -182,7 +182,7 @@ class Arm:
         write_file(Path(path), self.to_file())
 
     def to_file(self, promised: Evaluation | None = None) -> ReadBack:
-        """Its file to be written, which is read back with its own catalogue and held to the figures `promised`."""
+        """Its file to be written, which is read back with its catalogue and held to the figures `promised`."""
         return arm_file(self.model, catalogue_of(self.catalogue), promised)
 
     def __repr__(self) -> str:
@@ -235,7 +235,7 @@ def _entry(given: object) -> object:
 
 
 def catalogue_of(path: File | None) -> Catalogue:
-    """The materials, with a file of one's own over them. Raises `InputError`."""
+    """The materials, with a file of the user's over them. Raises `InputError`."""
     return load_catalogue([] if path is None else [Path(path)])
 
 

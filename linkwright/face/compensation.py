@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from linkwright.core.arm.chain.kinematics import tip_position
-from linkwright.core.arm.compensation import Table as Found
+from linkwright.core.arm.compensation import Table as TableResult
 from linkwright.core.arm.compensation import default_grid, moves, table_at, table_over
 from linkwright.core.arm.effects import EFFECTS
 from linkwright.core.arm.errors.unknown_mass import payloads_left_out
@@ -26,7 +26,7 @@ from linkwright.results.figures_in_words import coordinate, effect_title, figure
 from .arm import Arm
 from .evaluation import pose_of
 from .plain_input import File, Quantity, in_si
-from .progress import Progress, told
+from .progress import Progress, reporting
 from .result import Result, figure_of
 
 if TYPE_CHECKING:
@@ -38,14 +38,14 @@ _DIGITS = 9
 _NOTE = "The table holds what is certain: play lies where the load seats it; sides, time and warming are not in it."
 
 
-def describe(found: Found) -> Description:
+def describe(result: TableResult) -> Description:
     """What the table does."""
-    arm, check = found.arm, found.check
-    payloads = ", ".join(with_unit(value, "kg") for value in np.unique(found.payload).tolist())
-    error = np.linalg.norm(found.error, axis=1)
+    arm, check = result.arm, result.check
+    payloads = ", ".join(with_unit(value, "kg") for value in np.unique(result.payload).tolist())
+    error = np.linalg.norm(result.error, axis=1)
     sizes = [
         ("at the table's poses, without it", _rms(error), float(error.max())),
-        ("there, joint corrections added", _rms(found.left), float(found.left.max())),
+        ("there, joint corrections added", _rms(result.left), float(result.left.max())),
     ]
     if check is not None:
         name = f"between them ({check.poses} poses checked), without it"
@@ -56,10 +56,10 @@ def describe(found: Found) -> Description:
         ]
     rows = [(name, length(rms, 3), length(largest, 3)) for name, rms, largest in sizes]
     items: list[Item] = []
-    if found.axes is not None:
+    if result.axes is not None:
         steps = [
             f"joint {index + 1} every {coordinate(arm, index, float(axis[1] - axis[0]))}"
-            for index, axis in enumerate(found.axes)
+            for index, axis in enumerate(result.axes)
             if len(axis) > 1
         ]
         items.append(Paragraph(f"grid: {', '.join(steps)}"))
@@ -69,14 +69,14 @@ def describe(found: Found) -> Description:
         why = "the grid is coarse for it, or the load turns play over"
         items.append(Paragraph(f"Between the poses {share} % of the largest error stays: {why}."))
     items.append(Paragraph(_NOTE))
-    missing = payloads_left_out(arm, np.unique(found.payload).tolist())
+    missing = payloads_left_out(arm, np.unique(result.payload).tolist())
     if missing:
         items.append(Paragraph(f"Warning: {missing}."))
     left = dict.fromkeys(entry.effect for entry in arm.effects if EFFECTS[entry.effect].of_instrument)
     if left:
         names = ", ".join(effect_title(effect) for effect in left)
         items.append(Paragraph(f"Not in it, because it belongs to the instrument: {names}."))
-    headline = f"{len(found.q)} poses, payload {payloads}"
+    headline = f"{len(result.q)} poses, payload {payloads}"
     brief = f"{headline}: largest error {mm(float(error.max()), 3)}"
     return Description(f"{arm.name}: compensation table", headline, tuple(items), brief, f"{arm.name}: ")
 
@@ -93,7 +93,7 @@ class Compensation(Result):
     _describe = staticmethod(describe)
 
     arm: Arm
-    found: Found
+    found: TableResult
 
     @property
     def table(self) -> pd.DataFrame:
@@ -177,9 +177,9 @@ def poses_of(arm: Arm, given: File | Sequence[Sequence[Quantity]], grid: int | N
 
 def compensated(
     arm: Arm, grid: int | None, poses: Array | None, payloads: tuple[float, ...], progress: Progress | None
-) -> Found:
+) -> TableResult:
     """The table at poses, or over a grid. Raises `InputError`."""
-    with told(progress) as tell:
+    with reporting(progress) as tell:
 
         def counted(done: int, total: int) -> None:
             tell(f"computing the table, {done} of {total} rows", done / total)

@@ -30,7 +30,7 @@ from .arm import Arm, links_table
 from .evaluation import Evaluation
 from .plain_input import Quantity
 from .problem import Problem
-from .progress import Progress, interrupts, told
+from .progress import Progress, interrupts, reporting
 from .result import Field, Reported, Result, drawn, figure_of
 
 if TYPE_CHECKING:
@@ -148,7 +148,7 @@ def optimized(
     executor: Executor,
 ) -> Optimization:
     """The best design, and whoever wants to hear told on the way; Ctrl-C is heard between two steps."""
-    with told(progress) as tell, interrupts() as check:
+    with reporting(progress) as tell, interrupts() as check:
 
         def tries(done: int, total: int, text: str) -> None:
             check()

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast
 
 from linkwright.core.diagnose.reading.branches import refuse_unmeasured_origins
-from linkwright.core.diagnose.result import Diagnosis as Found
+from linkwright.core.diagnose.result import Diagnosis as DiagnosisResult
 from linkwright.core.diagnose.several.recordings import together
 from linkwright.core.units.quantities import InputError
 from linkwright.json.diagnosis import diagnosis_json
@@ -50,7 +50,7 @@ class Diagnosis(Reported):
 
     arm: Arm
     recording: Recording
-    found: Found
+    found: DiagnosisResult
     redesign: Redesign | None = None
 
     verdict = Field[str]("`none`, `named`, `alias_class`, `unknown` or `insufficient_data`.")
@@ -92,11 +92,11 @@ class Diagnosis(Reported):
                 "effect": difference.effect,
                 "at": difference.at,
                 "p_value": difference.p_value,
-                "recording": own.name,
+                "recording": recording.name,
                 **parameter_row(fitted),
             }
             for difference in self.found.differences
-            for own, fitted in zip(self.found.recordings, difference.each, strict=True)
+            for recording, fitted in zip(self.found.recordings, difference.each, strict=True)
         ]
         columns = ["effect", "at", "p_value", "recording", "parameter", "value", "low", "high", "unit"]
         return frame(rows, columns)
@@ -114,7 +114,7 @@ class Diagnosis(Reported):
         return residuals(self.found)
 
     def plot(self) -> go.Figure:
-        """The length of the residual at each reading, with what was found taken off."""
+        """The length of the residual at each reading, with the findings taken off."""
         figures = residual_maps(self.found).figures
         return figure_of([figure for figure in figures.values() if LIKE not in figure][-1])
 

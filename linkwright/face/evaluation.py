@@ -17,7 +17,7 @@ import numpy as np
 from linkwright.core.arm.chain.chain import Arm as Model
 from linkwright.core.arm.chain.following import completed
 from linkwright.core.arm.errors.at_pose import PoseError
-from linkwright.core.arm.evaluation import Evaluation as Found
+from linkwright.core.arm.evaluation import Evaluation as EvaluationResult
 from linkwright.core.arm.figures import FIGURES, Figure
 from linkwright.core.arm.figures.error import MAX_ERROR
 from linkwright.core.arm.figures.frequency import FIRST_FREQUENCY
@@ -117,15 +117,15 @@ class Figured(ABC):
         arm, known = self._figured()
         rows = [Row(item.name, item.title_for(arm), item) for item in known.values()]
         rows = [*rows[:1], *(item for item in _BESIDE if item.like is MAX_ERROR), *rows[1:], _BESIDE[-1]]
-        told = [row for row in rows if any(values.get(row.name) is not None for values in designs.values())]
-        table = {"title": [row.title for row in told]}
-        columns = {which: [row.like.shown(values.get(row.name)) for row in told] for which, values in designs.items()}
-        frame = pd.DataFrame({**table, **columns, "unit": [row.like.unit for row in told]})
-        frame.index = pd.Index([row.name for row in told], name="figure")
+        shown = [row for row in rows if any(values.get(row.name) is not None for values in designs.values())]
+        table = {"title": [row.title for row in shown]}
+        columns = {which: [row.like.shown(values.get(row.name)) for row in shown] for which, values in designs.items()}
+        frame = pd.DataFrame({**table, **columns, "unit": [row.like.unit for row in shown]})
+        frame.index = pd.Index([row.name for row in shown], name="figure")
         return frame.astype(dict.fromkeys(columns, float))
 
 
-def values_of(evaluation: Found, beside: Values = _NONE, known: Mapping[str, Figure] = FIGURES) -> Values:
+def values_of(evaluation: EvaluationResult, beside: Values = _NONE, known: Mapping[str, Figure] = FIGURES) -> Values:
     """The figures (SI) of an evaluated design, those `beside` too."""
     drives = evaluation.frequency_of_drives
     values = {name: item.value(evaluation) if item.told(evaluation) else None for name, item in known.items()}
@@ -142,7 +142,7 @@ class Evaluation(Figured, Reported):
     _command = "evaluate"
 
     arm: Arm
-    found: Found
+    found: EvaluationResult
     robust: RobustFigure | None = None
     """The error over what the problem calls uncertain, SI."""
     motion: tuple[OfDrive, ...] | None = None
@@ -175,10 +175,10 @@ class Evaluation(Figured, Reported):
     @property
     def by_effect(self) -> pd.DataFrame:
         """What each effect alone adds at the worst pose, mm."""
-        found = self.found.by_effect
-        titles = [effect_title(name) for name in found]
-        errors = [1e3 * value for value in found.values()]
-        return frame({"effect": list(found), "title": titles, "error_mm": errors})
+        result = self.found.by_effect
+        titles = [effect_title(name) for name in result]
+        errors = [1e3 * value for value in result.values()]
+        return frame({"effect": list(result), "title": titles, "error_mm": errors})
 
     @property
     def at_poses(self) -> pd.DataFrame:

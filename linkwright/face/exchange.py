@@ -15,7 +15,7 @@ from linkwright.core.arm.chain.kinematics import place
 from linkwright.core.arm.corrections import CORRECTIONS
 from linkwright.core.arm.descriptions.formats import Exported
 from linkwright.core.arm.descriptions.formats import export_arm as exported
-from linkwright.core.arm.descriptions.imported_arm import Imported as Found
+from linkwright.core.arm.descriptions.imported_arm import Imported as ImportedResult
 from linkwright.core.arm.descriptions.urdf_check import unlike
 from linkwright.core.materials.catalogue import load_catalogue
 from linkwright.core.units.extras import not_installed
@@ -23,7 +23,7 @@ from linkwright.core.units.quantities import InputError, shown
 from linkwright.drawings.parts import listed, parts
 from linkwright.face.arm import Arm
 from linkwright.face.plain_input import File
-from linkwright.face.progress import Progress, told
+from linkwright.face.progress import Progress, reporting
 from linkwright.face.result import Field, Result, figure_of
 from linkwright.json.fields import fields, in_joint_unit, joint_unit
 from linkwright.output.arm_file import arm_file
@@ -39,37 +39,37 @@ if TYPE_CHECKING:
     import plotly.graph_objects as go
 
 
-def describe(found: Found) -> Description:
+def describe(result: ImportedResult) -> Description:
     """What was read and what is lacking."""
-    arm = found.arm
+    arm = result.arm
     rows = [
         (
             count(number + 1),
-            found.joint_names[number],
+            result.joint_names[number],
             Value(f"{coordinate(arm, number, joint.range[0])} to {coordinate(arm, number, joint.range[1])}"),
-            found.link_names[number],
+            result.link_names[number],
             length(link.length),
             amount(weight(link), "kg"),
         )
         for number, (joint, link) in enumerate(zip(arm.joints, arm.links, strict=True))
     ]
     items: list[Item] = [table(("", "joint", "range", "link", "length", "mass"), rows)]
-    if found.notes:
-        items.append(Lines(tuple(f"{note}." for note in found.notes)))
-    if found.doubts:
+    if result.notes:
+        items.append(Lines(tuple(f"{note}." for note in result.notes)))
+    if result.doubts:
         items.append(Paragraph("Weights to look at:", "lead"))
-        items.append(Lines(tuple(f"{doubt}." for doubt in found.doubts)))
-    if found.lost:
-        items.append(table(("not carried",), [(item,) for item in found.lost]))
+        items.append(Lines(tuple(f"{doubt}." for doubt in result.doubts)))
+    if result.lost:
+        items.append(table(("not carried",), [(item,) for item in result.lost]))
     items.append(Paragraph("What the file does not say:", "lead"))
     lacking = [
         (item.what + (f" ({', '.join(map(str, item.at))})" if item.at else ""), item.shows, item.add)
-        for item in found.lacking
+        for item in result.lacking
     ]
     items.append(table(("lacking", "what it would show", "what to add"), lacking))
     size = f"{arm.size} joint{'s' if arm.size > 1 else ''}"
-    headline = f"{size} from {found.base} to {found.tip}, {_moving(arm)}"
-    return Description(f"{arm.name}: from {found.file.name}", headline, tuple(items), headline, f"{arm.name}: ")
+    headline = f"{size} from {result.base} to {result.tip}, {_moving(arm)}"
+    return Description(f"{arm.name}: from {result.file.name}", headline, tuple(items), headline, f"{arm.name}: ")
 
 
 def _moving(arm: Model) -> str:
@@ -94,7 +94,7 @@ class Import(Result):
     _command = "import"
     _describe = staticmethod(describe)
 
-    found: Found
+    found: ImportedResult
 
     @property
     def arm(self) -> Arm:
@@ -187,17 +187,17 @@ SUFFIXES: Mapping[str, str] = MappingProxyType(
 """How the files of each format are called."""
 
 
-def _rows(found: Exported) -> list[tuple[str, str]]:
-    parts = (("carried", found.carried), ("not carried", found.lost), ("assumed", found.assumed))
+def _rows(result: Exported) -> list[tuple[str, str]]:
+    parts = (("carried", result.carried), ("not carried", result.lost), ("assumed", result.assumed))
     return [(what, line) for what, lines in parts for line in lines]
 
 
-def describe_export(found: Exported) -> Description:
+def describe_export(result: Exported) -> Description:
     """What went into the file and what did not."""
-    left = f"{len(found.lost)} not carried" if found.lost else "nothing left out"
-    headline, name = f"{found.format.upper()}, {left}", found.arm.name
-    items = (shown_table(("", ""), _rows(found)),)
-    return Description(f"{name}: as {found.format.upper()}", headline, items, headline, f"{name}: ")
+    left = f"{len(result.lost)} not carried" if result.lost else "nothing left out"
+    headline, name = f"{result.format.upper()}, {left}", result.arm.name
+    items = (shown_table(("", ""), _rows(result)),)
+    return Description(f"{name}: as {result.format.upper()}", headline, items, headline, f"{name}: ")
 
 
 @dataclass(frozen=True, repr=False)
@@ -246,7 +246,7 @@ class Export(Result):
 
 
 def format_of(to: str | None, into: File | None) -> str | None:
-    """The format to write, None for what somebody's own file is in. Raises `InputError`."""
+    """The format to write, None for what somebody's file is in. Raises `InputError`."""
     if (to is None) == (into is None):
         raise InputError("", "to", "is due, or `into` FILE, but not both; e.g. urdf")
     if to is not None and to not in SUFFIXES:
@@ -266,7 +266,7 @@ def written_as(arm: Arm, to: str, progress: Progress | None) -> Exported:
     if to == "step":
         from linkwright.drawings.step import stepped
 
-        with told(progress) as tell:
+        with reporting(progress) as tell:
             return stepped(arm.model, tell)
     if to in CORRECTIONS:
         return CORRECTIONS[to](arm.model)

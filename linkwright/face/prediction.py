@@ -12,7 +12,7 @@ import numpy as np
 from linkwright.core.arm.errors.unknown_mass import payloads_left_out
 from linkwright.core.diagnose.mistakes.row_lists import rows_text
 from linkwright.core.diagnose.predict import Leaving
-from linkwright.core.diagnose.predict import Prediction as Found
+from linkwright.core.diagnose.predict import Prediction as PredictionResult
 from linkwright.json.fields import fields, in_joint_unit, joint_columns, joint_unit
 from linkwright.output.table_file import frame
 from linkwright.results.document import Description, Item, Lines, Paragraph, length, table
@@ -27,28 +27,28 @@ if TYPE_CHECKING:
     import plotly.graph_objects as go
 
 
-def describe(found: Found) -> Description:
+def describe(result: PredictionResult) -> Description:
     """How far the model is off, beside the geometry alone."""
-    recording = found.recording
+    recording = result.recording
     fitted = " and ".join(name for name in ("frame", "tool") if getattr(recording, name) == "free")
     how = f"{fitted} fitted" if fitted else "frame and tool as declared"
     rows = [
-        ("the arm file's model", length(found.rms, 3), length(found.mean, 3), length(found.largest, 3)),
-        ("its geometry alone", length(found.nominal_rms, 3), "", ""),
+        ("the arm file's model", length(result.rms, 3), length(result.mean, 3), length(result.largest, 3)),
+        ("its geometry alone", length(result.nominal_rms, 3), "", ""),
     ]
     payloads = () if recording.payload_mass is None else np.unique(recording.payload_mass).tolist()
     items: list[Item] = [table(("residual", "RMS", "mean", "largest"), rows)]
-    if found.left:
+    if result.left:
         lead = "Beyond what the arm was learned from nothing promises that its findings hold."
-        items.append(Lines((*(_leaving(found, item) for item in found.left), lead)))
-    if (missing := payloads_left_out(found.arm, payloads)) is not None:
+        items.append(Lines((*(_leaving(result, item) for item in result.left), lead)))
+    if (missing := payloads_left_out(result.arm, payloads)) is not None:
         items.append(Paragraph(f"Warning: {missing}."))
     name = PurePath(recording.file).name
-    headline = f"{mm(found.rms, 3)} RMS over {recording.size} readings, {how}"
-    return Description(f"{found.arm.name} on {name}", headline, tuple(items), headline, f"{found.arm.name}: ")
+    headline = f"{mm(result.rms, 3)} RMS over {recording.size} readings, {how}"
+    return Description(f"{result.arm.name} on {name}", headline, tuple(items), headline, f"{result.arm.name}: ")
 
 
-def _leaving(result: Found, leaving: Leaving) -> str:
+def _leaving(result: PredictionResult, leaving: Leaving) -> str:
     """Where a joint leaves the coordinates that the arm was learned from, as a warning."""
     low, high = _span(result, leaving)
     what = "the coordinates that were learned" if leaving.learned else "its range"
@@ -56,7 +56,7 @@ def _leaving(result: Found, leaving: Leaving) -> str:
     return f"Warning: joint {leaving.joint} leaves {what} ({span}) in {rows_text(leaving.rows)}."
 
 
-def _span(result: Found, leaving: Leaving) -> list[float]:
+def _span(result: PredictionResult, leaving: Leaving) -> list[float]:
     return [in_joint_unit(result.arm, leaving.joint - 1, end) for end in leaving.span]
 
 
@@ -72,7 +72,7 @@ class Prediction(Result):
 
     arm: Arm
     recording: Recording
-    found: Found
+    found: PredictionResult
 
     rms_mm = Field[float]("The RMS length of the residual, mm.")
     mean_mm = Field[float]("The mean length of the residual, mm.")

@@ -16,7 +16,7 @@ Progress = Callable[[str, float], None]
 
 
 @contextmanager
-def told(progress: Progress | None) -> Generator[Progress]:
+def reporting(progress: Progress | None) -> Generator[Progress]:
     """The callable that was given; without one a bar, on a terminal or in a notebook only."""
     if progress is not None:
         yield progress

@@ -24,7 +24,7 @@ from linkwright.core.diagnose.reading.read import recording_from
 from linkwright.core.diagnose.reading.read_back import unlike, unlike_settings
 from linkwright.core.diagnose.reading.settings import find_settings, read_settings
 from linkwright.core.diagnose.reading.write import label_columns, recording_columns, recording_text, settings_text
-from linkwright.core.diagnose.recording import Recording as Found
+from linkwright.core.diagnose.recording import Recording as RecordingResult
 from linkwright.core.diagnose.residual.visits import visits
 from linkwright.core.diagnose.simulate import Plan
 from linkwright.core.diagnose.simulate import Simulation as Made
@@ -64,7 +64,7 @@ class Recording(Readings):
     """Readings of a real arm, less the rows that were set aside; `found` holds everything in SI."""
 
     arm: Arm
-    found: Found
+    found: RecordingResult
 
     @property
     def table(self) -> pd.DataFrame:
@@ -345,20 +345,20 @@ def simulated_by(arm: Arm, plan: Plan, *, declare_sigma: bool) -> Simulation:
     return Simulation(arm, plan.declared_in(made.recording) if declare_sigma else made.recording, made, plan)
 
 
-def describe_columns(found: Proposal) -> Description:
+def describe_columns(result: Proposal) -> Description:
     """The settings, and what is to be said of them."""
-    name, kind = PurePath(found.file).name, "a motion log" if found.motion else "a recording"
-    used = sum(meaning.named for meaning in found.meanings)
-    reads = f", {found.reads}" if found.reads else ""
-    headline = f"{name}: {kind}{reads}; {used} of {len(found.meanings)} columns tell of an arm"
-    if found.doubts is not None:
-        lines = tuple(f"{doubt.grade}: {doubt.text}" for doubt in found.doubts)
+    name, kind = PurePath(result.file).name, "a motion log" if result.motion else "a recording"
+    used = sum(meaning.named for meaning in result.meanings)
+    reads = f", {result.reads}" if result.reads else ""
+    headline = f"{name}: {kind}{reads}; {used} of {len(result.meanings)} columns tell of an arm"
+    if result.doubts is not None:
+        lines = tuple(f"{doubt.grade}: {doubt.text}" for doubt in result.doubts)
         said: Item = Lines(lines) if lines else Paragraph("Nothing is doubtful.")
         return Description(f"{name}: columns", headline, (said,), headline)
-    rows = [(meaning.header, meaning.ours if meaning.named else "", _why(meaning)) for meaning in found.meanings]
-    items: list[Item] = [Paragraph(found.wrong, "warning")] if found.wrong else []
+    rows = [(meaning.header, meaning.ours if meaning.named else "", _why(meaning)) for meaning in result.meanings]
+    items: list[Item] = [Paragraph(result.wrong, "warning")] if result.wrong else []
     items.append(shown_table(("column", "is", ""), rows, first=60))
-    if remarks := (*found.notes, *found.warnings):
+    if remarks := (*result.notes, *result.warnings):
         items.append(Lines(remarks))
     return Description(f"{name}: columns", headline, tuple(items), headline)
 

@@ -31,11 +31,11 @@ T = TypeVar("T")
 class Field(Generic[T]):
     """A field of `found` as the result has it: `rms_mm` is the field `rms` in mm, any other name that field itself.
 
-    `told` is what it means; `field` its name in `found`, where that is another one (`recording.size`).
+    `meaning` is what it means; `field` its name in `found`, where that is another one (`recording.size`).
     """
 
-    def __init__(self, told: str, field: str = "") -> None:
-        self.__doc__, self._field = told, field
+    def __init__(self, meaning: str, field: str = "") -> None:
+        self.__doc__, self._field = meaning, field
 
     def __set_name__(self, owner: type, name: str) -> None:
         """Hear of the attribute's name."""
@@ -69,7 +69,7 @@ class Result(ABC):
         return type(self)._describe(getattr(self, "found", None))
 
     def _line(self) -> str:
-        """What was found, in a line."""
+        """The result, in a line."""
         described = self.description
         stopped = "interrupted, " if getattr(getattr(self, "found", None), "interrupted", False) else ""
         return stopped + plain_words(described.brief or described.headline)

@@ -12,7 +12,7 @@ from linkwright.core.arm.chain.chain import Arm as Model
 from linkwright.core.arm.figures import Figure
 from linkwright.core.executors.threads import one_thread
 from linkwright.core.optimize.tradeoff.front import Point
-from linkwright.core.optimize.tradeoff.front import Tradeoff as Found
+from linkwright.core.optimize.tradeoff.front import Tradeoff as TradeoffResult
 from linkwright.core.optimize.tradeoff.question import Question
 from linkwright.core.optimize.tradeoff.trace import Progress as Traced
 from linkwright.core.optimize.tradeoff.tradeoff import trade_off
@@ -27,7 +27,7 @@ from linkwright.results.tradeoff import describe
 from .arm import Arm, catalogue_of
 from .plain_input import File
 from .problem import Problem
-from .progress import Progress, interrupts, told
+from .progress import Progress, interrupts, reporting
 from .result import Field, Reported, figure_of
 
 if TYPE_CHECKING:
@@ -62,7 +62,7 @@ class Tradeoff(Reported):
     _describe = staticmethod(describe)
 
     problem: Problem
-    found: Found
+    found: TradeoffResult
 
     @property
     def table(self) -> pd.DataFrame:
@@ -108,7 +108,7 @@ class Tradeoff(Reported):
 
 def traced(given: Problem, asked: Question, accuracy: float, progress: Progress | None) -> Tradeoff:
     """Trace the fronts of a question; Ctrl-C is heard between two points."""
-    with told(progress) as tell, interrupts() as check, one_thread():
+    with reporting(progress) as tell, interrupts() as check, one_thread():
 
         def heard(done: Traced) -> None:
             check()

@@ -141,10 +141,10 @@ def _drives(evaluation: Evaluation) -> list[dict[str, Any]]:
     if drives is None:
         return []
     rated, none = ("actuator=name", "rated_torque_Nm", "peak_torque_Nm"), {"actuator": None}
-    found: list[dict[str, Any]] = []
+    result: list[dict[str, Any]] = []
     for index, joint in enumerate(arm.joints):
         rated_figures = fields_if(joint.actuator, *rated) or {**none, "rated_torque_Nm": None, "peak_torque_Nm": None}
-        found.append(
+        result.append(
             {
                 "joint": index + 1,
                 "actuator": rated_figures.pop("actuator"),
@@ -155,7 +155,7 @@ def _drives(evaluation: Evaluation) -> list[dict[str, Any]]:
                 "worst_pose": _pose(arm, *drives.poses[index]),
             }
         )
-    return found
+    return result
 
 
 def _joint_loads(evaluation: Evaluation) -> list[dict[str, Any]] | None:
@@ -432,24 +432,24 @@ def _limits(limits: Sequence[KeptLimit]) -> list[dict[str, Any]]:
     ]
 
 
-def infeasible_json(found: Infeasibility, problem: object = "") -> dict[str, Any]:
+def infeasible_json(result: Infeasibility, problem: object = "") -> dict[str, Any]:
     """What `--json` writes where no design keeps all limits, in the units that people read."""
 
     def needed(needed_limit: Any, **more: object) -> dict[str, Any]:
         shown = needed_limit.limit.figure.shown(needed_limit.needed)
-        return {**_asked(needed_limit.limit), "needed": shown, **more, "rests_on": found.rests_on}
+        return {**_asked(needed_limit.limit), "needed": shown, **more, "rests_on": result.rests_on}
 
     content = {
-        "because": found.text,
+        "because": result.text,
         "out_of_reach": [
             {**_asked(item.limit), "best": item.limit.figure.shown(item.best), "because": item.because}
-            for item in found.out_of_reach
+            for item in result.out_of_reach
         ],
-        "limits": [needed(limit, outcome=limit.outcome) for limit in found.limits],
-        "joint_change": [needed(item) for item in found.joint],
-        **fields(found, "joint_sum", "combinations", "unsolved", "rests_on", "kept"),
+        "limits": [needed(limit, outcome=limit.outcome) for limit in result.limits],
+        "joint_change": [needed(item) for item in result.joint],
+        **fields(result, "joint_sum", "combinations", "unsolved", "rests_on", "kept"),
     }
-    return {"problem": PurePath(str(problem)).name, "status": found.verdict, "infeasible": content}
+    return {"problem": PurePath(str(problem)).name, "status": result.verdict, "infeasible": content}
 
 
 def _asked(limit: Limit) -> dict[str, Any]:

@@ -107,7 +107,7 @@ def _labels(labels: Mislabelled) -> dict[str, Any]:
 
 
 def _difference(difference: Difference, recordings: Sequence[OfRecording]) -> dict[str, Any]:
-    values = {own.name: parameter_json(item) for own, item in zip(recordings, difference.each, strict=True)}
+    values = {recording.name: parameter_json(item) for recording, item in zip(recordings, difference.each, strict=True)}
     return {
         **fields(difference, "effect", "at", "p_value"),
         "parameter": difference.each[0].parameter,

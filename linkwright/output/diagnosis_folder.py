@@ -162,31 +162,31 @@ def learned_from(file: Path, arm: Arm) -> tuple[tuple[float, float], ...] | None
     return tuple(times)
 
 
-def with_written_motion(found: MotionDiagnosis, catalogue: Catalogue) -> MotionDiagnosis:
+def with_written_motion(result: MotionDiagnosis, catalogue: Catalogue) -> MotionDiagnosis:
     """The diagnosis of motion logs with what its `arm.yaml` is worth on the same motion, as `linkwright predict` says
     it; RMS of all joints and logs together."""
-    back = _read_back(found.corrected, catalogue)
-    predictions = [predict_motion(back, log) for log in found.logs]
+    back = _read_back(result.corrected, catalogue)
+    predictions = [predict_motion(back, log) for log in result.logs]
     squares = np.nan_to_num([np.square(prediction.rms) for prediction in predictions])
     counts = np.array([prediction.samples for prediction in predictions], dtype=float)
     whole = counts.sum(axis=0)
     if not whole.any():
-        return found
+        return result
     each_joint = (squares * counts).sum(axis=0)[whole > 0.0] / whole[whole > 0.0]
-    return replace(found, written=WrittenArm(float(np.sqrt(each_joint.mean())), found.rms_after, ()))
+    return replace(result, written=WrittenArm(float(np.sqrt(each_joint.mean())), result.rms_after, ()))
 
 
-def with_written(found: Diagnosis, catalogue: Catalogue) -> Diagnosis:
-    """The diagnosis with what its `arm.yaml` is worth on its own recording, as `linkwright predict` says it: frame and
-    tool as the recording declares them, nothing else fitted; of several arms, what each one's own file is worth too."""
-    rms = _left(found.corrected, found.recording, catalogue)
-    found = replace(found, written=WrittenArm(rms, found.rms_promised, _lacks(found, found.corrected)))
-    parts = zip(found.recordings, found.recording.parts(), strict=False)  # of a recording alone there are none
-    return replace(found, recordings=tuple(_with_own(found, one, part, catalogue) for one, part in parts))
+def with_written(result: Diagnosis, catalogue: Catalogue) -> Diagnosis:
+    """The diagnosis with what its `arm.yaml` is worth on its recording, as `linkwright predict` says it: frame and
+    tool as the recording declares them, nothing else fitted; of several arms, what each one's file is worth too."""
+    rms = _left(result.corrected, result.recording, catalogue)
+    result = replace(result, written=WrittenArm(rms, result.rms_promised, _lacks(result, result.corrected)))
+    parts = zip(result.recordings, result.recording.parts(), strict=False)  # of a recording alone there are none
+    return replace(result, recordings=tuple(_with_own(result, one, part, catalogue) for one, part in parts))
 
 
 def _with_own(diagnosis: Diagnosis, one: OfRecording, recording: Recording, catalogue: Catalogue) -> OfRecording:
-    """A recording with what the file of its own arm is worth on it."""
+    """A recording with what the file of its arm is worth on it."""
     if one.corrected is None:
         return one
     rms = _left(one.corrected, recording, catalogue)

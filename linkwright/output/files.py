@@ -82,7 +82,7 @@ def write_file(path: Path, text: str | bytes | ReadBack) -> None:
     """Write a file whole or not at all, onto the disk before this returns; a device or a pipe is written as it is. What
     the program reads too is read back from there.
 
-    `-` is standard output. Raises `InputError`, and `NotAsWritten` where what is read back is not what was found.
+    `-` is standard output. Raises `InputError`, and `NotAsWritten` where what is read back is not the result.
     """
     if isinstance(text, ReadBack):
         write_file(path, text.text)
@@ -121,21 +121,21 @@ def made_folder(folder: Path) -> set[str]:
     return names
 
 
-def refuse_strangers(folder: Path, there: set[str], own: Collection[str]) -> None:
+def refuse_strangers(folder: Path, there: set[str], allowed: Collection[str]) -> None:
     """Refuse a folder that holds anything but a command's own files, so that nobody's are written over."""
-    strangers = sorted(name for name in there - set(own) if left_over_of(name) not in own)
+    strangers = sorted(name for name in there - set(allowed) if left_over_of(name) not in allowed)
     if strangers:
         raise InputError(folder, "", f"holds other files ({strangers[0]}); name a new or empty folder")
 
 
-def claim_own(folder: Path, command: str, own: Collection[str], result: str = RESULT) -> None:
+def claim_own(folder: Path, command: str, allowed: Collection[str], result: str = RESULT) -> None:
     """Make the output folder of a command, or take an earlier one of the same command again.
 
-    A folder that holds anything but its `own` files is refused, so that nobody's are written over. Raises
+    A folder that holds anything but the `allowed` files is refused, so that nobody's are written over. Raises
     `InputError`.
     """
     names = made_folder(folder)
-    refuse_strangers(folder, names, own)
+    refuse_strangers(folder, names, allowed)
     if any(left_over_of(name) is None for name in names) and made_by(folder / result) != command:
         raise InputError(folder, "", f"holds files that are not of `linkwright {command}`; name a new or empty folder")
 
@@ -161,7 +161,7 @@ def write_folder(folder: Path | None, files: Mapping[str, str | ReadBack]) -> No
 
 def write_each(files: Mapping[Path, str | ReadBack]) -> None:
     """Write files in their order, all of them, whatever one of them reads back as. Raises `InputError`, and at the end
-    `NotAsWritten` for the first that does not read back as what was found."""
+    `NotAsWritten` for the first that does not read back as the result."""
     unlike: list[NotAsWritten] = []
     for path, text in files.items():
         try:

@@ -13,7 +13,7 @@ _MOST = 3
 
 
 class NotAsWritten(NoAnswer):
-    """A file was written, and reading it back does not give what was found. Its `path`, and what differs, in words."""
+    """A file was written, and reading it back does not give the result. Its `path`, and what differs, in words."""
 
     def __init__(self, path: Path, differs: str) -> None:
         self.path = path

@@ -105,4 +105,4 @@ def write_result_out(text: str) -> None:
 
 def printable(text: str) -> str:
     """The text with what a terminal would obey (escape sequences, turns of direction) written by its number."""
-    return _OBEYED.sub(lambda found: found[0].encode("unicode_escape").decode("ascii"), text)
+    return _OBEYED.sub(lambda result: result[0].encode("unicode_escape").decode("ascii"), text)

@@ -170,7 +170,7 @@ class Reading:
 
 @dataclass(frozen=True)
 class Conventions:
-    """The paper's conventions on its own data: printed figures (mm^2) out of Table II and the two fitted constants."""
+    """The paper's conventions on its data: printed figures (mm^2) out of Table II and the two fitted constants."""
 
     paper: Paper
 

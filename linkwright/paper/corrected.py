@@ -172,7 +172,7 @@ def extended(paper: Paper, tell: Callable[[str, float], None]) -> tuple[Extended
 
 
 def shapes(arms: PaperArm, tell: Callable[[str, float], None], names: Sequence[str] = SHAPES) -> Extended:
-    """The least worst error of each shape, a section of its own for each link, within the mass of the paper's links."""
+    """The least worst error of each shape, a section of its for each link, within the mass of the paper's links."""
     given = arms.arm()
     rows: Rows = []
     for number, name in enumerate(names):

@@ -200,7 +200,7 @@ def links(named: Named, digits: int = 5) -> Table:
     """What the links are, and where their sections' heights point with all joints at zero."""
     rows: list[list[Cell]] = []
     points = {when: heights(evaluation.arm) for when, evaluation in named}
-    with_heights = any(item is not None for own in points.values() for item in own)
+    with_heights = any(item is not None for values in points.values() for item in values)
     for at, row in enumerate(zip_longest(*(evaluation.arm.links for _, evaluation in named)), start=1):
         shown = [(when, evaluation, link) for (when, evaluation), link in zip(named, row, strict=True) if link]
         for k, (when, evaluation, link) in enumerate(shown):
@@ -248,9 +248,9 @@ def stiffness(named: Named) -> Table:
     """The least first frequencies, and the compliance at the worst poses."""
     rows: list[list[Cell]] = []
     for when, evaluation in named:
-        found, compliance = evaluation.frequency, evaluation.compliance
-        frequency = amount(None if found is None else found.value, "Hz")
-        at = "" if found is None else pose(evaluation.arm, found.q)
+        result, compliance = evaluation.frequency, evaluation.compliance
+        frequency = amount(None if result is None else result.value, "Hz")
+        at = "" if result is None else pose(evaluation.arm, result.q)
         largest = amount(1e3 * max(compliance.principal), "mm/N")
         rows.append([when, frequency, at, largest, pose(evaluation.arm, compliance.q)])
     headings = ("", "least first frequency", "at", "most compliant direction", "at")
@@ -281,14 +281,14 @@ def joint_loads(evaluation: Evaluation) -> Table | Paragraph:
         return Paragraph(f"Not known: {evaluation.unknown['mass']}.")
     forces, moments = ([math.hypot(*getattr(load, kind)) for load in loads] for kind in ("force", "moment"))
 
-    def told(value: float, unit: str) -> Value:
+    def with_size(value: float, unit: str) -> Value:
         return amount(unless_nothing(abs(value), max(forces if unit == "N" else moments)), unit)
 
     rows: list[list[Cell]] = []
     for number_, (item, force, moment) in enumerate(zip(loads, forces, moments, strict=True), start=1):
-        held = told(item.drive, "N·m" if item.revolute else "N")
-        bearing = [told(item.radial, "N"), told(item.along, "N"), told(item.tilting, "N·m")]
-        rows.append([count(number_), told(force, "N"), told(moment, "N·m"), *bearing, held])
+        held = with_size(item.drive, "N·m" if item.revolute else "N")
+        bearing = [with_size(item.radial, "N"), with_size(item.along, "N"), with_size(item.tilting, "N·m")]
+        rows.append([count(number_), with_size(force, "N"), with_size(moment, "N·m"), *bearing, held])
     headings = ("joint", "force", "moment", "radial", "along the axis", "tilting moment", "drive holds")
     return table(headings, rows, detail=True)
 
@@ -327,10 +327,10 @@ def settings(rows: Sequence[tuple[str, str]]) -> Table:
     return table(("", ""), rows, detail=True)
 
 
-def worse_words(found: Sequence[Worse]) -> str:
+def worse_words(result: Sequence[Worse]) -> str:
     """What a design does worse than the arm as given, as a phrase; error and mass stand beside it, better or worse."""
     parts: list[str] = []
-    for item in found:
+    for item in result:
         if item.figure.name not in _BESIDE:
             before, after = (figure(item.figure.shown(value)) for value in (item.before, item.after))
             parts.append(f"{item.figure.title} from {before} to {after} {item.figure.unit}".rstrip())

@@ -150,16 +150,16 @@ def effect_title(effect: str) -> str:
     return EFFECTS[effect].title if effect in EFFECTS else effect.replace("_", " ")
 
 
-def robust_words(found: RobustFigure) -> str:
+def robust_words(result: RobustFigure) -> str:
     """The error over what is uncertain, with what it rests on."""
-    widths = {name: sorted({round(x, 9) for x in own if x > 0.0}) for name, own in found.widths.items()}
-    spans = [f"{name.replace('_', ' ')} ± {' or '.join(map(percent, own))}" for name, own in widths.items() if own]
-    over = f"{mm(found.nominal)} as it is; {', '.join(spans)}"
-    if found.share == 1.0:
-        return f"worst error {mm(found.value)} over what is uncertain ({over}; {found.looked_at} scenarios compared)"
-    upper = "" if found.upper is None else f", below {mm(found.upper)} with 95 % confidence"
-    rests_on = f"sampled: {found.looked_at} fresh scenarios"
-    return f"worst error {mm(found.value)} in {percent(found.share)} of what is uncertain{upper} ({over}; {rests_on})"
+    widths = {name: sorted({round(x, 9) for x in spread if x > 0.0}) for name, spread in result.widths.items()}
+    spans = [f"{name.replace('_', ' ')} ± {' or '.join(map(percent, each))}" for name, each in widths.items() if each]
+    over = f"{mm(result.nominal)} as it is; {', '.join(spans)}"
+    if result.share == 1.0:
+        return f"worst error {mm(result.value)} over what is uncertain ({over}; {result.looked_at} scenarios compared)"
+    upper = "" if result.upper is None else f", below {mm(result.upper)} with 95 % confidence"
+    rests_on = f"sampled: {result.looked_at} fresh scenarios"
+    return f"worst error {mm(result.value)} in {percent(result.share)} of what is uncertain{upper} ({over}; {rests_on})"
 
 
 def factor_words(before: float, after: float) -> str:

@@ -445,9 +445,9 @@ def names_words(names: Sequence[str | None]) -> str:
     return f"all {shown[0]}" if len(shown) > 1 and len(set(shown)) == 1 else ", ".join(shown) or "–"
 
 
-def describe_infeasible(found: Infeasibility) -> Description:
+def describe_infeasible(result: Infeasibility) -> Description:
     """What stands in the way, limit by limit."""
-    joint = {item.limit.text: changed(item.limit, item.needed) for item in found.joint}
+    joint = {item.limit.text: changed(item.limit, item.needed) for item in result.joint}
     rows = [
         (
             limit.limit.text,
@@ -460,14 +460,14 @@ def describe_infeasible(found: Infeasibility) -> Description:
             ),
             Value(joint.get(limit.limit.text, "kept" if joint else "")),
         )
-        for limit in found.limits
+        for limit in result.limits
     ]
-    items: list[Item] = [Paragraph(item.text, "warning") for item in found.out_of_reach]
-    items += [Paragraph(f"{found.rests_on}; {found.kept} kept", "under")]
+    items: list[Item] = [Paragraph(item.text, "warning") for item in result.out_of_reach]
+    items += [Paragraph(f"{result.rests_on}; {result.kept} kept", "under")]
     if rows:
         items.append(table(("limit", "alone would have to be", "in the smallest joint change"), rows))
-    if found.joint_sum is not None:
-        text = f"the joint change is {with_unit(100.0 * found.joint_sum, '%', 3)} in sum (logarithms of the ratios)"
+    if result.joint_sum is not None:
+        text = f"the joint change is {with_unit(100.0 * result.joint_sum, '%', 3)} in sum (logarithms of the ratios)"
         items.append(Paragraph(text, "under"))
-    head = "No design keeps all limits" if found.verdict == "infeasible" else "Could not be decided"
+    head = "No design keeps all limits" if result.verdict == "infeasible" else "Could not be decided"
     return Description(head, head, tuple(items), head)

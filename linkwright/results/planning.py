@@ -20,16 +20,16 @@ _SMALLER = 1.005
 """Times; what is less reads as 1 in three figures."""
 
 
-def describe(found: Planned) -> Description:
+def describe(result: Planned) -> Description:
     """The plan: figures, what will be seen, what is told from what, the visits."""
-    request, promise = found.asked, found.promise
+    request, promise = result.asked, result.promise
     facts = Facts(
         (
-            Fact("visits", count(request.poses), f"{found.recording.size} readings, {_returns(found)}"),
-            *_noise(found),
+            Fact("visits", count(request.poses), f"{result.recording.size} readings, {_returns(result)}"),
+            *_noise(result),
             Fact("causes seen", count(len(promise.shown)), f"{len(promise.unseen)} not at all"),
-            Fact("smaller than at random", number(found.smaller, 3), "times, on average"),
-            *_apart(found),
+            Fact("smaller than at random", number(result.smaller, 3), "times, on average"),
+            *_apart(result),
         )
     )
     seen = sorted(promise.shown, key=lambda item: item.smallest / item.usual)
@@ -42,7 +42,7 @@ def describe(found: Planned) -> Description:
             Column("usual, at most", detail=True),
             "told from others",
         )
-        rows = [_row(found, item) for item in seen]
+        rows = [_row(result, item) for item in seen]
         more = max(0, len(rows) - _FIRST)
         items.append(
             section(
@@ -52,23 +52,23 @@ def describe(found: Planned) -> Description:
             )
         )
     if promise.torques:
-        items.append(_torques(found))
+        items.append(_torques(result))
     items.append(section("What it will not tell", Lines(_not_told(seen, promise.unseen))))
-    items.append(section("Visits", _visits(found), detail=True))
-    items.append(Lines(_how(found)))
-    headline = _headline(found)
-    if found.interrupted:
+    items.append(section("Visits", _visits(result), detail=True))
+    items.append(Lines(_how(result)))
+    headline = _headline(result)
+    if result.interrupted:
         headline += "; stopped, so this is the best plan until then"
-    name = f"{found.arm.name}, tip of {found.arm.tip}" if found.arm.branches else found.arm.name
+    name = f"{result.arm.name}, tip of {result.arm.tip}" if result.arm.branches else result.arm.name
     return Description(f"{name}: what to record", f"{headline}.", tuple(items), headline, f"{name}: ")
 
 
 def _apart(planned: Planned) -> tuple[Fact, ...]:
     """Of what could be mistaken for something else how much is decided, and how much poses at random would decide; each
-    of its own number of pairs, for causes that a plan does not see have none."""
-    told, pairs = planned.promise.told, planned.promise.pairs
+    of a different number of pairs, for causes that a plan does not see have none."""
+    shown, pairs = planned.promise.told, planned.promise.pairs
     by_chance, possible = planned.told_at_random
-    facts = [Fact("pairs told apart", count(told), f"of {pairs} (a cause, one to mistake it for), at usual sizes")]
+    facts = [Fact("pairs told apart", count(shown), f"of {pairs} (a cause, one to mistake it for), at usual sizes")]
     if possible:
         text = f"of the {possible} pairs of causes that such poses see, for comparison"
         facts.append(Fact("told apart at random", count(by_chance), text))

@@ -108,7 +108,7 @@ def _best(axis: Axis) -> str:
 
 
 def _points(result: Tradeoff) -> Table:
-    """The points of the envelope, best in x first, and then those that only a front of its own has."""
+    """The points of the envelope, best in x first, and then those that only a front of its has."""
     x, y = result.asked.x, result.asked.y
     envelope = result.of(result.envelope)
     numbers = {point.number for point in envelope}

@@ -133,7 +133,7 @@ class DiagnosisPage(Asking):
         self._choice.set_options(names, value=asked.file if asked is not None and asked.file in names else first)
 
     async def _open_as_it_was(self, asked: Asked) -> None:
-        await self._open(asked)  # an arm is edited on its own page
+        await self._open(asked)  # an arm is edited on its page
 
     async def _arm_chosen(self) -> None:
         name = self._choice.value
@@ -163,7 +163,7 @@ class DiagnosisPage(Asking):
             self._too_large()
             return
         # What is told of the one before is likely so of the next as well.
-        settings = dict(self._looked_at.told) if self._looked_at is not None else {}
+        settings = dict(self._looked_at.given) if self._looked_at is not None else {}
         await self._add(Dropped(name, await event.file.read(), settings))
 
     async def _add(self, fresh: Dropped) -> None:
@@ -201,7 +201,7 @@ class DiagnosisPage(Asking):
             self._problem.say(_NO_ARM)
             return
         for name, field in self._fields.items():
-            field.value = shown.told.get(name, "")
+            field.value = shown.given.get(name, "")
         self._show_map()
         self._tell()
 
@@ -237,9 +237,9 @@ class DiagnosisPage(Asking):
     async def _reread(self) -> None:
         shown = self._looked_at
         settings = {name: str(field.value or "").strip() for name, field in self._fields.items()}
-        if shown is None or settings == {name: shown.told.get(name, "") for name in settings}:
+        if shown is None or settings == {name: shown.given.get(name, "") for name in settings}:
             return
-        shown.told = settings
+        shown.given = settings
         await self._propose(shown)
         self._show()
 

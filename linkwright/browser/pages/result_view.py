@@ -158,9 +158,9 @@ def _named(desk: Desk, result: Kept) -> None:
             button.props("flat dense no-caps size=sm").classes("self-start")
 
     async def named() -> None:
-        found = await desk.looked_up(desk.shelf.find, result.id)
-        if found is not None:
-            show(found)
+        outcome = await desk.looked_up(desk.shelf.find, result.id)
+        if outcome is not None:
+            show(outcome)
 
     place, naming = stack(), Naming(desk, named)
     show(result)
@@ -219,14 +219,14 @@ def _front(answer: Answer, front: Front) -> None:
     show(min(front["designs"]))
 
 
-def _design(answer: Answer, design: int, told: Design) -> None:
+def _design(answer: Answer, design: int, shown: Design) -> None:
     heading(f"Design {design}")
-    picture(told["svg"])
-    figures = [(item["figure"], item["value"]) for item in told["figures"]]
-    links = [(str(item["link"]), item["length"], item["section"], item["material"]) for item in told["links"]]
+    picture(shown["svg"])
+    figures = [(item["figure"], item["value"]) for item in shown["figures"]]
+    links = [(str(item["link"]), item["length"], item["section"], item["material"]) for item in shown["links"]]
     _table((), figures)
     _table(("link", "length", "section", "material"), links)
-    link = ui.link(f"arm file of design {design}", answer.address(told["file"]))
+    link = ui.link(f"arm file of design {design}", answer.address(shown["file"]))
     link.props["download"] = f"design-{design}.yaml"
 
 

@@ -20,7 +20,7 @@ from linkwright.browser.server.shelf import Kept, Shelf
 from linkwright.core.units.quantities import InputError
 
 Given = ParamSpec("Given")
-Found = TypeVar("Found")
+Looked = TypeVar("Looked")
 
 
 @dataclass(frozen=True)
@@ -32,8 +32,8 @@ class Desk:
     jobs: Jobs
     _readers: ThreadPoolExecutor = field(default_factory=lambda: ThreadPoolExecutor(4, "shelf"))
 
-    async def looked_up(self, look: Callable[Given, Found], *given: Given.args, **named: Given.kwargs) -> Found:
-        """What a look at the shelf gives. A base that another program holds keeps its own threads waiting alone, not
+    async def looked_up(self, look: Callable[Given, Looked], *given: Given.args, **named: Given.kwargs) -> Looked:
+        """What a look at the shelf gives. A base that another program holds keeps its threads waiting alone, not
         the pages and not what they draw."""
         return await asyncio.get_running_loop().run_in_executor(self._readers, lambda: look(*given, **named))
 
@@ -86,7 +86,7 @@ _SANDBOX = (
     "sandbox allow-scripts allow-downloads; default-src 'none'; script-src 'unsafe-inline' blob:; "
     "style-src 'unsafe-inline'; img-src data: blob:"
 )
-"""A report runs its own script and reaches nothing, neither these pages nor the network; it may hand pictures over."""
+"""A report runs its script and reaches nothing, neither these pages nor the network; it may hand pictures over."""
 
 
 def add_files(app: FastAPI, desk: Desk) -> None:

@@ -96,21 +96,21 @@ def at_pose(arm: Arm, q: Sequence[float]) -> str:
     return arm_picture(arm, drawn, shared_window([drawn]), "after", about=f"{arm.name}, to scale")
 
 
-def worst_poses(found: Evaluation) -> list[Pose]:
+def worst_poses(result: Evaluation) -> list[Pose]:
     """The worst poses, worst first: words and a picture with the bent shape and the error, to one scale."""
-    poses = poses_that_differ(found)[:_MOST_POSES]
-    skeletons = [skeleton_at(found.arm, pose) for pose in poses]
+    poses = poses_that_differ(result)[:_MOST_POSES]
+    skeletons = [skeleton_at(result.arm, pose) for pose in poses]
     window = shared_window(skeletons)
-    told: list[Pose] = []
+    shown: list[Pose] = []
     for pose, drawn in zip(poses, skeletons, strict=True):
-        about = f"{found.arm.name} at a pose where the error is {mm(pose.error)}, bent by its loads"
-        picture = arm_picture(found.arm, drawn, window, "after", about=about)
-        bent = bent_line(found.arm, found.load_cases[pose.load_case], pose, window)
-        words = arm_caption(found.arm, drawn, window)
+        about = f"{result.arm.name} at a pose where the error is {mm(pose.error)}, bent by its loads"
+        picture = arm_picture(result.arm, drawn, window, "after", about=about)
+        bent = bent_line(result.arm, result.load_cases[pose.load_case], pose, window)
+        words = arm_caption(result.arm, drawn, window)
         if bent:
             words += "; the dashed line is the bent shape, as much enlarged (without play)"
-        told.append({"words": words, "svg": picture.removesuffix("</svg>") + bent + "</svg>"})
-    return told
+        shown.append({"words": words, "svg": picture.removesuffix("</svg>") + bent + "</svg>"})
+    return shown
 
 
 def front_to_click(front: Tradeoff) -> Front:

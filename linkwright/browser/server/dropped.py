@@ -38,7 +38,7 @@ class Dropped:
 
     name: str
     content: bytes
-    told: dict[str, str] = field(default_factory=dict[str, str])
+    given: dict[str, str] = field(default_factory=dict[str, str])
     meanings: list[Meaning] = field(default_factory=list[Meaning])
     line: str = ""
     notes: str = ""
@@ -51,8 +51,8 @@ class Dropped:
         again = next((name for k, name in enumerate(named) if name in named[:k]), None)
         if again is not None:
             raise InputError(self.name, again, "is what two columns are said to be; choose one of them")
-        settings = {name: text for name, text in self.told.items() if name != FURTHER}
-        return settings_text(self.meanings, settings) + self.told.get(FURTHER, "") + "\n"
+        settings = {name: text for name, text in self.given.items() if name != FURTHER}
+        return settings_text(self.meanings, settings) + self.given.get(FURTHER, "") + "\n"
 
     def propose(self, arm: Any, like: Dropped | None = None) -> None:
         """Read the header anew and propose what the columns are: as those of another recording `like` it, where its
@@ -61,8 +61,8 @@ class Dropped:
         self.meanings, self.remedies = [], ()
         try:
             table = self._table()
-            if "decimal" not in self.told and table.decimal == ",":
-                self.told = {**self.told, "decimal": ","}
+            if "decimal" not in self.given and table.decimal == ",":
+                self.given = {**self.given, "decimal": ","}
         except InputError as error:
             self._refuse(error)
             return
@@ -98,10 +98,10 @@ class Dropped:
             self.meanings = with_ignored(self.meanings, cast(list[object], ignored))
         for key, value in remedy.items():
             if isinstance(value, str):
-                self.told = {**self.told, key: value}
+                self.given = {**self.given, key: value}
             elif key not in ("columns", "ignore"):
-                lines = [self.told.get(FURTHER, ""), f"{key}: {yaml_line(value)}"]
-                self.told = {**self.told, FURTHER: "\n".join(filter(None, lines))}
+                lines = [self.given.get(FURTHER, ""), f"{key}: {yaml_line(value)}"]
+                self.given = {**self.given, FURTHER: "\n".join(filter(None, lines))}
 
     def change(self, number: int, what: str, unit: str, factor: float, zero: float) -> bool:
         """Say what a column is, by which factor and with what added; whether that is another thing than before."""
@@ -119,7 +119,7 @@ class Dropped:
         self.remedies = error.remedies
 
     def _table(self) -> Table:
-        layout = {name: self.told.get(name, "") for name in LAYOUT}
+        layout = {name: self.given.get(name, "") for name in LAYOUT}
         with staged({self.name: self.content, SETTINGS: settings_text((), layout).encode()}) as root:
             return read_table(root / self.name, read_settings(root / SETTINGS).layout)
 

@@ -57,7 +57,7 @@ class Folder:
 
     def names(self, kind: Kind) -> list[str]:
         """The files of a kind, at most so many, folders first looked into to a few levels."""
-        found: list[str] = []
+        result: list[str] = []
         seen = 0
         for at, folders, names in os.walk(self.root):
             here = Path(at)
@@ -66,11 +66,11 @@ class Folder:
             for name in sorted(item for item in names if item.endswith(_ENDINGS) and not item.startswith(".")):
                 seen += 1
                 if seen > _MOST:
-                    return found
+                    return result
                 relative = (here / name).relative_to(self.root).as_posix()
                 if self._kind(relative) == kind:
-                    found.append(relative)
-        return found
+                    result.append(relative)
+        return result
 
     def _kind(self, name: str) -> Kind | None:
         try:
@@ -142,7 +142,7 @@ def templates() -> dict[str, str]:
 
 
 def arm_of_urdf(name: str, content: bytes, tip: str) -> tuple[str, str]:
-    """The arm file that a URDF makes, to a `tip` (empty: its only one), and what was found in a line. Raises
+    """The arm file that a URDF makes, to a `tip` (empty: its only one), and the result in a line. Raises
     `InputError`."""
     with staged({name: content}) as root:
         imported = lw.import_arm(root / name, tip=tip or None)
@@ -160,7 +160,7 @@ def _lines(before: str, after: str) -> str:
 
 @contextmanager
 def staged(inputs: Mapping[str, bytes]) -> Generator[Path]:
-    """A folder of its own that holds these files for as long as it is needed; errors name them as they are called."""
+    """A folder of its that holds these files for as long as it is needed; errors name them as they are called."""
     with tempfile.TemporaryDirectory(prefix="linkwright-") as made:
         root = Path(made)
         put(root, inputs)

@@ -1,4 +1,4 @@
-"""Who may ask: this server by its own name, from its own pages, with the token; and what a page may run."""
+"""Who may ask: this server by its name, from its pages, with the token; and what a page may run."""
 
 from __future__ import annotations
 
@@ -31,9 +31,9 @@ def policy(scripts: Iterable[bytes] = ()) -> bytes:
     markup run anything.
     """
     digests = (base64.b64encode(hashlib.sha256(script).digest()).decode() for script in scripts)
-    own = " ".join(["'self'", *(f"'sha256-{digest}'" for digest in digests), "'unsafe-eval'", "blob:"])
+    sources = " ".join(["'self'", *(f"'sha256-{digest}'" for digest in digests), "'unsafe-eval'", "blob:"])
     return (
-        f"default-src 'self'; script-src {own}; style-src 'self' 'unsafe-inline'; img-src 'self' data: blob:; "
+        f"default-src 'self'; script-src {sources}; style-src 'self' 'unsafe-inline'; img-src 'self' data: blob:; "
         "font-src 'self' data:; worker-src 'self' blob:; connect-src 'self'; frame-src 'self'; object-src 'none'; "
         "base-uri 'self'; form-action 'self'; frame-ancestors 'self'"
     ).encode()
@@ -59,7 +59,7 @@ class PagePolicy:
                 body += message.get("body", b"")
                 if message.get("more_body"):
                     return
-                scripts = [found.replace(b"\r\n", b"\n") for found in _INLINE.findall(body)]
+                scripts = [script.replace(b"\r\n", b"\n") for script in _INLINE.findall(body)]
                 headers = [*start["headers"], (HEADER, policy(scripts))]
                 await send({**start, "headers": headers})
                 message = {**message, "body": body}

@@ -46,7 +46,7 @@ def noun(kind: str) -> str:
 class Job:
     """One piece of work: what it is, how far it is, what came of it.
 
-    `answer` is the line that says what was found, known before its files are written; `result` is its number on the
+    `answer` is the line that says the result, known before its files are written; `result` is its number on the
     shelf. Where it could not be kept it is `unkept`, `message` says why, and its files stay in `left`. `asked` is what
     it answers.
     """

@@ -80,5 +80,5 @@ def to_choose(place: Place) -> list[str]:
     }
     try:
         return list(catalogues.get(str(place[-1]), ()))
-    except InputError:  # a catalogue of the user's own that cannot be read says so where it is used
+    except InputError:  # a catalogue of the user's that cannot be read says so where it is used
         return []

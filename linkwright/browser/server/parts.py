@@ -39,7 +39,7 @@ class Parts:
 
     @property
     def units(self) -> list[str]:
-        """The units that measure the same, its own first where it is not a usual one."""
+        """The units that measure the same, its first where it is not a usual one."""
         return list(_units(self.unit)) if self.unit else []
 
     def value(self) -> Any:
@@ -67,10 +67,10 @@ def parts_of(value: object) -> Parts | None:
     items = cast("list[object]", value) if isinstance(value, list) else [value]
     if not items or len(items) > _LONGEST or (listed and len(items) < 2):
         return None
-    found = [_split(item) for item in items]
-    if any(item is None for item in found):
+    result = [_split(item) for item in items]
+    if any(item is None for item in result):
         return None
-    split = [item for item in found if item is not None]
+    split = [item for item in result if item is not None]
     units = {unit for _, number, unit in split if unit or float(number) != 0.0}
     relations = {relation for relation, _, _ in split}
     unit = next(iter(units), "")

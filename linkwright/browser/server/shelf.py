@@ -63,7 +63,7 @@ _WHAT_TO_DO: Mapping[int, str] = MappingProxyType(
 
 @dataclass(frozen=True)
 class Kept:
-    """A result that is kept: when it was `made` (UTC), of which kind, from what (`title`), what was found (`line`),
+    """A result that is kept: when it was `made` (UTC), of which kind, from what (`title`), the result (`line`),
     whether it is `complete` or the best until it was stopped, how long it took, and what people call it and noted."""
 
     id: int
@@ -227,7 +227,7 @@ class Shelf:
         """What was begun and did not end, the newest first."""
         with self._open() as base:
             rows = base.execute("SELECT id, began, kind, title, server FROM runs ORDER BY id DESC").fetchall()
-        return [Run(number, *map(str, told)) for number, *told in rows]
+        return [Run(number, *map(str, shown)) for number, *shown in rows]
 
     def end(self, run: int) -> None:
         """Forget a piece of work that ended, or that nobody need be told of any more."""

@@ -13,7 +13,7 @@ from typing import Any
 import linkwright as lw
 from linkwright.commands.catalogues import actuators, materials, sections
 from linkwright.commands.catalogues.materials import QUERY, value_of
-from linkwright.commands.catalogues.own import OwnCatalogue, value_of_text
+from linkwright.commands.catalogues.user_catalogue import UserCatalogue, value_of_text
 from linkwright.core.arm.actuators import Actuator, read_actuators, shipped_actuators
 from linkwright.core.catalogues.stock_editor import STOCK, columns_of, row_of
 from linkwright.core.materials.catalogue import load_layer
@@ -22,23 +22,23 @@ from linkwright.core.units.quantities import InputError, format_quantity
 from linkwright.core.units.reading import load_yaml, read_text
 
 Row = dict[str, str]
-"""A row's cells as text, `name` among them; `own` says whether it stands in the user's own file, `unconfirmed` what
+"""A row's cells as text, `name` among them; `own` says whether it stands in the user's file, `unconfirmed` what
 nobody could find in its source."""
 
 
 class CatalogueTable(ABC):
-    """A catalogue, the shipped one with the user's own over it. Edits go to the latter; all raise `InputError`."""
+    """A catalogue, the shipped one with the user's over it. Edits go to the latter; all raise `InputError`."""
 
     title = ""
     always: tuple[str, ...] = ("title",)
     """Columns that are there even where no entry has anything in them."""
-    kind: OwnCatalogue
+    kind: UserCatalogue
     """How the command line edits it."""
 
     @property
     def path(self) -> Path:
         """The user's own file."""
-        return self.kind.own()
+        return self.kind.user_file()
 
     @property
     def there(self) -> Path | None:
@@ -65,7 +65,7 @@ class CatalogueTable(ABC):
 
     @abstractmethod
     def names(self) -> frozenset[str]:
-        """The names in the user's own file, which is there."""
+        """The names in the user's file, which is there."""
 
     @abstractmethod
     def cells(self, entry: Any, group: str) -> Row | None:
@@ -79,7 +79,7 @@ class CatalogueTable(ABC):
         return editor.set_keys(self.path, name, {column: value_of_text(text, column)}, source=source)
 
     def copy(self, name: str, new_name: str) -> str:
-        """Put an entry into the user's own file under another name."""
+        """Put an entry into the user's file under another name."""
         if not name:
             raise InputError("", "Entry", "is empty; choose the one to copy")
         if not new_name.strip():
@@ -87,7 +87,7 @@ class CatalogueTable(ABC):
         return self.kind.editor.add(self.path, [replace(self.kind.found(None)(name), name=new_name.strip())])
 
     def remove(self, name: str) -> str:
-        """Take an entry out of the user's own file."""
+        """Take an entry out of the user's file."""
         return self.kind.editor.remove(self.path, name)
 
     def doubts(self, name: str) -> list[str]:
@@ -99,7 +99,7 @@ class MaterialsTable(CatalogueTable):
     """The materials, their figures at 20 degC."""
 
     title = "Materials"
-    kind = materials.OWN
+    kind = materials.CATALOGUE
 
     def columns(self, group: str) -> Sequence[str]:
         """Every property."""
@@ -107,7 +107,7 @@ class MaterialsTable(CatalogueTable):
         return ("title", *QUERY.every)
 
     def names(self) -> frozenset[str]:
-        """Those of the user's own catalogue."""
+        """Those of the user's catalogue."""
         return frozenset(load_layer(self.path).materials)
 
     def cells(self, entry: Any, group: str) -> Row | None:
@@ -124,7 +124,7 @@ class SectionsTable(CatalogueTable):
     """The stock sizes, by shape; dimensions in mm, printed figures in cm."""
 
     title = "Stock sizes"
-    kind = sections.OWN
+    kind = sections.CATALOGUE
 
     def groups(self) -> Sequence[str]:
         """The shapes that there are sizes of."""
@@ -135,7 +135,7 @@ class SectionsTable(CatalogueTable):
         return ("family", *columns_of(group))
 
     def names(self) -> frozenset[str]:
-        """Those of the user's own tables."""
+        """Those of the user's tables."""
         return frozenset(size.name for size in STOCK.check(read_text(self.path), self.path))
 
     def cells(self, entry: Any, group: str) -> Row | None:
@@ -159,7 +159,7 @@ class ActuatorsTable(CatalogueTable):
 
     title = "Actuators"
     always = ("cost", "note")
-    kind = actuators.OWN
+    kind = actuators.CATALOGUE
 
     def columns(self, group: str) -> Sequence[str]:
         """What an entry says."""
@@ -167,7 +167,7 @@ class ActuatorsTable(CatalogueTable):
         return ("maker", "gear", "ratio", *_DRIVE, "note")
 
     def names(self) -> frozenset[str]:
-        """Those of the user's own file, prices of shipped ones among them."""
+        """Those of the user's file, prices of shipped ones among them."""
         keys = load_yaml(self.path)
         return frozenset({*read_actuators(keys), *read_prices(keys, "cost")})
 

@@ -48,10 +48,10 @@ class _Told:
             say(text=text, share=share)
 
 
-def say(**told: Any) -> None:
+def say(**event: Any) -> None:
     """A line for the process that asked; where that is gone, so is this one."""
     try:
-        print(json.dumps(told), flush=True)
+        print(json.dumps(event), flush=True)
     except BrokenPipeError:
         os._exit(1)
 
@@ -118,9 +118,9 @@ def _beside(result: Any, out: Path, settings: Sequence[Path]) -> None:
         (out / "poses.json").write_text(json.dumps(worst_poses(result.found)), encoding="utf-8")
     if isinstance(result, Tradeoff):
         (out / "front.json").write_text(json.dumps(front_to_click(result)), encoding="utf-8")
-    for number, own in enumerate(settings, start=1):
-        name = own.name if len(settings) == 1 else f"{own.stem}-{number}{own.suffix}"
-        (out / name).write_bytes(own.read_bytes())
+    for number, file in enumerate(settings, start=1):
+        name = file.name if len(settings) == 1 else f"{file.stem}-{number}{file.suffix}"
+        (out / name).write_bytes(file.read_bytes())
 
 
 def main() -> int:

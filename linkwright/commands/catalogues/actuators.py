@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Annotated, Any, cast
 import typer
 
 import linkwright as lw
-from linkwright.commands.catalogues.own import Names, OwnCatalogue, TableFile, value_of_text
+from linkwright.commands.catalogues.user_catalogue import Names, TableFile, UserCatalogue, value_of_text
 from linkwright.commands.options import Commands, JsonFile, write_content
 from linkwright.core.arm.actuators import CONFIRMABLE, USER_ACTUATORS, read_actuators, shipped_actuators
 from linkwright.core.catalogues.csv_table import marks_text, table_text
@@ -140,10 +140,10 @@ def _found(catalogue: Path | None) -> Callable[[str], Entry | None]:
     return lambda name: ACTUATORS.entry(name, files)
 
 
-OWN = OwnCatalogue(
+CATALOGUE = UserCatalogue(
     group="actuators",
     editor=ACTUATORS,
-    own=USER_ACTUATORS.path,
+    user_file=USER_ACTUATORS.path,
     entry="actuator",
     called="file",
     key="actuator",
@@ -166,9 +166,9 @@ def export_actuators(
 
     Example: linkwright actuators export RV-20E --out drives.yaml
     """
-    known = OWN.known(catalogue)
+    known = CATALOGUE.known(catalogue)
     chosen_names = [known[name].name for name in names or known]
-    OWN.write(out, chosen_names, catalogue, {".yaml": ACTUATORS.text, ".csv": write_table})
+    CATALOGUE.write(out, chosen_names, catalogue, {".yaml": ACTUATORS.text, ".csv": write_table})
 
 
 def list_actuators(
@@ -290,10 +290,10 @@ def _as_json(actuator: Actuator) -> dict[str, Any]:
     figures = ("rated_torque_Nm", "peak_torque_Nm", "stiffness_Nm_per_rad", "stiffness_zones_Nm_per_rad=stiffnesses")
     figures += ("zone_torques_Nm", "backlash_arcmin", "tilting_stiffness_Nm_per_rad", "mass_kg")
     cost = ("cost_EUR", "cost_spread_EUR", "cost_date", "source", "note")
-    found = {"found_in": actuator.found_in or None, "unconfirmed": dict(actuator.unconfirmed) or None}
-    return {**fields(actuator, "name", "maker", "gear", "ratio", *figures, *cost), **found, **fields(actuator, "file")}
+    result = {"found_in": actuator.found_in or None, "unconfirmed": dict(actuator.unconfirmed) or None}
+    return {**fields(actuator, "name", "maker", "gear", "ratio", *figures, *cost), **result, **fields(actuator, "file")}
 
 
 def group() -> Commands:
     """The commands of the group."""
-    return {"list": list_actuators, "show": show_actuator, **OWN.commands(export_actuators)}
+    return {"list": list_actuators, "show": show_actuator, **CATALOGUE.commands(export_actuators)}

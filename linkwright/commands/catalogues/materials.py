@@ -12,8 +12,8 @@ from typing import Annotated, Any, Literal
 import typer
 
 import linkwright as lw
-from linkwright.commands.catalogues.own import Names, OwnCatalogue, value_of_text
 from linkwright.commands.catalogues.query import Query
+from linkwright.commands.catalogues.user_catalogue import Names, UserCatalogue, value_of_text
 from linkwright.commands.options import CatalogueFile, Commands, JsonFile, write_content
 from linkwright.core.catalogues.freecad_cards import read_card, write_card
 from linkwright.core.catalogues.keyed import Entry
@@ -115,10 +115,10 @@ def _made(name: str, values: dict[str, str], source: str) -> Entry:
     return Entry(name, {**content, "source": "own"}, {"own": source}) if source else Entry(name, content)
 
 
-OWN = OwnCatalogue(
+CATALOGUE = UserCatalogue(
     group="materials",
     editor=MATERIALS,
-    own=USER_CATALOGUE.path,
+    user_file=USER_CATALOGUE.path,
     entry="material",
     called="catalogue",
     key="material",
@@ -169,7 +169,7 @@ def export_materials(
         return write_table(materials(entries))
 
     ways = {".yaml": MATERIALS.text, ".FCMat": card, ".csv": table}
-    OWN.write(out, [known.find(name).name for name in names] if names else list(known.names), catalogue, ways)
+    CATALOGUE.write(out, [known.find(name).name for name in names] if names else list(known.names), catalogue, ways)
 
 
 _BAR = 40
@@ -372,18 +372,18 @@ def _valid(valid: tuple[float, float]) -> str:
 def _as_json(catalogue: Catalogue, material: Material) -> dict[str, Any]:
     """A material's figures at 20 degC: as written, and in SI."""
     properties: dict[str, Any] = {}
-    for name, found in material.properties.items():
-        low, high = found.valid
+    for name, result in material.properties.items():
+        low, high = result.valid
         properties[name] = {
-            "value": written(found.law.value(REFERENCE_TEMPERATURE), name),
-            "si": found.law.value(REFERENCE_TEMPERATURE),
+            "value": written(result.law.value(REFERENCE_TEMPERATURE), name),
+            "si": result.law.value(REFERENCE_TEMPERATURE),
             "valid_degC": None if math.isinf(high) else [low - ZERO_CELSIUS, high - ZERO_CELSIUS],
-            "spread": None if found.spread is None else [written(x, name) for x in found.spread],
-            "source": material.references.get(found.source, found.source),
-            "note": found.note or None,
-            "date": found.date or None,
-            "unconfirmed": found.unconfirmed or None,
-            "found_in": found.found_in or None,
+            "spread": None if result.spread is None else [written(x, name) for x in result.spread],
+            "source": material.references.get(result.source, result.source),
+            "note": result.note or None,
+            "date": result.date or None,
+            "unconfirmed": result.unconfirmed or None,
+            "found_in": result.found_in or None,
         }
     return {
         **fields(material, "name", "title", "family", "isotropic", "magnetic"),
@@ -396,4 +396,4 @@ def _as_json(catalogue: Catalogue, material: Material) -> dict[str, Any]:
 def group() -> Commands:
     """The commands of the group."""
     look = {"list": list_materials, "show": show_material, "compare": compare_materials}
-    return {**look, **OWN.commands(export_materials)}
+    return {**look, **CATALOGUE.commands(export_materials)}

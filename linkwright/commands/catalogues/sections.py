@@ -11,18 +11,18 @@ from typing import Annotated, Any
 import typer
 
 import linkwright as lw
-from linkwright.commands.catalogues.own import (
+from linkwright.commands.catalogues.query import Query
+from linkwright.commands.catalogues.user_catalogue import (
     Changes,
     Name,
     Names,
-    OwnCatalogue,
-    OwnFile,
     Source,
     TableFile,
+    UserCatalogue,
+    UserFile,
     changes_of,
     say,
 )
-from linkwright.commands.catalogues.query import Query
 from linkwright.commands.options import Commands, JsonFile, as_options, write_content
 from linkwright.core.catalogues.stock_csv import read_table, write_table
 from linkwright.core.catalogues.stock_editor import STOCK, Row, cell, columns_of, row_of, rows_text
@@ -162,10 +162,10 @@ def _found(catalogue: Path | None) -> Callable[[str], Row]:
     return lambda name: row_of(stock.find(name))
 
 
-OWN = OwnCatalogue(
+CATALOGUE = UserCatalogue(
     group="sections",
     editor=STOCK,
-    own=USER_STOCK.path,
+    user_file=USER_STOCK.path,
     entry="stock size",
     called="tables",
     key="section",
@@ -190,21 +190,21 @@ def edit_section(
     changes: Changes = None,
     source: Source = "",
     unset: Annotated[str | None, typer.Option("--unset", metavar="KEY", help="Take this key away.")] = None,
-    catalogue: OwnFile = None,
+    catalogue: UserFile = None,
 ) -> None:
     """Change keys of a stock size, or the file in $EDITOR; a shipped size is copied to yours.
 
     Example: linkwright sections edit 'TUBE 60x4' thickness '5 mm'
     """
-    path = OWN.path(catalogue)
+    path = CATALOGUE.path(catalogue)
     if unset is not None:
         if changes or source:
             raise InputError("", "--unset", "stands alone")
         say(STOCK.remove_cell(path, name, unset), path)
     elif changes or source:
-        say(STOCK.change_cells(path, name, changes_of(changes or [], OWN.such_as), source=source), path)
+        say(STOCK.change_cells(path, name, changes_of(changes or [], CATALOGUE.such_as), source=source), path)
     else:
-        OWN.edit_in_editor(path, name)
+        CATALOGUE.edit_in_editor(path, name)
 
 
 def export_sections(
@@ -220,7 +220,7 @@ def export_sections(
     known = lw.sections.with_file(catalogue)
     sizes = [*(known[name] for name in names or ()), *known.of_family(*family or ())]
     chosen = sizes if names or family else known.values()
-    OWN.write(
+    CATALOGUE.write(
         out, list(dict.fromkeys(size.name for size in chosen)), catalogue, {".yaml": rows_text, ".csv": write_table}
     )
 
@@ -359,8 +359,8 @@ def _print_sizes(sizes: list[StockSize], names: tuple[str, ...], *, dimensions: 
     numbers = tuple(range(len(leading), len(leading) + len(names)))
     shown = table(*leading, *(heading(name) for name in names), numbers=numbers)
     for size in sizes:
-        own = [", ".join(figure(1e3 * value, 5) for value in size.dimensions.values())] if dimensions else []
-        shown.add_row(size.name + (" ?" if size.unconfirmed else ""), *own, *(written(size, name) for name in names))
+        values = [", ".join(figure(1e3 * value, 5) for value in size.dimensions.values())] if dimensions else []
+        shown.add_row(size.name + (" ?" if size.unconfirmed else ""), *values, *(written(size, name) for name in names))
     console().print(shown)
     if len({(size.source, tuple(size.dimensions)) for size in sizes}) == 1:
         words = ", ".join(name.replace("_", " ") for name in sizes[0].dimensions)
@@ -438,4 +438,4 @@ def _shape_json(kind: type[Section]) -> dict[str, Any]:
 def group() -> Commands:
     """The commands of the group."""
     look = {"list": list_sections, "show": show_section, "compare": compare_sections}
-    return {**look, **OWN.commands(export_sections, edit_section)}
+    return {**look, **CATALOGUE.commands(export_sections, edit_section)}

@@ -27,7 +27,7 @@ from linkwright.output.table_file import WAYS, rows_of
 if TYPE_CHECKING:
     import pandas as pd
 
-OwnFile = Annotated[
+UserFile = Annotated[
     Path | None, typer.Option("--catalogue", metavar="FILE", help="The file to change; your own without it.")
 ]
 Source = Annotated[str, typer.Option("--source", metavar="TEXT", help="Where the figures are from.")]
@@ -51,13 +51,13 @@ W = TypeVar("W")
 
 
 @dataclass(frozen=True)
-class OwnCatalogue:
+class UserCatalogue:
     """One kind of catalogue, for its commands.
 
     Attributes:
         group: the commands' name.
         editor: its edits.
-        own: where one's own file is.
+        user_file: where the user's file is.
         entry: what it holds, in words.
         called: what the file is called.
         key: under which an arm or problem file names an entry.
@@ -76,7 +76,7 @@ class OwnCatalogue:
 
     group: str
     editor: Editor[Any]
-    own: Callable[[], Path]
+    user_file: Callable[[], Path]
     entry: str
     called: str
     key: str
@@ -106,7 +106,7 @@ class OwnCatalogue:
 
     def path(self, catalogue: Path | None) -> Path:
         """The file to change."""
-        return self.own() if catalogue is None else catalogue
+        return self.user_file() if catalogue is None else catalogue
 
     def edit_in_editor(self, path: Path, name: str) -> None:
         """Hand a copy of the file to the user's editor, and put it in place once that is closed and it is sound."""
@@ -218,7 +218,7 @@ class OwnCatalogue:
             values: Annotated[list[str], typer.Argument(metavar="KEY=VALUE", help="What it has, by key.")],
             source: Source = "",
             replace: Replace = False,
-            catalogue: OwnFile = None,
+            catalogue: UserFile = None,
         ) -> None:
             entry, path = self.made(name, self.in_full(key_values(values, self.such_as)), source), self.path(catalogue)
             say(editor.add(path, [entry], replace=replace), path)
@@ -228,7 +228,7 @@ class OwnCatalogue:
             file: Annotated[Path, typer.Argument(metavar="FILE", help=f"A file: {', '.join(self.read)}.")],
             name: Annotated[str, typer.Option("--name", help="The name to give the one entry of the file.")] = "",
             replace: Replace = False,
-            catalogue: OwnFile = None,
+            catalogue: UserFile = None,
         ) -> None:
             entries, faults = self._sound(file)
             path = self.path(catalogue)
@@ -243,7 +243,7 @@ class OwnCatalogue:
                 count = len(entries) + len(faults)
                 raise InputError(file, "", f"{len(faults)} of {count} {editor.what}s were not taken, as said above")
 
-        def remove(name: Name, used_in: _UsedIn = None, catalogue: OwnFile = None) -> None:
+        def remove(name: Name, used_in: _UsedIn = None, catalogue: UserFile = None) -> None:
             path = self.path(catalogue)
             self._warn(name, used_in)
             done = editor.remove(path, name)
@@ -258,7 +258,7 @@ class OwnCatalogue:
             paths = [*(files or ()), *([catalogue] if catalogue is not None else [])]
             counts = [(str(path), self.count(path)) for path in paths]
             if not paths:
-                user_file = self.own()
+                user_file = self.user_file()
                 counts = [
                     *self.shipped(),
                     *([(str(user_file), self.count(user_file))] if os.path.exists(user_file) else []),
@@ -289,7 +289,7 @@ class OwnCatalogue:
             changes: Changes = None,
             source: Source = "",
             unset: Annotated[bool, typer.Option("--unset", help="Take the key away.")] = False,
-            catalogue: OwnFile = None,
+            catalogue: UserFile = None,
         ) -> None:
             path = self.path(catalogue)
             if not changes:

@@ -1,4 +1,4 @@
-"""Two kinds of list: catalogues that files of one's own are laid over, and registries that programs add to."""
+"""Two kinds of list: catalogues that files of the user's are laid over, and registries that programs add to."""
 
 from __future__ import annotations
 
@@ -39,13 +39,13 @@ class Named(Mapping[str, T], Generic[T]):
 
 
 class Catalogue(Named[T]):
-    """Entries by name: the shipped ones, the user's own over them, and over those the file that `with_file` names."""
+    """Entries by name: the shipped ones, the user's over them, and over those the file that `with_file` names."""
 
     def __init__(self, file: File | None = None) -> None:
         self._files = () if file is None else (file,)
 
     def with_file(self, file: File | None) -> Self:
-        """The same with a file of one's own laid over it; raises `InputError` as soon as an entry is asked for."""
+        """The same with a file of the user's laid over it; raises `InputError` as soon as an entry is asked for."""
         return type(self)(file)
 
 

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from linkwright.core.diagnose.motion.uses.compare import MotionComparison as Found
+from linkwright.core.diagnose.motion.uses.compare import MotionComparison as MotionComparisonResult
 from linkwright.core.diagnose.motion.uses.compare import compare_motion
 from linkwright.core.diagnose.options import Options
 from linkwright.face.arm import Arm
@@ -26,30 +26,30 @@ if TYPE_CHECKING:
     import plotly.graph_objects as go
 
 
-def comparison_sentence(found: Found) -> str:
+def comparison_sentence(result: MotionComparisonResult) -> str:
     """What changed, plainly."""
-    parts = changed_sentences(found.changes)
-    if not found.changes:
-        sentence = "cannot say whether anything changed" if found.together.verdict == "insufficient_data" else ""
+    parts = changed_sentences(result.changes)
+    if not result.changes:
+        sentence = "cannot say whether anything changed" if result.together.verdict == "insufficient_data" else ""
         parts = [f"The logs {sentence}." if sentence else "Nothing in the library was named in either log."]
-    if found.together.verdict == "unknown":
+    if result.together.verdict == "unknown":
         parts.append("Together they hold a mismatch that nothing explains.")
     return " ".join(parts)
 
 
-def describe(found: Found) -> Description:
+def describe(result: MotionComparisonResult) -> Description:
     """What changed between two motion logs."""
-    sentence, together = comparison_sentence(found), found.together
+    sentence, together = comparison_sentence(result), result.together
     pair = together.of_logs
     rows = [
         ("samples", *(count(item.samples) for item in pair)),
         ("RMS of the mismatch", *(torque(item.rms_before) for item in pair)),
         ("left by what was found in both", *(torque(item.rms_after) for item in pair)),
-        ("left with sizes of its own", *(torque(value) for value in found.left)),
+        ("left with sizes of its own", *(torque(value) for value in result.left)),
     ]
     items: list[Section] = [section("Both logs", table(("", "first", "second"), rows))]
-    if found.changes:
-        items.append(section("What was fitted", changes_table(found.changes)))
+    if result.changes:
+        items.append(section("What was fitted", changes_table(result.changes)))
     sentences = (f"Both were diagnosed together: {verdict_words(together.verdict)}.", *together.notes)
     items.append(section("Notes", Lines(sentences)))
     name = together.arm.name
@@ -65,7 +65,7 @@ class MotionComparison(Result):
 
     arm: Arm
     logs: tuple[Log, Log]
-    found: Found
+    found: MotionComparisonResult
 
     @property
     def sentence(self) -> str:
@@ -74,7 +74,7 @@ class MotionComparison(Result):
 
     @property
     def changes(self) -> pd.DataFrame:
-        """A row for each size of what was found, in both logs, in `unit`; `changed` where beyond doubt."""
+        """A row for each size of the findings, in both logs, in `unit`; `changed` where beyond doubt."""
         return changes_frame(self.found.changes)
 
     def plot(self) -> go.Figure:
@@ -104,6 +104,6 @@ class MotionComparison(Result):
 
 
 def compared_motion(arm: Arm, logs: Sequence[Log], options: Options, tell: Progress) -> MotionComparison:
-    """Two logs diagnosed together, and each fitted with what was found."""
+    """Two logs diagnosed together, and each fitted with the findings."""
     first, second = logs
     return MotionComparison(arm, (first, second), compare_motion(arm.model, first.found, second.found, options, tell))

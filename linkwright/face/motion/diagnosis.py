@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from linkwright.core.diagnose.motion.diagnosis import diagnose_motion
-from linkwright.core.diagnose.motion.result import MotionDiagnosis as Found
+from linkwright.core.diagnose.motion.result import MotionDiagnosis as MotionDiagnosisResult
 from linkwright.core.diagnose.options import Options
 from linkwright.face.arm import Arm, catalogue_of
 from linkwright.face.progress import Progress
@@ -41,7 +41,7 @@ class MotionDiagnosis(Reported):
 
     arm: Arm
     logs: tuple[Log, ...]
-    found: Found
+    found: MotionDiagnosisResult
 
     verdict = Field[str]("`none`, `named`, `alias_class`, `unknown` or `insufficient_data`.")
     sentence = Field[str]("The answer in plain words.")

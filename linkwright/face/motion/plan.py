@@ -12,14 +12,14 @@ import numpy as np
 from linkwright.core.arm.avoid.poses import NoRoom, room_of
 from linkwright.core.arm.chain.chain import Arm as Model
 from linkwright.core.diagnose.motion.uses.plan import Apart, NothingToTell, plan_motion
-from linkwright.core.diagnose.motion.uses.plan import MotionPlan as Found
+from linkwright.core.diagnose.motion.uses.plan import MotionPlan as MotionPlanResult
 from linkwright.core.diagnose.motion.uses.trajectory import motion_columns, read_motion
 from linkwright.core.diagnose.motion.written import table_text
 from linkwright.core.units.quantities import InputError, NoAnswer
 from linkwright.face.arm import Arm
 from linkwright.face.plain_input import File
 from linkwright.face.planning.request import place_of, regions_of
-from linkwright.face.progress import Progress, told
+from linkwright.face.progress import Progress, reporting
 from linkwright.face.recording import saved
 from linkwright.face.result import Field, Result, drawn
 from linkwright.json.fields import fields
@@ -42,10 +42,10 @@ _SHOWN = 12
 """Pairs that a screen shows."""
 
 
-def describe(found: Found) -> Description:
+def describe(result: MotionPlanResult) -> Description:
     """What the motion tells apart, and what it keeps to."""
-    model, motion = found.arm, found.motion
-    worst = found.apart[0]
+    model, motion = result.arm, result.motion
+    worst = result.apart[0]
     seconds = with_unit(float(motion.time[-1]), "s", 3)
     headline = (
         f"{seconds} of motion: of {effect_words(*worst.one)} {percent(worst.share)} cannot be taken for "
@@ -53,7 +53,7 @@ def describe(found: Found) -> Description:
     )
     rows = [
         (effect_words(*item.one), effect_words(*item.other), share(item.share), share(item.random), torque(item.left))
-        for item in found.apart
+        for item in result.apart
     ]
     headings = ("what", "told from", "of its pattern is left", "motion at random", "at usual size")
     joints = [
@@ -77,13 +77,13 @@ def describe(found: Found) -> Description:
         table(headings, rows, first=_SHOWN, rest=f"and {len(rows) - _SHOWN} more, in the JSON"),
         table(("joint", "moves over", "fastest"), joints),
     ]
-    lines = [f"{found.tried} motions were tried; ranges and speeds of the arm file are kept."]
+    lines = [f"{result.tried} motions were tried; ranges and speeds of the arm file are kept."]
     guessed = [str(number) for number, joint in enumerate(model.joints, start=1) if joint.velocity is None]
     if guessed:
         some = f"joint{'s' if len(guessed) > 1 else ''} {listed(guessed)}"
         lines.append(f"The arm file tells no greatest speed of {some} (`velocity`): 1 rad/s or 0.25 m/s is taken.")
-    if found.unseen:
-        lines.append(f"Does not act on this arm's torques: {listed([effect_words(*item) for item in found.unseen])}.")
+    if result.unseen:
+        lines.append(f"Does not act on this arm's torques: {listed([effect_words(*item) for item in result.unseen])}.")
     items.append(Lines(tuple(lines)))
     return Description(f"{model.name}: a motion worth logging", headline, tuple(items), headline, f"{model.name}: ")
 
@@ -96,7 +96,7 @@ class MotionPlan(Result):
     _describe = staticmethod(describe)
 
     arm: Arm
-    found: Found
+    found: MotionPlanResult
 
     interrupted = Field[bool]("Whether Ctrl-C ended the choice; this is the best motion until then.")
 
@@ -156,7 +156,7 @@ def _apart(apart: Apart) -> dict[str, Any]:
     }
 
 
-def _joint(arm: Model, plan: Found, index: int) -> dict[str, Any]:
+def _joint(arm: Model, plan: MotionPlanResult, index: int) -> dict[str, Any]:
     motion, unit = plan.motion, "rad" if arm.joints[index].revolute else "m"
     q, speed = motion.q[:, index], np.abs(motion.velocity[:, index])
     return {
@@ -184,7 +184,7 @@ def planned_motion(
         before = after if isinstance(after, MotionDiagnosis) else _diagnosed(after, arm, progress)
         wanted = wanted or _undecided(before)
     room = room_of(arm.model, None, regions_of(avoid))
-    with told(progress) as tell:
+    with reporting(progress) as tell:
         try:
             plan = plan_motion(arm.model, wanted, room, seconds=seconds, seed=seed, progress=tell)
         except NothingToTell as error:
@@ -200,7 +200,7 @@ def _diagnosed(after: object, arm: Arm, progress: Progress | None) -> MotionDiag
     logs = logs_of(after, arm)
     if not logs:
         raise InputError("", "after", "holds the tip's place; a plan for motion goes on from motion logs")
-    with told(progress) as tell:
+    with reporting(progress) as tell:
         return diagnosed_motion(arm, logs, Options(), tell)
 
 

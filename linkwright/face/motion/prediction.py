@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import PurePath
 from typing import TYPE_CHECKING, Any
 
-from linkwright.core.diagnose.motion.predict import MotionPrediction as Found
+from linkwright.core.diagnose.motion.predict import MotionPrediction as MotionPredictionResult
 from linkwright.core.diagnose.motion.predict import predict_motion
 from linkwright.core.units.quantities import InputError
 from linkwright.face.arm import Arm
@@ -34,7 +34,7 @@ class MotionPrediction(Result):
 
     arm: Arm
     log: Log
-    found: Found
+    found: MotionPredictionResult
 
     @property
     def rms(self) -> float:

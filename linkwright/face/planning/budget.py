@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from linkwright.core.arm.chain.chain import Arm as Model
 from linkwright.core.optimize.budget.parts import EACH_TIME, REPEATABILITY, TEMPERATURE
-from linkwright.core.optimize.budget.result import Budget as Found
+from linkwright.core.optimize.budget.result import Budget as BudgetResult
 from linkwright.core.optimize.budget.result import Gain
 from linkwright.core.optimize.budget.sheet import Sheet, read_sheet
 from linkwright.core.units.quantities import InputError
@@ -61,54 +61,54 @@ def cause_title(name: str) -> str:
     return f"{title}{EACH_TIME}" if plain != name else title
 
 
-def describe(found: Found) -> Description:
+def describe(result: BudgetResult) -> Description:
     """The budget: figures, causes, parts."""
-    arm, sheet = found.arm, found.sheet
+    arm, sheet = result.arm, result.sheet
     kept = percent(sheet.share)
-    upper = "" if found.worst_upper is None else f"with 95 % confidence {mm(found.worst_upper, 3)}"
+    upper = "" if result.worst_upper is None else f"with 95 % confidence {mm(result.worst_upper, 3)}"
     facts = Facts(
         (
-            Fact(f"worst error, {kept} of arms", length(found.worst, 3), upper),
-            Fact("worst error, half of arms", length(found.median, 3)),
-            Fact("worst error as on paper", length(found.nominal, 3), "nothing off"),
-            Fact("over arms and poses", length(found.average, 3), "root mean square"),
+            Fact(f"worst error, {kept} of arms", length(result.worst, 3), upper),
+            Fact("worst error, half of arms", length(result.median, 3)),
+            Fact("worst error as on paper", length(result.nominal, 3), "nothing off"),
+            Fact("over arms and poses", length(result.average, 3), "root mean square"),
         )
     )
     items: list[Item] = [facts]
-    where = pose(arm, found.pose)
-    loads = f", load case {found.load_case}" if len(found.load_cases) > 1 else ""
-    if tip := found.load_cases[found.load_case - 1].tip:
+    where = pose(arm, result.pose)
+    loads = f", load case {result.load_case}" if len(result.load_cases) > 1 else ""
+    if tip := result.load_cases[result.load_case - 1].tip:
         loads = f" at {tip}'s tip{loads}"
-    items.append(Paragraph(f"Most at {where}{loads}: {mm(found.at_worst, 3)} for {kept} of arms."))
-    largest = max((size for cause in found.causes for size in (cause.at_worst, cause.average)), default=0.0) or 1.0
+    items.append(Paragraph(f"Most at {where}{loads}: {mm(result.at_worst, 3)} for {kept} of arms."))
+    largest = max((size for cause in result.causes for size in (cause.at_worst, cause.average)), default=0.0) or 1.0
     rows = [
         (
             cause_title(cause.name),
-            length(unless_nothing(cause.at_worst, found.at_worst), 3),
-            length(unless_nothing(cause.average, found.average), 3),
+            length(unless_nothing(cause.at_worst, result.at_worst), 3),
+            length(unless_nothing(cause.average, result.average), 3),
             share(unless_nothing(cause.share, 1.0)),
             Bars((("before", cause.at_worst / largest), ("after", cause.average / largest))),
         )
-        for cause in found.causes
+        for cause in result.causes
     ]
     columns = ("each cause alone", "at the worst pose", "average", "share of the square", BARS)
     lead = "Bars: at the worst pose (grey), and on average over poses and arms (blue)."
     items.append(section("Causes", table(columns, rows), lead=lead))
-    if found.options:
+    if result.options:
         priced = [
             (option.name, _euro(option.price), length(option.worst, 3), length(option.average, 3), _per_euro(option))
-            for option in found.options
+            for option in result.options
         ]
         headings = ("better part", "price", "worst less by", "average less by", "mm per EUR")
         items.append(section("What to buy better first", table(headings, priced)))
-    if found.halved:
-        rows_ = [(item.name, length(item.worst, 3), length(item.average, 3)) for item in found.halved]
+    if result.halved:
+        rows_ = [(item.name, length(item.worst, 3), length(item.average, 3)) for item in result.halved]
         lead = "All figures of one joint or link half as bad: stiffness twice, play and tolerances half."
         headings_ = ("twice as good", "worst less by", "average less by")
         items.append(section("What it would bring to make a part better", table(headings_, rows_), lead=lead))
-    items.append(Lines(_rests_on(found)))
-    headline = f"{kept} of arms err by {mm(found.worst, 3)} at most"
-    brief = f"{headline}; most: {cause_title(found.causes[0].name)}"
+    items.append(Lines(_rests_on(result)))
+    headline = f"{kept} of arms err by {mm(result.worst, 3)} at most"
+    brief = f"{headline}; most: {cause_title(result.causes[0].name)}"
     name = f"{arm.name}, tip of {arm.tip}" if arm.tip and not arm.every_tip else arm.name
     return Description(f"{name}: error budget", brief, tuple(items), brief, f"{name}: ")
 
@@ -121,20 +121,20 @@ def _per_euro(gain: Gain) -> Value:
     return amount(None if gain.per_euro is None else 1e3 * gain.per_euro, "", 3)
 
 
-def _rests_on(found: Found) -> tuple[str, ...]:
-    sheet = found.sheet
+def _rests_on(result: BudgetResult) -> tuple[str, ...]:
+    sheet = result.sheet
     lines = [
-        f"Sampled: {sheet.draws} arms (seed {sheet.seed}), each at {found.poses} poses; to first order; tolerances are "
-        "uniform and independent.",
-        f"Play counts as the arm file says: {found.arm.play}.",
+        f"Sampled: {sheet.draws} arms (seed {sheet.seed}), each at {result.poses} poses; to first order; tolerances "
+        "are uniform and independent.",
+        f"Play counts as the arm file says: {result.arm.play}.",
     ]
-    if found.room.avoid:
+    if result.room.avoid:
         lines.append(
             "Poses that put joints, links or the tip in what is to be avoided do not count here (in evaluate they do); "
             "of the others the worst is that of the poses tried."
         )
-    if found.unwarmed:
-        numbers = ", ".join(str(k + 1) for k in found.unwarmed)
+    if result.unwarmed:
+        numbers = ", ".join(str(k + 1) for k in result.unwarmed)
         lines.append(f"How much link {numbers} grows with temperature is not known and not in it.")
     if not sheet.tolerances and sheet.uncertain is None and not sheet.repeatability:
         lines.append("Without a data sheet all arms are alike: give tolerances with --sheet.")
@@ -151,7 +151,7 @@ class Budget(Reported):
     _describe = staticmethod(describe)
 
     arm: Arm
-    found: Found
+    found: BudgetResult
 
     worst_mm = Field[float]("The worst error over the poses that the sheet's share of arms keeps, mm.")
     average_mm = Field[float]("The root mean square error over arms and poses, mm.")

@@ -8,7 +8,7 @@ from pathlib import PurePath
 from typing import TYPE_CHECKING, Any
 
 from linkwright.core.diagnose.compare.compare import Change, compare
-from linkwright.core.diagnose.compare.compare import Comparison as Found
+from linkwright.core.diagnose.compare.compare import Comparison as ComparisonResult
 from linkwright.core.diagnose.compare.places import Region
 from linkwright.core.diagnose.diagnosis import diagnose as diagnosed
 from linkwright.core.diagnose.options import Options
@@ -40,7 +40,7 @@ if TYPE_CHECKING:
     import plotly.graph_objects as go
 
 
-def describe(comparison: Found) -> Description:
+def describe(comparison: ComparisonResult) -> Description:
     """What changed between two recordings."""
     sentence = comparison_sentence(comparison)
     regions = [
@@ -70,7 +70,7 @@ def describe(comparison: Found) -> Description:
     )
 
 
-def _both(comparison: Found) -> Table:
+def _both(comparison: ComparisonResult) -> Table:
     pair = (comparison.first, comparison.second)
     rows: list[tuple[str | Value, ...]] = [
         ("verdict", *(verdict_words(item.verdict, short=True) for item in pair)),
@@ -114,7 +114,7 @@ def difference_words(change: Change) -> str:
     return f"+{words}" if change.difference > 0.0 else words
 
 
-def comparison_sentence(comparison: Found) -> str:
+def comparison_sentence(comparison: ComparisonResult) -> str:
     """What changed, plainly."""
     verdicts = (comparison.first.verdict, comparison.second.verdict)
     if comparison.changes:
@@ -165,7 +165,7 @@ class Comparison(Result):
     _describe = staticmethod(describe)
 
     arm: Arm
-    found: Found
+    found: ComparisonResult
 
     @property
     def sentence(self) -> str:
@@ -188,11 +188,11 @@ class Comparison(Result):
 
     def _content(self) -> Mapping[str, Any]:
         comparison, pair = self.found, (self.found.first, self.found.second)
-        shared, told = comparison.shared, ("verdict", "sentence", "noise_floor_mm", "rms_before_mm", "rms_after_mm")
+        shared, shown = comparison.shared, ("verdict", "sentence", "noise_floor_mm", "rms_before_mm", "rms_after_mm")
         recordings = [
             {
                 "file": PurePath(item.recording.file).name,
-                **fields(item, "rows=recording.size", *told),
+                **fields(item, "rows=recording.size", *shown),
                 "rms_common_model_mm": in_mm(left),
             }
             for item, left in zip(pair, comparison.unexplained, strict=True)

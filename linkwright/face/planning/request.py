@@ -23,7 +23,7 @@ from linkwright.core.diagnose.plan.planning import NothingToSee
 from linkwright.core.diagnose.plan.planning import plan as planned
 from linkwright.core.diagnose.plan.tried import TooFewPostures
 from linkwright.core.diagnose.recording import Recording as Readings
-from linkwright.core.diagnose.result import Diagnosis as Found
+from linkwright.core.diagnose.result import Diagnosis as DiagnosisResult
 from linkwright.core.diagnose.rules.rules import RULES
 from linkwright.core.diagnose.simulate import Plan as Noise
 from linkwright.core.units.names import nearest
@@ -34,7 +34,7 @@ from linkwright.face.diagnosis import Diagnosis, recordings_of
 from linkwright.face.motion.diagnosis import MotionDiagnosis
 from linkwright.face.motion.log import Log
 from linkwright.face.plain_input import File, Quantity, in_si, plain
-from linkwright.face.progress import Progress, interrupts, told
+from linkwright.face.progress import Progress, interrupts, reporting
 from linkwright.face.recording import Recording
 
 After = Recording | Log | Diagnosis | MotionDiagnosis | File | Sequence[Recording | Log | File] | None
@@ -121,7 +121,7 @@ def planned_for(
         request.seed, pairs_only=bool(apart), camera_noise=reads.of_camera(noise), torque_noise=request.torque_noise,
         bars=_bars(request.bars, request.reads.instrument, request.poses), **reads.request,
     )  # fmt: skip
-    with told(progress) as hear, interrupts() as check:
+    with reporting(progress) as hear, interrupts() as check:
 
         def heard(text: str, share: float) -> None:
             check()
@@ -348,7 +348,7 @@ def _diagnosed(
     arm: Arm,
     progress: Progress | None,
     check: Callable[[Readings], object],
-) -> Found | None:
+) -> DiagnosisResult | None:
     if after is None:
         return None
     if isinstance(after, MotionDiagnosis):
@@ -356,12 +356,12 @@ def _diagnosed(
     read = after if isinstance(after, Diagnosis) else recordings_of(after, arm)
     there = read.found.recording if isinstance(read, Diagnosis) else read.found
     check(there)
-    found = read.found if isinstance(read, Diagnosis) else lw.diagnose(arm, read, progress=progress).found
-    assert isinstance(found, Found)
-    return found
+    result = read.found if isinstance(read, Diagnosis) else lw.diagnose(arm, read, progress=progress).found
+    assert isinstance(result, DiagnosisResult)
+    return result
 
 
-def _undecided(before: Found) -> tuple[Place, ...]:
+def _undecided(before: DiagnosisResult) -> tuple[Place, ...]:
     """The findings that have other names, and those; nothing where all is decided."""
     open_ = [finding for finding in before.findings if finding.alternatives]
     places = [
@@ -370,7 +370,7 @@ def _undecided(before: Found) -> tuple[Place, ...]:
     return tuple(dict.fromkeys((effect, tuple(number - 1 for number in at)) for effect, at in places))
 
 
-def _scatter(before: Found) -> float:
+def _scatter(before: DiagnosisResult) -> float:
     """What each component scatters by: the noise floor's, or what was declared."""
     if before.noise_floor:
         return before.noise_floor / math.sqrt(before.recording.tip.shape[1])

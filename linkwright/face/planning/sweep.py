@@ -18,7 +18,7 @@ from linkwright.core.units.names import nearest
 from linkwright.core.units.quantities import InputError
 from linkwright.face.arm import Arm, arm_of
 from linkwright.face.plain_input import File
-from linkwright.face.progress import Progress, told
+from linkwright.face.progress import Progress, reporting
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -72,8 +72,8 @@ def sweep(
     known = [_figure(name) for name in figures]
     keys, rows = _rows(values, zipped=zipped)
     variants = _Variants(given, keys, rows)
-    found = np.full((len(rows), len(known)), np.nan)
-    with told(progress) as report:
+    result = np.full((len(rows), len(known)), np.nan)
+    with reporting(progress) as report:
         groups = variants.groups()
         steps = len(groups) * max(len(known), 1)
         for step, ((numbers, group), (column, figure)) in enumerate(itertools.product(groups, enumerate(known))):
@@ -81,10 +81,10 @@ def sweep(
             def part(share: float, step: int = step, figure: Figure = figure) -> None:
                 report(f"{len(rows)} variants: {figure.title}", (step + share) / steps)
 
-            own = group.figure(figure, part)
-            found[numbers, column] = np.where(np.isfinite(own), figure.factor * own, np.nan)
+            computed = group.figure(figure, part)
+            result[numbers, column] = np.where(np.isfinite(computed), figure.factor * computed, np.nan)
     table = pd.DataFrame({key: [row[k] for row in rows] for k, key in enumerate(keys)})
-    return table.join(pd.DataFrame(found, columns=[figure.key for figure in known]))
+    return table.join(pd.DataFrame(result, columns=[figure.key for figure in known]))
 
 
 def _figure(name: str) -> Figure:
@@ -99,12 +99,12 @@ def _rows(values: Values | pd.DataFrame, *, zipped: bool) -> tuple[list[str], li
 
     zipped = zipped or isinstance(values, pd.DataFrame)
     columns = {str(key): list(value) for key, value in values.items()}
-    for key, own in columns.items():
-        if not own:
+    for key, given in columns.items():
+        if not given:
             raise InputError("sweep", key, "has no values")
     if not columns:
         raise InputError("sweep", "values", "names no key; write e.g. {'chain[1].link.length': ['400 mm', '450 mm']}")
-    counts = {key: len(own) for key, own in columns.items()}
+    counts = {key: len(given) for key, given in columns.items()}
     if zipped and len(set(counts.values())) > 1:
         counts_text = ", ".join(f"{key} {count}" for key, count in counts.items())
         raise InputError("sweep", "values", f"zipped, all keys need as many values, and they have: {counts_text}")
@@ -152,12 +152,12 @@ class _Variants:
             columns = self._of_link.get(link, ())
             if any(base.size != self._arm.model.size or _differ(base, self._arm.model, link) for base in bases):
                 columns = (*columns, *self._others)
-            own, chosen[:, link] = self._distinct(columns, partial(self._link, link))
-            options.append(own)
-        kinds = [[link_entries(item) for item in own] for own in options]
+            links, chosen[:, link] = self._distinct(columns, partial(self._link, link))
+            options.append(links)
+        kinds = [[link_entries(item) for item in links] for links in options]
         groups: dict[tuple[object, ...], list[int]] = {}
         for number, row in enumerate(chosen.tolist()):
-            kind = (int(which[number]), *(own[option] for own, option in zip(kinds, row, strict=True)))
+            kind = (int(which[number]), *(links[option] for links, option in zip(kinds, row, strict=True)))
             groups.setdefault(kind, []).append(number)
         return [
             (numbers, self._sweep(bases[which[numbers[0]]], options, chosen[numbers])) for numbers in groups.values()
@@ -167,7 +167,7 @@ class _Variants:
         return self._read(columns, row).links[link]
 
     def _sweep(self, base: Model, options: Sequence[Sequence[Link]], rows: Any) -> Sweep:
-        first = tuple(own[option] for own, option in zip(options, rows[0].tolist(), strict=True))
+        first = tuple(links[option] for links, option in zip(options, rows[0].tolist(), strict=True))
         return Sweep(base.with_links(first), options, rows)
 
     def _distinct(self, columns: Sequence[int], read: Any) -> tuple[list[Any], Any]:

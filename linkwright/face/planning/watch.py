@@ -12,7 +12,7 @@ import numpy as np
 from linkwright.core.diagnose.motion.log import MotionLog
 from linkwright.core.diagnose.recording import Recording as Read
 from linkwright.core.diagnose.watch.watch import LEFT, Moved, Watched, dates_of
-from linkwright.core.diagnose.watch.watch import Watch as Found
+from linkwright.core.diagnose.watch.watch import Watch as WatchResult
 from linkwright.core.sections.numeric import Array
 from linkwright.core.units.quantities import InputError
 from linkwright.face.arm import Arm
@@ -44,7 +44,7 @@ class Watch(Reported):
     _describe = staticmethod(describe)
 
     arm: Arm
-    found: Found
+    found: WatchResult
     recordings: tuple[Recording | Log, ...]
 
     @property
@@ -78,12 +78,12 @@ class Watch(Reported):
         """A row for each parameter at each date, in `unit`: value, 95 % interval, level, a quiet one's limits."""
         rows: list[dict[str, Any]] = []
         for parameter in (*self.found.parameters, self.found.left):
-            own, kind = parameter.parameter, parameter.parameter.kind
+            quantity, kind = parameter.parameter, parameter.parameter.kind
             for k, one in enumerate(self.found.recordings):
                 figures = (parameter.values[k], *parameter.intervals[k], parameter.level[k], *parameter.limits[k])
                 names = ("value", "low", "high", "level", "limit_low", "limit_high")
                 shown = {n: in_unit(float(v), kind) for n, v in zip(names, figures, strict=True)}
-                what = {"effect": own.effect, "at": own.at, "parameter": own.name}
+                what = {"effect": quantity.effect, "at": quantity.at, "parameter": quantity.name}
                 rows.append({"date": np.datetime64(one.date, "ns"), **what, **shown, "unit": unit_of(kind)})
         return frame(rows)
 
@@ -128,12 +128,12 @@ class Watch(Reported):
 
 
 def _named(watched: Watched) -> dict[str, Any]:
-    own = watched.parameter
-    effect = None if own.name == LEFT else own.effect
-    return {"effect": effect, "at": list(own.at), "parameter": own.name, "unit": unit_of(own.kind)}
+    quantity = watched.parameter
+    effect = None if quantity.name == LEFT else quantity.effect
+    return {"effect": effect, "at": list(quantity.at), "parameter": quantity.name, "unit": unit_of(quantity.kind)}
 
 
-def _alarm(result: Found, watched: Watched, change: Moved) -> dict[str, Any]:
+def _alarm(result: WatchResult, watched: Watched, change: Moved) -> dict[str, Any]:
     kind, days = watched.parameter.kind, days_of(result)
     last = change.last if change.kind == "step" else change.first
     until = len(days) - 1 if change.kind == "drift" else change.first
@@ -154,18 +154,18 @@ def _alarm(result: Found, watched: Watched, change: Moved) -> dict[str, Any]:
     }
 
 
-def _watched(result: Found, watched: Watched) -> dict[str, Any]:
-    def told(value: float) -> float | None:
+def _watched(result: WatchResult, watched: Watched) -> dict[str, Any]:
+    def in_its_unit(value: float) -> float | None:
         return in_unit(float(value), watched.parameter.kind)
 
     values = [
         {
             "date": day,
-            "value": told(watched.values[k]),
-            "standard_error": told(watched.errors[k]),
-            "ci95": [told(end) for end in watched.intervals[k]],
-            "level": told(watched.level[k]),
-            "limits": [told(end) for end in watched.limits[k]],
+            "value": in_its_unit(watched.values[k]),
+            "standard_error": in_its_unit(watched.errors[k]),
+            "ci95": [in_its_unit(end) for end in watched.intervals[k]],
+            "level": in_its_unit(watched.level[k]),
+            "limits": [in_its_unit(end) for end in watched.limits[k]],
         }
         for k, day in enumerate(days_of(result))
     ]
@@ -174,9 +174,9 @@ def _watched(result: Found, watched: Watched) -> dict[str, Any]:
         "found": watched.parameter.found,
         "moved": watched.moved,
         "values": values,
-        "standard_deviation": told(watched.deviation),
-        "between_recordings": told(watched.between),
-        "smallest_step": told(watched.smallest_step),
+        "standard_deviation": in_its_unit(watched.deviation),
+        "between_recordings": in_its_unit(watched.between),
+        "smallest_step": in_its_unit(watched.smallest_step),
     }
 
 

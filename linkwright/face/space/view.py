@@ -13,7 +13,7 @@ from linkwright.core.arm.chain.chain import LoadCase
 from linkwright.core.arm.chain.kinematics import place, tip_position
 from linkwright.core.arm.chain.statics import solve
 from linkwright.core.arm.errors.model import beams_of
-from linkwright.core.arm.evaluation import Evaluation as Found
+from linkwright.core.arm.evaluation import Evaluation as EvaluationResult
 from linkwright.core.arm.worst.workspace import Workspace, joint_box, spread
 from linkwright.core.materials.material import MissingProperty
 from linkwright.core.sections.numeric import Array
@@ -87,7 +87,7 @@ def show(
     return figure_of(_drawn(stands, _reach(model), scale, flat=model.planar()))
 
 
-def _arm_of(of: Arm | File | Result) -> tuple[Model, Found | None]:
+def _arm_of(of: Arm | File | Result) -> tuple[Model, EvaluationResult | None]:
     """What is drawn, and what was found of its worst poses."""
     if isinstance(of, Optimization):
         rounded = of.found.rounded

@@ -1,4 +1,4 @@
-"""Figures 5 to 9 of the paper as data: what it plots by its own conventions, and the truth beside it.
+"""Figures 5 to 9 of the paper as data: what it plots by its conventions, and the truth beside it.
 
 The paper's figures are not digitised: its curves are computed by the conventions that reproduce its tables.
 """

@@ -209,7 +209,7 @@ def own_arms(diagnosis: Diagnosis) -> Section:
 
 
 def recordings(diagnosis: Diagnosis) -> Section:
-    """Every recording with its own noise, its mismatch, and what is left of it by what all of them say."""
+    """Every recording with its noise, its mismatch, and what is left of it by what all of them say."""
     rows: list[list[Cell]] = [
         [
             recording.name,

@@ -8,7 +8,7 @@ from types import MappingProxyType
 
 from linkwright.core.diagnose.answer.detectable import POWER
 from linkwright.core.diagnose.watch.watch import LEFT, SOON, Moved, Watched
-from linkwright.core.diagnose.watch.watch import Watch as Found
+from linkwright.core.diagnose.watch.watch import Watch as WatchResult
 from linkwright.report.charts.control import chart
 from linkwright.report.pictures.svg import element
 from linkwright.results.document import (
@@ -35,19 +35,19 @@ _LONG = 2.0 * _YEAR
 _KINDS = MappingProxyType({"step": "moved", "once": "off once", "drift": "drifts"})
 
 
-def days_of(found: Found) -> list[str]:
+def days_of(result: WatchResult) -> list[str]:
     """The dates of the recordings."""
-    return [recording.date.isoformat() for recording in found.recordings]
+    return [recording.date.isoformat() for recording in result.recordings]
 
 
 def title_of(each: Watched) -> str:
     """What a parameter is called: `compliance of the drives (joint 2): compliance`."""
-    own = each.parameter
-    if own.name == LEFT:
+    parameter = each.parameter
+    if parameter.name == LEFT:
         return "what is left unexplained"
-    title = effect_words(own.effect, own.at)
-    name = own.name.replace("_", " ")
-    return title if name in effect_title(own.effect).split() else f"{title}: {name}"
+    title = effect_words(parameter.effect, parameter.at)
+    name = parameter.name.replace("_", " ")
+    return title if name in effect_title(parameter.effect).split() else f"{title}: {name}"
 
 
 def amount_words(each: Watched, value: float, digits: int = 3, *, signed: bool = False) -> str:
@@ -74,14 +74,14 @@ def _span(watched: Watched, ends: tuple[float, float]) -> str:
     return f"{low.rpartition(' ')[0] if ' ' in low else low} to {high}"
 
 
-def _pace(result: Found) -> tuple[float, str]:
+def _pace(result: WatchResult) -> tuple[float, str]:
     days = (result.recordings[-1].date - result.recordings[0].date).days
     return (_YEAR, "a year") if days > _LONG else (_WEEK, "a week")
 
 
-def when_words(found: Found, change: Moved) -> str:
+def when_words(result: WatchResult, change: Moved) -> str:
     """When a parameter changed: `between 2026-05-09 and 2026-05-16`."""
-    days = days_of(found)
+    days = days_of(result)
     if change.kind == "step":
         return f"between {days[change.last]} and {days[change.first]}"
     return f"on {days[change.first]} alone" if change.kind == "once" else f"since {days[change.first]}"
@@ -92,17 +92,17 @@ def before_change(change: Moved) -> int:
     return max(change.earliest - 1, 0) if change.kind == "step" else change.earliest
 
 
-def change_words(found: Found, each: Watched, change: Moved) -> str:
+def change_words(result: WatchResult, each: Watched, change: Moved) -> str:
     """A change as a phrase."""
     if change.kind == "drift" and change.rate is not None:
-        per, words = _pace(found)
+        per, words = _pace(result)
         by = f"{amount_words(each, per * change.rate, signed=True)} {words}"
-        return f"{title_of(each)} by {by} {when_words(found, change)}"
-    by = f"{amount_words(each, change.size, signed=True)}{_relative(found, each, change)}"
-    return f"{title_of(each)} by {by} {when_words(found, change)}"
+        return f"{title_of(each)} by {by} {when_words(result, change)}"
+    by = f"{amount_words(each, change.size, signed=True)}{_relative(result, each, change)}"
+    return f"{title_of(each)} by {by} {when_words(result, change)}"
 
 
-def _relative(result: Found, watched: Watched, change: Moved) -> str:
+def _relative(result: WatchResult, watched: Watched, change: Moved) -> str:
     """A step of what drives give as a share of what it was before: friction is a figure that has a nought."""
     before = float(watched.level[change.last])
     if not result.of_motion or change.kind != "step" or not abs(before) > 0.0:
@@ -111,18 +111,18 @@ def _relative(result: Found, watched: Watched, change: Moved) -> str:
     return f" ({'+' if share > 0.0 else ''}{percent(share)})"
 
 
-def watch_sentence(found: Found) -> str:
+def watch_sentence(result: WatchResult) -> str:
     """What moved and when, plainly."""
     verbs = {"step": "Moved", "drift": "Drifts", "once": "Off once"}
     parts: list[str] = []
     for kind, words in verbs.items():
-        clauses = [change_words(found, e, c) for e in found.moved for c in e.changes if c.kind == kind]
+        clauses = [change_words(result, e, c) for e in result.moved for c in e.changes if c.kind == kind]
         if clauses:
             parts.append(f"{words}: {'; '.join(clauses)}.")
-    known = [parameter for parameter in found.parameters if _shown(parameter)]
-    quiet = len(known) + int(_shown(found.left)) - len(found.moved)
+    known = [parameter for parameter in result.parameters if _shown(parameter)]
+    quiet = len(known) + int(_shown(result.left)) - len(result.moved)
     if not parts:
-        days = days_of(found)
+        days = days_of(result)
         of = f"{len(known)} parameters" if len(known) != 1 else "one parameter"
         return f"Nothing moved beyond chance: {of} over {len(days)} recordings, {days[0]} to {days[-1]}."
     if quiet:
@@ -130,34 +130,34 @@ def watch_sentence(found: Found) -> str:
     return " ".join(parts)
 
 
-def describe(found: Found) -> Description:
+def describe(result: WatchResult) -> Description:
     """The watch: what moved, each parameter, each recording."""
-    sentence = watch_sentence(found)
+    sentence = watch_sentence(result)
     items: list[Item] = []
-    if found.moved:
+    if result.moved:
         lead = (
             "Dots are what each recording says, with its 95 % interval; the line is the level; the band is where one "
             "recording lies as long as the parameter stays as it began; red: when it changed, and between which dates."
         )
-        moved = Picture(lambda: "".join(_chart(found, item) for item in found.moved))
-        items.append(section("What moved", moved, _moves(found), lead=lead))
-    items.append(section("Each parameter", _parameters(found), Picture(lambda: _quiet(found))))
-    items.append(section("Recordings", _recordings(found), detail=True))
+        moved = Picture(lambda: "".join(_chart(result, item) for item in result.moved))
+        items.append(section("What moved", moved, _moves(result), lead=lead))
+    items.append(section("Each parameter", _parameters(result), Picture(lambda: _quiet(result))))
+    items.append(section("Recordings", _recordings(result), detail=True))
     items.append(
-        section("Values", *(_values(found, parameter) for parameter in (*found.parameters, found.left)), detail=True)
+        section("Values", *(_values(result, parameter) for parameter in (*result.parameters, result.left)), detail=True)
     )
-    items.append(section("What it rests on", Lines(_rests_on(found))))
-    name = found.arm.name
+    items.append(section("What it rests on", Lines(_rests_on(result))))
+    name = result.arm.name
     brief = sentence.split(". ")[0].rstrip(".")
-    return Description(f"{name}: watched over {len(found.recordings)} recordings", sentence, tuple(items), brief)
+    return Description(f"{name}: watched over {len(result.recordings)} recordings", sentence, tuple(items), brief)
 
 
-def _chart(result: Found, watched: Watched) -> str:
+def _chart(result: WatchResult, watched: Watched) -> str:
     changes = [change_words(result, watched, change) for change in watched.changes]
     return chart(result, watched, title_of(watched), changes, large=watched.moved)
 
 
-def _quiet(result: Found) -> str:
+def _quiet(result: WatchResult) -> str:
     """Small charts of what did not move, as far as a recording shows it."""
     known = [x for x in (*result.parameters, result.left) if not x.moved and any(map(math.isfinite, x.values))]
     return element("div", *(_chart(result, item) for item in known), class_="multiples") if known else ""
@@ -168,7 +168,7 @@ def _shown(watched: Watched) -> bool:
     return any(math.isfinite(value) for value in watched.level)
 
 
-def _moves(result: Found) -> Table:
+def _moves(result: WatchResult) -> Table:
     days = days_of(result)
     rows: list[tuple[Cell, ...]] = []
     for item in result.moved:
@@ -196,7 +196,7 @@ def _moves(result: Found) -> Table:
     return table(headings, rows)
 
 
-def _parameters(result: Found) -> Table:
+def _parameters(result: WatchResult) -> Table:
     rows: list[tuple[Cell, ...]] = []
     for parameter in (*result.parameters, result.left):
         level = [float(value) for value in parameter.level if math.isfinite(value)]
@@ -219,7 +219,7 @@ def _parameters(result: Found) -> Table:
     return table(headings, rows)
 
 
-def _recordings(result: Found) -> Table:
+def _recordings(result: WatchResult) -> Table:
     rows = [
         (
             recording.date.isoformat(),
@@ -233,7 +233,7 @@ def _recordings(result: Found) -> Table:
     return table(("date", "file", "readings", "left out", "left unexplained, RMS"), rows)
 
 
-def _values(result: Found, watched: Watched) -> Table:
+def _values(result: WatchResult, watched: Watched) -> Table:
     rows: list[tuple[Cell, ...]] = []
     for k, one in enumerate(result.recordings):
         figures = (watched.values[k], *watched.intervals[k], watched.level[k], *watched.limits[k])
@@ -242,7 +242,7 @@ def _values(result: Found, watched: Watched) -> Table:
     return table(headings, rows, title=title_of(watched), folded=True)
 
 
-def _rests_on(result: Found) -> tuple[str, ...]:
+def _rests_on(result: WatchResult) -> tuple[str, ...]:
     rules = result.rules
     lines = [
         f"{percent(rules.false_alarm)} chance of any false alarm over {rules.over} quiet recordings, all parameters "

@@ -80,9 +80,9 @@ def effect_words(effect: str, at: Sequence[int], recording: str = "") -> str:
     return f"{effect_title(effect)} ({place})" if place else effect_title(effect)
 
 
-def name_words(found: Finding | Alternative) -> str:
-    """What was found, or what it may as well be, with its place, and of several recordings in which alone."""
-    return effect_words(found.effect, found.at, found.recording)
+def name_words(result: Finding | Alternative) -> str:
+    """The findings, or what it may as well be, with its place, and of several recordings in which alone."""
+    return effect_words(result.effect, result.at, result.recording)
 
 
 def main_parameters(finding: Fitted) -> tuple[tuple[FittedParameter, ...], str]:

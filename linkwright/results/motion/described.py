@@ -189,8 +189,8 @@ def _logs(diagnosis: MotionDiagnosis) -> Section:
         ]
         for log in diagnosis.of_logs
     ]
-    told = ("samples", "before", "after", "held out", Column("rows set aside", detail=True))
-    headings = ("log", *(["date"] if dated else []), *told)
+    shown = ("samples", "before", "after", "held out", Column("rows set aside", detail=True))
+    headings = ("log", *(["date"] if dated else []), *shown)
     return section("Each log", table(headings, rows), lead="The physics is shared; RMS of all joints together.")
 
 

@@ -132,10 +132,10 @@ def test_decimal_commas_are_seen_in_the_numbers(told, decimal):
     content = f"A1 [deg];A2 [deg];A3 [deg];TCP X [mm]\n{rows}".encode()
     dropped = Dropped("foreign.csv", content, dict(told))
     dropped.propose(lw.read_arm(ARM))
-    assert (dropped.problem, dropped.told.get("decimal")) == ("", decimal)
+    assert (dropped.problem, dropped.given.get("decimal")) == ("", decimal)
     pointed = Dropped("own.csv", content.replace(b",", b"."))
     pointed.propose(lw.read_arm(ARM))
-    assert "decimal" not in pointed.told
+    assert "decimal" not in pointed.given
 
 
 def test_a_motion_log_is_read_as_one():

@@ -9,7 +9,7 @@ from nicegui import ui
 
 from linkwright.browser.server.parts import Parts
 
-Told = Callable[[Any], Awaitable[None]]
+Heard = Callable[[Any], Awaitable[None]]
 """Hears a field's value as a file has it."""
 _AXES = ("x", "y", "z")
 
@@ -17,8 +17,8 @@ _AXES = ("x", "y", "z")
 class QuantityField:
     """Numbers that share a unit, each in a field, the unit beside them; what is typed with another unit changes it."""
 
-    def __init__(self, label: str, parts: Parts, title: str, told: Told) -> None:
-        self._parts, self._told = parts, told
+    def __init__(self, label: str, parts: Parts, title: str, heard: Heard) -> None:
+        self._parts, self._told = parts, heard
         count = len(parts.numbers)
         names = [label] if count == 1 else [f"{label} from", "to"] if count == 2 else _numbered(label, count)
         with ui.element("div").classes("lw-quantity" + " lw-several" * (count > 1)) as place:
@@ -69,26 +69,26 @@ class QuantityField:
         await self._told(parts.value())
 
 
-def words_field(label: str, value: str, told: Told, title: str = "") -> ui.input:
-    """A field for words; `told` hears them once it is left."""
+def words_field(label: str, value: str, heard: Heard, title: str = "") -> ui.input:
+    """A field for words; `heard` gets them once it is left."""
     field = ui.input(label, value=value).props("dense outlined").classes("w-full")
     field.props["title"] = title
 
     async def commit() -> None:
-        await told(str(field.value or ""))
+        await heard(str(field.value or ""))
 
     field.on("blur", commit)
     field.on("keydown.enter", commit)
     return field
 
 
-def names_field(label: str, value: Any, names: Sequence[str], told: Told, title: str = "") -> ui.select:
+def names_field(label: str, value: Any, names: Sequence[str], heard: Heard, title: str = "") -> ui.select:
     """A field for one of `names` (for several, where the value is a list), sought by a part of it."""
     field = select_of(label, value, names)
     field.props["title"] = title
 
     async def commit() -> None:
-        await told(field.value)
+        await heard(field.value)
 
     field.on_value_change(commit)
     return field

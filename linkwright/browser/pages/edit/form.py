@@ -117,16 +117,16 @@ class Form:
         shape = str(beside.get("shape", "")) if isinstance(beside, dict) else ""
         title = meaning(self._kind, place, shape)
 
-        async def told(now: Any) -> None:
+        async def change_to(now: Any) -> None:
             changed = meant(now, value) if isinstance(now, str) else now
             await self._edit(lambda text: text.set(place, changed), False)
 
         if names and all(item in names for item in listed):
-            self._fields[place] = names_field(label, value, names, told, title)
+            self._fields[place] = names_field(label, value, names, change_to, title)
         elif (parts := parts_of(value)) is not None:
-            self._fields[place] = QuantityField(label, parts, title, told)
+            self._fields[place] = QuantityField(label, parts, title, change_to)
         else:
-            made = words_field(label, words := shown(value), told, title)
+            made = words_field(label, words := shown(value), change_to, title)
             self._fields[place] = made
             if len(words) > _LONG:
                 made.classes("lw-wide")
@@ -135,7 +135,7 @@ class Form:
         """The shape or stock size of a link, and the shape's dimensions."""
         chosen = str(value.get("shape", "")) if isinstance(value, dict) else str(value)
 
-        async def told(now: Any) -> None:
+        async def change_to(now: Any) -> None:
             if now and now != chosen:
                 await self._edit(lambda text: text.set(place, section_like(str(now), value)), True)
 
@@ -143,7 +143,7 @@ class Form:
         if chosen not in names:
             self.field(place, value, "section", {})
             return
-        self._fields[place] = names_field("section", chosen, names, told, meaning(self._kind, place))
+        self._fields[place] = names_field("section", chosen, names, change_to, meaning(self._kind, place))
         if isinstance(value, dict):
             for name, size in cast("dict[str, Any]", value).items():
                 if name != "shape":
@@ -283,8 +283,8 @@ def _title(number: int, entry: Mapping[str, Any]) -> str:
     joint, link = (_mapping(entry.get(name)) for name in ("joint", "link"))
     shape = _mapping(link.get("section")).get("shape", link.get("section"))
     long = f"link {link['length']}" if "length" in link else "rigid link" if link.get("rigid") else "link"
-    told = [f"{joint.get('type', 'revolute')} joint", long, str(shape or "").replace("_", " "), link.get("material")]
-    return f"{number + 1}  {', '.join(str(item) for item in told if item)}"
+    entries = [f"{joint.get('type', 'revolute')} joint", long, str(shape or "").replace("_", " "), link.get("material")]
+    return f"{number + 1}  {', '.join(str(item) for item in entries if item)}"
 
 
 def _mapping(value: object) -> dict[str, Any]:
