@@ -2,9 +2,8 @@
 file and findings together may weigh.
 
 (P. M. Wensing, S. Kim & J.-J. E. Slotine, Linear matrix inequalities for physically consistent inertial parameter
-identification, IEEE Robotics and Automation Letters 3 (2018) 60-67, doi:10.1109/LRA.2017.2729659. The search goes by
-the pseudo-inertia's triangular factor: C. Rucker & P. M. Wensing, IEEE Robotics and Automation Letters 7 (2022) 2556,
-doi:10.1109/LRA.2022.3144517.)
+identification, IEEE Robotics and Automation Letters 3 (2018) 60-67, doi:10.1109/LRA.2017.2729659. That is a convex
+problem, solved along its central path: S. Boyd & L. Vandenberghe, Convex Optimization, Cambridge 2004, sec. 11.3.)
 """
 
 from __future__ import annotations
@@ -14,18 +13,24 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import block_diag
-from scipy.optimize import least_squares, lsq_linear
+from scipy.linalg import cho_factor, cho_solve
+from scipy.optimize import lsq_linear
 
 from linkwright.core.arm.motion.rigid import pseudo_inertia
 from linkwright.core.sections.numeric import Array
 
 from .evidence import Member, System
 
-_LOWER = np.tril_indices(4)
-"""Where the ten numbers of a triangular factor stand."""
-_STEPS = 30
-"""Steps of a search at most."""
+_INSIDE = 1e-4
+"""Of the largest moment: how far within bodies, and of a usual size within bounds, the path begins."""
+_GAP = 1e-2
+"""Nats by which the end of the path may be worse than the best numbers."""
+_UNSEEN = 1e-4
+"""Precision, by usual sizes, of what no motion shows of a link: else the path would end at infinite bodies."""
+_SHRINKS = 0.05
+"""How much less the barrier counts from one step along the path to the next."""
+_STEPS, _SHORT, _SETTLED = 40, 1e-9, 1e-3
+"""Newton's steps at most for each of those, the least part of one, and the nats that a last one may still gain."""
 
 
 @dataclass(frozen=True)
@@ -37,79 +42,139 @@ class Feasible:
     worse: float
 
 
+@dataclass(frozen=True)
+class _Link:
+    """What a link has, (10,) parameters: `had` by the arm file, and so much by the numbers `by` (10, k + h), of which h
+    are what no motion shows of any link; the ten `own` numbers alone make it any body."""
+
+    had: Array
+    by: Array
+    own: NDArray[np.int64]
+
+    def pseudo(self, numbers: Array) -> Array:
+        """The pseudo-inertia (4, 4)."""
+        return pseudo_inertia(self.had + self.by @ numbers)
+
+
 def feasible(system: System, members: Sequence[Member]) -> Feasible:
     """The numbers of a set within their bounds, by which every link that they change, with what the arm file has of it,
     is some body's."""
-    best, lower, upper, worse = _bounded(system, members)
-    carriers, mixing = _by_link(system, members)
-    aim = mixing @ best
-    # Only links that no body could be are searched, until no other has become one of them.
-    sought: list[tuple[NDArray[np.int64], int]] = []
-    whole, more_worse = aim, 0.0
-    while True:
-        more = [
-            carrier
-            for carrier in carriers
-            if not _in(carrier, sought) and not _some_body(system, carrier[1], whole[carrier[0]])
-        ]
-        if not more:
-            numbers = np.clip(np.linalg.solve(mixing, whole), lower, upper)
-            return Feasible(np.asarray(numbers, dtype=float), worse + more_worse)
-        sought += more
-        whole, more_worse = _nearest(system, members, mixing, aim, sought)
-
-
-def _bounded(system: System, members: Sequence[Member]) -> tuple[Array, Array, Array, float]:
-    """The likeliest numbers (k,) of a set within the bounds of their parameters, those bounds in usual sizes (a body's
-    have none), and how much worse (nats) that is than without bounds."""
     best, at = system.numbers(members), system.places(members)
-    body = np.repeat(
-        np.array([system.groups[member.group].body is not None for member in members], dtype=bool),
-        [system.groups[member.group].rank for member in members],
-    )
+    ranks = [system.groups[member.group].rank for member in members]
+    body = np.repeat(np.array([system.groups[m.group].body is not None for m in members], dtype=bool), ranks)
     lower, upper = (np.where(body, side * np.inf, system.bounds[k, at]) for k, side in ((0, -1.0), (1, 1.0)))
-    if ((lower <= best) & (best <= upper)).all():
-        return best, lower, upper, 0.0
-    factor = np.linalg.cholesky(system.gram[np.ix_(at, at)] + np.diag(system.precision(members))).T
-    held = lsq_linear(factor, factor @ best, (lower, upper))
-    return np.asarray(held.x, dtype=float), lower, upper, float(held.cost)
+    within = bool(((lower <= best) & (best <= upper)).all())
+    links = _links(system, members, len(best))
+    numbers, inner = best, system.gram[np.ix_(at, at)] + np.diag(system.precision(members))
+    if not within:
+        factor = np.linalg.cholesky(inner).T
+        numbers = np.asarray(lsq_linear(factor, factor @ best, (lower, upper)).x, dtype=float)
+    hidden = sum(link.by.shape[1] for link in links[:1]) - len(best) if links else 0
+    if not all(_some_body(link.pseudo(np.append(numbers, np.zeros(hidden)))) for link in links):
+        numbers = np.clip(_nearest(inner, best, (lower, upper), links), lower, upper)
+    elif within:
+        return Feasible(best, 0.0)
+    more = numbers - best
+    return Feasible(numbers, 0.5 * float(more @ inner @ more))
 
 
-def _nearest(
-    system: System,
-    members: Sequence[Member],
-    mixing: Array,
-    aim: Array,
-    carriers: Sequence[tuple[NDArray[np.int64], int]],
-) -> tuple[Array, float]:
-    """The likeliest numbers in the carriers' coordinates by which their links are bodies, and how much worse (nats)
-    they are than `aim`, the likeliest of all."""
-    at = system.places(members)
-    back = np.linalg.inv(mixing)
-    inner = back.T @ (system.gram[np.ix_(at, at)] + np.diag(system.precision(members))) @ back
-    held = np.concatenate([places for places, _ in carriers])
-    rest = np.setdiff1d(np.arange(len(at)), held)
-    follows = np.linalg.solve(inner[np.ix_(rest, rest)], inner[np.ix_(rest, held)])
-    left = inner[np.ix_(held, held)] - inner[np.ix_(held, rest)] @ follows
-    factor = np.asarray(np.linalg.cholesky(0.5 * (left + left.T)).T, dtype=float)
-    maps = [_of_carrier(system, group) for _, group in carriers]
-    had = [_had(system, group) for _, group in carriers]
+def _links(system: System, members: Sequence[Member], count: int) -> list[_Link]:
+    """Each link that members change; what its first member does not hold may be anything."""
+    shares: dict[int, list[tuple[int, int]]] = {}
+    starts = np.cumsum([0, *(system.groups[member.group].rank for member in members)])
+    for member, start in zip(members, starts[:-1].tolist(), strict=True):
+        body = system.groups[member.group].body
+        if body is not None:
+            shares.setdefault(body.link, []).append((member.group, start))
+    hidden = sum(10 - system.groups[own[0][0]].rank for own in shares.values())
+    links, free = list[_Link](), count
+    for own in shares.values():
+        by = np.zeros((10, count + hidden))
+        for number, start in own:
+            group = system.groups[number]
+            assert group.body is not None
+            by[:, start : start + group.rank] = group.body.units[:, group.body.shown] * group.usual
+        group = system.groups[own[0][0]]
+        assert group.body is not None
+        rest = np.setdiff1d(np.arange(10), group.body.shown)
+        usual = [max(map(abs, group.effect.torque_sizes[number].typical)) for number in rest.tolist()]
+        by[:, free : free + len(rest)] = group.body.units[:, rest] * usual
+        ten = np.append(own[0][1] + np.arange(group.rank), free + np.arange(len(rest)))
+        links.append(_Link(group.body.had, by, ten))
+        free += len(rest)
+    return links
 
-    def misses(theta: Array) -> Array:
-        each = zip(maps, had, theta.reshape(len(maps), -1), strict=True)
-        numbers = np.concatenate([own @ (_body(own_theta) - file) for own, file, own_theta in each])
-        return np.asarray(factor @ (numbers - aim[held]))
 
-    def slopes(theta: Array) -> Array:
-        each = zip(maps, theta.reshape(len(maps), -1), strict=True)
-        return np.asarray(factor @ block_diag(*(own @ _slopes(own_theta) for own, own_theta in each)))
+def _some_body(pseudo: Array) -> bool:
+    """Whether a pseudo-inertia is some body's, as far as rounding tells."""
+    values = np.linalg.eigvalsh(pseudo)
+    return bool(values[0] >= -1e-6 * abs(values[-1]))
 
-    start = np.concatenate([_factor(_parameters(system, group, aim[places])) for places, group in carriers])
-    minimum = least_squares(misses, start, slopes, x_scale="jac", max_nfev=_STEPS)  # pyright: ignore[reportArgumentType]
-    whole = aim.copy()
-    whole[held] = np.linalg.solve(factor, misses(minimum.x)) + aim[held]
-    whole[rest] -= follows @ (whole[held] - aim[held])
-    return whole, float(minimum.cost)
+
+def _nearest(inner: Array, best: Array, bounds: tuple[Array, Array], links: Sequence[_Link]) -> Array:
+    """The likeliest numbers within bounds by which links are bodies, along the central path."""
+    count, width = len(best), links[0].by.shape[1]
+    whole, aim = _UNSEEN * np.eye(width), np.zeros(width)
+    whole[:count, :count], aim[:count] = inner, best
+    lower, upper = (
+        np.append(side, np.full(width - count, sign * np.inf)) for side, sign in zip(bounds, (-1, 1), strict=True)
+    )
+    units = np.stack([pseudo_inertia(unit) for unit in np.eye(10)])
+    numbers = _start(aim, lower, upper, links)
+    walls = 4 * len(links) + int(np.isfinite(lower).sum() + np.isfinite(upper).sum())
+    weight = max(0.5 * float((numbers - aim) @ whole @ (numbers - aim)) / walls, _GAP / walls)
+
+    had, by = np.stack([link.had for link in links]), np.concatenate([link.by for link in links])
+
+    def pseudo(x: Array) -> Array:
+        return np.asarray(np.tensordot(had + (by @ x).reshape(had.shape), units, 1))
+
+    def barrier(x: Array) -> float:
+        if not ((x > lower) & (x < upper)).all():
+            return np.inf
+        try:
+            roots = np.linalg.cholesky(pseudo(x))
+        except np.linalg.LinAlgError:
+            return np.inf
+        logs = 2.0 * np.log(np.einsum("kii->ki", roots)).sum()
+        near = np.concatenate(((x - lower)[np.isfinite(lower)], (upper - x)[np.isfinite(upper)]))
+        return float(0.5 * (x - aim) @ whole @ (x - aim) - weight * (logs + np.log(near).sum()))
+
+    while True:
+        value = barrier(numbers)
+        for _ in range(_STEPS):
+            below, above = 1.0 / (numbers - lower), 1.0 / (upper - numbers)
+            turned = np.linalg.solve(pseudo(numbers)[:, None], units)
+            slope = whole @ (numbers - aim) - weight * (np.einsum("ukii->uk", turned).reshape(-1) @ by + below - above)
+            curved = np.einsum("ukij,ulji->ukl", turned, turned) @ by.reshape(len(links), 10, width)
+            bend = whole + weight * (by.T @ curved.reshape(by.shape) + np.diag(below**2 + above**2))
+            scale = 1.0 / np.sqrt(np.diagonal(bend))
+            step = -scale * cho_solve(cho_factor(bend * scale[:, None] * scale), scale * slope)
+            falls, length = float(-slope @ step), 1.0
+            while (tried := barrier(numbers + length * step)) > value - 0.1 * length * falls and length > _SHORT:
+                length *= 0.5
+            if length > _SHORT:
+                numbers, value = numbers + length * step, tried
+            if length <= _SHORT or falls < _SETTLED * max(1.0, walls * weight):
+                break
+        if walls * weight <= _GAP:
+            return numbers[:count]
+        weight *= _SHRINKS
+
+
+def _start(aim: Array, lower: Array, upper: Array, links: Sequence[_Link]) -> Array:
+    """Numbers next to `aim` that lie within all bounds and bodies."""
+    least = _INSIDE * np.minimum(upper - lower, 1.0)
+    numbers = np.clip(aim, lower + least, upper - least)
+    for link in links:
+        values, vectors = np.linalg.eigh(link.pseudo(numbers))
+        values = np.maximum(values, _INSIDE * max(float(values.max()), _INSIDE))
+        whole = (vectors * values) @ vectors.T
+        tensor = np.trace(whole[:3, :3]) * np.eye(3) - whole[:3, :3]
+        wanted = np.array([whole[3, 3], *whole[:3, 3], *tensor[np.triu_indices(3)]])
+        own = link.own
+        numbers[own] += np.linalg.solve(link.by[:, own], wanted - link.had - link.by @ numbers)
+    return numbers
 
 
 def lost(system: System, beside: Sequence[Member], member: Member) -> float:
@@ -117,86 +182,3 @@ def lost(system: System, beside: Sequence[Member], member: Member) -> float:
     if system.groups[member.group].body is None:
         return 0.0
     return feasible(system, [*beside, member]).worse - feasible(system, beside).worse
-
-
-def _by_link(system: System, members: Sequence[Member]) -> tuple[list[tuple[NDArray[np.int64], int]], Array]:
-    """For each link that members change the places of the numbers that carry it, and their group; and the matrix (k, k)
-    from a set's numbers to those in which carriers hold all that their link has."""
-    carriers: dict[int, tuple[NDArray[np.int64], int]] = {}
-    ranks = [system.groups[member.group].rank for member in members]
-    mixing, start = np.eye(sum(ranks)), 0
-    for member, rank in zip(members, ranks, strict=True):
-        group, places = system.groups[member.group], np.arange(start, start + rank)
-        start += rank
-        if group.body is None:
-            continue
-        if group.body.link not in carriers:
-            carriers[group.body.link] = (places, member.group)
-            continue
-        carried, first = carriers[group.body.link]
-        of_link = group.body.units[:, group.body.shown] * group.usual
-        mixing[np.ix_(carried, places)] = _of_carrier(system, first) @ of_link
-    return list(carriers.values()), mixing
-
-
-def _of_carrier(system: System, group: int) -> Array:
-    """A group's numbers (r, 10), in usual sizes, by what its link has more."""
-    group_ = system.groups[group]
-    assert group_.body is not None
-    return np.linalg.inv(group_.body.units)[group_.body.shown] / group_.usual[:, None]
-
-
-def _had(system: System, group: int) -> Array:
-    body = system.groups[group].body
-    assert body is not None
-    return body.had
-
-
-def _in(one: tuple[NDArray[np.int64], int], several: Sequence[tuple[NDArray[np.int64], int]]) -> bool:
-    return any(one[1] == other for _, other in several)
-
-
-def _some_body(system: System, group: int, numbers: Array) -> bool:
-    """Whether a link is some body by a group's numbers, as far as rounding tells."""
-    values = np.linalg.eigvalsh(pseudo_inertia(_parameters(system, group, numbers)))
-    return bool(values[0] >= -1e-6 * abs(values[-1]))
-
-
-def _parameters(system: System, group: int, numbers: Array) -> Array:
-    """A link's parameters (10,) by a group's numbers; what that does not hold is as in the file."""
-    group_ = system.groups[group]
-    assert group_.body is not None
-    return group_.body.had + group_.body.units[:, group_.body.shown] @ (group_.usual * numbers)
-
-
-def _factor(parameters: Array) -> Array:
-    """The triangular factor (10,) of the pseudo-inertia next to parameters that no body need have."""
-    values, vectors = np.linalg.eigh(pseudo_inertia(parameters))
-    values = np.maximum(values, 1e-4 * max(float(values.max()), 1e-3))
-    return np.linalg.cholesky((vectors * values) @ vectors.T)[_LOWER]
-
-
-def _body(theta: Array) -> Array:
-    """Inertial parameters (10,) by the triangular factor of the pseudo-inertia."""
-    lower = _triangle(theta)
-    whole = lower @ lower.T
-    spread = whole[:3, :3]
-    tensor = np.trace(spread) * np.eye(3) - spread
-    return np.array([whole[3, 3], *whole[:3, 3], *tensor[np.triu_indices(3)]])
-
-
-def _slopes(theta: Array) -> Array:
-    """The derivative (10, 10) of the parameters by that factor."""
-    units = np.zeros((10, 4, 4))
-    units[np.arange(10), *_LOWER] = 1.0
-    half = units @ _triangle(theta).T
-    whole = half + half.transpose(0, 2, 1)
-    spread = whole[:, :3, :3]
-    tensor = np.trace(spread, axis1=1, axis2=2)[:, None, None] * np.eye(3) - spread
-    return np.column_stack((whole[:, 3, 3], whole[:, :3, 3], tensor[:, *np.triu_indices(3)])).T
-
-
-def _triangle(theta: Array) -> Array:
-    lower = np.zeros((4, 4))
-    lower[_LOWER] = theta
-    return lower
