@@ -92,7 +92,7 @@ NO_RULES = {
     "motion/model/candidates.py": {"SHARPER", "_MOST_VARIANTS", "_PROBED"},  # an effect's entry; what a scan is for
     "motion/model/chance.py": {"_DRAWS"},
     "motion/model/evidence.py": {"SCALES", "_FREE", "_MULTIPLES", "_SPARING"},  # what is tried; no prior; Akaike's nat
-    "motion/model/feasible.py": {"_GAP", "_INSIDE", "_SETTLED", "_SHORT", "_SHRINKS", "_STEPS", "_UNSEEN"},
+    "motion/model/feasible.py": {"_ENOUGH", "_GAP", "_INSIDE", "_SETTLED", "_SHORT", "_SHRINKS", "_STEPS", "_UNSEEN"},
     "motion/model/identify.py": {"_FOLDS", "_ROUNDS"},
     "motion/model/noise.py": {"_PASSES"},
     "motion/model/ripple.py": {"_DRAWS", "_EACH"},

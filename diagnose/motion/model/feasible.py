@@ -29,8 +29,14 @@ _UNSEEN = 1e-4
 """Precision, by usual sizes, of what no motion shows of a link: else the path would end at infinite bodies."""
 _SHRINKS = 0.05
 """How much less the barrier counts from one step along the path to the next."""
-_STEPS, _SHORT, _SETTLED = 40, 1e-9, 1e-3
-"""Newton's steps at most for each of those, the least part of one, and the nats that a last one may still gain."""
+_STEPS = 40
+"""Newton's steps at most for each of those."""
+_SETTLED = 1e-3
+"""Nats that a last one may still gain."""
+_SHORT = 1e-9
+"""The least part of a step that is tried."""
+_ENOUGH = 0.1
+"""Of what its slope promises: so much a part of a step must gain (Armijo's rule)."""
 
 
 @dataclass(frozen=True)
@@ -151,7 +157,7 @@ def _nearest(inner: Array, best: Array, bounds: tuple[Array, Array], links: Sequ
             scale = 1.0 / np.sqrt(np.diagonal(bend))
             step = -scale * cho_solve(cho_factor(bend * scale[:, None] * scale), scale * slope)
             falls, length = float(-slope @ step), 1.0
-            while (tried := barrier(numbers + length * step)) > value - 0.1 * length * falls and length > _SHORT:
+            while (tried := barrier(numbers + length * step)) > value - _ENOUGH * length * falls and length > _SHORT:
                 length *= 0.5
             if length > _SHORT:
                 numbers, value = numbers + length * step, tried

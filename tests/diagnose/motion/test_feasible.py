@@ -1,4 +1,4 @@
-"""Numbers that can be: a set's likeliest within the bounds of their parameters."""
+"""Numbers that can be: a set's likeliest within the bounds of their parameters, and of links that are bodies."""
 
 import numpy as np
 import pytest
@@ -7,7 +7,9 @@ from hypothesis import strategies as st
 from scipy.optimize import minimize
 
 from linkwright.core.arm.effects.friction.friction_coulomb import FRICTION_COULOMB
-from linkwright.core.diagnose.motion.model.candidates import Group
+from linkwright.core.arm.effects.loads.link_inertial import LINK_INERTIAL
+from linkwright.core.arm.motion.rigid import pseudo_inertia
+from linkwright.core.diagnose.motion.model.candidates import Body, Group
 from linkwright.core.diagnose.motion.model.evidence import Member, System
 from linkwright.core.diagnose.motion.model.feasible import feasible
 
@@ -57,3 +59,55 @@ def test_the_likeliest_within_bounds_is_that_of_a_general_search(seed, size):
     assert all(low <= x <= high for x, (low, high) in zip(result.numbers, bounds, strict=True))
     assert result.worse == pytest.approx(nats(result.numbers) - nats(free.numbers), abs=1e-8)
     assert free.worse == 0.0
+
+
+def of_bodies(factor, target, had):
+    """A set of whole links, ten numbers each, with what the arm file has of them `had` (L, 10)."""
+    groups = tuple(
+        Group(
+            LINK_INERTIAL,
+            (link + 1,),
+            {},
+            10 * link + np.arange(10),
+            np.eye(10),
+            np.ones(10),
+            np.array([[-np.inf], [np.inf]]) * np.ones(10),
+            LINK_INERTIAL.torque_sizes,
+            tuple(((link + 1,), size.name) for size in LINK_INERTIAL.torque_sizes),
+            (LINK_INERTIAL.id, (link + 1,)),
+            1,
+            body=Body(link, own, np.eye(10), np.arange(10)),
+        )
+        for link, own in enumerate(had)
+    )
+    unit = np.eye(10 * len(had))
+    starts = 10 * np.arange(len(had))
+    return System(groups, factor.T @ factor, factor.T @ target, starts, unit, unit > 0.0, unit)
+
+
+@settings(max_examples=25, deadline=None, derandomize=True)
+@given(st.integers(0, 2**31), st.integers(1, 4))
+def test_the_likeliest_bodies_leave_no_better_ones(seed, links):
+    """Bodies are a convex cone that is its own dual, so the likeliest are known by two signs: no body has less along
+    the slope there, and what the links have lies at right angles to it. The numbers hang together and differ a
+    thousandfold in weight, as those of a chain of links do; logs ask for what no body has."""
+    rng = np.random.default_rng(seed)
+    size = 10 * links
+    factor = rng.normal(size=(size + 5, size)) * 10.0 ** rng.uniform(-1.0, 2.0, size)
+    target = factor @ rng.normal(size=size)
+    points = rng.normal(size=(links, 6, 4)) * [0.2, 0.2, 0.2, 1.0]
+    cone = np.stack([pseudo_inertia(unit).reshape(-1) for unit in np.eye(10)])
+    had = np.stack([np.linalg.lstsq(cone.T, (own.T @ own).reshape(-1))[0] for own in points])
+    made = of_bodies(factor, target, had)
+    members = [Member(link, SCALE) for link in range(links)]
+    result = feasible(made, members)
+    slope = (made.gram + np.eye(size) / SCALE**2) @ result.numbers - made.against
+    for own, file, part in zip(slope.reshape(links, 10), had, result.numbers.reshape(links, 10), strict=True):
+        dual = np.linalg.lstsq(cone, own)[0].reshape(4, 4)
+        assert np.linalg.eigvalsh(pseudo_inertia(file + part))[0] > -1e-9
+        assert np.linalg.eigvalsh(dual)[0] > -1e-3 * (1.0 + np.linalg.norm(dual))
+        assert abs(own @ (file + part)) < 2e-2
+    free = made.numbers(members)
+    assert result.worse == pytest.approx(
+        0.5 * float((result.numbers - free) @ (made.gram + np.eye(size) / SCALE**2) @ (result.numbers - free))
+    )
