@@ -17,6 +17,7 @@ from linkwright.core.diagnose.rules.rules import Rules
 from linkwright.core.sections.numeric import Array
 from linkwright.core.units.quantities import InputError
 
+from .changed import change_of
 from .corrected import entry_of
 from .findings import finding_of, findings
 from .judged import Judged, as_written, judged
@@ -31,7 +32,7 @@ from .model.rows import LogRows, joint_rows, log_rows, with_sources
 from .preparation import PreparedLog, prepare
 from .result import MotionDiagnosis, OfJoint, OfLog, Traces
 from .sentences import answer, verdict_of
-from .unknown import Structure, structure, unknown_of, variables
+from .unknown import Structure, since, structure, unknown_of, variables
 from .weighed import weighed
 
 _DRAWN = 2000
@@ -218,10 +219,13 @@ def _result(
     beyond = (share > rules.motion.unexplained) & (
         share > np.minimum(rules.motion.uneven * np.nanmedian(share), rules.motion.never_noise)
     )
+    # What depends on something is no noise where it is as loud as the noise that the sensors are heard to have.
+    heard = np.sqrt(np.mean([np.square(log.noise()) for log in prepared], axis=0))
+    least = np.minimum(rules.motion.unexplained * identified.torque, heard)
     open_joints = [
         item.joint
         for item, what, large in zip(per_joint, seen, beyond.tolist(), strict=True)
-        if large or (item.depends_on and share[item.joint - 1] * max(what.shares) ** 0.5 > rules.motion.unexplained)
+        if large or (item.depends_on and item.floor * max(what.shares) ** 0.5 > least[item.joint - 1])
     ]
     named = (
         *findings(identified, sizes, judge, arm, rules=rules),
@@ -235,6 +239,9 @@ def _result(
         if claimed[joint] > 0.5 * before[joint] and of_named[joint] > before[joint]
     ]
     unknown = unknown_of(sorted({*worse, *open_joints}), seen, per_joint)
+    change = None if unknown is None else change_of(identified, rules=rules)
+    if unknown is not None and change is not None:
+        unknown = since(unknown, change)
     verdict = verdict_of(named, unknown)
     return MotionDiagnosis(
         arm=arm,

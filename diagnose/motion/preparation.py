@@ -26,6 +26,12 @@ _MOST = 24_000
 """Samples kept of a log; more of one log tell nothing new."""
 _HELD = 0.4
 """The part of a sampling rate up to which it holds frequencies without loss."""
+_UNTOUCHED = 0.3
+"""The part of a sampling rate up to which thinning leaves noise as it was."""
+_ENOUGH = 30
+"""Frequencies above the low-pass by which noise is measured."""
+_LET_THROUGH = 0.833
+"""Noise bandwidth of the low-pass over its cut-off: the integral of (1 + x^4)^-2 over all x above zero."""
 _PIECE = 10_000
 """Samples whose columns are worked out at once."""
 
@@ -64,6 +70,17 @@ class PreparedLog:
     def filtered(self, columns: Array) -> Array:
         """Columns (P, k) of a piece after the low-pass without phase; a piece lies within one stretch."""
         return low_pass(columns, self.cutoff, self.rate)
+
+    def noise(self) -> Array:
+        """Noise (n,) N*m within the low-pass: what the measured torque holds between twice the low-pass and what the
+        rate holds, as white noise that reaches down to the motion. Infinite where nothing lies between."""
+        frequency, spectrum = _spectrum([self.measured[part.start : part.stop] for part in self.stretches], self.rate)
+        above = (frequency > 2.0 * self.cutoff) & (frequency < _UNTOUCHED * self.rate)
+        if np.count_nonzero(above) < _ENOUGH:
+            return np.full(self.measured.shape[1], np.inf)
+        length = max(part.stop - part.start for part in self.stretches)
+        of_a_sample = np.median(spectrum[above], axis=0) / (np.log(2.0) * np.sum(np.hanning(length) ** 2))
+        return np.asarray(np.sqrt(of_a_sample * _LET_THROUGH * self.cutoff / (0.5 * self.rate)))
 
     def pieces(self) -> Iterator[tuple[slice, NDArray[np.int64], NDArray[np.int64]]]:
         """Pieces for columns: the samples to work out (with a margin in which the low-pass settles), which of the kept

@@ -68,15 +68,31 @@ class OfJoint:
 
 
 @dataclass(frozen=True)
+class Change:
+    """An effect and its joints or links (from 1) that acts otherwise in a log from `time` (s, on the log's clock) on,
+    by how much more in `parameters`, with the 95 % `interval` of that instant and the `share` of the square that it
+    explains of what was left."""
+
+    effect: str
+    at: tuple[int, ...]
+    parameters: tuple[FittedParameter, ...]
+    log: str
+    time: float
+    interval: tuple[float, float]
+    share: float
+
+
+@dataclass(frozen=True)
 class MotionUnknown:
     """Structure that nothing in the library explains: at which joints (from 1), on what it depends, its RMS (N*m) at
-    the worst of them, its shape in words, and which log would decide."""
+    the worst of them, its shape in words, and which log would decide; `change` where it begins within a log."""
 
     joints: tuple[int, ...]
     depends_on: tuple[str, ...]
     amplitude: float
     shape: str
     decide: str
+    change: Change | None = None
 
 
 @dataclass(frozen=True)

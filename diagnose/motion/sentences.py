@@ -10,7 +10,7 @@ from linkwright.core.arm.effects import EFFECTS
 from linkwright.core.diagnose.judge.rivals import Rivals
 
 from .findings import less, name_of, or_else, sized
-from .result import MotionFinding, MotionUnknown, OfJoint, Verdict
+from .result import Change, MotionFinding, MotionUnknown, OfJoint, Verdict
 
 _SAID = 4
 """Effects that the plain answer names; the rest are counted."""
@@ -63,9 +63,21 @@ def answer(
         sentences.append(
             f"At joint {joints} stays {unknown.amplitude:.3g} N*m that nothing in the library explains{on}."
         )
+        if unknown.change is not None:
+            sentences.append(since_words(unknown.change))
     if named and rivals is not None and rivals.written != "named":
         sentences.append(rivals.why)
     return " ".join(sentences)
+
+
+def since_words(change: Change) -> str:
+    """Since when torques follow another model, and which effect explains it."""
+    effect, (low, high) = EFFECTS[change.effect], change.interval
+    name = name_of(effect.title, effect.place, change.at)
+    return (
+        f"Something changed at {change.time:.4g} s (95 % interval {low:.4g} to {high:.4g} s). "
+        f"From then on, {name} ({sized(change.parameters)} more) explains {100.0 * change.share:.0f} % of what is left."
+    )
 
 
 def _undecided(finding: MotionFinding) -> str:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from linkwright.core.diagnose.rules.rules import Rules
 from linkwright.core.sections.numeric import Array
 
-from .result import MotionUnknown, OfJoint
+from .result import Change, MotionUnknown, OfJoint
 
 _BINS = 10
 """Bins of equal counts over whatever the residual may depend on."""
@@ -139,6 +139,12 @@ def unknown_of(
     names = depends([structures[joint - 1] for joint in joints])
     shape = f"changes with {names[0].replace('_', ' ')}" if names else "no pattern over angle, speed, load or time"
     return MotionUnknown(tuple(joints), names, amplitude, shape, _decides(names))
+
+
+def since(unknown: MotionUnknown, change: Change) -> MotionUnknown:
+    """What stays unknown, where it begins within a log."""
+    shape = f"changes at {change.time:.4g} s"
+    return replace(unknown, change=change, shape=shape, decide="the log before and after that instant, each by itself")
 
 
 def _share(each: Structure) -> float:

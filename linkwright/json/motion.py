@@ -9,7 +9,7 @@ from types import MappingProxyType
 from typing import Any
 
 from linkwright.core.diagnose.judge.rivals import Rivals
-from linkwright.core.diagnose.motion.result import MotionDiagnosis, MotionFinding
+from linkwright.core.diagnose.motion.result import MotionDiagnosis, MotionFinding, MotionUnknown
 from linkwright.results.motion.answer import answer, to_do
 
 from .fields import fields, fields_if
@@ -18,6 +18,23 @@ from .parameters import parameter_json
 OBSERVES = MappingProxyType({"observes": "motion", "rms_unit": "N*m"})
 """What says in a result that its figures are of torques."""
 _WRITTEN = ("rms", "promised", "lacks")
+
+
+def _unknown(unknown: MotionUnknown) -> dict[str, Any]:
+    """What nothing in the library explains; `since_s` with its interval and the effect that acts otherwise from then on
+    where it begins within a log."""
+    change = unknown.change
+    return {
+        **fields(unknown, "joints", "depends_on", "amplitude", "shape", "decide"),
+        "since_s": None if change is None else change.time,
+        "since_ci95_s": None if change is None else list(change.interval),
+        "changed": None
+        if change is None
+        else {
+            **fields(change, "effect", "at", "log", "share"),
+            "parameters": {fitted.name: parameter_json(fitted) for fitted in change.parameters},
+        },
+    }
 
 
 def _finding(finding: MotionFinding) -> dict[str, Any]:
@@ -104,7 +121,7 @@ def motion_json(diagnosis: MotionDiagnosis) -> dict[str, Any]:
         **_rivals(diagnosis.rivals),
         "missing": [_finding(finding) for finding in diagnosis.findings],
         "where": _where(diagnosis),
-        "unknown": fields_if(diagnosis.unknown, "joints", "depends_on", "amplitude", "shape", "decide"),
+        "unknown": None if diagnosis.unknown is None else _unknown(diagnosis.unknown),
         "rejected_rows": [item["row"] for item in rejected],
         "rejected_rows_detail": rejected,
         **fields(diagnosis, "split", "cutoff_Hz", "notes", "seconds"),

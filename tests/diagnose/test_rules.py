@@ -87,6 +87,7 @@ NO_RULES = {
     "residual/torque.py": {"_TOLD"},
     "instruments/view.py": {"_STEPS, _START_STEPS, _START_ROWS", "_BETTER", "_FOUND"},
     "mistakes/row_lists.py": {"_MOST"},
+    "motion/changed.py": {"_NATS", "_PARTS", "_ROUNDS", "_SURE"},  # how an instant is looked for, and 95 %
     "motion/diagnosis.py": {"_DRAWN"},
     "motion/judged.py": {"_SETTLED", "_STEPS"},
     "motion/model/candidates.py": {"SHARPER", "_MOST_VARIANTS", "_PROBED"},  # an effect's entry; what a scan is for
@@ -97,7 +98,7 @@ NO_RULES = {
     "motion/model/noise.py": {"_PASSES"},
     "motion/model/ripple.py": {"_DRAWS", "_EACH"},
     "motion/model/search.py": {"_MOST", "_MOST_FOR_ONE", "_PROMISING"},  # how far a search looks
-    "motion/preparation.py": {"_HELD", "_MOST", "_PIECE", "_WORKING_RATE"},
+    "motion/preparation.py": {"_ENOUGH", "_HELD", "_LET_THROUGH", "_MOST", "_PIECE", "_UNTOUCHED", "_WORKING_RATE"},
     "motion/reading/read.py": {"_HEAD"},
     "motion/sentences.py": {"_SAID"},
     "motion/simulate.py": {"_NOISE"},

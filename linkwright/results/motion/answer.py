@@ -34,6 +34,8 @@ def _clauses(diagnosis: MotionDiagnosis) -> list[str]:
         open_at = f"{torque(unknown.amplitude, torque_unit(diagnosis.arm, joint)).text} at joint {joint}{more}"
         depends = dependence_words(unknown.depends_on[:3])
         on = f"; it depends on {depends}" if depends else ""
+        if unknown.change is not None:
+            on = f"; something changed at {figure(unknown.change.time, 4)} s"
         if part is None or part < HALF:
             explained = "" if largest is None else f"; {finding_words(largest)} explains part of the rest"
             return [f"nothing in the library explains {open_at}", on, explained]

@@ -6,6 +6,7 @@ import math
 from pathlib import PurePath
 
 from linkwright.core.diagnose.motion.result import MotionDiagnosis, MotionFinding, MotionUnknown, OfJoint
+from linkwright.core.diagnose.motion.sentences import since_words
 from linkwright.report.charts.motion import left_against, torque_against_time
 from linkwright.results.design import settings
 from linkwright.results.diagnoses.evidence import set_aside
@@ -246,6 +247,7 @@ def _unknown(diagnosis: MotionDiagnosis, unknown: MotionUnknown) -> Section:
         "What nothing in the library explains",
         Paragraph(text),
         Paragraph(f"It depends on {depends}.") if depends else None,
+        None if unknown.change is None else Paragraph(since_words(unknown.change)),
         Paragraph(f"What would decide: {whole_sentence(unknown.decide)}") if unknown.decide else None,
         lead="What remains, and what it depends on; nothing here is a cause.",
     )
