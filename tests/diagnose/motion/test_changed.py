@@ -55,7 +55,8 @@ def test_a_load_that_is_taken_on_the_way(tmp_path, seed):
     """Payload, when and how much; the first row with it is the instant, and the low-pass blurs it by a tenth of a
     second."""
     result = diagnosed(tmp_path, seed, lambda t: HAND + TAKEN * (t >= SINCE), np.zeros_like)
-    assert result.verdict == "unknown" and result.unknown is not None
+    assert result.verdict == "unknown"
+    assert result.unknown is not None
     change = result.unknown.change
     assert change is not None
     assert (change.effect, change.share > 0.9) == ("payload", True)
@@ -69,7 +70,8 @@ def test_a_load_that_is_taken_on_the_way(tmp_path, seed):
 def test_a_bump_over_the_angle_is_no_change(tmp_path):
     """Torque that goes with the angle is there from the beginning; nor is it noise, small as it is."""
     result = diagnosed(tmp_path, 3, lambda t: np.full_like(t, HAND), lambda q: 0.5 * np.exp(-(((q - 0.3) / 0.2) ** 2)))
-    assert result.verdict == "unknown" and result.unknown is not None
+    assert result.verdict == "unknown"
+    assert result.unknown is not None
     assert result.unknown.joints == (2,)
     assert "q2" in result.unknown.depends_on
     assert result.unknown.change is None
