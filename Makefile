@@ -12,7 +12,7 @@ PIP_INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-check
 PIP_COMPILE := $(BIN)/python -m piptools compile --quiet --generate-hashes --allow-unsafe --strip-extras \
 	--no-header --no-emit-index-url --no-emit-trusted-host --no-emit-find-links
 
-.PHONY: help demo pictures picture-reports test test-fast test-all lint benchmark results problems proof proof-sample proof-multibody motion-proof motion-proof-sample real-table rules-docs effects-docs instruments-docs fuzz docs notebooks gallery lock clean
+.PHONY: help demo pictures picture-reports test test-fast test-all lint benchmark results problems proof proof-sample proof-multibody motion-proof motion-proof-sample real-table canonical rules-docs effects-docs instruments-docs fuzz docs notebooks gallery lock clean
 .DELETE_ON_ERROR:
 
 help:
@@ -178,6 +178,10 @@ motion-proof motion-proof-sample: $(DEV)
 REAL ?=
 real-table: $(DEV)
 	@$(ONE_THREAD) $(BIN)/python -m benchmarks.real table $(REAL)
+
+# Asks every canonical recording and writes down which are missed: a change there is a decision.
+canonical: $(DEV)
+	@$(ONE_THREAD) $(BIN)/python -m benchmarks.canonical record
 
 rules-docs: $(DEV)
 	$(BIN)/python -m benchmarks.rules docs/rules.md

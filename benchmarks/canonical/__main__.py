@@ -17,6 +17,8 @@ from benchmarks.canonical.asked import ARCHIVE, EXPECTED, answer, faults
 from benchmarks.canonical.expected import asked_of
 from benchmarks.canonical.make import drawn
 
+DEAR = 6.0
+"""s of CPU beyond which a recording is asked among the slow tests."""
 FOLDER = Path(__file__).resolve().parents[2] / "tests" / "canonical"
 
 
@@ -24,13 +26,14 @@ def make(folder: Path, field: Path | None) -> None:
     """Draws recordings, and what is asked for of each by its truth."""
     truths = drawn(folder / ARCHIVE, field)
     cases = {name: asked_of(truth) for name, truth in truths.items()}
-    _write(folder, {"cases": cases, "known_misses": {}})
+    _write(folder, {"cases": cases, "known_misses": {}, "dear": []})
 
 
 def record(folder: Path) -> None:
     """Asks all, and writes down what is missed."""
     known = json.loads((folder / EXPECTED).read_text(encoding="utf-8"))
     misses: dict[str, Any] = {}
+    dear: list[str] = []
     for name, asked in known["cases"].items():
         with tempfile.TemporaryDirectory() as scratch:
             start = time.process_time()
@@ -38,9 +41,11 @@ def record(folder: Path) -> None:
             wrong = faults(name, asked, given)
             spent = time.process_time() - start
             print(f"{name}: {spent:.1f} s, {given.verdict}; {'; '.join(wrong) or 'right'}", flush=True)
+        if spent > DEAR:
+            dear.append(name)
         if wrong:
             misses[name] = {"wrong": wrong, **given.shown()}
-    _write(folder, known | {"known_misses": misses})
+    _write(folder, known | {"known_misses": misses, "dear": dear})
     print(f"{len(misses)} of {len(known['cases'])} are missed")
 
 
@@ -51,6 +56,7 @@ def _write(folder: Path, known: dict[str, Any]) -> None:
         + "\n }"
         for part in ("cases", "known_misses")
     ]
+    lines.append(f' "dear": {json.dumps(sorted(known["dear"]))}')
     (folder / EXPECTED).write_text("{\n" + ",\n".join(lines) + "\n}\n", encoding="utf-8")
 
 

@@ -46,7 +46,8 @@ def answer(archive: Path, name: str, scratch: Path) -> Answer:
             if file.startswith(f"{name}/"):
                 (scratch / Path(file).name).write_bytes(held.read(file))
     words, result = io.StringIO(), scratch / "answer.json"
-    asked = ["diagnose", str(scratch / "arm.yaml"), str(scratch / "recording.csv"), "--json", str(result)]
+    recordings = [str(path) for path in sorted(scratch.glob("recording*.csv"))]
+    asked = ["diagnose", str(scratch / "arm.yaml"), *recordings, "--json", str(result)]
     with contextlib.redirect_stdout(io.StringIO()), contextlib.redirect_stderr(words):
         status = outcome(asked)
     if status:
@@ -62,10 +63,11 @@ def faults(name: str, asked: Mapping[str, Any], given: Answer) -> list[str]:
         name: The recording; its first word is the world.
         asked: `verdict` those that will do; `names` each large cause as effect and places, to be named or among the
             alternatives of a name; `others` small ones that may be named; `sizes` by parameter the true value in SI
-            units and the relative tolerance; `joints` how many the arm has.
+            units and the relative tolerance; `joints` how many the arm has; `line` what a refusal has to say.
         given: The answer.
     """
     results = [] if given.verdict in asked["verdict"] else [f"{given.verdict}, not {' or '.join(asked['verdict'])}"]
+    results += [f"the refusal does not say {words!r}" for words in asked.get("line", ()) if words not in given.line]
     truth = {
         "effects": [{"effect": effect, "at": at} for effect, at in (*asked["names"], *asked["others"])],
         "joints": asked["joints"],

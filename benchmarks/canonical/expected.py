@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
+from benchmarks.blind.parameters import UNITS
 from benchmarks.canonical.asked import REFUSED
 
 LOUD = 2.0
@@ -26,7 +27,7 @@ def asked_of(truth: Mapping[str, Any]) -> dict[str, Any]:
         "mislabelled": [REFUSED, "unknown", "insufficient_data"],
     }.get(kind, SAID if loud else [*NOTHING, *SAID])
     sizes = {
-        f"{item['effect']}.{name}": [parameter["value"], TOLERANCE]
+        f"{item['effect']}.{name}": [parameter["value"] * UNITS[parameter["unit"]][1], TOLERANCE]
         for item in loud
         for name, parameter in item["parameters"].items()
         if parameter["value"]
@@ -37,4 +38,5 @@ def asked_of(truth: Mapping[str, Any]) -> dict[str, Any]:
         "others": [[item["effect"], item["at"]] for item in (quiet if kind != "unknown" else effects)],
         "sizes": sizes if kind != "unknown" else {},
         "joints": truth.get("joints", 0),
+        "line": truth.get("line", []),
     }

@@ -91,7 +91,20 @@ def of_field(field: Path) -> Iterator[tuple[str, Files, dict[str, Any]]]:
         yield f"{world}-{name}", files, truth
 
 
-def _named(*effects: tuple[str, list[int], dict[str, float]], kind: str = "many") -> dict[str, Any]:
+_SMALL_OF_GRID = tuple(
+    (effect, [joint])
+    for effect in ("encoder_offset", "clearance", "backlash", "gear_transmission_error")
+    for joint in range(1, 7)
+)
+"""Zeros, play and orders of gears, whose joints are not told."""
+
+
+def _named(
+    *effects: tuple[str, list[int], dict[str, float]],
+    kind: str = "many",
+    small: Iterable[tuple[str, list[int]]] = (),
+) -> dict[str, Any]:
+    """Large causes with sizes, and small ones."""
     listed = [
         {
             "effect": effect,
@@ -101,7 +114,13 @@ def _named(*effects: tuple[str, list[int], dict[str, float]], kind: str = "many"
         }
         for effect, at, sizes in effects
     ]
+    listed += [{"effect": effect, "at": at, "large": False, "parameters": {}} for effect, at in small]
     return {"kind": kind, "effects": listed, "unknown": None}
+
+
+def _refused(*words: str) -> dict[str, Any]:
+    """What the columns say is off so far that they are refused, with the line to write."""
+    return {"kind": "swapped", "effects": [], "unknown": None, "line": list(words)}
 
 
 def _unknown(joints: list[int], depends: list[str]) -> dict[str, Any]:
@@ -125,21 +144,25 @@ FIELD: dict[str, tuple[str, str, str, int, dict[str, Any]]] = {
         "welding-robot-grid",
         "grid_day1.csv",
         8,
-        _named(("joint_compliance", [2], {}), ("joint_compliance", [3], {})),
+        _named(
+            *(("joint_compliance", [joint], {}) for joint in (2, 3)),
+            ("base_compliance", [], {}),
+            small=[("axis_misalignment", [3]), *_SMALL_OF_GRID],
+        ),
     ),
     "scara-steps-per-degree": (
         "tips",
         "scara-steps-per-degree",
         "recording.csv",
         1,
-        _named(("encoder_scale", [1], {}), ("encoder_scale", [2], {})),
+        _refused("q1_deg: 1.36", "q2_deg: 0.947"),
     ),
     "soft-loop-commands": (
         "tips",
         "soft-loop-commands",
         "recording.csv",
         1,
-        _named(("joint_compliance", [1], {"compliance_1": 0.05})),
+        _refused("stiffness: 20.0"),
     ),
     "bare-in-phase": ("torques", "bare_in_phase_chirp", "log.csv", 1, _named(*_FRICTION, kind="bare")),
     "bump-of-torque": ("torques", "bump_2", "log.csv", 1, _unknown([2], ["q2"])),
