@@ -22,7 +22,7 @@ def stood_up(mapping: Mapping, arm: Arm) -> Arm:
         key = f"chain[{index + 1}].link.height_direction"
         if link.height_up:
             if not any(arm.gravity):
-                raise mapping.error(key, f"cannot be {UP} where gravity is nought; give a vector in the link's frame")
+                raise mapping.error(key, f"cannot be {UP} where gravity is zero; give a vector in the link's frame")
             up = height_up(arm, index)
             if up is None:
                 message = f"cannot be {UP}: with all joints at zero the link stands upright; give a vector across it"

@@ -92,10 +92,10 @@ def next_poses(
         return NextPoses(note=" ".join(notes))
     before, after = (result.least(rows) for rows in ([], result.taken))
     enough = after >= observed.rules.answer.told
-    raised = (
-        f"The poses listed raise the smallest non-centrality between names from {_figure(before)} to {_figure(after)}: "
-        f"{'enough' if enough else 'repeat them'}."
-    )
+    better = "" if enough else " better" if after >= 2.0 * before else " slightly better"
+    repeat = "" if enough else " Record each several times."
+    figures = f"smallest non-centrality {_figure(before)} now, {_figure(after)} with them"
+    raised = f"These poses separate the candidates{better} ({figures}).{repeat}"
     return NextPoses(result.poses(), enough, " ".join((raised, *notes, _where(room))))
 
 
@@ -297,6 +297,6 @@ def _where(room: Room) -> str:
             "nothing else is checked."
         )
     return (
-        "They stay in the box in which the joints and the tip were recorded, as nobody says what to keep clear of "
-        "(`avoid`), and are not checked for collisions."
+        "No `avoid` regions are given, so the poses stay inside the recorded range. They are not checked for "
+        "collisions."
     )

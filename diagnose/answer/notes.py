@@ -63,9 +63,9 @@ def notes(names: Confirmed, rest: Remainder) -> tuple[str, ...]:
     further = beyond_first_order_of(names)
     if further:
         results.append(
-            f"What was found is so large that {1e3 * further:.2g} mm RMS of it lie beyond first order: that was "
-            "allowed for here. Designs and worst cases (optimize, evaluate) are to first order, and evaluate says "
-            "by how much that is off; put such a zero, length or tool into the arm file itself."
+            f"The offsets are large ({1e3 * further:.2g} mm RMS of them lie beyond first order). The fit is exact, not "
+            "linearised. Designs and worst cases (optimize, evaluate) are linearised, and evaluate gives the error of "
+            "that. Put such a zero, length or tool into the arm file itself."
         )
     if rest.may_scatter:
         results.append(

@@ -137,7 +137,7 @@ def reading_of(
     nothing: bool = False,
 ) -> str:
     """A finding in one sentence; `together` are others without which it means nothing, `nothing` says that all its
-    sizes may be nought."""
+    sizes may be zero."""
     if len(parameters) > _MANY_PARAMETERS:
         sizes = f"{len(parameters)} coefficients, the clearest of them {size_of(chief(parameters))}"
     else:
@@ -153,7 +153,7 @@ def reading_of(
     if together:
         text += f" Singly it means nothing: only together with {listed(together)}."
     elif nothing:
-        text += " With room for what is not named, its sizes may be nought."
+        text += " With room for what is not named, its sizes may be zero."
     return text[0].upper() + text[1:]
 
 
@@ -207,10 +207,12 @@ def verdict_sentence(
     if unknown is None:
         if small is not None:
             after += f": noise, and causes too small to be told one by one, {mm(small.moved)}"
-        text = f"Left out: {named}. It explains {share:.0f} % of the mismatch ({mm(rms_before)} RMS); {after}."
+        after = f"{after[:1].upper()}{after[1:]}"
+        whose = "It explains" if len(findings) == 1 else "Together they explain"
+        text = f"Found: {named}. {whose} {share:.0f} % of the mismatch ({mm(rms_before)} RMS). {after}."
         doubtful = [f for f in findings if f.alternatives] if len(findings) <= MANY_FINDINGS else []
         if doubtful:
-            text += " " + " ".join(_undecided(f) for f in doubtful)
+            text += " " + " ".join(_undecided(f, alone=len(findings) == 1) for f in doubtful)
         return text
     on = ", ".join(unknown.depends_on) or "nothing that was recorded"
     text = f"Unknown: {unknown.shape}, {mm(unknown.amplitude)} RMS, depending on {on}"
@@ -359,10 +361,12 @@ def _summed_up(findings: Sequence[Finding], causes: Sequence[tuple[str, float]])
     return "; ".join(parts)
 
 
-def _undecided(finding: Finding) -> str:
+def _undecided(finding: Finding, *, alone: bool) -> str:
+    """What else a finding could be; in place of what, where it is not the only one."""
     names = [name_of(other.effect, other.at, other.recording) for other in finding.alternatives[:3]]
-    more = f" or {len(finding.alternatives) - 3} more" if len(finding.alternatives) > 3 else ""
-    return f"It could as well be {' or '.join(names)}{more} instead of the {_own_name(finding)}."
+    either = names[0] if len(names) == 1 else f"{', '.join(names[:-1])} or {names[-1]}"
+    more = f" ({len(finding.alternatives) - 3} more in the report)" if len(finding.alternatives) > 3 else ""
+    return f"The data fit equally well: {either}{more}{'' if alone else f', in place of the {_own_name(finding)}'}."
 
 
 def of_exchange(exchange: Exchange) -> str:
@@ -410,7 +414,10 @@ def null_vectors(prepared: Prepared) -> tuple[str, ...]:
     for candidate in prepared.pool.invisible:
         if not candidate.outside and candidate.family not in shown:
             places.setdefault(candidate.effect, set()).update(candidate.numbers)
-    why = "What is left free swallows" if beside.shape[1] else "These readings cannot show"
+    recording = prepared.observed.recording
+    free = [name for name, setting in (("frame", recording.frame), ("tool", recording.tool)) if setting == "free"]
+    fitted = f"{' and '.join(free)} {'were' if len(free) > 1 else 'was'} fitted" if free else "more was fitted beside"
+    why = f"Because {fitted}, these cannot be seen" if beside.shape[1] else "These readings cannot show"
     names = [name_of(effect, sorted(at)) for effect, at in sorted(places.items())]
     if names:
         sentences.append(f"{why}: {'; '.join(names)}.")

@@ -67,7 +67,7 @@ def stand_of(recording: Recording, arm: Arm) -> Stand | None:
     gravity = np.array(arm.gravity, dtype=float)
     size = float(np.linalg.norm(gravity))
     if size <= 0.0:
-        raise InputError(recording.file, "tilt_x", "needs the arm file's `gravity`, which is nought: nothing is up")
+        raise InputError(recording.file, "tilt_x", "needs the arm file's `gravity`, which is zero: nothing is up")
     up = -gravity / size
     level = _level(up, flat=arm.planar())
     if link == 0:

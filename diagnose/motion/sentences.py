@@ -83,7 +83,7 @@ def since_words(change: Change) -> str:
 def _undecided(finding: MotionFinding) -> str:
     effect = EFFECTS[finding.effect]
     own = name_of(effect.title, effect.place, finding.at)
-    return f"It could as well be {or_else(finding.alternatives)} instead of {own}."
+    return f"The data fit equally well: {or_else(finding.alternatives)}, in place of {own}."
 
 
 def _friction(effect: str) -> bool:

@@ -28,7 +28,7 @@ _STEPS = 30
 class Alignment:
     """Measured positions as base-frame positions: `rotation` (D, D) and `translation` (D,), m; `tool` (D,), m, is added
     to the arm's own in the last link's frame; `residual` (N, D), m, is measured less modelled after all that.
-    `undetermined` are sentences on what of frame and tool the readings do not tell: it is left at nought."""
+    `undetermined` are sentences on what of frame and tool the readings do not tell: it is left at zero."""
 
     rotation: Array
     translation: Array
@@ -106,7 +106,7 @@ def _sentences(undetermined: Array, of_tool: int, named: float) -> tuple[str, ..
         )
     return (
         "The points that were reached lie on a line or closer: how the measuring frame is turned about it cannot be "
-        "told, and is left at nought.",
+        "told, and is left at zero.",
     )
 
 

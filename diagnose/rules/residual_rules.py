@@ -87,7 +87,7 @@ class ResidualRules:
         "standard errors",
         "Nearer than this two numbers may be one: a visit's second reading that lies further off the later ones, the "
         "way the first does, still settles; visits of one pose that differ by more drift; a size further outside its "
-        "bounds is impossible, not just badly known; so far from nought a correlation of neighbours is allowed for.",
+        "bounds is impossible, not just badly known; so far from zero a correlation of neighbours is allowed for.",
         PROOF,
     )
     level: float = rule(

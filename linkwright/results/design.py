@@ -67,15 +67,24 @@ def bound_words(evaluation: Evaluation) -> str:
     return f"{proved}: {bound}" if evaluation.worst.certified else f"{bound}; the gap is not closed"
 
 
+def as_sentence(words: str) -> str:
+    """A phrase as a sentence of its own."""
+    return f"{words[:1].upper()}{words[1:]}."
+
+
 def first_order_words(evaluation: Evaluation) -> str:
     """How far the error, which is to first order, is from finite motions and loads on the deformed shape; the bound
     with what samples show of that, which no certificate covers."""
     beyond, bound = evaluation.beyond, evaluation.upper_bound
     if beyond.at_worst is None:
-        return "to first order; beyond it the arm finds no shape under its loads"
-    most = "" if beyond.largest is None else f", at most {mm(beyond.largest, 2)} at {beyond.poses} samples"
-    with_it = "" if bound is None else f"; bound with it {mm(bound, 6)}"
-    return f"first order is {mm(beyond.at_worst, 2)} off there{most}{with_it}"
+        return "Linearised only. With finite motions the arm has no shape that carries its loads."
+    size, where = (
+        (beyond.at_worst, "at the worst pose")
+        if beyond.largest is None
+        else (beyond.largest, f"{beyond.poses} poses checked")
+    )
+    with_it = "" if bound is None else f" Bound including it {mm(bound, 6)}."
+    return f"Linearisation error {mm(size, 2)} ({where}).{with_it}"
 
 
 def seam_words(evaluation: Evaluation) -> list[Paragraph]:
@@ -98,8 +107,8 @@ def rigid_links_words(evaluation: Evaluation) -> list[Paragraph]:
     if rest is None or not _TOLD_OF_RIGID_LINKS * evaluation.max_error < rest <= evaluation.max_error:
         return []
     share, gain = percent(rest / evaluation.max_error), mm(evaluation.max_error - rest, 3)
-    text = f"rigid, weightless links would leave {mm(rest, 4)}, {share} of it: that is not the links'"
-    return [Paragraph(f"{text}, which can win {gain} at best", "under")]
+    text = f"Even with perfect links {mm(rest, 3)} ({share}) would remain."
+    return [Paragraph(f"{text} Better links can save at most {gain}.", "under")]
 
 
 def relative_words(evaluation: Evaluation) -> list[Paragraph]:
@@ -328,13 +337,14 @@ def settings(rows: Sequence[tuple[str, str]]) -> Table:
 
 
 def worse_words(result: Sequence[Worse]) -> str:
-    """What a design does worse than the arm as given, as a phrase; error and mass stand beside it, better or worse."""
+    """What a design does worse than the arm as given, as a sentence without its full stop; error and mass stand beside
+    it, better or worse."""
     parts: list[str] = []
     for item in result:
         if item.figure.name not in _BESIDE:
             before, after = (figure(item.figure.shown(value)) for value in (item.before, item.after))
             parts.append(f"{item.figure.title} from {before} to {after} {item.figure.unit}".rstrip())
-    return f"worse: {', '.join(parts)}" if parts else ""
+    return f"Worse than the original arm: {', '.join(parts)}" if parts else ""
 
 
 def sideways(before: Evaluation, after: Evaluation, limits: Sequence[str], which: str) -> list[Paragraph]:

@@ -64,7 +64,7 @@ def describe(
     poses = design.worst_poses(evaluation)
     facts = Facts(tuple(Fact(*item) for item in design.figures(evaluation, known)))
     items: list[Item] = [
-        Paragraph(design.bound_words(evaluation), "under"),
+        Paragraph(design.as_sentence(design.bound_words(evaluation)), "under"),
         Paragraph(design.first_order_words(evaluation), "under"),
         Paragraph(f"over {workspace_words(arm, evaluation.workspace)}", "under"),
         *design.seam_words(evaluation),

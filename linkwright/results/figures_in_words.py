@@ -40,6 +40,12 @@ def unless_nothing(value: float, largest: float) -> float:
     return 0.0 if abs(value) < _NOTHING * largest else value
 
 
+def from_to(before: str, after: str) -> str:
+    """Two quantities as a change, with their unit once where both have the same."""
+    size, _, unit = before.rpartition(" ")
+    return f"{size if after.endswith(f' {unit}') else before} → {after}"
+
+
 def percent(value: float, digits: int = 2) -> str:
     """A ratio as a percentage."""
     return "–" if math.isnan(value) else f"{figure(100.0 * value, digits)} %"

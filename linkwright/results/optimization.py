@@ -56,9 +56,9 @@ def describe(result: OptimizationResult) -> Description:
     shapes = Picture(lambda: sections_grid((("before", result.before.arm), ("after", result.after.arm))))
     over = Picture(lambda: designs.maps(named, (result.before_map, result.after_map)))
     items: list[Item] = [
-        Paragraph(status_words(result), "under"),
-        Paragraph(f"worst case of the new design: {bound}", "under"),
-        Paragraph(bound_sentence(result), "under"),
+        Paragraph(design.as_sentence(status_words(result)), "under"),
+        *([] if status_words(result) == bound else [Paragraph(f"Worst case of the new design: {bound}.", "under")]),
+        Paragraph(design.as_sentence(bound_sentence(result)), "under"),
         *design.seam_words(result.after),
         *design.relative_words(result.after),
         *design.rigid_links_words(result.after),
@@ -314,7 +314,7 @@ def _search(result: OptimizationResult) -> Section:
     ]
     headings = ("iteration", "objective", "design change", "poses", "worst violation", "")
     log = table(headings, rows, detail=True)
-    lead = f"{status_words(result).capitalize()}."
+    lead = design.as_sentence(status_words(result))
     chart = Picture(lambda: designs.exchange(result, f"Objective over the iterations: {effort_words(result)}."))
     effort = Paragraph(effort_words(result))
     return section("How the design was found", chart, log, _candidates(result), effort, lead=lead)
@@ -345,9 +345,9 @@ def iteration_line(iteration: Iteration, minimize: str) -> str:
     factor, unit = objective_unit(minimize)
     mark = "  certified" if iteration.certified else ""
     return (
-        f"{iteration.number:4d}  {figure(factor * iteration.objective, 6):>10} {unit}"
-        f"  design {percent(iteration.design_change):>9}  poses {iteration.poses:3d}"
-        f"  violation {violation_words(iteration):>9}{mark}"
+        f"iteration {iteration.number:3d}  objective {figure(factor * iteration.objective, 6):>10} {unit}"
+        f"  sizes changed by {percent(iteration.design_change):>9}  poses designed for {iteration.poses:3d}"
+        f"  worst pose above by {violation_words(iteration):>9}{mark}"
     )
 
 
@@ -356,8 +356,9 @@ def status_words(result: OptimizationResult) -> str:
     # Few sections may have any lengths: what was not compared need not be many combinations.
     bounded = result.listed and result.gap is not None
     why = "bounded, not compared one by one" if bounded else "too many combinations to try every one"
+    certified = result.after.worst.certified
     return {
-        "certified": "certified: no pose of the workspace is worse, within the gap",
+        "certified": design.bound_words(result.after) if certified else "certified: no pose is worse, within the gap",
         "certified_where_reached": f"certified over the part reached{_reached(result)}: no pose there is worse, within "
         "the gap",
         "converged": "converged: no worse pose was found; there is no proof that none exists",
@@ -387,17 +388,19 @@ def bound_sentence(result: OptimizationResult) -> str:
     factor, unit = objective_unit(result.minimize, result.figures)
     if result.robust is not None and result.robust.design.share < 1.0 and result.minimize == "max_error":
         return "no lower bound is known: what a share does not exceed is sampled, and its optimum a local one"
-    side = "upper" if result.minimised.more_is_better else "lower"
-    bound = f"{side} bound {with_unit(factor * result.lower_bound, unit, 6)}"
+    value = with_unit(factor * result.lower_bound, unit, 6)
     if result.bound_of == "all_designs":
         sizes = "" if result.listed else " and all sizes"
         whose = f"all {result.combinations:,} combinations{sizes}" if result.combinations > 1 else "all sizes"
         gap = result.lower_bound_gap
         # Where the bound is the design's own figure to all digits told, a rest of the solver's is nothing to tell.
         better = "better" if figure(1.0 + gap, 6) == "1" else f"more than {percent(gap)} better"
-        return f"{bound}: of {whose}, bounded at once; no design is {better}"
-    reach = "no design does better" if result.optimum == "global" else "no design near this one does better"
-    return f"{bound}: the optimum over the binding poses alone; {reach}"
+        side = "upper" if result.minimised.more_is_better else "lower"
+        return f"{side} bound {value}: of {whose}, bounded at once; no design is {better}"
+    if result.optimum == "global":
+        return f"no design is better than {value}"
+    local = "locally optimal: " if result.status in ("certified", "certified_where_reached") else ""
+    return f"{local}no nearby design is better than {value}"
 
 
 def price_words(limit: BindingLimit) -> str:
@@ -422,8 +425,8 @@ def effort_words(result: OptimizationResult) -> str:
 
 
 def headline(result: OptimizationResult) -> str:
-    """The result in one sentence: error and mass, and all that the new design does worse than the arm as given."""
-    return "; ".join(part for part in (better_words(result), design.worse_words(result.worse)) if part)
+    """The result in two sentences: error and mass, and all that the new design does worse than the arm as given."""
+    return ". ".join(part for part in (better_words(result), design.worse_words(result.worse)) if part)
 
 
 def better_words(result: OptimizationResult) -> str:

@@ -235,8 +235,8 @@ def _kept_to(planned: Planned) -> str:
         return f"What is to be avoided is kept clear of by joints, links and tip, {where}; nothing else is checked."
     if room.within is not None:
         return (
-            f"Joints and tip stay in the box in which they were recorded, {where}, as nobody says what to keep clear "
-            "of (`avoid`); not checked for collisions."
+            f"No `avoid` regions are given, so joints and tip stay inside the recorded range, {where}. They are not "
+            "checked for collisions."
         )
     return (
         "Poses are taken from the whole of the joint ranges, and not checked for collisions: say what to keep clear of "

@@ -42,7 +42,7 @@ def _made(result: OptimizationResult, rounded: Rounded) -> Section:
     return section(
         f"Rounded to {words}",
         Paragraph(f"rounded to {words}: {rounding_headline(result, rounded)}", "strong"),
-        Paragraph(f"worst case of the rounded design: {design.bound_words(rounded.evaluation)}", "under"),
+        Paragraph(design.as_sentence(design.bound_words(rounded.evaluation)), "under"),
         Paragraph(compared_words(rounded), "under"),
         _worse_paragraph(result, rounded),
         *design.warnings(rounded.evaluation, "rounded design"),
@@ -84,7 +84,7 @@ def exceeded_words(limit: KeptLimit) -> str:
 
 def _worse_paragraph(result: OptimizationResult, rounded: Rounded) -> Paragraph | None:
     words = design.worse_words(worse_figures(result.figures, result.before, rounded.evaluation))
-    return Paragraph(f"than the arm as given {words}", "under") if words else None
+    return Paragraph(f"{words}.", "under") if words else None
 
 
 def rounding_words(rounded: Rounded) -> str:

@@ -149,14 +149,15 @@ def ends_words(result: Tradeoff, front: Front) -> list[str]:
     x, y = result.asked.x, result.asked.y
     points = result.of(front)
     first, last = points[0], points[-1]
-    least, most = ("most", "less") if x.more_is_better else ("least", "more")
-    lines = [
-        f"{least} {x.title}: {shown(x, first.x)}, with {y.title} {shown(y, first.y)}; no design found goes further",
-    ]
+    least, less, most = ("most", "more", "less") if x.more_is_better else ("least", "less", "more")
+    further = "This is the lightest design found." if x.name == "mass" else f"No design found has {less} {x.title}."
+    lines = [f"{least} {x.title}: {shown(x, first.x)}, with {y.title} {shown(y, first.y)}. {further}"]
     best = "most" if y.more_is_better else "least"
-    why = f"the problem allows no {most} {x.title}" if front.capped else f"{most} {x.title} buys nothing"
+    why = (
+        f"The problem allows no {most} {x.title}." if front.capped else f"{most.capitalize()} {x.title} does not help."
+    )
     if len(points) > 1:
-        lines.append(f"{best} {y.title}: {shown(y, last.y)}, with {x.title} {shown(x, last.x)}; {why}")
+        lines.append(f"{best} {y.title}: {shown(y, last.y)}, with {x.title} {shown(x, last.x)}. {why}")
     else:
         lines.append("one design is best in both, so there is nothing to trade")
     return lines
@@ -174,7 +175,7 @@ def gap_words(result: Tradeoff, front: Front) -> list[str]:
             f"{shown(y, other.y)}"
         )
     lines += [
-        f"idle: from {shown(x, start)} to {shown(x, end)} {more} {x.title} buys nothing" for start, end in front.idle
+        f"idle: from {shown(x, start)} to {shown(x, end)} {more} {x.title} does not help" for start, end in front.idle
     ]
     lines += [f"not solved: at {shown(x, value)} the solver found no design" for value in front.failed]
     if not front.complete:

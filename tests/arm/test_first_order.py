@@ -83,7 +83,7 @@ def test_only_what_a_certificate_covers_is_called_certified():
     words = bound_words(result)
     assert words == f"certified: no pose is worse than {1e3 * result.worst.upper_bound:.6g} mm to first order"
     assert f"{1e3 * result.upper_bound:.6g} mm" in first_order_words(result)
-    assert "samples" in first_order_words(result)
+    assert "poses checked" in first_order_words(result)
 
 
 def plumb(backlash):

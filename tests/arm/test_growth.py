@@ -66,7 +66,7 @@ def test_the_warning_tells_what_counting_it_gives() -> None:
     assert "+30 K from 20 degC" in warning
     assert counted.growth is None
     assert counted.warnings == ()
-    assert "certified: no pose is worse than" in markdown(describe(without))
+    assert "Certified: no pose is worse than" in markdown(describe(without))
     assert "thermal expansion left out" in markdown(describe(without))
     assert "thermal expansion left out" not in markdown(describe(counted))
 

@@ -141,8 +141,8 @@ _SENTENCES = MappingProxyType(
     {
         "none": "Nothing is missing that this recording could show.",
         "insufficient_data": "The recording cannot say: 3 poses are too few.",
-        "named": "Left out: compliance of drive 2, 21 urad/(N*m); what remains is the noise floor.",
-        "alias_class": "Left out: compliance of drive 1 or of the base; the data cannot tell which.",
+        "named": "Found: compliance of drive 2, 21 urad/(N*m). What remains is the noise floor.",
+        "alias_class": "Found: compliance of drive 1 or of the base; the data cannot tell which.",
         "unknown": "Something changed at 700 s that nothing in the library explains.",
     }
 )

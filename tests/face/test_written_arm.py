@@ -64,7 +64,7 @@ def test_a_file_that_lacks_a_finding_says_so():
     assert result.written.rms == pytest.approx(rms(left), rel=1e-9)
     assert result.written.rms > 0.8 * LONGER
     (warning,) = warnings(result)
-    assert "the file lacks true lengths of the links at link 2." in warning
+    assert "The file lacks true lengths of the links at link 2." in warning
     assert f"{1e3 * rms(left):.3g} mm" in warning
 
 

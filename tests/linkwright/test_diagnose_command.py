@@ -31,7 +31,7 @@ from linkwright.results.diagnoses.described import describe
 from linkwright.results.diagnoses.evidence import ladder
 from linkwright.results.diagnoses.words import effect_words, interval, value
 from linkwright.results.document import Table
-from linkwright.results.figures_in_words import figure, mm
+from linkwright.results.figures_in_words import figure, from_to, mm
 from linkwright.screen.described import show
 from tests.diagnose.made_diagnosis import RECORDED, made_arm, made_diagnosis, write_recording
 from tests.linkwright.reports.test_report import Page
@@ -167,7 +167,9 @@ def test_the_answer_has_at_most_thirty_words(effect):
         assert effect_words(effect, first.at)[1:].split(" (")[0] in said
         assert said.endswith(".")
     share = 100.0 * (1.0 - (made.ladder[1].rms / made.ladder[0].rms) ** 2)
-    assert f"{figure(share, 2)} % of the {mm(made.rms_before, 3)} mismatch" in answer(replace(made, findings=(first,)))
+    said = answer(replace(made, findings=(first,)))
+    assert f"({figure(share, 2)} % of the mismatch)" in said
+    assert f"Error {from_to(mm(made.rms_before, 3), mm(made.rms_after, 3))}" in said
 
 
 def test_the_answer_of_every_verdict_is_short(diagnosis):
@@ -180,7 +182,7 @@ def test_an_arm_without_weight_is_told_first():
     bare = tuple(Link(link.length, mass=0.0) for link in made.arm.links)
     light = replace(made.arm, links=bare, joints=tuple(replace(joint, mass=0.0) for joint in made.arm.joints))
     said = answer(replace(made, arm=light))
-    assert said.startswith("All links weigh 0 kg here; left out: ")
+    assert said.startswith("All links weigh 0 kg here. Found: ")
     assert len(said.split()) <= 30
     assert "`mass: unknown`" in to_do(replace(made, arm=light))[0]
     assert said_of_no_weight(light, "unknown").startswith("All links weigh 0 kg")
@@ -234,7 +236,7 @@ def test_that_there_is_another_cause_is_said_before_every_name_of_the_first():
     second = replace(first, effect="encoder_offset", at=(3,), alternatives=())
     result = replace(made, findings=(first, second))
     assert "or 3 like it" in answer(result)
-    assert f"with 1 other {mm(made.rms_after, 3)} remain" in answer(result)
+    assert f" and 1 smaller cause. Error {from_to(mm(made.rms_before, 3), mm(made.rms_after, 3))}" in answer(result)
     assert len(answer(result).split()) <= 30
     assert "or 2 more" in answer(replace(made, findings=(first,)))
     page = page_of(describe(result))

@@ -10,7 +10,7 @@ from linkwright.core.arm.effects.effect import Condition
 from linkwright.core.diagnose.answer.sentences import WEIGHTLESS, chief, put_right, said_of_no_weight
 from linkwright.core.diagnose.recording import Recording
 from linkwright.core.diagnose.result import Diagnosis, Finding, FittedParameter, Left
-from linkwright.results.figures_in_words import figure, mm
+from linkwright.results.figures_in_words import figure, from_to, mm
 
 from .words import covariate_words, listed, name_words, portion, value
 
@@ -38,7 +38,7 @@ def answer(diagnosis: Diagnosis) -> str:
     """The answer in at most `MOST_WORDS` words: the largest cause, where it sits, and its share of the mismatch."""
     clauses = _clauses(diagnosis)
     if said_of_no_weight(diagnosis.arm, diagnosis.verdict):
-        clauses = [WEIGHTLESS, *(clause if clause[:1] in ";," else f"; {clause}" for clause in clauses)]
+        clauses = [WEIGHTLESS, f". {capital(clauses[0])}", *clauses[1:]]
     return briefly(clauses)
 
 
@@ -52,7 +52,12 @@ def briefly(clauses: Sequence[str]) -> str:
         sentence += clause
     words = sentence.split()
     cut = sentence if len(words) <= MOST_WORDS else " ".join(words[: MOST_WORDS - 1]).rstrip(",;") + " …"
-    return f"{cut[:1].upper()}{cut[1:]}."
+    return f"{capital(cut)}."
+
+
+def capital(words: str) -> str:
+    """Words that begin a sentence."""
+    return f"{words[:1].upper()}{words[1:]}"
 
 
 def _clauses(diagnosis: Diagnosis) -> list[str]:
@@ -72,9 +77,12 @@ def _clauses(diagnosis: Diagnosis) -> list[str]:
     largest = _largest(diagnosis)
     if diagnosis.unknown is not None:
         on = [covariate_words(name) for name in diagnosis.unknown.depends_on[:3]]
-        opening = f"nothing in the library explains {mm(diagnosis.unknown.amplitude, 3)} of the {mismatch} mismatch"
-        explained = "" if largest is None else f"; {name_words(largest)} describes part of the rest"
-        return [opening, f"; it depends on {listed(on)}" if on else "", explained]
+        # Causes may cancel: what nothing explains can be more than the mismatch, and is no share of it then.
+        part = diagnosis.unknown.amplitude < diagnosis.rms_before
+        opening = f"nothing in the library explains {mm(diagnosis.unknown.amplitude, 3)}"
+        opening += f" of the {mismatch} mismatch" if part else f" (the mismatch is {mismatch})"
+        explained = "" if largest is None else f". {capital(name_words(largest))} describes part of the rest"
+        return [opening, f". It depends on {listed(on)}" if on else "", explained]
     if largest is None:
         return [diagnosis.sentence]
     return _cause(diagnosis, largest, mismatch, left)
@@ -102,16 +110,17 @@ def _cause(diagnosis: Diagnosis, largest: Finding, mismatch: str, left: str) -> 
     few = f" or {len(largest.alternatives)} like it" if others else ""
     size = "" if others or not largest.parameters else f", {_size(chief(largest.parameters))}"
     part = _share_of_first(diagnosis)
-    does = "" if part is None else f": {portion(part).text} of the {mismatch} mismatch"
+    does = "" if part is None else f" ({portion(part).text} of the mismatch)"
     rest = len(diagnosis.findings) - 1
-    smaller = f"; with {rest} {'other' if rest == 1 else 'others'} {left} remain" if rest else f"; {left} remain"
+    smaller = f" and {rest} smaller {'cause' if rest == 1 else 'causes'}" if rest else ""
     over = _over(diagnosis.left)
     floor = f", {over}" if over else ""
-    opening = f"left out: {name}{either}{size}{does}"
-    if rest and len(f"{opening}{smaller}".split()) > MOST_WORDS:
-        # That there is a further cause matters more than what else the first may be called.
-        opening = f"left out: {name}{few}{size}{does}"
-    return [opening, smaller, floor]
+    change = f". Error {from_to(mismatch, left)}"
+    opening = f"found: {name}{either}{size}{does}{smaller}"
+    if len(f"{opening}{change}".split()) > MOST_WORDS:
+        # That there is a further cause, and what remains, matter more than what else the first may be called.
+        opening = f"found: {name}{few}{size}{does}{smaller}"
+    return [opening, change, floor]
 
 
 def _size(fitted: FittedParameter) -> str:

@@ -63,6 +63,7 @@ from .words import (
     time_words,
     verdict_words,
     whole_sentence,
+    written_differs,
 )
 
 _WITHOUT = "Without JavaScript the maps to hover over are missing; all else is here. diagnosis.json has the figures."
@@ -164,9 +165,10 @@ def _facts(diagnosis: Diagnosis) -> Facts:
         chance, left = _lack_of_fit(diagnosis.small.lack_of_fit)
         said = f"what they move the tip by together; lack of fit with room for them {chance.text}: {left}"
         facts.append(Fact("causes too small to be named", length(diagnosis.small.moved, 3), said))
-    if diagnosis.written is not None and diagnosis.findings:
-        promised = f"read back and applied to this recording; the fit promises {mm(diagnosis.written.promised, 3)}"
-        facts.append(Fact("the written arm.yaml", length(diagnosis.written.rms, 3), promised))
+    written = diagnosis.written
+    if written is not None and diagnosis.findings and written_differs(written):
+        promised = f"of this recording, where the fit promises {mm(written.promised, 3)}"
+        facts.append(Fact("the written arm.yaml leaves", length(written.rms, 3), promised))
     return Facts(tuple(facts), headed=False)
 
 
@@ -175,24 +177,24 @@ def _broken_promise(diagnosis: Diagnosis) -> Paragraph | None:
     written = diagnosis.written
     if written is None or not diagnosis.findings or written.keeps(RULES.answer.promise):
         return None
-    lacks = f": the file lacks {listed(written.lacks)}" if written.lacks else ""
+    lacks = f" The file lacks {listed(written.lacks)}." if written.lacks else ""
     if diagnosis.differences:
         return Paragraph(
-            f"arm.yaml holds what is common to the recordings and leaves {mm(written.rms, 3)} RMS of them{lacks}; what "
+            f"arm.yaml holds what is common to the recordings and leaves {mm(written.rms, 3)} RMS of them.{lacks} What "
             "differs is in diagnosis.json (differences)."
         )
     return Paragraph(
-        f"Warning: arm.yaml, read back and applied to this recording, leaves {mm(written.rms, 3)} RMS where the fit "
-        f"promises {mm(written.promised, 3)}{lacks}."
+        f"Warning: the written arm.yaml leaves {mm(written.rms, 3)} RMS of this recording. The fit promises "
+        f"{mm(written.promised, 3)}.{lacks}"
     )
 
 
 def _lack_of_fit(lack_of_fit: LackOfFit) -> tuple[Value, str]:
     """The test of what is left against readings of one pose, with what stands behind it."""
-    pure = {"repeats": "repeats of a visit", "returns": "visits of one pose"}[lack_of_fit.against]
-    left = f"{figure(lack_of_fit.times, 3)} times what {pure} differ by is left"
-    held = f"{figure(lack_of_fit.held_out_times, 3)} times what noise leaves on readings not fitted"
-    return Value(f"p {probability(lack_of_fit.p_value).text}"), f"{left}; {held}"
+    pure = {"repeats": "repeatability", "returns": "pose repeatability"}[lack_of_fit.against]
+    left = f"remaining error {figure(lack_of_fit.times, 3)} × {pure} on fitted readings"
+    held = f"{figure(lack_of_fit.held_out_times, 3)} × on unseen ones"
+    return Value(f"p {probability(lack_of_fit.p_value).text}"), f"{left}, {held}"
 
 
 def _origins(diagnosis: Diagnosis) -> Section:
@@ -224,7 +226,7 @@ def _findings(diagnosis: Diagnosis) -> Section:
     rows = [row for finding in main for row in _finding_rows(finding)]
     small_rows = [row for finding in small for row in _finding_rows(finding)]
     headings = (
-        "left out",
+        "found",
         "parameter",
         Column("meaning", detail=True),
         "value",

@@ -200,11 +200,11 @@ def own_arms(diagnosis: Diagnosis) -> Section:
         rms = None if one.written is None else one.written.rms
         rows.append([one.name, file, length(rms, 3), length(one.rms_promised, 3)])
         if one.written is not None and not one.written.keeps(RULES.answer.promise):
-            lacks = f": the file lacks {listed(one.written.lacks)}" if one.written.lacks else ""
-            text = f"leaves {mm(one.written.rms, 3)} RMS where the fit promises {mm(one.rms_promised, 3)}"
-            broken.append(Paragraph(f"Warning: {file}, read back and applied to its recording, {text}{lacks}."))
+            lacks = f" The file lacks {listed(one.written.lacks)}." if one.written.lacks else ""
+            text = f"The fit promises {mm(one.rms_promised, 3)}.{lacks}"
+            broken.append(Paragraph(f"Warning: {file} leaves {mm(one.written.rms, 3)} RMS of its recording. {text}"))
     headings = ("unit", "file", "leaves of its recording", "the fit promises")
-    lead = "What belongs to the type and each one's own differences, read back and applied to its own recording; RMS. "
+    lead = "Each file holds the type's physics and the unit's own differences. RMS on the unit's own recording. "
     return section("Each unit's arm", table(headings, rows), *broken, lead=f"{lead}arm.yaml is the type's.")
 
 

@@ -19,6 +19,7 @@ from linkwright.core.diagnose.result import (
     Finding,
     FittedParameter,
     NextPose,
+    WrittenArm,
 )
 from linkwright.core.units.quantities import format_quantity
 from linkwright.results.document import Cell, Value, amount, share
@@ -58,6 +59,15 @@ VERDICTS = (
 def verdict_words(verdict: str, *, short: bool = False) -> str:
     """A verdict as a phrase, or in two words."""
     return next((brief if short else full for name, brief, full in VERDICTS if name == verdict), verdict)
+
+
+_SAME = 1e-3
+"""The share of what the fit promises by which a written arm may differ without a word."""
+
+
+def written_differs(written: WrittenArm | None) -> bool:
+    """Whether a written arm is not what the fit promises, so that a reader must know both."""
+    return written is not None and (bool(written.lacks) or not written.keeps(_SAME))
 
 
 def listed(words: Sequence[str], last: str = "and") -> str:

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from linkwright.core.diagnose.motion.result import MotionDiagnosis, MotionFinding
 from linkwright.core.diagnose.result import HALF
-from linkwright.results.diagnoses.answer import briefly
+from linkwright.results.diagnoses.answer import briefly, capital
 from linkwright.results.diagnoses.words import portion, value
-from linkwright.results.figures_in_words import figure
+from linkwright.results.figures_in_words import figure, from_to
 
 from .words import alternative_words, dependence_words, finding_words, of_all_joints, torque, torque_unit
 
@@ -33,11 +33,11 @@ def _clauses(diagnosis: MotionDiagnosis) -> list[str]:
         more = f" and {len(unknown.joints) - 1} more" if len(unknown.joints) > 1 else ""
         open_at = f"{torque(unknown.amplitude, torque_unit(diagnosis.arm, joint)).text} at joint {joint}{more}"
         depends = dependence_words(unknown.depends_on[:3])
-        on = f"; it depends on {depends}" if depends else ""
+        on = f". It depends on {depends}" if depends else ""
         if unknown.change is not None:
-            on = f"; something changed at {figure(unknown.change.time, 4)} s"
+            on = f". Something changed at {figure(unknown.change.time, 4)} s"
         if part is None or part < HALF:
-            explained = "" if largest is None else f"; {finding_words(largest)} explains part of the rest"
+            explained = "" if largest is None else f". {capital(finding_words(largest))} explains part of the rest"
             return [f"nothing in the library explains {open_at}", on, explained]
     if largest is None:
         return [diagnosis.sentence.removesuffix(".")]
@@ -45,12 +45,15 @@ def _clauses(diagnosis: MotionDiagnosis) -> list[str]:
     alone = not largest.alternatives and not open_at and len(largest.parameters) == 1
     size = f", {value(largest.parameters[0]).text}" if alone else ""
     rest = len(diagnosis.findings) - 1
-    more = f" and {rest} {'other' if rest == 1 else 'others'}" if rest else ""
-    does = "" if part is None else f": {portion(part).text} of the {mismatch} mismatch"
-    opening = f"left out: {finding_words(largest)}{either}{size}{more}{does}"
+    more = f" and {rest} smaller {'cause' if rest == 1 else 'causes'}" if rest else ""
+    opening = f"found: {finding_words(largest)}{either}{size}{more}"
+    share = "" if part is None else portion(part).text
     if open_at:
-        return [f"{opening}; nothing explains {open_at}", on]
-    return [opening, f"; {torque(diagnosis.rms_held_out).text} remain", f", {over(diagnosis)}"]
+        does = f" ({share} of the {mismatch} mismatch)" if share else ""
+        return [f"{opening}{does}. Nothing explains {open_at}", on]
+    does = f" ({share} of the mismatch)" if share else ""
+    change = from_to(mismatch, torque(diagnosis.rms_held_out).text)
+    return [f"{opening}{does}", f". Error {change}", f", {over(diagnosis)}"]
 
 
 def over(diagnosis: MotionDiagnosis) -> str:

@@ -19,6 +19,7 @@ from linkwright.results.diagnoses.words import (
     spoken,
     verdict_words,
     whole_sentence,
+    written_differs,
 )
 from linkwright.results.document import (
     BARS,
@@ -131,10 +132,10 @@ def _facts(diagnosis: MotionDiagnosis) -> Facts:
         facts.append(Fact("with what was found", torque(diagnosis.rms_after), note))
         said = f"{over(diagnosis)}; {diagnosis.split}" if diagnosis.split else over(diagnosis)
         facts.append(Fact("on motion not fitted", torque(diagnosis.rms_held_out), said))
-    if diagnosis.written is not None and diagnosis.findings:
-        promised = torque(diagnosis.written.promised).text
-        said = f"read back and applied to the same motion; the fit promises {promised}"
-        facts.append(Fact("the written arm.yaml", torque(diagnosis.written.rms), said))
+    written = diagnosis.written
+    if written is not None and diagnosis.findings and written_differs(written):
+        said = f"of the same motion, where the fit promises {torque(written.promised).text}"
+        facts.append(Fact("the written arm.yaml leaves", torque(written.rms), said))
     return Facts(tuple(facts), headed=False)
 
 
@@ -145,8 +146,7 @@ def _broken_promise(diagnosis: MotionDiagnosis) -> Paragraph | None:
         return None
     leaves, promised = torque(written.rms).text, torque(written.promised).text
     return Paragraph(
-        f"Warning: arm.yaml, read back and applied to the same motion, leaves {leaves} RMS where the fit promises "
-        f"{promised}."
+        f"Warning: the written arm.yaml leaves {leaves} RMS of the same motion. The fit promises {promised}."
     )
 
 
@@ -208,7 +208,7 @@ def _findings(diagnosis: MotionDiagnosis) -> Section:
         rows += [[row[0], where if row[0] else "", row[1], *row[3:]] for row in made]
         shown = len(rows) if finding in diagnosis.findings[:MOST_FINDINGS] else shown
     headings = (
-        "left out",
+        "found",
         "at",
         "parameter",
         "value",

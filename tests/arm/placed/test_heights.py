@@ -75,7 +75,7 @@ def test_words_of_a_planar_arm_and_of_an_upright_link(tmp_path):
     ("link", "gravity", "said"),
     [
         (", direction: [0, 0, 1], height_direction: up", "[0 m/s^2, 0 m/s^2, -9.81 m/s^2]", "stands upright"),
-        (", height_direction: up", "[0 m/s^2, 0 m/s^2, 0 m/s^2]", "where gravity is nought"),
+        (", height_direction: up", "[0 m/s^2, 0 m/s^2, 0 m/s^2]", "where gravity is zero"),
         (", height_direction: upwards", "[0 m/s^2, 0 m/s^2, -9.81 m/s^2]", "is up, or a vector in the link's frame"),
         (", height_direction: [1, 0, 0]", "[0 m/s^2, 0 m/s^2, -9.81 m/s^2]", "lies along the link"),
     ],

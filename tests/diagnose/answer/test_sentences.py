@@ -34,7 +34,7 @@ def test_what_remains_is_called_noise_where_that_is_so_of_readings_not_fitted(fi
     result = replace(made_diagnosis("named"), **rms)
     noise = max(fitted, held_out) <= 1.1
     texts = said(result, result.left), answer(result)
-    assert [("is the noise floor" in texts[0]), texts[1].endswith("remain, the noise floor.")] == [noise, noise]
+    assert [("is the noise floor" in texts[0]), texts[1].endswith(" mm, the noise floor.")] == [noise, noise]
     if not noise:
         shown = held_out if fitted <= 1.1 else fitted
         assert all(f"{shown:.1f} times the noise floor" in text for text in texts)

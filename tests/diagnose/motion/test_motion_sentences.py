@@ -40,7 +40,7 @@ def test_what_logs_cannot_tell_from_a_name_is_said_beside_it() -> None:
     open_ = replace(link, alternatives=(Alternative((("payload", ()),), 0.5), both))
     joints = tuple(OfJoint(at, 5.0, 0.1, 0.1, 0.1, 0.01, (), 1.0) for at in (1, 2, 3))
     assert answer("alias_class", [open_], None, joints).endswith(
-        " It could as well be extra mass at the tip or offset of the torque's zero at joint 2 and friction that "
-        "differs with the direction at joint 2 instead of mass, centre and inertia of a link at link 3."
+        " The data fit equally well: extra mass at the tip or offset of the torque's zero at joint 2 and friction that "
+        "differs with the direction at joint 2, in place of mass, centre and inertia of a link at link 3."
     )
-    assert "could as well" not in answer("named", [link], None, joints)
+    assert "equally well" not in answer("named", [link], None, joints)

@@ -41,18 +41,22 @@ def test_answer_is_short(verdict):
 def test_answer_names_the_largest():
     """By what it adds to all joints together, with its size, its share and what remains."""
     said = answer(made_motion())
-    assert said.startswith("Left out: ")
-    assert "(joint 2), 13 N·m and 5 others: 100 % of the 12.5 N·m mismatch; 0.2 N·m remain, the noise floor." in said
+    assert said.startswith("Found: ")
+    assert (
+        "(joint 2), 13 N·m and 5 smaller causes (100 % of the mismatch). Error 12.5 → 0.2 N·m, the noise floor." in said
+    )
 
 
 def test_answer_says_what_is_not_explained():
     """First where names explain less than half of the mismatch: where, on what it depends; else beside the names."""
     result = made_motion("unknown")
     said = answer(result)
-    assert said.startswith("Left out: dry (Coulomb) friction (joint 2) and 5 others: 100 % of the 12.5 N·m mismatch; ")
-    assert "; nothing explains 0.9 N·m at joint 3" in said
+    assert said.startswith(
+        "Found: dry (Coulomb) friction (joint 2) and 5 smaller causes (100 % of the 12.5 N·m mismatch). "
+    )
+    assert ". Nothing explains 0.9 N·m at joint 3" in said
     said = answer(replace(result, rms_after=0.8 * result.rms_before))
-    assert said.startswith("Nothing in the library explains 0.9 N·m at joint 3; it depends on the coordinate of joint")
+    assert said.startswith("Nothing in the library explains 0.9 N·m at joint 3. It depends on the coordinate of joint")
     assert to_do(made_motion("unknown"))[0] == "To find the cause, turn joint 3 slowly both ways."
 
 
@@ -153,7 +157,7 @@ def test_a_broken_promise_is_told(capsys):
     kept = made_motion(written=WrittenArm(0.2, 0.2, ()))
     assert "Warning" not in on_screen(kept, capsys)
     broken = made_motion(written=WrittenArm(1.4, 0.2, ()))
-    text = "leaves 1.4 N·m RMS where the fit promises 0.2 N·m."
+    text = "leaves 1.4 N·m RMS of the same motion. The fit promises 0.2 N·m."
     assert text in on_screen(broken, capsys)
 
 
