@@ -82,7 +82,7 @@ def _heard(problem: lw.Problem, steps: Any) -> dict[str, Any]:
     def begun(before: Any) -> None:
         if problem.model.minimize == "max_error":
             for item in rigid_links_words(before.found):
-                say(f"arm as given: {mm(before.found.max_error)}; {item.text}")
+                say(f"arm as given: {mm(before.found.max_error)}. {item.text}")
 
     def log(iteration: Iteration) -> None:
         say(iteration_line(iteration, problem.model.minimize))
