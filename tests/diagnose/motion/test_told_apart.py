@@ -79,7 +79,7 @@ def test_a_load_on_the_last_axis_is_as_well_mass_of_the_link_before(tmp_path: Pa
     assert {("payload", ()), ("link_inertial", (5,))} <= names
     assert all(0.0 <= other.worse <= RULES.search.refuted_odds for other in mass.alternatives)
     assert "The logs cannot tell it from " in mass.reading
-    assert "instead of extra mass at the tip." in found.sentence
+    assert "in place of extra mass at the tip." in found.sentence
 
 
 def test_a_load_beside_the_axis_has_its_name_alone(tmp_path: Path) -> None:
