@@ -66,7 +66,7 @@ def test_the_best_so_far_is_written_and_called_that(bench, how):
     assert made.mass <= 3.0 * (1.0 + 1e-6)
     assert result["max_error_mm"] < result["before"]["max_error_mm"]
     page = (bench / "out" / "report.html").read_text()
-    assert "interrupted: the best design so far" in page
+    assert "Interrupted: the best design so far" in page
     assert "its own worst case certified" in page
 
 

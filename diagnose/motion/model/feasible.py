@@ -25,8 +25,8 @@ _INSIDE = 1e-4
 """Of the largest moment: how far within bodies, and of a usual size within bounds, the path begins."""
 _GAP = 1e-2
 """Nats by which the end of the path may be worse than the best numbers."""
-_UNSEEN = 1e-4
-"""Precision, by usual sizes, of what no motion shows of a link: else the path would end at infinite bodies."""
+_UNSEEN = 1e6
+"""Precision, by usual sizes, of what no motion shows of a link: it stays what the file has, which is read back."""
 _SHRINKS = 0.05
 """How much less the barrier counts from one step along the path to the next."""
 _STEPS = 40
