@@ -1,26 +1,24 @@
 """A dask cluster: a scheduler somewhere, and workers that have this program installed.
 
 dask's client is an executor of `concurrent.futures`, and dask itself gives a step to another worker when one is killed.
-The work is itself a task, which each worker asks for once, those that join later as well.
+Work and items are sent packed, so that a worker needs nothing but the same version of this program.
 """
 
 from __future__ import annotations
 
 import logging
-import pickle
-import threading
 import time
+import uuid
 from collections.abc import Generator
 from concurrent.futures import CancelledError, Future
 from contextlib import ExitStack, contextmanager, suppress
-from functools import cache
-from importlib.metadata import PackageNotFoundError, version
 from typing import TYPE_CHECKING, Any
 
 from linkwright.core.units.extras import not_installed
 from linkwright.core.units.quantities import InputError
 
-from .executor import Here, Work, WorkersLost
+from .executor import Work, WorkersLost
+from .packing import packed
 from .shared import BEAT, Begin, Shared
 
 if TYPE_CHECKING:
@@ -32,25 +30,6 @@ ALONE = 30.0
 """Seconds after which a scheduler that has lost all its workers is given up."""
 _LOOK = 2.0
 """Seconds between two looks at whether any worker is left."""
-
-
-@cache
-def _here(thread: int) -> Here:
-    """What a thread of a worker keeps for the last work."""
-    del thread
-    return Here()
-
-
-def _step(work: Work[Any, Any, Any], item: bytes) -> Any:
-    return _here(threading.get_ident()).step(work, pickle.loads(item))
-
-
-def _installed() -> str:
-    """The version of this program here; empty where it is not installed."""
-    try:
-        return version("linkwright")
-    except PackageNotFoundError:
-        return ""
 
 
 class Cluster(Shared):
@@ -72,7 +51,7 @@ class Cluster(Shared):
         self.address = address
         self._client: Any = self._connected(patience)
         self._work: Work[Any, Any, Any] | None = None
-        self._sent: Any = None
+        self._name = ""
         self._executor: Any = None
         self._looked = self._met = 0.0
         with ExitStack() as undo:
@@ -110,17 +89,19 @@ class Cluster(Shared):
 
     def _check(self, patience: float) -> None:
         """See that there are workers and that they can do what is asked of them."""
+        from .station import installed
+
         until = time.monotonic() + patience
         while not self._client.nthreads():
             if time.monotonic() > until:
                 message = f"the scheduler at {self.address} has no workers; start some: dask worker {self.address}"
                 raise InputError("", "--dask", message)
             time.sleep(BEAT)
-        expected = _installed()
-        for worker, answer in self._client.run(_installed, on_error="return").items():
-            if answer != expected:
-                has = answer if isinstance(answer, str) and answer else "none"
-                message = f"the worker {worker} needs linkwright {expected} as here, and has {has}; install it there"
+        own = installed()
+        for worker, found in self._client.run(installed, on_error="return").items():
+            if found != own:
+                has = found if isinstance(found, str) and found else "none"
+                message = f"the worker {worker} needs linkwright {own} as here, and has {has}; install it there"
                 raise InputError("", "--dask", message)
 
     @property
@@ -133,19 +114,25 @@ class Cluster(Shared):
         return f"<Cluster: {self.workers} workers at {self.address}>"
 
     def _open(self, work: Work[Any, Any, Any], steps: int) -> list[Begin]:
-        """The scheduler takes all steps at once."""
+        """The scheduler takes all steps at once; its workers know the work, those that join later as well."""
+        from .station import Station
+
         with self._reached():
             if self._work is not work:
-                self._work, self._sent = work, self._client.submit(pickle.loads, pickle.dumps(work), pure=False)
+                self._forget()
+                self._work, self._name = work, f"linkwright-{uuid.uuid4().hex}"
+                self._client.register_plugin(Station(self._name, packed(work)), name=self._name)
             self._executor = self._client.get_executor(pure=False)
         self._looked = self._met = time.monotonic()
         return [self._begin] * steps
 
-    def _begin(self, item: Any) -> Future[Any]:
-        with self._reached():
-            return self._executor.submit(_step, self._sent, pickle.dumps(item))
+    def _begin(self, item: bytes) -> Future[bytes]:
+        from .station import step
 
-    def _error(self, future: Future[Any], number: int, tries: int) -> BaseException | None:
+        with self._reached():
+            return self._executor.submit(step, self._name, item)
+
+    def _error(self, future: Future[bytes], number: int, tries: int) -> BaseException | None:
         from distributed import KilledWorker
         from distributed.comm.core import CommClosedError
 
@@ -192,7 +179,13 @@ class Cluster(Shared):
         except OSError:
             raise self._gone from None
 
+    def _forget(self) -> None:
+        if self._work is not None:
+            with suppress(WorkersLost), self._reached():
+                self._client.unregister_worker_plugin(self._name)
+        self._work = None
+
     def close(self) -> None:
         """Leave the cluster; its workers stay, and forget this work."""
-        self._work = self._sent = None
+        self._forget()
         self._undo.close()

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import copyreg
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Generator, Mapping, Sequence
+from collections.abc import Callable, Generator, Sequence
 from dataclasses import dataclass
 from functools import partial
-from types import MappingProxyType, TracebackType
+from types import TracebackType
 from typing import Any, Generic, Self, TypeVar
 
 Kept = TypeVar("Kept")
@@ -36,25 +35,12 @@ class Work(Generic[Kept, Item, Result]):
     each), `step` takes that and an item. A step's result follows from its item alone, wherever and in whatever order
     the steps are done.
 
-    Both are functions of importable modules (or `functools.partial` of them); what they and the items hold can be
-    pickled, read-only mappings too.
+    Both are functions of importable modules (or `functools.partial` of them); what they and the items hold can be sent
+    (`executors.packing`).
     """
 
     prepare: Callable[[], Kept]
     step: Callable[[Kept, Item], Result]
-
-
-def read_only(content: Mapping[Any, Any]) -> Mapping[Any, Any]:
-    """A read-only mapping of what was sent."""
-    return MappingProxyType(dict(content))
-
-
-def _reduced(content: MappingProxyType[Any, Any]) -> tuple[Any, ...]:
-    return read_only, (dict(content),)
-
-
-# `pickle` refuses read-only mappings by itself; every pickler of this process asks this list.
-copyreg.pickle(MappingProxyType, _reduced)
 
 
 def plain(function: Callable[[Item], Result]) -> Work[Callable[[Item], Result], Item, Result]:

@@ -22,6 +22,7 @@ from typing import Any
 from linkwright.core.units.quantities import InputError
 
 from .executor import Here, Item, Kept, Pulse, Result, Work, WorkersLost, no_pulse
+from .packing import packed, unpacked
 from .shared import Begin, Shared
 from .threads import one_thread_for_children
 
@@ -36,14 +37,14 @@ _PREPARED: ContextVar[tuple[Work[Any, Any, Any], Here]] = ContextVar("prepared")
 """Of a worker: what it was started for, and what it keeps for it."""
 
 
-def _begin(work: Work[Any, Any, Any]) -> None:
+def _begin(work: Work[Any, Any, Any] | bytes) -> None:
     """Set a worker up. What ends all processes of a terminal or a service is its parent's to deal with; without its
     parent it ends."""
     for name in ("SIGINT", "SIGTERM", "SIGHUP"):
         if hasattr(signal, name):
             signal.signal(getattr(signal, name), signal.SIG_IGN)
     threading.Thread(target=_end_with_parent, daemon=True).start()
-    _PREPARED.set((work, Here()))
+    _PREPARED.set((unpacked(work) if isinstance(work, bytes) else work, Here()))
 
 
 def _end_with_parent() -> None:
@@ -54,26 +55,26 @@ def _end_with_parent() -> None:
         os._exit(1)
 
 
-def _step(item: Any) -> Any:
+def _step(item: bytes) -> bytes:
     work, here = _PREPARED.get()
-    return here.step(work, item)
+    return packed(here.step(work, unpacked(item)))
 
 
 class _Worker:
     """A pool of one process for one work, started anew where it is killed."""
 
     def __init__(self, work: Work[Any, Any, Any]) -> None:
-        self._work = work
+        self._given = work if FORKED else packed(work)
         self._start()
 
     def _start(self) -> None:
         with one_thread_for_children():
             context = get_context("fork" if FORKED else "spawn")
-            self._pool = ProcessPoolExecutor(1, mp_context=context, initializer=_begin, initargs=(self._work,))
+            self._pool = ProcessPoolExecutor(1, mp_context=context, initializer=_begin, initargs=(self._given,))
             self._born = self._pool.submit(os.getpid)
-        self._step: Future[Any] | None = None
+        self._step: Future[bytes] | None = None
 
-    def begin(self, item: Any) -> Future[Any]:
+    def begin(self, item: bytes) -> Future[bytes]:
         """Begin a step."""
         try:
             self._step = self._pool.submit(_step, item)
@@ -166,7 +167,7 @@ class Processes(Shared):
             self._crew.append(_Worker(work))
         return [item.begin for item in self._crew]
 
-    def _error(self, future: Future[Any], number: int, tries: int) -> BaseException | None:
+    def _error(self, future: Future[bytes], number: int, tries: int) -> BaseException | None:
         error = future.exception()
         if not isinstance(error, BrokenProcessPool):
             return error

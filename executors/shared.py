@@ -9,13 +9,14 @@ from concurrent.futures import FIRST_COMPLETED, Future, wait
 from typing import Any
 
 from .executor import Executor, Item, Kept, Pulse, Result, Work, WorkersLost, no_pulse
+from .packing import packed, unpacked
 
 BEAT = 0.1
 """Seconds between two calls of a pulse while results are waited for."""
 
 
-Begin = Callable[[Any], Future[Any]]
-"""Begins a step with an item."""
+Begin = Callable[[bytes], Future[bytes]]
+"""Begins a step with a packed item."""
 
 
 class Shared(Executor):
@@ -42,7 +43,7 @@ class Shared(Executor):
         if not left:
             return
         tries = dict.fromkeys(left, 0)
-        busy: dict[Future[Any], tuple[int, Begin]] = {}
+        busy: dict[Future[bytes], tuple[int, Begin]] = {}
         ended: list[tuple[int, Any, BaseException | None]] = []
         free = self._open(work, len(left))
         try:
@@ -50,7 +51,7 @@ class Shared(Executor):
                 while left and free:
                     number, begin = left.popleft(), free.pop()
                     tries[number] += 1
-                    busy[begin(items[number])] = number, begin
+                    busy[begin(packed(items[number]))] = number, begin
                 yield from ended  # workers have their next items before anybody works on these results
                 ended.clear()
                 pulse()
@@ -61,7 +62,7 @@ class Shared(Executor):
                     if isinstance(error, WorkersLost) and tries[number] < self._tries:
                         left.appendleft(number)
                     else:
-                        ended.append((number, None if error else future.result(), error))
+                        ended.append((number, None if error else unpacked(future.result()), error))
                 if busy and not ended:
                     self._look()
         finally:
@@ -73,7 +74,7 @@ class Shared(Executor):
         """What begins a step of this work, once for each of at most `steps` that can be under way together."""
 
     @abstractmethod
-    def _error(self, future: Future[Any], number: int, tries: int) -> BaseException | None:
+    def _error(self, future: Future[bytes], number: int, tries: int) -> BaseException | None:
         """What a step raised that was begun so often; `WorkersLost` where it was the end of its workers."""
 
     @abstractmethod
