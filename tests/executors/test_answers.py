@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import pickle
 import signal
 from collections.abc import Iterator
 from dataclasses import replace
@@ -13,6 +12,7 @@ import pytest
 
 from linkwright.core.arm.figures import FIGURES
 from linkwright.core.executors import Processes
+from linkwright.core.executors.packing import packed, unpacked
 from linkwright.core.optimize.problem import Problem
 from linkwright.core.optimize.result import OptimizationResult
 from linkwright.core.optimize.run import optimise
@@ -69,7 +69,7 @@ def test_choice_among_combinations(dask: Dask, tmp_path: Path):
 
 
 def sent(problem: Problem) -> Problem:
-    return pickle.loads(pickle.dumps(problem))
+    return unpacked(packed(problem))
 
 
 def test_problem_arrives_as_it_was_sent(tmp_path: Path):
@@ -85,11 +85,11 @@ def test_limit_that_a_worker_does_not_know_is_named(tmp_path: Path):
     own = replace(FIGURES["mass"], name="own_mass", key="own_mass_kg", follows=FIGURES["wall_slenderness"].follows)
     FIGURES.register(own)
     try:
-        there = pickle.dumps(replace(problem, limits=(replace(problem.limits[0], figure=own),)))
+        there = packed(replace(problem, limits=(replace(problem.limits[0], figure=own),)))
     finally:
         FIGURES.withdraw("own_mass")
     with pytest.raises(InputError, match="own_mass: is a limit of one's own that a worker does not know"):
-        pickle.loads(there)
+        unpacked(there)
 
 
 def test_short_work_takes_no_processes(tmp_path: Path):

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import pickle
 import signal
 import subprocess
 import sys
@@ -14,6 +13,7 @@ import pytest
 from threadpoolctl import threadpool_limits
 
 from linkwright.core.executors import Here, Processes, Work, WorkersLost, plain
+from linkwright.core.executors.packing import packed, unpacked
 from linkwright.core.executors.threads import threads
 from linkwright.core.units.quantities import InputError, NoAnswer
 from linkwright.face.progress import at_work
@@ -153,6 +153,6 @@ def test_long_work_takes_one_thread_here_too():
 
 
 def test_read_only_mappings_are_sent():
-    got = pickle.loads(pickle.dumps({"a": MappingProxyType({"b": 1.0})}))
+    got = unpacked(packed({"a": MappingProxyType({"b": 1.0})}))
     assert got == {"a": {"b": 1.0}}
     assert isinstance(got["a"], MappingProxyType)
