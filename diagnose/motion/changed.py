@@ -2,20 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
-from itertools import pairwise
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
+from linkwright.core.diagnose.result import HALF
 from linkwright.core.diagnose.rules.rules import Rules
 from linkwright.core.sections.numeric import Array
 
 from .findings import parameters_of
 from .model.candidates import Candidates, Group
 from .model.identify import Identified
-from .model.rows import LogRows
+from .model.noise import covariance, usual_sizes
+from .model.products import Products, products
+from .model.rows import LogRows, joint_rows
 from .result import Change
 
 _PARTS = 40
@@ -54,65 +55,69 @@ def change_of(identified: Identified, *, rules: Rules) -> Change | None:
     The whole library is fitted with one group of the candidates that has other sizes from an instant on; of all groups
     and instants the likeliest is taken, if it pays for having been chosen.
     """
-    best: Change | None = None
     weights, pool = identified.noise.weights, identified.pool
+    fit, best = _whole(identified, weights), None
+    groups = [group for group in pool.groups if not (group.nuisance or group.tied)]
     for rows in identified.rows:
-        edges = np.linspace(0, len(rows.target), _PARTS + 1).astype(np.int64)
-        parts = [_normal(rows, weights, pool.width, slice(a, b)) for a, b in pairwise(edges)]
-        others = [_normal(other, weights, pool.width, slice(None)) for other in identified.rows if other is not rows]
-        fit = _whole([*parts, *others], pool)
-        after = [_together(parts[k:]) for k in range(1, _PARTS)]
+        parts = _by_part(rows, pool, np.arange(len(rows.target)) * _PARTS // len(rows.target))
         tried = [
-            (edge, _further(group, fit, gram, against))
-            for edge, (gram, against) in zip(edges[1:].tolist(), after, strict=False)
-            for group in pool.groups
-            if not (group.nuisance or group.tied)
+            _further(group, fit, gram, against)
+            for first in range(1, parts.blocks)
+            for gram, against, _ in (parts.whole(weights, np.arange(parts.blocks) >= first),)
+            for group in groups
         ]
-        if not tried:
+        further = max(tried, key=lambda item: item.gain, default=None)
+        if further is None or further.gain <= np.log(len(tried)) + rules.search.margin:
             continue
-        _, further = max(tried, key=lambda item: item[1].gain)
-        if further.gain <= np.log(len(tried)) + rules.search.margin:
-            continue
-        start = 0
-        for _ in range(_ROUNDS):
-            earlier, start = start, _instant(rows, further, weights)[0]
-            if start == earlier:
-                break
-            further = _further(further.group, fit, *_normal(rows, weights, pool.width, slice(start, None)))
-        change = _change(rows, fit, further, weights, rules=rules)
-        if change.share > 0.5 and (best is None or change.share > best.share):
+        change = _settled(identified, rows, fit, further, rules=rules)
+        if change.share > HALF and (best is None or change.share > best.share):
             best = change
     return best
 
 
-def _normal(rows: LogRows, weights: Array, width: int, part: slice) -> tuple[Array, Array]:
-    """Gram matrix (W, W) of the model's columns in some rows, and their products (W,) with the target."""
-    gram, against = np.zeros((width, width)), np.zeros(width)
-    for joint, at in enumerate(rows.columns):
-        use = rows.prepared.moving[part, joint]
-        design, target = rows.design[joint][part][use], rows.target[part, joint][use]
-        gram[np.ix_(at, at)] += weights[joint] * design.T @ design
-        against[at] += weights[joint] * design.T @ target
-    return gram, against
+def _settled(identified: Identified, rows: LogRows, fit: _Fit, further: _Further, *, rules: Rules) -> Change:
+    """The change with its instant, sizes and noise in turn until the instant stands: what the library left without it
+    was no noise."""
+    given, pool, group = identified.noise.weights, identified.pool, further.group
+    constant, weights, start = np.sum(_left(rows, fit.sizes) ** 2, axis=0), given, -1
+    for _ in range(_ROUNDS):
+        earlier = start
+        start, worse, left = _instant(rows, further, weights)
+        if start == earlier:
+            break
+        weights = given * constant / np.maximum(left, 1e-12 * constant)
+        halves = _by_part(rows, pool, (np.arange(len(rows.target)) >= start).astype(np.int64))
+        gram, against, _ = halves.whole(weights, np.array([False, True]))
+        further = _further(group, _whole(identified, weights), gram, against)
+    start, worse, left = _instant(rows, further, weights)
+    clock = rows.prepared.motion.time[rows.prepared.kept]
+    likely: NDArray[np.int64] = np.flatnonzero(worse <= _NATS) + 1
+    scatter = np.sqrt(np.diagonal(further.covariance))
+    shown = scatter < rules.motion.shown * group.usual
+    return Change(
+        group.effect.id,
+        group.at,
+        parameters_of(group, rows.prepared.motion.arm, further.numbers, _SURE * np.stack((scatter, scatter)), shown),
+        rows.prepared.log.file,
+        float(clock[start]),
+        (float(clock[likely[0] - 1]), float(clock[likely[-1]])),
+        1.0 - float(given @ left) / float(given @ constant),
+    )
 
 
-def _together(parts: Sequence[tuple[Array, Array]]) -> tuple[Array, Array]:
-    """Products of the rows of several parts."""
-    return np.sum([gram for gram, _ in parts], axis=0), np.sum([against for _, against in parts], axis=0)
+def _by_part(rows: LogRows, pool: Candidates, part: NDArray[np.int64]) -> Products:
+    """Products of a log's rows by the `part` (M,) that each belongs to."""
+    return products([replace(row, block=part) for row in joint_rows([rows])], pool.width, near=False)
 
 
-def _whole(parts: Sequence[tuple[Array, Array]], pool: Candidates) -> _Fit:
-    """The fit of the whole library to some rows."""
-    usual = np.zeros(pool.width)
-    for group in pool.groups:
-        if not group.tied:
-            usual[group.columns] = np.maximum(usual[group.columns], np.abs(group.mixing) @ group.usual)
-    gram, against = _together(parts)
-    scaled = gram * usual[:, None] * usual + np.eye(pool.width)
-    size = 1.0 / np.sqrt(np.diagonal(scaled))
-    inverse = np.asarray(np.linalg.inv(scaled * size[:, None] * size), dtype=float) * size[:, None] * size
-    covariance = inverse * usual[:, None] * usual
-    return _Fit(covariance @ against, covariance)
+def _whole(identified: Identified, weights: Array) -> _Fit:
+    """The fit of the whole library to all rows, joints weighed by `weights` (n,)."""
+    pool = identified.pool
+    whole = products(joint_rows(identified.rows), pool.width, near=False)
+    gram, against, _ = whole.whole(weights)
+    usual = usual_sizes(pool)
+    spread = covariance(gram, usual) * usual[:, None] * usual
+    return _Fit(spread @ against, spread)
 
 
 def _further(group: Group, fit: _Fit, gram: Array, against: Array) -> _Further:
@@ -121,50 +126,24 @@ def _further(group: Group, fit: _Fit, gram: Array, against: Array) -> _Further:
     score = group.mixing.T @ against[group.columns] - across.T @ fit.sizes
     told = group.mixing.T @ across[group.columns] - across.T @ fit.covariance @ across
     precision = np.diag(1.0 / group.usual**2)
-    covariance = np.asarray(np.linalg.inv(told + precision), dtype=float)
-    numbers = covariance @ score
+    spread = np.asarray(np.linalg.inv(told + precision), dtype=float)
+    numbers = spread @ score
     widths = np.linalg.slogdet(told + precision)[1] - np.linalg.slogdet(precision)[1]
     sizes = fit.sizes - fit.covariance @ across @ numbers
-    return _Further(group, numbers, covariance, sizes, float(0.5 * (score @ numbers - widths)))
+    return _Further(group, numbers, spread, sizes, float(0.5 * (score @ numbers - widths)))
 
 
-def _left(rows: LogRows, sizes: Array, weights: Array) -> Array:
-    """What sizes leave of each joint's torque where it counts (M, n), in units of its noise."""
-    return (rows.target - rows.explained(sizes)) * rows.prepared.moving * np.sqrt(weights)
+def _left(rows: LogRows, sizes: Array) -> Array:
+    """What sizes (W,) leave of each joint's torque where it counts (M, n), N*m."""
+    return (rows.target - rows.explained(sizes)) * rows.prepared.moving
 
 
-def _instant(rows: LogRows, further: _Further, weights: Array) -> tuple[int, Array]:
-    """The row from which on the change fits best, and for each row how much less likely it is than that (nats)."""
+def _instant(rows: LogRows, further: _Further, weights: Array) -> tuple[int, Array, Array]:
+    """The row from which on the change fits best, for each row how much less likely it is than that (nats), and the
+    sum of squares (n,) that is left of each joint's torque."""
     later = np.zeros_like(further.sizes)
     later[further.group.columns] = further.group.values(further.numbers)
-    before = np.sum(_left(rows, further.sizes, weights) ** 2, axis=1)
-    after = np.sum(_left(rows, further.sizes + later, weights) ** 2, axis=1)
-    cost = np.cumsum(before)[:-1] + np.cumsum(after[::-1])[::-1][1:]
+    before, after = (_left(rows, sizes) ** 2 for sizes in (further.sizes, further.sizes + later))
+    cost = np.cumsum(before @ weights)[:-1] + np.cumsum((after @ weights)[::-1])[::-1][1:]
     start = int(np.argmin(cost)) + 1
-    return start, np.asarray(0.5 * (cost - cost.min()))
-
-
-def _change(rows: LogRows, fit: _Fit, further: _Further, weights: Array, *, rules: Rules) -> Change:
-    """The change as it is said, with intervals."""
-    start, worse = _instant(rows, further, weights)
-    clock = rows.prepared.motion.time[rows.prepared.kept]
-    later = np.zeros_like(further.sizes)
-    later[further.group.columns] = further.group.values(further.numbers)
-    before, after = _left(rows, further.sizes, weights), _left(rows, further.sizes + later, weights)
-    left = np.vstack((before[:start], after[start:]))
-    constant = float(np.sum(_left(rows, fit.sizes, weights) ** 2))
-    # The noise is now what the change leaves, less than what the library left: intervals are by that.
-    quieter = float(np.sum(left**2)) / constant
-    likely: NDArray[np.int64] = np.flatnonzero(worse <= _NATS * quieter) + 1
-    group = further.group
-    reach = _SURE * np.sqrt(quieter * np.diagonal(further.covariance))
-    shown = np.sqrt(np.diagonal(further.covariance)) < rules.motion.shown * group.usual
-    return Change(
-        group.effect.id,
-        group.at,
-        parameters_of(group, rows.prepared.motion.arm, further.numbers, np.stack((reach, reach)), shown),
-        rows.prepared.log.file,
-        float(clock[start]),
-        (float(clock[likely[0] - 1]), float(clock[likely[-1]])),
-        1.0 - quieter,
-    )
+    return start, 0.5 * (cost - cost.min()), before[:start].sum(axis=0) + after[start:].sum(axis=0)

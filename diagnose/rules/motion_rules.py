@@ -80,7 +80,9 @@ class MotionRules:
         0.1, "share of the square left", "What bins explain beyond chance from which on it is structure.", _LOGS
     )
     unexplained: float = rule(
-        0.03, "share of a joint's torque", "From which on what depends on something is no small cause: unknown."
+        0.03,
+        "share of a joint's torque",
+        "From which on what depends on something is no small cause, where sensors are not quieter still: unknown.",
     )
     uneven: float = rule(
         3.0, "times the median of all joints", "A joint's share that nothing explains is unknown beyond it."

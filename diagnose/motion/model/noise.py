@@ -34,10 +34,7 @@ class Noise:
 
 def noise(pool: Candidates, products: Products) -> Noise:
     """The noise by a fit of all columns at once, their sizes held to what is usual."""
-    usual = np.zeros(pool.width)
-    for group in pool.groups:
-        if not group.tied:
-            usual[group.columns] = np.maximum(usual[group.columns], group.usual)
+    usual = usual_sizes(pool)
     rows = np.maximum(products.rows.sum(axis=0), 1)
     powers = np.array([products.of_joint(joint)[-1, -1] for joint in range(products.joints)])
     sigma, repeats = np.sqrt(np.maximum(powers / rows, 1e-12)) * 0.1, np.full(products.joints, 10.0)
@@ -46,10 +43,7 @@ def noise(pool: Candidates, products: Products) -> Noise:
     for _ in range(_PASSES):
         weights = 1.0 / (sigma**2 * repeats)
         gram, against, _ = products.whole(weights)
-        scaled = gram * usual[:, None] * usual + np.eye(pool.width)
-        # One joint's noise may be a ten-thousandth of another's: what is alike large is inverted exactly enough.
-        size = 1.0 / np.sqrt(np.diagonal(scaled))
-        inverse = np.asarray(np.linalg.inv(scaled * size[:, None] * size), dtype=float) * size[:, None] * size
+        inverse = covariance(gram, usual)
         sizes = usual * (inverse @ (against * usual))
         left = products.left(sizes)
         used = _used(products, inverse, usual, weights)
@@ -57,6 +51,23 @@ def noise(pool: Candidates, products: Products) -> Noise:
         taken = products.blocks / np.maximum(products.blocks - used / 10.0, 0.3 * products.blocks)
         repeats = np.maximum(taken * _scatter(products, sizes, sigma), 1.0)
     return Noise(sigma, repeats, sizes, taken)
+
+
+def usual_sizes(pool: Candidates) -> Array:
+    """The usual size (W,) of each of the model's columns, of what may act at one place alone."""
+    usual = np.zeros(pool.width)
+    for group in pool.groups:
+        if not group.tied:
+            usual[group.columns] = np.maximum(usual[group.columns], group.usual)
+    return usual
+
+
+def covariance(gram: Array, usual: Array) -> Array:
+    """Covariance (W, W) of all columns' sizes over their usual ones, by a Gram matrix in units of the noise."""
+    scaled = gram * usual[:, None] * usual + np.eye(len(usual))
+    # One joint's noise may be a ten-thousandth of another's: what is alike large is inverted exactly enough.
+    size = 1.0 / np.sqrt(np.diagonal(scaled))
+    return np.asarray(np.linalg.inv(scaled * size[:, None] * size), dtype=float) * size[:, None] * size
 
 
 def _used(products: Products, inverse: Array, usual: Array, weights: Array) -> Array:
