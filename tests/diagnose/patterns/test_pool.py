@@ -1,7 +1,5 @@
 """Candidates as subspaces: projection, what is seen and what is not."""
 
-import pickle
-
 import numpy as np
 import pytest
 
@@ -15,6 +13,7 @@ from linkwright.core.diagnose.patterns.pool import (
     with_group,
 )
 from linkwright.core.diagnose.search.subsets import products
+from linkwright.core.executors.packing import packed, unpacked
 from tests.diagnose.core_cases import pattern, random_pool
 
 
@@ -141,7 +140,7 @@ def test_pools_that_grow_from_one_do_not_disturb_each_other():
         left = projected_by_hand(pool.nuisance, each)
         assert basis @ (basis.T @ left) == pytest.approx(left, abs=1e-10)
     assert np.shares_memory(pool.basis, one.basis)
-    sent = pickle.loads(pickle.dumps(one))
+    sent = unpacked(packed(one))
     assert with_group(sent, pattern("c", 2), more[1], None).gram == pytest.approx(further.gram, abs=1e-12)
 
 
