@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import html
 from collections.abc import Awaitable, Callable
+from pathlib import PurePosixPath
 
 from nicegui import events, ui
 
@@ -11,12 +12,12 @@ from linkwright.browser.pages.edit.file_choice import SaveRow
 from linkwright.browser.pages.frame import Problem, heading, panel, picture, row, stack
 from linkwright.browser.server.answers import Answer, Desk, as_kept, left_behind, on_shelf
 from linkwright.browser.server.asked import ASKED
-from linkwright.browser.server.drawings import Design, Front, Pose, front_from, poses_from
+from linkwright.browser.server.drawings import Design, Front, Pose, choices_from, front_from, poses_from
 from linkwright.browser.server.jobs import Job, noun
 from linkwright.browser.server.shelf import Kept
 from linkwright.core.units.quantities import InputError
 
-_OWN = ("poses.json", "front.json", ASKED)
+_OWN = ("poses.json", "front.json", "choices.json", ASKED)
 """Files that are for these pages alone."""
 _NOT_PNG = ("zoom", "pan", "select", "lasso", "zoomin", "zoomout", "autoscale", "resetscale")
 """Buttons of a chart that save nothing."""
@@ -67,24 +68,28 @@ def _say_unkept(problem: Problem, job: Job) -> None:
 async def _show(desk: Desk, result: Kept, answer: Answer) -> None:
     wrong: list[str] = []
 
-    def read() -> tuple[list[str], list[Pose], Front | None]:
+    def read() -> tuple[list[str], list[Pose], Front | None, dict[str, Design]]:
         names = answer.names()
         poses: list[Pose] = []
         front: Front | None = None
+        choices: dict[str, Design] = {}
         try:
             if (content := answer.file("poses.json")) is not None:
                 poses = poses_from(content)
             if (content := answer.file("front.json")) is not None:
                 front = front_from(content)
+            if (content := answer.file("choices.json")) is not None:
+                choices = choices_from(content)
         except InputError as error:
             wrong.append(str(error))
-        return names, poses, front
+        return names, poses, front, choices
 
     names: list[str] = []
     poses: list[Pose] = []
     front: Front | None = None
+    choices: dict[str, Design] = {}
     try:
-        names, poses, front = await desk.looked_up(read)
+        names, poses, front, choices = await desk.looked_up(read)
     except InputError as error:
         wrong.append(str(error))
     with panel():
@@ -107,6 +112,8 @@ async def _show(desk: Desk, result: Kept, answer: Answer) -> None:
         _poses(poses)
     if front is not None:
         _front(answer, front)
+    if choices:
+        _choices(answer, choices)
     if "report.html" in names:
         address = answer.address("report.html") + "?view=1"
         ui.element("iframe").props(f'src="{address}" sandbox="allow-scripts allow-downloads" title="report"').classes(
@@ -190,6 +197,21 @@ def _poses(poses: list[Pose]) -> None:
                 ui.label(pose["words"]).classes("lw-note")
 
 
+def _choices(answer: Answer, choices: dict[str, Design]) -> None:
+    """The best design and its near ties, and beside them the one that was chosen."""
+    heading("Combinations within 3 % of the best: choose one for its design")
+    with ui.element("div").classes("lw-front"):
+        chosen = ui.radio(list(choices), value=next(iter(choices)), on_change=lambda: show(str(chosen.value)))
+        beside = panel()
+
+    def show(name: str) -> None:
+        beside.clear()
+        with beside:
+            _design(answer, name.partition(":")[0].capitalize(), choices[name])
+
+    show(next(iter(choices)))
+
+
 def _front(answer: Answer, front: Front) -> None:
     """The front, and beside it the design of the point that was clicked."""
     heading("The front: click on a point for its design")
@@ -207,7 +229,7 @@ def _front(answer: Answer, front: Front) -> None:
     def show(design: int) -> None:
         beside.clear()
         with beside:
-            _design(answer, design, front["designs"][design])
+            _design(answer, f"Design {design}", front["designs"][design])
 
     def clicked(event: events.GenericEventArguments) -> None:
         numbers = [point.get("customdata") for point in event.args.get("points", [])]
@@ -219,15 +241,15 @@ def _front(answer: Answer, front: Front) -> None:
     show(min(front["designs"]))
 
 
-def _design(answer: Answer, design: int, shown: Design) -> None:
-    heading(f"Design {design}")
+def _design(answer: Answer, name: str, shown: Design) -> None:
+    heading(name)
     picture(shown["svg"])
     figures = [(item["figure"], item["value"]) for item in shown["figures"]]
     links = [(str(item["link"]), item["length"], item["section"], item["material"]) for item in shown["links"]]
     _table((), figures)
     _table(("link", "length", "section", "material"), links)
-    link = ui.link(f"arm file of design {design}", answer.address(shown["file"]))
-    link.props["download"] = f"design-{design}.yaml"
+    link = ui.link(f"arm file of {name[:1].lower()}{name[1:]}", answer.address(shown["file"]))
+    link.props["download"] = PurePosixPath(shown["file"]).name
 
 
 def _table(headings: tuple[str, ...], rows: list[tuple[str, ...]]) -> None:

@@ -1,4 +1,4 @@
-"""Pictures for the pages, made of the reports' own: an arm at a pose, its worst poses bent, the designs of a front."""
+"""Pictures for the pages, made of the reports' own: an arm at a pose, its worst poses bent, designs to click on."""
 
 from __future__ import annotations
 
@@ -12,7 +12,9 @@ from linkwright.core.arm.chain.chain import Arm
 from linkwright.core.arm.evaluation import Evaluation
 from linkwright.core.arm.worst.search import WorstPose
 from linkwright.core.units.quantities import InputError
-from linkwright.face.tradeoff import Tradeoff, TradeoffDesign
+from linkwright.face.design import Optimization
+from linkwright.face.tradeoff import Tradeoff
+from linkwright.output.files import DESIGN
 from linkwright.output.tradeoff_folder import point_file
 from linkwright.report.charts.fronts import front_figure
 from linkwright.report.pictures.arm import (
@@ -24,8 +26,15 @@ from linkwright.report.pictures.arm import (
 from linkwright.report.pictures.loads import bent_line
 from linkwright.results.design import poses_that_differ
 from linkwright.results.figures_in_words import figure, mm, section_words
+from linkwright.results.optimization import names_words
 
 _MOST_POSES = 4
+_SHOWN = ("max_error", "mass", "cost")
+"""The figures that every design shows."""
+_AS_GOOD = 0.005
+"""Percent by which a near tie is worse that nobody can tell from nothing."""
+TIES = "near-ties"
+"""The folder of the near ties' arm files."""
 
 
 def _without_script(svg: str) -> str:
@@ -123,8 +132,41 @@ def front_to_click(front: Tradeoff) -> Front:
     for trace in drawn["data"]:
         trace["customdata"] = [numbers.get(place) for place in zip(trace["x"], trace["y"], strict=True)]
     files = {point.number: point_file(result, point) for point in result.points}
-    designs = {design.number: _design(front, design, files[design.number]) for design in front.designs}
+    known = result.asked.given.figures.values()
+    designs: dict[int, Design] = {}
+    for design in front.designs:
+        figures = [(item.title, item.shown(design.values[item.name]), item.unit) for item in known]
+        designs[design.number] = _design(design.arm.model, figures, files[design.number])
     return {"figure": {"data": drawn["data"], "layout": drawn["layout"]}, "designs": designs}
+
+
+def choices_to_click(result: Optimization) -> tuple[dict[str, Design], dict[str, Arm]]:
+    """The best design and its near ties, by what is said of them; and the arms of the near ties by the names of their
+    files."""
+    found = result.found
+    minimised = found.minimised
+    best = (found.arm, found.objective, found.after.worst.error, found.after.mass, found.after.cost)
+    ties = [(tie.arm, tie.objective, tie.max_error, tie.mass, tie.cost) for tie in found.near_ties]
+    designs: dict[str, Design] = {}
+    arms: dict[str, Arm] = {}
+    for number, (arm, objective, error, mass, cost) in enumerate((best, *ties)):
+        file, name = DESIGN, "best"
+        if number:
+            file = f"{TIES}/{number:02d}.yaml"
+            arms[file] = arm
+            worse = 100.0 * abs(objective / found.objective - 1.0) if found.objective else 0.0
+            name = f"near tie {number}, " + (f"{worse:.2f} % worse" if worse >= _AS_GOOD else "as good")
+        figures = [("worst error", 1e3 * error, "mm"), ("mass of the links", mass, "kg"), ("cost", cost, "EUR")]
+        if minimised.name not in _SHOWN:
+            figures.insert(0, (minimised.title, minimised.factor * objective, minimised.unit))
+        options = (
+            [None if link.section is None else link.section.shape for link in arm.links],
+            [None if link.material is None else link.material.name for link in arm.links],
+            [None if joint.actuator is None else joint.actuator.name for joint in arm.joints] if found.drives else [],
+        )
+        words = "; ".join(names_words(names) for names in options if names)
+        designs[f"{name}: {words}"] = _design(arm, figures, file)
+    return designs, arms
 
 
 def poses_from(content: bytes) -> list[Pose]:
@@ -146,10 +188,15 @@ def front_from(content: bytes) -> Front:
     return front
 
 
-def _design(front: Tradeoff, design: TradeoffDesign, file: str) -> Design:
-    model = design.arm.model
-    known = front.found.asked.given.figures.values()
-    figures = [(item.title, item.shown(design.values[item.name]), item.unit) for item in known]
+def choices_from(content: bytes) -> dict[str, Design]:
+    """The near ties that a file keeps, with the best design."""
+    try:
+        return TypeAdapter(dict[str, Design]).validate_json(content)
+    except ValidationError:
+        raise InputError("", "choices.json", "is damaged; the near ties cannot be shown") from None
+
+
+def _design(model: Arm, figures: Sequence[tuple[str, float | None, str]], file: str) -> Design:
     links: list[Link] = [
         {
             "link": number,

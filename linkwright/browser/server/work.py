@@ -21,6 +21,7 @@ from linkwright.cli import end_as_by_ctrl_c
 from linkwright.commands.parameters import parameters_of, paths_in
 from linkwright.core.executors import WorkersLost
 from linkwright.core.units.quantities import InputError, NoAnswer
+from linkwright.face.design import Optimization
 from linkwright.face.evaluation import Evaluation
 from linkwright.face.result import Result
 from linkwright.face.tradeoff import Tradeoff
@@ -111,13 +112,19 @@ def _heard(problem: lw.Problem | None) -> dict[str, Any]:
 
 
 def _beside(result: Any, out: Path, settings: Sequence[Path]) -> None:
-    """What only the pages show: worst poses and fronts to click on; and the settings as they were told."""
-    from linkwright.browser.server.drawings import front_to_click, worst_poses
+    """What only the pages show: worst poses, fronts and near ties to click on; and the settings as they were told."""
+    from linkwright.browser.server.drawings import choices_to_click, front_to_click, worst_poses
 
     if isinstance(result, Evaluation):
         (out / "poses.json").write_text(json.dumps(worst_poses(result.found)), encoding="utf-8")
     if isinstance(result, Tradeoff):
         (out / "front.json").write_text(json.dumps(front_to_click(result)), encoding="utf-8")
+    if isinstance(result, Optimization) and result.found.near_ties:
+        designs, arms = choices_to_click(result)
+        (out / "choices.json").write_text(json.dumps(designs), encoding="utf-8")
+        for name, arm in arms.items():
+            (out / name).parent.mkdir(exist_ok=True)
+            lw.Arm.of(arm, catalogue=result.problem.arm.catalogue).save(out / name)
     for number, file in enumerate(settings, start=1):
         name = file.name if len(settings) == 1 else f"{file.stem}-{number}{file.suffix}"
         (out / name).write_bytes(file.read_bytes())

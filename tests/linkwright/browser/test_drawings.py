@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import linkwright as lw
-from linkwright.browser.server.drawings import worst_poses
+from linkwright.browser.server.drawings import choices_to_click, worst_poses
 from linkwright.core.arm.chain.statics import solve
 from linkwright.core.arm.errors.exact import deformed
 from linkwright.core.arm.errors.model import beams_of
@@ -54,3 +54,24 @@ def test_each_worst_pose_is_told_and_drawn():
         assert item["svg"].count("<svg") == 1
         assert 'class="bent"' in item["svg"]
         assert "<script>" not in item["svg"]
+
+
+def test_near_ties_are_drawn_with_the_figures_of_their_arm_files(tmp_path):
+    """Two steels of one stiffness: each design's file, read again, has the worst error and the mass that are shown."""
+    problem = lw.Problem(
+        arm="examples/several-loads/arm.yaml",
+        subject_to={"mass": "<= 12 kg", "section_size": ["40 mm", "110 mm"], "thickness": ["3 mm", "8 mm"]},
+        choose={"section": ["tube"], "material": ["steel-s235", "steel-s355"], "same": ["size", "material"]},
+    )
+    result = lw.optimize(problem)
+    assert result.found.near_ties
+    designs, arms = choices_to_click(result)
+    assert len(designs) == 1 + len(result.found.near_ties)
+    assert next(iter(designs)).startswith("best: ")
+    for shown in list(designs.values())[1:]:
+        file = tmp_path / shown["file"].replace("/", "-")
+        lw.Arm.of(arms[shown["file"]]).save(file)
+        again = lw.evaluate(lw.read_arm(file))
+        told = {item["figure"]: float(item["value"].split()[0]) for item in shown["figures"]}
+        assert told["worst error"] == pytest.approx(again.max_error_mm, rel=1e-3)
+        assert told["mass of the links"] == pytest.approx(again.mass_kg, rel=1e-3)
