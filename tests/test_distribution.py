@@ -13,6 +13,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import pytest
+import yaml
 
 from tests.test_house import CORE, MAY_USE, ROOT, tracked_files
 
@@ -138,6 +139,17 @@ def test_sdist_holds_what_a_build_needs(built):
     folders = ("tests", "benchmarks", "examples", "handbook", "docs")
     tracked = {path.relative_to(ROOT) for path in tracked_files()}
     assert {path.as_posix() for path in tracked if path.parts[0] in folders} <= packed
+
+
+def test_the_conda_recipe_asks_for_what_the_wheel_asks_for():
+    """The same packages with the same versions, and the same version of this one."""
+    recipe = (ROOT / "packaging" / "recipe.yaml").read_text(encoding="utf-8")
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    asked = yaml.safe_load(recipe)
+    python, *packages = (line.replace(" ", "").lower() for line in asked["requirements"]["run"])
+    assert packages == [line.lower() for line in project["dependencies"]]
+    assert python == f"python{project['requires-python']}"
+    assert asked["context"]["version"] == project["version"]
 
 
 def test_what_is_an_extra_says_the_line_to_type(tmp_path):
