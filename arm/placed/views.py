@@ -51,6 +51,12 @@ def view_of(arm: Arm, tip: Array) -> View:
     return View(level / np.linalg.norm(level), up)
 
 
+def from_above(arm: Arm, tip: Array) -> View:
+    """The view down along gravity, the tip (m) to the right of the base: a SCARA's reach is seen at its true length."""
+    side = view_of(arm, tip)
+    return View(side.across, np.cross(side.up, side.across))
+
+
 @dataclass(frozen=True)
 class Side:
     """A link seen from its side with all joints at zero: across the page runs the link, `up` is up the page."""

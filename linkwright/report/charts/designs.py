@@ -34,16 +34,23 @@ _EXCHANGE = "The exchange ends where no pose is worse than those it has already 
 
 
 def arms(named: Named) -> str:
-    """The arms at their worst poses, to one scale."""
-    drawn = [skeleton(evaluation) for _, evaluation in named]
+    """The arms at their worst poses, to one scale; those that move in space from the side and from above."""
+    in_space = any(not evaluation.arm.flat for _, evaluation in named)
+    rows = [_arms(named, above=above) for above in (False, True)[: 1 + in_space]]
+    rows = [[figure for row in rows for figure in row]] if len(named) == 1 else rows
+    return "".join(side_by_side(*row) for row in rows)
+
+
+def _arms(named: Named, *, above: bool) -> list[str]:
+    drawn = [skeleton(evaluation, above=above) for _, evaluation in named]
     window = shared_window(drawn)
     figures: list[str] = []
     for (when, evaluation), item in zip(named, drawn, strict=True):
-        heading = element("h3", text(when.capitalize())) if when else ""
-        caption = element("figcaption", text(arm_caption(evaluation.arm, item, window)))
+        heading = element("h3", text(when.capitalize())) if when and not above else ""
+        caption = element("figcaption", text(arm_caption(evaluation.arm, item, window, above=above)))
         picture = arm_picture(evaluation.arm, item, window, when or "after").removesuffix("</svg>")
         figures.append(element("figure", heading, picture + numbered(item, window) + "</svg>", caption))
-    return side_by_side(*figures)
+    return figures
 
 
 def maps(named: Named, fields: Sequence[ErrorMap]) -> Drawn:

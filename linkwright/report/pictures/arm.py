@@ -14,7 +14,7 @@ from linkwright.core.arm.chain.chain import Arm, Joint
 from linkwright.core.arm.chain.kinematics import place
 from linkwright.core.arm.evaluation import Evaluation
 from linkwright.core.arm.placed.link_frames import Stand, stands
-from linkwright.core.arm.placed.views import view_of
+from linkwright.core.arm.placed.views import View, from_above, view_of
 from linkwright.core.arm.worst.search import WorstPose
 from linkwright.core.sections.section import Section
 from linkwright.core.sections.taper import Tapered
@@ -84,16 +84,17 @@ class Window:
     exaggeration: float
 
 
-def skeleton(evaluation: Evaluation) -> Skeleton:
-    """The arm of an evaluation at its worst pose: in the x-y plane, or in the upright plane through the tip."""
+def skeleton(evaluation: Evaluation, *, above: bool = False) -> Skeleton:
+    """The arm of an evaluation at its worst pose, as `skeleton_at` shows it."""
     worst = evaluation.worst.poses[0]
-    return skeleton_at(evaluation.arm.on(evaluation.load_cases[worst.load_case].tip), worst)
+    return skeleton_at(evaluation.arm.on(evaluation.load_cases[worst.load_case].tip), worst, above=above)
 
 
-def skeleton_at(arm: Arm, worst: WorstPose) -> Skeleton:
-    """An arm at a pose with the error there: in the x-y plane, or in the upright plane through the tip."""
+def skeleton_at(arm: Arm, worst: WorstPose, *, above: bool = False) -> Skeleton:
+    """An arm at a pose with the error there: in the x-y plane, or in the upright plane through the tip; from `above`,
+    down along gravity."""
     tip = np.array(place(arm, worst.q).tip(), dtype=float)
-    project = page_of(arm, tip)
+    project = page_of(arm, tip, from_above if above else view_of)
     bodies = stands(arm, worst.q)
     leads: list[tuple[Point, Point]] = []
     links: list[Silhouette] = []
@@ -124,9 +125,11 @@ def skeleton_at(arm: Arm, worst: WorstPose) -> Skeleton:
     return Skeleton(tuple(leads), tuple(links), tuple(joints), project(tip), error, worst)
 
 
-def page_of(arm: Arm, tip: np.ndarray) -> Callable[[np.ndarray], Point]:
+def page_of(
+    arm: Arm, tip: np.ndarray, seen: Callable[[Arm, np.ndarray], View] = view_of
+) -> Callable[[np.ndarray], Point]:
     """From metres in space to millimetres on the page, y down, for an arm with its tip there."""
-    view = view_of(arm, tip)
+    view = seen(arm, tip)
 
     def project(point: np.ndarray) -> Point:
         across, up = 1e3 * view.project(point)
@@ -229,8 +232,10 @@ def _arrow(tip: Point, error: Point, window: Window) -> str:
     return line(tip, neck, "error-line", 0.006 * window.width) + path([wings], "error-head") + dot
 
 
-def arm_caption(arm: Arm, drawn: Skeleton, window: Window) -> str:
+def arm_caption(arm: Arm, drawn: Skeleton, window: Window, *, above: bool = False) -> str:
     """What the picture shows, in words."""
     view = "" if arm.planar() else "; seen from the side, in the upright plane through the tip"
+    if above:
+        view = "; seen from above"
     arrow = f"the arrow is the tip's error, drawn {figure(window.exaggeration)} times its size"
     return f"{pose(arm, drawn.pose.q)}: {mm(drawn.pose.error)}; {arrow}{view}"

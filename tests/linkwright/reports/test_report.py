@@ -247,6 +247,19 @@ def test_an_arm_in_space_is_drawn_upright_through_its_tip():
     assert "seen from the side" in page.text
 
 
+def test_a_scara_is_seen_from_above_at_its_true_reach():
+    """Axes that point up: 400 and 300 mm, the elbow at q, reach sqrt(400^2 + 300^2 + 2 400 300 cos q)."""
+    joint = Joint(axis=(0.0, 0.0, 1.0), range=(0.6, 0.6), stiffness=1e4)
+    arm = arm_of((Circle(0.05), Circle(0.05)), joints=(replace(joint, range=(0.2, 0.2)), joint))
+    result = evaluate(replace(arm, gravity=(0.0, 0.0, -9.81)))
+    drawn = skeleton(result, above=True)
+    assert drawn.tip == pytest.approx((math.sqrt(400.0**2 + 300.0**2 + 2.0 * 400.0 * 300.0 * math.cos(0.6)), 0.0))
+    elbow = drawn.links[0].end
+    assert math.hypot(*elbow) == pytest.approx(400.0)
+    assert elbow[1] > 0.0  # to the right of the line to the tip, whose joint turns to the left: below it on the page
+    assert "seen from above" in Page(page_of(evaluations.describe(result))).text
+
+
 def test_page_of_a_single_arm(evaluation):
     """The same parts, without before and after."""
     page = Page(page_of(evaluations.describe(evaluation)))
