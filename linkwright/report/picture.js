@@ -1,5 +1,6 @@
-// A drawing as a PNG file, in the colours that it has here, on its page's ground, at three times its size.
-function savePicture(svg) {
+// A drawing as a file in the colours that it has here: as SVG to be enlarged or printed, or as PNG on its page's ground
+// at three times its size.
+function savePicture(svg, kind) {
   "use strict";
   var kept = ["fill", "stroke", "stroke-width", "stroke-dasharray", "stroke-linecap", "stroke-linejoin", "opacity",
     "vector-effect", "font-family", "font-size", "font-weight"];
@@ -10,9 +11,17 @@ function savePicture(svg) {
   });
   copy.setAttribute("width", box.width);
   copy.setAttribute("height", box.height);
-  var image = new Image();
+  copy.setAttribute("xmlns", "http://www.w3.org/2000/svg");
+  var source = "data:image/svg+xml;charset=utf-8," + encodeURIComponent(new XMLSerializer().serializeToString(copy));
+  var link = document.createElement("a"), image = new Image();
+  link.download = (svg.getAttribute("aria-label") || "picture").replace(/[^\w.]+/g, "-").slice(0, 60) + "." + kind;
+  if (kind === "svg") {
+    link.href = source;
+    link.click();
+    return;
+  }
   image.onload = function () {
-    var canvas = document.createElement("canvas"), link = document.createElement("a");
+    var canvas = document.createElement("canvas");
     canvas.width = 3 * box.width;
     canvas.height = 3 * box.height;
     var pen = canvas.getContext("2d");
@@ -20,8 +29,7 @@ function savePicture(svg) {
     pen.fillRect(0, 0, canvas.width, canvas.height);
     pen.drawImage(image, 0, 0, canvas.width, canvas.height);
     link.href = canvas.toDataURL("image/png");
-    link.download = (svg.getAttribute("aria-label") || "picture").replace(/[^\w.]+/g, "-").slice(0, 60) + ".png";
     link.click();
   };
-  image.src = "data:image/svg+xml;charset=utf-8," + encodeURIComponent(new XMLSerializer().serializeToString(copy));
+  image.src = source;
 }

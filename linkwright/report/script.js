@@ -32,10 +32,15 @@
     }
     return { data: [first].concat(like.data.slice(1)), layout: Object.assign({}, like.layout, { updatemenus: [] }) };
   }
+  function saved() {
+    return { name: "svg", title: "Download plot as an SVG", icon: Plotly.Icons.disk, click: function (place) {
+      Plotly.downloadImage(place, { format: "svg", filename: place.dataset.figure });
+    } };
+  }
   function draw() {
     places.forEach(function (place) {
       var figure = whole(figures[place.dataset.figure]);
-      Plotly.react(place, figure.data, dressed(figure.layout), { responsive: true, displaylogo: false, displayModeBar: true, modeBarButtons: [["toImage"]] });
+      Plotly.react(place, figure.data, dressed(figure.layout), { responsive: true, displaylogo: false, displayModeBar: true, modeBarButtons: [["toImage", saved()]] });
     });
   }
   function unpacked(id) {
@@ -55,12 +60,16 @@
     places.forEach(function (place) { place.textContent = words; });
   }
   document.querySelectorAll("svg").forEach(function (drawing) {
-    var button = document.createElement("button");
-    button.className = "png";
-    button.textContent = "PNG";
-    button.setAttribute("aria-label", "PNG of " + (drawing.getAttribute("aria-label") || "this drawing"));
-    button.onclick = function () { savePicture(drawing); };
-    drawing.after(button);
+    var row = document.createElement("span");
+    row.className = "save";
+    ["png", "svg"].forEach(function (kind) {
+      var button = document.createElement("button"), name = kind.toUpperCase();
+      button.textContent = name;
+      button.setAttribute("aria-label", name + " of " + (drawing.getAttribute("aria-label") || "this drawing"));
+      button.onclick = function () { savePicture(drawing, kind); };
+      row.appendChild(button);
+    });
+    drawing.after(row);
   });
   if (!places.length) { return; }
   if (!window.DecompressionStream) {

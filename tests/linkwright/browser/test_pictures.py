@@ -1,4 +1,6 @@
-"""Every picture comes as PNG: drawings of the pages, drawings and charts of a report."""
+"""Every picture comes as PNG and as SVG: drawings of the pages, drawings and charts of a report."""
+
+from xml.etree import ElementTree
 
 import pytest
 
@@ -21,6 +23,16 @@ def saved(page, button):
         return (*picture.size, len(picture.convert("RGB").getcolors(1 << 24)))
 
 
+def saved_svg(page, button):
+    """The shapes of what a button saves, each in a colour of its own style."""
+    with page.expect_download() as download:
+        button.click()
+    assert download.value.suggested_filename.endswith(".svg")
+    drawn = ElementTree.parse(download.value.path()).getroot()
+    assert drawn.tag == "{http://www.w3.org/2000/svg}svg"
+    return [item for item in drawn.iter() if "fill:" in item.get("style", "")]
+
+
 def test_drawings_and_charts_are_saved(server, page):
     """In colours, and three times as large as they are seen; charts by their own button."""
     Folder(server.folder).add_examples()
@@ -32,6 +44,7 @@ def test_drawings_and_charts_are_saved(server, page):
     width, height, colours = saved(page, page.get_by_role("button", name="PNG of ").first)
     assert (width, height) == (pytest.approx(3 * box["width"], abs=3), pytest.approx(3 * box["height"], abs=3))
     assert colours > 3
+    assert len(saved_svg(page, page.get_by_role("button", name="SVG of ").first)) > 3
     result = lw.evaluate(server.folder / "example-arm.yaml")
     result.save(server.folder / "made")
     report = (server.folder / "made" / "report.html").read_bytes()
@@ -42,6 +55,8 @@ def test_drawings_and_charts_are_saved(server, page):
     chart = inside.locator(".js-plotly-plot").first
     chart.wait_for()
     assert saved(page, chart.locator(".modebar-btn").first)[2] > 3
+    assert len(saved_svg(page, inside.get_by_role("button", name="SVG of ").first)) > 3
+    assert len(saved_svg(page, chart.locator(".modebar-btn").nth(1))) > 3
     Shelf(server.folder).remove(number)
     for item in (server.folder / "made").iterdir():
         item.unlink()
