@@ -11,7 +11,6 @@ function savePicture(svg, kind) {
   });
   copy.setAttribute("width", box.width);
   copy.setAttribute("height", box.height);
-  copy.setAttribute("xmlns", "http://www.w3.org/2000/svg");
   var source = "data:image/svg+xml;charset=utf-8," + encodeURIComponent(new XMLSerializer().serializeToString(copy));
   var link = document.createElement("a"), image = new Image();
   link.download = (svg.getAttribute("aria-label") || "picture").replace(/[^\w.]+/g, "-").slice(0, 60) + "." + kind;

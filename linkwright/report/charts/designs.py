@@ -43,7 +43,8 @@ def arms(named: Named) -> str:
 
 def _arms(named: Named, *, above: bool) -> list[str]:
     drawn = [skeleton(evaluation, above=above) for _, evaluation in named]
-    window = shared_window(drawn)
+    others = [skeleton(evaluation, above=not above) for _, evaluation in named if not evaluation.arm.flat]
+    window = shared_window(drawn, beside=others)
     figures: list[str] = []
     for (when, evaluation), item in zip(named, drawn, strict=True):
         heading = element("h3", text(when.capitalize())) if when and not above else ""

@@ -146,19 +146,21 @@ def _corners(section: Section, body: Stand, project: Callable[[np.ndarray], Poin
     return tuple((float(x), float(y)) for x, y in places[ConvexHull(places).vertices])
 
 
-def shared_window(skeletons: Sequence[Skeleton]) -> Window:
-    """One window and one exaggeration for pictures that are to be compared."""
+def shared_window(skeletons: Sequence[Skeleton], *, beside: Sequence[Skeleton] = ()) -> Window:
+    """One window for pictures that are to be compared, and one exaggeration for them and those `beside` them."""
     points = [point for item in skeletons for point in item.points]
     reach = max(math.hypot(*point) for point in points)
-    largest = max(math.hypot(*item.error) for item in skeletons)
-    exaggeration = nice_below(_ARROW * reach / largest) if largest > 0.0 else 1.0
+    everywhere = (*skeletons, *beside)
+    farthest = max(math.hypot(*point) for item in everywhere for point in item.points)
+    largest = max(math.hypot(*item.error) for item in everywhere)
+    exaggeration = nice_below(_ARROW * farthest / largest) if largest > 0.0 else 1.0
     points += [(x.tip[0] + exaggeration * x.error[0], x.tip[1] + exaggeration * x.error[1]) for x in skeletons]
     xs, ys = [x for x, _ in points], [y for _, y in points]
     margin = 0.09 * reach
     width, height = max(xs) - min(xs) + 2 * margin, max(ys) - min(ys) + 2 * margin
-    beside, missing = max(0.0, _NARROWEST * height - width), max(0.0, _WIDEST * width - height)
-    left, top = min(xs) - margin - beside / 2, min(ys) - margin - missing / 2
-    width += beside
+    wider, missing = max(0.0, _NARROWEST * height - width), max(0.0, _WIDEST * width - height)
+    left, top = min(xs) - margin - wider / 2, min(ys) - margin - missing / 2
+    width += wider
     return Window(left, top, width, height + missing + 0.07 * width, exaggeration)
 
 
