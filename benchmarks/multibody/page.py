@@ -12,22 +12,22 @@ from benchmarks.multibody.score import Score
 HEADING = "## A second generator: a multibody engine"
 WORDS = (
     """
-    Forms of the tool describe each unknown class of the library above. `benchmarks/multibody` draws anew, on MuJoCo:
-    links are chains of segments on springs, so that arms bend by millimetres; 1 or 2 large causes stand among 4 to 8
-    small ones; frames and tools are free, trackers are remounted and wander, arms return badly, columns bear wrong
-    names, recordings have 20 poses, arms up to seven axes. It imports nothing that is judged, which a test reads.
+    Forms of the tool describe each unknown class of the library above. `benchmarks/multibody` draws anew, on
+    MuJoCo. Links are chains of segments on springs that bend by millimetres. 1 or 2 large causes stand among 4 to 8
+    small ones. Frames and tools are free, trackers are remounted and wander, arms return badly, columns bear wrong
+    names. Recordings have 20 poses, arms up to seven axes. It imports nothing that is judged, which a test reads.
     """,
     """
-    Thirty-one unknown classes are split by class, by a recorded seed, into a development half and a proof half; nothing
-    in the tool may be made for what is in the proof half. The tool's rules are set by the development half, which is no
-    proof. An unknown's size is what geometry and any three usual causes leave of it.
+    Thirty-one unknown classes are split by class, by a recorded seed, into a development half and a proof half. The
+    development half sets the tool's rules and is no proof. Nothing in the tool may be made for the proof half. An
+    unknown's size is what geometry and any three usual causes leave of it.
     """,
     """
-    Again: `make proof-multibody PROOF_CASES=600 PROOF_SEED=... PROOF_HALF=development` (or `proof`, asked once);
-    `python -m benchmarks.multibody score CASES --answers ANSWERS --page docs/proof.md` writes this section. The oracle
-    knows every cause at its true size and fits frame and tool where they are free. Bias, F1 and false discovery rate
-    (as in arXiv:2606.23215) are here: relative errors of parameters rightly named; joints, moments and covariates that
-    are pointed at; names that are neither a cause's nor declare it.
+    Again: `make proof-multibody PROOF_CASES=600 PROOF_SEED=... PROOF_HALF=development` (or `proof`, asked once).
+    `python -m benchmarks.multibody score CASES --answers ANSWERS --page docs/proof.md` writes this section. The
+    oracle knows every cause at its true size and fits frame and tool where they are free. The three figures are
+    those of arXiv:2606.23215. Bias is the relative error of parameters rightly named. F1 is of the joints, moments
+    and covariates that are pointed at. False discoveries are names that are no cause's and do not declare one.
     """,
 )
 
