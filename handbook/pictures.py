@@ -1,4 +1,4 @@
-"""The pictures of reports in README: their heads, with what the reports answer written into the files.
+"""The pictures of reports in README: a head or a section, with what the reports answer written into the files.
 
 `python -m handbook.pictures` makes them, with Chromium by Playwright; names (`welding-arm`) choose some.
 """
@@ -39,11 +39,13 @@ def designed() -> Optimization:
 
 @dataclass(frozen=True)
 class Photographed:
-    """The head of a report, `height` pixels of it: `found` makes the result, `answer` is its sentence."""
+    """A part of a report: its head, `height` pixels of it, or the section whose heading has `heading` in it. `found`
+    makes the result, `answer` is its sentence."""
 
     name: str
     height: int
     found: Callable[[], Diagnosis | Optimization]
+    heading: str = ""
 
     @property
     def path(self) -> Path:
@@ -55,7 +57,10 @@ class Photographed:
         return answer_of(self.found())
 
 
-PICTURES = (Photographed("diagnosis", 1150, diagnosed), Photographed("welding-arm", 1650, designed))
+PICTURES = (
+    Photographed("diagnosis", 1150, diagnosed),
+    Photographed("welding-arm", 1650, designed, heading="Before and after"),
+)
 WIDTH = 1000
 
 
@@ -81,9 +86,10 @@ def photograph(picture: Photographed) -> None:
         page = browser.new_page(viewport={"width": WIDTH, "height": picture.height})
         page.goto((folder / "report.html").as_uri())
         page.wait_for_timeout(1500)
-        page.screenshot(path=str(Path(place) / "head.png"))
+        part = page.locator("section", has=page.get_by_role("heading", name=picture.heading))
+        (part if picture.heading else page).screenshot(path=str(Path(place) / "part.png"))
         browser.close()
-        with Image.open(Path(place) / "head.png") as image:
+        with Image.open(Path(place) / "part.png") as image:
             told = PngInfo()
             told.add_itxt(ANSWER, answer_of(result))
             few = image.convert("P", palette=Image.Palette.ADAPTIVE, colors=128)
