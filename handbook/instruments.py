@@ -11,9 +11,10 @@ from .sources import DOCS, ROOT
 PAGE = ROOT / DOCS / "instruments.md"
 START = """# Instruments
 
-Written from the program itself (`make instruments-docs`). `observes` in recording.yaml names one or several;
-`linkwright simulate --observe` and `linkwright plan --instrument` take the same names.
-[How to record](how-to/recordings.md#instruments) compares them, [Extend](how-to/extending.md) shows how to add one.
+Look up here what each instrument reads, the columns and settings that it needs, and what it cannot see. `observes` in
+recording.yaml names one or several. `linkwright simulate --observe` and `linkwright plan --instrument` take the same
+names. [How to record](how-to/recordings.md#instruments) goes by device, [Extend](how-to/extending.md) shows how to add
+one. The page is written from the program itself (`make instruments-docs`).
 
 | `observes` | reads | columns | settings | cannot see |
 |---|---|---|---|---|

@@ -18,16 +18,16 @@ WORDS = (
     names. Recordings have 20 poses, arms up to seven axes. It imports nothing that is judged, which a test reads.
     """,
     """
-    Thirty-one unknown classes are split by class, by a recorded seed, into a development half and a proof half. The
-    development half sets the tool's rules and is no proof. Nothing in the tool may be made for the proof half. An
-    unknown's size is what geometry and any three usual causes leave of it.
+    Thirty-one unknown classes are split by class, by a recorded seed, into a development half, which sets the
+    tool's rules, and a proof half. Nothing in the tool may be made for the proof half. An unknown's size is what
+    geometry and any three usual causes leave of it.
     """,
     """
     Again: `make proof-multibody PROOF_CASES=600 PROOF_SEED=... PROOF_HALF=development` (or `proof`, asked once).
     `python -m benchmarks.multibody score CASES --answers ANSWERS --page docs/proof.md` writes this section. The
-    oracle knows every cause at its true size and fits frame and tool where they are free. The three figures are
-    those of arXiv:2606.23215. Bias is the relative error of parameters rightly named. F1 is of the joints, moments
-    and covariates that are pointed at. False discoveries are names that are no cause's and do not declare one.
+    oracle knows every cause at its true size and fits free frames and tools. The three figures are those of
+    arXiv:2606.23215. F1 is of the joints, moments and covariates that are pointed at. False discoveries neither are
+    a cause nor declare one.
     """,
 )
 

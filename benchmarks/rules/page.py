@@ -10,12 +10,12 @@ from linkwright.core.diagnose.rules.rules import RULES
 
 HEAD = """# The rules of the diagnosis
 
-Every threshold by which a recording is judged. The page is generated from `diagnose/rules/` by `make rules-docs`; a
-test keeps the two alike. `Options(rules=...)` takes others for one diagnosis.
+Look up here the value, reason and source of every threshold by which a recording is judged. `Options(rules=...)` takes
+others for one diagnosis. The page is written from `diagnose/rules/` (`make rules-docs`).
 
 A value without a source in the literature was chosen on the proof's disclosed half (see [proof.md](proof.md)), or is
 judged, or bounds computing time. What counts readings, visits or poses says why it may take effect at some number of
-them; nothing else changes with one more reading.
+them. Nothing else changes with one more reading.
 """
 
 
