@@ -112,3 +112,10 @@ def test_what_is_written_by_hand_stays_short():
     pages = [name for name in project_files() if re.fullmatch(r"docs/.*\.md", name) and name not in MADE]
     assert by_hand(ROOT / "README.md") <= 900
     assert by_hand(ROOT / "README.md") + sum(by_hand(Path(ROOT / name)) for name in pages) <= 22_000
+
+
+def test_pages_open_with_a_sentence():
+    """What one can do after reading a page stands below its title, before any command, table or list."""
+    pages = [ROOT / name for name in project_files() if re.fullmatch(r"README.md|docs/.*\.md", name)]
+    firsts = {page.name: page.read_text(encoding="utf-8").split("\n", 2)[2] for page in pages}
+    assert [name for name, text in firsts.items() if not re.match(r"(?!```)[A-Z`][^\n]*\w", text)] == []
