@@ -86,6 +86,7 @@ def photograph(picture: Photographed) -> None:
         page = browser.new_page(viewport={"width": WIDTH, "height": picture.height})
         page.goto((folder / "report.html").as_uri())
         page.wait_for_timeout(1500)
+        page.add_style_tag(content=".save { display: none !important }")  # buttons that nobody can press
         part = page.locator("section", has=page.get_by_role("heading", name=picture.heading))
         (part if picture.heading else page).screenshot(path=str(Path(place) / "part.png"))
         browser.close()
