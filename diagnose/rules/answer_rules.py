@@ -14,80 +14,84 @@ class AnswerRules:
     farther: float = rule(
         2.0,
         "times the noise floor",
-        "So much must be left, where nothing was found, to be called unknown: heavy tails and memory together make "
+        "Where nothing was found, a remainder of this size is called unknown. Heavy tails and memory together make "
         "repeats look up to twice too quiet.",
         PROOF,
     )
     too_far_to_scatter: float = rule(
         2.2,
         "times the noise floor",
-        "More is not taken for scatter of an arm that no visit came back to, beside names or without: `unknown`.",
+        "A larger remainder is not taken for scatter of an arm, with or without names, if no pose was visited again. "
+        "It is `unknown`.",
         "judged on the development half of the second proof, seeds 2026112801 to 2026112803: arms that return badly "
         "and are rightly named leave 1.95 at most",
     )
     lasting: float = rule(
         0.2,
         "share of the remainder",
-        "As much must be there again, or predict itself elsewhere, for it to be the model's fault.",
+        "At least this share must recur, or predict itself elsewhere, to be the model's fault.",
         PROOF,
     )
     refuted: float = rule(
         0.05,
         "share of what is left",
-        "A finding without which held-out readings are better by as much (RMS) is dropped; a form must predict as much "
-        "of them to give an unknown its shape.",
+        "A finding is dropped if held-out readings are better by this share (RMS) without it. A form must predict at "
+        "least this share of them to give an unknown its shape.",
         PROOF,
     )
     least_moved: float = rule(
-        0.2, "times the noise floor", "One of several findings that moves the tip by less (RMS) goes."
+        0.2, "times the noise floor", "One of several findings that moves the tip by less (RMS) is dropped."
     )
     kept_anyway: float = rule(
         0.2,
         "share of the mismatch",
-        "A finding that moves the tip by as much (RMS) is never dropped for that: others may take its place.",
+        "A finding that moves the tip by at least this share (RMS) is never dropped as small, since others may replace "
+        "it.",
     )
     takes_over: float = rule(
         0.3,
         "share of what it moves",
-        "Where a finding may be nothing by itself and others take up more than half of it (sum of squares), each of "
-        "these takes up as much (RMS) at least: they are said together.",
+        "Where a finding may be zero by itself, others can replace more than half of it (sum of squares). Those that "
+        "replace at least this share (RMS) are reported together with it.",
     )
     cancelled: float = rule(
         0.2,
         "share of what it moves",
-        "Findings that move less together than this, and of which the others take up all but this, only balance each "
-        "other, and are said together.",
+        "Findings that together move less than this, and that others replace up to this share, only cancel each other. "
+        "They are reported together.",
     )
     scatter_beside: float = rule(
         0.1,
         "share of the mismatch",
-        "Findings that leave no more (sum of squares beyond the noise), and nothing that predicts itself, stand beside "
-        "an arm that returns badly; where they leave more, readings of a visit refute them.",
+        "Findings may be named for an arm with poor repeatability if they leave no more (sum of squares beyond the "
+        "noise) and nothing predicts itself. If they leave more, readings of a visit refute them.",
         "judged on the development half of the second proof, seeds 2026112801 to 2026112803",
     )
     scatter_follows: float = rule(
         0.02,
         "p-value",
-        "Below it what is left of a visit is like that of the visits before: what is left beside names is no scatter "
-        "of an arm that returns badly.",
+        "Below this value the remainder of a visit resembles the visits before. With names, such a remainder is no "
+        "scatter of an arm with poor repeatability.",
         "judged on the development half of the second proof, seeds 2026112801 and 2026112802",
     )
     promise: float = rule(
         0.02,
         "share of the promised RMS",
-        "The written arm file may leave so much more or less of its own recording; beyond that it is said.",
+        "The written arm file may leave this much more or less of its own recording. A larger difference is reported.",
     )
     held_out_beyond: float = rule(
         1.35,
         "times what noise, or the fit, leaves",
-        "More on parts of the workspace held out than of noise there, and than any draw of it, refutes a fit too; far "
-        "more than is left of what was fitted, and neither scatter nor small causes excuse names.",
+        "A fit is also refuted if held-out parts of the workspace leave more than this, and more than any draw of the "
+        "noise there. If they leave far more than fitted parts, neither scatter nor small causes excuse names.",
         PROOF,
     )
     most_memory: float = rule(0.8, "correlation", "No more is granted to noise before a fit is held to its repeats.")
-    local: float = rule(0.25, "median over RMS", "A remainder below this sits at a few visits.", PROOF)
-    one_direction: float = rule(0.6, "share of the mismatch", "Along one direction, or it is mixed.")
+    local: float = rule(0.25, "median over RMS", "A remainder below this is concentrated at a few visits.", PROOF)
+    one_direction: float = rule(
+        0.6, "share of the mismatch", "At least this share lies along one direction. Otherwise the direction is mixed."
+    )
     told: float = rule(
-        13.0, "non-centrality", "A wrong name is refused with high power (one coefficient, odds of 20 to 1).", "odds"
+        13.0, "non-centrality", "A wrong name is rejected with high power (one coefficient, odds of 20 to 1).", "odds"
     )
     hopeless: float = rule(0.02, "non-centrality a reading", "Below this no number of poses is reasonable.")

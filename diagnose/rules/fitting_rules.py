@@ -15,147 +15,159 @@ class FittingRules:
         0.002, "chance a recording", "An outlier is a row that scatter alone would produce in one recording of 500."
     )
     outlier_margin: float = rule(
-        1.25, "1", "Upon that limit, since the scale is an estimate and tails are heavier than Gauss's.", PROOF
+        1.25, "1", "The factor on that limit, since the scale is an estimate and tails are heavier than Gauss's.", PROOF
     )
     most_outliers: float = rule(
-        0.05, "share of the rows", "More rows far off are no handful of bad readings but part of the mismatch.", PROOF
+        0.05,
+        "share of the rows",
+        "If more rows are far off, they are part of the mismatch and not a few bad readings.",
+        PROOF,
     )
     most_alone: float = rule(
         0.35,
         "share of the rows",
-        "So many may lie far off where others of their own visit do not: that is the readings, not the pose.",
+        "Up to this share may lie far off where other readings of the same visit do not. The cause is the readings, "
+        "not the pose.",
     )
     same_way: float = rule(
         0.8,
         "cosine",
-        "Readings that begin a recording far off and point the same way settle: no outliers. Torques, speeds or "
-        "currents of a log that go so much with what they should be are a multiple of it.",
+        "Readings that begin a recording far off and point the same way are settling, and are no outliers. Torques, "
+        "speeds or currents of a log that correlate this much with the expected ones are a multiple of them.",
     )
     enough: int = rule(
         20,
         "degrees of freedom",
-        "From here on a scatter is trusted to tell noise from physics, the noise's memory is looked for, and a log "
-        "tells of gravity, friction and inertia.",
+        "From here on a scatter can separate noise from physics, and the noise's memory is sought. A log then shows "
+        "gravity, friction and inertia.",
         PROOF,
-        rows="A noise floor from fewer is off by a sixth and more, which is what it is to judge; a correlation of "
-        "fewer is chance; and the five numbers of one joint are fitted to anything.",
+        rows="A noise floor from fewer is wrong by a sixth or more. A correlation of fewer is chance. The five numbers "
+        "of one joint fit any data.",
     )
     least_parts: int = rule(
         10,
         "parts of the workspace, of a recording, visits",
-        "From so many on their scatter tells what carries over, or lasts, from what does not, and what visits share; "
-        "into so many time is cut: visits a part apart are far from each other in it. What is told from `enough` "
-        "numbers of each part is not sought in fewer.",
-        rows="The scatter of fewer is off by a quarter and more.",
+        "From this number on, scatter shows what carries over or lasts, and what visits share. Time is cut into this "
+        "many parts, so that visits one part apart are far apart in time. What needs `enough` numbers of each part is "
+        "not sought in fewer.",
+        rows="The scatter of fewer is wrong by a quarter or more.",
     )
-    most_memory: float = rule(0.95, "correlation", "No more is taken out of readings, whatever is found.")
+    most_memory: float = rule(0.95, "correlation", "The largest correlation that is removed from readings.")
     much_memory: float = rule(
         0.3, "correlation", "A memory beyond this makes the rough model worth another pass.", PROOF
     )
     wander: tuple[float, float] = rule(
         (0.02, 2.0),
         "scatters from one visit to the next",
-        "The slowest and the fastest random walk that is looked for: beyond the latter each visit is off anew.",
+        "The slowest and the fastest random walk that is sought. Beyond the fastest, each visit has an error of its "
+        "own.",
     )
     wander_beyond: float = rule(
         12.0,
         "twice the logarithm of a likelihood",
-        "By so much a random walk must say more than none, and a step, a trend or a period, picked from many, more "
-        "than a walk: one walk in twenty looks like one at 6.",
+        "A random walk must be better than none by this much. A step, a trend or a period, picked from many, must be "
+        "better than a walk by as much. At 6, one walk in twenty looks like one.",
         "odds",
     )
     rather_a_drift: float = rule(
         16.0,
         "twice the logarithm of a likelihood",
-        "By so much an even drift must say more than a random walk: of walks over 62 visits that reach half to one and "
-        "a half times the noise one in 200 looks as even, and one in 20 does at 6.",
+        "A steady drift must be better than a random walk by this much. Walks over 62 visits that reach 0.5 to 1.5 "
+        "times the noise look as steady once in 200. At 6 they do once in 20.",
         "simulated",
     )
     shuffled: float = rule(
         0.6,
         "times the usual distance of poses",
-        "Neighbouring visits must be as far apart for time and the arm's path to be two things.",
+        "Neighbouring visits must be this far apart for time and the arm's path to be separate causes.",
     )
     poses_come_back_to: int = rule(
         5,
         "poses",
-        "Come back to so many, and a wander can be told by them where each pose is near the one before.",
-        rows="A walk below fewer series, each less its mean, is mixed with what just one pose does.",
+        "If this many poses are visited again, a wander can be seen even where each pose is near the one before.",
+        rows="With fewer series, each less its mean, a walk is mixed with the error of single poses.",
     )
     own_scatter: float = rule(
         40.0,
         "readings",
-        "With as many, a component's scatter is half its own and half that of all.",
+        "At this number a component's scatter is half its own and half that of all.",
         rows="The weight shifts evenly with the readings.",
     )
     softest: float = rule(
         1e-2,
         "rad, m",
-        "A sag under unknown weights: a soft drive's under a light link, or a stiff one's under a heavy link.",
+        "The largest sag under unknown weights, as of a soft drive under a light link or a stiff drive under a heavy "
+        "link.",
     )
     least_lever: float = rule(
         0.01,
         "share of the arm's reach",
-        "No link's centre lies nearer to its joint for sure: a wrist without length has a tool of some size.",
+        "No link's centre of mass is assumed nearer to its joint. A wrist without length has a tool of some size.",
     )
     tether: float = rule(
-        5.0, "standard deviations", "Of what a size is held to where the data say nothing: its bounds lie there."
+        5.0,
+        "standard deviations",
+        "Where the data do not determine a parameter, its bounds are this many standard deviations of its prior.",
     )
     many_sizes: int = rule(
         12,
         "coefficients",
-        "A curve of more is held to usual sizes, or readings that lie close make them anything; of one of less, sizes "
-        "that the data do not tell are left out.",
+        "A curve with more coefficients is held to usual values, else readings that lie close make them arbitrary. In "
+        "a curve with fewer, parameters that the data do not determine are set aside.",
         PROOF,
     )
     far_above: float = rule(
         1.6,
         "times the noise floor",
-        "Noise with a memory (correlation 0.6) makes repeats of three look 1.45 times too quiet at most; what is more "
-        "than this is more than noise.",
+        "Noise with a memory (correlation 0.6) makes repeats of three look at most 1.45 times too quiet. A larger "
+        "factor is more than noise.",
         PROOF,
     )
     at_the_floor: float = rule(
-        1.1, "times the noise floor", "What remains and is no more is called the noise floor, and refutes nothing."
+        1.1, "times the noise floor", "A remainder up to this is called the noise floor and refutes nothing."
     )
     cancelling: float = rule(
-        4.0, "times the mismatch", "A displacement whose sum of squares is more can only cancel another.", PROOF
+        4.0, "times the mismatch", "A displacement with a larger sum of squares can only cancel another.", PROOF
     )
     usual: float = rule(
         3.0,
         "times",
-        "Beyond its typical limits a size is still of a usual magnitude, and may well be (on small and large robots "
-        "alike); and what a link may expand by of what its "
-        "material declares, or twice the most that is usual: what seems to expand by more is another length.",
+        "A parameter may exceed its typical limits by this factor (small and large robots) and still be of a usual "
+        "magnitude. A link may expand by this share of its material's coefficient, or twice the usual maximum. A "
+        "larger expansion means another length.",
         "judged: steel taken for what was aluminium is off by 2",
     )
     held: float = rule(
-        0.8, "share of what holds it", "A standard error from here on: the data tell nothing of that size.", PROOF
+        0.8, "share of what holds it", "From this standard error on, the data do not determine the parameter.", PROOF
     )
     telling: float = rule(
-        0.5, "half interval over value", "A compliance under unknown weights is told where it is less."
+        0.5, "half interval over value", "A compliance under unknown weights is reported if the ratio is smaller."
     )
     whole: float = rule(
-        0.25, "share", "Physics that was left out comes back where its fitted share is within this of 1."
+        0.25, "share", "Physics that was set aside is restored where its fitted share is within this of 1."
     )
     lightest: float = rule(
-        0.1, "share of its mass", "No link weighs less of what its file says: one of no weight would be none."
+        0.1, "share of its mass", "No link is assumed to weigh less than this share of the mass in its file."
     )
     largest_unnamed: float = rule(
-        0.3, "times the noise's RMS", "What each candidate that is not named may move: more shows.", PROOF
+        0.3,
+        "times the noise's RMS",
+        "The most that each candidate without a name may move. A larger movement shows.",
+        PROOF,
     )
     least_unnamed: float = rule(
         0.1,
         "times the noise's RMS",
-        "What each candidate that is not named moves at least on such an arm: six small causes of a third of the noise "
-        "among sixty candidates. What is left says less, since names were chosen to make it small.",
+        "The least that each candidate without a name moves on such an arm. That is six small causes of a third of the "
+        "noise, of sixty candidates. The remainder would give too small a value, since names were chosen to make it "
+        "small.",
         "development half of the second proof, seed 2026112402; of 236 intervals of seed 2026112403, 95 % held",
     )
     largest_small: float = rule(
         0.15,
         "times the noise's RMS",
-        "What each candidate that is not named may move of a remainder that small causes are to explain: eight of a "
-        "third of the noise among forty candidates. Of 24 unknowns of the development half's classes, which leave "
-        "1.5 times the noise and more, none comes to so little.",
+        "The most that each candidate without a name may move in a remainder of small causes. That is eight of a third "
+        "of the noise, of forty candidates. Of 24 unknowns of the development half's classes, which leave at least 1.5 "
+        "times the noise, none is so small.",
         "development half of the second proof, seed 2026112501",
     )

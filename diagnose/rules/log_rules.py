@@ -16,12 +16,20 @@ class LogRules:
         "1",
         "Samples that lie this much nearer to those two before than to the one before are of two robots in turn.",
     )
-    gap: float = rule(5.0, "sampling intervals", "A longer wait between two samples is a gap: nothing is known of it.")
+    gap: float = rule(
+        5.0,
+        "sampling intervals",
+        "A longer wait between two samples is a gap. Nothing is known about the motion in it.",
+    )
     jitter: float = rule(
-        0.05, "sampling intervals", "Intervals that scatter by more are said: differences of samples suffer."
+        0.05,
+        "sampling intervals",
+        "Intervals that scatter by more are reported, since differences of samples become less exact.",
     )
     intervals: tuple[float, float] = rule(
-        (1e-5, 600.0), "s", "From sample to sample; a clock that runs faster or slower is in another unit (ms, us, ns)."
+        (1e-5, 600.0),
+        "s",
+        "The time from sample to sample. A clock that runs faster or slower is in another unit (ms, us, ns).",
     )
     spike: float = rule(
         12.0,
@@ -32,7 +40,7 @@ class LogRules:
     spike_of_torque: float = rule(
         0.2,
         "share of the torque's spread",
-        "A spike of torque is at least as large; less is noise with long tails, which a fit bears.",
+        "A spike of torque is at least as large. A smaller one is noise with long tails, which a fit tolerates.",
     )
     spike_of_angle: float = rule(
         0.02, "share of the angle's spread", "A jump of a joint there and back is at least as large."
@@ -45,31 +53,36 @@ class LogRules:
     unexplained: float = rule(
         0.01,
         "share of the torque's variance",
-        "What bodies and friction leave of a torque at least: less is no gain of a convention.",
+        "The least that bodies and friction leave of a torque. A smaller remainder is no merit of a convention.",
     )
     conventions_exact: float = rule(
         0.002,
         "share of the torque's variance",
-        "What is left below it tells no reading of a log from another.",
+        "A smaller remainder does not separate one reading of a log from another.",
     )
     conventions_samples: float = rule(
-        8.0, "samples", "So many independent ones tell of conventions: what no model explains is alike for seconds."
+        8.0,
+        "samples",
+        "This many independent samples show conventions, since the unexplained part stays alike for seconds.",
     )
     conventions_masses: tuple[float, float, float] = rule(
         (0.7, 0.15, 0.03),
         "share of the file's; of the link's mass; of the arm's",
-        "By this a link's body differs from the file's as a whole, and by point masses of these two together.",
+        "A link's body differs from the file's by the first as a whole, and by point masses of the other two together.",
     )
     conventions_reach: float = rule(
-        0.15, "share of the arm's length", "So far from the ends of its link stands a point mass that the file lacks."
+        0.15,
+        "share of the arm's length",
+        "A point mass that the file lacks lies at most this far from the ends of its link.",
     )
     conventions_gain: float = rule(
         1.5,
         "logs of shares",
-        "Each mistake of convention leaves less by more than this, over all joints: a fifth, say, at one of them.",
+        "Each mistake of convention must lower the remainder by more than this, over all joints (a fifth at one of "
+        "them, for example).",
     )
     convention_window: float = rule(
-        0.1, "s", "Speeds and accelerations are means over this; poses further apart are taken at rest."
+        0.1, "s", "Speeds and accelerations are means over this time. Poses further apart are taken at rest."
     )
     lag: float = rule(
         0.1,
@@ -89,7 +102,7 @@ class LogRules:
     least_gear: float = rule(
         12.0,
         "1",
-        "Torques smaller than the weights make by more than this are of the motor.",
+        "Torques smaller than the weights make by more than this are the motor's.",
         "gears of arms: 30 to 320",
     )
     slowest: float = rule(
@@ -98,8 +111,10 @@ class LogRules:
     beyond_range: float = rule(
         4.0,
         "of the joint's range",
-        "A joint goes through less than this of what the file says of it; a motor does not.",
+        "A joint moves through less than this factor of the range in the file. A motor moves further.",
     )
     heavy: float = rule(
-        0.3, "share of the largest torque", "Gears and units are told by the joints that carry at least so much."
+        0.3,
+        "share of the largest torque",
+        "Gears and units are determined from the joints that carry at least this share.",
     )

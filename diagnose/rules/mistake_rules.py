@@ -14,22 +14,22 @@ class MistakeRules:
     few_stray: float = rule(
         0.02,
         "share of the rows",
-        "So many stamps that run backwards are strays and cost their rows; with more, the times are not used, and a "
-        "log is several. More samples of a log that jump by themselves are no faults of the logger.",
+        "Up to this share, stamps that run backwards are strays, and their rows are set aside. With more, the times "
+        "are not used, and a log is several. A larger share of samples that jump is no fault of the logger.",
     )
     pasted_rows: int = rule(
-        3, "rows in order", "So many that stand in the file already, in the same order, were pasted in again."
+        3, "rows in order", "This many rows that the file already holds, in the same order, were pasted in again."
     )
     fine_steps: float = rule(
-        1e4, "steps over the spread", "An instrument with more never says the same of so many poses again."
+        1e4, "steps over the spread", "An instrument with more steps never repeats the same reading at so many poses."
     )
     surroundings: tuple[float, float] = rule(
-        (193.15, 523.15), "K", "-80 to 250 degC: what stands around an arm is neither colder nor hotter."
+        (193.15, 523.15), "K", "-80 to 250 degC. The surroundings of an arm are neither colder nor hotter."
     )
     far: float = rule(
         10.0,
         "times the middle distance",
-        "A row further off than this contradicts its joints; a robust middle and no physics reaches as far.",
+        "A row further off than this contradicts its joints. No physics of an arm reaches as far.",
         PROOF,
     )
     gross: float = rule(
@@ -46,64 +46,66 @@ class MistakeRules:
     short_run: int = rule(
         3,
         "readings",
-        "Contradictions in a row up to which they are jumps; what lasts longer is only said.",
+        "Up to this many contradictions in a row are jumps. A longer run is only reported.",
         rows="It counts the length of one event, not of the recording.",
     )
     few_rows: float = rule(
         0.1,
         "share of the rows",
-        "Up to so many jumps, copies to the last digit, tips that repeat the one before and joints beyond their range "
-        "are slips, which are set aside, and so many blanks were forgotten; more tell of the instrument, of another "
-        "zero, or of what was not measured.",
+        "Up to this share, jumps, copied readings, repeated tips and joints beyond their range are slips, and are set "
+        "aside. Up to this share, blanks were forgotten. A larger share points to the instrument, another zero or data "
+        "not measured.",
     )
     whole: float = rule(
         0.1,
         "share of the tips' spread",
-        "The middle reading that is further off contradicts the arm, which no physics of one comes near; what a wrong "
-        "convention that explains it leaves is less.",
+        "If the median reading is further off, the recording contradicts the arm. No physics of an arm comes near "
+        "this. A wrong convention that explains the contradiction leaves less.",
     )
     better: float = rule(
         0.2,
         "share of the distance",
-        "Another unit, frame, tool, joint, order or convention explains a contradiction if it leaves less of it, and "
-        "the samples beside it a spike.",
+        "Another unit, frame, tool, joint, order or convention explains a contradiction if less of the distance "
+        "remains. The samples around a spike must leave less as well.",
     )
     simpler: float = rule(
         2.0, "times the least distance", "Frame or tool alone is enough where both together leave no less."
     )
-    noticed: float = rule(2e-3, "share of the reach", "From here on a wrong convention is looked for.", PROOF)
+    noticed: float = rule(2e-3, "share of the reach", "From here on a wrong convention is sought.", PROOF)
     as_well: float = rule(
         1.05,
         "times the least distance",
-        "Of conventions that leave no more than this, the one that is made most often goes first; of a log's, all are "
-        "told.",
+        "Of conventions that leave no more than this, the most common one comes first. Of a log's, all are reported.",
     )
     one_number: float = rule(
         0.1,
         "1, or rad",
-        "A ratio or a coupling that is off by less, a zero that is nearer, a joint that gives way by less is fitted by "
-        "the library's effects, and no other reading of the recording.",
+        "A ratio, coupling, zero or compliance of a joint that is off by less is fitted by the library's effects. It "
+        "is not treated as a misread recording.",
     )
     exact: float = rule(
-        1e-5, "share of the reach", "What is left below it tells no reading of the recording from another."
+        1e-5, "share of the reach", "A smaller remainder does not separate one reading of the recording from another."
     )
     stuck: float = rule(
-        0.8, "share of the rows", "Of a joint's reading that stands still, as many must fit with the joint free."
+        0.8,
+        "share of the rows",
+        "If a joint's reading stands still, this share of the rows must fit with the joint free.",
     )
     agree: float = rule(
-        0.1, "share of the distance", "Contradictions in a row that differ by less are no jumps: they agree."
+        0.1, "share of the distance", "Contradictions in a row that differ by less agree, and are no jumps."
     )
     coarse: float = rule(
-        3.0, "steps of the instrument", "Where repeats differ by no more (median) some are alike by rounding."
+        3.0, "steps of the instrument", "Where repeats differ by no more (median), some are equal by rounding."
     )
     label_leaves: float = rule(
         0.7,
         "share of what was left",
-        "Labels are called wrong where, with them put right, what is named leaves no more, and the noise floor; arms "
-        "are called different where sizes of their own leave no more.",
+        "Labels are called wrong if corrected labels leave no more than this, with the names found, and no more than "
+        "the noise floor. Arms are called different if parameters of their own leave no more.",
     )
     zero_fits: float = rule(
         30.0,
         "2 ln of the likelihoods' ratio",
-        "Another zero that a free frame or tool swallows must fit the tip so much better: five standard errors.",
+        "Another zero that a free frame or tool could absorb must fit the tip this much better, which is five standard "
+        "errors.",
     )

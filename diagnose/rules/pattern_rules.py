@@ -21,20 +21,21 @@ class PatternRules:
     weight: float = rule(
         1e-3,
         "share of the largest direction",
-        "What a wrist's small links add to a drive's sag under links of unknown weight is no finding of its own.",
+        "A smaller share is no finding of its own, as where a wrist's small links add to a drive's sag under unknown "
+        "weights.",
         PROOF,
     )
     visits_for_each: int = rule(
         3,
         "visits",
-        "So many for each half wave, at least.",
+        "The least number of visits for each half wave.",
         PROOF,
-        rows="Waves with fewer are no description but the visits themselves.",
+        rows="Waves with fewer only copy the visits.",
     )
     rows_for_curves: int = rule(
         60,
         "readings",
-        "From more on fields in the plane are tried with one order more.",
+        "With more, fields in the plane are tried with one order more.",
         PROOF,
         rows="With fewer, a field of ten to twelve coefficients fits anything.",
     )

@@ -17,21 +17,23 @@ class PlanRules:
     widest_rival: int = rule(
         6,
         "coefficients",
-        "Curves of more could look like anything: no poses are chosen to tell them, and none is watched.",
+        "Curves with more fit almost anything. No poses are chosen for them, and none is watched.",
         TIME,
     )
     pairs: float = rule(
         0.3,
         "share of the score",
-        "Of telling apart beside seeing; with 1, sizes were larger by 3 to 9 % on three arms and hardly more was told.",
+        "The weight of telling causes apart, against seeing them. With 1, parameters were larger by 3 to 9 % on three "
+        "arms and hardly more causes were separated.",
     )
     known: float = rule(
         0.02,
         "share of a visit",
-        "Of what an average visit tells is taken as known beforehand, so that the first few poses can be weighed.",
+        "This share of an average visit's information is taken as known beforehand, so that the first few poses can be "
+        "weighed.",
     )
-    passes: int = rule(3, "passes", "Of exchange over all visits, at most.", TIME)
-    rivals: int = rule(5, "plans", "At random, whose middle figure a plan is set beside.", TIME)
+    passes: int = rule(3, "passes", "The most passes of exchange over all visits.", TIME)
+    rivals: int = rule(5, "plans", "Random plans, whose median figure a plan is compared with.", TIME)
     across_plane: float = rule(
-        0.02, "share of the reach", "Touches of a plane that reach less far across hardly tell how it is turned."
+        0.02, "share of the reach", "Touches of a plane that reach less far across hardly show the plane's direction."
     )
