@@ -427,8 +427,8 @@ def nothing_errs(arm: Arm) -> list[str]:
     if gives or arm.effects or any(link.elastic for link in arm.links):
         return []
     return [
-        "nothing in this arm file makes the tip err: it has no play, no drive that gives, no link that bends; joints' "
-        "stiffness, backlash and clearance and links' section and material would"
+        "nothing in this arm file makes the tip err: no play, no drive that gives, no link that bends. Write joints' "
+        "stiffness, backlash or clearance, or links' section and material"
     ]
 
 

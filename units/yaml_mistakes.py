@@ -27,8 +27,8 @@ _WORDS = (
 _AT_CONTEXT = ("could not find", "found unexpected end", "'<stream end>'")
 """Problems whose cause is where the thing began, not where the parser gave up."""
 _OUT_OF_COLUMN = (
-    "does not begin in the column of the lines that it belongs to; all keys of one mapping and all '- ' of one list"
-    " do, with a blank after each '-' and ':'"
+    "does not begin in the column of the lines that it belongs to; begin all keys of a mapping, and all '- ' of a list,"
+    " in one column, with a blank after each '-' and ':'"
 )
 _NO_KEY = "goes on from the line above, which lacks its colon or the blank after it, or is indented less"
 _SECOND_COLON = "a second colon stands here; a text that holds ': ' needs quotes"

@@ -341,7 +341,7 @@ def _lost_flexibility(arm: Arm, beams: Sequence[Beam], *, springs: bool) -> Iter
     softest = "zones of the drives' stiffness, which is that of the softest"
     yield from _of_joints(softest, [bool(joint.zones) for joint in arm.joints])
     if SLOPE_PROPAGATION.id in arm.leave_out:
-        yield "that slopes are left out: what bends turns all beyond it"
+        yield "that slopes are not counted: what bends turns all beyond it"
     if any(isinstance(link.section, Tapered) for link in arm.links):
         yield "where along a tapered link it bends: at its middle, as a uniform one of the same rigidities"
     if any(float(beam.flexural_rigidity_coupling) != 0.0 for beam in beams):

@@ -93,8 +93,8 @@ def payloads_left_out(arm: Arm, payloads: Iterable[float]) -> str | None:
         return None
     masses = ", ".join(f"{mass:.4g}" for mass in other)
     return (
-        f"what a payload of {masses} kg adds to that of {payload:.4g} kg through {', '.join(products)} is not in it: "
-        "nothing is known there but the product with an unknown weight; a recording with that payload would show it"
+        f"another payload ({masses} kg) is not counted through {', '.join(products)}, known with {payload:.4g} kg "
+        "alone as a product with an unknown weight. A recording with the other payload would show its effect"
     )
 
 

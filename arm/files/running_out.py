@@ -40,7 +40,7 @@ def running_out(body: Mapping, joint: Joint, link: Link, number: int) -> Link:
         whole, low, high = (format_quantity(value, "length") for value in (link.length, least, most))
         raise body.error(
             "length",
-            f"slide {number} runs out from {low} to {high}, of a boom of {whole}; write the length of the whole boom, "
-            f"{high} or more, and a range of the slide from 0 mm on",
+            f"slide {number} runs out from {low} to {high}, but its boom is {whole}; write the length of the whole "
+            f"boom, {high} or more, and a range from 0 mm on",
         )
     return replace(link, runs_out=True)

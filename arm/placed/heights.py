@@ -88,8 +88,8 @@ def told_of_heights(arm: Arm) -> list[str]:
         f"{words} in link{'s' if len(numbers) > 1 else ''} {', '.join(numbers)}" for words, numbers in by_words.items()
     )
     return [
-        f"with all joints at zero the height of the section points {text}, not up as the word suggests; "
-        "`height_direction: up` at a link stands it upright"
+        f"with all joints at zero the height of the section points {text}, not up as the word suggests. "
+        "`height_direction: up` at a link makes it vertical"
     ]
 
 

@@ -42,7 +42,7 @@ class GrowthLeftOut:
     def words(self, error: float) -> str:
         """A warning, beside the worst error (m) without growth."""
         span = f"{self.temperature - self.since:+.4g} K from {self.since - ZERO_CELSIUS:.4g} degC"
-        opening = f"thermal expansion is left out ({span})"
+        opening = f"thermal expansion is not counted ({span})"
         numbers = " and ".join(str(link + 1) for link in self.unknown)
         if self.error is None:
             return f"{opening}, and no link's material has a thermal_expansion that would tell what it adds"

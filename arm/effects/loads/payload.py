@@ -55,7 +55,7 @@ PAYLOAD = Effect(
     parameters=(
         size("mass", "mass", -100.0, 1000.0, (0.1, 3.0)).means(
             "mass at the tip beyond the payload declared",
-            "tool changers, targets, cables and fillings left out of the figure declared",
+            "tool changers, targets, cables and fillings missing from the figure declared",
         ),
         *inertial_sizes("of what hangs at the tip, beyond the mass at the centre given", "the tip", mass=False),
         *map(_centre, "xyz"),
