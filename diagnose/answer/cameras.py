@@ -24,8 +24,8 @@ def of_camera(prepared: Prepared, terms: Sequence[Term], noise: NoiseFloor) -> t
     sentences: list[str] = []
     if frames:
         what = "both the camera and the target are" if len(frames) > 1 else "one of camera and target is"
-        taken = "whatever moves the base or the tool as a whole cannot be told from them"
-        sentences.append(f"Where {what} nobody knows: six numbers each are fitted along, and {taken}.")
+        taken = "Whatever moves the base or the tool as a whole cannot be told apart from them"
+        sentences.append(f"Nobody knows where {what}. Six numbers each are fitted along. {taken}.")
     sentences += _scatter(observed, noise)
     return (*sentences, *_depths(prepared, terms))
 
@@ -46,7 +46,7 @@ def _scatter(observed: Observed, noise: NoiseFloor) -> list[str]:
         across = format_quantity(float(np.hypot(*noise.sigma[:2])) / np.sqrt(2.0), "length", digits=2)
         deep = format_quantity(noise.sigma[2], "length", digits=2)
         sentences.append(
-            f"The camera scatters by {across} across its view and by {deep} in depth; each weighs by its own."
+            f"The camera scatters by {across} across its view and by {deep} in depth. Each has its own weight."
         )
     if not observed.has_turns:
         return sentences
@@ -77,8 +77,8 @@ def _depths(prepared: Prepared, terms: Sequence[Term]) -> list[str]:
     low, high = (100.0 * (abs(share) + times * error) for times in (-1.96, 1.96))
     way = "long" if share > 0.0 else "short"
     return [
-        f"Depths are read {100.0 * abs(share):.3g} % too {way} ({low:.3g} to {high:.3g} %): the focal length that "
-        "the camera is taken to have is off by so much. That is fitted along."
+        f"Depths are read {100.0 * abs(share):.3g} % too {way} ({low:.3g} to {high:.3g} %). The focal length "
+        "assumed for the camera is off by as much. This is fitted along."
     ]
 
 

@@ -67,8 +67,8 @@ from .unknown import describe, largest_first, rejected_forms
 from .unseen import unseen
 
 _COME_BACK = (
-    "come back to some poses three times or more, with others between: what is off there again is no scatter of an arm "
-    "that returns badly"
+    "visit some poses three times or more, with others between. An error that recurs there is no scatter of an arm "
+    "with poor repeatability"
 )
 
 

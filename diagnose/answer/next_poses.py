@@ -35,9 +35,9 @@ from .sentences import label_of
 _Name = tuple[int, int]
 _TRIED, _TAKEN = 150, 6
 """Poses that are tried, and readings that are proposed."""
-_HOPELESS = "No pose tells {}: only another sensor would."
+_HOPELESS = "No pose tells {}. Only another sensor would."
 _BEYOND = (
-    "No pose where the arm was recorded tells {}; some beyond that would: say what to keep clear of (`avoid` in "
+    "No pose in the recorded range tells {}, but some beyond would. Write what to keep clear of (`avoid` in "
     "recording.yaml or the arm file), and such poses are proposed."
 )
 
@@ -293,8 +293,8 @@ def _where(room: Room) -> str:
     """Where poses were proposed, and what nobody looked at."""
     if room.within is None:
         return (
-            "They keep clear of what is to be avoided, there and where they are come from, not on the ways between; "
-            "nothing else is checked."
+            "The poses and their approaches keep clear of what is to be avoided, not the ways between. "
+            "Nothing else is checked."
         )
     return (
         "No `avoid` regions are given, so the poses stay inside the recorded range. They are not checked for "

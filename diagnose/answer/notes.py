@@ -1,4 +1,4 @@
-"""What is said beside the plain answer: of the noise, of what was left out again, of what remains."""
+"""What is said beside the plain answer: of the noise, of what was set aside, of what remains."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ def notes(names: Confirmed, rest: Remainder) -> tuple[str, ...]:
     """The sentences."""
     results: list[str] = []
     if names.observed.recording.orientation is not None and names.observed.recording.seat == "unused":
-        results.append("Orientations are left alone; `orientation: free` in recording.yaml has them fitted too.")
+        results.append("Orientations are not fitted. `orientation: free` in recording.yaml has them fitted too.")
     if names.observed.wander > 0.0:
         timed = names.observed.recording.time is not None
         scale = rms_length(names.observed.scale[None, : names.observed.components])
@@ -30,18 +30,18 @@ def notes(names: Confirmed, rest: Remainder) -> tuple[str, ...]:
         )
         shown = seen_to_wander(names.observed, names.after())
         results.append(
-            f"The instrument wanders, as {shown} shows: {walk}, which is no physics of the arm and was allowed for."
+            f"The instrument wanders, as {shown} shows. Allowed for: {walk}. This is no physics of the arm."
             if shown
-            else f"The instrument may wander: {walk}, was allowed for, as what is left goes with time rather than "
-            "with the pose. What changes with time in the arm looks like that too: come back to some poses during "
-            "the recording, or read a fixed target as well, and it is seen which."
+            else f"The instrument may wander. Allowed for: {walk}. The remainder changes with time rather than with "
+            "the pose. Changes of the arm with time look the same. To separate the two, visit some poses again during "
+            "the recording, or read a fixed target as well."
         )
     if names.prepared.together > 1:
         results.append(
-            f"What is left goes with time as well as with the arm's path, {names.prepared.together} visits at a "
-            "time: no pose far from the one before, and too few come back to, tell a wandering instrument from the "
-            "arm. No p-value of a finding holds then, and none is given; come back to some poses during the "
-            "recording."
+            f"The remainder changes with time and with the arm's path, {names.prepared.together} visits at a time. "
+            "Poses lie near the ones before, and too few are visited again. A wandering instrument cannot be told "
+            "apart from the arm. No p-value of a finding holds then, and none is given. Visit some poses again during "
+            "the recording."
         )
     if names.observed.correlation > 0.0:
         shared = f"correlation {names.observed.correlation:.2f}"
@@ -52,12 +52,11 @@ def notes(names: Confirmed, rest: Remainder) -> tuple[str, ...]:
     if rest.small is not None and rest.lack_of_fit is not None:
         results.append(of_small_causes(rest.small, rest.lack_of_fit))
     results += [
-        f"The {item} was beyond chance among the readings fitted, but those held out are told as well without it: "
-        "left out again."
+        f"Set aside: {item}, beyond chance on the readings fitted. Held-out readings fit as well without this finding."
         for item in names.unconfirmed
     ]
-    results += [f"Left out again, as it cannot be what it was named: {item}." for item in names.impossible]
-    results += [f"Left out again, as it moves the tip by next to nothing: {item}." for item in names.too_little]
+    results += [f"Set aside, as impossible under its name: {item}." for item in names.impossible]
+    results += [f"Set aside, as it moves the tip by next to nothing: {item}." for item in names.too_little]
     if names.together:
         results.append(nothing_singly([names.place(k) for k in names.together], names.moved(list(names.together))))
     further = beyond_first_order_of(names)
@@ -69,15 +68,15 @@ def notes(names: Confirmed, rest: Remainder) -> tuple[str, ...]:
         )
     if rest.may_scatter:
         results.append(
-            f"{'No pose was' if names.noise.drift_m is None else 'Too few poses were'} come back to: what is left "
-            "may also be that the arm does not return more exactly."
+            f"{'No pose was' if names.noise.drift_m is None else 'Too few poses were'} visited again. The "
+            "remainder may also be the arm's repeatability."
         )
     if rest.scatter() is not None:
         results.append(
-            "What is left is more than readings of one visit differ by, but it is not there again when a pose is "
-            "visited again, or nothing recorded predicts it from pose to pose: the arm does not return more "
-            "exactly than that, or the cause changes faster than these readings can follow. Visit some poses "
-            "three times or more, with others between."
+            "The remainder is more than readings of one visit differ by. This remainder does not recur when a pose is "
+            "visited again, or nothing recorded predicts it from pose to pose. The arm does not return more exactly, "
+            "or the cause changes faster than these readings can follow. Visit some poses three times or more, with "
+            "others between."
         )
     aside = set_aside(names)
     results += [] if aside is None else _of_aside(names, aside)
@@ -108,7 +107,7 @@ def _of_aside(names: Confirmed, aside: SetAside) -> list[str]:
     recording = names.observed.recording
     rows = recording.rows_of([item.row for item in names.prepared.rejected])
     left = mm(rms_length(names.after()))
-    said = f"All figures leave out readings that lie far off ({rows}): {left} RMS is left without these, "
+    said = f"All figures are without readings that lie far off ({rows}). {left} RMS remain without these readings, "
     said += f"{mm(aside.rms_with)} with them."
     if aside.alike is None:
         return [said]
@@ -137,7 +136,7 @@ def _stray(names: Confirmed) -> list[str]:
     recording = names.observed.recording
     rows = recording.rows_of(recording.row[far].tolist())
     return [
-        f"{int(far.sum())} of {len(far)} readings lie further off than scatter goes, {further} RMS, where the "
-        f"middle one is {middle} off ({rows}): too many to be set aside with nothing to check them by. Read every "
-        "pose three times, and bad readings show."
+        f"{int(far.sum())} of {len(far)} readings lie further off than scatter explains, {further} RMS ({rows}). The "
+        f"median reading is {middle} off. They are too many to be set aside without repeats. Read every pose three "
+        "times, and bad readings show."
     ]

@@ -167,7 +167,7 @@ def nothing_singly(places: Sequence[tuple[str, tuple[int, ...]]], moved: float) 
     if len(places) == 1:
         return f"Singly the {listed(places)} means nothing: others that are named would take its place."
     return (
-        f"These {len(places)} together move the tip by {mm(moved)} RMS; singly they mean nothing, as others that are "
+        f"These {len(places)} together move the tip by {mm(moved)} RMS. Singly they mean nothing, as others that are "
         f"named would take their place: {listed(places)}."
     )
 
@@ -190,10 +190,10 @@ def verdict_sentence(
     if not findings and unknown is None:
         if scatter is not None or left.is_more:
             return (
-                f"More than noise, yet nothing explains it beyond chance (p = {p_value:.2g} for the best of all "
-                f"explanations): {mm(rms_before)} RMS are {left.times:.1f} times the noise floor. Either "
-                "that is wrong, or sides, payloads or angles were logged wrongly, or the arm does not return to a pose "
-                "as exactly as it stays there."
+                f"More than noise: {mm(rms_before)} RMS, {left.times:.1f} times the noise floor. Nothing explains the "
+                f"mismatch beyond chance (p = {p_value:.2g} for the best of all explanations). The noise floor may be "
+                "wrong, or sides, payloads or angles were logged wrongly. Or the arm does not return to a pose as "
+                "exactly as it stays there."
             )
         level = "scatter" if left.floor is None else "the noise floor" if left.fits else "chance"
         times = "" if left.floor is None or left.fits else f", {left.times:.1f} times the noise floor"
@@ -218,7 +218,7 @@ def verdict_sentence(
     text = f"Unknown: {unknown.shape}, {mm(unknown.amplitude)} RMS, depending on {on}"
     if unknown.since is not None:
         text += f", since {format_quantity(unknown.since, 'time', digits=4)}"
-    text += "; nothing in the library explains it."
+    text += ". Nothing in the library explains it."
     return text + (f" What describes part of it: {named}." if named else "")
 
 
@@ -273,9 +273,9 @@ def what_differs(
     )
     if worst is not None and rules.label_leaves * worst.rms_after > max(worst.rms_own, worst.noise_floor or 0.0):
         sentences.append(
-            f" The recordings do not agree: what is found in all of them leaves {mm(worst.rms_after)} in {worst.name}, "
-            f"where sizes of its own would leave {mm(worst.rms_own)}. Either they are of different arms, or something "
-            "has changed that is named nowhere here: diagnose each by itself."
+            f" The recordings do not agree. The findings of all leave {mm(worst.rms_after)} in {worst.name}, where "
+            f"sizes of its own would leave {mm(worst.rms_own)}. Either the recordings are of different arms, or "
+            "something has changed that is not named. Diagnose each by itself."
         )
     return "".join(sentences)
 
@@ -288,12 +288,12 @@ def what_was_free(found: Sequence[FoundOrigin]) -> str:
         sentences.append(f" The fixed transform in front of joint {item.joint}: {'; '.join(sizes)}.")
         if not all(np.isfinite(end) for parameter in item.parameters for end in parameter.interval):
             sentences.append(
-                " What of it the data do not bound stays where it was begun from, and loads act as if it stood so: "
-                "leave less free (`frame: known`), or give one of its numbers."
+                " Numbers that the data do not bound keep their starting values, and loads are computed with these. "
+                "Leave less free (`frame: known`), or give one of the numbers."
             )
         names = [name_of(effect, at) for effect, at in item.swallowed]
         if names:
-            sentences.append(f" It takes up and cannot be told from: {'; '.join(names)}.")
+            sentences.append(f" These cannot be told apart from the transform: {'; '.join(names)}.")
     return "".join(sentences)
 
 
@@ -313,10 +313,10 @@ def refutation(found: LackOfFit) -> str:
     """Why what was named is not the whole answer, by readings of one pose."""
     what = "visits of one pose" if found.against == "returns" else "repeats of a visit"
     return (
-        f"Readings of one pose refute what was found as the whole answer: {found.times:.1f} times what {what} differ "
-        f"by is left (F = {found.ratio:.2g}, p = {found.p_value:.2g}), {found.held_out_times:.1f} times what noise "
-        "alone leaves where readings were held out. What is named describes part of it, and may stand for something "
-        "else."
+        "Readings of one pose refute the findings as the whole answer. Remaining error: "
+        f"{found.times:.1f} times what {what} differ by (F = {found.ratio:.2g}, p = {found.p_value:.2g}). On held-out "
+        f"readings: {found.held_out_times:.1f} times what noise alone leaves. The findings describe part of the "
+        "mismatch, and may stand for something else."
     )
 
 
@@ -324,11 +324,11 @@ def of_small_causes(found: SmallBeside, alone: LackOfFit) -> str:
     """What causes too small to be named make of what is left, where readings of one pose refute the names alone."""
     held = found.lack_of_fit.held_out_times
     return (
-        f"What is left, {alone.times:.2f} times what readings of one pose differ by (p = {alone.p_value:.2g}), fits "
-        f"causes of the library that are too small to be told one by one, {mm(found.moved)} RMS together: with room "
-        f"for them it is no more than noise (p = {found.lack_of_fit.p_value:.2g}), and readings held out are foretold "
-        f"as well as such causes allow ({held:.2f} times what they and noise leave). arm.yaml holds what is named "
-        "alone. More readings would name the largest of them."
+        f"Remaining error: {alone.times:.2f} times what readings of one pose differ by (p = {alone.p_value:.2g}). "
+        "Causes of the library that are too small to be named one by one fit the remainder, "
+        f"{mm(found.moved)} RMS together. With room for them only noise remains "
+        f"(p = {found.lack_of_fit.p_value:.2g}). Held-out readings leave {held:.2f} times what such causes and noise "
+        "leave. arm.yaml holds the named causes alone. More readings would name the largest of the small causes."
     )
 
 

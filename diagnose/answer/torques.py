@@ -25,13 +25,13 @@ def of_torque_loads(loads: TorqueLoads, rules: ResidualRules) -> tuple[str, ...]
     if loads.hung is not None:
         least, most = (format_quantity(mass, "mass", digits=2) for mass in loads.hung)
         sentences.append(
-            f"By the torques {least} to {most} hang at the tip that were not recorded, other from visit to visit: "
-            "record them as `payload_kg`."
+            f"By the torques {least} to {most} hang at the tip that were not recorded, different from visit to "
+            "visit. Record them as `payload_kg`."
         )
     if loads.pushed is not None:
         most = format_quantity(loads.pushed, "force", digits=2)
         sentences.append(
-            f"By the torques forces of up to {most} act on the tip that were not recorded: record them as `fx_N`, ..."
+            f"By the torques forces of up to {most} act on the tip that were not recorded. Record them as `fx_N`, ..."
         )
     for name, group in groupby(loads.torques, key=lambda torque: torque.of):
         before = f"{name}: " if name else ""
@@ -53,8 +53,9 @@ def _judged_under(loads: TorqueLoads) -> list[str]:
         shown = f"{', '.join(parts)}{', and other centres of mass' * loads.moved}"
         sentences.append(f"The corrected arm has the weights that the torques show: {shown}.")
     sentences += [
-        f"No weights of links and payload make {100.0 * share:.2g} % of what the load on drive {joint + 1} changes by: "
-        "a counterbalance or a force at the tip does; compliance of and beyond that drive is no better known."
+        f"Weights of links and payload do not explain {100.0 * share:.2g} % of the changes in load on drive "
+        f"{joint + 1}. A counterbalance or a force at the tip does. The compliance of this drive and beyond is known "
+        "no better than this share."
         for joint, share in loads.unmade
     ]
     return sentences
@@ -69,12 +70,12 @@ def of_unknown_weights(shown: Weighed) -> tuple[str, ...]:
     sure = ", ".join(f"{196.0 * error:.2g} % at drive {joint + 1}" for joint, _, error in shown.drives)
     sentences = [
         f"What {links} of unknown mass weigh{'s' * (len(shown.links) == 1)} is fitted to the torques: up to "
-        f"{', '.join(most)}. Compliance is judged by that, and is no better known than that is: within {sure}.",
-        f"The written arm has masses of {links} that make these loads{', beside their lines too' * shown.beside}: "
-        "torques at rest tell first moments, and no masses by themselves.",
+        f"{', '.join(most)}. Compliance is judged by these weights, and is known no better: within {sure}.",
+        f"The written arm has masses of {links} that make these loads{', beside their lines too' * shown.beside}. "
+        "Torques at rest show first moments, and no masses by themselves.",
     ]
     if shown.untold:
-        sentences.append(f"What {_numbered('link', shown.untold)} weighs loads no drive: that stays unknown.")
+        sentences.append(f"The weight of {_numbered('link', shown.untold)} loads no drive, and stays unknown.")
     return tuple(sentences)
 
 
@@ -87,14 +88,14 @@ def _of_one(torques: Sequence[DriveTorque], arm: Arm, rules: ResidualRules) -> l
     for each in torques:
         if each.scaled and each.links is not None and each.links.differs(rules):
             sentences.append(
-                f"The torque of drive {each.joint + 1} is {_times(each.links)} what links and payload both give: one of"
-                " its own scale (a torque constant), or weights and centres that are off in this proportion. A payload"
-                " whose mass and centre are known tells which; until then compliance is judged by the weights."
+                f"The torque of drive {each.joint + 1} is {_times(each.links)} what links and payload both give. Either"
+                " its scale (a torque constant) is off, or weights and centres are off in this proportion. A payload"
+                " whose mass and centre are known decides. Until then compliance is judged by the weights."
             )
         elif each.links is not None and each.links.differs(rules):
             sentences.append(
                 f"By the torque of drive {each.joint + 1} the links{' and the payload' * each.together} beyond it weigh"
-                f" on it {_times(each.links)} what the arm file says: check masses and centres, or a counterbalance."
+                f" on it {_times(each.links)} what the arm file says. Check masses and centres, or a counterbalance."
             )
     unscaled = [torque for torque in torques if not torque.scaled]
     sentences += _of_payload([(item.joint, item.payload) for item in unscaled if item.payload is not None], rules)
@@ -120,8 +121,8 @@ def _of_payload(factors: Sequence[tuple[int, Factor]], rules: ResidualRules) -> 
     if any(abs(item.value - common.value) > far for (_, item), far in zip(factors, least, strict=True)):
         by_drive = ", ".join(f"{_times(item)} at drive {joint + 1}" for joint, item in factors)
         return [
-            "By the torques the payload weighs on each drive another number of times what the recording or the arm "
-            f"file says: {by_drive}. Rather its centre of mass is off than its mass."
+            "By the torques the payload differs from the recording or the arm file by another factor at each drive: "
+            f"{by_drive}. Its centre of mass is more likely off than its mass."
         ]
     sentence = f"By the torques the payload is {_times(common)} what the recording or the arm file says."
     return [sentence] if common.differs(rules) else []
@@ -134,7 +135,7 @@ def _agreed(torques: Sequence[DriveTorque], rules: ResidualRules) -> str:
         return ""
     worst = max(abs(item.links.value - 1.0) for item in known if item.links is not None)
     drives = f"drive{'s' * (len(known) > 1)} {', '.join(str(item.joint + 1) for item in known)}"
-    return f"Torques bear out what the links weigh: within {100.0 * worst:.2g} % at {drives}."
+    return f"Torques confirm the weights of the links: within {100.0 * worst:.2g} % at {drives}."
 
 
 def _common(factors: Sequence[Factor]) -> Factor | None:

@@ -108,4 +108,4 @@ def test_bad_readings_that_nothing_checks_are_said():
     tip[bad] += 1e-3 * rng.standard_normal((15, 2))
     result = diagnose(file(), recording(q, tip))
     assert result.findings == ()
-    assert any("readings lie further off than scatter goes" in note for note in result.notes)
+    assert any("readings lie further off than scatter explains" in note for note in result.notes)

@@ -104,7 +104,7 @@ def test_exact_aliases_need_another_sensor(asked):
     result = next_poses(namer, [member], [(member, [Rival(droop, 1.0, 0.0)])], 1)
     assert result.poses == ()
     assert not result.enough
-    assert "only another sensor would" in result.note
+    assert "Only another sensor would" in result.note
     assert "non-centrality" not in result.note
 
 
@@ -137,7 +137,7 @@ def test_poses_keep_clear_of_what_is_to_be_avoided(asked):
     assert not meets(arm, q, (floor,)).any()
     recorded = frames_and_tips(arm, namer.prepared.observed.recording.q)
     assert np.abs(frames_and_tips(arm, q)).max() > 1.1 * np.abs(recorded[..., 1]).max()
-    assert "nothing else is checked" in result.note
+    assert "Nothing else is checked" in result.note
     everywhere = between((-9.0, -9.0, -9.0), (9.0, 9.0, 9.0))
     nothing = proposed(namer, member, others, (everywhere,))
     assert nothing.poses == ()

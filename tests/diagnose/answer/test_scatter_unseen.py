@@ -30,8 +30,8 @@ def test_much_is_unknown_where_no_pose_was_come_back_to(seed):
     result = found_of(seed, 3.0)
     assert result.verdict == "unknown"
     assert result.unknown is not None
-    assert result.unknown.decide.startswith("come back to some poses three times or more")
-    assert any(note.startswith("No pose was come back to") for note in result.notes)
+    assert result.unknown.decide.startswith("visit some poses three times or more")
+    assert any(note.startswith("No pose was visited again") for note in result.notes)
 
 
 @pytest.mark.parametrize("seed", range(2, 5))
@@ -40,7 +40,7 @@ def test_the_same_is_scatter_where_poses_were_come_back_to(seed):
     assert result.verdict == "none"
     assert result.scatter is not None
     assert result.scatter > 2.0
-    assert not any(note.startswith("No pose was come back to") for note in result.notes)
+    assert not any(note.startswith("No pose was visited again") for note in result.notes)
 
 
 @pytest.mark.parametrize("seed", range(2, 5))
@@ -49,8 +49,8 @@ def test_scatter_beside_a_name_of_its_own_size_is_told_as_that_too(seed):
     result = found_of(seed, 1.8, offset=1.2e-4)
     assert [(finding.effect, finding.at) for finding in result.findings] == [("encoder_offset", (2,))]
     assert result.unknown is not None
-    assert result.unknown.decide.startswith("come back to some poses three times or more")
-    assert any(note.startswith("No pose was come back to") for note in result.notes)
+    assert result.unknown.decide.startswith("visit some poses three times or more")
+    assert any(note.startswith("No pose was visited again") for note in result.notes)
 
 
 _ADDED = pytest.mark.xfail(strict=True, reason="a mass is named beside the zero, by chance: at none of 40 other seeds")
@@ -67,7 +67,7 @@ def test_beside_a_name_no_more_is_believed_unseen(seed):
     assert result.describes_part
     assert [(finding.effect, finding.at) for finding in result.findings] == [("encoder_offset", (2,))]
     assert result.unknown is not None
-    assert result.unknown.decide.startswith("come back to some poses three times or more")
+    assert result.unknown.decide.startswith("visit some poses three times or more")
     for scatter, again in ((3.0, 2), (1.3, 1)):
         named = found_of(seed, scatter, again=again, offset=2e-3)
         assert named.verdict == "named"

@@ -58,7 +58,7 @@ def test_a_large_cause_beside_eight_small_ones_is_named(tmp_path):
     assert told["small_causes"]["lack_of_fit"]["held_out_times"] < 1.2
     assert 0.5 * told["noise_floor_mm"] < told["small_causes"]["moved_mm"] < 1.3 * told["noise_floor_mm"]
     assert "too small to be told one by one" in result.sentence
-    assert any(note.startswith("What is left, ") for note in result.notes)
+    assert any(note.startswith("Remaining error: ") for note in result.notes)
 
 
 @pytest.mark.slow

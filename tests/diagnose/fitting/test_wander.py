@@ -113,7 +113,7 @@ def test_only_what_does_not_move_with_the_arm_shows_that_the_instrument_wanders(
     def fast(time, rng):
         return 2.0 * walk(time, rng)
 
-    assert [seen(back(seed, fast)) for seed in range(3)] == ["what was read again at poses that were come back to"] * 3
+    assert [seen(back(seed, fast)) for seed in range(3)] == ["what was read again at poses visited again"] * 3
     assert [seen(back(seed, still)) for seed in range(8)] == [""] * 8
     assert [seen(read(seed, fast)) for seed in range(3)] == [""] * 3
     # A target that stands still beside an arm that creeps, and one that goes with the instrument.
@@ -214,7 +214,7 @@ def _wandered_along_one_round(seed):
     q = np.repeat(_raster(1), 3, axis=0)
     walked = np.cumsum(0.2 * SIGMA * np.random.default_rng(seed).standard_normal((len(q), 2)), axis=0)
     result = diagnose(file(), recording(q, tips(q) + noise(seed, len(q)) + walked))
-    assert any(note.startswith("What is left goes with time as well as") for note in result.notes)
+    assert any(note.startswith("The remainder changes with time and with") for note in result.notes)
     return result
 
 

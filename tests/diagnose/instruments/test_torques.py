@@ -68,7 +68,7 @@ def test_torques_bear_the_weights_out_and_tell_friction():
     result = diagnose(weighed_arm(), recorded(compliance=0.0))
 
     assert result.verdict == "none"
-    assert says(result, "Torques bear out what the links weigh")
+    assert says(result, "Torques confirm the weights of the links")
     (friction,) = [note for note in result.notes if "Friction by the torques" in note]
     for drive, value in zip((2, 3), (5.0, 2.0), strict=True):
         (part,) = [item for item in friction.split(", ") if f"at drive {drive}" in item]
@@ -93,7 +93,7 @@ def test_a_link_that_is_heavier_than_the_file_says_is_told_and_its_drive_judged_
 def test_torques_of_another_scale_say_nothing_against_the_weights():
     result = diagnose(weighed_arm(), recorded(scale=1.2))
 
-    assert says(result, "one of its own scale (a torque constant), or weights and centres")
+    assert says(result, "Either its scale (a torque constant) is off, or weights and centres")
     assert not says(result, "is judged under the loads")
     (finding,) = result.findings
     low, high = finding.parameters[0].interval
@@ -104,7 +104,7 @@ def test_a_payload_whose_centre_is_elsewhere_is_not_told_as_another_mass():
     """0.2 m beyond the tip it weighs the more on a drive, the nearer that is: no one factor fits."""
     result = diagnose(weighed_arm(), recorded(compliance=0.0, beyond=0.2))
 
-    assert says(result, "Rather its centre of mass is off than its mass")
+    assert says(result, "Its centre of mass is more likely off than its mass")
     assert not says(result, "By the torques the payload is ")
 
 
@@ -117,7 +117,7 @@ def test_a_drive_that_holds_next_to_nothing_says_nothing_of_weights():
     result = diagnose(weighed_arm(), replace(recording, torque=torque))
 
     assert not says(result, "drive 5")
-    assert says(result, "Torques bear out what the links weigh")
+    assert says(result, "Torques confirm the weights of the links")
 
 
 def test_torques_of_another_sign_are_refused_in_one_line(tmp_path):

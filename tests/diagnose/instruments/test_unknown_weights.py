@@ -101,7 +101,7 @@ def test_what_nobody_has_weighed_is_fitted_to_the_torques_and_written(centres, p
     # Joint 1 is upright: no torque tells what link 1 weighs, and the file does not say that it does.
     assert links[0].mass is None
     assert evaluate(result.corrected).mass is None
-    assert any("What link 1 weighs loads no drive" in note for note in result.notes)
+    assert any("The weight of link 1 loads no drive" in note for note in result.notes)
 
 
 @pytest.mark.slow

@@ -100,7 +100,7 @@ def test_a_true_finding_is_not_left_out_because_of_a_form(seed):
     errors[:, 1] = 3e-4
     errors[:, 2] = 4e-4 * q[:, 2] * np.where(np.repeat(far, 2), 1.0, -1.0)
     result = diagnose(ARM, read(q, turned_by(q, errors), rng))
-    assert not [note for note in result.notes if "offset of an encoder's zero at joint 2 was beyond chance" in note]
+    assert not [note for note in result.notes if "offset of an encoder's zero at joint 2, beyond chance" in note]
     assert ("encoder_offset", (2,)) in [(finding.effect, finding.at) for finding in result.findings]
     assert result.verdict == "unknown"
-    assert [note for note in result.notes if "left out again" in note]
+    assert [note for note in result.notes if "Held-out readings fit as well" in note]

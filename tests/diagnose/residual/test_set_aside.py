@@ -28,7 +28,7 @@ def aside(result):
 
 
 def said(result):
-    return [note for note in result.notes if note.startswith("All figures leave out")]
+    return [note for note in result.notes if note.startswith("All figures are without")]
 
 
 def test_rows_that_tell_a_shape_come_back():

@@ -61,8 +61,8 @@ def test_what_leaves_most_explains_nothing_where_no_pose_is_seen_again(seed):
     assert share_left(result) > 0.5
     assert result.verdict == "unknown"
     assert ("encoder_offset", (2,)) in [(finding.effect, finding.at) for finding in result.findings]
-    assert any("may also be that the arm does not return" in note for note in result.notes)
-    assert result.unknown.decide.startswith("come back to some poses three times or more")
+    assert any("may also be the arm's repeatability" in note for note in result.notes)
+    assert result.unknown.decide.startswith("visit some poses three times or more")
 
 
 def far_and_near(bent):
@@ -99,8 +99,8 @@ def test_a_finding_that_makes_held_out_readings_worse_is_left_out_again():
     assert result.verdict == "unknown"
     assert [(finding.effect, finding.at) for finding in result.findings] == [("encoder_offset", (2,))]
     assert result.findings[0].p_value < 0.01
-    (note,) = (item for item in result.notes if "left out again" in item)
-    assert note.startswith("The scale of an encoder or of a gear ratio at joint 3 ")
+    (note,) = (item for item in result.notes if "Held-out readings fit as well" in item)
+    assert note.startswith("Set aside: scale of an encoder or of a gear ratio at joint 3, ")
     labels = [rung.label for rung in result.ladder]
     assert labels[:2] == ["model as given", "+ offset of an encoder's zero at joint 2"]
     assert not any("scale of an encoder" in label for label in labels)
@@ -115,7 +115,7 @@ def test_a_finding_that_predicts_held_out_readings_stays():
         "encoder_offset": 0.001,
         "encoder_scale": 0.002,
     }
-    assert not any("left out again" in note for note in result.notes)
+    assert not any("Held-out readings fit as well" in note for note in result.notes)
     assert result.rms_after < 1.1 * result.noise_floor
     assert all(finding.rms_without_held_out > 2.0 * result.rms_after_held_out for finding in result.findings)
 

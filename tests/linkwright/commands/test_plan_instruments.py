@@ -161,7 +161,7 @@ def test_torques_are_planned_read_and_diagnosed_beside_the_tip(linkwright, tmp_p
     result = lw.diagnose(HEAVY, recording).found
     names = [(one.effect, one.at) for finding in result.findings for one in (finding, *finding.alternatives)]
     assert ("backlash", (2,)) in names
-    assert any("Torques bear out what the links weigh" in note for note in result.notes)
+    assert any("Torques confirm the weights of the links" in note for note in result.notes)
 
 
 @pytest.mark.parametrize(
