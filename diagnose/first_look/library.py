@@ -149,8 +149,8 @@ class Library:
         turns = self.arm.joints[k].revolute
         per, stiff = ("rad/(N*m)", "N*m/rad") if turns else ("m/N", "N/m")
         said = (
-            f"joint {k + 1} gives way by {by:.3g} {per} under its load, as a loop or drive of {stiffness} {stiff} "
-            f"does; {self.name('q', k)} is then what was commanded, so log what is read back"
+            f"joint {k + 1} gives way by {by:.3g} {per} under its load, as a loop or drive of {stiffness} {stiff}; "
+            f"{self.name('q', k)} was then commanded, so log the position read back"
         )
         written = (f"`stiffness: {stiffness} {stiff}` at joint {k + 1} in the arm file",)
         return replace(

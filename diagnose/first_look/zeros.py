@@ -48,9 +48,9 @@ def refuse_another_zero(
                 whole = math.degrees(math.remainder(joint.zero + angle, 2.0 * math.pi))
                 message = (
                     f"{zero.said[0]}, it seems: {beyond} of its readings are beyond the range that the arm file "
-                    f"declares, and none is then; what frame and tool leave falls from {shown_length(before)} to "
-                    f"{shown_length(after)}; write `zero: {whole:.4g} deg` (with dh: theta) at joint {index + 1} in "
-                    "the arm file"
+                    f"declares, and none with this zero; the error beyond frame and tool falls from "
+                    f"{shown_length(before)} to {shown_length(after)}; write `zero: {whole:.4g} deg` (with dh: theta) "
+                    f"at joint {index + 1} in the arm file"
                 )
                 raise InputError(recording.file, "", message)
 

@@ -114,8 +114,8 @@ def _of_weights(shared: Sequence[Term]) -> str:
             f"The corrected arm has what gives under links of unknown mass {held}, and its compliance by known loads."
         )
     return (
-        f"The corrected arm has what gives under links of unknown mass {held}: nothing else shows. What another "
-        "payload would do it cannot say; record two payloads."
+        f"The corrected arm has what gives under links of unknown mass {held}. Nothing else shows. The effect of "
+        "another payload is unknown. Record two payloads."
     )
 
 

@@ -292,11 +292,12 @@ class _Sighting:
         axes = [axis for axis, part in zip("xyz", shares[6:9].tolist(), strict=True) if part > named]
         if axes:
             return (
-                f"The tool hardly turns about more than one axis: the {what}'s place on it along {' and '.join(axes)} "
-                f"cannot be told from where the {where} stands, and is left as the arm file has it.",
+                f"The tool hardly turns about more than one axis. The {what}'s place on the tool along "
+                f"{' and '.join(axes)} cannot be told apart from where the {where} stands. The arm file's value is "
+                "kept.",
             )
         if (shares[9:12] > named).any():
-            return (f"How the {what} is turned on the tool cannot be told from how the {where} stands.",)
+            return (f"How the {what} is turned on the tool cannot be told apart from how the {where} stands.",)
         return ()
 
 

@@ -182,4 +182,4 @@ def _jumps(recording: Recording, place: Placement, gross: Mask, rules: Rules) ->
         return reasons, []
     rows = rows_text(recording.row[lasting])
     farthest = shown_length(float(place.distance[lasting].max()))
-    return reasons, [f"In {rows} the tip is up to {farthest} away from the nominal one; these rows are kept."]
+    return reasons, [f"In {rows} the tip is up to {farthest} away from the nominal one. These rows are kept."]

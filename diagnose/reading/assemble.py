@@ -84,8 +84,8 @@ def assembled(
     camera = sights is not None and "camera" in sights.instrument.kinds
     if camera and orientation is None:
         warnings.append(
-            "There are no orientations (qw, qx, qy, qz): only where the target is in the camera's frame counts; what "
-            "turns the tool more than it shifts it hardly shows."
+            "There are no orientations (qw, qx, qy, qz). Only the target's place in the camera's frame counts. Causes "
+            "that turn the tool more than they shift it hardly show."
         )
     if sights is not None and orientation is not None and not camera:
         warnings.append("Orientations are not used: they go with the whole place of the tip.")

@@ -117,8 +117,8 @@ def _refuse_torques_alone(columns: dict[str, ReadColumn], table: Table) -> None:
     seen = (*_PLACE, *(name for kind in INSTRUMENTS.values() for name in kind.columns))
     if torques and not any(name in columns for name in seen) and not set(table.names) & set(labels().values()):
         message = (
-            "has drives' torques and nothing of the tip, beside which alone torques are judged; record the tip too "
-            "(x_mm, y_mm), or a height, a distance or a level (along_mm, distance_mm, tilt_x_deg) in the same rows"
+            "has drives' torques and nothing of the tip in the same rows, without which torques are not judged; record "
+            "the tip too (x_mm, y_mm), or a height, a distance or a level (along_mm, distance_mm, tilt_x_deg)"
         )
         raise InputError(table.file, torques[0], message)
 

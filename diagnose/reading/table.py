@@ -209,7 +209,7 @@ def text_table(path: Path, layout: Layout, text: str) -> Table:
         raise refusal(path, "", "is no plain text: it holds NUL bytes; is it UTF-16?", {"encoding": "utf-16"})
     notes: list[str] = []
     if not layout.names and (titles := _titles(text, layout)):
-        notes.append(f"The header stands in line {layout.skip_rows + titles + 1}; what is above it is passed over.")
+        notes.append(f"The header stands in line {layout.skip_rows + titles + 1}. Lines above the header are not used.")
         layout = replace(layout, skip_rows=layout.skip_rows + titles)
     kept, first, named = _lines(path, text, layout)
     if not first:
@@ -380,5 +380,5 @@ def _header(path: Path, cells: Sequence[str], decimal: str) -> tuple[list[str], 
             again = header[:place].count(name)
             number = next(k for k in range(again, len(header) + 1) if f"{name}.{k}" not in header)
             header[place] = f"{name}.{number}"
-            notes.append(f"The column {shown(name)} occurs more than once; here the further one is {header[place]}.")
+            notes.append(f"The column {shown(name)} occurs more than once. The further one is called {header[place]}.")
     return header, notes

@@ -100,13 +100,13 @@ def _sentences(undetermined: Array, of_tool: int, named: float) -> tuple[str, ..
     axes = [axis for axis, part in zip("xyz", tool.tolist(), strict=False) if part > named]
     if axes:
         return (
-            "Frame and tool are both free, and the target hardly turns: its place on the tool along "
-            f"{' and '.join(axes)} cannot be told from where the measuring frame stands, and is left as the arm file "
-            "has it.",
+            "Frame and tool are both free, and the target hardly turns. The target's place on the tool along "
+            f"{' and '.join(axes)} cannot be told apart from where the measuring frame stands. The arm file's value is "
+            "kept.",
         )
     return (
-        "The points that were reached lie on a line or closer: how the measuring frame is turned about it cannot be "
-        "told, and is left at zero.",
+        "The points that were reached lie on a line or closer. The measuring frame's turn about this line cannot be "
+        "found, and is left at zero.",
     )
 
 

@@ -129,13 +129,13 @@ def noise_floor(recording: Recording, arm: Arm, *, rules: ResidualRules = RULES.
     if declared is not None and declared < least.max():
         warnings.append(
             f"The declared sigma of {_length(declared)} is less than readings in steps of {_length(max(step))} can "
-            f"show: what rounding leaves counts ({_length(float(least.max()))})."
+            f"show. The rounding counts instead ({_length(float(least.max()))})."
         )
     sentence = _sentence(floor, source, rested, len(cleaned.groups), declared)
     if source == "repeats" and len(groups) > len(visited):
         sentence = (
             f"The noise floor is {_length(floor or 0.0)} RMS ({rested} degrees of freedom a component), from "
-            "neighbouring readings alone: the arm or the frame moved while it stayed at a pose."
+            "neighbouring readings alone. The arm or the frame moved during the stay at a pose."
         )
     if coarse and source == "repeats":
         sentence += f" Repeats are alike to the last digit, so it is the readings' resolution ({_length(max(step))})."
@@ -147,7 +147,7 @@ def noise_floor(recording: Recording, arm: Arm, *, rules: ResidualRules = RULES.
         rows = rows_text(cleaned.doubtful)
         warning = f"Repeats disagree in {rows}, and nothing says which are wrong."
         if recording.sides is None:
-            warning += " Where a pose was come to from both sides, log them (dir1, ...)."
+            warning += " Where a pose was reached from both sides, log them (dir1, ...)."
         warnings.append(warning)
     return NoiseFloor(
         sigma,
@@ -417,7 +417,7 @@ def _revisits(groups: Sequence[Rows], recording: Recording, arm: Arm, rules: Res
 
 def _sentence(floor: float | None, source: Source, dof: int, groups: int, declared: float | None) -> str:
     if floor is None:
-        return "There are no repeats and no declared sigma: nothing but the fit itself tells the noise."
+        return "There are no repeats and no declared sigma. Only the fit itself shows the noise."
     if source == "repeats":
         return (
             f"The noise floor is {_length(floor)} RMS, from {groups} poses read more than once "
@@ -425,8 +425,8 @@ def _sentence(floor: float | None, source: Source, dof: int, groups: int, declar
         )
     if source == "revisits":
         return (
-            f"There are no repeats in a row: the noise floor of {_length(floor)} RMS is from poses that were come back "
-            f"to ({dof} degrees of freedom a component), and holds what changed between two visits."
+            f"There are no repeats in a row. The noise floor of {_length(floor)} RMS is from poses visited again "
+            f"({dof} degrees of freedom a component). Changes between two visits are included."
         )
     few = "too few repeats" if dof or groups else "no repeats"
     declared_text = "" if declared is None else f" of {_length(declared)} a component"

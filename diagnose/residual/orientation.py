@@ -82,8 +82,8 @@ def with_sound_orientation(arm: Arm, recording: Recording, *, rules: ResidualRul
     if off <= rules.turned:
         return recording
     warning = (
-        f"How the tool is turned from reading to reading differs from the model by {np.degrees(off):.0f} deg (median): "
-        "the orientations are left out. Check the order of the angles or of the quaternion (qw first or last)."
+        f"How the tool is turned from reading to reading differs from the model by {np.degrees(off):.0f} deg (median). "
+        "The orientations are set aside. Check the order of the angles or of the quaternion (qw first or last)."
     )
     return replace(recording, seat="unused", warnings=(*recording.warnings, warning))
 

@@ -36,5 +36,5 @@ def seen_to_wander(observed: Observed, left: Array) -> str:
             return "the target on the base"
     returns = come_back_to(recording, poses(observed), first, rules=rules)
     if returns is not None and wanders(returns.of(means(left)), returns.visit):
-        return "what was read again at poses that were come back to"
+        return "what was read again at poses visited again"
     return ""

@@ -44,6 +44,7 @@ def of_different_arms(
 def of_other_arms(told: OtherArms) -> str:
     """The same as a sentence."""
     return (
-        f"It looks as if the recordings were of different arms: {told.names} would leave {mm(told.leaves)}, and that "
-        "stays as it is as long as an arm does. Diagnose each by itself; several arms of one type, with --units."
+        f"It looks as if the recordings were of different arms. With {told.names}, {mm(told.leaves)} would remain, but "
+        "such a cause does not change within one arm. Diagnose each by itself. For several arms of one type, use "
+        "--units."
     )

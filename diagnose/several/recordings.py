@@ -159,7 +159,7 @@ def together(
             if instead is None:
                 notes.append(f"Only {only} holds {words}: not used." if len(have) == 1 else f"{words}: not in all.")
                 return None
-            notes.append(f"Only {only} holds {words}; elsewhere {said}.")
+            notes.append(f"Only {only} holds {words}. Elsewhere {said}.")
         parts = [
             values if values is not None else instead(count) if instead is not None else np.zeros(0)
             for values, count in zip(given, counts, strict=True)

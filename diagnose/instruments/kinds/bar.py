@@ -76,7 +76,7 @@ class Bar(InstrumentKind):
 
     name = "bar"
     title = "nothing but that the same bar was touched, at a known place along it (`bar_mm`), by labels"
-    blind = "Where the bars are the recording tells; lengths are told by theirs."
+    blind = "The recording shows where the bars are. Their known lengths give the scale."
     numbers = (Number("x of a bar"), Number("y of a bar"), Number("z of a bar", in_plane=False))
     settings = ("bar",)
     example = MappingProxyType({"bar": (0.0, 0.2)})

@@ -70,10 +70,11 @@ class Camera(InstrumentKind):
         del anchor_free
         on_tool = instrument.camera == "on_tool"
         where = "is on the tool and sees a fixed target" if on_tool else "is fixed and sees a target on the tool"
-        still = "the target" if on_tool else "the camera, which looks at their middle,"
+        still = "the target" if on_tool else "the camera (facing their middle)"
         return (
-            f"The camera {where}; where both are the recording tells. This is foreseen with {still} 1.5 to 2 times as "
-            "far from the middle of the places reached as these reach; whether the target is in view is not asked."
+            f"The camera {where}. The recording shows where both are. The forecast has {still} 1.5 to 2 times as far "
+            "from the middle of the places reached as the outermost of them. Whether the target is in view is not "
+            "checked."
         )
 
     def refuse(self, look: Look) -> None:

@@ -186,8 +186,8 @@ class Distance(InstrumentKind):
             raise InputError(
                 recording.file,
                 "anchor",
-                f"is free, and the distances are from {places} place{'s' if places != 1 else ''}: every reading would "
-                f"be met by some anchor; measure from {least} places or more, or say where it is",
+                f"is free, and distances from {places} place{'s' if places != 1 else ''} fit some anchor always; "
+                f"measure from {least} places or more, or say where it is",
             )
 
     _more = 0

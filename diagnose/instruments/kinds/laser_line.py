@@ -183,7 +183,7 @@ class LaserLine(InstrumentKind):
         beam = ", ".join(f"{value:.4g}" for value in instrument.setting("beam"))
         return (
             f"Read is how far a beam along {beam} of the last link goes. A flat surface stands across most beams, some "
-            "0.3 m beyond the nearest tip; where it is the recording tells."
+            "0.3 m beyond the nearest tip. The recording shows where the surface is."
         )
 
     def simulated(self, stood: Stood, instrument: Instrument, random: np.random.Generator) -> Array:

@@ -68,7 +68,7 @@ class Plane(InstrumentKind):
 
     name = "plane"
     title = "nothing but that the same plane was touched, by labels"
-    blind = "Where the planes are the recording tells; what moves the tip along a plane does not show."
+    blind = "The recording shows where the planes are. What moves the tip along a plane does not show."
     numbers = (Number("plane"),)
     label = "plane"
 

@@ -79,7 +79,7 @@ class SamePoint(InstrumentKind):
 
     name = "same_point"
     title = "nothing but that the same point was touched again, by labels"
-    blind = "Where the points are the recording tells; what moves the tip alike in every posture does not show."
+    blind = "The recording shows where the points are. What moves the tip alike in every posture does not show."
     numbers = (Number("x of a point"), Number("y of a point"), Number("z of a point", in_plane=False))
     label = "point"
 

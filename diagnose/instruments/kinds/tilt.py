@@ -193,7 +193,7 @@ class Tilt(InstrumentKind):
         """Where it stands."""
         del anchor_free
         where = f"link {instrument.tilt_link}" if instrument.tilt_link else "the base"
-        return f"Read is how a level on {where} is tilted; how exactly it sits there the recording tells."
+        return f"Read is how a level on {where} is tilted. The recording shows how the level sits there."
 
     def simulated(self, stood: Stood, instrument: Instrument, random: np.random.Generator) -> Array:
         """What a level reads that sits a little askew."""

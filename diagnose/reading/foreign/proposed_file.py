@@ -99,8 +99,8 @@ def _completed(
     known, whats = {item.header.strip("`") for item in said}, {item.what for item in said}
     place = Path(held.file).name
     passed_over = (
-        f"{place} beside it has formulas that do not fit this file ({', '.join(foreign)}) and were passed over; "
-        "settings of this file alone stand in a YAML file of its name."
+        f"{place} beside it has formulas that do not fit this file ({', '.join(foreign)}) and are not used. Settings "
+        "for this file alone belong in a YAML file of its name."
     )
     others = (item for item in meanings if item.header not in known and item.what not in whats)
     return (*said, *others), (passed_over,) if foreign else ()

@@ -152,7 +152,7 @@ def test_what_slipped_and_stays_is_no_jump(tmp_path: Path) -> None:
     tip[90:] = planar_tip(q[90:] + np.array([0.02, 0.0, 0.0]))
     result = read(tmp_path, q, tip)
     assert result.rejected == ()
-    assert any("these rows are kept" in sentence for sentence in result.warnings)
+    assert any("These rows are kept" in sentence for sentence in result.warnings)
 
 
 @pytest.mark.parametrize("timed", [True, False], ids=["timed", "no time"])

@@ -111,7 +111,7 @@ def test_an_anchor_that_every_reading_could_satisfy(tmp_path):
     distances = np.linalg.norm(planar_tip(q) - ANCHOR, axis=1)
     columns = {k: v for k, v in table(q, planar_tip(q), distance_mm=1e3 * distances).items() if k[0] not in "xy"}
 
-    with pytest.raises(InputError, match="anchor: is free, and the distances are from 2 places"):
+    with pytest.raises(InputError, match="anchor: is free, and distances from 2 places"):
         _read(tmp_path, "observes: distance\nanchor: free", columns)
 
 
