@@ -298,8 +298,8 @@ def _too_little(arm: Arm, logs: Sequence[MotionLog], prepared: Sequence[Prepared
 def _sparse(prepared: Sequence[PreparedLog]) -> tuple[str, ...]:
     """What samples that are far apart do not tell, log by log."""
     return tuple(
-        f"{Path(item.log.file).name}: samples {1.0 / item.rate:.3g} s apart tell {100.0 * item.motion.sampled:.0f} % "
-        "of how fast things change; inertia, delays and resonances count by so much, speeds as they were logged."
+        f"{Path(item.log.file).name}: samples {1.0 / item.rate:.3g} s apart show {100.0 * item.motion.sampled:.0f} % "
+        "of how fast things change. Inertia, delays and resonances count by this share, and speeds as logged."
         for item in prepared
         if item.motion.sampled < 1.0
     )

@@ -66,8 +66,8 @@ def drives_of(
         free = constants is None
         if free and not motion.torque_constants_free:
             warnings.append(
-                "There are no torque_constants in recording.yaml: the arm's weights make them, as wrong as its masses "
-                "are; better write `torque_constants: [14.9, ...]` (N*m/A, one a joint)."
+                "There are no torque_constants in recording.yaml. They are made from the arm's weights, and are as "
+                "wrong as its masses. Better write `torque_constants: [14.9, ...]` (N*m/A, one a joint)."
             )
         if constants is not None:
             torque = torque * _by_joint(constants, "torque_constants", arm, held)

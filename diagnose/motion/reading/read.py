@@ -130,7 +130,7 @@ def _require(columns: dict[str, ReadColumn], table: Table, arm: Arm) -> None:
         called = ", ".join(f"q{k + 1}" for k in lacking)
         would_do = example_headers("q", arm, lacking[0])
         message = (
-            f"{'is' if len(lacking) == 1 else 'are'} missing: {arm.name!r} has {arm.size} joints, and the log tells of "
+            f"{'is' if len(lacking) == 1 else 'are'} missing: {arm.name!r} has {arm.size} joints, and the log has "
             f"{len(joints) - len(lacking)} of them; the file has {there}; write {would_do}, map it in recording.yaml "
             "(`columns:`), or give the arm that was logged"
         )

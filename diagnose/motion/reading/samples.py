@@ -133,8 +133,8 @@ def _one_a_stamp(log: MotionLog, name: str, rules: Rules) -> MotionLog:
     if again.mean() > 0.5:
         log = _saying(
             log,
-            f"{name} is coarser than the samples: {int(again.sum())} of {log.size} have the stamp of the one before "
-            "and are set aside; write the clock with more digits.",
+            f"{name} is coarser than the samples. {int(again.sum())} of {log.size} have the stamp of the one before "
+            "and are set aside. Write the clock with more digits.",
         )
     else:
         rows = rows_text(log.row[again])
