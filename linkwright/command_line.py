@@ -49,16 +49,16 @@ help of all commands imports every one of these modules but those of catalogues.
 
 CATALOGUES: Mapping[str, str] = MappingProxyType(
     {
-        "materials": "What links can be made of: list, show, compare; add, edit, remove; import, export, check.",
-        "sections": "Shapes and standard sizes: list, show, compare; add, edit, remove; import, export, check.",
-        "actuators": "Gears and actuators by name: list, show; add, edit, remove; import, export, check.",
+        "materials": "What links can be made of: list, show, compare, add, edit, remove, import, export, check.",
+        "sections": "Shapes and standard sizes: list, show, compare, add, edit, remove, import, export, check.",
+        "actuators": "Gears and actuators by name: list, show, add, edit, remove, import, export, check.",
         "effects": "The physics that the models know: list, show.",
     }
 )
 """The commands that have commands of their own, and their help."""
 
 STATUSES = (
-    "Exit status: 0 done, 1 a well-formed question without an answer, 2 wrong input (one line says which), "
+    "Exit status: 0 done, 1 a well-formed question without an answer, 2 wrong input (one line says which). "
     "130 interrupted (standard error says what is kept), 141 nobody reads the output."
 )
 HELP = """Design robot arms for the least worst-case position error.

@@ -76,7 +76,7 @@ def export_arm(
     >>> import linkwright as lw
     >>> found = lw.export_arm("examples/welding-arm/arm.yaml", to="mjcf")
     >>> found
-    <Export: MJCF, nothing left out>
+    <Export: MJCF, nothing missing>
     """
     from linkwright.core.arm.corrections.ur_kinematics import into_kinematics, is_kinematics
     from linkwright.core.arm.descriptions.into import into_file

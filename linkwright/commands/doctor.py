@@ -23,7 +23,7 @@ _REINSTALL = "pip install --force-reinstall casadi"
 
 
 class Check(NamedTuple):
-    """What was looked at, its state (`sound`, `wrong`, of an optional part `left out`), the result, what would do."""
+    """What was looked at, its state (`sound`, `wrong`, of an optional part `missing`), the result, what would do."""
 
     name: str
     state: str
@@ -45,9 +45,7 @@ def _packages() -> Iterator[Check]:
         try:
             yield Check(label, "sound", metadata.version(name))
         except metadata.PackageNotFoundError:
-            yield Check(
-                label, "left out" if extra else "wrong", "not installed", f"pip install '{requirement.strip()}'"
-            )
+            yield Check(label, "missing" if extra else "wrong", "not installed", f"pip install '{requirement.strip()}'")
 
 
 def _solver() -> str:
@@ -86,7 +84,7 @@ def _checks() -> Iterator[Check]:
         ("catalogue: stock sizes", lambda: f"{len(load_stock())} read", "wrong", "mend the file"),
         ("catalogue: actuators", lambda: f"{len(load_actuators())} read", "wrong", "mend the file"),
         ("threads of linear algebra", _threads, "wrong", ""),
-        ("reports as PDF (--pdf)", need_browser, "left out", "install Chromium, Chrome or Edge"),
+        ("reports as PDF (--pdf)", need_browser, "missing", "install Chromium, Chrome or Edge"),
     )
     yield Check("Python", "sound", platform.python_version())
     yield from _packages()

@@ -266,7 +266,7 @@ TABLES: Mapping[str, Any] = MappingProxyType(
         "markdown": Annotated[
             Path | None,
             typer.Option(
-                "--markdown", metavar="FILE", help="Write as Markdown; between the marks of a file that has them."
+                "--markdown", metavar="FILE", help="Write as Markdown, between the marks of a file that has them."
             ),
         ],
     }
@@ -362,9 +362,9 @@ def commands() -> Mapping[str, Made]:
     table = Out("Write the table: .csv, .parquet or .md.", ())
     plan = Out("The plan: a recording whose tip is still blank.", (), beside=True)
     recording = Out("The recording to write, a CSV file.", (), beside=True, required=True)
-    read = Out("The arm file to write; a new arm.yaml by default.", ())
+    read = Out("The arm file to write. Default: a new arm.yaml.", ())
     settings = Out("The recording.yaml to write.", ())
-    exported = Out("The file to write; a new one called as the arm file by default.", ())
+    exported = Out("The file to write. Default: a new one called as the arm file.", ())
     figures = Out("Write report.html, result.json and a CSV file per figure there.", FIGURES)
     plain: Any = {"markdown": False, "catalogue": False}
     drawing: Any = {"doing": "computing the paper's figures", "out": figures, "unwritten": NOTHING}

@@ -39,7 +39,7 @@ class Out:
     """What `--out` names: a folder, which holds `files`, or where there are none a file. `beside`: settings are
     written beside it; `required`: it must be given."""
 
-    help: str = "Write report.html and the other files there; nothing is without it."
+    help: str = "Write report.html and the other files there. Without it nothing is written."
     files: tuple[str, ...] = (RESULT, REPORT, DESIGN)
     beside: bool = False
     required: bool = False

@@ -46,34 +46,34 @@ def write_content(json: Path | None, command: str, content: Mapping[str, Any]) -
 
 
 JsonFile = Annotated[
-    Path | None, typer.Option("--json", metavar="FILE", help="Write the result for machines; - for standard output.")
+    Path | None, typer.Option("--json", metavar="FILE", help="Write the result for machines (- for standard output).")
 ]
 MarkdownFile = Annotated[
     Path | None, typer.Option("--markdown", metavar="FILE", help="Write the result as Markdown, for notes and issues.")
 ]
 PdfFile = Annotated[
     Path | None,
-    typer.Option(
-        "--pdf", metavar="FILE", help="Write the report as a PDF of A4 pages; Chromium, Chrome or Edge prints it."
-    ),
+    typer.Option("--pdf", metavar="FILE", help="Write the report as a PDF of A4 pages, by Chromium, Chrome or Edge."),
 ]
 CatalogueFile = Annotated[
     Path | None,
     typer.Option("--catalogue", metavar="FILE", help="Materials that add to the shipped ones, or replace them."),
 ]
-Author = Annotated[str, typer.Option("--author", metavar="NAME", help="Who made the report; it says so at its end.")]
+Author = Annotated[str, typer.Option("--author", metavar="NAME", help="Who made the report, named at its end.")]
 Comment = Annotated[str, typer.Option("--comment", metavar="TEXT", help="What the report shall say beside that.")]
 
 Tip = Annotated[
     str | None,
     typer.Option(
-        "--tip", metavar="NAME", help="Which arm counts, of several on one torso (`branches`); of URDF or MJCF its end."
+        "--tip",
+        metavar="NAME",
+        help="Which arm counts, of several on one torso (`branches`). For URDF or MJCF its end.",
     ),
 ]
 
 Workers = Annotated[
     int | None,
-    typer.Option("--workers", metavar="N", min=1, help="Processes for what takes long; one for each core by default."),
+    typer.Option("--workers", metavar="N", min=1, help="Processes for what takes long. Default: one for each core."),
 ]
 Dask = Annotated[
     str | None,

@@ -22,16 +22,19 @@ Example: linkwright serve designs --port 8080 --open
 
 def serve(
     folder: Annotated[
-        Path, typer.Argument(metavar="[FOLDER]", help="Whose files are shown; this one by default.")
+        Path, typer.Argument(metavar="[FOLDER]", help="Whose files are shown. Default: this one.")
     ] = Path("."),
     host: Annotated[
-        str, typer.Option("--host", metavar="HOST", help="Where to listen; 0.0.0.0 for all who know the token.")
+        str, typer.Option("--host", metavar="HOST", help="Where to listen (0.0.0.0 for all who know the token).")
     ] = "127.0.0.1",
     port: Annotated[
-        int, typer.Option("--port", metavar="PORT", min=0, max=65535, help="The port; 0 for any that is free.")
+        int, typer.Option("--port", metavar="PORT", min=0, max=65535, help="The port (0 for any that is free).")
     ] = 8800,
     token: Annotated[
-        str, typer.Option("--token", metavar="TOKEN", help="What a browser must know; made up where --host needs one.")
+        str,
+        typer.Option(
+            "--token", metavar="TOKEN", help="What a browser must know. Default: made up where --host needs one."
+        ),
     ] = "",
     open_: Annotated[bool, typer.Option("--open", help="Open the browser as well.")] = False,
 ) -> None:

@@ -35,7 +35,10 @@ if TYPE_CHECKING:
 
 _MOST_ROWS = 1_000_000
 _DIGITS = 9
-_NOTE = "The table holds what is certain: play lies where the load seats it; sides, time and warming are not in it."
+_NOTE = (
+    "The table holds what is certain. Backlash is taken on the loaded side. Direction, time and temperature are not "
+    "included."
+)
 
 
 def describe(result: TableResult) -> Description:

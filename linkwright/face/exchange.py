@@ -194,7 +194,7 @@ def _rows(result: Exported) -> list[tuple[str, str]]:
 
 def describe_export(result: Exported) -> Description:
     """What went into the file and what did not."""
-    left = f"{len(result.lost)} not carried" if result.lost else "nothing left out"
+    left = f"{len(result.lost)} not carried" if result.lost else "nothing missing"
     headline, name = f"{result.format.upper()}, {left}", result.arm.name
     items = (shown_table(("", ""), _rows(result)),)
     return Description(f"{name}: as {result.format.upper()}", headline, items, headline, f"{name}: ")

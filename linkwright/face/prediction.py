@@ -80,7 +80,7 @@ class Prediction(Result):
     nominal_rms_mm = Field[float]("The RMS of the arm's nominal geometry alone, frame and tool fitted alike, mm.")
     rows = Field[int]("How many readings there are.", "recording.size")
     outside = Field[tuple[int, ...]](
-        "The rows of the file whose joints leave the coordinates that the arm was learned from; where nobody knows "
+        "The rows of the file whose joints leave the coordinates that the arm was learned from. Where nobody knows "
         "those, they are the joint ranges."
     )
     frame = Field[Literal["known", "free"]]("`known`, or `free`: fitted.", "recording.frame")

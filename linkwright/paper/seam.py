@@ -187,10 +187,10 @@ class Seam(Result):
         ends = (self.check.start, self.check.end)
         text = " to ".join(f"({figure(1e3 * point[0])}, {figure(1e3 * point[1])})" for point in ends)
         return (
-            f"The seam runs straight from {text} mm. At each point the worst over every posture that holds the tip "
-            "there, play where it is worst: along the seam (the weld starts and ends wrong), normal to it (the torch "
-            "misses the joint), and in any direction. Each is a worst case of its own, so that they need not meet in "
-            "one posture."
+            f"The seam runs straight from {text} mm. Each point has the worst over every posture that holds the tip "
+            "there, with play where it is worst. Errors are along the seam (the weld starts and ends wrong), normal to "
+            "it (the torch misses the joint), and in any direction. Each is a worst case of its own, so that they need "
+            "not meet in one posture."
         )
 
     def _content(self) -> Mapping[str, Any]:

@@ -62,7 +62,7 @@ def bound_words(evaluation: Evaluation) -> str:
     gap = percent(known / evaluation.max_error - 1.0) if evaluation.max_error else ""
     bound = bound if evaluation.worst.certified else f"{bound}, {gap} above it"
     if evaluation.growth is not None:
-        bound += ", thermal expansion left out"
+        bound += ", thermal expansion not counted"
     proved = "certified" if evaluation.unreached is None else "certified over the part reached"
     return f"{proved}: {bound}" if evaluation.worst.certified else f"{bound}; the gap is not closed"
 
@@ -358,11 +358,11 @@ def sideways(before: Evaluation, after: Evaluation, limits: Sequence[str], which
         return []
     softer = figure(one.value / other.value, 3)
     shares = [f"link {link + 1} has {percent(kept)}" for link, kept in softened_links(before, after)]
-    weak = f"; of the bending stiffness that it had that way, {', '.join(shares)}" if shares else ""
+    weak = f" (of the bending stiffness that it had that way, {', '.join(shares)})" if shares else ""
     return [
         Paragraph(
-            f"{which}: across its plane, which a planar model does not count, the tip gives {softer} times as much as "
-            f"that of the arm as given{weak}; {SIDEWAYS_STIFFNESS.name} in subject_to limits it",
+            f"{which}: across its plane the tip gives {softer} times as much as that of the original arm{weak}. A "
+            f"planar model does not count this. {SIDEWAYS_STIFFNESS.name} in subject_to limits it",
             "warning",
         )
     ]

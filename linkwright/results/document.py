@@ -209,7 +209,7 @@ class Description:
     items: tuple[Item, ...]
     brief: str = ""
     subject: str = ""
-    without: str = "Without JavaScript the maps are not drawn; result.json has the figures."
+    without: str = "Without JavaScript the maps are not drawn. result.json has the figures."
 
 
 def section(title: str, *items: Item | None, lead: str = "", opened: bool = False, detail: bool = False) -> Section:

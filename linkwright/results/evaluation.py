@@ -37,8 +37,8 @@ from .document import (
 from .figures_in_words import figure, mm, pose, robust_words, unless_nothing, workspace_words
 
 LOADS = (
-    "Statics of the undeformed arm at its worst pose, without acceleration; across and along its axis and "
-    "against tilting a joint's bearings hold it, the rest its drive."
+    "Statics of the undeformed arm at its worst pose, without acceleration. A joint's bearings hold it across and "
+    "along its axis and against tilting. Its drive holds the rest."
 )
 _ASKED = "What the motion asks of the drives"
 _SCALE = "Drawn to scale, each link as it stands in this pose."

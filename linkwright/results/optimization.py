@@ -40,7 +40,7 @@ _ROUNDING = 1e-8
 _SCALE = "Both to one scale, each link as it stands in its pose."
 _NONE = "no value does"
 _UNDECIDED = "not decided"
-_COLOURS = "One colour scale for both; the numbered circles are the worst poses."
+_COLOURS = "One colour scale for both. The numbered circles are the worst poses."
 
 
 def describe(result: OptimizationResult) -> Description:
@@ -49,7 +49,7 @@ def describe(result: OptimizationResult) -> Description:
     bound = design.bound_words(result.after)
     poses = design.worst_poses(result.after, detail=True)
     effects = design.effects(named, detail=True)
-    alone = "Each effect alone; together they add as vectors."
+    alone = "Each effect alone. Together they add as vectors."
     arms = Picture(lambda: designs.arms(named))
     side = Picture(lambda: side_view(result.after.arm, result.after.load_cases))
     loads = Picture(lambda: loads_picture(result.after))
@@ -229,8 +229,8 @@ def _near_ties(result: OptimizationResult) -> list[Section]:
     rest_text = None
     if result.near_ties_left:
         rest_text = Paragraph(
-            f"Up to {result.near_ties_left:,} more combinations could come within 3 % by their bounds; "
-            "these were not solved."
+            f"Up to {result.near_ties_left:,} more combinations could come within 3 % by their bounds. "
+            "These were not solved."
         )
     return [section("Near ties", ties, rest_text, lead="Combinations within 3 % of the best, each solved to the end.")]
 
@@ -331,7 +331,7 @@ def _problem(result: OptimizationResult) -> Table:
         ("play counts as", after.arm.play),
     ]
     if after.arm.leave_out:
-        rows.append(("left out of the model", ", ".join(sorted(after.arm.leave_out))))
+        rows.append(("not in the model (`leave_out`)", ", ".join(sorted(after.arm.leave_out))))
     return design.settings(rows)
 
 

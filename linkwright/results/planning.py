@@ -207,7 +207,7 @@ def _touching(planned: Planned) -> tuple[str, ...]:
     if ways:
         what, across = "bar", f"; along it {', '.join(ways)}"
     return (
-        f"Each visit touches the {what} that it names: {near}{across}; about there is near enough.",
+        f"Each visit touches the {what} that it names: {near}{across}. An approximate place is enough.",
         "Its joint coordinates are about where that is: write over them what the encoders read at each touch.",
     )
 
@@ -232,15 +232,15 @@ def _kept_to(planned: Planned) -> str:
     """Where the arm may be put, and what nobody looked at."""
     room, where = planned.asked.room, "at each visit and where it is come from, not on the ways between visits"
     if room.avoid:
-        return f"What is to be avoided is kept clear of by joints, links and tip, {where}; nothing else is checked."
+        return f"What is to be avoided is kept clear of by joints, links and tip, {where}. Nothing else is checked."
     if room.within is not None:
         return (
             f"No `avoid` regions are given, so joints and tip stay inside the recorded range, {where}. They are not "
             "checked for collisions."
         )
     return (
-        "Poses are taken from the whole of the joint ranges, and not checked for collisions: say what to keep clear of "
-        "(`avoid` in the arm file, or --avoid 'below z 0 mm')."
+        "Poses are taken from the whole of the joint ranges, and not checked for collisions. Write what to keep clear "
+        "of (`avoid` in the arm file, or --avoid 'below z 0 mm')."
     )
 
 
@@ -253,12 +253,12 @@ def _how(planned: Planned) -> tuple[str, ...]:
         f"Time goes with no joint or side by more than a correlation of {percent(planned.with_time)}: {apart}.",
         *_reading(planned),
         f"Rests on a sound arm simulated at the plan's readings (noise {_scatter(planned)}{_placed(planned)}) "
-        f"and the diagnosis' own test; the choice is the best found of {planned.tried} visits tried, not "
+        f"and the diagnosis' own test. The choice is the best found of {planned.tried} visits tried, not "
         f"proven best. {_compared(planned)}",
     ]
     lines.append(_kept_to(planned))
     if planned.after is not None:
-        lines.append(f"With what {planned.after.file} shows already; sizes are those of both together.")
+        lines.append(f"With what {planned.after.file} shows already. Sizes are those of both recordings together.")
         if not request.effects:
             lines.append("That recording leaves no names open, so this plan is for everything.")
     return tuple(lines)

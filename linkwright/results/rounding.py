@@ -50,7 +50,7 @@ def _made(result: OptimizationResult, rounded: Rounded) -> Section:
         Picture(lambda: sections_grid((("before", result.arm), ("after", rounded.arm)))),
         design.links((("", rounded.evaluation),), 6),
         table(headings, limits) if limits else None,
-        lead="Before and after rounding; arm.yaml holds the rounded design.",
+        lead="Before and after rounding. arm.yaml holds the rounded design.",
     )
 
 

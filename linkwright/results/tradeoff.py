@@ -31,7 +31,7 @@ from .optimization import names_words
 
 MOST_ROWS = 25
 _KNEE = "the point farthest from the chord between the ends, both axes scaled from 0 to 1 as drawn"
-_POINT = "Point at a design for its figures; its number names its arm file. Names in the legend switch fronts off."
+_POINT = "Point at a design for its figures. Its number names its arm file. Names in the legend switch fronts off."
 
 
 def describe(result: Tradeoff) -> Description:

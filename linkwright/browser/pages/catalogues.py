@@ -21,7 +21,7 @@ class CataloguesPage:
     """The page of one visitor: a tab for each catalogue."""
 
     def __init__(self, desk: Desk) -> None:
-        lead = "Click twice on a cell to change it, as the command line would; an empty one takes the figure away."
+        lead = "Click twice on a cell to change it, as the command line would. An empty cell removes the figure."
         with framed("Catalogues", lead):
             Runs(desk.jobs)
             tables = (MaterialsTable(), SectionsTable(), ActuatorsTable())

@@ -25,7 +25,7 @@ _LONGEST_NAME, _LONGEST_NOTE = 120, 4000
 """Letters that a result's name and its note may have."""
 
 
-_GONE = "There is no result {}; it may have been removed."
+_GONE = "There is no result {}. The result may have been removed."
 
 
 async def show_result(desk: Desk, number: int, gone: str = _GONE) -> None:

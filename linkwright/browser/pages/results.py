@@ -23,7 +23,7 @@ class ResultsPage:
 
     def __init__(self, desk: Desk) -> None:
         self._desk = desk
-        with framed("Results", f"All that was computed here; kept in {NAME} in the folder."):
+        with framed("Results", f"All that was computed here, kept in {NAME} in the folder."):
             Runs(desk.jobs, ended=self._ended)
             with row():
                 self._size = ui.label().classes("lw-note grow")
@@ -104,7 +104,7 @@ class ResultsPage:
             ui.label(run.began).classes("lw-note")
             ui.label(f"{noun(run.kind)} (cut off)").classes("lw-note")
             with ui.element("p").classes("lw-found"):
-                ui.label("Its server ended before it did, so nothing of it is kept; begin it again.")
+                ui.label("The server ended before this run did, so nothing is kept. Begin the run again.")
                 ui.label(f"{run.title} (server: process {run.server})").classes("lw-note")
             _button("delete", f"forget run {run.id}", lambda: self._done(lambda: self._desk.shelf.end(run.id)))
         return shown

@@ -123,7 +123,7 @@ Example: linkwright actuators edit RV-20E mass='4.9 kg' --source 'weighed, 3 Mar
 
 Example: linkwright actuators import supplier.yaml
 """,
-        "check": "Check files of actuators; without a file the shipped ones and yours.",
+        "check": "Check files of actuators. Without a file the shipped ones and yours.",
     }
 )
 

@@ -104,7 +104,7 @@ Example: linkwright materials edit steel-s355 cost '1.30 EUR/kg' --source 'Offer
 
 Example: linkwright materials import Steel-S235JR.FCMat --name steel-freecad
 """,
-        "check": "Check catalogue files: units, ranges, sources, E, G and nu; without a file the shipped ones and "
+        "check": "Check catalogue files: units, ranges, sources, E, G and nu. Without a file the shipped ones and "
         "yours.",
     }
 )
@@ -178,16 +178,16 @@ _UNCONFIRMED = "?: could not be found in its source; `materials show NAME` says 
 
 
 def list_materials(
-    family: Annotated[list[str] | None, typer.Option("--family", help="Only this family; may be repeated.")] = None,
+    family: Annotated[list[str] | None, typer.Option("--family", help="Only this family. May be repeated.")] = None,
     where: Annotated[
         list[str] | None,
         typer.Option("--where", metavar="CONDITION", help="Only those that keep it, e.g. 'density < 3 g/cm^3'."),
     ] = None,
     sort: Annotated[
-        str | None, typer.Option("--sort", metavar="PROPERTY", help="In this order; --sort=-density: largest first.")
+        str | None, typer.Option("--sort", metavar="PROPERTY", help="In this order. --sort=-density: largest first.")
     ] = None,
     columns: Annotated[
-        str | None, typer.Option("--columns", metavar="A,B,...", help="Which properties to show; 'all' for all.")
+        str | None, typer.Option("--columns", metavar="A,B,...", help="Which properties to show, or 'all'.")
     ] = None,
     json: JsonFile = None,
     catalogue: CatalogueFile = None,

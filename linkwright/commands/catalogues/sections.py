@@ -140,7 +140,7 @@ Example: linkwright sections add 'TUBE 60x4' shape=tube diameter='60 mm' thickne
 
 Example: linkwright sections import supplier.csv
 """,
-        "check": "Recompute A and I of every row of stock tables; without a file those of the shipped ones and yours.",
+        "check": "Recompute A and I of every row of stock tables. Without a file those of the shipped ones and yours.",
     }
 )
 
@@ -209,7 +209,7 @@ def edit_section(
 
 def export_sections(
     names: Names = None,
-    family: Annotated[list[str] | None, typer.Option("--family", help="This family too; may be repeated.")] = None,
+    family: Annotated[list[str] | None, typer.Option("--family", help="This family too. May be repeated.")] = None,
     out: TableFile = Path("sections.yaml"),
     catalogue: StockFile = None,
 ) -> None:
@@ -231,17 +231,17 @@ UNCONFIRMED = "?: could not be found in its source; `sections show NAME` says wh
 def list_sections(
     family: Annotated[
         list[str] | None,
-        typer.Option("--family", metavar="NAME", help="Only the sizes of this family; may be repeated."),
+        typer.Option("--family", metavar="NAME", help="Only the sizes of this family. May be repeated."),
     ] = None,
     where: Annotated[
         list[str] | None,
         typer.Option("--where", metavar="CONDITION", help="Only those that keep it, e.g. 'area < 10 cm^2'."),
     ] = None,
     sort: Annotated[
-        str | None, typer.Option("--sort", metavar="FIGURE", help="In this order; --sort=-area: largest first.")
+        str | None, typer.Option("--sort", metavar="FIGURE", help="In this order. --sort=-area: largest first.")
     ] = None,
     columns: Annotated[
-        str | None, typer.Option("--columns", metavar="A,B,...", help="Which figures to show; 'all' for all.")
+        str | None, typer.Option("--columns", metavar="A,B,...", help="Which figures to show, or 'all'.")
     ] = None,
     json: JsonFile = None,
     catalogue: StockFile = None,
@@ -403,7 +403,7 @@ def _print_shape(kind: type[Section]) -> None:
 
     shown = table("dimension", "what", "")
     for dimension in kind.dimensions:
-        shown.add_row(dimension.name, dimension.meaning, "may be left out" if dimension.optional else "")
+        shown.add_row(dimension.name, dimension.meaning, "optional" if dimension.optional else "")
     console().print(kind.shape, style="bold")
     console().print(shown)
 

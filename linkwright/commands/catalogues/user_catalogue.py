@@ -28,20 +28,20 @@ if TYPE_CHECKING:
     import pandas as pd
 
 UserFile = Annotated[
-    Path | None, typer.Option("--catalogue", metavar="FILE", help="The file to change; your own without it.")
+    Path | None, typer.Option("--catalogue", metavar="FILE", help="The file to change. Default: your own.")
 ]
 Source = Annotated[str, typer.Option("--source", metavar="TEXT", help="Where the figures are from.")]
 Replace = Annotated[bool, typer.Option("--replace", help="Take the place of those of the same name.")]
 Changes = Annotated[
     list[str] | None,
-    typer.Argument(metavar="[KEY VALUE | KEY=VALUE...]", help="What to change; nothing opens the editor."),
+    typer.Argument(metavar="[KEY VALUE | KEY=VALUE...]", help="What to change. Without it the editor opens."),
 ]
 Name = Annotated[str, typer.Argument(metavar="NAME", help="Its name.")]
-Names = Annotated[list[str] | None, typer.Argument(metavar="NAME", help="Which; all without a name.")]
+Names = Annotated[list[str] | None, typer.Argument(metavar="NAME", help="Which. Without a name: all.")]
 TableFile = Annotated[Path, typer.Option("--out", metavar="FILE", help="A .yaml, .csv, .parquet or .md file.")]
 _UsedIn = Annotated[
     list[Path] | None,
-    typer.Option("--used-in", metavar="FILE", help="Warn if this arm or problem file uses it; may be repeated."),
+    typer.Option("--used-in", metavar="FILE", help="Warn if this arm or problem file uses it. May be repeated."),
 ]
 
 

@@ -98,7 +98,7 @@ class MotionPlan(Result):
     arm: Arm
     found: MotionPlanResult
 
-    interrupted = Field[bool]("Whether Ctrl-C ended the choice; this is the best motion until then.")
+    interrupted = Field[bool]("Whether Ctrl-C ended the choice. This is the best motion until then.")
 
     @property
     def table(self) -> pd.DataFrame:

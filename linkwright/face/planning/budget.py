@@ -124,14 +124,14 @@ def _per_euro(gain: Gain) -> Value:
 def _rests_on(result: BudgetResult) -> tuple[str, ...]:
     sheet = result.sheet
     lines = [
-        f"Sampled: {sheet.draws} arms (seed {sheet.seed}), each at {result.poses} poses; to first order; tolerances "
+        f"Sampled: {sheet.draws} arms (seed {sheet.seed}), each at {result.poses} poses, linearised. Tolerances "
         "are uniform and independent.",
         f"Play counts as the arm file says: {result.arm.play}.",
     ]
     if result.room.avoid:
         lines.append(
-            "Poses that put joints, links or the tip in what is to be avoided do not count here (in evaluate they do); "
-            "of the others the worst is that of the poses tried."
+            "Poses that put joints, links or the tip in what is to be avoided do not count here (in evaluate they do). "
+            "The worst of the others is that of the poses tried."
         )
     if result.unwarmed:
         numbers = ", ".join(str(k + 1) for k in result.unwarmed)

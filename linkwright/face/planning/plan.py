@@ -41,7 +41,7 @@ class Plan(Result):
     arm: Arm
     found: Planned
 
-    interrupted = Field[bool]("Whether Ctrl-C ended the choice; this is the best plan until then.")
+    interrupted = Field[bool]("Whether Ctrl-C ended the choice. This is the best plan until then.")
 
     @property
     def visits(self) -> pd.DataFrame:

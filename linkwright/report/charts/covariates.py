@@ -84,7 +84,7 @@ def small_multiples(diagnosis: Diagnosis) -> str:
         noise = 1e3 * diagnosis.noise_floor / np.sqrt(diagnosis.recording.tip.shape[1])
     drawn = [_panel(diagnosis, covariate, parts, up, noise) for covariate in covariates(diagnosis)]
     keys = "".join(element("span", class_=f"key {when}") + text(when) for when, _ in parts)
-    lead = f"Each dot is a reading: the residual {words}, in mm. Lines are means; the band is the noise, ±1 σ."
+    lead = f"Each dot is a reading: the residual {words}, in mm. Lines are means. The band is the noise, ±1 σ."
     return element("p", text(lead), keys, class_="lead") + element("div", *drawn, class_="multiples")
 
 

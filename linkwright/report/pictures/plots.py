@@ -138,7 +138,7 @@ def error_map_words(field: ErrorMap, evaluation: Evaluation) -> str:
     """The map in a sentence, for those who cannot see it."""
     tip = 1e3 * tip_position(evaluation.arm, [evaluation.worst.poses[0].q])[0]
     place = ", ".join(figure(float(round(value, 3))) for value in (tip[:2] if field.planar else tip))
-    return f"Error over the workspace; the worst, {mm(evaluation.max_error)}, is where the tip is at ({place}) mm."
+    return f"Error over the workspace. The worst, {mm(evaluation.max_error)}, is where the tip is at ({place}) mm."
 
 
 def exchange_figure(iterations: Sequence[Iteration], minimize: str) -> Figure:

@@ -129,7 +129,7 @@ def residual_maps(diagnosis: Diagnosis) -> Drawn:
         name = f"readings-{when}"
         figures[name] = _hovered(diagnosis, length, rows, greatest)
         which = f" {when}" if len(lengths) > 1 else ""
-        words = f"Length of the residual at each reading{which}; the largest is {mm(1e-3 * float(length.max()), 3)}."
+        words = f"Length of the residual at each reading{which}. The largest is {mm(1e-3 * float(length.max()), 3)}."
         heading = element("h3", text(when.capitalize() if which else "Each reading"))
         places.append(element("div", heading, figure_place(name, words, text(words))))
         if 0.0 < float(length.max()) < greatest:

@@ -34,7 +34,7 @@ _FEW_EDGES = 8
 def side_view(arm: Arm, cases: Sequence[LoadCase]) -> str:
     """The picture, with what is said of it below; links as high as their sections."""
     steps = _Steps(arm)
-    words = "All links laid out in line, whatever the pose: lengths; height × width (⌀ where round) and walls, in mm. "
+    words = "All links laid out in line, whatever the pose: lengths, height × width (⌀ where round) and walls, in mm. "
     words += "Each is drawn from its side as it stands with all joints at zero, and it is said where its height points."
     if steps.offsets:
         words += " Thin lines are offsets between joints, and the tool."

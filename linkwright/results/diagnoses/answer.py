@@ -163,9 +163,9 @@ def to_do(diagnosis: Diagnosis) -> tuple[str, ...]:
     if said_of_no_weight(diagnosis.arm, diagnosis.verdict):
         lines.append("Write the links' masses into the arm file, or `mass: unknown` at each, and diagnose again.")
     if diagnosis.labels is not None:
-        lines.append(f"Look whether {diagnosis.labels.said}; put that right in the recording, and diagnose again.")
+        lines.append(f"Look whether {diagnosis.labels.said}. Correct the recording, and diagnose again.")
     if diagnosis.other_arms is not None:
-        return ("Diagnose each recording by itself; several arms of one type together, with --units.",)
+        return ("Diagnose each recording by itself. For several arms of one type, use --units.",)
     logged = _to_log(diagnosis)
     if logged:
         named = listed([_with_meaning(item) for item in logged])

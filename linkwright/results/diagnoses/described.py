@@ -66,7 +66,7 @@ from .words import (
     written_differs,
 )
 
-_WITHOUT = "Without JavaScript the maps to hover over are missing; all else is here. diagnosis.json has the figures."
+_WITHOUT = "Without JavaScript the maps to hover over are missing. All else is here. diagnosis.json has the figures."
 
 
 def describe(diagnosis: Diagnosis, redesign: Redesign | None = None) -> Description:
@@ -301,12 +301,12 @@ def _unknown(unknown: Unknown) -> Section:
     decide = Paragraph(f"What would decide: {whole_sentence(unknown.decide)}") if unknown.decide else None
     return section(
         "What nothing in the library explains",
-        Paragraph(f"Not explained: {unknown.shape}; RMS {mm(unknown.amplitude, 3)}."),
+        Paragraph(f"Not explained: {unknown.shape}. RMS {mm(unknown.amplitude, 3)}."),
         Lines(tuple(lines), detail=True),
         table(headings, forms, first=MOST_REJECTED) if forms else None,
         rejected(unknown.rejected) if unknown.rejected else None,
         decide,
-        lead="What remains, and what it depends on; nothing here is a cause.",
+        lead="What remains, and what it depends on. Nothing here is a cause.",
     )
 
 
@@ -329,7 +329,7 @@ def _to_do(diagnosis: Diagnosis) -> tuple[str, ...]:
         "arm.yaml: the arm with what was found in it. linkwright evaluate and optimize take it; linkwright "
         "compensate makes the table of it that a controller can subtract.",
         "residuals.csv: every reading with its residual before and after.",
-        "After a repair, record the same poses again; linkwright compare says what has changed and what has not.",
+        "After a repair, record the same poses again. `linkwright compare` says what has changed and what has not.",
     )
 
 
@@ -352,6 +352,6 @@ def _asked(diagnosis: Diagnosis) -> list[tuple[str, str]]:
         ("tool", recording.tool),
     ]
     if arm.leave_out:
-        rows.append(("left out of the model by the arm file", ", ".join(sorted(arm.leave_out))))
+        rows.append(("not in the model (`leave_out` in the arm file)", ", ".join(sorted(arm.leave_out))))
     took = lasted(diagnosis.seconds, "")
     return [*rows, ("time taken", took)] if took else rows

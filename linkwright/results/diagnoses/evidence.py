@@ -58,7 +58,7 @@ def where_it_sits(diagnosis: Diagnosis) -> Section:
         for number, part in enumerate(where.joint_shares, start=1)
     ]
     title = "What each joint's motion could describe"
-    overlap = "Each joint alone; the shares overlap, and do not add up to the whole."
+    overlap = "Each joint alone. The shares overlap, and do not add up to the whole."
     tested = [
         (
             covariate_words(dependence.on),
@@ -161,7 +161,7 @@ def standards(diagnosis: Diagnosis) -> Section:
         (figure.symbol, covered(figure), count(figure.count), figure.standard, figure.name)
         for figure in diagnosis.figures
     ]
-    lead = "Where the recording has enough visits; the standards ask for thirty (ISO 9283) and five (ISO 230-2)."
+    lead = "Where the recording has enough visits. The standards ask for thirty (ISO 9283) and five (ISO 230-2)."
     shown = table(("figure", "value", "readings", "standard", ""), rows)
     return section("In the words of the standards", shown, lead=lead)
 
@@ -235,7 +235,7 @@ def recordings(diagnosis: Diagnosis) -> Section:
         Column("sizes of its own", detail=True),
         Column("its own", detail=True),
     )
-    lead = "The physics is shared, frame, tool and noise are each recording's own; RMS."
+    lead = "The physics is shared. Frame, tool and noise are each recording's own. Figures are RMS."
     return section("Each recording", table(headings, rows), lead=lead)
 
 

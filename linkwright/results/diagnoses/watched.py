@@ -136,8 +136,9 @@ def describe(result: WatchResult) -> Description:
     items: list[Item] = []
     if result.moved:
         lead = (
-            "Dots are what each recording says, with its 95 % interval; the line is the level; the band is where one "
-            "recording lies as long as the parameter stays as it began; red: when it changed, and between which dates."
+            "Dots are what each recording says, with its 95 % interval. The line is the level. The band is where one "
+            "recording lies as long as the parameter stays as it began. Red: the change, and the dates between which "
+            "the parameter changed."
         )
         moved = Picture(lambda: "".join(_chart(result, item) for item in result.moved))
         items.append(section("What moved", moved, _moves(result), lead=lead))
@@ -230,7 +231,7 @@ def _recordings(result: WatchResult) -> Table:
         )
         for recording in result.recordings
     ]
-    return table(("date", "file", "readings", "left out", "left unexplained, RMS"), rows)
+    return table(("date", "file", "readings", "set aside", "left unexplained, RMS"), rows)
 
 
 def _values(result: WatchResult, watched: Watched) -> Table:
@@ -253,7 +254,9 @@ def _rests_on(result: WatchResult) -> tuple[str, ...]:
         days = listed([result.recordings[k].date.isoformat() for k in result.searched])
         lines.append(f"What there is to watch was found in the recordings of {days} together.")
     if result.together is not None and result.together.verdict == "unknown":
-        lines.append("Together they hold a mismatch that nothing explains; it is in what is left of each.")
+        lines.append(
+            "Together the recordings hold a mismatch that nothing explains. The mismatch is in the remainder of each."
+        )
     for why in dict.fromkeys(item.why for item in result.unwatched):
         named = [effect_words(item.effect, item.at) for item in result.unwatched if item.why == why]
         lines.append(f"Not watched: {listed(named)}: {why}.")

@@ -90,7 +90,7 @@ def to_do(diagnosis: MotionDiagnosis) -> tuple[str, ...]:
         whose = "this log" if len(diagnosis.logs) == 1 else "these logs"
         leaves = "" if diagnosis.written is None else f" (it leaves {torque(diagnosis.written.rms).text} of {whose})"
         lines.append(
-            f"Use arm.yaml, the arm with what was found in it{leaves}: linkwright predict says what it leaves of other "
-            "logs, linkwright export --to mjcf, or --into your own file, takes it to a simulator."
+            f"Use arm.yaml, the arm with the findings{leaves}. linkwright predict says what this arm leaves of other "
+            "logs. linkwright export --to mjcf, or --into your own file, takes the arm to a simulator."
         )
     return tuple(lines)

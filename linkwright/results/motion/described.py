@@ -53,7 +53,7 @@ from .words import (
     torque_unit,
 )
 
-_WITHOUT = "Without JavaScript the torques against time are missing; all else is here. diagnosis.json has the figures."
+_WITHOUT = "Without JavaScript the torques against time are missing. All else is here. diagnosis.json has the figures."
 MOST_READINGS = 6
 """Findings up to which a page has a sentence for each."""
 _PROMISE = 0.1
@@ -165,7 +165,7 @@ def _joints(diagnosis: MotionDiagnosis) -> Section:
         rows.append(row)
     headings = ("joint", "before", "after", "held out", "floor", "of its torque", "what is left depends on", BARS)
     lead = (
-        "What the model leaves of each joint's torque (RMS, where the joint moves); held out: on motion not fitted. "
+        "What the model leaves of each joint's torque (RMS, where the joint moves). Held out: on motion not fitted. "
         "Bars are shares of the joint's torque: before (grey), after (blue), held out (pale)."
     )
     return section("Each joint", table(headings, rows), lead=lead)
@@ -192,7 +192,7 @@ def _logs(diagnosis: MotionDiagnosis) -> Section:
     ]
     shown = ("samples", "before", "after", "held out", Column("rows set aside", detail=True))
     headings = ("log", *(["date"] if dated else []), *shown)
-    return section("Each log", table(headings, rows), lead="The physics is shared; RMS of all joints together.")
+    return section("Each log", table(headings, rows), lead="The physics is shared. RMS of all joints together.")
 
 
 def _findings(diagnosis: MotionDiagnosis) -> Section:
@@ -241,7 +241,7 @@ def _unknown(diagnosis: MotionDiagnosis, unknown: MotionUnknown) -> Section:
     worst = unknown.joints[0]
     joints = f"joint{'s' if len(unknown.joints) > 1 else ''} {listed([str(joint) for joint in unknown.joints])}"
     amplitude = torque(unknown.amplitude, torque_unit(diagnosis.arm, worst)).text
-    text = f"Not explained, at {joints}: {unknown.shape}; RMS {amplitude} at joint {worst}."
+    text = f"Not explained, at {joints}: {unknown.shape}. RMS {amplitude} at joint {worst}."
     depends = dependence_words(unknown.depends_on)
     return section(
         "What nothing in the library explains",
@@ -249,14 +249,14 @@ def _unknown(diagnosis: MotionDiagnosis, unknown: MotionUnknown) -> Section:
         Paragraph(f"It depends on {depends}.") if depends else None,
         None if unknown.change is None else Paragraph(since_words(unknown.change)),
         Paragraph(f"What would decide: {whole_sentence(unknown.decide)}") if unknown.decide else None,
-        lead="What remains, and what it depends on; nothing here is a cause.",
+        lead="What remains, and what it depends on. Nothing here is a cause.",
     )
 
 
 def _pictures(diagnosis: MotionDiagnosis) -> Section:
     """Torques against time, and what the model leaves of them against angle and speed."""
-    about = "Torques as measured, by the model as given, and with what was found; all filtered alike."
-    beside = "Measured less modelled where the joint moves, before (grey) and after (blue); lines are means."
+    about = "Torques as measured, by the model as given, and with the findings. All are filtered alike."
+    beside = "Measured less modelled where the joint moves, before (grey) and after (blue). Lines are means."
     time = section("Torque against time", Picture(lambda: torque_against_time(diagnosis)), lead=about)
     against = Picture(lambda: left_against(diagnosis))
     left = section("What is left against each joint's angle and speed", against, lead=beside)

@@ -50,10 +50,10 @@ def test_a_catalogue_that_cannot_be_read_is_named(linkwright, bench, monkeypatch
 
 @pytest.mark.parametrize(
     ("version", "status", "casadi", "parquet"),
-    [(None, 1, "wrong", "left out"), ("999.1", 0, "sound", "sound")],
+    [(None, 1, "wrong", "missing"), ("999.1", 0, "sound", "sound")],
 )
 def test_packages(linkwright, bench, monkeypatch, version, status, casadi, parquet):
-    """One that is missing is wrong where it is needed; an optional one may be left out."""
+    """One that is missing is wrong where it is needed; an optional one may be missing."""
     real = metadata.version
 
     def told(name):
