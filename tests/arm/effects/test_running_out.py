@@ -107,7 +107,7 @@ def test_a_file_is_read_back_and_what_cannot_run_out_is_refused(tmp_path: Path) 
     for old, new, said in (
         ("type: prismatic, range: [300 mm, 1500 mm]", "range: [0 deg, 9 deg]", "needs a slide, and joint 1 turns"),
         ("over: q1", "over: q2", "names the slide that carries the link, here q1"),
-        ("1500 mm]", "1600 mm]", "slide 1 runs out from 300 mm to 1600 mm, of a boom of 1500 mm"),
+        ("1500 mm]", "1600 mm]", "slide 1 runs out from 300 mm to 1600 mm, but its boom is 1500 mm"),
         ("{length", "{direction: [0, 1, 0], length", "slides along itself"),
     ):
         file.write_text(text.replace(old, new))

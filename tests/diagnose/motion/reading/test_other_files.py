@@ -115,9 +115,9 @@ def test_a_prefix_before_the_joints_names_is_none_of_theirs(tmp_path):
 def test_an_arm_with_other_joints_than_the_log(tmp_path):
     """Some of its joints are in the log, one is not; or there are too many to go by their place."""
     path = write_mcap(tmp_path / "log.mcap", states())
-    with pytest.raises(InputError, match="q3: is missing: 'planar' has 3 joints, and the log tells of 2"):
+    with pytest.raises(InputError, match="q3: is missing: 'planar' has 3 joints, and the log has 2"):
         read_log(path, arm((*NAMES, "wrist_joint")))
-    with pytest.raises(InputError, match="q1, q2, q3: are missing: 'planar' has 3 joints, and the log tells of 0"):
+    with pytest.raises(InputError, match="q1, q2, q3: are missing: 'planar' has 3 joints, and the log has 0"):
         read_log(path, arm(("a", "b", "c")))
 
 
