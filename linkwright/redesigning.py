@@ -273,9 +273,9 @@ def drive_sentence(redesign: Redesign) -> str:
         return "No drive gives in this model, so a stiffer one would bring nothing."
     drive = f"Drive {best.joint}, stiffer by {percent(STIFFER)}, would change the worst error by {mm(best.change, 3)}"
     if redesign.link_mass_price is None:
-        return f"{drive}; the links' mass has no price where it is what is minimised."
+        return f"{drive}. The links' mass has no price where it is what is minimised."
     if redesign.link_mass_price == 0.0:
-        return f"{drive}; no limit on the mass binds, so heavier links would bring nothing."
+        return f"{drive}. No limit on the mass binds, so heavier links would bring nothing."
     one = mm(redesign.link_mass_price, 3)
     more = best.change < redesign.link_mass_price
     verdict = "the stiffer drive is worth more" if more else "the stiffer links are worth more"

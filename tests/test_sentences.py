@@ -66,7 +66,7 @@ def is_long(text: str) -> bool:
 
 def has_semicolon(text: str) -> bool:
     """Whether it is a sentence, and no error line, in which a semicolon stands for a full stop."""
-    return text[:1].isupper() and text.rstrip().endswith(".") and "; " in text
+    return re.search(r"[^.]\.\s*$", text) is not None and "; " in text
 
 
 def opens_badly(text: str) -> bool:

@@ -66,7 +66,7 @@ def _sides(recording: Recording, headers: Mapping[str, str], rules: Rules) -> Re
         if (sides == 1.0).any() and (sides == 0.0).any() and not (sides == -1.0).any():
             name = headers.get(f"dir{index + 1}", f"dir{index + 1}")
             hint = f"if 0 is the other side, write `columns: {{{name}: 2*{name} - 1}}` in recording.yaml"
-            recording = _saying(recording, f"{name} is 1 or 0 and never -1: 0 counts as unknown; {hint}.")
+            recording = _saying(recording, f"{name} is 1 or 0 and never -1: 0 counts as unknown ({hint}).")
             assert recording.sides is not None
     return recording
 

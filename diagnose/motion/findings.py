@@ -86,8 +86,8 @@ def finding_of(effect: Effect, ripple: Ripple, held: Array) -> MotionFinding:
     explained = np.zeros(len(held))
     explained[ripple.joint] = ripple.rms
     sentence = (
-        f"{name_of(effect.title, effect.place, at)}: {size:.3g} N*m, {ripple.order:g} periods in a turn; "
-        "on slow motion, beyond the low-pass."
+        f"{name_of(effect.title, effect.place, at)}: {size:.3g} N*m, {ripple.order:g} periods in a turn, "
+        "on slow motion beyond the low-pass."
     )
     return MotionFinding(
         effect.id,
@@ -218,7 +218,7 @@ def reading(
     """A finding as a plain sentence, with what else it could be."""
     most = int(np.argmax(explained))
     name = name_of(group.effect.title, group.effect.place, group.at)
-    text = f"{name}: {sized(parameters)}{less(parameters)}; RMS {explained[most]:.3g} N*m at joint {most + 1}."
+    text = f"{name}: {sized(parameters)}{less(parameters)}. RMS {explained[most]:.3g} N*m at joint {most + 1}."
     return f"{text} The logs cannot tell it from {or_else(others)}." if others else text
 
 

@@ -85,7 +85,7 @@ def named_columns(
             if not held.columns:
                 hint = nearest(header, _known_headers(arm))
                 meant = hint if hint.startswith("; did") else ""
-                warnings.append(f"{header} is no column that is known here{meant or '; it is kept as it is.'}")
+                warnings.append(f"{header} is no column that is known here{meant or '. It is kept as it is.'}")
             continue
         if meaning.name in columns:
             if not held.columns or columns[meaning.name].header not in held.columns:

@@ -187,7 +187,7 @@ def file_text(path: Path, encoding: str) -> tuple[str, list[str]]:
             return content.decode("utf-8-sig"), []
         except UnicodeDecodeError as error:
             warning = (
-                f"{path.name} is not UTF-8 text (byte {error.start}) and was read as latin-1; `encoding:` says another."
+                f"{path.name} is not UTF-8 text (byte {error.start}) and was read as latin-1. `encoding:` says another."
             )
             return content.decode("latin-1"), [warning]
     if encoding.lower().replace("_", "-") in _USUAL:

@@ -120,7 +120,7 @@ def _torques(planned: Planned) -> Item:
             value, random = getattr(torque, name), planned.torques_at_random(torque.joint, name)
             cells += [_within(value, of), _within(random, of)]
         rows.append(tuple(cells))
-    lead = "Within so much, with a probability of 95 %: weights of what the model says, friction of what it is."
+    lead = "95 % bounds: weights in percent of the model's, friction as the difference from its true value."
     if any(item.together for item in planned.promise.torques):
         lead += " The payload is always the same, and weighs with the links."
     return section("What torques will tell", table(columns, rows), lead=lead)

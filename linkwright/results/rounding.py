@@ -71,7 +71,7 @@ def _missed(missing: NotRounded) -> Section:
         Paragraph(nearest, "strong"),
         design.links((("", missing.nearest),), 6),
         table(("limit", "optimum", "nearest", ""), limits),
-        lead="arm.yaml holds the optimum; this is only what comes near.",
+        lead="arm.yaml holds the optimum. This is only what comes near.",
     )
 
 

@@ -91,7 +91,9 @@ def log_from(table: Table, arm: Arm, held: ReadingSettings, *, rules: Rules = RU
     table, said = chosen_rows(table, held)
     columns, strangers, more = named_columns(table, held, arm)
     if (others := _rows_of_others(columns, rules.mistakes.few_stray)) is not None:
-        said.append(f"{int(others.sum())} rows hold nothing of the joints; they are of other signals and not used.")
+        said.append(
+            f"{int(others.sum())} rows hold nothing of the joints. These rows are of other signals and not used."
+        )
         table = table.kept(~others)
         columns, strangers, more = named_columns(table, held, arm)
     warnings = [*table.notes, *mapped, *said, *more]
@@ -192,7 +194,7 @@ def _assembled(
         if name not in _OF_A_LOG and column.meaning.base not in _OF_JOINTS
     ]
     if unused:
-        warnings.append(f"{', '.join(unused)}: not used; a motion log is judged by its torques.")
+        warnings.append(f"{', '.join(unused)}: not used. A motion log is judged by its torques.")
     sigma = motion.sigma
     if sigma is not None and len(sigma) != arm.size:
         if len(sigma) > 1:

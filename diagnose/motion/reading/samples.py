@@ -138,7 +138,7 @@ def _one_a_stamp(log: MotionLog, name: str, rules: Rules) -> MotionLog:
         )
     else:
         rows = rows_text(log.row[again])
-        log = _saying(log, f"{name} has stamps that occur twice ({rows}); the first sample of each is kept.")
+        log = _saying(log, f"{name} has stamps that occur twice ({rows}). The first sample of each is kept.")
     reasons = {k: f"{name} is that of row {log.row[first[k]]} again" for k in np.flatnonzero(again).tolist()}
     return _rejecting(log, reasons)
 
@@ -153,7 +153,7 @@ def _without_spikes(log: MotionLog, arm: Arm, headers: Mapping[str, str], rules:
             for index in np.flatnonzero(_spikes(values[:, k], share, rules)).tolist():
                 reasons.setdefault(index, f"{name} jumps for this one sample")
     if len(reasons) > max(1.0, rules.mistakes.few_stray * log.size):
-        return _saying(log, f"{len(reasons)} samples jump against those around them; they are kept.")
+        return _saying(log, f"{len(reasons)} samples jump against those around them. These samples are kept.")
     return _rejecting(log, reasons)
 
 
@@ -183,7 +183,7 @@ def _clock_said(log: MotionLog, name: str, rules: Rules) -> MotionLog:
         log = _saying(
             log,
             f"{name} has {len(gaps)} gap{'s' if len(gaps) > 1 else ''}, the longest of {steps[longest]:.3g} s after "
-            f"row {log.row[longest]}; nothing is made up for them.",
+            f"row {log.row[longest]}. Nothing is made up for them.",
         )
     usual = steps[steps <= rules.log.gap * interval]
     scatter = float(np.quantile(usual, 0.84) - np.quantile(usual, 0.16)) / 2.0

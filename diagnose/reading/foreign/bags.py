@@ -66,7 +66,7 @@ def bag_table(path: Path, topics: Sequence[str] = ()) -> Table:
     unknown = ", ".join(sorted(item or "no type" for item in topics_heard.unknown))
     notes = [f"Messages of {unknown} are not used: what they hold is not known."] if unknown else []
     if topics_heard.broken:
-        notes.append(f"{path.name} breaks off ({shown(topics_heard.broken)}); it was read as far as it goes.")
+        notes.append(f"{path.name} breaks off ({shown(topics_heard.broken)}). The file was read up to there.")
     base = max(streams.values(), key=lambda item: item.rank)
     clock = base.clock
     columns: dict[str, Array] = {"time_s": clock, **{name: base.column(name) for name in base.cells}}

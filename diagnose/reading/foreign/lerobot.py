@@ -72,4 +72,4 @@ def on_one_clock(columns: dict[str, tuple[str, ...] | Array]) -> list[str]:
         shift[start:] += clock[start - 1] - clock[start] + _PAUSE
     columns[_CLOCK] = clock + shift
     sentence = f"{len(starts) + 1} episodes stand one after another, {_PAUSE:g} s apart"
-    return [f"{sentence}; `rows: episode_index == 0` takes one."]
+    return [f"{sentence}. `rows: episode_index == 0` takes one."]

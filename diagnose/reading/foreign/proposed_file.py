@@ -60,7 +60,7 @@ def propose(file: Path, arm: Arm | None, *, check: bool = False, rules: Rules = 
     if motion and not any(re.fullmatch(r"tau[0-9]+", meaning.what) for meaning in meanings):
         extra["torque_constants"] = "free"
     extra |= {name: value for name, value in content_of(beside).items() if name not in ("columns", "ignore")}
-    head = f"# Proposed by `linkwright columns` for {file.name}; what is a guess says so.\n"
+    head = f"# Proposed by `linkwright columns` for {file.name}. What is a guess says so.\n"
     settings = head + settings_text(meanings, extra, comments=True)
     reads, warnings, wrong = ("", (), None) if arm is None else _read(file, arm, settings, rules)
     fresh = tuple(warning for warning in warnings if warning not in table.notes)

@@ -77,7 +77,7 @@ def describe(result: MotionPlanResult) -> Description:
         table(headings, rows, first=_SHOWN, rest=f"and {len(rows) - _SHOWN} more, in the JSON"),
         table(("joint", "moves over", "fastest"), joints),
     ]
-    lines = [f"{result.tried} motions were tried; ranges and speeds of the arm file are kept."]
+    lines = [f"{result.tried} motions were tried. Ranges and speeds of the arm file are kept."]
     guessed = [str(number) for number, joint in enumerate(model.joints, start=1) if joint.velocity is None]
     if guessed:
         some = f"joint{'s' if len(guessed) > 1 else ''} {listed(guessed)}"

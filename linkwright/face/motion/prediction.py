@@ -61,7 +61,7 @@ class MotionPrediction(Result):
         headline = f"{torque(self.rms).text} RMS of all joints together, nothing fitted"
         how = "Torque and model are as they were sampled" if result.cutoff is None else ""
         how = how or f"Torque and model are low-passed at {with_unit(result.cutoff, 'Hz', 3)}"
-        items = (table(headings, rows), Lines((f"{how}; where the joint moves.", *self.log.warnings)))
+        items = (table(headings, rows), Lines((f"{how}, where the joint moves.", *self.log.warnings)))
         name = PurePath(self.log.found.file).name
         return Description(f"{model.name} on {name}", headline, items, headline, f"{model.name}: ")
 

@@ -139,7 +139,7 @@ def tally_words(book: Book) -> str:
     counted = tally(book.tables)
     return (
         f"{counted.met} of the {counted.printed} figures printed in Tables III to VII are reproduced to their last "
-        "digit; the others are marked ≠ and explained."
+        "digit. The others are marked ≠ and explained."
     )
 
 

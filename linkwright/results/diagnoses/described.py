@@ -205,7 +205,7 @@ def _origins(diagnosis: Diagnosis) -> Section:
         for parameter in origin.parameters
     ]
     swallowed = [
-        f"In front of joint {origin.joint} it takes up, and cannot be told from: "
+        f"These cannot be told apart from the transform in front of joint {origin.joint}: "
         f"{listed([name_of(effect, at) for effect, at in origin.swallowed])}."
         for origin in diagnosis.origins
         if origin.swallowed
@@ -319,15 +319,15 @@ def _to_do(diagnosis: Diagnosis) -> tuple[str, ...]:
     """What the files beside the page are good for."""
     if diagnosis.unknown is not None:
         described = (
-            "compensation.csv: what to subtract at the poses recorded. It describes and does not explain; it holds "
-            "as long as the cause stays as it was.",
+            "compensation.csv: what to subtract at the poses recorded. The table describes, does not explain, and "
+            "holds as long as the cause stays as it was.",
         )
         again = "Record what would decide (above), and diagnose again."
         good = diagnosis.unknown.predicted is not None and _tells(diagnosis.unknown)
         return (*(described if good else ()), again)
     return (
-        "arm.yaml: the arm with what was found in it. linkwright evaluate and optimize take it; linkwright "
-        "compensate makes the table of it that a controller can subtract.",
+        "arm.yaml: the arm with the findings. `linkwright evaluate` and `optimize` take this file. `linkwright "
+        "compensate` makes the table that a controller can subtract.",
         "residuals.csv: every reading with its residual before and after.",
         "After a repair, record the same poses again. `linkwright compare` says what has changed and what has not.",
     )

@@ -114,7 +114,7 @@ def set_aside(rows: Sequence[tuple[str, str]]) -> Section:
         return section("Rows set aside", Paragraph("Every row was used.", detail=True), detail=True)
     lines = [f"{name[:1].upper()}{name[1:]} is set aside: {why}." for name, why in rows]
     left = len(lines) - MOST_REJECTED
-    more = Paragraph(f"{left} more rows are set aside; the report and the JSON name them.") if left > 0 else None
+    more = Paragraph(f"{left} more rows are set aside. The report and the JSON name them.") if left > 0 else None
     numbered = [(Value(name.removeprefix("row ")), why) for name, why in rows]
     every = table(("row", "why"), numbered, detail=True) if left > 0 else None
     return section("Rows set aside", Lines(tuple(lines[:MOST_REJECTED])), more, every)
