@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -19,6 +20,7 @@ from linkwright.core.units.quantities import InputError
 
 from .changed import change_of
 from .corrected import entry_of
+from .differing import Differing, differing, differing_findings, squares_of
 from .findings import finding_of, findings
 from .judged import Judged, as_written, judged
 from .log import MotionLog
@@ -39,6 +41,17 @@ _DRAWN = 2000
 """Samples of each log that are drawn."""
 _HELD_OUT = "Held out are the sizes: they were fitted to the rest of the motion. Names were chosen by all of it."
 """What figures on motion that was not fitted rest on."""
+_ALONE = "The arm file holds what all logs share. What one log alone has counts beside it in the figures of these logs."
+"""What figures of logs that differ rest on."""
+
+
+@dataclass(frozen=True)
+class RestsOn:
+    """What a diagnosis rests on: what was identified, its sizes, and what differs between the logs."""
+
+    identified: Identified
+    sizes: Estimates
+    different: Differing
 
 
 def diagnose_motion(
@@ -63,8 +76,8 @@ def diagnose_motion(
 
 def diagnosed(
     arm: Arm, logs: Sequence[MotionLog], options: Options | None = None, progress: Progress | None = None
-) -> tuple[MotionDiagnosis, tuple[Identified, Estimates] | None]:
-    """The same beside what it rests on: what was identified and its sizes; None where the logs hold too little."""
+) -> tuple[MotionDiagnosis, RestsOn | None]:
+    """The same beside what it rests on; None where the logs hold too little."""
     begun = time.perf_counter()
     request, tell = options or Options(), progress or silent
     rules = request.rules
@@ -94,7 +107,8 @@ def diagnosed(
         more = [(effect, item.joint, item.order) for effect, item in slow]
         pool = with_variants(pool, arm, masses, more, rules=rules)
         rows = [with_sources(row, pool.sources[len(known.sources) :]) for row in rows]
-    identified = identify(pool, rows, request.seed, tell, rules=rules)
+    given, different = rows, differing(arm, pool, rows, rules=rules)
+    identified = identify(pool, different.rows, request.seed, tell, rules=rules)
     swift = [
         (effect, item)
         for effect, item in _ripples(identified.rows, identified.noise.sizes, scans, request, fast=True)
@@ -112,7 +126,8 @@ def diagnosed(
     seen = [_structure(identified, joint, request) for joint in range(arm.size)]
     judge = judged(arm, identified, sizes.numbers, [entry_of(effect, item) for effect, item in swift], rules=rules)
     sizes = as_written(sizes, identified, judge.named)
-    return _result(arm, logs, prepared, identified, sizes, judge, seen, swift, rules, begun), (identified, sizes)
+    rests_on = RestsOn(identified, sizes, different)
+    return _result(arm, logs, given, rests_on, judge, seen, swift, rules, begun), rests_on
 
 
 def _ripples(
@@ -181,23 +196,24 @@ def _structure(identified: Identified, joint: int, options: Options) -> Structur
 def _result(
     arm: Arm,
     logs: Sequence[MotionLog],
-    prepared: Sequence[PreparedLog],
-    identified: Identified,
-    sizes: Estimates,
+    given: Sequence[LogRows],
+    rests_on: RestsOn,
     judge: Judged,
     seen: Sequence[Structure],
     swift: Sequence[tuple[Effect, Ripple]],
     rules: Rules,
     begun: float,
 ) -> MotionDiagnosis:
-    given, written, counts = judge.given, judge.written, judge.counts
+    identified, sizes, different = rests_on.identified, rests_on.sizes, rests_on.different
+    prepared, squares = [row.prepared for row in given], squares_of(given, identified.pool.width)
+    written, counts = judge.written, judge.counts
     moves = counts.sum(axis=0) > 0
     before, after, held, of_named, floor = (
         np.where(moves, item, np.nan)  # nobody knows what a model is worth at a joint that stood still
         for item in (
             *(
                 np.sqrt(left.sum(axis=0) / np.maximum(counts.sum(axis=0), 1))
-                for left in (given.left, written.left, written.held_out, judge.named.held_out)
+                for left in (squares, written.left, written.held_out, judge.named.held_out)
             ),
             identified.noise.sigma,
         )
@@ -228,6 +244,7 @@ def _result(
         if large or (item.depends_on and item.floor * max(what.shares) ** 0.5 > least[item.joint - 1])
     ]
     named = (
+        *differing_findings(different, identified.pool, rules=rules),
         *findings(identified, sizes, judge, arm, rules=rules),
         *(finding_of(effect, item, held) for effect, item in swift),
     )
@@ -247,7 +264,7 @@ def _result(
         arm=arm,
         logs=tuple(logs),
         verdict=verdict,
-        sentence=answer(verdict, named, unknown, per_joint, judge.rivals),
+        sentence=answer(verdict, named, unknown, per_joint, judge.rivals, different.beyond),
         per_joint=per_joint,
         findings=named,
         unknown=unknown,
@@ -255,15 +272,16 @@ def _result(
         rms_after=_together(after),
         rms_held_out=_together(held),
         noise_floor=_together(floor),
-        gate_p=identified.gate_p,
+        gate_p=min(identified.gate_p, *(item.p_value for item in named if item.recording), 1.0),
         split=identified.split,
         cutoff=prepared[0].low_pass,
         rates=_rates(logs),
-        traces=tuple(_traces(*rows, written.sizes) for rows in zip(given.rows, written.rows, strict=True)),
-        of_logs=tuple(_of_log(identified, judge, number) for number in range(len(logs))),
+        traces=tuple(_traces(*rows, written.sizes) for rows in zip(given, written.rows, strict=True)),
+        of_logs=tuple(_of_log(identified, judge, squares, number) for number in range(len(logs))),
         corrected=written.arm,
-        notes=(_HELD_OUT, *_sparse(prepared)),
+        notes=(_HELD_OUT, *([_ALONE] if different.found else []), *_sparse(prepared)),
         rivals=judge.rivals,
+        beyond=different.beyond,
         seconds=time.perf_counter() - begun,
     )
 
@@ -338,8 +356,8 @@ def _traces(rows: LogRows, written: LogRows, sizes: Array) -> Traces:
     )
 
 
-def _of_log(identified: Identified, judge: Judged, number: int) -> OfLog:
-    log = identified.rows[number].prepared.log
+def _of_log(identified: Identified, judge: Judged, given: Array, number: int) -> OfLog:
+    log, own = identified.rows[number].prepared.log, identified.rows[number].prepared.own
     here = identified.products.log == number
     rows = max(int(judge.counts[here].sum()), 1)
 
@@ -352,8 +370,9 @@ def _of_log(identified: Identified, judge: Judged, number: int) -> OfLog:
         log.unit,
         log.date,
         log.size,
-        size(judge.given.left),
+        size(given),
         size(judge.written.left),
         size(judge.written.held_out),
         tuple(item.row for item in log.rejected),
+        own,
     )

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
-from linkwright.core.arm.chain.chain import Arm
+from linkwright.core.arm.chain.chain import Arm, EffectEntry
 from linkwright.core.arm.motion.motion import Motion
 from linkwright.core.diagnose.first_look.smoothing import bridged
 from linkwright.core.diagnose.rules.rules import Rules
@@ -49,7 +49,8 @@ class PreparedLog:
     """A log on an even clock, or at its own instants where its rate holds no low-pass: `cutoff` is then infinite.
     `motion` (N samples at `rate` Hz) has speeds and accelerations; `measured` (N, n) N*m is not filtered. `kept` (M,)
     are the samples whose filtered values count; `moving` (M, n) those where the joint moves steadily, `near` (M, n)
-    those and reversals.
+    those and reversals. `own` are entries that hold in this log alone, beside those of the arm file; `motion.arm` has
+    them.
     """
 
     log: MotionLog
@@ -61,6 +62,7 @@ class PreparedLog:
     kept: NDArray[np.int64]
     moving: NDArray[np.bool_]
     near: NDArray[np.bool_]
+    own: tuple[EffectEntry, ...] = ()
 
     @property
     def low_pass(self) -> float | None:

@@ -8,7 +8,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from linkwright.core.arm.chain.chain import Arm
+from linkwright.core.arm.chain.chain import Arm, EffectEntry
 from linkwright.core.diagnose.judge.rivals import Rivals
 from linkwright.core.diagnose.result import FittedParameter, WrittenArm
 from linkwright.core.sections.numeric import Array
@@ -34,7 +34,7 @@ class MotionFinding:
     `rms_explained` (n,) N*m is the RMS of what it adds at each joint; `evidence` (nats) how much likelier the logs are
     with it than without, choice and sizes paid for; `rms_without_held_out` (n,) N*m what held-out motion leaves where
     it alone is left out and the rest fitted again. `p_value` is by circular shifts or sign flips of whole blocks (nan:
-    none holds). `reading` is the plain sentence.
+    none holds). `reading` is the plain sentence. `recording` names the logs in which alone it acts (empty: all).
     """
 
     effect: str
@@ -46,6 +46,7 @@ class MotionFinding:
     evidence: float
     p_value: float
     reading: str
+    recording: str = ""
 
 
 @dataclass(frozen=True)
@@ -113,7 +114,7 @@ class Traces:
 @dataclass(frozen=True)
 class OfLog:
     """One of several logs: its name, file, unit and date, samples used, and RMS of all joints together (N*m) before,
-    after and held out; `rejected` are rows that were set aside."""
+    after and held out; `rejected` are rows that were set aside. `own` are entries that hold in it alone."""
 
     name: str
     file: str
@@ -124,6 +125,7 @@ class OfLog:
     rms_after: float
     rms_held_out: float
     rejected: tuple[int, ...]
+    own: tuple[EffectEntry, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -135,7 +137,7 @@ class MotionDiagnosis:
     would make any candidate as evident beside the model as given; what is too small or foretells no other motion is not
     named. `sentence` is the plain answer, `notes` what rests on what. `written` says what the corrected arm's file
     leaves of the same motion (N*m; None: not tried), `rivals` which models were tried on held-out motion, and which of
-    them `corrected` holds.
+    them `corrected` holds. `beyond` (n,) N*m is the RMS by joint of what else may differ between several logs.
     """
 
     arm: Arm
@@ -160,3 +162,4 @@ class MotionDiagnosis:
     seconds: float
     written: WrittenArm | None = None
     rivals: Rivals | None = None
+    beyond: tuple[float, ...] = ()

@@ -31,22 +31,24 @@ def answer(
     unknown: MotionUnknown | None,
     per_joint: Sequence[OfJoint],
     rivals: Rivals | None = None,
+    beyond: Sequence[float] = (),
 ) -> str:
-    """The plain answer; where the file holds another of the rivals than what was named, which and why."""
+    """The plain answer; where the file holds another of the rivals than what was named, which and why. `beyond` (n,)
+    N*m is what else may differ between several logs."""
     if verdict == "insufficient_data":
         return "The logs hold too little motion: no joint moves for three seconds above 0.03 rad/s."
     if verdict == "none":
         return "Nothing is missing that these logs show: no cause is beyond chance and foretells other motion."
     sentences: list[str] = []
     if named:
-        of_effect: dict[str, list[MotionFinding]] = {}
+        of_effect: dict[tuple[str, str], list[MotionFinding]] = {}
         for item in named:
-            of_effect.setdefault(item.effect, []).append(item)
+            of_effect.setdefault((item.effect, item.recording), []).append(item)
         shown, more = list(of_effect.items())[:_SAID], sum(map(len, list(of_effect.values())[_SAID:]))
         rest = f", and {more} smaller" if more else ""
         if _mostly_friction(named):
-            rubs = [_short(each) for effect, each in shown if _friction(effect)]
-            beside = [_short(each) for effect, each in shown if not _friction(effect)]
+            rubs = [_short(each) for (effect, _), each in shown if _friction(effect)]
+            beside = [_short(each) for (effect, _), each in shown if not _friction(effect)]
             with_it = f"; beside it {_and(beside)}" if beside else ""
             sentences.append(f"Friction is what the model lacks most: {_and(rubs)}{with_it}{rest}.")
         else:
@@ -55,6 +57,8 @@ def answer(
         of_named = None if rivals is None else rivals.of("named")
         held = of_named.held_out if of_named else float(np.sqrt(np.nanmean([each.held_out**2 for each in per_joint])))
         sentences.append(f"{held:.3g} of {before:.3g} N*m is left on motion that was not fitted.")
+        if any(item.recording for item in named):
+            sentences.append(nothing_else(beyond))
         sentences += [_undecided(item) for item in named[:_SAID] if item.alternatives]
     if unknown is not None:
         joints = _and([str(joint) for joint in unknown.joints])
@@ -65,9 +69,16 @@ def answer(
         )
         if unknown.change is not None:
             sentences.append(since_words(unknown.change))
-    if named and rivals is not None and rivals.written != "named":
+    shared = any(not item.recording for item in named)
+    if shared and rivals is not None and rivals.written != "named":
         sentences.append(rivals.why)
     return " ".join(sentences)
+
+
+def nothing_else(beyond: Sequence[float]) -> str:
+    """By how much logs may differ beside what was named, joint by joint (n,) N*m."""
+    each = [f"{value:.2g} N*m at joint {joint}" for joint, value in enumerate(beyond, start=1)]
+    return f"Nothing else differs between the logs by more than {_and(each)}."
 
 
 def since_words(change: Change) -> str:
@@ -103,6 +114,7 @@ def _short(findings: Sequence[MotionFinding]) -> str:
     ordered = sorted(findings, key=lambda finding: finding.at)
     effect = EFFECTS[ordered[0].effect]
     name = name_of(effect.title, effect.place, sorted({at for item in ordered for at in item.at}))
+    name += f" in {ordered[0].recording} alone" if ordered[0].recording else ""
     if not all(item.parameters for item in ordered):
         return name
     if len(ordered) == 1:

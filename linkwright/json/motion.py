@@ -45,6 +45,7 @@ def _finding(finding: MotionFinding) -> dict[str, Any]:
         flat += [] if one in (*flat, [finding.effect, list(finding.at)]) else [one]
     return {
         **fields(finding, "effect", "at"),
+        "recording": finding.recording or None,
         "alternatives": flat,
         "alternatives_detail": [
             {"effects": named, "worse_nats": alternative.worse}
@@ -120,6 +121,7 @@ def motion_json(diagnosis: MotionDiagnosis) -> dict[str, Any]:
         "written_arm": fields_if(written, *_WRITTEN),
         **_rivals(diagnosis.rivals),
         "missing": [_finding(finding) for finding in diagnosis.findings],
+        "differs_beyond": list(diagnosis.beyond),
         "where": _where(diagnosis),
         "unknown": None if diagnosis.unknown is None else _unknown(diagnosis.unknown),
         "rejected_rows": [item["row"] for item in rejected],

@@ -87,7 +87,7 @@ NO_RULES = {
     "residual/torque.py": {"_TOLD"},
     "instruments/view.py": {"_STEPS, _START_STEPS, _START_ROWS", "_BETTER", "_FOUND"},
     "mistakes/row_lists.py": {"_MOST"},
-    "motion/changed.py": {"_NATS", "_PARTS", "_ROUNDS", "_SURE"},  # how an instant is looked for, and 95 %
+    "motion/changed.py": {"SURE", "_NATS", "_PARTS", "_ROUNDS"},  # how an instant is looked for, and 95 %
     "motion/diagnosis.py": {"_DRAWN"},
     "motion/judged.py": {"_SETTLED", "_STEPS"},
     "motion/model/candidates.py": {"SHARPER", "_MOST_VARIANTS", "_PROBED"},  # an effect's entry; what a scan is for

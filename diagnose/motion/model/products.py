@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -68,6 +68,26 @@ class Products:
         """A joint's products summed over some blocks (all by default), (K + 1, K + 1)."""
         gram = self.gram[joint]
         return np.asarray((gram if blocks is None else gram[blocks]).sum(axis=0))
+
+    def of_log(self, number: int) -> Products:
+        """The products of one log."""
+        here = self.log == number
+        return replace(self, gram=tuple(item[here] for item in self.gram), rows=self.rows[here], log=self.log[here])
+
+    def by_log(self) -> Products:
+        """The products with one block a log."""
+        starts = np.flatnonzero(np.diff(self.log, prepend=-1))
+        gram = tuple(np.add.reduceat(item, starts) for item in self.gram)
+        return replace(self, gram=gram, rows=np.add.reduceat(self.rows, starts), log=self.log[starts])
+
+    def with_more(self, sizes: Array) -> Products:
+        """The products where the target holds so much (W,) of the model's columns more."""
+        gram: list[Array] = []
+        for at, item in zip(self.columns, self.gram, strict=True):
+            turned = np.eye(item.shape[1])
+            turned[:-1, -1] = sizes[at]
+            gram.append(turned.T @ item @ turned)
+        return replace(self, gram=tuple(gram))
 
     def whole(self, weights: Array, blocks: NDArray[np.bool_] | None = None) -> tuple[Array, Array, float]:
         """Products of the whole model with joints weighed by `weights` (n,): Gram matrix (W, W), products with the

@@ -20,6 +20,7 @@ from linkwright.core.diagnose.rules.rules import Rules
 from linkwright.core.sections.numeric import Array
 
 from .candidates import Candidates, Source, of_arm
+from .entries import with_entries
 from .products import JointRows
 
 
@@ -110,12 +111,13 @@ def with_loads(rows: LogRows, pool: Candidates, sizes: Array) -> LogRows:
 
 
 def about(rows: LogRows, pool: Candidates, arm: Arm, sizes: Array) -> LogRows:
-    """The rows linearised about an arm that holds sizes (W,) of the model's columns as entries of its file.
+    """The rows linearised about an arm that holds sizes (W,) of the model's columns as entries of its file; what is of
+    the log alone comes beside them.
 
     What is left of the target by those sizes is what `predict` says of the file; columns are what it changes by.
     """
     prepared = rows.prepared
-    own = replace(prepared, motion=replace(prepared.motion, arm=arm))
+    own = replace(prepared, motion=replace(prepared.motion, arm=with_entries(arm, prepared.own)))
     left, load, drive = np.zeros_like(rows.target), np.zeros_like(rows.nominal), np.zeros_like(rows.nominal)
     for part, numbers, within in own.pieces():
         torque = torque_stages(own.piece(part))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,10 +13,11 @@ from linkwright.core.diagnose.fitting.fit import t_quantile
 from linkwright.core.diagnose.motion.diagnosis import diagnosed
 from linkwright.core.diagnose.motion.findings import parameters_of
 from linkwright.core.diagnose.motion.log import MotionLog
-from linkwright.core.diagnose.motion.model.evidence import system
+from linkwright.core.diagnose.motion.model.evidence import Member, system
 from linkwright.core.diagnose.motion.model.identify import Identified
 from linkwright.core.diagnose.motion.model.intervals import Estimates, estimates
 from linkwright.core.diagnose.motion.model.products import Products
+from linkwright.core.diagnose.motion.model.steps import Step
 from linkwright.core.diagnose.motion.result import MotionDiagnosis
 from linkwright.core.diagnose.options import Options, Progress
 from linkwright.core.diagnose.result import FittedParameter
@@ -52,42 +53,49 @@ def by_log(arm: Arm, logs: Sequence[MotionLog], options: Options, progress: Prog
     result, rests_on = diagnosed(arm, logs, options, progress)
     if rests_on is None:
         return ByLog(result, (), ((),) * len(logs), (1,) * len(logs), tuple(log.rms_before for log in result.of_logs))
-    found, sizes = rests_on
+    found, sizes, steps = rests_on.identified, rests_on.sizes, rests_on.different.steps
+    members = _with_steps(found, steps)
+    named = _parameters(arm, found, found.members, sizes, sizes.shown)
+    named += [(item.effect, size) for item in result.findings if item.recording for size in item.parameters]
     # Of the ten numbers of a load those that are something.
-    chosen = [
-        (effect, item.at, item.parameter)
-        for effect, item in _parameters(arm, found, sizes, sizes.shown)
-        if item.interval[0] > 0.0 or item.interval[1] < 0.0
-    ]
+    something = ((effect, size) for effect, size in named if size.interval[0] > 0.0 or size.interval[1] < 0.0)
+    chosen = list(dict.fromkeys((effect, size.at, size.parameter) for effect, size in something))
     each_log: list[tuple[FittedParameter, ...]] = []
     freedom: list[int] = []
     left: list[float] = []
     for number in range(len(logs)):
-        own = _of_log(found.products, number)
+        own = found.products.of_log(number).with_more(rests_on.different.sizes(number, found.pool.width))
         system_ = system(found.pool, own, found.noise.weights, found.discrepancy)
         alike = np.zeros(found.pool.width)  # What has no name is the same in all logs.
-        fitted = estimates(system_, own, found.noise.weights, found.fitted, alike, rules=options.rules)
-        pairs = _parameters(arm, found, fitted, np.ones(len(fitted.numbers), dtype=bool))
-        each_log.append(tuple(item for effect, item in pairs if (effect, item.at, item.parameter) in chosen))
+        fitted = estimates(
+            system_, own, found.noise.weights, (*members, *found.system.nuisances), alike, rules=options.rules
+        )
+        pairs = _parameters(arm, found, members, fitted, np.ones(len(fitted.numbers), dtype=bool))
+        each = {(effect, item.at, item.parameter): item for effect, item in pairs}
+        each_log.append(tuple(each[key] for key in chosen))
         freedom.append(max(own.blocks - 1, 1))
         left.append(_rms(own, fitted.sizes))
     return ByLog(result, tuple(effect for effect, *_ in chosen), tuple(each_log), tuple(freedom), tuple(left))
 
 
-def _of_log(products: Products, number: int) -> Products:
-    """The products of one log."""
-    here = products.log == number
-    gram = tuple(item[here] for item in products.gram)
-    return replace(products, gram=gram, rows=products.rows[here], log=products.log[here])
+def _with_steps(identified: Identified, steps: Sequence[Step]) -> tuple[Member, ...]:
+    """The members, and what differs between the logs."""
+    members, pool = list(identified.members), identified.pool.groups
+    for step in steps:
+        number = next(index for index, group in enumerate(pool) if group is step.group)
+        scale = float(np.max(np.abs(step.numbers) / step.group.usual))
+        if all(member.group != number for member in members):
+            members.append(Member(number, max(scale, 1.0)))
+    return tuple(members)
 
 
 def _parameters(
-    arm: Arm, identified: Identified, sizes: Estimates, shown: NDArray[np.bool_]
+    arm: Arm, identified: Identified, members: Sequence[Member], sizes: Estimates, shown: NDArray[np.bool_]
 ) -> list[tuple[str, FittedParameter]]:
     """The sizes of all members, each with its effect; what shapes a pattern is the same in all logs."""
     made: list[tuple[str, FittedParameter]] = []
     start = 0
-    for member in identified.members:
+    for member in members:
         group = identified.pool.groups[member.group]
         part = slice(start, start + group.rank)
         start += group.rank

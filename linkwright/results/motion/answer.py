@@ -86,7 +86,7 @@ def to_do(diagnosis: MotionDiagnosis) -> tuple[str, ...]:
     if any(finding.alternatives for finding in diagnosis.findings):
         lines.append("linkwright plan --instrument motion --after LOG says how far another motion tells names apart.")
     helps = diagnosis.written is None or diagnosis.written.rms < diagnosis.rms_before
-    if diagnosis.findings and helps:
+    if any(not finding.recording for finding in diagnosis.findings) and helps:
         whose = "this log" if len(diagnosis.logs) == 1 else "these logs"
         leaves = "" if diagnosis.written is None else f" (it leaves {torque(diagnosis.written.rms).text} of {whose})"
         lines.append(

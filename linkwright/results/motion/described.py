@@ -203,6 +203,7 @@ def _findings(diagnosis: MotionDiagnosis) -> Section:
     shown = 0
     for finding in diagnosis.findings:
         where = place_words(finding.effect, finding.at).replace(" ", "\u00a0", 1)  # a number stays with its joint
+        where = "; ".join(item for item in (where, f"{finding.recording} alone" if finding.recording else "") if item)
         made = parameter_rows(finding, effect_title(finding.effect), _rest(diagnosis, finding))
         # An arm has many findings, of which what the parameters mean would take the room.
         rows += [[row[0], where if row[0] else "", row[1], *row[3:]] for row in made]

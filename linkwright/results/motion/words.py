@@ -34,7 +34,7 @@ def of_all_joints(each: Sequence[float]) -> float:
 
 def finding_words(finding: MotionFinding) -> str:
     """A finding with where it acts."""
-    return effect_words(finding.effect, finding.at)
+    return effect_words(finding.effect, finding.at, finding.recording)
 
 
 def alternative_words(alternative: Alternative) -> str:

@@ -3,51 +3,17 @@
 import numpy as np
 import pytest
 
-from linkwright.core.arm.files.read import read_arm
 from linkwright.core.diagnose.motion.diagnosis import diagnose_motion
-from linkwright.core.diagnose.motion.log import MotionLog
+from tests.diagnose.motion.plumb_arm import HAND, logged, plumb_arm
 
-UPPER, FORE, MID, HAND, TAKEN = 0.4, 0.3, 6.0, 3.0, 1.2
-"""Two links (m) that turn in a plumb plane, with point masses at their ends, and a load taken at the tip (kg)."""
-NOISE, SINCE, ROUNDING = 0.05, 17.0, 1e-9
-ARM = f"""name: plumb
-gravity: [0 m/s^2, -9.81 m/s^2, 0 m/s^2]
-chain:
-  - joint: {{axis: z, range: [-3 rad, 3 rad]}}
-    link:
-      {{length: {UPPER} m, rigid: true, mass: 0 kg, masses: [{{mass: {MID} kg, at: [{UPPER} m, 0 m, 0 m], on: joint}}]}}
-  - joint: {{axis: z, range: [-3 rad, 3 rad]}}
-    link:
-      {{length: {FORE} m, rigid: true, mass: 0 kg, masses: [{{mass: {HAND} kg, at: [{FORE} m, 0 m, 0 m], on: joint}}]}}
-"""
-
-
-def torques(q, v, a, hand):
-    """In closed form (M. W. Spong et al., Robot Modeling and Control, 2006, section 7.3), `hand` (N,) kg at the tip."""
-    both, far = hand * UPPER * FORE * np.cos(q[1]), hand * FORE**2
-    pull = hand * UPPER * FORE * np.sin(q[1])
-    near = (MID + hand) * UPPER**2 + far + 2.0 * both
-    weight = 9.81 * hand * FORE * np.cos(q[0] + q[1])
-    first = near * a[0] + (far + both) * a[1] - pull * (2.0 * v[0] * v[1] + v[1] ** 2)
-    second = (far + both) * a[0] + far * a[1] + pull * v[0] ** 2
-    return np.array([first + 9.81 * (MID + hand) * UPPER * np.cos(q[0]) + weight, second + weight])
+TAKEN, SINCE, ROUNDING = 1.2, 17.0, 1e-9
+"""A load that is taken at the tip (kg), and when (s)."""
 
 
 def diagnosed(tmp_path, seed, hand_of, more_of):
-    """Thirty seconds at 100 Hz: `hand_of` time at the tip, `more_of` angles beside at joint 2."""
-    rng = np.random.default_rng(seed)
-    time = np.arange(3000) / 100.0
-    rates = 2.0 * np.pi * rng.uniform(0.1, 0.5, (2, 5))
-    phases, swings = rng.uniform(0.0, 6.28, (2, 5)), rng.uniform(0.3, 0.8, (2, 5))
-    turned = rates[:, :, None] * time + phases[:, :, None]
-    q = np.sum(swings[:, :, None] * np.sin(turned), axis=1)
-    v = np.sum((swings * rates)[:, :, None] * np.cos(turned), axis=1)
-    a = -np.sum((swings * rates**2)[:, :, None] * np.sin(turned), axis=1)
-    torque = torques(q, v, a, hand_of(time)) + NOISE * rng.standard_normal(q.shape)
-    torque[1] += more_of(q[1])
-    (tmp_path / "arm.yaml").write_text(ARM, encoding="utf-8")
-    log = MotionLog("log.csv", time, q.T, torque.T, np.arange(1, 3001))
-    return diagnose_motion(read_arm(tmp_path / "arm.yaml"), [log])
+    """`hand_of` time at the tip, `more_of` angles beside at joint 2."""
+    log = logged(seed, hand_of, lambda q, _: np.stack([np.zeros_like(q[1]), more_of(q[1])]))
+    return diagnose_motion(plumb_arm(tmp_path), [log])
 
 
 @pytest.mark.parametrize("seed", [1, 2])

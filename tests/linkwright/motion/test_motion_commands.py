@@ -143,7 +143,10 @@ def test_compare_says_what_changed(months, capsys):
     """The friction that rose, with sizes in both; what was there before is the same."""
     assert run(["compare", URDF, months[0], months[-1]]) == 0
     said = capsys.readouterr().out
-    assert said.startswith("Changed: dry (Coulomb) friction (joint 3), torque from 4 N·m to 5.2 N·m.")
+    fitted = re.match(r"Changed: dry \(Coulomb\) friction \(joint 3\), torque from (\S+) N·m to (\S+) N·m\.", said)
+    assert fitted
+    assert [float(size) for size in fitted.groups()] == pytest.approx([4.0, 5.2], abs=0.03)
+    assert "Nothing else differs between the logs by more than" in said
     same = lw.compare(URDF, months[0], months[1])
     assert "Nothing that was fitted changed beyond doubt." in same.sentence
 

@@ -1,0 +1,115 @@
+"""What differs between motion logs that are diagnosed together: each log's own entries, and what they are told as."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+
+from linkwright.core.arm.chain.chain import Arm
+from linkwright.core.diagnose.rules.rules import Rules
+from linkwright.core.sections.numeric import Array
+
+from .changed import sized
+from .findings import reading
+from .model.candidates import Candidates
+from .model.entries import entries_of, with_entries
+from .model.products import products
+from .model.rows import LogRows, joint_rows, log_rows
+from .model.steps import Difference, Step, differences
+from .result import Alternative, MotionFinding
+
+
+@dataclass(frozen=True)
+class Differing:
+    """Logs about arms of their own: `rows` with the entries that hold in each log alone, `found` what those are, and
+    `beyond` (n,) N*m, the RMS of what else may differ (empty: one log)."""
+
+    rows: tuple[LogRows, ...]
+    found: tuple[Difference, ...] = ()
+    beyond: tuple[float, ...] = ()
+
+    @property
+    def steps(self) -> tuple[Step, ...]:
+        """What steps between the logs."""
+        return tuple(item.step for item in self.found)
+
+    def sizes(self, number: int, width: int) -> Array:
+        """The sizes (width,) of the model's columns that a log (its number) has of its own."""
+        sizes = np.zeros(width)
+        for step in self.steps:
+            if step.parts[number]:
+                sizes[step.group.columns] += step.group.values(step.numbers)
+        return sizes
+
+
+def differing(arm: Arm, pool: Candidates, rows: Sequence[LogRows], *, rules: Rules) -> Differing:
+    """Each log's rows, about an arm that has what differs in that log."""
+    if len(rows) < 2:
+        return Differing(tuple(rows))
+    known, made = tuple[Difference, ...](), list(rows)
+    while True:
+        blocks = products(joint_rows(made), pool.width, near=False)
+        lacking, beyond = differences(pool, blocks, known, rules=rules)
+        before = [item.step.numbers for item in known] + [np.zeros(1)] * (len(lacking) - len(known))
+        more = [
+            replace(item, step=replace(item.step, numbers=had + item.step.numbers))
+            for item, had in zip(lacking, before, strict=True)
+        ]
+        made = [_about(arm, pool, row, number, more, rules) for number, row in enumerate(rows)]
+        if len(more) == len(known):
+            return Differing(tuple(made), tuple(more), tuple(beyond.tolist()))
+        known = tuple(more)
+
+
+def _about(arm: Arm, pool: Candidates, row: LogRows, number: int, found: Sequence[Difference], rules: Rules) -> LogRows:
+    """A log's rows about the arm with what the log (its number) alone has."""
+    steps = [item.step for item in found if item.step.parts[number]]
+    own = tuple(entry for step in steps for entry in entries_of(step.group, step.numbers))
+    motion = replace(row.prepared.motion, arm=with_entries(arm, own))
+    return log_rows(replace(row.prepared, motion=motion, own=own), pool, rules=rules) if own else row
+
+
+def differing_findings(item: Differing, pool: Candidates, *, rules: Rules) -> tuple[MotionFinding, ...]:
+    """What differs as findings, each with the logs in which alone it acts.
+
+    The p-value is Markov's: by chance a motion is e^g times likelier, the choice paid for, at most once in e^g times
+    (G. Shafer et al., Statist. Sci. 26 (2011) 84-101, doi:10.1214/10-STS347).
+    """
+    made: list[MotionFinding] = []
+    for difference in item.found:
+        step, group = difference.step, difference.step.group
+        there = [row for row, own in zip(item.rows, step.parts.tolist(), strict=True) if own]
+        parameters = sized(step, there[0], rules=rules)
+        alone = np.zeros(pool.width)
+        alone[group.columns] = group.values(step.numbers)
+        explained = products(joint_rows(there), pool.width, near=False).explained(alone)
+        alike = tuple(Alternative(((other.effect.id, other.at),), worse) for other, worse in difference.alternatives)
+        names = " and ".join(Path(row.prepared.log.file).name for row in there)
+        made.append(
+            MotionFinding(
+                group.effect.id,
+                group.at,
+                parameters,
+                alike,
+                tuple(explained.tolist()),
+                tuple(difference.left.tolist()),
+                step.gain,
+                math.exp(-difference.paid),
+                f"In {names} alone, {_lower(reading(group, parameters, alike, explained))}",
+                names,
+            )
+        )
+    return tuple(made)
+
+
+def squares_of(rows: Sequence[LogRows], width: int) -> Array:
+    """Sums of squares (B, n) of the torque that the model as given leaves, by block."""
+    return products(joint_rows(rows), width, near=False).left(np.zeros(width))
+
+
+def _lower(text: str) -> str:
+    return text[:1].lower() + text[1:]
