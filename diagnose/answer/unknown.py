@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from linkwright.core.diagnose.fitting.fit import Fit, displacement, fit, impossible, remaining
 from linkwright.core.diagnose.fitting.held_out import residual_held_out
 from linkwright.core.diagnose.fitting.prepare import Prepared
-from linkwright.core.diagnose.patterns.form import FORMS, followed_by, form_of
+from linkwright.core.diagnose.patterns.form import followed_by, form_of, sentence_of
 from linkwright.core.diagnose.patterns.library import Candidate
 from linkwright.core.diagnose.recording import Recording
 from linkwright.core.diagnose.residual.observed import rms_length
@@ -73,7 +73,7 @@ def describe(
         forms=tuple(ranked),
         rejected=rejected_forms(namer, known, outside),
         since=since(namer, leading),
-        decide=_decides(on),
+        decide=_decides(on, won),
         predicted=predicted if observed.view is None else None,  # no table of readings corrects a path
         held_out_share=share,
     )
@@ -95,8 +95,7 @@ def _shape(
     telling = [form for form in ranked if form.share_held_out > rules.refuted]
     if not telling:
         return "nothing simple"
-    leading = telling[0].name if won is None else won.effect
-    words = FORMS[leading].sentence + ("" if won is None else _place_of(won))
+    words = telling[0].sentence if won is None else sentence_of(won) + _place_of(won)
     beside = [prepared.beside, *(prepared.columns[m] for m in known)]
     total = float(np.sum(residual_held_out(observed, beside, folds, nuisances=1) ** 2))
     share = telling[0].share_held_out
@@ -195,9 +194,7 @@ def _ranked_forms(namer: Namer, known: Sequence[int], folds: Folds) -> list[Form
         columns = [prepared.beside, *(prepared.columns[m] for m in known), prepared.columns[number]]
         left = residual_held_out(observed, columns, folds, nuisances=1)
         share = 1.0 - float(np.sum(left**2)) / max(total, 1e-300)
-        forms.append(
-            Form(candidate.effect, float(gained[number] / known_products.rss), share, form_of(candidate).sentence)
-        )
+        forms.append(Form(candidate.effect, float(gained[number] / known_products.rss), share, sentence_of(candidate)))
     return forms
 
 
@@ -247,8 +244,10 @@ def _inputs(namer: Namer, at: Recording | None = None) -> Array:
     return np.concatenate([recording.q, *columns], axis=1)
 
 
-def _decides(on: Sequence[str]) -> str:
-    """Which recording would tell more."""
+def _decides(on: Sequence[str], won: Candidate | None) -> str:
+    """Which recording would tell more; what a column is that all of it follows."""
+    if won is not None and form_of(won).by_column:
+        return f"say what {', '.join(won.shapes)} is; a payload is written payload_kg, a temperature temperature_degC"
     if "time" in on:
         return "visit the same few poses again and again for as long as it takes, with a target on the base as well"
     if "temperature_degC" in on:

@@ -124,6 +124,12 @@ def form_of(candidate: Candidate) -> Form:
     return FORMS[candidate.effect]
 
 
+def sentence_of(candidate: Candidate) -> str:
+    """What a form's candidate is, in words; of one that follows a further column, which."""
+    form = form_of(candidate)
+    return f"something that follows the column {', '.join(candidate.shapes)}" if form.by_column else form.sentence
+
+
 def followed_by(candidate: Candidate) -> tuple[str, ...]:
     """The columns of the recording that a form's candidate follows."""
     form = form_of(candidate)

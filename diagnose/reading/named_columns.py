@@ -14,6 +14,7 @@ from linkwright.core.units.names import nearest
 from linkwright.core.units.quantities import InputError, shown
 
 from .columns import ColumnMeaning, UnitMissing, meaning_of, of_kind, otherwise_spelled
+from .foreign.header_units import alone_in_unit
 from .formula import Formula, read_condition, read_formula
 from .read_column import ReadColumn
 from .settings import ReadingSettings
@@ -63,6 +64,9 @@ def named_columns(
         used.update(formula.columns)
         columns[meaning.name] = _by_formula(table, header, meaning, formula, held)
     strangers: dict[str, Array] = {}
+    asked = {
+        header: f"{what}_{unit}" for what, (header, unit) in alone_in_unit(table.names).items() if what not in columns
+    }
     spelled = {header: ours for header, ours in _spelled(table, held, arm).items() if header not in used}
     if spelled:
         pairs = ", ".join(f"{shown(header)} as {ours}" for header, ours in spelled.items())
@@ -82,10 +86,12 @@ def named_columns(
             if header in used:
                 continue  # what a column of ours is made of tells nothing further
             strangers[header] = measurable(table.numbers(header))
-            if not held.columns:
+            if not held.columns or header in asked:
                 hint = nearest(header, _known_headers(arm))
-                meant = hint if hint.startswith("; did") else ""
-                warnings.append(f"{header} is no column that is known here{meant or '. It is kept as it is.'}")
+                meant = hint if hint.startswith("; did") else ". It is kept as it is."
+                if header in asked and not hint.startswith("; did"):
+                    meant = f". Is it the {asked[header].partition('_')[0]}? Write {asked[header]} in its place."
+                warnings.append(f"{header} is no column that is known here{meant}")
             continue
         if meaning.name in columns:
             if not held.columns or columns[meaning.name].header not in held.columns:
@@ -98,6 +104,9 @@ def named_columns(
             columns[meaning.name] = _stamps(table, header, header, meaning, form, held)
         else:
             columns[meaning.name] = _plain(table, header, meaning)
+    aside = [header for header in strangers if held.columns and header not in asked]
+    if aside:
+        warnings.append(f"No columns that are known here: {', '.join(aside)}; kept as they are.")
     return columns, {name: values for name, values in strangers.items() if np.isfinite(values).any()}, warnings
 
 

@@ -19,6 +19,7 @@ from linkwright.core.sections.numeric import Array
 from linkwright.core.units.reading import yaml_line
 
 from .clock import clock_of, counted_in
+from .header_units import alone_in_unit, name_and_unit, unit_of
 from .words import Said, commanded, computed, message_name, said_by, without_names
 
 OTHER = "other"
@@ -28,11 +29,6 @@ _WHOLE = ("x", "y", "z", "payload", "temperature", "time", "fx", "fy", "fz", "qw
 _PLACES = ("x", "y", "z")
 _BARE = ("dir", "qw", "qx", "qy", "qz")
 _OF_JOINTS = ("q", "dir", "tau", "current", "v", "c", "j")
-_IN_BRACKETS = re.compile(r"^(.*?)[\s_]*[\[(]\s*([^\])]*?)\s*[\])]\s*$")
-_AT_END = re.compile(
-    r"^(.*?)[\s_]+(?:in[\s_]+)?(deg|degrees?|rad|radians?|mm|m|um|kg|g|s|sec|min|h|ms|degc|k|n|nm|a|rad/s|deg/s|°|°c)$",
-    re.IGNORECASE,
-)
 _PLACE = re.compile(
     r"^(?:tcp|tip|tool|ee|end[\s_-]?effector|pos(?:ition)?|meas(?:ured)?|tracker|laser|point|p)?[\s_.-]*([xyz])$"
 )
@@ -116,6 +112,10 @@ def proposed(table: Table, arm: Arm) -> tuple[Meaning, ...]:
     left = {header: plain[header] for header in table.names if not by_header[header].named}
     by_header |= _of_joints(left, table, arm, {item.what for item in by_header.values()})
     by_header |= _places_left(by_header, arm)
+    known = {item.what for item in by_header.values()}
+    for what, (header, unit) in alone_in_unit(table.names).items():
+        if what not in known and by_header[header] == Meaning(header, OTHER) and not commanded(header):
+            by_header[header] = Meaning(header, what, unit, guessed=True, said=f"by its unit, the only one in {unit}")
     if not any(item.what == "time" for item in by_header.values()):
         by_header |= {item.header: item for item in _clock(table, by_header)}
     taken: set[str] = set()
@@ -162,7 +162,7 @@ def _of(header: str, plain: str, table: Table, arm: Arm) -> Meaning:
         return Meaning(header, what)
     if _OF_A_POSE.fullmatch(name):
         return Meaning(header, what, "m", said="m, as ROS has it")
-    unit_known = _unit_of(what, unit)
+    unit_known = unit_of(what, unit)
     if unit_known in units:
         return Meaning(header, what, unit_known)
     if what == "time" and has_stamps(table, header):
@@ -182,22 +182,10 @@ def _places_left(meanings: Mapping[str, Meaning], arm: Arm) -> dict[str, Meaning
         if letter is None or meaning.named or commanded(name) or computed(header):
             continue
         what = letter[1].lower()
-        unit_known = _unit_of(what, unit)
+        unit_known = unit_of(what, unit)
         if what not in taken and unit_known in units_of(what, arm):
             of_letter[what].append(Meaning(header, what, unit_known, said=f"the only column of {what}"))
     return {items[0].header: items[0] for items in of_letter.values() if len(items) == 1}
-
-
-def name_and_unit(header: str) -> tuple[str, str]:
-    """A header without its unit, and the unit, empty where there is none; a number in brackets counts something."""
-    parsed = _IN_BRACKETS.match(header) or _AT_END.match(header)
-    return (header, "") if parsed is None or parsed[2].isdecimal() else (parsed[1], parsed[2])
-
-
-def _unit_of(what: str, unit: str) -> str:
-    """Our suffix for a unit as people write it."""
-    spelled = otherwise_spelled(f"{what} [{unit}]") if unit else None
-    return canonical(spelled or f"{what}_{unit}").partition("_")[2]
 
 
 def _named(name: str, arm: Arm) -> str:
@@ -284,7 +272,7 @@ def _in_units(
     for joint, header in at.items():
         what = f"{base}{joint + 1}"
         can_be = units_for(base, arm, joint)
-        unit_known = _unit_of(what, units[header])
+        unit_known = unit_of(what, units[header])
         meaning = group[header]
         strange = bool(meaning.label) and not any(
             item.casefold() in meaning.label.casefold() or meaning.label.casefold() in item.casefold()

@@ -21,7 +21,8 @@ from linkwright.core.diagnose.rules.rules import RULES, Rules
 from linkwright.core.units.quantities import InputError
 
 from .doubts import Doubt, doubts_of
-from .proposal import IGNORED, Meaning, is_motion, name_and_unit, proposed, settings_text
+from .header_units import name_and_unit
+from .proposal import IGNORED, Meaning, is_motion, proposed, settings_text
 from .words import said_by
 
 SETTINGS = "recording.yaml"

@@ -165,3 +165,37 @@ def test_settings_of_another_file_in_the_folder_are_passed_over_in_a_proposal(tm
     assert [meaning.ours for meaning in proposal.meanings] == ["q1_deg", "q2_deg", "x_mm", "y_mm"]
     assert any("do not fit this file (x_mm)" in note for note in proposal.notes)
     assert "sigma: 20 um" in proposal.settings
+
+
+def with_columns(*headers):
+    """The table with a column of numbers under each of some headers beside it."""
+    first, *rows = text(",").splitlines()
+    more = [",".join(f"{number + 0.1 * row}" for number, _ in enumerate(headers)) for row in range(len(rows))]
+    return "\n".join([f"{first},{','.join(headers)}", *(f"{row},{item}" for row, item in zip(rows, more, strict=True))])
+
+
+@pytest.mark.parametrize(("load", "warmth"), [("Traglast [kg]", "Motor [°C]"), ("Nutzlast in kg", "bed (degC)")])
+def test_a_unit_that_no_other_column_has_counts_with_the_word(tmp_path, load, warmth):
+    """In whatever language, as a guess that says why."""
+    (tmp_path / "r.csv").write_text(with_columns(load, warmth, "note"), encoding="utf-8")
+    *_, first, second, third = propose(tmp_path / "r.csv", ARM).meanings
+    assert [(item.ours, item.guessed) for item in (first, second)] == [("payload_kg", True), ("temperature_degC", True)]
+    assert first.said == "by its unit, the only one in kg"
+    assert not third.named
+
+
+def test_of_two_columns_in_kg_none_is_the_payload(tmp_path):
+    (tmp_path / "r.csv").write_text(with_columns("Traglast [kg]", "Gestell [kg]"), encoding="utf-8")
+    assert not any(item.what == "payload" for item in propose(tmp_path / "r.csv", ARM).meanings)
+
+
+def test_a_column_in_kg_is_asked_for(tmp_path):
+    """A recording of a tip takes nothing for granted."""
+    said = read(tmp_path, with_columns("Traglast [kg]")).warnings
+    assert any("Traglast [kg] is no column that is known here; is it the payload? Write payload_kg" in x for x in said)
+
+
+def test_columns_left_aside_are_named(tmp_path):
+    """Where settings map others."""
+    said = read(tmp_path, with_columns("bed", "lamp"), "columns: {time_s: bed*2}\n").warnings
+    assert "No columns that are known here: lamp; kept as they are." in said
