@@ -7,7 +7,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from linkwright.core.arm.chain.chain import Arm, Branch, EffectEntry
-from linkwright.core.arm.chain.vectors import scale, subtract
+from linkwright.core.arm.chain.vectors import add, scale, subtract
 from linkwright.core.units.names import nearest
 from linkwright.core.units.quantities import InputError, shown
 
@@ -54,7 +54,8 @@ def _several(robot: Robot, start: str, ends: Sequence[str], chains: Sequence[Seq
         _check_torso(robot, way, shared)
         places = {k: at + k - shared for k in range(shared, number.size)}
         onward = number.links[shared - 1]
-        standing = subtract(scale(onward.length, onward.direction), foot)
+        place = add(scale(onward.length, onward.direction), number.joints[shared].origin_translation)
+        standing = subtract(place, foot)
         beyond = [
             joint if joint.follows is None else replace(joint, follows=joint.follows.moved(places))
             for joint in number.joints[shared:]

@@ -42,6 +42,8 @@ _TURN = (-math.pi, math.pi)
 _ENDLESS = 100.0
 """Limits beyond this (rad) are written where there are none."""
 _ON_LINE = 1e-12
+_ACROSS = 0.5
+"""Of a link's length, what lies across it at most where the link is taken along its longest axis."""
 _OF_A_DRIVE = (
     ("friction", "friction", "N*m or N"),
     ("damping", "damping", "N*m*s/rad or N*s/m"),
@@ -76,6 +78,8 @@ class Body:
     flange: Frame | None = None
     links: list[tuple[str, Frame]] = field(default_factory=list[tuple[str, Frame]])
     without_inertia: list[str] = field(default_factory=list[str])
+    beside: FloatVector = ZERO
+    """Where its joint stands beside the end of the link before, m."""
 
     @property
     def whole(self) -> Mass | None:
@@ -105,7 +109,7 @@ class Way:
         if not bodies:
             message = f"no joint between {shown(self.start)} and {shown(self.end)} moves; name another --tip"
             raise InputError(self.robot.file, "tip", message)
-        unknown = self._unknown(bodies)
+        unknown, askew = self._unknown(bodies), list[str]()
         joints: list[Joint] = []
         links: list[Link] = []
         for index, body in enumerate(bodies):
@@ -115,6 +119,10 @@ class Way:
             joints.append(joint)
             last = index + 1 == len(bodies)
             onward = body.flange or body.end if last else bodies[index + 1].origin
+            if not last:
+                onward, rest = _straight(onward)
+                bodies[index + 1].beside = rest
+                askew += [_askew(body, onward, rest)] if norm(rest) > 0.0 else []
             links.append(_link(body, joint, onward, last=last, unknown=index in unknown))
         tool = ZERO
         last = bodies[-1]
@@ -130,6 +138,11 @@ class Way:
         )
         if self.folded:
             self.notes.insert(0, f"Fixed joints are folded into frames and tool: {', '.join(self.folded)}")
+        if askew:
+            note = "Links run along their longest axis, the rest is the origin of the next joint"
+            self.notes.append(f"{note}: {'; '.join(askew)}")
+        if twice := [joint.name for joint in self.chain if len(list(joint.element.all("origin"))) > 1]:
+            self.notes.append(f"Of several origins of one joint the first counts, as in ROS: {', '.join(twice)}")
         if self.held:
             note = "Joints that do not lead to the tip stand at 0, their weight counts"
             self.notes.append(f"{note}: {', '.join(self.held)}")
@@ -351,14 +364,14 @@ def _range(joint: TreeJoint) -> tuple[float, float]:
 
 
 def _joint(body: Body, *, first: bool) -> Joint:
-    """The joint; where it stands is told by the link before, but for the first."""
+    """The joint; where it stands is told by the link before, but for the first and what is beside that link."""
     slides = body.joint.kind == "prismatic"
     return Joint(
         type="prismatic" if slides else "revolute",
         axis=body.joint.axis,
         range=_range(body.joint),
         origin_rotation=body.origin[0],
-        origin_translation=body.origin[1] if first else ZERO,
+        origin_translation=body.origin[1] if first else body.beside,
         name=one_line(body.joint.name),
         effort=_known(None if body.joint.limits is None else body.joint.limits.effort),
         velocity=_known(None if body.joint.limits is None else body.joint.limits.velocity),
@@ -389,6 +402,24 @@ def _effects(bodies: list[Body]) -> tuple[EffectEntry, ...]:
         for effect, parameters in _own(body.joint)
         if next(iter(parameters.values())) > 0.0 and _held(body.joint)
     )
+
+
+def _straight(onward: Frame) -> tuple[Frame, FloatVector]:
+    """A step to the next joint along its longest axis, as links are built, and the rest of it (m). Where the rest is
+    more than half of that, the link is taken to be askew: there is no rest."""
+    vector = onward[1]
+    along = max(range(3), key=lambda axis: abs(vector[axis]))
+    x, y, z = (0.0 if axis == along else value for axis, value in enumerate(vector))
+    rest = (x, y, z)
+    if not norm(rest) <= _ACROSS * abs(vector[along]):
+        return onward, ZERO
+    return (onward[0], subtract(vector, rest)), plain(rest)
+
+
+def _askew(body: Body, onward: Frame, rest: FloatVector) -> str:
+    """A link's length and the rest, in mm."""
+    across = ", ".join(f"{1e3 * value:.4g}" for value in rest)
+    return f"{body.joint.child} ({1e3 * norm(onward[1]):.4g} mm, rest {across} mm)"
 
 
 def _known(greatest: float | None) -> float | None:

@@ -142,7 +142,10 @@ def _joint(joint: Joint) -> dict[str, Any]:
     if joint.axis != ((0.0, 0.0, 1.0) if joint.revolute else (1.0, 0.0, 0.0)):
         out["axis"] = list(joint.axis)
     if joint.driven:
-        out["range"] = [_neatest(value, motion) for value in joint.range]
+        out["range"] = [
+            format_quantity(value, motion, "deg") if joint.revolute else _neatest(value, motion)
+            for value in joint.range
+        ]
     out |= _figures(("clearance", joint.clearance, 0.0, "length"))
     drive = joint.actuator
     if drive is not None:

@@ -195,7 +195,7 @@ def _joint(element: Element, links: list[str]) -> TreeJoint:
         cast(Kind, kind),
         ends[0],
         ends[1],
-        _frame(element.one("origin")),
+        _frame(next(element.all("origin"), None)),
         axis if norm(axis) == 0.0 else unit(axis),
         _limits(element, kind),
         mimic,

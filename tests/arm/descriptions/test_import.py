@@ -1,6 +1,7 @@
 """Arms from URDF: kinematics and weights as products of matrices and MuJoCo have them; one line for what is wrong."""
 
 import math
+import re
 from pathlib import Path
 
 import numpy as np
@@ -107,6 +108,55 @@ def test_another_base_feels_gravity_from_its_own_side(tmp_path):
     path.write_text(hung, encoding="utf-8")
     assert import_robot(path, tip="tip", base="base").arm.gravity == pytest.approx((0.0, 0.0, 9.81), abs=1e-12)
     same_as_others(path, import_robot(path, tip="tip"), tmp_path)
+
+
+def elbowed(step, first="0 0 0.1"):
+    """A shoulder, and an elbow that stands a `step` from it; the shoulder has a second origin."""
+    weight = '<inertial><origin xyz="0.01 0.02 0.2"/><mass value="2"/>'
+    weight += '<inertia ixx="0.01" ixy="0" ixz="0" iyy="0.01" iyz="0" izz="0.01"/></inertial>'
+    limit = '<limit lower="-1.1" upper="2.3"/>'
+    joints = [
+        f'<joint name="shoulder" type="revolute"><origin xyz="{first}"/><origin xyz="0 0 7"/><parent link="a"/>'
+        f'<child link="upper"/><axis xyz="0 1 0"/>{limit}</joint>',
+        f'<joint name="elbow" type="revolute"><origin xyz="{step}"/><parent link="upper"/><child link="fore"/>'
+        f'<axis xyz="0 1 0"/>{limit}</joint>',
+        '<joint name="end" type="fixed"><origin xyz="0.3 0 0"/><parent link="fore"/><child link="tip"/></joint>',
+    ]
+    links = f'<link name="a"/><link name="upper">{weight}</link><link name="fore">{weight}</link><link name="tip"/>'
+    return f'<robot name="elbowed">{links}{"".join(joints)}</robot>'
+
+
+def test_a_link_runs_along_its_longest_axis(tmp_path):
+    """As it can be built: what is beside it is the next joint's origin, and said; tips and torques are the file's."""
+    path = tmp_path / "elbowed.urdf"
+    path.write_text(elbowed("0 -0.131 0.425").replace('<origin xyz="0 0 7"/>', ""), encoding="utf-8")
+    result = import_robot(path)
+    upper, elbow = result.arm.links[0], result.arm.joints[1]
+    assert (upper.length, upper.direction) == (0.425, (0.0, 0.0, 1.0))
+    assert elbow.origin_translation == (0.0, -0.131, 0.0)
+    assert any("upper (425 mm, rest 0, -131, 0 mm)" in note for note in result.notes)
+    same_as_others(path, result, tmp_path)
+    path.write_text(elbowed("0.3 0 0.4"), encoding="utf-8")
+    assert import_robot(path).arm.links[0].length == pytest.approx(0.5)
+    assert not any("longest axis" in note for note in import_robot(path).notes)
+
+
+def test_of_two_origins_the_first_counts(tmp_path):
+    """As urdfdom and all that read by it take them (FirstChildElement), with a note."""
+    path = tmp_path / "elbowed.urdf"
+    path.write_text(elbowed("0 0 0.4"), encoding="utf-8")
+    result = import_robot(path)
+    assert result.arm.joints[0].origin_translation == (0.0, 0.0, 0.1)
+    assert any("the first counts, as in ROS: shoulder" in note for note in result.notes)
+
+
+def test_ranges_are_written_in_degrees(tmp_path):
+    """However many digits a maker's radians have."""
+    path = tmp_path / "elbowed.urdf"
+    path.write_text(elbowed("0 0 0.4"), encoding="utf-8")
+    ends = re.search(r"range: \[(\S+) deg, (\S+) deg\]", import_robot(path).to_yaml())
+    assert ends
+    assert [math.radians(float(end)) for end in ends.groups()] == pytest.approx([-1.1, 2.3], rel=1e-12)
 
 
 ONE = '<link name="b"/>'
