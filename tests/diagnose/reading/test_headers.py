@@ -192,7 +192,7 @@ def test_of_two_columns_in_kg_none_is_the_payload(tmp_path):
 def test_a_column_in_kg_is_asked_for(tmp_path):
     """A recording of a tip takes nothing for granted."""
     said = read(tmp_path, with_columns("Traglast [kg]")).warnings
-    assert any("Traglast [kg] is no column that is known here; is it the payload? Write payload_kg" in x for x in said)
+    assert any("Traglast [kg] is no column that is known here. Is it the payload? Write payload_kg" in x for x in said)
 
 
 def test_columns_left_aside_are_named(tmp_path):
