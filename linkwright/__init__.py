@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from linkwright.core.arm.chain.statics import PoseState
     from linkwright.core.arm.effects import Effect, Parameter, Settings, Twist
     from linkwright.core.arm.effects.effect import drive_motion
-    from linkwright.core.arm.figures import Figure, OfDesign, OfLinks, at_poses
+    from linkwright.core.arm.figures import Figure, OfDesign, OfKinds, OfLinks, at_poses
     from linkwright.core.executors import Cluster, Processes
     from linkwright.core.materials.material import MissingProperty
     from linkwright.core.sections import numeric
@@ -55,7 +55,7 @@ HOMES = MappingProxyType(
         "linkwright.core.arm.effects.effect": ("drive_motion",),
         "linkwright.core.executors": ("Cluster", "Processes"),
         "linkwright.core.materials.material": ("MissingProperty",),
-        "linkwright.core.arm.figures": ("Figure", "OfDesign", "OfLinks", "at_poses"),
+        "linkwright.core.arm.figures": ("Figure", "OfDesign", "OfKinds", "OfLinks", "at_poses"),
         "linkwright.core.sections": ("numeric",),
         "linkwright.core.sections.section": ("Dimension",),
         "linkwright.core.units.quantities": ("InputError", "NoAnswer"),
@@ -89,6 +89,7 @@ __all__ = [
     "MissingProperty",
     "NoAnswer",
     "OfDesign",
+    "OfKinds",
     "OfLinks",
     "Parameter",
     "PoseState",

@@ -15,7 +15,7 @@ from linkwright.core.arm.avoid.regions import Region
 from linkwright.core.arm.chain.chain import Arm, Calibrated, LoadCase
 from linkwright.core.arm.chain.vectors import ZERO
 from linkwright.core.arm.errors.parts import Part
-from linkwright.core.arm.figures import DIRECTED, FIGURES, RANGES_CALLED, Figure, Limit, OfLinks, error_of_case
+from linkwright.core.arm.figures import DIRECTED, FIGURES, PARTS, RANGES_CALLED, Figure, Limit, OfLinks, error_of_case
 from linkwright.core.arm.files.avoid import read_avoid
 from linkwright.core.arm.files.branches import tip_named
 from linkwright.core.arm.files.origin import UNKNOWN_ORIGIN
@@ -208,6 +208,8 @@ def problem_from(mapping: Mapping, arm: Arm, known: Catalogue, figures: MappingL
         needs = (figure.needs for figure in (figures[minimize], *(limit.figure for limit in limits)))
         chosen = _choose(mapping, known, arm, frozenset(itertools.chain(*needs)), ranges)
         shapes, materials, lists, same, actuators, sizes = chosen
+        if sizes is None and (limited := [limit for limit in limits if limit.name == PARTS.name]):
+            same |= _one_part(mapping, arm, min(limit.value for limit in limited))
         if "size" in same:
             ranges = shared_ranges(mapping, ranges)
         uncertain = read_uncertain(mapping, _as_driven(arm, actuators))
@@ -259,6 +261,16 @@ def _objective(mapping: Mapping, figures: MappingLike[str, Figure]) -> tuple[str
         more, other = ("less", "minimize") if key == "maximize" else ("more", "maximize")
         raise mapping.error(key, f"{name} is better the {more} there is of it; write {other}: {name}")
     return name, figures
+
+
+def _one_part(mapping: Mapping, arm: Arm, most: float) -> frozenset[str]:
+    """What links of free dimensions must agree in where they may be so many different parts."""
+    if most >= sum(link.elastic for link in arm.links):
+        return frozenset()
+    if most >= 2.0:
+        would_do = "list the sizes to choose from (choose: {sizes: ...}), or write parts: '<= 1'"
+        raise mapping.error("subject_to.parts", f"of dimensions that are free takes '<= 1'; {would_do}")
+    return frozenset(("section", "material", "size"))
 
 
 def _assumed(problem: Problem, off: frozenset[str]) -> tuple[Limit, ...]:

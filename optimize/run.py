@@ -8,6 +8,8 @@ from dataclasses import replace
 from linkwright.core.arm.evaluation import Evaluation
 from linkwright.core.executors import Executor
 from linkwright.core.optimize.choice.combinations import Progress
+from linkwright.core.optimize.choice.picks import disagreement
+from linkwright.core.units.quantities import NoAnswer
 
 from .nominal import Log, Options, nominal_optimum
 from .problem import Problem
@@ -42,6 +44,8 @@ def optimise(
     if start is not None:
         options.tell(start.why)
         problem = start.problem
+    if why := disagreement(problem):
+        raise NoAnswer(why)
     left_out = (*problem.left_out, *without_stock(problem))
     for item in left_out:
         options.tell(f"{item.material} is not looked at: {item.why}")

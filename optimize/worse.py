@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from linkwright.core.arm.evaluation import Evaluation
-from linkwright.core.arm.figures import Figure
+from linkwright.core.arm.figures import Figure, OfKinds
 from linkwright.core.arm.figures.sideways import sideways_rigidities
 
 UNCHANGED = 5e-4
@@ -29,6 +29,8 @@ def worse_figures(figures: Mapping[str, Figure], before: Evaluation, after: Eval
     """The figures known of both that are worse after than before, each by its own sense of better."""
     results: list[Worse] = []
     for figure in figures.values():
+        if isinstance(figure.follows, OfKinds):
+            continue  # more of them are no worse where nobody counts them
         one, other = figure.value(before), figure.value(after)
         if one is not None and other is not None and _lost(one, other, more_is_better=figure.more_is_better):
             results.append(Worse(figure, one, other))

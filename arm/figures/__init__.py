@@ -22,6 +22,7 @@ from .figure import (
     Held,
     Limit,
     OfDesign,
+    OfKinds,
     OfLinks,
     PoseFamily,
     ThroughPoses,
@@ -35,7 +36,7 @@ from .proportions import ASPECT, INNER_SIZE, SECTION_HEIGHT, SECTION_WIDTH
 from .sideways import SIDEWAYS_STIFFNESS
 from .statics import OfStatics, at_poses
 from .strength import BUCKLING, SAFETY_FACTOR
-from .sums import COST, MASS, REACH, TOTAL_MASS
+from .sums import COST, MASS, MATERIALS, PARTS, REACH, TOTAL_MASS
 from .tip_stiffness import TIP_STIFFNESS
 from .torque import TORQUE_USE
 from .walls import WALL_SLENDERNESS
@@ -96,6 +97,8 @@ FIGURES.ship(
     SIDEWAYS_STIFFNESS,
     ORIENTATION_ERROR,
     REPEATABILITY,
+    MATERIALS,
+    PARTS,
 )
 
 
@@ -114,6 +117,7 @@ __all__ = [
     "DIRECTED",
     "FIGURES",
     "KEPT_WITHIN",
+    "PARTS",
     "RANGES",
     "RANGES_CALLED",
     "Asked",
@@ -130,6 +134,7 @@ __all__ = [
     "Held",
     "Limit",
     "OfDesign",
+    "OfKinds",
     "OfLinks",
     "PoseFamily",
     "ThroughPoses",

@@ -1,16 +1,16 @@
 """A figure of a design: one object evaluates it, limits it, and holds all that other rooms must know of it.
 
-A figure follows from a design in one of four ways: it is the worst error itself (`WorstError`); it follows from the
-sums over the links (`OfDesign`); it follows from each link's section and material (`OfLinks`); or it has a value at
-every pose, the worst of which counts (`ThroughPoses`). One function serves symbols, floats and arrays, so that the
-optimiser, the evaluation and the rounding cannot disagree.
+A figure follows from a design in one of five ways: it is the worst error itself (`WorstError`); it follows from the
+sums over the links (`OfDesign`); it follows from each link's section and material (`OfLinks`); it counts of how many
+kinds they are (`OfKinds`); or it has a value at every pose, the worst of which counts (`ThroughPoses`). One function
+serves symbols, floats and arrays, so that the optimiser, the evaluation and the rounding cannot disagree.
 """
 
 from __future__ import annotations
 
 import math
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, fields, replace
 from typing import TYPE_CHECKING, Any, ClassVar, Generic, Protocol, TypeAlias, TypeVar
 
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from linkwright.core.arm.chain.chain import Arm, LoadCase
     from linkwright.core.arm.evaluation import Evaluation
     from linkwright.core.arm.worst.workspace import Workspace
-    from linkwright.core.materials.material import MaterialValues
+    from linkwright.core.materials.material import Material, MaterialValues
     from linkwright.core.sections import Section
 
 
@@ -249,13 +249,37 @@ def _ends(arm: Arm) -> Iterator[tuple[int, Section, MaterialValues]]:
 
 
 @dataclass(frozen=True)
+class OfKinds:
+    """The number of different kinds among the links that have a section: `kind` says what a link of a shape (by name)
+    and a material is. With `sized` kinds differ by the sections' dimensions as well.
+
+    >>> import linkwright as lw
+    >>> families = lw.OfKinds(lambda shape, material: material.family)
+    >>> lw.Figure("families", "different families of materials", ("<=",), "families", families).unit
+    ''
+    """
+
+    kind: Callable[[str, Material], Hashable]
+    sized: bool = False
+
+    def count(self, arm: Arm) -> int:
+        """How many kinds an arm's links are of; 0 where none has a section."""
+        kinds = {
+            (self.kind(link.section.shape, link.material), link.section if self.sized else None)
+            for link in arm.links
+            if link.section is not None and link.material is not None
+        }
+        return len(kinds)
+
+
+@dataclass(frozen=True)
 class ThroughPoses:
     """A figure that has a value at every pose."""
 
     family: PoseFamily[Any]
 
 
-Follows: TypeAlias = WorstError | OfDesign | OfLinks | ThroughPoses
+Follows: TypeAlias = WorstError | OfDesign | OfLinks | OfKinds | ThroughPoses
 
 
 @dataclass(frozen=True)
@@ -326,6 +350,8 @@ class Figure:
             case OfDesign(value):
                 result = float(value(evaluation.totals))
                 return None if math.isnan(result) else result
+            case OfKinds():
+                return float(self.follows.count(evaluation.arm)) or None
             case OfLinks():
                 result = self.of_links(evaluation.arm)
                 return result if result or self.everywhere else None
@@ -376,7 +402,10 @@ class Figure:
         return isinstance(follows, WorstError) or (isinstance(follows, ThroughPoses) and follows.family.is_error)
 
     def told(self, evaluation: Evaluation) -> bool:
-        """Whether there is anything to tell of it: a value, or a reason why none is known."""
+        """Whether there is anything to tell of it: a value, or a reason why none is known. A number of kinds is told
+        where a limit is on it, with that."""
+        if isinstance(self.follows, OfKinds):
+            return False
         if self.value(evaluation) is not None or self.name in evaluation.unknown:
             return True
         return self.everywhere and self.assumed is None

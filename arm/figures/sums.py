@@ -1,4 +1,4 @@
-"""What adds up over the links: masses, cost and reach."""
+"""What is of a design as a whole: masses, cost and reach, which add up over the links, and numbers of kinds."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from linkwright.core.arm.chain.chain import Arm
 from linkwright.core.arm.chain.prices import price_dates, works
 
-from .figure import Figure, OfDesign
+from .figure import Figure, OfDesign, OfKinds
 
 MASS = Figure(
     name="mass",
@@ -88,4 +88,33 @@ REACH = Figure(
     follows=OfDesign(lambda totals: totals.reach),
     more_is_better=True,
     note="sum of the link lengths",
+)
+
+
+def _number(name: str, title: str, kinds: OfKinds, synonyms: tuple[str, ...]) -> Figure:
+    return Figure(
+        name=name,
+        synonyms=synonyms,
+        title=title,
+        senses=("<=",),
+        key=name,
+        follows=kinds,
+        note="of links that have a section",
+        # Whole numbers have no axis, and no price by the unit.
+        traded=False,
+        everywhere=False,
+    )
+
+
+MATERIALS = _number(
+    "materials",
+    "different materials",
+    OfKinds(lambda _, material: material.name),
+    ("material_count", "number_of_materials", "distinct_materials"),
+)
+PARTS = _number(
+    "parts",
+    "different parts",
+    OfKinds(lambda shape, material: (shape, material.name), sized=True),
+    ("part_count", "number_of_parts", "distinct_parts", "profiles"),
 )

@@ -18,8 +18,9 @@ from linkwright.core.optimize.exchange.program import Solution
 from linkwright.core.optimize.problem import Problem
 from linkwright.core.sections.numeric import Array
 
+from .agreement import table
 from .at_once.feasibility import Feasibility
-from .picks import Combination, OptionTable, option_table
+from .picks import Combination, OptionTable, agreeing, option_table
 
 
 @dataclass
@@ -62,29 +63,8 @@ def combination_bounds(problem: Problem, feasibility: Feasibility | None) -> Com
     if feasibility is None:
         return None
     options = option_table(problem)
-    out = ~_agreeing(problem, options) | feasibility.impossible
+    out = feasibility.impossible.copy()
+    for codes, most in agreeing(problem, options):
+        out |= ~table(codes, most)
     least, unsolved = np.full(options.shape, -np.inf), np.zeros(options.shape, dtype=bool)
     return CombinationBounds(options, least, out, out.copy(), unsolved, feasibility)
-
-
-def _agreeing(problem: Problem, options: OptionTable) -> NDArray[np.bool_]:
-    """Which combinations agree in what must be the same."""
-    agreeing = np.ones(options.shape, dtype=bool)
-    sames: list[int] = []
-    if "section" in problem.same or "size" in problem.same:
-        sames.append(0)
-    if "material" in problem.same:
-        sames.append(1)
-    for part in sames:
-        names: dict[object, int] = {}
-        first: Array | None = None
-        for axis, link_options in enumerate(options.options):
-            kinds = [entry[0] if part == 0 else entry[1].name for entry in link_options]
-            shape = [1] * len(options.options)
-            shape[axis] = len(link_options)
-            codes = np.array([names.setdefault(kind, len(names)) for kind in kinds], dtype=float).reshape(shape)
-            if first is None:
-                first = codes
-            else:
-                agreeing &= codes == first
-    return agreeing

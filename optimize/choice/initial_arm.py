@@ -11,6 +11,7 @@ from linkwright.core.optimize.exchange.design import arm_of, as_given, design_sp
 from linkwright.core.optimize.problem import Problem
 from linkwright.core.sections.numeric import Array
 
+from .agreement import agreements
 from .picks import Combination, options
 
 _ALIKE = 1e-9
@@ -35,7 +36,7 @@ def given_design(problem: Problem) -> Given | None:
         return None
     if any(material not in allowed for material, allowed in zip(combination.materials, materials, strict=True)):
         return None
-    if not combination.agrees(problem.same):
+    if not combination.agrees(agreements(problem)):
         return None
     space = design_space(problem, combination.shapes)
     x = as_given(space)

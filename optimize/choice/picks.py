@@ -4,12 +4,18 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
+import numpy as np
+from numpy.typing import NDArray
+
 from linkwright.core.arm.bodies.warping import warping_of
+from linkwright.core.arm.figures import OfKinds
 from linkwright.core.materials.material import Material
 from linkwright.core.optimize.problem import Problem
+
+from .agreement import Agreement, Places, agreements, codes_of, number_of, parts, within
 
 
 @dataclass(frozen=True)
@@ -19,13 +25,12 @@ class Combination:
     shapes: tuple[str | None, ...]
     materials: tuple[Material | None, ...]
 
-    def agrees(self, same: frozenset[str]) -> bool:
-        """Whether the links agree in what must be the same for all."""
-        shapes, materials = (
-            {choice for choice in choices if choice is not None} for choices in (self.shapes, self.materials)
-        )
-        same_shape = "section" in same or "size" in same
-        return (len(shapes) <= 1 or not same_shape) and (len(materials) <= 1 or "material" not in same)
+    def agrees(self, asked: Sequence[Agreement]) -> bool:
+        """Whether its links agree in what they must."""
+        links = [
+            (shape, material) for shape, material in zip(self.shapes, self.materials, strict=True) if shape and material
+        ]
+        return all(len({item.kind(*link) for link in links}) <= item.most for item in asked)
 
 
 def options(problem: Problem) -> tuple[list[tuple[str | None, ...]], list[tuple[Material | None, ...]]]:
@@ -99,29 +104,39 @@ def option_table(problem: Problem) -> OptionTable:
     return OptionTable(problem.arm.size, links, tuple(own))
 
 
-def _agreeing(picks: Iterable[tuple[object, ...]], same: bool) -> list[tuple[object, ...]]:
-    """The picks in which all links that have a choice agree, where they must."""
-    return [pick for pick in picks if not same or len({item for item in pick if item is not None}) <= 1]
+def agreeing(problem: Problem, table: OptionTable) -> list[tuple[list[Places], int]]:
+    """What the links must agree in: the kinds of their options as numbers, and of how many they may be."""
+    return [
+        (codes_of([[item.kind(*option) for option in link] for link in table.options]), item.most)
+        for item in agreements(problem)
+    ]
 
 
 def combinations(problem: Problem) -> list[Combination]:
-    """Every allowed combination."""
-    shapes, materials = options(problem)
-    shape_picks = _agreeing(itertools.product(*shapes), "section" in problem.same or "size" in problem.same)
-    material_picks = _agreeing(itertools.product(*materials), "material" in problem.same)
-    return [Combination(s, m) for s in shape_picks for m in material_picks]  # type: ignore[arg-type]
+    """Every allowed combination, those of the same shapes together."""
+    table = option_table(problem)
+    asked = agreeing(problem, table)
+    every: list[NDArray[np.intp]] = []
+    for part in parts(asked, table.shape):
+        rows = np.stack([axis.ravel() for axis in np.meshgrid(*part, indexing="ij")], axis=1)
+        every.append(rows[np.all([within(codes, rows, most) for codes, most in asked], axis=0)] if asked else rows)
+    if not every:
+        return []
+    rows = np.unique(np.concatenate(every), axis=0)
+    picks = [table.combination(row) for row in rows.tolist()]
+    shapes = [list(dict.fromkeys(shape for shape, _ in link)) for link in table.options]
+
+    def place(pick: Combination) -> list[int]:
+        return [names.index(pick.shapes[link] or "") for names, link in zip(shapes, table.links, strict=True)]
+
+    return sorted(picks, key=place)
 
 
 def count(problem: Problem) -> int:
     """How many combinations there are, without listing them."""
-    total = 1
-    for picks, same in zip(
-        options(problem), ("section" in problem.same or "size" in problem.same, "material" in problem.same), strict=True
-    ):
-        sizes = [len(pick) for pick in picks]
-        distinct = [set(pick) for pick in picks if pick != (None,)]
-        total *= len(set.intersection(*distinct)) if same and distinct else math.prod(sizes)
-    return total
+    table = option_table(problem)
+    asked = agreeing(problem, table)
+    return number_of(asked, table.shape) if asked else math.prod(table.shape)
 
 
 def uniform(problem: Problem) -> list[Combination]:
@@ -137,20 +152,42 @@ def uniform(problem: Problem) -> list[Combination]:
         for shape in kinds
         for material in common_materials
     ]
-    return list(dict.fromkeys(results))
+    table, asked = option_table(problem), agreements(problem)
+    agreed = [pick for pick in dict.fromkeys(results) if pick.agrees(asked)]
+    if not agreed:
+        first = ([int(ids[0]) for ids in part] for part in parts(agreeing(problem, table), table.shape))
+        agreed = [pick for pick in map(table.combination, first) if pick.agrees(asked)]
+    return agreed
 
 
 def one_link_changed(problem: Problem, pick: Combination, link: int) -> list[Combination]:
-    """The combinations that differ from one in a link (from 0), or in all links where they must agree."""
+    """The combinations that differ from one in a link (from 0), or where links must agree in all that are as it is."""
     shapes, materials = options(problem)
+    asked = agreements(problem)
     trials: list[Combination] = []
     for shape, material in itertools.product(shapes[link], materials[link]):
         new_shapes = tuple(shape if k == link else item for k, item in enumerate(pick.shapes))
         new_materials = tuple(material if k == link else item for k, item in enumerate(pick.materials))
-        if "section" in problem.same or "size" in problem.same:
-            new_shapes = tuple(shape if item is not None else None for item in pick.shapes)
-        if "material" in problem.same:
-            new_materials = tuple(material if item is not None else None for item in pick.materials)
-        if all(one in item for one, item in zip((*new_shapes, *new_materials), (*shapes, *materials), strict=True)):
-            trials.append(Combination(new_shapes, new_materials))
+        trial = Combination(new_shapes, new_materials)
+        if not trial.agrees(asked):
+            new_shapes = tuple(shape if item == pick.shapes[link] else item for item in pick.shapes)
+            new_materials = tuple(material if item == pick.materials[link] else item for item in pick.materials)
+            trial = Combination(new_shapes, new_materials)
+        known = zip((*trial.shapes, *trial.materials), (*shapes, *materials), strict=True)
+        if all(one in item for one, item in known) and trial.agrees(asked):
+            trials.append(trial)
     return list(dict.fromkeys(trials))
+
+
+def disagreement(problem: Problem) -> str:
+    """Why no combination has links that agree as they must; an empty text where one does."""
+    if count(problem):
+        return ""
+    asked = [limit.text for limit in problem.limits if isinstance(limit.figure.follows, OfKinds)]
+    asked += [f"same: [{', '.join(sorted(problem.same))}]"] if problem.same else []
+    table = option_table(problem)
+    lists = (
+        f"link {link + 1}: {', '.join(f'{shape} of {material.name}' for shape, material in item)}"
+        for link, item in zip(table.links, table.options, strict=True)
+    )
+    return f"no combination keeps {' and '.join(asked)}; what links can be: {'; '.join(lists)}"

@@ -16,6 +16,7 @@ from linkwright.core.arm.figures import (
     DesignExpressions,
     Held,
     Limit,
+    OfKinds,
     OfLinks,
     PoseFamily,
     ThroughPoses,
@@ -165,7 +166,7 @@ def pose_rows(
 
 def limit_rows(held: Held, design: DesignExpressions, error: Any, carried: float) -> tuple[Rows, list[bool]]:
     """The limits on figures of the design itself, as ratios or their logarithms; and which of the rows are
-    equalities."""
+    equalities. Numbers of kinds are no rows: combinations that have too many are not tried."""
     totals = Totals(design.mass, design.cost, design.reach, carried)
     out = Rows()
     equal: list[bool] = []
@@ -174,7 +175,7 @@ def limit_rows(held: Held, design: DesignExpressions, error: Any, carried: float
         ratios: list[Any] = []
         if isinstance(follows, OfLinks):
             ratios = _link_rows(limit, follows, held.slack[number], design)
-        elif not isinstance(follows, ThroughPoses):
+        elif not isinstance(follows, ThroughPoses | OfKinds):
             value = error if isinstance(follows, WorstError) else follows.value(totals)
             ratio = ca.log(ca.SX(value) / limit.value)
             # Two one-sided rows would have no interior; an equality takes a slack of either sign.

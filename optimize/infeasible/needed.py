@@ -19,7 +19,7 @@ import numpy as np
 
 from linkwright.core.arm.chain.chain import Arm
 from linkwright.core.arm.evaluation import evaluate
-from linkwright.core.arm.figures import Limit, OfLinks, excess
+from linkwright.core.arm.figures import Limit, OfKinds, OfLinks, excess
 from linkwright.core.arm.worst.workspace import Unreachable
 from linkwright.core.optimize.choice.at_once.feasibility import Feasibility, feasibility_of
 from linkwright.core.optimize.choice.chooser import Progress
@@ -77,10 +77,11 @@ def explained(
     context = replace(context, problem=problem) if context.aim is None else context_of(problem)
     told = told if context.aim is None else None
     total = count(problem)
-    size = len(problem.limits)
+    # Numbers of kinds stay: what they leave is looked at.
+    every = tuple(k for k, limit in enumerate(problem.limits) if not isinstance(limit.figure.follows, OfKinds))
     asker = _Asker(context, told, progress)
     # What the joint change comes to is where the others begin.
-    questions = ([tuple(range(size))] if size > 1 else []) + [(k,) for k in range(size)]
+    questions = ([every] if len(every) > 1 else []) + [(k,) for k in every]
     stuck = {problem.limits.index(item.limit) for item in beyond}
     answers: dict[tuple[int, ...], _Found] = {}
     for number, question in enumerate(questions):
@@ -88,10 +89,10 @@ def explained(
         answers[question] = _Found("none") if stuck - set(question) else asker.answer(question, share)
     limits = tuple(
         Needed(limit, _needed(limit, answer.slacks[k]) if answer.outcome == "found" else None, answer.outcome)
-        for k, limit in enumerate(problem.limits)
-        if (answer := answers[k,])
+        for k in every
+        if (limit := problem.limits[k]) and (answer := answers[k,])
     )
-    joint = answers[tuple(range(size))] if size > 1 else _Found("undecided")
+    joint = answers[every] if len(every) > 1 else _Found("undecided")
     changes = tuple(
         Change(limit, _needed(limit, slack))
         for limit, slack in zip(problem.limits, joint.slacks, strict=False)
@@ -250,7 +251,8 @@ def _first(context: Context, picks: Sequence[Combination]) -> list[Combination]:
 
 
 def _sizes(problem: Problem) -> str:
-    return f"section_size {span_by_link(problem, 'section_size')}"
+    counts = [limit.text for limit in problem.limits if isinstance(limit.figure.follows, OfKinds)]
+    return ", ".join([f"section_size {span_by_link(problem, 'section_size')}", *counts])
 
 
 class _Trial:

@@ -18,12 +18,13 @@ from linkwright.core.arm.figures import Figure, Limit, OfLinks, Totals
 from linkwright.core.arm.figures.local_buckling import values_of
 from linkwright.core.arm.figures.strength import STRENGTH_FIELDS, strength_values
 from linkwright.core.arm.limits.wall_modes import Mode, modes_of
+from linkwright.core.optimize.choice.agreement import within
 from linkwright.core.optimize.exchange.program import carried_mass, drives_cost
 from linkwright.core.optimize.problem import Problem
 from linkwright.core.optimize.rounding.options import Option
 from linkwright.core.sections.numeric import Array
 
-from .options import LinkList, kinds_of
+from .options import LinkList, agreeing
 from .rows import Integers
 
 
@@ -187,18 +188,12 @@ class Table:
         return self.arm.with_links(tuple(links))
 
     def agreeing(self, picks: Integers) -> Integers:
-        """The picks in which all links agree in what the problem asks to be the same."""
-        if not self.problem.same:
-            return picks
-        columns = [codes[picks[:, k]] for k, codes in enumerate(self._kinds)]
-        return picks[np.all([column == columns[0] for column in columns], axis=0)]
+        """The picks in which the links agree in what they must."""
+        for codes, most in self.agreed:
+            picks = picks[within(codes, picks, most)]
+        return picks
 
     @cached_property
-    def _kinds(self) -> list[Integers]:
-        """Of each list's options a number for what must be the same for all links."""
-        kinds = [kinds_of(link_list, self.problem.same) for link_list in self.lists]
-        known = {
-            kind: number
-            for number, kind in enumerate(dict.fromkeys(kind for link_kinds in kinds for kind in link_kinds))
-        }
-        return [np.array([known[kind] for kind in link_kinds], dtype=np.intp) for link_kinds in kinds]
+    def agreed(self) -> list[tuple[list[Integers], int]]:
+        """What the links must agree in: the kinds of the lists' options as numbers, and of how many they may be."""
+        return agreeing(self.problem, self.lists)

@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from linkwright.core.optimize.choice.agreement import number_of
 from linkwright.core.optimize.choice.at_once.cells import LENGTH
 from linkwright.core.optimize.choice.at_once.lengths import log_spans
 from linkwright.core.optimize.choice.at_once.parts import BranchAndBound
@@ -21,7 +22,7 @@ from linkwright.core.sections.numeric import Array
 
 from .designs_at_once import Table
 from .judge import Judge
-from .options import LinkList, agreeing
+from .options import LinkList
 from .points import Points
 from .rows import Integers
 
@@ -91,7 +92,8 @@ class ListedSearch(BranchAndBound[Node]):
     @property
     def combinations(self) -> int:
         """How many combinations of sections there are."""
-        return sum(math.prod(len(item) for item in part) for part in agreeing(self.lists, self.context.problem.same))
+        asked, sizes = self.judge.table.agreed, [len(link_list.options) for link_list in self.lists]
+        return number_of(asked, sizes) if asked else math.prod(sizes)
 
     @property
     @abstractmethod

@@ -6,10 +6,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from linkwright.core.arm.errors.model import needs_shear_modulus
 from linkwright.core.arm.figures import KEPT_WITHIN, Limit, OfLinks, excess
+from linkwright.core.optimize.choice.agreement import Agreement, Places, agreements, codes_of, parts
 from linkwright.core.optimize.choice.at_once.cells import COLUMNS, twisted
 from linkwright.core.optimize.choice.at_once.cells import columns_of as columns_of_sections
 from linkwright.core.optimize.exchange.design import material_row, material_values
@@ -110,24 +110,18 @@ def columns_of(problem: Problem, link: int, options: Sequence[Option]) -> Array:
     return columns
 
 
-def agreeing(lists: Sequence[LinkList], same: frozenset[str]) -> list[tuple[NDArray[np.intp], ...]]:
-    """All designs, in parts that agree in what must be the same: of each link the options (by number) in a part."""
-    kinds = [kinds_of(link_list, same) for link_list in lists]
-    results: list[tuple[NDArray[np.intp], ...]] = []
-    for kind in dict.fromkeys(kinds[0]):
-        options = tuple(
-            np.array([k for k, item in enumerate(link_kinds) if item == kind], dtype=np.intp) for link_kinds in kinds
-        )
-        if all(len(link_options) for link_options in options):
-            results.append(options)
-    return results
+def agreeing(problem: Problem, lists: Sequence[LinkList]) -> list[tuple[list[Places], int]]:
+    """What the links must agree in: the kinds of their options as numbers, and of how many they may be."""
+
+    def kind(item: Agreement, option: Option) -> object:
+        return item.kind(option.section.shape, option.material), option.section if item.sized else None
+
+    return [
+        (codes_of([[kind(item, option) for option in link_list.options] for link_list in lists]), item.most)
+        for item in agreements(problem)
+    ]
 
 
-def kinds_of(own: LinkList, same: frozenset[str]) -> list[object]:
-    """Of each option what must be the same for all links."""
-    kinds: list[object] = []
-    for option in own.options:
-        size = option.section if "size" in same else None
-        shape = option.section.shape if "section" in same else None
-        kinds.append((size, shape, option.material.name if "material" in same else None))
-    return kinds
+def agreeing_parts(problem: Problem, lists: Sequence[LinkList]) -> list[tuple[Places, ...]]:
+    """All designs, in parts that agree in what they must: of each link the options (by number) in a part."""
+    return parts(agreeing(problem, lists), [len(link_list.options) for link_list in lists])

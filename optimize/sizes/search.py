@@ -24,7 +24,7 @@ from linkwright.core.sections.numeric import Array
 
 from .designs_at_once import Table
 from .listed_search import Found, ListedSearch, Progress
-from .options import LinkList, agreeing
+from .options import LinkList, agreeing_parts
 from .rows import Integers, TableRow, greatest, product, table_row
 
 CLOSE = 1e-4
@@ -151,7 +151,7 @@ class ListSearch(ListedSearch):
 
     def _roots(self) -> list[Node]:
         """All designs, in parts that agree in what must be the same."""
-        return [self.relaxation.root(options) for options in agreeing(self.lists, self.context.problem.same)]
+        return [self.relaxation.root(options) for options in agreeing_parts(self.context.problem, self.lists)]
 
     # ---- parts
 

@@ -50,7 +50,7 @@ PROMISED = {
     ),
     *("import_arm", "export_arm", "budget", "plan", "watch", "write_table", "sweep", "show"),
     *("Effect", "Parameter", "Settings", "Twist", "PoseState", "drive_motion", "Shape", "Dimension", "numeric"),
-    *("Figure", "OfDesign", "OfLinks", "at_poses"),
+    *("Figure", "OfDesign", "OfKinds", "OfLinks", "at_poses"),
     *("InputError", "NoAnswer", "MissingProperty", "Processes", "Cluster"),
 }
 HEAVY = ("casadi", "pandas", "scipy", "plotly", "numpy", "pint", "rich", "typer")

@@ -16,8 +16,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from linkwright.core.arm.chain.chain import Arm
+from linkwright.core.optimize.choice.agreement import agreements, parts
 from linkwright.core.optimize.choice.chooser import Chooser
-from linkwright.core.optimize.choice.picks import Combination, option_table, uniform
+from linkwright.core.optimize.choice.picks import Combination, agreeing, option_table, uniform
 from linkwright.core.optimize.exchange.binding_poses import Pool
 from linkwright.core.optimize.exchange.design import arm_of, design_space, material_row, numeric_beams, starting_points
 from linkwright.core.optimize.exchange.exchange import first_pool
@@ -102,6 +103,7 @@ class Branching(BranchAndBound[Node]):
         enough = objective / self.worth
         heap: list[tuple[float, int, tuple[int, ...], list[list[tuple[float, int]]]]] = []
         left = 0
+        asked, seen = agreements(self.context.problem), set[Combination]()
         for node in self._roots():
             relaxed = self.relaxation.solve(node, math.inf)
             if relaxed.bound >= enough:
@@ -114,10 +116,11 @@ class Branching(BranchAndBound[Node]):
         while heap:
             bound, _, places, ranked = heapq.heappop(heap)
             left -= 1
-            yield (
-                self.options.combination([item[k][1] for item, k in zip(ranked, places, strict=True)]),
-                max(left, len(heap)),
-            )
+            pick = self.options.combination([item[k][1] for item, k in zip(ranked, places, strict=True)])
+            # Parts of several kinds have those of fewer in common.
+            if pick not in seen and pick.agrees(asked):
+                yield pick, max(left, len(heap))
+            seen.add(pick)
             # Each next worse one has one parent: only links from the last that was moved on are moved.
             last = max((j for j, k in enumerate(places) if k), default=0)
             for j in range(last, len(places)):
@@ -140,7 +143,7 @@ class Branching(BranchAndBound[Node]):
     def _begin(self) -> bool:
         """Rows of some poses read off a first design; False where the error is no sum of products."""
         problem = self.context.problem
-        pick = next(pick for pick in uniform(problem) if pick.agrees(problem.same))
+        pick = uniform(problem)[0]
         space = design_space(problem, pick.shapes)
         start = starting_points(space, material_row(pick.materials, problem), 1)[0]
         arm = arm_of(space, start, pick.materials)
@@ -175,19 +178,9 @@ class Branching(BranchAndBound[Node]):
         return rows_of(self.context, pool, arm, p, self.worth)
 
     def _roots(self) -> list[Node]:
-        """All designs, in parts that agree in what must be the same."""
-        same = self.context.problem.same
-        kinds: list[list[tuple[object, ...]]] = []
-        for cells in self.relaxation.cells:
-            same_shape = "section" in same or "size" in same
-            kinds.append(
-                [(s if same_shape else None, m.name if "material" in same else None) for s, m in cells.options]
-            )
-        nodes: list[Node] = []
-        for kind in dict.fromkeys(kinds[0]):
-            allowed = [np.flatnonzero([item == kind for item in link_kinds]) for link_kinds in kinds]
-            nodes.append(self.relaxation.root(allowed))
-        return nodes
+        """All designs, in parts that agree in what they must."""
+        asked = agreeing(self.context.problem, self.options)
+        return [self.relaxation.root(list(part)) for part in parts(asked, self.options.shape)]
 
     def _step(self, part: Node) -> None:
         enough = self.objective * (1.0 - 0.9 * self.wanted)
@@ -228,7 +221,7 @@ class Branching(BranchAndBound[Node]):
 
     def _try(self, pick: Combination) -> None:
         """Solve a combination, with an exchange where it could win."""
-        if not pick.agrees(self.context.problem.same):
+        if not pick.agrees(agreements(self.context.problem)):
             return
         solved = self.chooser.solve(pick)
         if solved.objective is None or solved.solution is None:

@@ -15,6 +15,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from linkwright.core.optimize.choice.agreement import agreements
 from linkwright.core.optimize.choice.picks import Combination, option_table
 from linkwright.core.optimize.exchange.binding_poses import Pool
 from linkwright.core.optimize.exchange.design import arm_of, numeric_beams
@@ -133,9 +134,10 @@ class Feasibility:
 
     def _least(self, table: NDArray[np.float64], number: int) -> list[Combination]:
         picks: list[Combination] = []
+        asked = agreements(self.context.problem)
         for place in np.argsort(table, axis=None, kind="stable").tolist():
             near = self._options.combination([int(k) for k in np.unravel_index(place, table.shape)])
-            if near.agrees(self.context.problem.same):
+            if near.agrees(asked):
                 picks.append(near)
             if len(picks) == number:
                 break

@@ -25,7 +25,7 @@ from linkwright.core.optimize.exchange.exchange import Context, context_of
 from linkwright.core.optimize.exchange.program import cut_of
 from linkwright.core.optimize.result import Iteration
 from linkwright.core.optimize.sizes.listed_search import Found, ListedSearch, Progress
-from linkwright.core.optimize.sizes.options import LinkList, agreeing
+from linkwright.core.optimize.sizes.options import LinkList, agreeing_parts
 from linkwright.core.optimize.sizes.rows import greatest, product, table_row
 from linkwright.core.optimize.sizes.search import ListSearch
 from linkwright.core.sections.numeric import Array
@@ -155,7 +155,7 @@ class FreeListSearch(ListedSearch):
     # ---- parts
 
     def _branch(self) -> None:
-        for options in agreeing(self.lists, self.context.problem.same):
+        for options in agreeing_parts(self.context.problem, self.lists):
             node = self.relaxation.root(options)
             relaxed = self.relaxation.solve(node, math.inf)
             self._push(replace(relaxed.node, bound=relaxed.bound), relaxed.bound)
