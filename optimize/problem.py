@@ -15,7 +15,17 @@ from linkwright.core.arm.avoid.regions import Region
 from linkwright.core.arm.chain.chain import Arm, Calibrated, LoadCase
 from linkwright.core.arm.chain.vectors import ZERO
 from linkwright.core.arm.errors.parts import Part
-from linkwright.core.arm.figures import DIRECTED, FIGURES, PARTS, RANGES_CALLED, Figure, Limit, OfLinks, error_of_case
+from linkwright.core.arm.figures import (
+    DIRECTED,
+    FIGURES,
+    PARTS,
+    RANGES_CALLED,
+    Figure,
+    Limit,
+    OfLinks,
+    error_at_point,
+    error_of_case,
+)
 from linkwright.core.arm.files.avoid import read_avoid
 from linkwright.core.arm.files.branches import tip_named
 from linkwright.core.arm.files.origin import UNKNOWN_ORIGIN
@@ -195,13 +205,13 @@ def problem_from(mapping: Mapping, arm: Arm, known: Catalogue, figures: MappingL
     with mapping.reading("arm"):
         mapping.also_called(PROBLEM_CALLED)
         minimize, figures = _objective(mapping, figures)
-        workspace = _workspace(mapping, arm)
+        workspace, of_points = _workspace(mapping, arm)
         cases = _load_cases(mapping, arm) or arm.cases
         if mapping.has("relative_to"):
             cases = _relative(mapping, arm, cases)
         limits, ranges, off = _subject_to(mapping, arm, figures)
         of_cases = _limits_of_cases(mapping, cases)
-        limits = (*limits, *of_cases)
+        limits = (*limits, *of_cases, *of_points)
         by_name = {limit.name: limit.figure for limit in limits if limit.name not in figures}
         figures = {**figures, **by_name} if by_name else figures
         avoid = read_avoid(mapping)
@@ -283,9 +293,10 @@ def _assumed(problem: Problem, off: frozenset[str]) -> tuple[Limit, ...]:
     return tuple(limits)
 
 
-def _workspace(mapping: Mapping, arm: Arm) -> Workspace:
+def _workspace(mapping: Mapping, arm: Arm) -> tuple[Workspace, tuple[Limit, ...]]:
+    """Where the arm works, and the limits that its points have of their own."""
     if not mapping.has("workspace"):
-        return Workspace()
+        return Workspace(), ()
     with mapping.mapping("workspace").reading() as body:
         kinds = [name for name in ("joints", "poses", "path", "points", "box") if body.has(name)]
         if len(kinds) != 1:
@@ -293,18 +304,18 @@ def _workspace(mapping: Mapping, arm: Arm) -> Workspace:
         if kinds[0] in ("joints", "poses"):
             if body.has("error"):
                 raise body.error("error", "is for a path, whose direction tells what is across and along")
-            return _joint_ranges(body, arm) if kinds[0] == "joints" else _listed_poses(body, arm)
-        points = _points(body, kinds[0], arm)
+            return (_joint_ranges(body, arm) if kinds[0] == "joints" else _listed_poses(body, arm)), ()
+        points, limits, weights = _points(body, kinds[0], arm)
         flat = len(points[0]) == 2
         full = tuple((point[0], point[1], point[2] if len(point) == 3 else 0.0) for point in points)
         counted = cast(Part, body.choice("error", get_args(Part), "whole"))
         kind: Literal["path", "box"] = "box" if kinds[0] == "box" else "path"
-        space = Workspace(kind, full, None, flat or arm.flat, counted, apart=kinds[0] == "points")
+        space = Workspace(kind, full, None, flat or arm.flat, counted, kinds[0] == "points", weights=weights)
         if counted != "whole" and not space.segments:
             raise body.error(
                 "error", f"{counted} needs a direction: a path of two points or more, path: [[x, y], [x, y]]"
             )
-        return space
+        return space, limits
 
 
 def _listed_poses(body: Mapping, arm: Arm) -> Workspace:
@@ -322,9 +333,29 @@ def _listed_poses(body: Mapping, arm: Arm) -> Workspace:
     return Workspace("poses", ranges=spans, poses=poses, weights=weights)
 
 
-def _points(body: Mapping, kind: str, arm: Arm) -> list[tuple[float, ...]]:
-    """The corners of a box or the points of a path (m), all of two components or all of three."""
-    points = [_point(point, body, f"{kind}[{number}]") for number, point in enumerate(body.items(kind), start=1)]
+def _points(body: Mapping, kind: str, arm: Arm) -> tuple[list[tuple[float, ...]], tuple[Limit, ...], tuple[float, ...]]:
+    """The corners of a box or the points of a path (m), all of two components or all of three; of points that stand
+    alone the limits that they have of their own, and their weights (none where they are alike)."""
+    points: list[tuple[float, ...]] = []
+    limits: list[Limit] = []
+    weights: list[float] = []
+    for number, entry in enumerate(body.items(kind), start=1):
+        key = f"{kind}[{number}]"
+        if kind != "points" or not isinstance(entry, dict):
+            points.append(_point(entry, body, key))
+            weights.append(1.0)
+            continue
+        with Mapping(cast(object, entry), file=body.file, key=body.path_of(key)).reading() as own:
+            points.append(_point(own.raw("at", "at: [400 mm, 300 mm]"), own, "at"))
+            weights.append(own.number("weight", 1.0))
+            if weights[-1] <= 0.0:
+                raise own.error("weight", "must be above zero; leave the point out where it does not count")
+            if own.has("max_error"):
+                bound = own.bound("max_error", "length")
+                if bound.relation != "<=" or bound.value <= 0.0:
+                    whole = shown(own.raw("max_error"))
+                    raise own.error("max_error", f"needs a limit from above, e.g. '<= 0.1 mm', not {whole}")
+                limits.append(Limit(error_at_point(number - 1), "<=", bound.value))
     if kind == "box" and len(points) != 2:
         raise body.error("box", f"needs two corners, [[x, y], [x, y]], not {len(points)}")
     if not points:
@@ -342,7 +373,7 @@ def _points(body: Mapping, kind: str, arm: Arm) -> list[tuple[float, ...]]:
         raise body.error(kind, "leaves the plane in which the arm moves: z must be 0 mm")
     if flat and not arm.flat:
         raise body.error(kind, "needs three components (x, y, z): the arm moves in space")
-    return points
+    return points, tuple(limits), tuple(weights) if len(set(weights)) > 1 else ()
 
 
 def _joint_ranges(body: Mapping, arm: Arm) -> Workspace:

@@ -12,7 +12,7 @@ from linkwright.core.units.units import kinds
 
 from .along import DIRECTED, ORIENTATION_ERROR, REPEATABILITY, Directed, Direction
 from .design import ChosenMaterial, DesignExpressions, Designs, DesignValues, Totals
-from .error import AVERAGE_ERROR, MAX_ERROR, error_of_case
+from .error import AVERAGE_ERROR, MAX_ERROR, error_at_point, error_of_case
 from .figure import (
     Asked,
     Cut,
@@ -143,6 +143,7 @@ __all__ = [
     "WorstError",
     "at_poses",
     "broken",
+    "error_at_point",
     "error_of_case",
     "excess",
     "families_of",

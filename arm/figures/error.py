@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from abc import abstractmethod
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, ClassVar
 
 import casadi as ca
@@ -19,7 +19,7 @@ from linkwright.core.arm.errors.lost_motion import played
 from linkwright.core.arm.errors.model import CaseModel, ErrorModel, beam_values, beams_of, error_model
 from linkwright.core.arm.worst.parts import worst_search
 from linkwright.core.arm.worst.search import WorstCase
-from linkwright.core.arm.worst.workspace import place_shares
+from linkwright.core.arm.worst.workspace import Unreachable, place_shares, weights_of_points
 from linkwright.core.sections.numeric import Array
 
 from .design import DesignExpressions, Designs, DesignValues
@@ -36,6 +36,8 @@ _MOST_AT_ONCE = 4_000_000
 """Designs times poses that are looked at together."""
 _MOST_SHOWN = 3
 """Worst poses that become rows together."""
+_THERE = 1e-6
+"""m; a tip this near to a point is there."""
 _FLOOR = 1e-24
 """Keeps the logarithm of an error of zero (m^2, rad^2) finite."""
 
@@ -70,6 +72,7 @@ def averaged_over(search: WorstSearch, p: Array) -> tuple[Array, Array]:
     weights = np.array(search.workspace.weights) if search.workspace.weights else np.ones(len(poses))
     if search.workspace.kind == "path":
         weights = place_shares(search.workspace, search.tip(poses, p))
+        weights = weights * weights_of_points(search.workspace, search.tip(poses, p))
     return poses, weights / weights.sum()
 
 
@@ -265,6 +268,58 @@ def error_of_case(case: int) -> Figure:
         factor=1e3,
         senses=("<=",),
         key=f"max_error_of_load_case_{case + 1}_mm",
+        follows=ThroughPoses(family),
+        traded=False,
+        digits=5,
+    )
+
+
+class PointError(SearchedError):
+    """The worst error at one of the points (from 0) that a workspace lists, over all load cases."""
+
+    def __init__(self, number: int) -> None:
+        self.number, self.name = number, f"max_error at point {number + 1}"
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, PointError) and other.number == self.number
+
+    def __hash__(self) -> int:
+        return hash((PointError, self.number))
+
+    def prepare(self, problem: Asked) -> WorstSearch:
+        """The error at this point."""
+        return self._search(problem.arm, problem.load_cases, problem.workspace)
+
+    def _search(self, arm: Arm, cases: Sequence[LoadCase], workspace: Workspace) -> WorstSearch:
+        return worst_search(error_model(arm, cases), replace(workspace, points=(workspace.points[self.number],)))
+
+    def at_pose(self, prepared: WorstSearch, group: int, q: Array, designs: Designs) -> Mapping[str, Array]:
+        """The error of each design at its pose; nothing of it counts at the poses of other points."""
+        target = np.array(prepared.workspace.points[0])
+        away = (prepared.tip(q, designs.p[0]) - target)[:, : 2 if prepared.workspace.in_plane else 3]
+        errors = super().at_pose(prepared, group, q, designs)[self.name]
+        return {self.name: np.where(np.linalg.norm(away, axis=1) < _THERE, errors, 0.0)}
+
+    def evaluate(self, design: DesignValues) -> WorstCase | None:
+        """The worst error there; None where no pose reaches it."""
+        try:
+            search = self._search(design.arm, design.load_cases, design.search.workspace)
+            return search.worst(design.p, certify=False)
+        except Unreachable:
+            return None
+
+
+def error_at_point(number: int) -> Figure:
+    """The worst error at a point (from 0) of a workspace, which a limit of that point's own is on."""
+    family = PointError(number)
+    return Figure(
+        name=family.name,
+        title=f"worst error at point {number + 1}",
+        kind="length",
+        unit="mm",
+        factor=1e3,
+        senses=("<=",),
+        key=f"max_error_at_point_{number + 1}_mm",
         follows=ThroughPoses(family),
         traded=False,
         digits=5,

@@ -55,7 +55,7 @@ class Workspace:
     poses: tuple[tuple[float, ...], ...] = ()
     """The joint coordinates (rad, m) of `poses`, which lie within `ranges`."""
     weights: tuple[float, ...] = ()
-    """How much each of them counts in an average; alike where there are none."""
+    """How much each of them, or each of `points` that stand apart, counts in an average; alike where there are none."""
 
     @property
     def in_space(self) -> bool:
@@ -179,6 +179,15 @@ def place_shares(workspace: Workspace, tips: Array) -> Array:
     of_place = np.bincount(place.ravel(), weights)
     at = np.argmin(np.linalg.norm(tips[:, None, used] - places, axis=2), axis=1)
     return of_place[at] / np.bincount(at)[at]
+
+
+def weights_of_points(workspace: Workspace, tips: Array) -> Array:
+    """The weight (N,) of the point that each tip (N, 3) is at; 1 where points have none of their own."""
+    if not workspace.weights:
+        return np.ones(len(tips))
+    used = slice(0, 2) if workspace.in_plane else slice(0, 3)
+    away = np.linalg.norm(tips[:, None, used] - np.array(workspace.points)[:, used], axis=2)
+    return np.array(workspace.weights)[np.argmin(away, axis=1)]
 
 
 def _along(workspace: Workspace) -> Array:

@@ -76,6 +76,9 @@ def _check_errors(mapping: Mapping, problem: Problem) -> None:
     if problem.workspace.error != "whole" and of_cases:
         message = f"holds for the whole error, and the workspace counts that {problem.workspace.error} the path"
         raise mapping.error("load_cases", f"subject_to {message}; leave one out")
+    if problem.must_reach and any(limit.name.startswith("max_error at point") for limit in problem.limits):
+        message = "has a max_error of a point, which goes with links whose length stays"
+        raise mapping.error("workspace.points", f"{message}; limit max_error for all of them in subject_to")
     if not average and problem.minimize != "average_error":
         return
     key = "subject_to.average_error" if average else "minimize"
