@@ -53,6 +53,28 @@ class DhRow:
 
 
 @dataclass(frozen=True)
+class GuideBeam:
+    """The beam along which the carriage of an arm's first slide runs, held at both ends: of a `length` (m), from the
+    coordinate `begins_at` (m) on, as one of so many `rails` that share the load. `height_direction` is where its
+    section's height lies, in the joint's frame; `section_name` the stock size that the section was named by."""
+
+    length: float
+    section: Section
+    material: Material
+    supports: Literal["simple", "clamped"] = "simple"
+    rails: Literal[1, 2] = 1
+    begins_at: float = 0.0
+    height_direction: FloatVector = (0.0, 1.0, 0.0)
+    section_name: str | None = None
+
+    @property
+    def mass(self) -> float:
+        """The mass of all rails, kg."""
+        area = float(self.section.properties(0.3).area)
+        return self.rails * self.length * area * self.material.at(REFERENCE_TEMPERATURE).need("density")
+
+
+@dataclass(frozen=True)
 class Joint:
     """A joint and its drive. Angles in rad, lengths in m; a prismatic joint's range and backlash are lengths.
 
@@ -71,7 +93,9 @@ class Joint:
     `origin_free` names what nobody knows of where its frame stands on the link before (see `OriginPart`): a diagnosis
     finds it, and the figures here are a guess. `name` is what other programs call it; `effort` (N*m or N) and
     `velocity` (rad/s or m/s) are the greatest that its drive gives, which they ask for and no figure here rests on.
-    `dh` are the parameters by which the file says where it stands.
+    `dh` are the parameters by which the file says where it stands. `rated_torque` and `peak_torque` (N*m; N for a
+    slide) are what the drive gives at the joint for long and for a moment; None: those of its `actuator`. `guide` is
+    the beam along which a slide runs; None: a rigid one.
     """
 
     type: JointType = "revolute"
@@ -100,6 +124,24 @@ class Joint:
     effort: float | None = None
     velocity: float | None = None
     dh: DhRow | None = field(default=None, compare=False)
+    rated_torque: float | None = None
+    peak_torque: float | None = None
+    guide: GuideBeam | None = None
+
+    @property
+    def rating(self) -> tuple[float | None, float | None]:
+        """What the drive gives for long and for a moment, N*m (N for a slide); None where it is not known."""
+        actuator = self.actuator
+        rated = self.rated_torque if actuator is None else self.rated_torque or actuator.rated_torque
+        peak = self.peak_torque if actuator is None else self.peak_torque or actuator.peak_torque
+        return rated, peak
+
+    @property
+    def greatest_static_load(self) -> float | None:
+        """What the drive can hold at rest: its rated torque, or the peak that the file gives where only that is
+        known. (What a catalogue's servo stalls at is nothing that it holds.)"""
+        rated, _ = self.rating
+        return self.peak_torque if rated is None else rated
 
     @property
     def driven(self) -> bool:
@@ -164,6 +206,21 @@ def asymmetry_of(section: Section) -> Asymmetry:
 
 
 @dataclass(frozen=True)
+class Flange:
+    """What gives at a link's far end: stiffness (N*m/rad) against tilting across the link, and against torsion about
+    it; None: rigid."""
+
+    tilting_stiffness: float | None = None
+    torsional_stiffness: float | None = None
+
+
+Matrix = tuple[tuple[float, ...], ...]
+"""Rows of numbers."""
+_UNCOUPLED = 1e-9
+"""Of a compliance, against those of its row and column: what rounding makes of zero."""
+
+
+@dataclass(frozen=True)
 class Link:
     """A straight link: `length` m along the unit vector `direction` of its frame, then `end_rotation`.
 
@@ -178,6 +235,8 @@ class Link:
     and weighs there. `name` is what other programs call it. `inertia` of a rigid link (kg*m^2; xx, yy, zz, xy, xz, yz
     along the axes of its frame) is that of all that weighs on it (`mass` and `masses`, but motors of joints) about
     their common centre; None: not known. `may_lack` is what the sections that may be chosen for it lack of symmetry.
+    `flange` is what gives at its far end. `compliance` (6, 6), of a link without a section, is how its far end moves
+    (m) and turns (rad) under a force (N) and a moment (N*m) there, along the axes of its frame; None: rigid.
     """
 
     length: float
@@ -197,10 +256,14 @@ class Link:
     name: str = ""
     inertia: tuple[float, float, float, float, float, float] | None = None
     may_lack: Asymmetry = SYMMETRIC
+    flange: Flange | None = None
+    compliance: Matrix | None = None
 
     @property
     def asymmetry(self) -> Asymmetry:
         """What its section lacks of symmetry, with what those that may be chosen for it lack."""
+        if self.compliance is not None and _leaves_plane(self.compliance):
+            return replace(self.may_lack, askew=True)
         return self.may_lack if self.section is None else self.may_lack.with_that(asymmetry_of(self.section))
 
     @property
@@ -216,6 +279,15 @@ class Link:
         components = zip(("x", "y", "z"), self.direction, strict=True)
         entries = tuple(name for name, share in components if abs(share) > _ASKEW)
         return entries if len(entries) > 1 else ("length",)
+
+
+def _leaves_plane(compliance: Matrix) -> bool:
+    """Whether loads in the x-y plane of a link's frame move its far end out of that."""
+    return any(
+        abs(compliance[row][column]) > _UNCOUPLED * math.sqrt(compliance[row][row] * compliance[column][column])
+        for row in (0, 1, 5)
+        for column in (2, 3, 4)
+    )
 
 
 @dataclass(frozen=True)
@@ -379,7 +451,8 @@ class Arm:
         payloads of other branches than the tip's."""
         hung = sum(mass.mass for link in self.links for mass in link.masses)
         hung += sum(branch.payload.mass for branch in self.branches if branch.name != self.tip)
-        return hung + sum(joint.mass + joint.motor_on_base for joint in self.joints)
+        guides = sum(joint.guide.mass for joint in self.joints if joint.guide is not None)
+        return hung + guides + sum(joint.mass + joint.motor_on_base for joint in self.joints)
 
     @property
     def tip(self) -> str:

@@ -76,7 +76,13 @@ def cut(arm: Arm, beams: Sequence[Beam], pieces: int = PIECES) -> Pieces:
         follows = None if joint.follows is None else joint.follows.moved(dict(enumerate(first)))
         joints += [replace(joint, spans=count, follows=follows), *[Joint(axis=axis, range=(0.0, 0.0))] * (count - 1)]
         piece = replace(
-            link, length=link.length / count, end_rotation=IDENTITY, height_direction=height, runs_out=False
+            link,
+            length=link.length / count,
+            end_rotation=IDENTITY,
+            height_direction=height,
+            runs_out=False,
+            flange=None,
+            compliance=None,
         )
         parts = [*[piece] * (count - 1), replace(piece, end_rotation=link.end_rotation)]
         links += [

@@ -292,6 +292,9 @@ def _lost(arm: Arm, beams: Sequence[Beam], *, springs: bool) -> tuple[str, ...]:
         *_of_joints("backlash", [joint.backlash > 0.0 for joint in arm.joints]),
         *_of_joints("clearance of bearings", [joint.clearance > 0.0 for joint in arm.joints]),
         *_of_joints("that bearings give in tilt", [joint.tilting_stiffness is not None for joint in arm.joints]),
+        *_of_joints("that the beams of slides give", [joint.guide is not None for joint in arm.joints]),
+        *_of_links("that flanges give", [link.flange is not None for link in arm.links]),
+        *_of_links("that links given by their stiffness give", [link.compliance is not None for link in arm.links]),
         *_of_joints("balancers", [joint.counterbalance is not None for joint in arm.joints]),
         *_of_joints("that joints follow others: what is asked of each here is its turn against the link before", tied),
         *_of_joints("that joints are passive", [joint.passive for joint in arm.joints]),
@@ -327,6 +330,12 @@ def _of_joints(name: str, chosen: Sequence[bool]) -> list[str]:
     """What is not held of the chosen joints; nothing where there are none."""
     places = [str(number) for number, item in enumerate(chosen, start=1) if item]
     return [f"{name} (joint {', '.join(places)})"] if places else []
+
+
+def _of_links(name: str, chosen: Sequence[bool]) -> list[str]:
+    """The same of the chosen links."""
+    places = [str(number) for number, item in enumerate(chosen, start=1) if item]
+    return [f"{name} (link {', '.join(places)})"] if places else []
 
 
 def _lost_flexibility(arm: Arm, beams: Sequence[Beam], *, springs: bool) -> Iterator[str]:

@@ -104,8 +104,7 @@ def _drive_words(pieces: Structure) -> tuple[str, ...]:
 
 def _greatest(joint: Joint) -> tuple[float | None, float | None]:
     """The greatest effort and speed of a joint's drive, as far as they are known."""
-    rated = None if joint.actuator is None else joint.actuator.rated_torque
-    return rated if joint.effort is None else joint.effort, joint.velocity
+    return joint.rating[0] if joint.effort is None else joint.effort, joint.velocity
 
 
 def _greatest_words(arm: Arm) -> tuple[str, ...]:

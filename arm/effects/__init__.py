@@ -61,6 +61,9 @@ from linkwright.core.arm.effects.loads.unknown_weight import UNKNOWN_WEIGHT
 from linkwright.core.arm.effects.lost_motion.backlash import BACKLASH
 from linkwright.core.arm.effects.lost_motion.clearance import CLEARANCE
 from linkwright.core.arm.effects.lost_motion.friction_windup import FRICTION_WINDUP
+from linkwright.core.arm.effects.structures.flange_compliance import FLANGE_COMPLIANCE
+from linkwright.core.arm.effects.structures.guide_bending import GUIDE_BENDING
+from linkwright.core.arm.effects.structures.link_stiffness import LINK_STIFFNESS
 from linkwright.core.arm.effects.thermal.gearbox_thermal import GEARBOX_THERMAL
 from linkwright.core.arm.effects.thermal.screw_expansion import SCREW_EXPANSION
 from linkwright.core.arm.effects.thermal.thermal_bending import THERMAL_BENDING
@@ -75,6 +78,8 @@ EFFECTS.ship(
     AXIAL,
     TORSION,
     SHEAR_DEFORMATION,
+    LINK_STIFFNESS,
+    FLANGE_COMPLIANCE,
     LINK_MODULUS,
     LINK_MASS,
     JOINT_COMPLIANCE,
@@ -102,6 +107,7 @@ EFFECTS.ship(
     BASE_TILT,
     BASE_COMPLIANCE,
     COLUMN_BENDING,
+    GUIDE_BENDING,
     LATERAL_COMPLIANCE,
     FRAME_MISALIGNMENT,
     FRAME_DRIFT,

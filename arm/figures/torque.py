@@ -1,4 +1,4 @@
-"""What a joint's drive has to hold: the greatest torque over a workspace, against the rated one of its actuator.
+"""What a joint's drive has to hold: the greatest torque over a workspace, against its rated one.
 
 The loads are static, as everything here: payload, process force and weights. Accelerations come on top, and a motion
 that takes long at the greatest torque is for the maker's own selection procedure.
@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from linkwright.core.arm.chain.chain import Arm, LoadCase
+from linkwright.core.arm.chain.chain import Arm, Joint, LoadCase
 from linkwright.core.arm.chain.statics import PoseState
 from linkwright.core.arm.chain.vectors import Scalar
 from linkwright.core.arm.compiled.expressions import Expressions
@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 @dataclass(frozen=True)
 class DriveLoads:
     """The greatest load on each joint's drive (N*m; N for a slide) over a workspace and load cases, where it is, and
-    what share of its actuator's rated torque that is (None without an actuator)."""
+    what share of its rated torque that is (None where nobody knows it)."""
 
     greatest: tuple[float, ...]
     poses: tuple[tuple[tuple[float, ...], int], ...]
@@ -37,13 +37,13 @@ class DriveLoads:
 
     @property
     def greatest_use(self) -> float | None:
-        """The greatest share of a rated torque; None where no joint has an actuator."""
+        """The greatest share of a rated torque; None where none is known."""
         return max((use for use in self.use if use is not None), default=None)
 
 
 def rated_torques(arm: Arm) -> tuple[float | None, ...]:
-    """The rated torque of each joint's actuator, N*m; None without one, or where it is unknown."""
-    return tuple(None if joint.actuator is None else joint.actuator.rated_torque for joint in arm.joints)
+    """What each joint's drive can hold at rest, N*m (N for a slide); None where it is unknown."""
+    return tuple(joint.greatest_static_load for joint in arm.joints)
 
 
 def drive_case(arm: Arm, load: LoadCase) -> Expressions:
@@ -71,17 +71,17 @@ def greatest_drive_loads(
 
 
 def _uses(state: PoseState) -> list[Scalar]:
-    """The share of its actuator's rated torque that each drive holds."""
+    """The share of its rated torque that each drive holds."""
     joints = zip(state.joints, rated_torques(state.arm), strict=True)
     return [joint.drive_load / torque for joint, torque in joints if torque is not None]
 
 
 class Torques(OfStatics[DriveLoads]):
-    """The loads on the drives, to either side, against the rated torques of their actuators."""
+    """The loads on the drives, to either side, against their rated torques."""
 
     def evaluate(self, design: DesignValues) -> DriveLoads | None:
-        """Each drive's greatest load; None where no joint has an actuator."""
-        if all(joint.actuator is None for joint in design.arm.joints):
+        """Each drive's greatest load; None where no drive is known."""
+        if not any(joint.actuator is not None or joint.greatest_static_load for joint in design.arm.joints):
             return None
         cases = [drive_case(design.arm, load) for load in design.load_cases]
         return greatest_drive_loads(design.arm, cases, design.poses, design.p, design.search)
@@ -91,20 +91,27 @@ class Torques(OfStatics[DriveLoads]):
         return {TORQUE_USE.name: found.greatest_use}
 
     def warnings(self, arm: Arm, found: DriveLoads) -> list[str]:
-        """One line for each joint whose drive has to hold more than its actuator's rated torque."""
+        """One line for each joint whose drive has to hold more than it can."""
         return [
-            f"joint {number} holds up to {held:.4g} N*m, more than the rated {joint.actuator.rated_torque:.4g} N*m of "
-            f"{joint.actuator.name}"
+            f"joint {number} holds up to {held:.4g} {_unit(joint)}, more than {_rating_in_words(joint)}"
             for number, (joint, held) in enumerate(zip(arm.joints, found.greatest, strict=True), start=1)
-            if joint.actuator is not None
-            and joint.actuator.rated_torque is not None
-            and held > joint.actuator.rated_torque
+            if (most := joint.greatest_static_load) is not None and held > most
         ]
+
+
+def _unit(joint: Joint) -> str:
+    return "N*m" if joint.revolute else "N"
+
+
+def _rating_in_words(joint: Joint) -> str:
+    word = "peak" if joint.rating[0] is None else "rated"
+    of = "" if joint.actuator is None else f" of {joint.actuator.name}"
+    return f"the {word} {joint.greatest_static_load:.4g} {_unit(joint)}{of}"
 
 
 def _assumed(problem: Asked) -> float | None:
     """Drives are not overloaded, whether or not anybody asks for it."""
-    driven = any(joint.actuator is not None for joint in problem.arm.joints)
+    driven = any(joint.actuator is not None or joint.greatest_static_load for joint in problem.arm.joints)
     return 1.0 if driven or problem.actuators is not None else None
 
 

@@ -26,6 +26,9 @@ from .heights import UP
 from .origin import read_origin, read_vector
 from .prices import read_cost
 from .running_out import running_out
+from .structures.flange import read_flange
+from .structures.guide import read_guide
+from .structures.stiffness import read_stiffness
 
 _AXES = MappingProxyType({"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)})
 
@@ -37,6 +40,8 @@ _JOINT_CALLED = MappingProxyType(
         "backlash": ("lost_motion", "slack"),
         "clearance": ("gap", "bearing_play", "play"),
         "actuator": ("drive", "gearbox", "gear"),
+        "rated_torque": ("nominal_torque", "continuous_torque", "rated_force"),
+        "peak_torque": ("max_torque", "maximum_torque", "peak_force"),
         "zero": ("offset", "home"),
     }
 )
@@ -75,7 +80,10 @@ class Entry:
 def read_entry(mapping: Mapping, catalogue: Catalogue, number: int, size: int) -> Entry:
     """A joint (its number from 1) and the link that it carries, of an arm of so many."""
     with mapping.reading():
-        joint, motor = _joint(mapping.mapping("joint"), size)
+        joint, motor = _joint(mapping.mapping("joint"), size, catalogue)
+        if joint.guide is not None and number > 1:
+            message = "is of an arm's first slide; what carries a beam farther out is not in the model"
+            raise mapping.error("joint.beam", message)
         has_link = mapping.has("link")
         body = mapping.mapping("link") if has_link else None
         given = body is not None and body.has("length")
@@ -117,7 +125,7 @@ def _of_dh(
     return joint, link, None
 
 
-def _joint(mapping: Mapping, size: int) -> tuple[Joint, Motor | None]:
+def _joint(mapping: Mapping, size: int, catalogue: Catalogue) -> tuple[Joint, Motor | None]:
     with mapping.reading():
         mapping.also_called(_JOINT_CALLED)
         motor = read_motor(mapping, size)
@@ -143,9 +151,14 @@ def _joint(mapping: Mapping, size: int) -> tuple[Joint, Motor | None]:
             stiffness, zones = actuator.stiffness, actuator.zones
         _require_known(mapping, actuator)
         cost, cost_date = read_cost(mapping)
+        rated, peak = _rating(mapping, turns)
+        axis = _axis(mapping, "z" if turns else "x")
+        if turns and mapping.has("beam"):
+            raise mapping.error("beam", "is of a slide that runs along it; write type: prismatic, or leave it out")
+        guide = read_guide(mapping, catalogue, _section, axis, limits)
         joint = Joint(
             type=kind,
-            axis=_axis(mapping, "z" if turns else "x"),
+            axis=axis,
             range=limits,
             clearance=mapping.not_negative("clearance", "length", 0.0),
             backlash=mapping.not_negative("backlash", motion, (actuator and actuator.backlash) or 0.0),
@@ -164,6 +177,9 @@ def _joint(mapping: Mapping, size: int) -> tuple[Joint, Motor | None]:
             effort=_greatest(mapping, "effort", "torque" if turns else "force"),
             velocity=_greatest(mapping, "velocity", "angular_speed" if turns else "speed"),
             tilting_stiffness=_tilting(mapping, turns, actuator),
+            rated_torque=rated,
+            peak_torque=peak,
+            guide=guide,
         )
         return joint, motor
 
@@ -173,10 +189,22 @@ def _greatest(mapping: Mapping, name: str, kind: str) -> float | None:
     return mapping.not_negative(name, kind, 0.0) if mapping.has(name) else None
 
 
+def _rating(mapping: Mapping, turns: bool) -> tuple[float | None, float | None]:
+    """What the drive gives at the joint for long and for a moment."""
+    names = ("rated_torque", "peak_torque")
+    rated, peak = (mapping.optional_quantity(name, "torque" if turns else "force") for name in names)
+    for name, value in zip(names, (rated, peak), strict=True):
+        if value is not None and value <= 0.0:
+            raise mapping.error(name, "must be positive; leave it out where it is not known")
+    if rated is not None and peak is not None and peak < rated:
+        raise mapping.error("peak_torque", "is below rated_torque, which the drive gives for long; swap them")
+    return rated, peak
+
+
 def _passive(mapping: Mapping) -> bool:
     if not mapping.boolean("passive", False):
         return False
-    for name in ("actuator", "stiffness", "backlash", "balancer", "motor"):
+    for name in ("actuator", "stiffness", "backlash", "balancer", "motor", "rated_torque", "peak_torque"):
         if mapping.has(name):
             raise mapping.error(name, "is of a drive, and a passive joint has none; leave it or `passive` out")
     return True
@@ -241,6 +269,8 @@ def _link(mapping: Mapping, link: Link, catalogue: Catalogue) -> Link:
         mapping.also_called(_LINK_CALLED)
         if mapping.has("masses"):
             link = replace(link, masses=read_masses(mapping))
+        flange, weight = read_flange(mapping)
+        link = replace(link, flange=flange, masses=(*link.masses, *weight))
         cost, cost_date = read_cost(mapping)
         link = replace(link, cost=cost, cost_date=cost_date, name=mapping.text("name", ""))
         rigid = mapping.boolean("rigid", False)
@@ -254,6 +284,8 @@ def _link(mapping: Mapping, link: Link, catalogue: Catalogue) -> Link:
         if mapping.has("section"):
             if rigid:
                 raise mapping.error("rigid", "contradicts section: a link with a section gives")
+            if mapping.has("stiffness"):
+                raise mapping.error("stiffness", "is what section and material say already; leave one of them out")
             if mapping.has("inertia"):
                 raise mapping.error("inertia", "is that of section and material already; leave it out")
             section, name = _section(mapping)
@@ -262,6 +294,13 @@ def _link(mapping: Mapping, link: Link, catalogue: Catalogue) -> Link:
             return replace(link, section=section, section_name=name, material=material)
         if mapping.has("material"):
             raise mapping.error("section", "is missing; a link with a material needs its section")
+        compliance = read_stiffness(mapping)
+        if compliance is not None and rigid:
+            raise mapping.error("rigid", "contradicts stiffness: a link with a stiffness gives")
+        if compliance is not None and (link.length == 0.0 or mapping.content.get("mass") in (None, "unknown")):
+            name = "mass" if link.length else "length"
+            raise mapping.error(name, "of a link with a stiffness must be known; write it beside that")
+        link = replace(link, compliance=compliance)
         if not rigid and not mapping.has("mass"):
             raise mapping.error("section", "is missing; write section and material, or rigid: true and mass")
         if mapping.content.get("mass") == "unknown":

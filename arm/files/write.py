@@ -10,7 +10,7 @@ from typing import Any
 
 import yaml
 
-from linkwright.core.arm.chain.chain import Arm, EffectEntry, FloatVector, Joint, Link, LoadCase
+from linkwright.core.arm.chain.chain import Arm, EffectEntry, FloatVector, GuideBeam, Joint, Link, LoadCase
 from linkwright.core.arm.chain.vectors import IDENTITY, Rotation, to_roll_pitch_yaw
 from linkwright.core.arm.effects import EFFECTS, kind_at
 from linkwright.core.materials.material import Material
@@ -24,6 +24,7 @@ from .heights import height_to_value
 from .origin import origin_given, origin_to_value
 from .prices import cost_to_value, machining_to_mapping
 from .read import acts_on_slides
+from .structures.stiffness import stiffness_rows
 
 _COUNTERBALANCES = MappingProxyType(
     {
@@ -175,13 +176,29 @@ def _joint(joint: Joint) -> dict[str, Any]:
         ("zero", joint.zero, 0.0, motion),
         ("effort", joint.effort, None, "torque" if joint.revolute else "force"),
         ("velocity", joint.velocity, None, "angular_speed" if joint.revolute else "speed"),
+        ("rated_torque", joint.rated_torque, None, "torque" if joint.revolute else "force"),
+        ("peak_torque", joint.peak_torque, None, "torque" if joint.revolute else "force"),
     )
+    if joint.guide is not None:
+        out["beam"] = _guide(joint.guide)
     if joint.counterbalance is not None:
         kinds = _COUNTERBALANCES
         out["balancer"] = {
             name: format_quantity(value, kinds[name]) for name, value in asdict(joint.counterbalance).items()
         }
     return out
+
+
+def _guide(guide: GuideBeam) -> dict[str, Any]:
+    return {
+        "length": format_quantity(guide.length, "length"),
+        "section": guide.section_name or section_to_mapping(guide.section),
+        "material": material_to_value(guide.material),
+        "supports": guide.supports,
+        "rails": guide.rails,
+        "begins_at": format_quantity(guide.begins_at, "length"),
+        "height_direction": list(guide.height_direction),
+    }
 
 
 def _figures(*figures: tuple[str, float | None, float | None, str]) -> dict[str, str]:
@@ -218,12 +235,18 @@ def _link(link: Link, number: int, height: object) -> dict[str, Any]:
         body["section"] = link.section_name or section_to_mapping(link.section)
         body["material"] = material_to_value(link.material)
     else:
-        body["rigid"] = True
+        if link.compliance is None:
+            body["rigid"] = True
+        else:
+            body["stiffness"] = stiffness_rows(link.compliance)
         body["mass"] = "unknown" if link.mass is None else format_quantity(link.mass, "mass")
         if link.center_of_mass is not None:
             body["center_of_mass"] = format_quantity(link.center_of_mass, "length")
         if link.inertia is not None:
             body["inertia"] = _inertia(link.inertia)
+    if link.flange is not None:
+        stiffness = (*((name, value, None, "torsional_stiffness") for name, value in asdict(link.flange).items()),)
+        body["flange"] = _figures(*stiffness)
     if link.cost is not None:
         body["cost"] = cost_to_value(link.cost, link.cost_date)
     if _masses(link):

@@ -107,8 +107,9 @@ def _cut(arm: Arm) -> tuple[Arm, list[int], list[SegmentKind]]:
         joints.append(replace(joint, spans=pieces, zones=(), counterbalance=None, follows=follows))
         joints += [Joint(axis=axis, range=(0.0, 0.0))] * (pieces - 1)
         piece = replace(link, length=link.length / pieces, end_rotation=IDENTITY, height_direction=height, masses=())
-        piece = replace(piece, runs_out=False)
-        links += [piece] * (pieces - 1) + [replace(piece, end_rotation=link.end_rotation)]
+        piece = replace(piece, runs_out=False, flange=None, compliance=None)
+        last = replace(piece, end_rotation=link.end_rotation, flange=link.flange, compliance=link.compliance)
+        links += [piece] * (pieces - 1) + [last]
         owner += [index] * pieces
     whole = replace(arm, joints=tuple(joints), links=tuple(links), gravity=ZERO, payload=LoadCase(), effects=())
     return whole, owner, kinds
@@ -160,6 +161,13 @@ def node_masses(arm: Arm, segments: SegmentedArm, beams: Sequence[Beam], payload
             masses[start] = masses[start] + arm.joints[index].mass
         for node, mass in _hung(arm.links[index], beam, start, nodes):
             masses[node] = masses[node] + mass
+        if arm.links[index].compliance is not None:
+            # Nobody knows how it moves between its ends: at these its mass makes the arm no faster than it is.
+            share = times(beam.lumped_mass, beam.lumped_at / beam.length)
+            masses[nodes[-1]] = masses[nodes[-1]] + share
+            if start is not None:
+                masses[start] = masses[start] + minus(beam.lumped_mass, share)
+            continue
         if segments.kinds[nodes[0]] == "before":
             masses[nodes[0]] = masses[nodes[0]] + beam.lumped_mass
             continue

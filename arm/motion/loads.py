@@ -6,6 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from linkwright.core.arm.chain.chain import Joint
+
 from .dynamics import drive_power, model_torque
 from .motion import Motion
 
@@ -22,6 +24,12 @@ class OfDrive:
     power: float
     energy: float
     braked: float
+
+    def uses(self, joint: Joint) -> tuple[float | None, float | None]:
+        """What share of its joint's peak torque the greatest torque takes, and of its rated one the root mean square;
+        None where nobody knows those."""
+        rated, peak = joint.rating
+        return None if peak is None else self.torque / peak, None if rated is None else self.rms_torque / rated
 
 
 def loads_of(motion: Motion) -> tuple[OfDrive, ...]:

@@ -136,21 +136,22 @@ def _strength(evaluation: Evaluation) -> list[dict[str, Any]]:
 
 
 def _drives(evaluation: Evaluation) -> list[dict[str, Any]]:
-    """What each drive holds at most; empty where no joint has an actuator."""
+    """What each drive holds at most; empty where no drive is known."""
     arm, drives = evaluation.arm, evaluation.drives
     if drives is None:
         return []
-    rated, none = ("actuator=name", "rated_torque_Nm", "peak_torque_Nm"), {"actuator": None}
     result: list[dict[str, Any]] = []
     for index, joint in enumerate(arm.joints):
-        rated_figures = fields_if(joint.actuator, *rated) or {**none, "rated_torque_Nm": None, "peak_torque_Nm": None}
+        rated, peak = joint.rating
+        figure = "torque_Nm" if joint.revolute else "force_N"
         result.append(
             {
                 "joint": index + 1,
-                "actuator": rated_figures.pop("actuator"),
+                "actuator": None if joint.actuator is None else joint.actuator.name,
                 "greatest_load": drives.greatest[index],
                 "unit": "N*m" if joint.revolute else "N",
-                **rated_figures,
+                f"rated_{figure}": rated,
+                f"peak_{figure}": peak,
                 "torque_use": drives.use[index],
                 "worst_pose": _pose(arm, *drives.poses[index]),
             }
@@ -283,6 +284,7 @@ def _in_motion(arm: Arm, motion: Sequence[OfDrive]) -> list[dict[str, Any]]:
         {
             "joint": number,
             **fields(item, *names, "energy_J=energy", "braked_J=braked"),
+            **dict(zip(("peak_use", "rated_use"), item.uses(joint), strict=True)),
             "torque_unit": "N*m" if joint.revolute else "N",
             "speed_unit": "rad/s" if joint.revolute else "m/s",
         }

@@ -303,7 +303,7 @@ def joint_loads(evaluation: Evaluation) -> Table | Paragraph:
 
 
 def drives(evaluation: Evaluation, *, detail: bool = False) -> Table | None:
-    """What each drive holds at most, against its actuator's rated torque; None where no joint has an actuator."""
+    """What each drive holds at most, against its rated torque; None where no drive is known."""
     loads = evaluation.drives
     if loads is None:
         return None
@@ -313,7 +313,7 @@ def drives(evaluation: Evaluation, *, detail: bool = False) -> Table | None:
         load = unless_nothing(loads.greatest[index], max(loads.greatest))
         held = amount(load, "N·m" if joint.revolute else "N")
         actuator = joint.actuator
-        rated = amount(None if actuator is None else actuator.rated_torque, "N·m")
+        rated = amount(joint.greatest_static_load, "N·m" if joint.revolute else "N")
         used = share(math.nan if use is None else use if load else 0.0, 3)
         name = "–" if actuator is None else actuator.name
         rows.append([count(index + 1), name, held, rated, used, pose(evaluation.arm, q) if load else "–"])

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 
 from linkwright.core.arm.chain.chain import Arm
@@ -32,6 +33,7 @@ from .document import (
     amount,
     count,
     section,
+    share,
     table,
 )
 from .figures_in_words import figure, mm, pose, robust_words, unless_nothing, workspace_words
@@ -97,7 +99,8 @@ def describe(
 
 
 def _in_motion(arm: Arm, motion: Sequence[OfDrive]) -> Table:
-    """Torque, speed, power and energy of each drive."""
+    """Torque, speed, power and energy of each drive, and what shares of its peak and rated torques that takes."""
+    rated = any(rating is not None for joint in arm.joints for rating in joint.rating)
     rows: list[list[Cell]] = [
         [
             count(number),
@@ -107,11 +110,12 @@ def _in_motion(arm: Arm, motion: Sequence[OfDrive]) -> Table:
             amount(item.power, "W"),
             amount(item.energy, "J"),
             amount(item.braked, "J"),
+            *((share(math.nan if use is None else use, 3) for use in item.uses(joint)) if rated else ()),
         ]
         for number, (joint, item) in enumerate(zip(arm.joints, motion, strict=True), start=1)
     ]
     headings = ("joint", "greatest torque", "RMS torque", "greatest speed", "greatest power", "energy", "braked off")
-    return table(headings, rows)
+    return table((*headings, "of peak", "RMS of rated") if rated else headings, rows)
 
 
 def _compliance(evaluation: Evaluation) -> Item:

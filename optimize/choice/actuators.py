@@ -38,6 +38,8 @@ def with_actuators(arm: Arm, assignment: Assignment) -> Arm:
             mass=actuator.mass or 0.0,
             tilting_stiffness=actuator.tilting_stiffness,
             cost=None,
+            rated_torque=None,
+            peak_torque=None,
         )
         for joint, actuator in zip(arm.joints, assignment, strict=True)
     ]

@@ -103,10 +103,10 @@ def _check_sleeves(body: Mapping, problem: Problem) -> None:
 
 def _check_objective(mapping: Mapping, body: Mapping, problem: Problem) -> None:
     """Whether there is something to design, and something that holds what is minimised."""
-    driven = any(joint.actuator is not None for joint in problem.arm.joints)
+    driven = any(joint.actuator is not None or joint.greatest_static_load for joint in problem.arm.joints)
     if problem.limit("torque_use") and problem.actuators is None and not driven:
-        would_do = "name them in the arm file (joint: {actuator: RV-20E}), or choose: {actuator: [...]}"
-        raise body.error("torque_use", f"needs joints with actuators, whose rated torque is known; {would_do}")
+        would_do = "write joint: {rated_torque: 60 N*m} or {actuator: RV-20E}, or choose: {actuator: [...]}"
+        raise body.error("torque_use", f"needs joints whose rated torque is known; {would_do}")
     if not any(link.elastic for link in problem.arm.links):
         raise mapping.error("arm", f"{problem.arm.name}: no link has a section, so there is nothing to design")
     figure = problem.objective

@@ -80,7 +80,7 @@ def test_the_whole_table_is_there() -> None:
     gearbox_thermal creep base_tilt base_compliance frame_misalignment frame_drift instrument_scale
     axis_misalignment counterbalance
     latency stale_reading dynamic_deflection torsion rail_straightness rail_pitch joint_waviness
-    screw_expansion column_bending lateral_compliance unknown_weight
+    screw_expansion column_bending lateral_compliance unknown_weight flange_compliance link_stiffness guide_bending
     friction_coulomb friction_viscous friction_stribeck friction_load friction_asymmetry friction_warmup
     friction_reversal friction_quadratic friction_place armature torque_constant torque_offset torque_delay
     link_inertial gear_ripple spring joint_resonance"""

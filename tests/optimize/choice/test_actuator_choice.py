@@ -155,7 +155,7 @@ def test_joints_that_must_agree_need_an_actuator_in_common(tmp_path: Path) -> No
 
 
 def test_a_torque_limit_without_actuators_is_wrong_input(tmp_path: Path) -> None:
-    with pytest.raises(InputError, match="needs joints with actuators"):
+    with pytest.raises(InputError, match="needs joints whose rated torque is known"):
         problem_of(tmp_path, TWO, "subject_to: {mass: '<= 6 kg', torque_use: '<= 0.5'}\n")
 
 
