@@ -423,7 +423,8 @@ def idle_effects(arm: Arm) -> list[str]:
 def nothing_errs(arm: Arm) -> list[str]:
     """One line where the arm's file holds nothing that moves the tip: an error of zero then says nothing."""
     gives = any(joint.stiffness is not None or joint.zones or joint.backlash or joint.clearance for joint in arm.joints)
-    gives = gives or any(joint.tilting_stiffness is not None for joint in arm.joints)
+    gives = gives or any(joint.tilting_stiffness is not None or joint.guide is not None for joint in arm.joints)
+    gives = gives or any(link.flange is not None or link.compliance is not None for link in arm.links)
     if gives or arm.effects or any(link.elastic for link in arm.links):
         return []
     return [

@@ -101,7 +101,7 @@ def _ends(value: object) -> tuple[float, ...]:
 def section_words(link: Link) -> str:
     """A link's section: its stock name or its shape, with dimensions."""
     if link.section is None:
-        return "rigid"
+        return "rigid" if link.compliance is None else "by its stiffness matrix"
     words = shape_words(link.section.shape, link.section.given())
     return f"{link.section_name} ({words})" if link.section_name else words
 

@@ -191,7 +191,7 @@ def _lengths(steps: _Steps, scale: float, half: float, room: tuple[float, float]
 def _words(number: int, link: Link, height: HeightPoints | None) -> list[str]:
     section = link.section
     if section is None:
-        return [f"link {number}", "rigid"]
+        return [f"link {number}", "rigid" if link.compliance is None else "by a matrix"]
     given = section.given()
     walls = [_figures(value) for name, value in given.items() if "thickness" in name]
     sizes = [item for item in (_figures(value) for name, value in given.items() if name == "diameter") if item]

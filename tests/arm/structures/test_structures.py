@@ -44,7 +44,7 @@ def beam_stiffness(arm: Arm, link: int) -> Array:
         give[about, about] = length / (E * inertia)
         give[across, about] = give[about, across] = sign * length**2 / (2.0 * E * inertia)
     metres = np.array([1e3] * 3 + [1.0] * 3)
-    return np.linalg.inv(metres[:, None] * give / np.array([1.0] * 3 + [1e3] * 3)[None, :])
+    return np.asarray(np.linalg.inv(metres[:, None] * give / np.array([1.0] * 3 + [1e3] * 3)[None, :]), dtype=float)
 
 
 def as_csv(path: Path, matrix: Array) -> None:

@@ -13,8 +13,10 @@ from tests.optimize.builders import best_value, problem_of, taken_for_many
 
 MATERIALS = ("aluminium-6061-t6", "steel-s355")
 SHAPES = ("circle", "tube")
-ROWS = "[[1e5, 0, 0, 0, 0, 0], [0, 2e4, 0, 0, 0, -4e6], [0, 0, 2e4, 0, 4e6, 0], [0, 0, 0, 1e9, 0, 0], "
-ROWS += "[0, 0, 4e6, 0, 2e9, 0], [0, -4e6, 0, 0, 0, 2e9]]"
+ROWS = (
+    "[[1e5, 0, 0, 0, 0, 0], [0, 2e4, 0, 0, 0, -4e6], [0, 0, 2e4, 0, 4e6, 0], [0, 0, 0, 1e9, 0, 0], "
+    "[0, 0, 4e6, 0, 2e9, 0], [0, -4e6, 0, 0, 0, 2e9]]"
+)
 LINK = "{length: 350 mm, section: {shape: circle, diameter: 40 mm}, material: steel-s355%s}"
 FLANGE = ", flange: {tilting_stiffness: 30 kN*m/rad, mass: 0.5 kg}"
 DRIVE = "range: [-60 deg, 80 deg], stiffness: 60 kN*m/rad, mass: 2 kg"
@@ -24,8 +26,10 @@ HOUSED = (
     f"  - joint: {{{DRIVE}}}\n    link: {LINK % FLANGE}\n  - joint: {{{DRIVE}}}\n    link: {LINK % ''}\n"
     "payload: {mass: 3 kg}\n"
 )
-BEAM = "{length: 900 mm, section: {shape: rectangular_tube, width: 60 mm, height: 80 mm, thickness: 3 mm}, "
-BEAM += "material: aluminium-6061-t6, supports: clamped}"
+BEAM = (
+    "{length: 900 mm, section: {shape: rectangular_tube, width: 60 mm, height: 80 mm, thickness: 3 mm}, "
+    "material: aluminium-6061-t6, supports: clamped}"
+)
 SLIDING = (
     f"chain:\n  - joint: {{type: prismatic, range: [0 mm, 700 mm], mass: 4 kg, beam: {BEAM}}}\n"
     "    link: {length: 100 mm, rigid: true, mass: 1 kg}\n"
