@@ -259,15 +259,18 @@ class CaseError(SearchedError):
 
 def error_of_case(case: int) -> Figure:
     """The worst error under one load case (from 0), which a limit of that case's own is on."""
-    family = CaseError(case)
+    return _own(CaseError(case), f"worst error of load case {case + 1}")
+
+
+def _own(family: CaseError | PointError, title: str) -> Figure:
     return Figure(
         name=family.name,
-        title=f"worst error of load case {case + 1}",
+        title=title,
         kind="length",
         unit="mm",
         factor=1e3,
         senses=("<=",),
-        key=f"max_error_of_load_case_{case + 1}_mm",
+        key=f"{family.name.replace(' ', '_')}_mm",
         follows=ThroughPoses(family),
         traded=False,
         digits=5,
@@ -311,19 +314,7 @@ class PointError(SearchedError):
 
 def error_at_point(number: int) -> Figure:
     """The worst error at a point (from 0) of a workspace, which a limit of that point's own is on."""
-    family = PointError(number)
-    return Figure(
-        name=family.name,
-        title=f"worst error at point {number + 1}",
-        kind="length",
-        unit="mm",
-        factor=1e3,
-        senses=("<=",),
-        key=f"max_error_at_point_{number + 1}_mm",
-        follows=ThroughPoses(family),
-        traded=False,
-        digits=5,
-    )
+    return _own(PointError(number), f"worst error at point {number + 1}")
 
 
 AVERAGE = Average()
