@@ -69,8 +69,8 @@ def under_unit_weights(state: PoseState) -> PoseState | None:
 def unit_sag(of: str) -> Parameter:
     """The parameter by which an effect says how far something gives under the unknown weight on a lever of a metre."""
     return given("unit_sag", "angle", -1.0, 1.0, (1e-5, 1e-2)).means(
-        f"turn of {of} under the unknown weight of `unknown_weight` on a lever of 1 m. Only this product of compliance "
-        "and weight shows.",
+        f"turn of {of} under the unknown weight of `unknown_weight` on a lever of 1 m: compliance times weight, which "
+        "cannot be separated",
         "a stiff drive under a light link to a soft one under a heavy link",
     )
 
@@ -91,8 +91,8 @@ UNKNOWN_WEIGHT = Effect(
         ),
         *(
             given(name, "length", -1e3, 1e3, (-1.0, 1.0)).means(
-                f"the link's mass times how far its centre lies {where} from its joint, over the unknown mass. Where "
-                "masses alone do not show, those of the links carried are included.",
+                f"the link's mass times how far its centre lies {where} from its joint, over the unknown mass; "
+                "where masses alone do not show, with those of the links carried",
                 "lengths of links",
             )
             for name, where in (
