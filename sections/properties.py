@@ -2,9 +2,42 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
+from types import MappingProxyType
 
 from linkwright.core.sections.numeric import Number, atan2, sqrt
+
+POWERS: Mapping[str, int] = MappingProxyType(
+    {
+        "area": 2,
+        "second_moment_y": 4,
+        "second_moment_z": 4,
+        "torsion_constant": 4,
+        "shear_area_y": 2,
+        "shear_area_z": 2,
+        "section_modulus_y": 3,
+        "section_modulus_z": 3,
+        "plastic_modulus_y": 3,
+        "plastic_modulus_z": 3,
+        "extreme_fibre_y": 1,
+        "extreme_fibre_z": 1,
+        "torsion_modulus": 3,
+        "width": 1,
+        "height": 1,
+        "centroid_y": 1,
+        "centroid_z": 1,
+        "product_moment_yz": 4,
+        "shear_centre_y": 1,
+        "shear_centre_z": 1,
+        "warping_constant": 6,
+        "shear_stress_area_y": 2,
+        "shear_stress_area_z": 2,
+        "junction_modulus_y": 3,
+        "junction_shear_area_z": 2,
+    }
+)
+"""With which power of its size each property of a section grows."""
 
 _UNFELT = 1e6
 """How much larger than the section modulus a modulus is that stands for no stress."""

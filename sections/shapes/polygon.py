@@ -10,16 +10,11 @@ from typing import Any, ClassVar, Self, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from linkwright.core.sections.formulas.plastic import polygon_modulus
-from linkwright.core.sections.formulas.saint_venant import SaintVenant, moments, solve
+from linkwright.core.sections.formulas.outlines import Outlined, about_centroid, with_shear
+from linkwright.core.sections.formulas.saint_venant import moments
 from linkwright.core.sections.numeric import Number
 from linkwright.core.sections.properties import SectionProperties
 from linkwright.core.sections.section import Dimension, Outline, Section, SectionError, closed, poisson_square
-
-_THIN = 0.05
-"""Share of the polar moment below which J is that of an open section with thin walls."""
-_FINE = 2.2
-"""How much finer the elements of such a section are."""
 
 Points: TypeAlias = tuple[tuple[float, float], ...]
 
@@ -62,26 +57,8 @@ class Polygon(Section):
             seen.append(loop)
 
     @cached_property
-    def _loops(self) -> list[NDArray[np.float64]]:
-        """Outer edge anticlockwise and holes clockwise, about the centroid."""
-        loops = [np.array(self.points)] + [np.array(hole) for hole in self.holes]
-        turned: list[NDArray[np.float64]] = []
-        for number, loop in enumerate(loops):
-            anticlockwise = moments([loop - loop[0]]).area > 0.0
-            turned.append(loop if anticlockwise == (number == 0) else loop[::-1])
-        corner = turned[0][0]
-        m = moments([loop - corner for loop in turned])
-        centroid = corner + np.array([m.first_y, m.first_z]) / m.area
-        return [loop - centroid for loop in turned]
-
-    @cached_property
-    def _saint_venant(self) -> SaintVenant:
-        result = solve(self._loops)
-        m = moments(self._loops)
-        if result.torsion_constant > _THIN * (m.yy + m.zz):
-            return result
-        # J is the small difference of two large integrals here: at the usual fineness it can be wrong by 2 %.
-        return solve(self._loops, _FINE)
+    def _outlined(self) -> Outlined:
+        return Outlined(about_centroid([np.array(self.points)] + [np.array(hole) for hole in self.holes]))
 
     @property
     def inner_diameter(self) -> Number | None:
@@ -97,41 +74,11 @@ class Polygon(Section):
         torsion modulus leaves out the tenth of each edge next to a re-entrant corner, where theory has an unbounded
         stress.
         """
-        loops = self._loops
-        m = moments(loops)
-        low, high = loops[0].min(axis=0), loops[0].max(axis=0)
-        numeric = self._saint_venant
-        poisson = poisson_square(poisson_ratio)
-        fibre_y, fibre_z = float(max(high[1], -low[1])), float(max(high[0], -low[0]))
-        return SectionProperties(
-            area=m.area,
-            second_moment_y=m.zz,
-            second_moment_z=m.yy,
-            torsion_constant=numeric.torsion_constant,
-            shear_area_y=m.area / (numeric.shear_y[0] + numeric.shear_y[1] * poisson),
-            shear_area_z=m.area / (numeric.shear_z[0] + numeric.shear_z[1] * poisson),
-            section_modulus_y=m.zz / fibre_y,
-            section_modulus_z=m.yy / fibre_z,
-            plastic_modulus_y=polygon_modulus(loops, 1),
-            plastic_modulus_z=polygon_modulus(loops, 0),
-            extreme_fibre_y=fibre_y,
-            extreme_fibre_z=fibre_z,
-            torsion_modulus=numeric.torsion_modulus,
-            width=float(high[0] - low[0]),
-            height=float(high[1] - low[1]),
-            centroid_y=float(-low[0]),
-            centroid_z=float(-low[1]),
-            product_moment_yz=m.yz,
-            shear_stress_area_y=m.yy * _cut(loops, 0) / _first_moment(loops, 0),
-            shear_stress_area_z=m.zz * _cut(loops, 1) / _first_moment(loops, 1),
-            shear_centre_y=numeric.shear_centre[0],
-            shear_centre_z=numeric.shear_centre[1],
-            warping_constant=numeric.warping_constant,
-        )
+        return with_shear(self._outlined.figures, poisson_square(poisson_ratio))
 
     def outline(self) -> Outline:
         """The polygon and its holes."""
-        return [closed([(float(y), float(z)) for y, z in loop]) for loop in self._loops]
+        return [closed([(float(y), float(z)) for y, z in loop]) for loop in self._outlined.loops]
 
     def check(self) -> tuple[str, ...]:
         """Nothing: a polygon that exists has passed its checks."""
@@ -157,34 +104,6 @@ class Polygon(Section):
         """A polygon is fixed: it cannot be chosen within bounds."""
         del outer, wall
         return "polygon: its points are fixed, so it cannot be chosen within bounds"
-
-
-def _cut(loops: Sequence[NDArray[np.float64]], axis: int) -> float:
-    """Width (m) of what a line through the centroid cuts, where y (axis 0) or z (axis 1) is zero."""
-    places: list[float] = []
-    for loop in loops:
-        ends = np.roll(loop, -1, axis=0)
-        across = (loop[:, axis] > 0.0) != (ends[:, axis] > 0.0)
-        share = loop[across, axis] / (loop[across, axis] - ends[across, axis])
-        along = loop[across, 1 - axis] + share * (ends[across, 1 - axis] - loop[across, 1 - axis])
-        places += along.tolist()
-    places.sort()
-    return float(sum(places[1::2]) - sum(places[::2]))
-
-
-def _first_moment(loops: Sequence[NDArray[np.float64]], axis: int) -> float:
-    """First moment (m^3) about that line of what lies on its positive side, by Green's theorem edge by edge."""
-    total = 0.0
-    for loop in loops:
-        low, high = loop, np.roll(loop, -1, axis=0)
-        before, after = low[:, axis], high[:, axis]
-        step = high[:, 1 - axis] - low[:, 1 - axis]
-        change = np.where(before == after, 1.0, after - before)
-        start, end = np.maximum(before, 0.0), np.maximum(after, 0.0)
-        # Of an edge that crosses the line only the part beyond it counts.
-        beyond = np.where(before == after, (before > 0.0).astype(float), (end - start) / change)
-        total += float(np.sum(step * beyond * (start**2 + start * end + end**2))) / 6.0
-    return abs(total)
 
 
 def _as_points(key: str, points: Any) -> Points:

@@ -44,6 +44,13 @@ class Shapes(Open[type[Shape]]):
         made.__doc__ = f"A section `{shape}` by its dimensions: {', '.join(d.name for d in SHAPES[shape].dimensions)}."
         return made
 
+    def check(self, kind: type[Shape], *sections: Shape) -> None:
+        """Hold a shape against the contract that every shape keeps, on sections of random dimensions or on those given.
+        Raises `InputError` with all that it breaks."""
+        from linkwright.core.sections.contract import check_shape
+
+        check_shape(kind, *sections)
+
     def __dir__(self) -> list[str]:
         """The names of all shapes, and what a list of them does."""
         return sorted({*super().__dir__(), *map(_class_name, SHAPES)})

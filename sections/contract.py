@@ -1,0 +1,162 @@
+"""The contract of every shape, shipped or registered: its formulas, its outline and its walls say the same."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping
+from dataclasses import fields
+from types import MappingProxyType
+
+import numpy as np
+
+from linkwright.core.sections.formulas.outlines import Outlined, about_centroid, with_shear
+from linkwright.core.sections.numeric import Array
+from linkwright.core.sections.properties import POWERS, SectionProperties
+from linkwright.core.sections.section import Section, SectionError, poisson_square
+from linkwright.core.units.quantities import InputError
+
+_SECTIONS, _DRAWS = 4, 200
+_POISSON = 0.3
+_ALIKE = 1e-6
+"""By how much numbers, arrays, symbols and other sizes may differ, relative."""
+_TOLERANCES: Mapping[str, float] = MappingProxyType(
+    {
+        "area": 0.005,
+        "second_moment_y": 0.01,
+        "second_moment_z": 0.01,
+        "torsion_constant": 0.03,
+        "shear_area_y": 0.04,
+        "shear_area_z": 0.04,
+        "plastic_modulus_y": 0.01,
+        "plastic_modulus_z": 0.01,
+        "extreme_fibre_y": 0.01,
+        "extreme_fibre_z": 0.01,
+        "width": 0.005,
+        "height": 0.005,
+        "centroid_y": 0.01,
+        "centroid_z": 0.01,
+    }
+)
+"""By how much closed forms may differ from the outline, whose curves are chords; relative."""
+_CENTRE, _WARPING, _PRODUCT = 0.01, 0.2, 0.01
+"""The same of the shear centre (of the height), of the warping constant, and of the product moment (of I)."""
+_SLIGHT = 0.02
+"""Of J times the square of the height: a warping constant that is felt over a fifth of the height at most."""
+
+
+def check_shape(kind: type[Section], *given: Section) -> None:
+    """Raise `InputError` with one line that lists all that is wrong with a shape.
+
+    On some sections of random dimensions, or those `given`: properties against the outline's area and moments and a
+    boundary element solution of torsion and shear within it (J within 3 %, shear areas within 4 %, the shear centre
+    within 1 % of the height); the outline closed, about the centroid and of plain numbers; each property grows with
+    its power of the size; floats, arrays and CasADi's symbols give the same; walls lie in the material. Takes seconds.
+    A shape need not be registered.
+    """
+    faults: list[str] = []
+    try:
+        random = np.random.default_rng(20261128)
+        sections = given or tuple(drawn(kind, random) for _ in range(_SECTIONS))
+        faults = [fault for section in sections for fault in _faults(section)]
+    except SectionError as error:
+        faults = [str(error)]
+    if faults:
+        raise InputError("", f"shape {kind.shape}", "; ".join(dict.fromkeys(faults)))
+
+
+def drawn(
+    kind: type[Section], random: np.random.Generator, *, walls: tuple[float, float] = (0.03, 0.3), spread: float = 2.0
+) -> Section:
+    """A section of random dimensions that are not optional: outer sizes up to 100 mm, apart by `spread` at most, and
+    walls of these shares of what would leave nothing open. Raises SectionError where none of many is possible."""
+    needed = [dimension for dimension in kind.dimensions if not dimension.optional]
+    if any(dimension.kind not in ("outer", "wall") for dimension in needed):
+        raise SectionError("shape", "has dimensions that cannot be drawn at random; give sections to check")
+    for _ in range(_DRAWS):
+        sizes = {item.name: 0.1 * spread ** -random.uniform() for item in needed if item.kind == "outer"}
+        most = min(kind.most_wall, 0.5) * min(sizes.values(), default=0.1)
+        for item in needed:
+            if item.kind == "wall":
+                sizes[item.name] = most * math.exp(random.uniform(*np.log(walls)))
+        section = kind(**sizes)
+        if not section.check():
+            return section
+    raise SectionError("shape", f"no dimensions with outer sizes from {100.0 / spread:.3g} to 100 mm are possible")
+
+
+def _faults(section: Section) -> Iterator[str]:
+    loops = section.outline()
+    if any(loop.dtype != np.float64 or loop.ndim != 2 or loop.shape[1] != 2 for loop in loops):
+        yield "its outline is not of arrays (N, 2) of plain numbers"
+        return
+    if any(not np.allclose(loop[0], loop[-1], rtol=0.0, atol=1e-9) for loop in loops):
+        yield "its outline is not closed"
+        return
+    own = section.properties(_POISSON)
+    central = about_centroid([loop[:-1] for loop in loops])
+    height = float(own.height)
+    if np.abs(central[0].max(axis=0) - loops[0].max(axis=0)).max() > _CENTRE * height:
+        yield "its outline is not about the centroid"
+    yield from _by_outline(section, own, central)
+    yield from _alike(section, own)
+    yield from _walls(section, loops, own)
+
+
+def _by_outline(section: Section, own: SectionProperties, loops: list[Array]) -> Iterator[str]:
+    solved = with_shear(Outlined(loops).figures, poisson_square(_POISSON))
+    height, second_moment = float(solved.height), float(solved.second_moment_y)
+    compared = [(name, share, getattr(solved, name)) for name, share in _TOLERANCES.items()]
+    compared += [(name, _CENTRE, height) for name in ("shear_centre_y", "shear_centre_z")]
+    compared.append(("product_moment_yz", _PRODUCT, second_moment))
+    slight = _SLIGHT * float(solved.torsion_constant) * height**2
+    if solved.warping_constant > slight:
+        compared.append(("warping_constant", _WARPING, solved.warping_constant))
+    for name, share, scale in compared:
+        value, expected = float(getattr(own, name)), float(getattr(solved, name))
+        if not abs(value - expected) <= share * abs(float(scale)):
+            sizes = ", ".join(f"{key} {1e3 * item:.4g} mm" for key, item in section.given().items())
+            yield f"{name} of {sizes} is {value:.4g} where its outline has {expected:.4g} (SI)"
+
+
+def _alike(section: Section, own: SectionProperties) -> Iterator[str]:
+    """Other sizes, arrays and symbols give what a float gives."""
+    names = [item.name for item in fields(SectionProperties)]
+    expected = np.array([float(getattr(own, name)) for name in names])
+    height = float(own.height)
+    scales = np.maximum(np.abs(expected), _ALIKE * np.array([height ** POWERS[name] for name in names]))
+    twice = section.scaled(2.0).properties(_POISSON)
+    grown = np.array([float(getattr(twice, name)) / 2.0 ** POWERS[name] for name in names])
+    for name in np.array(names)[np.abs(grown - expected) > _ALIKE * scales].tolist():
+        yield f"{name} does not grow with power {POWERS[name]} of the size"
+    if not section.variables:
+        return
+    import casadi as ca
+
+    values = [float(value) for value in section.variable_values()]
+    arrays = type(section).from_variables([np.array([value, value]) for value in values]).properties(_POISSON)
+    column = ca.SX.sym("x", len(values))
+    symbols = type(section).from_variables(ca.vertsplit(column)).properties(_POISSON)
+    by_symbol = ca.Function("f", [column], [ca.vertcat(*(ca.SX(getattr(symbols, name)) for name in names))])
+    for what, got in (
+        ("arrays", np.array([np.broadcast_to(getattr(arrays, name), 2)[1] for name in names])),
+        ("symbols", by_symbol(values).full().ravel()),
+    ):
+        for name in np.array(names)[~(np.abs(got - expected) <= _ALIKE * scales)].tolist():
+            yield f"{name} by {what} is not that by numbers"
+
+
+def _walls(section: Section, loops: list[Array], own: SectionProperties) -> Iterator[str]:
+    """The middle of each flat wall lies in the material."""
+    corner = np.array([float(own.centroid_y), float(own.centroid_z)])
+    for wall in section.wall_parts("internal") or ():
+        if wall.ends is not None:
+            middle = 0.5 * (np.array(wall.ends[0], dtype=float) + np.array(wall.ends[1], dtype=float)) - corner
+            if sum(_encloses(loop, middle) for loop in loops) != 1:
+                yield f"the middle of its wall '{wall.name}' does not lie in the material"
+
+
+def _encloses(loop: Array, point: Array) -> bool:
+    """Whether a loop runs around a point: the turn that it makes about it."""
+    offset = loop - point
+    turn = np.diff(np.unwrap(np.arctan2(offset[:, 1], offset[:, 0])))
+    return abs(float(turn.sum())) > math.pi
