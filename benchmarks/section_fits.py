@@ -1,7 +1,8 @@
-"""Fits of shear centres and warping constants to boundary elements: `python -m benchmarks.section_fits FOLDER`.
+"""Fits to boundary elements: `python -m benchmarks.section_fits FOLDER`.
 
-Writes `shear_centres.json` for `sections/fits` into the folder. Each fit is a polynomial of a total degree in bounded
-features of a shape, by least squares over random sections in its range; its error is the greatest over others.
+Writes files for `sections/fits` into the folder: `hexagons.json` with torsion and shear of the hexagonal tube, and
+`shear_centres.json` with shear centres and warping constants of others. Each fit is a polynomial of a total degree in
+bounded features of a shape, by least squares over random sections in its range; its error is the greatest over others.
 """
 
 from __future__ import annotations
@@ -24,7 +25,7 @@ from linkwright.core.sections.numeric import Array, polynomial
 
 COMMAND = "python -m benchmarks.section_fits FOLDER"
 FINENESS = 1.0
-_FITTED, _HELD_OUT = 180, 20
+_HELD_OUT = 20
 
 Sizes = Mapping[str, float]
 
@@ -33,7 +34,8 @@ Sizes = Mapping[str, float]
 class Wanted:
     """A fit: its shape and figure, ranges of ratios, total degree, features and what is fitted, of sizes and solution.
 
-    With `plain` the target itself is fitted, over the height; else its logarithm.
+    With `plain` the target itself is fitted, over the height; else its logarithm. `fitted` sections are, and
+    others held out.
     """
 
     shape: str
@@ -43,6 +45,7 @@ class Wanted:
     features: Callable[[Sizes], tuple[float, ...]]
     target: Callable[[Sizes, Section, SaintVenant], float]
     plain: bool = False
+    fitted: int = 180
 
 
 def _walls(low: float, high: float) -> dict[str, tuple[float, float]]:
@@ -92,9 +95,33 @@ def _inner(s: Sizes) -> float:
     return 1.0 - s["thickness"] / radius
 
 
+def _hollow(s: Sizes) -> float:
+    return 1.0 - 2.0 * s["thickness"] / s["height"]
+
+
 _LEGS = {"width / height": (0.3, 3.5), "thickness / shorter leg": (0.01, 0.25)}
 
+_HEXAGON = {"thickness / height": (0.01, 0.45)}
+
+
+def _hexagon(figure: str, degree: int, target: Callable[[float, SaintVenant], float]) -> Wanted:
+    """A fit of a hexagonal tube of height one by the size of its hollow."""
+    return Wanted(
+        "hexagonal_tube",
+        figure,
+        _HEXAGON,
+        degree,
+        lambda s: (_hollow(s),),
+        lambda s, _, solved: target(_hollow(s), solved),
+        plain=True,
+        fitted=40,
+    )
+
+
 FITS: Mapping[str, Wanted] = {
+    "hexagon_torsion": _hexagon("torsion_constant", 8, lambda hollow, it: it.torsion_constant / (1.0 - hollow**4)),
+    "hexagon_shear": _hexagon("shear_area_y", 8, lambda _, it: it.shear_y[0]),
+    "hexagon_poisson": _hexagon("shear_area_z", 6, lambda hollow, it: it.shear_y[1] / (1.0 - hollow**2) ** 2),
     "channel_shear_centre": Wanted("channel", "shear_centre_y", _walls(0.2, 1.6), 5, _features, _channel_centre),
     "channel_warping": Wanted(
         "channel",
@@ -144,6 +171,11 @@ FITS: Mapping[str, Wanted] = {
     ),
 }
 
+FILES = {
+    "hexagons": [name for name in FITS if name.startswith("hexagon")],
+    "shear_centres": [name for name in FITS if not name.startswith("hexagon")],
+}
+
 
 def drawn(wanted: Wanted, random: np.random.Generator) -> dict[str, float]:
     """Random sizes of height one in the range of a fit."""
@@ -190,17 +222,17 @@ def fit_all(names: Sequence[str]) -> dict[str, dict[str, Any]]:
         key = (wanted.shape, str(wanted.range))
         if key not in samples:
             random = np.random.default_rng(20261128)
-            sizes = [drawn(wanted, random) for _ in range(_FITTED + _HELD_OUT)]
+            sizes = [drawn(wanted, random) for _ in range(wanted.fitted + _HELD_OUT)]
             samples[key] = [(s, *solved_for(wanted.shape, s)) for s in sizes]
         rows = samples[key]
         features = np.array([wanted.features(s) for s, _, _ in rows])
         targets = np.array([wanted.target(*row) for row in rows])
         powers = _powers(features.shape[1], wanted.degree)
         matrix: Array = np.stack([np.prod(features ** np.array(p), axis=1) for p in powers], axis=1)
-        found = np.linalg.lstsq(matrix[:_FITTED], targets[:_FITTED], rcond=1e-12)[0]
+        found = np.linalg.lstsq(matrix[: wanted.fitted], targets[: wanted.fitted], rcond=1e-12)[0]
         nested = _nested(dict(zip(powers, found.tolist(), strict=True)), features.shape[1], wanted.degree)
         rest = np.array([polynomial(nested, tuple(row)) for row in features.tolist()]) - targets
-        inside, beside = np.abs(rest[:_FITTED]).max(), np.abs(rest[_FITTED:]).max()
+        inside, beside = np.abs(rest[: wanted.fitted]).max(), np.abs(rest[wanted.fitted :]).max()
         print(f"{name}: fitted {inside:.2e}, others {beside:.2e}", flush=True)
         entries[name] = {
             "shape": wanted.shape,
@@ -215,5 +247,7 @@ def fit_all(names: Sequence[str]) -> dict[str, dict[str, Any]]:
 
 if __name__ == "__main__":
     folder = Path(sys.argv[1])
-    chosen = sys.argv[2:] or list(FITS)
-    (folder / "shear_centres.json").write_text(json.dumps(fit_all(chosen), indent=1) + "\n")
+    for file, names in FILES.items():
+        chosen = [name for name in names if name in (sys.argv[2:] or names)]
+        if chosen:
+            (folder / f"{file}.json").write_text(json.dumps(fit_all(chosen), indent=1) + "\n")

@@ -12,8 +12,8 @@ from typing import Any
 
 from linkwright.core.sections.numeric import Number, polynomial
 
-FILES = ("closed_and_i", "open_sections", "channels", "shear_centres")
-"""The data files. `benchmarks.section_fits` makes the last, modules of that name at commit 068436f the others."""
+FILES = ("closed_and_i", "open_sections", "channels", "shear_centres", "hexagons")
+"""The data files. `benchmarks.section_fits` makes the last two, modules of that name at commit 068436f the others."""
 
 
 @dataclass(frozen=True)

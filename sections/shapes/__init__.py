@@ -13,7 +13,7 @@ from linkwright.core.sections.shapes.i_section import FreeFlangeISection, ISecti
 from linkwright.core.sections.shapes.polygon import Polygon
 from linkwright.core.sections.shapes.rectangle import Rectangle
 from linkwright.core.sections.shapes.rectangular_tube import RectangularTube
-from linkwright.core.sections.shapes.regular_polygon import Octagon, OctagonalTube
+from linkwright.core.sections.shapes.regular_polygon import HexagonalTube, Octagon, OctagonalTube
 from linkwright.core.sections.shapes.t_section import TSection
 from linkwright.core.sections.shapes.triangle import Triangle
 from linkwright.core.sections.shapes.triangular_tube import TriangularTube
@@ -39,6 +39,7 @@ SHAPES.ship(
     TriangularTube,
     Octagon,
     OctagonalTube,
+    HexagonalTube,
     ISection,
     Channel,
     TSection,
@@ -54,6 +55,7 @@ __all__ = [
     "Ellipse",
     "EllipticalTube",
     "FreeFlangeISection",
+    "HexagonalTube",
     "ISection",
     "Octagon",
     "OctagonalTube",

@@ -12,6 +12,7 @@ from linkwright.core.sections import (
     Circle,
     Ellipse,
     EllipticalTube,
+    HexagonalTube,
     ISection,
     Octagon,
     Polygon,
@@ -149,6 +150,22 @@ def test_octagon_from_first_principles() -> None:
     assert result.area == pytest.approx(2 * (1 + math.sqrt(2)) * side**2, rel=1e-12)
     assert result.second_moment_y == pytest.approx((11 + 8 * math.sqrt(2)) / 12 * side**4, rel=1e-12)
     assert result.second_moment_z == result.second_moment_y
+
+
+def test_hexagonal_tube_from_first_principles() -> None:
+    # Side a, A = 3 sqrt(3) / 2 a^2, I = 5 sqrt(3) / 16 a^4 about any axis, outside less inside; J by Bredt's formula
+    # (4 A_m^2 t / U; R. Bredt, Z. VDI 40 (1896) 785-790) and the walls' own U t^3 / 3. The shear flow cuts its corners,
+    # which is worth some tenths of a thickness each.
+    height, wall = 0.08, 0.001
+    outer, inner, middle = (size / math.sqrt(3.0) for size in (height, height - 2.0 * wall, height - wall))
+    result = HexagonalTube(height, wall).properties(0.3)
+    assert result.area == pytest.approx(1.5 * math.sqrt(3.0) * (outer**2 - inner**2), rel=1e-12)
+    assert result.second_moment_y == pytest.approx(5.0 / 16.0 * math.sqrt(3.0) * (outer**4 - inner**4), rel=1e-12)
+    assert result.second_moment_z == pytest.approx(result.second_moment_y, rel=1e-12)
+    enclosed, around = 1.5 * math.sqrt(3.0) * middle**2, 6.0 * middle
+    bredt = 4.0 * enclosed**2 * wall / around + around * wall**3 / 3.0
+    assert result.torsion_constant == pytest.approx(bredt, rel=6.0 * 0.3 * wall / around)
+    assert (result.width, result.height) == pytest.approx((2.0 * outer, height))
 
 
 def test_angle_by_hand() -> None:

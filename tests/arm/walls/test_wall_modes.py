@@ -22,6 +22,7 @@ from linkwright.core.sections import (
     Angle,
     Channel,
     EllipticalTube,
+    HexagonalTube,
     ISection,
     OctagonalTube,
     Polygon,
@@ -57,6 +58,7 @@ SHAPES: list[Section] = [
     TSection(0.08, 0.1, 0.002, 0.0015),
     Angle(0.06, 0.08, 0.002),
     OctagonalTube(0.1, 0.001),
+    HexagonalTube(0.1, 0.001),
     TriangularTube(0.1, 0.09, 0.001),
 ]
 

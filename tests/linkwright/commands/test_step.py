@@ -97,6 +97,7 @@ TAPERS = (
     ("triangular_tube", {"width": 0.06, "height": (0.1, 0.07), "thickness": 0.004}),
     ("i_section", {"width": 0.06, "height": (0.1, 0.06), "flange_thickness": 0.006, "web_thickness": 0.004}),
     ("octagonal_tube", {"width": (0.1, 0.06), "thickness": 0.004}),
+    ("hexagonal_tube", {"height": (0.1, 0.06), "thickness": 0.004}),
     ("t_section", {"width": 0.06, "height": (0.1, 0.07), "flange_thickness": 0.006, "web_thickness": 0.004}),
     ("ellipse", {"width": 0.05, "height": (0.1, 0.06)}),
 )

@@ -52,7 +52,10 @@ def widest_circle(section: Section) -> float:
     return 2.0 * room(center)
 
 
-@pytest.mark.parametrize("shape", ["tube", "rectangular_tube", "elliptical_tube", "octagonal_tube", "triangular_tube"])
+@pytest.mark.parametrize(
+    "shape",
+    ["tube", "rectangular_tube", "elliptical_tube", "octagonal_tube", "hexagonal_tube", "triangular_tube"],
+)
 def test_inner_size_is_the_largest_circle_in_the_hollow(shape: str) -> None:
     sizes = {"diameter": 0.08, "width": 0.06, "height": 0.09, "thickness": 0.004}
     section = SHAPES[shape](
