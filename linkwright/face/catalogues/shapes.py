@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from pathlib import Path
 
 from linkwright.core.arm.files.read import read_section
 from linkwright.core.sections import SHAPES
@@ -50,6 +51,17 @@ class Shapes(Open[type[Shape]]):
         from linkwright.core.sections.contract import check_shape
 
         check_shape(kind, *sections)
+
+    def from_dxf(self, path: str | Path, name: str, *, solid: bool = False) -> type[Shape]:
+        """A shape that looks like the closed edges of a drawing (the largest is the outer one), by its `height`.
+
+        All its properties come from the outline, so that a height may be chosen. What `register` takes may be this
+        class, or one derived from it that says which walls it has. Raises `InputError` where the file is no drawing of
+        an outline. Needs the extra `dxf`.
+        """
+        from linkwright.drawings.profile import shape_from_dxf
+
+        return shape_from_dxf(Path(path).absolute(), name, solid=solid)
 
     def __dir__(self) -> list[str]:
         """The names of all shapes, and what a list of them does."""
