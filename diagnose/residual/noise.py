@@ -6,7 +6,7 @@ group of repeats the scatter about the mean is the noise; rows that stand out ar
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
@@ -90,78 +90,116 @@ def noise_floor(recording: Recording, arm: Arm, *, rules: ResidualRules = RULES.
     residual = _against_nominal(recording, arm, rules)
     visited = repeat_groups(recording, arm, rules=rules)
     groups = without_drift(residual, visited, rules=rules)
-    width = recording.tip.shape[1]
-    step = [resolution(recording.tip[:, k]) or 0.0 for k in range(width)]
-    least = np.array(step) / np.sqrt(12.0)
-    cleaned = _clean(residual, [group for group in groups if len(group) > 1], recording, least, rules)
-    dof = cleaned.degrees_of_freedom
-    measured = np.sqrt(cleaned.squares / dof) if dof else None
-    coarse = measured is not None and bool((measured <= least).all()) and bool(least.any())
-    if measured is not None:
-        measured = np.maximum(np.maximum(measured, least), _FINEST)
-    declared = recording.sigma
-    warnings: list[str] = []
-    disagree = (
-        measured is not None
-        and declared is not None
-        and not coarse
-        and _differ(cleaned, own_of(recording, declared, width), width, rules.level)
-    )
-    if disagree and measured is not None and declared is not None:
-        warnings.append(
-            f"Repeats scatter by {_mean_text(measured)} a component, but the declared sigma is "
-            f"{_length(declared)}: chance does not explain the difference ({dof} degrees of freedom)."
-        )
-    if measured is not None and (declared is None or disagree or (dof >= rules.enough_freedom and not coarse)):
-        sigma, source, rested = tuple(float(item) for item in measured), "repeats", dof
-    elif declared is not None:
-        sigma = tuple(np.maximum(own_of(recording, declared, width), least).tolist())
-        source, rested = "declared", 0
-    else:
-        sigma, source, rested = None, "none", 0
-        again = differences_of_revisits(residual, _revisits(groups, recording, arm, rules))
-        # Neighbouring differences share a reading: two thirds of them are worth one each.
-        if (rested := 2 * len(again) // 3) >= rules.enough_freedom:
-            spread = (qn(np.concatenate([again[:, k], -again[:, k]])) for k in range(width))
-            sigma, source = tuple(max(item, _FINEST, float(least[k])) for k, item in enumerate(spread)), "revisits"
-    drift, drift_dof = _drift(residual, groups, cleaned, sigma, recording, arm, rules)
-    floor = None if sigma is None else float(np.sqrt(sum(item * item for item in sigma)))
-    if declared is not None and declared < least.max():
-        warnings.append(
-            f"The declared sigma of {_length(declared)} is less than readings in steps of {_length(max(step))} can "
-            f"show. The rounding counts instead ({_length(float(least.max()))})."
-        )
-    sentence = _sentence(floor, source, rested, len(cleaned.groups), declared)
-    if source == "repeats" and len(groups) > len(visited):
+    repeats = _repeats(residual, groups, recording, rules)
+    known = _best_known(residual, groups, repeats, recording, arm, rules)
+    drift, drift_dof = _drift(residual, groups, repeats.cleaned, known.sigma, recording, arm, rules)
+    floor = None if known.sigma is None else float(np.sqrt(sum(item * item for item in known.sigma)))
+    sentence = _sentence(floor, known.source, known.rested, len(repeats.cleaned.groups), recording.sigma)
+    if known.source == "repeats" and len(groups) > len(visited):
         sentence = (
-            f"The noise floor is {_length(floor or 0.0)} RMS ({rested} degrees of freedom a component), from "
+            f"The noise floor is {_length(floor or 0.0)} RMS ({known.rested} degrees of freedom a component), from "
             "neighbouring readings alone. The arm or the frame moved during the stay at a pose."
         )
-    if coarse and source == "repeats":
-        sentence += f" Repeats are alike to the last digit, so it is the readings' resolution ({_length(max(step))})."
+    if repeats.coarse and known.source == "repeats":
+        sentence += (
+            f" Repeats are alike to the last digit, so it is the readings' resolution ({_length(repeats.step)})."
+        )
     if drift is not None:
         moved = f"had moved by {_length(drift)} RMS" if drift > 0.0 else "had not moved"
-        beyond = "noise included" if sigma is None else "beyond the noise"
+        beyond = "noise included" if known.sigma is None else "beyond the noise"
         sentence += f" What was measured again at the same pose later {moved}, {beyond}."
-    if cleaned.doubtful:
-        rows = rows_text(cleaned.doubtful)
-        warning = f"Repeats disagree in {rows}, and nothing says which are wrong."
-        if recording.sides is None:
-            warning += " Where a pose was reached from both sides, log them (dir1, ...)."
-        warnings.append(warning)
     return NoiseFloor(
-        sigma,
-        source,
-        rested,
+        known.sigma,
+        known.source,
+        known.rested,
         floor,
         sentence,
         drift,
         drift_dof,
-        cleaned.outliers,
-        cleaned.doubtful,
-        max(step) if coarse else None,
-        tuple(warnings),
+        repeats.cleaned.outliers,
+        repeats.cleaned.doubtful,
+        repeats.step if repeats.coarse else None,
+        tuple(_warnings(repeats, recording)),
     )
+
+
+@dataclass(frozen=True)
+class _Repeats:
+    """What repeats say: their scatter (D,), m, where there are any; the least that rounding leaves (D,), m; the largest
+    step of a column, m; whether the scatter is that of rounding; and whether it is beyond chance not the declared."""
+
+    cleaned: _Cleaned
+    measured: Array | None
+    least: Array
+    step: float
+    coarse: bool
+    disagree: bool
+
+
+def _repeats(residual: Array, groups: Sequence[Rows], recording: Recording, rules: ResidualRules) -> _Repeats:
+    width = recording.tip.shape[1]
+    steps = [resolution(recording.tip[:, k]) or 0.0 for k in range(width)]
+    least = np.array(steps) / np.sqrt(12.0)
+    cleaned = _clean(residual, [group for group in groups if len(group) > 1], recording, least, rules)
+    dof, declared = cleaned.degrees_of_freedom, recording.sigma
+    if not dof:
+        return _Repeats(cleaned, None, least, max(steps), False, False)
+    measured = np.sqrt(cleaned.squares / dof)
+    coarse = bool((measured <= least).all()) and bool(least.any())
+    disagree = (
+        declared is not None and not coarse and _differ(cleaned, own_of(recording, declared, width), width, rules.level)
+    )
+    return _Repeats(cleaned, np.maximum(np.maximum(measured, least), _FINEST), least, max(steps), coarse, disagree)
+
+
+@dataclass(frozen=True)
+class _Known:
+    """The noise of each component (m), what it is from, and on how many degrees of freedom it rests."""
+
+    sigma: tuple[float, ...] | None
+    source: Source
+    rested: int
+
+
+def _best_known(
+    residual: Array, groups: Sequence[Rows], repeats: _Repeats, recording: Recording, arm: Arm, rules: ResidualRules
+) -> _Known:
+    """From repeats where these are enough or contradict what is declared, else as declared, else from revisits."""
+    width, dof, declared = recording.tip.shape[1], repeats.cleaned.degrees_of_freedom, recording.sigma
+    enough = dof >= rules.enough_freedom and not repeats.coarse
+    if repeats.measured is not None and (declared is None or repeats.disagree or enough):
+        return _Known(tuple(float(item) for item in repeats.measured), "repeats", dof)
+    if declared is not None:
+        return _Known(tuple(np.maximum(own_of(recording, declared, width), repeats.least).tolist()), "declared", 0)
+    again = differences_of_revisits(residual, _revisits(groups, recording, arm, rules))
+    # Neighbouring differences share a reading: two thirds of them are worth one each.
+    rested = 2 * len(again) // 3
+    if rested < rules.enough_freedom:
+        return _Known(None, "none", rested)
+    spread = (qn(np.concatenate([again[:, k], -again[:, k]])) for k in range(width))
+    sigma = tuple(max(item, _FINEST, float(repeats.least[k])) for k, item in enumerate(spread))
+    return _Known(sigma, "revisits", rested)
+
+
+def _warnings(repeats: _Repeats, recording: Recording) -> Iterator[str]:
+    """What is odd about repeats and what is declared."""
+    cleaned, declared = repeats.cleaned, recording.sigma
+    if repeats.disagree and repeats.measured is not None and declared is not None:
+        yield (
+            f"Repeats scatter by {_mean_text(repeats.measured)} a component, but the declared sigma is "
+            f"{_length(declared)}: chance does not explain the difference ({cleaned.degrees_of_freedom} degrees of "
+            "freedom)."
+        )
+    if declared is not None and declared < repeats.least.max():
+        yield (
+            f"The declared sigma of {_length(declared)} is less than readings in steps of {_length(repeats.step)} can "
+            f"show. The rounding counts instead ({_length(float(repeats.least.max()))})."
+        )
+    if cleaned.doubtful:
+        warning = f"Repeats disagree in {rows_text(cleaned.doubtful)}, and nothing says which are wrong."
+        if recording.sides is None:
+            warning += " Where a pose was reached from both sides, log them (dir1, ...)."
+        yield warning
 
 
 def _against_nominal(recording: Recording, arm: Arm, rules: ResidualRules) -> Array:
@@ -186,28 +224,35 @@ def _of_each_kind(recording: Recording, arm: Arm, rules: ResidualRules) -> Noise
     share = np.array([part.size for part in parts]) / recording.size
     known = [floor.rms_m for floor in floors if floor.rms_m is not None]
     rms = float(np.sqrt(share @ np.square(known))) if len(known) == len(floors) else None
+    return pooled_floor(floors, [kind_at(kind)[1].name for kind in kinds], None if rms is None else (rms,))
+
+
+def pooled_floor(floors: Sequence[NoiseFloor], names: Sequence[str], sigma: tuple[float, ...] | None) -> NoiseFloor:
+    """Several floors as one, of these standard deviations (m) and with all rows and sentences; from repeats only where
+    each one is."""
     sources = {floor.source for floor in floors}
     source = floors[0].source if len(sources) == 1 else "none" if "none" in sources else "declared"
-    again = [floor for floor in floors if floor.drift_m is not None]
-    freedom = sum(item.drift_degrees_of_freedom for item in again)
-    moved = sum((item.drift_m or 0.0) ** 2 * item.drift_degrees_of_freedom for item in again)
+    labels = list(zip(names, floors, strict=True))
     return NoiseFloor(
-        None if rms is None else (rms,),
+        sigma,
         source,
         sum(floor.degrees_of_freedom for floor in floors) if source == "repeats" else 0,
-        rms,
-        " ".join(f"{kind_at(kind)[1].name}: {floor.sentence}" for kind, floor in zip(kinds, floors, strict=True)),
-        float(np.sqrt(moved / freedom)) if freedom else None,
-        freedom,
+        None if sigma is None else float(np.sqrt(sum(item * item for item in sigma))),
+        " ".join(f"{name}: {floor.sentence}" for name, floor in labels),
+        *_pooled_drift(floors),
         tuple(aside for floor in floors for aside in floor.outliers),
         tuple(sorted({row for floor in floors for row in floor.doubtful})),
         None,
-        tuple(
-            f"{kind_at(kind)[1].name}: {text}"
-            for kind, floor in zip(kinds, floors, strict=True)
-            for text in floor.warnings
-        ),
+        tuple(f"{name}: {text}" for name, floor in labels for text in floor.warnings),
     )
+
+
+def _pooled_drift(floors: Sequence[NoiseFloor]) -> tuple[float | None, int]:
+    """The drift (m) by mean squares, and its degrees of freedom."""
+    again = [floor for floor in floors if floor.drift_m is not None]
+    freedom = sum(item.drift_degrees_of_freedom for item in again)
+    moved = sum((item.drift_m or 0.0) ** 2 * item.drift_degrees_of_freedom for item in again)
+    return (float(np.sqrt(moved / freedom)) if freedom else None), freedom
 
 
 def repeat_groups(recording: Recording, arm: Arm, *, rules: ResidualRules = RULES.residual) -> tuple[Rows, ...]:
