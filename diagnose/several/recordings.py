@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import PurePath
 from types import MappingProxyType
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -143,29 +143,13 @@ def together(
     `first_row` says with which number the rows of each file begin (by default so that none has two), `names` what they
     are called.
     """
-    names = tuple(names) if names is not None else names_of(recordings)
+    names = tuple(names or names_of(recordings))
     recordings = _alike([_with_own_payload(recording, arm, recordings) for recording in recordings])
     width = min(recording.tip.shape[1] for recording in recordings)
     notes: list[str] = []
     counts = [recording.size for recording in recordings]
-
-    def column(name: str, instead: Callable[[int], Array] | None, words: str, said: str = "") -> Array | None:
-        given = [getattr(recording, name) for recording in recordings]
-        have = [label for label, values in zip(names, given, strict=True) if values is not None]
-        if not have:
-            return None
-        if len(have) < len(given):
-            only = " and ".join(have)
-            if instead is None:
-                notes.append(f"Only {only} holds {words}: not used." if len(have) == 1 else f"{words}: not in all.")
-                return None
-            notes.append(f"Only {only} holds {words}. Elsewhere {said}.")
-        parts = [
-            values if values is not None else instead(count) if instead is not None else np.zeros(0)
-            for values, count in zip(given, counts, strict=True)
-        ]
-        return np.concatenate(parts)
-
+    columns = _Columns(names, recordings, notes)
+    column = columns.joined
     size = arm.size
     still: Callable[[int], Array] = lambda count: np.zeros((count, size))  # noqa: E731
     seats = {recording.seat for recording in recordings}
@@ -175,26 +159,10 @@ def together(
     rows = [recording.row + start - 1 for recording, start in zip(recordings, starts, strict=True)]
     time, began = _clocks(recordings)
     before = gone_on_from(recordings, rules=rules)
-    notes += [
-        f"{names[own]} goes on from {names[other]}, by its clock: payloads that stayed count from there, lags too."
-        for own, other in enumerate(before)
-        if other is not None
-    ]
-    if time is None and any(recording.time is not None for recording in recordings):
-        notes.append("Not all recordings hold times: they are not used.")
-    rejected = [
-        RejectedRow(aside.row + start - 1, aside.reason)
-        for recording, start in zip(recordings, starts, strict=True)
-        for aside in recording.rejected
-    ]
-    warnings = [
-        f"{label}: {text}" for label, recording in zip(names, recordings, strict=True) for text in recording.warnings
-    ]
+    notes += _of_clocks(names, recordings, time, before)
     common = set.intersection(*(set(recording.other) for recording in recordings))
     return Several(
-        file=" + ".join(
-            PurePath(recording.file).name or label for label, recording in zip(names, recordings, strict=True)
-        ),
+        file=_files(names, recordings),
         q=np.concatenate([recording.q for recording in recordings]),
         tip=np.concatenate([recording.tip[:, :width] for recording in recordings]),
         row=np.concatenate(rows),
@@ -215,31 +183,16 @@ def together(
         joint_side=column("joint_side", None, "encoders on the joints' own side"),
         torque=column("torque", None, "torques"),
         force=column("force", lambda count: np.zeros((count, 3)), "a force at the tip", "none is taken to act"),
-        moment=None
-        if all(recording.moment is None for recording in recordings)
-        else np.concatenate([np.zeros((one.size, 3)) if one.moment is None else one.moment for one in recordings]),
+        moment=columns.filled("moment", lambda count: np.zeros((count, 3))),
         base_target=column("base_target", None, "a target on the base"),
-        slots=None
-        if recordings[0].slots is None
-        else np.concatenate([recording.slots for recording in recordings if recording.slots is not None]),
-        touches=None
-        if all(recording.touches is None for recording in recordings)
-        else np.concatenate(
-            [
-                np.full(recording.size, -1) if recording.touches is None else recording.touches
-                for recording in recordings
-            ]
-        ),
-        bar_at=None
-        if all(recording.bar_at is None for recording in recordings)
-        else np.concatenate(
-            [np.zeros(recording.size) if recording.bar_at is None else recording.bar_at for recording in recordings]
-        ),
-        frame="free" if any(recording.frame == "free" for recording in recordings) else "known",
-        tool="free" if any(recording.tool == "free" for recording in recordings) else "known",
+        slots=column("slots", None, "which number each row is"),
+        touches=columns.filled("touches", lambda count: np.full(count, -1)),
+        bar_at=columns.filled("bar_at", np.zeros),
+        frame=_free_if_any(recording.frame for recording in recordings),
+        tool=_free_if_any(recording.tool for recording in recordings),
         seat=seat,
-        rejected=tuple(rejected),
-        warnings=(*warnings, *notes),
+        rejected=tuple(_rejected(recordings, starts)),
+        warnings=(*_warnings(names, recordings), *notes),
         other=MappingProxyType(
             {n: np.concatenate([recording.other[n] for recording in recordings]) for n in sorted(common)}
         ),
@@ -252,6 +205,74 @@ def together(
         before=before,
         units=units,
     )
+
+
+@dataclass(frozen=True)
+class _Columns:
+    """The columns of several recordings, one under the other; what only some hold is noted."""
+
+    names: tuple[str, ...]
+    recordings: Sequence[Recording]
+    notes: list[str]
+
+    def joined(
+        self, name: str, instead: Callable[[int], Array] | None, words: str, said: str = ""
+    ) -> NDArray[Any] | None:
+        """A column, of so many rows `instead` where a recording lacks it; without `instead` it is then not used."""
+        given = [getattr(recording, name) for recording in self.recordings]
+        have = [label for label, values in zip(self.names, given, strict=True) if values is not None]
+        if not have:
+            return None
+        if len(have) == len(given):
+            return np.concatenate(given)
+        only = " and ".join(have)
+        if instead is None:
+            self.notes.append(f"Only {only} holds {words}: not used." if len(have) == 1 else f"{words}: not in all.")
+            return None
+        self.notes.append(f"Only {only} holds {words}. Elsewhere {said}.")
+        return self.filled(name, instead)
+
+    def filled(self, name: str, instead: Callable[[int], NDArray[Any]]) -> NDArray[Any] | None:
+        """A column with rows `instead` where a recording lacks it, without a word; None where all lack it."""
+        given = [getattr(recording, name) for recording in self.recordings]
+        if all(values is None for values in given):
+            return None
+        rows = zip(given, self.recordings, strict=True)
+        return np.concatenate([instead(one.size) if values is None else values for values, one in rows])
+
+
+def _of_clocks(
+    names: Sequence[str], recordings: Sequence[Recording], time: Array | None, before: Sequence[int | None]
+) -> Iterator[str]:
+    """Which recordings go on from which, and whether times are of no use."""
+    for own, other in enumerate(before):
+        if other is not None:
+            stayed = "payloads that stayed count from there, lags too"
+            yield f"{names[own]} goes on from {names[other]}, by its clock: {stayed}."
+    if time is None and any(recording.time is not None for recording in recordings):
+        yield "Not all recordings hold times: they are not used."
+
+
+def _rejected(recordings: Sequence[Recording], starts: Sequence[int]) -> Iterator[RejectedRow]:
+    """The rows set aside, numbered through."""
+    for recording, start in zip(recordings, starts, strict=True):
+        for aside in recording.rejected:
+            yield RejectedRow(aside.row + start - 1, aside.reason)
+
+
+def _warnings(names: Sequence[str], recordings: Sequence[Recording]) -> Iterator[str]:
+    """Each recording's warnings, with its name."""
+    for label, recording in zip(names, recordings, strict=True):
+        yield from (f"{label}: {text}" for text in recording.warnings)
+
+
+def _files(names: Sequence[str], recordings: Sequence[Recording]) -> str:
+    labels = zip(names, recordings, strict=True)
+    return " + ".join(PurePath(recording.file).name or label for label, recording in labels)
+
+
+def _free_if_any(given: Iterable[Literal["known", "free"]]) -> Literal["known", "free"]:
+    return "free" if "free" in given else "known"
 
 
 def nominal_tips(arm: Arm, recording: Recording) -> Array:
