@@ -61,56 +61,27 @@ def touched(
     repeat. There are `count` of them (by default so many that each is touched some times), or those that `planned` (N,)
     numbers, which lie where the arm undeformed touches them, bars at `planned_along` (N,), m. Bars lie anyhow, or, so
     that both ends are `reached`, from where the arm stands at one `start` to another. Raises `InputError`."""
-    visits = int(visit.max()) + 1
-    flat = arm.planar()
-    count = count or max(1, visits // (2 * _POSTURES if planes else _POSTURES))
-    label = (visit % count).astype(np.int64)
-    if planned is not None:
-        label, count = planned.copy(), int(planned.max()) + 1
-    low, high = (np.array([joint.range[end] for joint in arm.joints]) for end in (0, 1))
-    middle = completed(arm, low + (high - low) * random.uniform(0.3, 0.7, (count, arm.size)))
-    points, _ = nominal(arm, middle, 3)
-    normals = _normals(count, random, flat=flat)
-    if planned is not None:
-        there = nominal(arm, start, 3)[0]
-        fitted, offsets, _ = touched_planes(there, planned, count, flat=flat)
-        middles = np.stack([there[planned == one].mean(axis=0) for one in range(count)])
-        normals, points = (fitted, offsets[:, None] * fitted) if planes else (normals, middles)
-    places = np.array(bar) if len(bar) else np.zeros(1)
-    if reached and len(bar):
-        middle = 0.5 * (low + high)
-        clouds = [nominal(arm, completed(arm, middle + share * (start - middle)), 3)[0] for share in _INNER]
-        points, normals = _within_reach(clouds, float(np.ptp(places)), count, random)
-        points = points + (places.mean() - 0.5 * (places.min() + places.max())) * normals
-    along = places[(visit // count) % len(places)]
-    from_middle = along - places.mean()
-    if planned is not None and planned_along is not None:
-        along = planned_along
-        points, normals, from_middle = touched_bars(nominal(arm, start, 3)[0], planned, along, count)
-    # Bars lie along what stands across planes, each about where one posture has the tip.
-    goal = points[label] + from_middle[:, None] * normals[label]
-
-    def missed(tips: Array) -> Array:
-        away = tips + off - goal
-        return np.sum(away * normals[label], axis=1)[:, None] if planes else away[:, : 2 if flat else 3]
-
-    q = start.copy()
-    for step in range(_NEAR + _EXACT):
-        tips = nominal(arm, q, 3)[0] if step < _NEAR else true_tips(q)
-        slopes = np.swapaxes(jacobian(arm, q), 1, 2)
-        slopes = np.einsum("na,nak->nk", normals[label], slopes)[:, None] if planes else slopes[:, : 2 if flat else 3]
-        moved = -np.einsum("nkm,nm->nk", np.linalg.pinv(slopes, rcond=1e-3), missed(tips))
-        longest = np.maximum(np.abs(moved).max(axis=1, keepdims=True), 1e-300)
-        q = completed(arm, np.clip(q + moved * np.minimum(1.0, _LONGEST / longest), low, high))
-    good = np.abs(missed(true_tips(q))).max(axis=1) < _MISSED
+    targets = _targets(
+        arm,
+        start,
+        visit,
+        random,
+        count or max(1, (int(visit.max()) + 1) // (2 * _POSTURES if planes else _POSTURES)),
+        planes=planes,
+        bar=bar,
+        planned=planned,
+        planned_along=planned_along,
+        reached=reached,
+    )
+    q, good = _approached(arm, start, targets, off, true_tips, planes=planes)
     good &= np.bincount(visit, weights=~good)[visit] == 0
-    least = least_touches(planes=planes, flat=flat)
     if planned is not None and not good.all():
         where = int(visit[~good][0]) + 1
         raise InputError("", "at", f"names a posture (visit {where}) from which what it touches cannot be reached")
-    for one in range(count if planned is None else 0):
+    label, least = targets.label, least_touches(planes=planes, flat=arm.planar())
+    for one in range(targets.count if planned is None else 0):
         rows = good & (label == one)
-        if len(np.unique(visit[rows])) < least or len(np.unique(along[rows])) < min(2, len(places)):
+        if len(np.unique(visit[rows])) < least or len(np.unique(targets.along[rows])) < min(2, max(len(bar), 1)):
             good &= label != one
     if not good.any():
         what = "plane" if planes else "bar" if len(bar) else "point"
@@ -119,7 +90,96 @@ def touched(
         )
     kept, renumbered = np.unique(label[good], return_inverse=True)
     label[good] = renumbered.reshape(-1)
-    return Touches(good, q, label, len(kept), along)
+    return Touches(good, q, label, len(kept), targets.along)
+
+
+@dataclass(frozen=True)
+class _Targets:
+    """What is touched: a point and a direction (count, 3) of each thing, which one a reading touches, `label` (N,), and
+    how far `along` its bar and `from_middle` of that (N,), m."""
+
+    points: Array
+    directions: Array
+    label: NDArray[np.int64]
+    along: Array
+    from_middle: Array
+
+    @property
+    def count(self) -> int:
+        """How many things there are."""
+        return len(self.points)
+
+
+def _targets(
+    arm: Arm,
+    start: Array,
+    visit: NDArray[np.int64],
+    random: np.random.Generator,
+    count: int,
+    *,
+    planes: bool,
+    bar: Sequence[float],
+    planned: NDArray[np.int64] | None,
+    planned_along: Array | None,
+    reached: bool,
+) -> _Targets:
+    """`count` things about where postures of random joint coordinates have the tip, or those that are `planned`."""
+    flat = arm.planar()
+    label = (visit % count).astype(np.int64)
+    if planned is not None:
+        label, count = planned.copy(), int(planned.max()) + 1
+    low, high = _ranges(arm)
+    middle = completed(arm, low + (high - low) * random.uniform(0.3, 0.7, (count, arm.size)))
+    points, _ = nominal(arm, middle, 3)
+    directions = _normals(count, random, flat=flat)
+    if planned is not None:
+        there = nominal(arm, start, 3)[0]
+        fitted, offsets, _ = touched_planes(there, planned, count, flat=flat)
+        middles = np.stack([there[planned == one].mean(axis=0) for one in range(count)])
+        directions, points = (fitted, offsets[:, None] * fitted) if planes else (directions, middles)
+    places = np.array(bar) if len(bar) else np.zeros(1)
+    if reached and len(bar):
+        middle = 0.5 * (low + high)
+        clouds = [nominal(arm, completed(arm, middle + share * (start - middle)), 3)[0] for share in _INNER]
+        points, directions = _within_reach(clouds, float(np.ptp(places)), count, random)
+        points = points + (places.mean() - 0.5 * (places.min() + places.max())) * directions
+    along = places[(visit // count) % len(places)]
+    from_middle = along - places.mean()
+    if planned is not None and planned_along is not None:
+        along = planned_along
+        points, directions, from_middle = touched_bars(nominal(arm, start, 3)[0], planned, along, count)
+    return _Targets(points, directions, label, along, from_middle)
+
+
+def _approached(
+    arm: Arm, start: Array, targets: _Targets, off: Array, true_tips: Callable[[Array], Array], *, planes: bool
+) -> tuple[Array, NDArray[np.bool_]]:
+    """The postures (N, n) in which tips touch what they are to, by Newton's steps, and which (N,) do."""
+    low, high = _ranges(arm)
+    width = 2 if arm.planar() else 3
+    across = targets.directions[targets.label]
+    # Bars lie along what stands across planes, each about where one posture has the tip.
+    goal = targets.points[targets.label] + targets.from_middle[:, None] * across
+
+    def missed(tips: Array) -> Array:
+        away = tips + off - goal
+        return np.sum(away * across, axis=1)[:, None] if planes else away[:, :width]
+
+    q = start.copy()
+    for step in range(_NEAR + _EXACT):
+        tips = nominal(arm, q, 3)[0] if step < _NEAR else true_tips(q)
+        slopes = np.swapaxes(jacobian(arm, q), 1, 2)
+        slopes = np.einsum("na,nak->nk", across, slopes)[:, None] if planes else slopes[:, :width]
+        moved = -np.einsum("nkm,nm->nk", np.linalg.pinv(slopes, rcond=1e-3), missed(tips))
+        longest = np.maximum(np.abs(moved).max(axis=1, keepdims=True), 1e-300)
+        q = completed(arm, np.clip(q + moved * np.minimum(1.0, _LONGEST / longest), low, high))
+    return q, np.abs(missed(true_tips(q))).max(axis=1) < _MISSED
+
+
+def _ranges(arm: Arm) -> tuple[Array, Array]:
+    """The least and the greatest coordinate of each joint."""
+    low, high = (np.array([joint.range[end] for joint in arm.joints]) for end in (0, 1))
+    return low, high
 
 
 def _within_reach(
