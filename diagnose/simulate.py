@@ -153,20 +153,26 @@ def simulate(arm: Arm, plan: Plan) -> Simulation:
         levels=None if kind is None or kind.turns_with != "link" else np.full(bare.size, plan.instrument.tilt_link),
     )
     moved = seen_of_model(state, active_effects(arm), channels)
+    tips, idle = columns(state.tip(), bare.size) + moved.tip, _idle(state, arm, channels)
+    if kind is None:
+        return Simulation(_of_tip(bare, arm, tips, moved, state, plan, random), moved.tip, idle)
+    axes = None
+    if moved.turn is not None:
+        axes = Rotation.from_rotvec(moved.turn).as_matrix() @ matrices(state.frames.orientation, bare.size)
+    if camera and axes is not None:
+        return Simulation(_by_camera(bare, tips, axes, plan, random), moved.tip, idle)
+    if bare.touches is not None:
+        return Simulation(bare, moved.tip, idle)
+    recording, error = _in_part(bare, arm, kind, tips, axes, moved, plan, random)
+    return Simulation(recording, error, idle)
+
+
+def _of_tip(
+    bare: Recording, arm: Arm, tips: Array, moved: Channels, state: PoseState, plan: Plan, random: np.random.Generator
+) -> Recording:
+    """What is read of whole tips (N, 3), m, and of what is recorded beside them."""
     width = 2 if arm.planar() else 3
-    nominal = columns(state.tip(), bare.size)
-    if kind is not None:
-        axes = None
-        if moved.turn is not None:
-            axes = Rotation.from_rotvec(moved.turn).as_matrix() @ matrices(state.frames.orientation, bare.size)
-        tips, idle = nominal + moved.tip, _idle(state, arm, channels)
-        if camera and axes is not None:
-            return Simulation(_by_camera(bare, tips, axes, plan, random), moved.tip, idle)
-        if bare.touches is not None:
-            return Simulation(bare, moved.tip, idle)
-        recording, error = _in_part(bare, arm, kind, tips, axes, moved, plan, random)
-        return Simulation(recording, error, idle)
-    tip = (nominal + moved.tip)[:, :width] + plan.noise * random.standard_normal((bare.size, width))
+    tip = tips[:, :width] + plan.noise * random.standard_normal((bare.size, width))
     tip = tip + _outliers(plan, random, tip.shape)
     base = None
     if moved.base is not None:
@@ -177,7 +183,7 @@ def simulate(arm: Arm, plan: Plan) -> Simulation:
         orientation = Rotation.from_rotvec(turn).as_matrix() @ matrices(state.frames.orientation, bare.size)
     if plan.free_frame:
         tip, base, orientation = _elsewhere(random, tip, base, orientation)
-    recording = replace(
+    return replace(
         bare,
         tip=tip,
         orientation=orientation,
@@ -187,7 +193,6 @@ def simulate(arm: Arm, plan: Plan) -> Simulation:
         base_target=base,
         frame="free" if plan.free_frame else bare.frame,
     )
-    return Simulation(recording, moved.tip, _idle(state, arm, channels))
 
 
 def _by_camera(bare: Recording, tip: Array, turned: Array, plan: Plan, random: np.random.Generator) -> Recording:
