@@ -243,26 +243,45 @@ def _mjcf(arm: Arm) -> Exported:
         bodies[piece.name] = body
         _mujoco_inertial(body, piece.mass)
         if piece.drive is not None:
-            driven = arm.joints[piece.drive]
-            kind = "hinge" if driven.revolute else "slide"
-            span = _numbers(turn_range(arm, piece.drive))
-            about = {"axis": _numbers(driven.axis), "range": span, "limited": "false"}
-            moved = {name: _numbers([value]) for name, value in of_joint(arm, "mjcf", piece.drive).items()}
-            SubElement(body, "joint", {"name": names.joints[piece.drive], "type": kind, **about, **moved})
+            _mujoco_joint(body, arm, piece.drive, names.joints[piece.drive])
         _mujoco_springs(body, piece)
     for end in pieces.tips:
         tip = SubElement(bodies[end.on], "body", {"name": end.name, **_mujoco_frame(end.frame)})
         if end.payload:
             _mujoco_inertial(tip, ball(end.payload, ZERO))
         SubElement(tip, "site", {"name": end.name})
+    _mujoco_actuators(root, pieces)
+    carried, assumed = _mujoco_words(pieces)
+    lines = tuple(f"Carried: {item}" for item in carried)
+    lost = (*pieces.lost, *_greatest_words(arm))
+    text = _written(root, arm, lines, lost, assumed)
+    return Exported(arm, "mjcf", text, carried, lost, assumed)
+
+
+def _mujoco_joint(body: Element, arm: Arm, index: int, name: str) -> None:
+    driven = arm.joints[index]
+    kind = "hinge" if driven.revolute else "slide"
+    span = _numbers(turn_range(arm, index))
+    about = {"axis": _numbers(driven.axis), "range": span, "limited": "false"}
+    moved = {item: _numbers([value]) for item, value in of_joint(arm, "mjcf", index).items()}
+    SubElement(body, "joint", {"name": name, "type": kind, **about, **moved})
+
+
+def _mujoco_actuators(root: Element, pieces: Structure) -> None:
+    """A position servo a joint, as stiff as its drive."""
     actuators = SubElement(root, "actuator")
-    rigid = _rigid(arm)
-    for number, stiffness in enumerate(pieces.stiffness, start=1):
+    rigid = _rigid(pieces.arm)
+    for index, stiffness in enumerate(pieces.stiffness):
         gain = rigid if stiffness is None else stiffness
         gains = {"kp": _numbers([gain]), "kv": _numbers([DAMPING_TIME * gain])}
-        control = {"ctrlrange": _numbers(turn_range(arm, number - 1)), "ctrllimited": "true"}
-        joint = {"joint": names.joints[number - 1]}
-        SubElement(actuators, "position", {"name": f"drive{number}", **joint, **gains, **control})
+        control = {"ctrlrange": _numbers(turn_range(pieces.arm, index)), "ctrllimited": "true"}
+        joint = {"joint": pieces.names.joints[index]}
+        SubElement(actuators, "position", {"name": f"drive{index + 1}", **joint, **gains, **control})
+
+
+def _mujoco_words(pieces: Structure) -> tuple[tuple[str, ...], tuple[str, ...]]:
+    """What the file carries of the arm, and what was assumed."""
+    arm = pieces.arm
     carried = ["names, frames, limits, masses and inertias", "gravity"]
     moving = [of_joint(arm, "mjcf", index) for index in range(arm.size)]
     if any(moving):
@@ -272,16 +291,12 @@ def _mjcf(arm: Arm) -> Exported:
     if any(piece.springs for piece in pieces.pieces):
         carried.append("flexibility of the links, as springs at their middles")
     assumed = [*pieces.assumed, f"springs and drives are damped by {DAMPING_TIME:g} s times their stiffness"]
-    still = [name for name, item in zip(names.joints, moving, strict=True) if "armature" not in item]
+    still = [name for name, item in zip(pieces.names.joints, moving, strict=True) if "armature" not in item]
     if still:
         assumed.append(f"no armature is known of {', '.join(still)}")
     if None in pieces.stiffness:
         assumed.append(f"rigid drives hold to {HELD:g} rad or m under the whole weight at full reach")
-    assumed += _for_mujoco(pieces)[1]
-    lines = tuple(f"Carried: {item}" for item in carried)
-    lost = (*pieces.lost, *_greatest_words(arm))
-    text = _written(root, arm, lines, lost, tuple(assumed))
-    return Exported(arm, "mjcf", text, tuple(carried), lost, tuple(assumed))
+    return tuple(carried), (*assumed, *_for_mujoco(pieces)[1])
 
 
 def _rigid(arm: Arm) -> float:
