@@ -14,7 +14,6 @@ from dataclasses import dataclass, replace
 from itertools import chain
 from pathlib import Path
 from types import MappingProxyType
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,10 +25,6 @@ from linkwright.core.units.quantities import InputError, shown
 from linkwright.core.units.reading import refusal
 
 from .columns import looks_like_ours, otherwise_spelled
-
-if TYPE_CHECKING:
-    pass
-
 
 _SEPARATORS = (",", ";", "\t", "|")
 _MARKS = ("#", "%")
@@ -215,17 +210,41 @@ def text_table(path: Path, layout: Layout, text: str) -> Table:
     if not first:
         raise InputError(path, "", "is empty; it needs a header (time_s, q1_deg, .., x_mm, y_mm) and a row a reading")
     separator = layout.separator or named or _separator(first)
-    try:
-        rows = [
-            [cell for cell in cells if cell] if separator == " " else cells
-            for cells in csv.reader(kept, delimiter=separator, skipinitialspace=True, strict=True)
-        ]
-    except csv.Error as error:
-        raise InputError(path, "", f"is no table: {error}") from None
+    rows = _rows(path, kept, separator)
     decimal = layout.decimal or ("," if _decimal_commas(rows[1:]) else ".")
     if decimal == "," and not layout.decimal:
         notes.append("Numbers have decimal commas.")
-    header, body = list(layout.names), rows
+    header, body, more = _headed(path, rows, layout, decimal)
+    header, body = _trimmed(header, body)
+    good = [index for index, cells in enumerate(body) if len(cells) == len(header)]
+    if not good:
+        raise InputError(path, "", _no_row(header, body[0], separator, layout))
+    columns = {name: tuple(body[index][k] for index in good) for k, name in enumerate(header) if name}
+    nameless = (f"Column {k} of {path.name} has no name and is not used." for k, n in enumerate(header, 1) if not n)
+    return Table(
+        str(path),
+        MappingProxyType(columns),
+        np.array(good, dtype=np.int64) + 1,
+        decimal,
+        tuple(_ragged(header, body)),
+        (*notes, *more, *nameless),
+    )
+
+
+def _rows(path: Path, lines: Iterator[str], separator: str) -> list[list[str]]:
+    """The cells of each line; those that blanks part have none that is empty."""
+    try:
+        rows = list(csv.reader(lines, delimiter=separator, skipinitialspace=True, strict=True))
+    except csv.Error as error:
+        raise InputError(path, "", f"is no table: {error}") from None
+    return [[cell for cell in cells if cell] for cells in rows] if separator == " " else rows
+
+
+def _headed(
+    path: Path, rows: list[list[str]], layout: Layout, decimal: str
+) -> tuple[list[str], list[list[str]], list[str]]:
+    """The columns' names, the rows below them, and what is to be said of names."""
+    header, body, notes = list(layout.names), rows, list[str]()
     if not layout.names:
         names, body = rows[0], rows[1:]
         if body and _of_two_lines(names, body[0]):
@@ -236,35 +255,33 @@ def text_table(path: Path, layout: Layout, text: str) -> Table:
         notes += more
     if not body:
         raise InputError(path, "", "has a header but no rows")
+    return header, body, notes
+
+
+def _trimmed(header: list[str], body: list[list[str]]) -> tuple[list[str], list[list[str]]]:
+    """Both without what a separator at the end of every line adds to rows, or to the header."""
     if all(len(cells) == len(header) + 1 and not cells[-1].strip() for cells in body):
-        body = [cells[:-1] for cells in body]  # a separator at the end of every line
+        body = [cells[:-1] for cells in body]
     if len(header) > 1 and not header[-1] and all(len(cells) == len(header) - 1 for cells in body):
         header = header[:-1]
-    good = [index for index, cells in enumerate(body) if len(cells) == len(header)]
-    ragged = tuple(
-        RejectedRow(index + 1, f"has {len(cells)} cells where the header has {len(header)}")
-        for index, cells in enumerate(body)
-        if len(cells) != len(header)
-    )
-    if not good:
-        message = f"no row has the {len(header)} cells of the header; row 1 has {len(body[0])}"
-        if separator == "," and len(body[0]) >= 2 * len(header) - 1 > 1:
-            message += "; decimal commas cannot stand in a table parted by commas: part it by semicolons"
-        elif len(body[0]) > len(header) and not layout.names:
-            message += "; where titles stand above the header, write `skip_rows: 1`, say, in recording.yaml"
-        raise InputError(path, "", message)
-    columns = {name: tuple(body[index][k] for index in good) for k, name in enumerate(header) if name}
-    return Table(
-        str(path),
-        MappingProxyType(columns),
-        np.array(good, dtype=np.int64) + 1,
-        decimal,
-        ragged,
-        (
-            *notes,
-            *(f"Column {k} of {path.name} has no name and is not used." for k, n in enumerate(header, 1) if not n),
-        ),
-    )
+    return header, body
+
+
+def _ragged(header: Sequence[str], body: Sequence[Sequence[str]]) -> Iterator[RejectedRow]:
+    """The rows that have not as many cells as the header."""
+    for number, cells in enumerate(body, start=1):
+        if len(cells) != len(header):
+            yield RejectedRow(number, f"has {len(cells)} cells where the header has {len(header)}")
+
+
+def _no_row(header: Sequence[str], first: Sequence[str], separator: str, layout: Layout) -> str:
+    """That no row has as many cells as the header, and what may be the cause."""
+    message = f"no row has the {len(header)} cells of the header; row 1 has {len(first)}"
+    if separator == "," and len(first) >= 2 * len(header) - 1 > 1:
+        return f"{message}; decimal commas cannot stand in a table parted by commas: part it by semicolons"
+    if len(first) > len(header) and not layout.names:
+        return f"{message}; where titles stand above the header, write `skip_rows: 1`, say, in recording.yaml"
+    return message
 
 
 def _refuse_binary(path: Path, content: bytes) -> None:
