@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from types import MappingProxyType
+from typing import Any
 
 import numpy as np
 from scipy.spatial.transform import Rotation
@@ -37,45 +39,13 @@ def assembled(
 ) -> Recording:
     """The recording that the columns make; a kind of column that joints have in part is left out and said."""
     warnings: list[str] = []
-
-    def one(name: str) -> Array | None:
-        return columns[name].values if name in columns else None
-
-    total = len(table.row)
-
-    def each_joint(base: str) -> Array | None:
-        names = [f"{base}{k + 1}" for k in range(arm.size)]
-        there = [name for name in names if name in columns]
-        if not there:
-            return None
-        if len(there) < len(names):
-            lacking = ", ".join(f"{base}{k + 1}" for k in arm.to_tip if f"{base}{k + 1}" not in columns)
-            if base in ("v", "a") and not lacking:
-                return _stacked(columns, names, np.zeros(total))
-            lacking = lacking or ", ".join(name for name in names if name not in columns)
-            if base in ("v", "a"):
-                warnings.append(f"There is no {lacking}: these joints are taken to stand still.")
-                return _stacked(columns, names, np.zeros(total))
-            warnings.append(f"{', '.join(there)}: not used, because {lacking} would be needed as well.")
-            return None
-        return _stacked(columns, names)
-
-    sides, q = None, _stacked(columns, [f"q{k + 1}" for k in range(arm.size)])
-    directions = [f"dir{k + 1}" for k in range(arm.size)]
-    lacking = [name for name in directions if name not in columns]
-    if len(lacking) < arm.size:
-        sides = _stacked(columns, directions, np.zeros(total))
-        lacking = [f"dir{k + 1}" for k in arm.to_tip if f"dir{k + 1}" in lacking]
-        if lacking:
-            warnings.append(f"There is no {', '.join(lacking)}: the side of approach is unknown there.")
-    elif held.sides == "from_order":
+    given = _Given(columns, arm, len(table.row), warnings)
+    one, each_joint, total = given.one, given.each_joint, given.total
+    q = _stacked(columns, [f"q{k + 1}" for k in range(arm.size)])
+    sides = given.sides()
+    if sides is None and held.sides == "from_order":
         sides = sides_from_order(q, arm, rules=rules)
-    spatial = ("x", "y", "z") if "z" in columns else ("x", "y")
-    if "z" in columns and arm.planar() and not np.ptp(columns["z"].values):
-        height = format_quantity(float(columns["z"].values[0]), "length", digits=6)
-        header = columns["z"].header
-        warnings.append(f"{header} is {height} throughout, and the arm does not leave its plane: it is not used.")
-        spatial = ("x", "y")
+    spatial = given.spatial()
     torque = each_joint("tau")
     if torque is not None and arm.branches:
         warnings.append("Torques are not used: what they say of weights is worked out for arms without branches alone.")
@@ -122,11 +92,73 @@ def assembled(
         avoid=held.avoid,
         branch=arm.tip,
         date=held.date,
-        slots=None if sights is None else sights.slots,
-        touches=None if sights is None else sights.touches,
-        bar_at=None if sights is None else sights.bar_at,
-        instrument=Instrument() if sights is None else sights.instrument,
+        **_of_sights(sights),
     )
+
+
+def _of_sights(sights: Sights | None) -> dict[str, Any]:
+    """What a recording holds of what was sighted."""
+    if sights is None:
+        return {"instrument": Instrument()}
+    names = ("slots", "touches", "bar_at", "instrument")
+    return {name: getattr(sights, name) for name in names}
+
+
+@dataclass(frozen=True)
+class _Given:
+    """The columns of a recording of `total` rows of an arm; what is lacking of them is said in `warnings`."""
+
+    columns: dict[str, ReadColumn]
+    arm: Arm
+    total: int
+    warnings: list[str]
+
+    def one(self, name: str) -> Array | None:
+        """A column (N,); None where it is not there."""
+        return self.columns[name].values if name in self.columns else None
+
+    def each_joint(self, base: str) -> Array | None:
+        """A column a joint (N, n); None where there are none, or too few to be of use. Speeds and accelerations that
+        are lacking are none."""
+        names = [f"{base}{k + 1}" for k in range(self.arm.size)]
+        there = [name for name in names if name in self.columns]
+        if not there:
+            return None
+        if len(there) == len(names):
+            return _stacked(self.columns, names)
+        lacking = self._lacking(base)
+        if base in ("v", "a"):
+            if lacking:
+                self.warnings.append(f"There is no {', '.join(lacking)}: these joints are taken to stand still.")
+            return _stacked(self.columns, names, np.zeros(self.total))
+        needed = ", ".join(lacking or [name for name in names if name not in self.columns])
+        self.warnings.append(f"{', '.join(there)}: not used, because {needed} would be needed as well.")
+        return None
+
+    def sides(self) -> Array | None:
+        """The sides of approach (N, n), 0 where a joint has no column of them; None where there is no such column."""
+        names = [f"dir{k + 1}" for k in range(self.arm.size)]
+        if not any(name in self.columns for name in names):
+            return None
+        if lacking := self._lacking("dir"):
+            self.warnings.append(f"There is no {', '.join(lacking)}: the side of approach is unknown there.")
+        return _stacked(self.columns, names, np.zeros(self.total))
+
+    def spatial(self) -> tuple[str, ...]:
+        """The components of the tip; the height of an arm in the plane is none where it stays the same."""
+        if "z" not in self.columns:
+            return ("x", "y")
+        if self.arm.planar() and not np.ptp(self.columns["z"].values):
+            height = format_quantity(float(self.columns["z"].values[0]), "length", digits=6)
+            header = self.columns["z"].header
+            why = f"{header} is {height} throughout, and the arm does not leave its plane: it is not used."
+            self.warnings.append(why)
+            return ("x", "y")
+        return ("x", "y", "z")
+
+    def _lacking(self, base: str) -> list[str]:
+        """The joints' columns of that name that are not there, of joints that carry the tip."""
+        return [f"{base}{k + 1}" for k in self.arm.to_tip if f"{base}{k + 1}" not in self.columns]
 
 
 def _stacked(columns: dict[str, ReadColumn], names: Sequence[str], instead: Array | None = None) -> Array:
