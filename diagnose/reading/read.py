@@ -5,7 +5,7 @@ Whatever is left out of the result is said: rows in `rejected` with the reason, 
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -126,42 +126,51 @@ def _refuse_torques_alone(columns: dict[str, ReadColumn], table: Table) -> None:
 def _require(
     columns: dict[str, ReadColumn], table: Table, arm: Arm, held: ReadingSettings, *, whole: bool = True
 ) -> None:
+    """Refuse a table that lacks columns, or some of a group that only makes sense together."""
     wanted = [(f"q{k + 1}", example_headers("q", arm, k)) for k in range(arm.size)]
     wanted += [(name, example_headers(name, arm)) for name in ("x", "y") if whole]
     if whole and not planar_motion(arm):
         wanted.append(("z", example_headers("z", arm)))
     missing = [(name, would_do) for name, would_do in wanted if name not in columns]
     if missing:
-        names = ", ".join(table.names)
-        there = names if len(names) <= 300 else names[:300] + " ..."
-        called = {f"q{k + 1}": arm.column("q", k) for k in range(arm.size)}
-        (first, would_do), others = missing[0], [called.get(name, name) for name, _ in missing[1:]]
-        also = f" (and {', '.join(others)})" if others else ""
-        where = f", or map it in {Path(held.file).name if held.columns else 'recording.yaml'}: "
-        where += f"`columns: {{{would_do.split()[0]}: FORMULA}}`"
-        where += "" if held.columns else " (`linkwright columns FILE --arm ARM` proposes it)"
-        part = ""
-        if first in _PLACE:
-            some = any(name in columns for name in _PLACE)
-            part = (
-                "; `observes: position` in recording.yaml if it was not measured"
-                if some
-                else "; where something else was measured, `observes: along` (distance, tilt, ...) says so; a motion "
-                "log has torques (tau1_Nm) or currents (current1_A)"
-            )
-        name_in_file = called.get(first, first)
-        raise InputError(
-            table.file, name_in_file, f"is missing{also}; the file has {there}; write {would_do}{where}{part}"
-        )
-    present = [name for name in _QUATERNION if name in columns]
-    if 0 < len(present) < len(_QUATERNION):
-        lacking = ", ".join(name for name in _QUATERNION if name not in present)
-        raise InputError(table.file, present[0], f"needs the rest of its quaternion: {lacking}")
-    for group in (("rx", "ry", "rz"), ("basex", "basey"), ("fx", "fy")):
+        raise _missing(missing, columns, table, arm, held)
+    for group in (_QUATERNION, ("rx", "ry", "rz"), ("basex", "basey"), ("fx", "fy")):
         present = [name for name in group if name in columns]
-        if 0 < len(present) < len(group):
-            lacking = ", ".join(name for name in group if name not in present)
-            raise InputError(table.file, columns[present[0]].header, f"is there without {lacking}")
+        if not 0 < len(present) < len(group):
+            continue
+        lacking = ", ".join(name for name in group if name not in present)
+        if group is _QUATERNION:
+            raise InputError(table.file, present[0], f"needs the rest of its quaternion: {lacking}")
+        raise InputError(table.file, columns[present[0]].header, f"is there without {lacking}")
+
+
+def _missing(
+    missing: Sequence[tuple[str, str]],
+    columns: Mapping[str, ReadColumn],
+    table: Table,
+    arm: Arm,
+    held: ReadingSettings,
+) -> InputError:
+    """That columns, each with headers that would do, are missing, what there is, and what to write."""
+    names = ", ".join(table.names)
+    there = names if len(names) <= 300 else names[:300] + " ..."
+    called = {f"q{k + 1}": arm.column("q", k) for k in range(arm.size)}
+    (first, would_do), others = missing[0], [called.get(name, name) for name, _ in missing[1:]]
+    also = f" (and {', '.join(others)})" if others else ""
+    where = f", or map it in {Path(held.file).name if held.columns else 'recording.yaml'}: "
+    where += f"`columns: {{{would_do.split()[0]}: FORMULA}}`"
+    where += "" if held.columns else " (`linkwright columns FILE --arm ARM` proposes it)"
+    part = ""
+    if first in _PLACE:
+        some = any(name in columns for name in _PLACE)
+        part = (
+            "; `observes: position` in recording.yaml if it was not measured"
+            if some
+            else "; where something else was measured, `observes: along` (distance, tilt, ...) says so; a motion "
+            "log has torques (tau1_Nm) or currents (current1_A)"
+        )
+    said = f"is missing{also}; the file has {there}; write {would_do}{where}{part}"
+    return InputError(table.file, called.get(first, first), said)
 
 
 def planar_motion(arm: Arm) -> bool:
