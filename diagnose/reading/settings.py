@@ -84,6 +84,9 @@ def find_settings(recording: Path) -> Path | None:
     return common if os.path.isfile(common) else None
 
 
+_POSITIVE = "must be positive; leave it out where nobody knows it"
+
+
 def content_of(path: Path | None) -> MappingOf[str, object]:
     """What a settings file holds, as YAML gives it; nothing without one."""
     return {} if path is None or _says_nothing(path) else load_yaml(path).content
@@ -100,27 +103,16 @@ def read_settings(path: Path | None) -> ReadingSettings:
         columns: dict[str, str] = {}
         if mapping.has("columns"):
             body = mapping.mapping("columns")
-            for name in body.content:
-                columns[name] = _formula(body, name)
+            columns = {name: _formula(body, name) for name in body.content}
         motion = read_motion_settings(mapping)
         instrument = read_instrument(mapping) if motion is None else None
         camera = instrument is not None and "camera" in instrument.kinds
-        axes = None if motion is not None else _sigma_axes(mapping)
-        if axes is not None and not camera:
-            raise mapping.error("sigma", "of each axis goes with `observes: camera`; write one length, or that as well")
-        sigma = (
-            None
-            if axes or motion is not None
-            else mapping.optional_quantity("sigma", _kind_of_sigma(mapping, instrument))
-        )
-        if axes is not None:
-            sigma = math.sqrt(sum(axis * axis for axis in axes) / len(axes))
+        sigma, axes = (None, None) if motion is not None else _sigma(mapping, instrument, camera=camera)
         if mapping.has("sigma_angle") and not camera:
             raise mapping.error("sigma_angle", "goes with `observes: camera`; write that as well")
         angle = mapping.optional_quantity("sigma_angle", "angle")
-        for name, item in (("sigma", sigma), ("sigma_angle", angle)):
-            if item is not None and (item <= 0.0 or (axes is not None and name == "sigma" and min(axes) <= 0.0)):
-                raise mapping.error(name, "must be positive; leave it out where nobody knows it")
+        if angle is not None and angle <= 0.0:
+            raise mapping.error("sigma_angle", _POSITIVE)
         free = ("known", "free")
         # Where a camera and its target are nobody knows as a rule: that is what the arm tells.
         usual = "free" if camera else "known"
@@ -158,6 +150,22 @@ def _kind_of_sigma(mapping: Mapping, instrument: Instrument | None) -> str:
     text = mapping.content.get("sigma")
     unit = text.split()[-1].lower() if isinstance(text, str) and text.split() else ""
     return "angle" if tilts and not unit.endswith(("m", "inch")) else "length"
+
+
+def _sigma(
+    mapping: Mapping, instrument: Instrument | None, *, camera: bool
+) -> tuple[float | None, tuple[float, ...] | None]:
+    """The standard deviation of a component, and those of a camera's axes where a list gives them."""
+    axes = _sigma_axes(mapping)
+    if axes is None:
+        sigma = mapping.optional_quantity("sigma", _kind_of_sigma(mapping, instrument))
+    elif not camera:
+        raise mapping.error("sigma", "of each axis goes with `observes: camera`; write one length, or that as well")
+    else:
+        sigma = math.sqrt(sum(axis * axis for axis in axes) / len(axes))
+    if sigma is not None and min(axes or (sigma,)) <= 0.0:
+        raise mapping.error("sigma", _POSITIVE)
+    return sigma, axes
 
 
 def _sigma_axes(mapping: Mapping) -> tuple[float, ...] | None:
