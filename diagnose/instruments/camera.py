@@ -92,7 +92,7 @@ def joined_sights(sights: Sequence[Sight | None]) -> Sight | None:
 
 def is_camera(recording: Recording) -> bool:
     """Whether a recording was made by a camera."""
-    return recording.slots is not None and any(kind.by_itself for kind in kinds_of(recording.slots))
+    return recording.slots is not None and any(kind.name == "camera" for kind in kinds_of(recording.slots))
 
 
 @dataclass(frozen=True)

@@ -86,7 +86,7 @@ def _behaviour(kind: InstrumentKind, arm: Arm) -> Iterator[str]:
     left = float(np.abs(observed.residual[:, : observed.components]).max())
     if left > _EXACT[kind.numbers[0].quantity]:
         yield f"leaves {left:.2g} of what it reads of a sound arm"
-    if kind.by_itself or observed.view is None:
+    if observed.view is None:
         return
     touches = np.full(made.size, -1) if made.touches is None else made.touches
     axes = np.tile(np.eye(3), (made.size, 1, 1))
@@ -106,6 +106,8 @@ def _slopes(kind: InstrumentKind, scene: Scene, random: np.random.Generator) -> 
         Frame(Rotation.from_rotvec([0.3, -0.2, 0.4]).as_matrix(), np.array([0.1, 0.2, 0.3])),
     )
     part = kind.part(first, scene)
+    if part is None:
+        return
     state, width = part.start(), scene.width
     moved = np.zeros(scene.tips.shape)
     moved[:, :width] = _STEP * random.standard_normal((len(moved), width))
@@ -117,6 +119,8 @@ def _slopes(kind: InstrumentKind, scene: Scene, random: np.random.Generator) -> 
     if scene.flat:
         turned[:, :2] = 0.0
     after = kind.part(first, replace(scene, directions=Rotation.from_rotvec(turned).as_matrix() @ scene.directions))
+    if after is None:
+        return
     yield from _differ(
         "turning",
         after.model(state, scene.tips, frame).values - model.values,

@@ -210,7 +210,6 @@ class InstrumentKind(ABC):
         turns_with: what it stands on, where turns of that change its numbers.
         of_place: its numbers go with the place of the tip.
         elsewhere: what it would read at other poses is known.
-        by_itself: it is set against the model by a fit of its own and has no part.
         example: a caller's words with which it is simulated, in the plane too where it can be.
     """
 
@@ -225,7 +224,6 @@ class InstrumentKind(ABC):
     turns_with: ClassVar[Literal["", "tool", "link"]] = ""
     of_place: ClassVar[bool] = True
     elsewhere: ClassVar[bool] = False
-    by_itself: ClassVar[bool] = False
     example: ClassVar[Mapping[str, Any]] = MappingProxyType({})
 
     def count(self, *, flat: bool) -> int:
@@ -287,8 +285,8 @@ class InstrumentKind(ABC):
     # ---- fit and simulation
 
     @abstractmethod
-    def part(self, first: int, scene: Scene) -> Part:
-        """Its numbers in a fit."""
+    def part(self, first: int, scene: Scene) -> Part | None:
+        """Its numbers in a fit with others; None where it is set against the model by a fit of its own."""
 
     def simulated(self, stood: Stood, instrument: Instrument, random: np.random.Generator) -> Array:
         """What it reads of an arm without noise (N, k), what nobody knows of it drawn; nan where it reads nothing,

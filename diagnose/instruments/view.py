@@ -183,7 +183,8 @@ class _Viewing:
             recording.instrument, recording.slots, recording.tip, tips, directions, stand, touches, recording.bar_at,
             recording.frame == "free", self.framed, flat, rules,
         )  # fmt: skip
-        self.parts: list[Part] = [kind.part(slots_of(kind.name)[0], self.scene) for kind in kinds]
+        parts = (kind.part(slots_of(kind.name)[0], self.scene) for kind in kinds)
+        self.parts: list[Part] = [part for part in parts if part is not None]
         self.own = sum(len(part.own_names) for part in self.parts)
         self.frame_free = recording.frame == "free" and bool(self.framed.any())
         self.tool_free = recording.tool == "free"

@@ -11,7 +11,7 @@ import numpy as np
 
 from linkwright.core.arm.chain.chain import Arm
 from linkwright.core.diagnose.instruments.instrument import Instrument
-from linkwright.core.diagnose.instruments.kind import InstrumentKind, Number, Part, Scene
+from linkwright.core.diagnose.instruments.kind import InstrumentKind, Number, Scene
 from linkwright.core.diagnose.instruments.look import Look
 from linkwright.core.units.quantities import InputError, format_quantity, shown
 from linkwright.core.units.reading import Mapping as Reader
@@ -31,13 +31,11 @@ class Camera(InstrumentKind):
     settings = ("camera",)
     example = MappingProxyType({"camera": "fixed"})
     alone = True
-    by_itself = True
     turns_with = "tool"
 
-    def part(self, first: int, scene: Scene) -> Part:
-        """It is set against the model by itself."""
+    def part(self, first: int, scene: Scene) -> None:
+        """None: both its frames are fitted at once."""
         del first, scene
-        raise NotImplementedError
 
     def read(self, mapping: Reader) -> Mapping[str, Any]:
         """`camera`."""
