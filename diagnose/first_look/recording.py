@@ -178,44 +178,15 @@ def _frame_sentences(
     """Say, or raise where the error is no small one, that another frame or tool makes joints and tip agree."""
     if place.misfit < rules.mistakes.gross * reach or recording.size < 2 * rules.residual.enough_freedom:
         return []
-    known_frame, known_tool = recording.frame == "known", recording.tool == "known"
-    tries: list[tuple[dict[str, str], Placement]] = []
-    for frame, tool in ((True, False), (False, True), (True, True)):
-        if (frame and not known_frame) or (tool and not known_tool):
-            continue
-        free = placed(
-            arm,
-            recording.q,
-            recording.tip,
-            frame=frame or not known_frame,
-            tool=tool or not known_tool,
-        )
-        tries.append(({name: "free" for name, is_free in (("frame", frame), ("tool", tool)) if is_free}, free))
+    tries = _other_placements(recording, arm)
     good = [(remedy, free) for remedy, free in tries if free.misfit < rules.mistakes.better * place.misfit]
     if not good:
-        if place.misfit > _much(place, reach, rules):
-            text = f"the middle reading is {shown_length(place.misfit)} away from the nominal tip"
-            ask = "do the arm file and the recording belong together?"
-            still = [headers.get(f"q{k + 1}", f"q{k + 1}") for k in range(arm.size) if np.ptp(recording.q[:, k]) == 0.0]
-            if still:
-                ask += f" {', '.join(still)} never changes: was it logged?"
-            text += f", and no other unit, frame, tool, zero, sign or order that was tried explains it: {ask}"
-            # No small displacements explain what is twice as far off.
-            if place.misfit > 2.0 * _much(place, reach, rules) or still:
-                raise InputError(recording.file, "", text)
-            return [f"{text[0].upper()}{text[1:]}"]
-        return []
+        return _unexplained(recording, arm, place, reach, headers, rules)
     least = min(free.misfit for _, free in good)
     remedy, free = next((remedy, free) for remedy, free in good if free.misfit <= rules.mistakes.simpler * least + 1e-6)
-    shift, turn = float(np.linalg.norm(free.translation)), turn_of(free.rotation)
-    parts: list[str] = []
-    if "frame" in remedy:
-        # The shift of the origin alone means little where the frame is turned: what the tips move by is what counts.
-        parts.append(f"a frame turned by {math.degrees(turn):.3g} deg and shifted by {shown_length(shift)}")
-    if "tool" in remedy:
-        parts.append(f"a tool that reaches {shown_length(float(np.linalg.norm(free.tool)))} further")
+    turn = turn_of(free.rotation)
     falls = f"from {shown_length(place.misfit)} to {shown_length(free.misfit)}"
-    change = f"{' and '.join(parts)} would bring the middle reading {falls}"
+    change = f"{_moved(remedy, free, turn)} would bring the middle reading {falls}"
     large = turn > rules.residual.turned or place.misfit > rules.mistakes.whole * reach
     if large:
         message = (
@@ -223,6 +194,49 @@ def _frame_sentences(
         )
         raise refusal(recording.file, "", f"{message}: {change}", remedy)
     return [f"{change[0].upper()}{change[1:]}: where nobody knows better, write {written(remedy)} in recording.yaml."]
+
+
+def _other_placements(recording: Recording, arm: Arm) -> list[tuple[dict[str, str], Placement]]:
+    """The recording with its frame, its tool or both free where they are known, and the settings that say so."""
+    known_frame, known_tool = recording.frame == "known", recording.tool == "known"
+    tries: list[tuple[dict[str, str], Placement]] = []
+    for frame, tool in ((True, False), (False, True), (True, True)):
+        if (frame and not known_frame) or (tool and not known_tool):
+            continue
+        free = placed(arm, recording.q, recording.tip, frame=frame or not known_frame, tool=tool or not known_tool)
+        tries.append(({name: "free" for name, is_free in (("frame", frame), ("tool", tool)) if is_free}, free))
+    return tries
+
+
+def _unexplained(
+    recording: Recording, arm: Arm, place: Placement, reach: float, headers: Mapping[str, str], rules: Rules
+) -> list[str]:
+    """Say, or raise where the error is twice as much, that nothing makes joints and tip agree."""
+    much = _much(place, reach, rules)
+    if place.misfit <= much:
+        return []
+    text = f"the middle reading is {shown_length(place.misfit)} away from the nominal tip"
+    ask = "do the arm file and the recording belong together?"
+    still = [headers.get(f"q{k + 1}", f"q{k + 1}") for k in range(arm.size) if np.ptp(recording.q[:, k]) == 0.0]
+    if still:
+        ask += f" {', '.join(still)} never changes: was it logged?"
+    text += f", and no other unit, frame, tool, zero, sign or order that was tried explains it: {ask}"
+    # No small displacements explain what is twice as far off.
+    if place.misfit > 2.0 * much or still:
+        raise InputError(recording.file, "", text)
+    return [f"{text[0].upper()}{text[1:]}"]
+
+
+def _moved(remedy: Mapping[str, str], free: Placement, turn: float) -> str:
+    """By how much frame and tool are moved."""
+    parts: list[str] = []
+    if "frame" in remedy:
+        # The shift of the origin alone means little where the frame is turned: what the tips move by is what counts.
+        shift = shown_length(float(np.linalg.norm(free.translation)))
+        parts.append(f"a frame turned by {math.degrees(turn):.3g} deg and shifted by {shift}")
+    if "tool" in remedy:
+        parts.append(f"a tool that reaches {shown_length(float(np.linalg.norm(free.tool)))} further")
+    return " and ".join(parts)
 
 
 def distance_with_joint_free(recording: Recording, arm: Arm, place: Placement, rows: Mask, index: int) -> Array:
