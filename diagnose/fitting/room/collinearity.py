@@ -35,14 +35,7 @@ def collinear_with(prepared: Prepared, terms: Sequence[Term], place: int) -> dic
     usual."""
     term = terms[place]
     candidate = term.candidate
-    if (
-        candidate.outside
-        or candidate.share
-        or term.shared
-        or candidate.only is not None
-        or not candidate.at
-        or len(candidate.sizes) < 2
-    ):
+    if not _whole_with_several_sizes(term):
         return {}
     named = {item.candidate.effect for item in terms if item.candidate.at == candidate.at}
     white = prepared.observed.whitened(term.columns)
@@ -62,6 +55,13 @@ def collinear_with(prepared: Prepared, terms: Sequence[Term], place: int) -> dic
                 ends = [along * max(size.lower, -most), along * min(size.upper, most)]
                 collinear[name] = Collinear(other.effect, max(0.0, *ends), max(0.0, *(-end for end in ends)))
     return collinear
+
+
+def _whole_with_several_sizes(term: Term) -> bool:
+    """Whether it is an effect in the arm at a place of its own, with all of its sizes, of which there are several."""
+    candidate = term.candidate
+    part = candidate.outside or candidate.share or term.shared or candidate.only is not None
+    return not part and bool(candidate.at) and len(candidate.sizes) >= 2
 
 
 def _usual(candidate: Candidate, times: float) -> bool:
