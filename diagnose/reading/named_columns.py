@@ -106,7 +106,7 @@ def named_columns(
             columns[meaning.name] = _plain(table, header, meaning)
     aside = [header for header in strangers if held.columns and header not in asked]
     if aside:
-        warnings.append(f"No columns that are known here: {', '.join(aside)}; kept as they are.")
+        warnings.append(f"No columns that are known here: {', '.join(aside)}. They are kept as they are.")
     return columns, {name: values for name, values in strangers.items() if np.isfinite(values).any()}, warnings
 
 

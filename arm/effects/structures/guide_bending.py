@@ -116,8 +116,8 @@ def _twists(state: PoseState, settings: Settings) -> Iterator[Twist]:
 GUIDE_BENDING = Effect(
     id="guide_bending",
     title="bending of the beams along which slides run",
-    formula="F a^2 b^2/(3 EI L) + M a b (b - a)/(3 EI L) across the slide on simple supports, a and b from the "
-    "carriage to them; slope and twist T a b/(GJ L) carried on",
+    formula="across the slide F a^2 b^2/(3 EI L) + M a b (b - a)/(3 EI L), a and b to the supports; slope and twist "
+    "T a b/(GJ L)",
     place="joint",
     cause="flexibility",
     automatic=True,
