@@ -98,7 +98,7 @@ def test_titles_as_a_spreadsheet_writes_them(tmp_path, units):
     result = read(tmp_path, "\n".join(lines), columns)
     assert result.tip == pytest.approx(TIPS, abs=1e-7)
     assert result.row.tolist() == list(range(1, 31))
-    assert "The header stands in line 4; what is above it is passed over." in result.warnings
+    assert "The header stands in line 4. Lines above the header are not used." in result.warnings
     assert ("The header has a second line, with units." in result.warnings) == bool(units)
 
 
@@ -198,4 +198,4 @@ def test_a_column_in_kg_is_asked_for(tmp_path):
 def test_columns_left_aside_are_named(tmp_path):
     """Where settings map others."""
     said = read(tmp_path, with_columns("bed", "lamp"), "columns: {time_s: bed*2}\n").warnings
-    assert "No columns that are known here: lamp; kept as they are." in said
+    assert "No columns that are known here: lamp. They are kept as they are." in said
