@@ -15,11 +15,13 @@ from linkwright.core.diagnose.residual.visits import poses
 from linkwright.core.sections.numeric import Array
 
 from .fit import normal_solution
+from .shared_masses import Shared, Steps
 
 Folds = NDArray[np.int64]
 Split = TypeVar("Split")
 
 _FOLDS = 5
+_MOST_PARTS = 4 * _FOLDS
 _TOLD = 1e-12
 """Of the largest, what directions of normal equations below are told by nothing, as in `normal_solution`."""
 
@@ -67,7 +69,7 @@ def parts_of_workspace(observed: Observed) -> NDArray[np.int64]:
         # What is touched is one place or plane however the arm stands: parts of the joints' space are left out then.
         q = observed.recording.q
         tip = (q / np.maximum(np.ptp(q, axis=0), 1e-12))[first]
-    cells = max(parts, min(4 * parts, len(first) // 2))
+    cells = max(parts, min(_MOST_PARTS, len(first) // 2))
     centers = [int(np.argmin(np.sum((tip - tip.mean(axis=0)) ** 2, axis=1)))]
     distance = np.sum((tip - tip[centers[0]]) ** 2, axis=1)
     while len(centers) < cells and distance.max() > 0.0:
@@ -75,6 +77,21 @@ def parts_of_workspace(observed: Observed) -> NDArray[np.int64]:
         distance = np.minimum(distance, np.sum((tip - tip[centers[-1]]) ** 2, axis=1))
     nearest = np.argmin(((tip[:, None, :] - tip[None, centers, :]) ** 2).sum(axis=2), axis=1)
     return nearest[pose].astype(np.int64)
+
+
+def folds_of_rivals(observed: Observed, folds: Mapping[str, Folds]) -> Folds:
+    """The folds by which what a file may hold is judged: of few poses those next to each other go into different folds,
+    and those left out lie between the rest; else the hardest.
+
+    With parts of the workspace left out of 24 poses, three free frames extrapolate badly, whatever the causes are.
+    """
+    pose, part = poses(observed), parts_of_workspace(observed)
+    if _few(observed) or pose.max() >= 2 * _MOST_PARTS:
+        return hardest(folds)
+    first = np.array([np.flatnonzero(pose == number)[0] for number in range(int(pose.max()) + 1)])
+    dealt = np.empty(len(first), dtype=np.int64)
+    dealt[np.argsort(part[first], kind="stable")] = np.arange(len(first)) % _FOLDS
+    return dealt[pose]
 
 
 def _pose_blocks(observed: Observed) -> Folds:
@@ -95,7 +112,9 @@ class HeldOut:
     `columns` are the parts' displacements (N, C, d), `tethers` (d,) for each part what holds its sizes at nought: the
     reciprocal of their usual size over the scatter (None: nothing does). What the parts multiply to is worked out once
     a fold. Of the first `nuisances` parts, what no other fold tells (where a point is that is touched in one fold
-    alone) is fitted to the fold's own readings: nothing can foretell it, and it says nothing of the rest.
+    alone) is fitted to the fold's own readings: nothing can foretell it, and it says nothing of the rest. Parts that
+    are `shared` give under one set of unknown weights in each of these fits, as a file has one: to first order about
+    all readings' fit.
     """
 
     def __init__(
@@ -106,8 +125,9 @@ class HeldOut:
         tethers: Sequence[Array | None] | None = None,
         *,
         nuisances: int = 0,
+        shared: Shared | None = None,
     ) -> None:
-        self._observed = observed
+        self._observed, self._shared = observed, shared
         self._parts = list(columns) or [np.zeros((*observed.residual.shape, 0))]
         self._edges = np.cumsum([0, *(part.shape[2] for part in self._parts)])
         tethers_ = list(tethers) if tethers is not None else [None] * len(self._parts)
@@ -187,8 +207,9 @@ class HeldOut:
         whole = sum(gram[at] for gram, _ in self._products) + np.diag(self._held[taken] / self._size[taken] ** 2)
         against = sum(wanted[taken] for _, wanted in self._products)
         values = np.zeros((len(self._size), len(self._products)))
+        steps = self._steps(which, taken)
         for fold, (gram, wanted) in enumerate(self._products):
-            values[taken, fold] = normal_solution(whole - gram[at], against - wanted[taken]) / self._size[taken]
+            values[taken, fold] = self._fitted(whole - gram[at], (against - wanted[taken])[:, None], taken, steps)[:, 0]
         for part in () if shown is None else set(range(len(self._parts))) - set(shown):
             values[self._edges[part] : self._edges[part + 1]] = 0.0
         moved = self._moved(values)
@@ -198,6 +219,34 @@ class HeldOut:
             if own.shape[1] and (taken[: len(own)] == np.arange(len(own))).all():
                 left[out] -= self._of_its_own(missed[out][..., None], fold, own)[..., 0]
         return left
+
+    def _steps(self, which: Sequence[int] | None, taken: NDArray[np.int64]) -> Steps | None:
+        """The coordinates in which some parts give under one set of weights, by the places of their sizes among those
+        `taken`; None where fewer than two do."""
+        if self._shared is None:
+            return None
+        place = {column: k for k, column in enumerate(taken.tolist())}
+        among = range(len(self._edges) - 1) if which is None else which
+        starts = {part: place[int(self._edges[part])] for part in among if part in self._shared.sizes}
+        return self._shared.steps(len(taken), starts) if len(starts) > 1 else None
+
+    def _fitted(
+        self, gram: Array, against: Array, taken: NDArray[np.int64], steps: Steps | None, *, start: float = 1.0
+    ) -> Array:
+        """Sizes (t, k) by normal equations of scaled columns, with `steps` from their `start` times that of all
+        readings."""
+        size = self._size[taken][:, None]
+        if steps is None or self._shared is None:
+            return normal_solution(gram, against) / size
+        begun, slopes = start * steps.begun[:, None] * size, steps.slopes * size
+        held, asked = steps.held(self._shared.hold)
+        # A column for the largest weight, which stands, is nought: its step stays at nought too.
+        whole, right = slopes.T @ gram @ slopes + held.T @ held, slopes.T @ (against - gram @ begun)
+        right += start * (held.T @ asked)[:, None]
+        scale = np.sqrt(np.diag(whole))
+        scale = np.where(scale > 0.0, scale, 1.0)
+        step = normal_solution(whole / np.outer(scale, scale), right / scale[:, None]) / scale[:, None]
+        return (begun + slopes @ step) / size
 
     def rms_of(self, drawn: Array) -> Array:
         """The RMS lengths (m, k) that fits of all parts leave held out of other residuals (N, C, k), m and rad."""
@@ -209,8 +258,10 @@ class HeldOut:
         against = [self._along(target[rows], rows) for rows in self._rows]
         whole = sum(gram for gram, _ in self._products) + np.diag(self._held / self._size**2)
         each = zip(self._products, against, self._own, self._rows, strict=True)
+        taken = np.arange(len(self._size))
+        steps = self._steps(None, taken)
         for fold, ((gram, _), wanted, own, out) in enumerate(each):
-            values = normal_solution(whole - gram, sum(against) - wanted) / self._size[:, None]
+            values = self._fitted(whole - gram, sum(against) - wanted, taken, steps, start=0.0)
             missed = drawn[out] - self._moved(values, out)
             left[out] = missed[:, :width] - (self._of_its_own(missed, fold, own) if own.shape[1] else 0.0)
         return np.sqrt(np.mean(np.sum(left**2, axis=1), axis=0))

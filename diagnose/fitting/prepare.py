@@ -50,7 +50,8 @@ class Prepared:
 
     `independent` is the share of observations that tell something each: readings of one visit share how exactly the arm
     came there. `together` neighbouring visits tell as much as one where what is left goes with time as well as with
-    pose: p-values are those of so many fewer."""
+    pose: p-values are those of so many fewer. Sizes are held to `width` times the largest that are usual, one standard
+    deviation; infinite: only to what is possible."""
 
     observed: Observed
     vector: Array
@@ -61,6 +62,7 @@ class Prepared:
     rejected: tuple[RejectedRow, ...]
     independent: float = 1.0
     together: int = 1
+    width: float = np.inf
 
     @cached_property
     def products(self) -> Products:
@@ -150,16 +152,19 @@ def limits(candidate: Candidate, columns: Array, *, rules: FittingRules = RULES.
     return np.array([max(abs(parameter.lower), abs(parameter.upper)) for parameter in parameters])
 
 
-def held_within(candidate: Candidate, columns: Array, *, rules: FittingRules = RULES.fitting) -> Array | None:
+def held_within(
+    candidate: Candidate, columns: Array, width: float = np.inf, *, rules: FittingRules = RULES.fitting
+) -> Array | None:
     """How far each size (d,) may go where the data say next to nothing of it, None where nobody can say: no further
     than is possible; and of what an axis is off by across itself, which a free frame takes up but for a trace, one
-    standard deviation of what holds it is the largest that is usual."""
+    standard deviation of what holds it is the largest that is usual, as of all sizes `width` times that."""
     most = limits(candidate, columns, rules=rules)
     if most is None or columns.shape[2] != len(candidate.sizes):
         return most
     parameters = [parameter_of(EFFECTS[candidate.effect], name) for name in candidate.sizes]
-    usual = [max(abs(limit) for limit in parameter.typical) if parameter.across else np.inf for parameter in parameters]
-    return np.minimum(most, rules.tether * np.array(usual))
+    usual = np.array([max(abs(limit) for limit in parameter.typical) for parameter in parameters])
+    times = np.array([min(width, 1.0) if parameter.across else width for parameter in parameters])
+    return np.minimum(most, rules.tether * usual * times)
 
 
 Patterns = list[tuple[Candidate, Packed]]

@@ -22,8 +22,9 @@ from .joint.shapes import shapes_found
 from .joint.sizes import left_by, solved_together
 from .prepare import Prepared
 from .room.unnamed import Unnamed
+from .shared_masses import Shared
 from .terms import Term, linear, term_at
-from .unknown_masses import less_known, not_under_known_loads, under_one_set_of_weights
+from .unknown_masses import hold_of, less_known, not_under_known_loads, under_one_set_of_weights
 
 
 @dataclass(frozen=True)
@@ -46,9 +47,12 @@ def refit(
     outside: Sequence[int],
     fitted: Fit,
     unnamed: Unnamed | None = None,
+    *,
+    bounded: bool = False,
 ) -> Refit:
     """Fit the groups `members` of a linear fit together, from its sizes on, forms `outside` the library beside them;
-    intervals leave room for what is `unnamed` (None: nothing is)."""
+    intervals leave room for what is `unnamed` (None: nothing is). What is `bounded` has every size that lies beyond its
+    bounds at the bound, however far, with the rest refitted, and no parameters are worked out."""
     if outside:
         further = np.concatenate([prepared.beside, *(prepared.columns[m] for m in outside)], axis=2)
         prepared = replace(prepared, beside=further)
@@ -60,35 +64,40 @@ def refit(
         residual, rss, freedom = left_by(prepared, terms)
         return Refit((), (), residual, rss, freedom)
     unit = fitted.unit if unnamed is None else prepared.told_apart(fitted.unit)
-    terms, weights = under_one_set_of_weights(prepared, terms, unit)
+    terms, weights = under_one_set_of_weights(prepared, terms, unit, bounded=bounded)
     terms = shapes_found(prepared, terms, unit)
     initial = prepared
-    prepared, terms = solved_together(initial, terms, unit)
+    prepared, terms = solved_together(initial, terms, unit, bounded=bounded)
     while any(_below_nought(prepared, term) for term in terms):
         held = shapes_found(initial, [_never_below_nought(prepared, term) for term in terms], unit)
-        prepared, terms = solved_together(initial, held, unit)
+        prepared, terms = solved_together(initial, held, unit, bounded=bounded)
     residual, rss, freedom = left_by(prepared, terms)
     spread = spread_of(prepared, terms, rss / max(freedom, 1), unnamed)
     doubtful = not_under_known_loads(prepared, terms, spread.noise, spread.told, freedom)
     if doubtful:
         prepared, terms = solved_together(
-            initial, [less_known(t) if k in doubtful else t for k, t in enumerate(terms)], unit
+            initial,
+            [less_known(t) if k in doubtful else t for k, t in enumerate(terms)],
+            unit,
+            bounded=bounded,
         )
         residual, rss, freedom = left_by(prepared, terms)
         spread = spread_of(prepared, terms, rss / max(freedom, 1), unnamed)
     still = [np.zeros(len(term.sizes), dtype=bool) for term in terms]
     while True:
-        within = [_within_bounds(prepared, *item) for item in zip(terms, spread.errors, strict=True)]
+        within = [_within_bounds(prepared, *item, bounded) for item in zip(terms, spread.errors, strict=True)]
         beyond = [(one.sizes != other.sizes) & ~held for one, other, held in zip(within, terms, still, strict=True)]
         if not any(np.any(sizes) for sizes in beyond):
             break
         # What made up for the rest of a size that stands at its bound now is fitted anew beside it, which may take that
         # to a bound of its own.
         still = [held | sizes for held, sizes in zip(still, beyond, strict=True)]
-        prepared, terms = solved_together(initial, within, unit, still)
+        prepared, terms = solved_together(initial, within, unit, still, bounded=bounded)
         residual, rss, freedom = left_by(prepared, terms)
     parameters = tuple(
         parameters_of(prepared, terms, place, spread, residual, freedom, rss / max(freedom, 1), unnamed)
+        if not bounded
+        else ()
         for place in range(len(terms))
     )
     return Refit(tuple(terms), parameters, residual, rss, freedom, weights)
@@ -117,16 +126,16 @@ def _never_below_nought(prepared: Prepared, term: Term) -> Term:
     return term_at(prepared.observed, less, term.sizes[kept], term.columns[:, :, kept])
 
 
-def _within_bounds(prepared: Prepared, term: Term, errors: Array) -> Term:
-    """The term with sizes that lie beyond their bounds by no more than they are unsure of at the bound, where physics
-    ends and a file with them is read; what lies further out cannot be (see `impossible_term`)."""
+def _within_bounds(prepared: Prepared, term: Term, errors: Array, anyhow: bool) -> Term:
+    """The term with sizes that lie beyond their bounds by no more than they are unsure of, or `anyhow`, at the bound,
+    where physics ends and a file with them is read; what lies further out cannot be (see `impossible_term`)."""
     candidate = term.candidate
     if term.shared or candidate.outside or len(term.sizes) != len(candidate.sizes):
         return term
     low, high = np.array([bounds(candidate, name, prepared) for name in candidate.sizes]).T
     unsure = np.minimum(prepared.observed.rules.residual.beyond_chance * errors, high - low)
     inside = np.clip(term.sizes, low, high)
-    sizes = np.where(np.abs(inside - term.sizes) <= unsure, inside, term.sizes)
+    sizes = np.where(anyhow | (np.abs(inside - term.sizes) <= unsure), inside, term.sizes)
     return term if (sizes == term.sizes).all() else term_at(prepared.observed, candidate, sizes, term.columns)
 
 
@@ -147,6 +156,14 @@ def impossible_term(prepared: Prepared, found: Refit) -> tuple[int, str] | None:
         if reason is not None and (worst is None or moved > worst[0]):
             worst = (moved, place, reason)
     return None if worst is None else worst[1:]
+
+
+def shared_of(prepared: Prepared, found: Refit) -> Shared | None:
+    """What a joint fit says of one set of weights, for fits to fewer readings; terms are parts from 1. None where fewer
+    than two terms share them."""
+    sizes = {1 + place: term.sizes for place, term in enumerate(found.terms) if term.shared}
+    unit = float(np.sqrt(found.rss / max(found.freedom, 1)))
+    return Shared(sizes, hold_of(prepared, found.terms, unit)) if len(sizes) > 1 else None
 
 
 def refined_shapes(prepared: Prepared, members: Sequence[int], fitted: Fit) -> tuple[Candidate | None, ...]:

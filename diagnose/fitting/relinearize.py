@@ -46,12 +46,14 @@ class Relinearized:
     refit: Refit
 
 
-def relinearized(prepared: Prepared, members: Sequence[int], outside: Sequence[int]) -> Relinearized:
+def relinearized(
+    prepared: Prepared, members: Sequence[int], outside: Sequence[int], *, bounded: bool = False
+) -> Relinearized:
     """Groups fitted together, `outside` being forms, about the arm as their sizes make it. Sizes that cannot be are
-    left as they came out first: no arm is like that."""
-    fitted, last = _fitted(prepared, members, outside), np.inf
+    left as they came out first, no arm being like that, or stand at their bounds (`bounded`, see `refit`)."""
+    fitted, last = _fitted(prepared, members, outside, bounded), np.inf
     for _ in range(6 if members else 0):
-        if impossible_term(fitted.prepared, fitted.refit) is not None:
+        if not bounded and impossible_term(fitted.prepared, fitted.refit) is not None:
             break
         about = _about(fitted)
         patterns = _patterns_about(about, fitted)
@@ -60,12 +62,12 @@ def relinearized(prepared: Prepared, members: Sequence[int], outside: Sequence[i
             break
         last = step
         again = set_up(about, patterns, prepared.rejected)
-        again = replace(again, independent=prepared.independent, together=prepared.together)
+        again = replace(again, independent=prepared.independent, together=prepared.together, width=prepared.width)
         if len(again.pool.groups) < len(patterns):
             break
         count = len(members)
         del fitted  # of a long recording some hundred megabytes, of which nothing is needed any more
-        fitted = _fitted(again, range(count), range(count, len(patterns)))
+        fitted = _fitted(again, range(count), range(count, len(patterns)), bounded)
     return fitted
 
 
@@ -89,9 +91,10 @@ def _about(relinearized_: Relinearized) -> Observed:
     return observed_about(observed, entries_of_arm(terms), softer)
 
 
-def _fitted(prepared: Prepared, members: Sequence[int], outside: Sequence[int]) -> Relinearized:
+def _fitted(prepared: Prepared, members: Sequence[int], outside: Sequence[int], bounded: bool) -> Relinearized:
     fitted = fit(prepared, [*members, *outside])
-    return Relinearized(prepared, tuple(members), tuple(outside), fitted, refit(prepared, members, outside, fitted))
+    joint = refit(prepared, members, outside, fitted, bounded=bounded)
+    return Relinearized(prepared, tuple(members), tuple(outside), fitted, joint)
 
 
 def _patterns_about(observed: Observed, relinearized_: Relinearized) -> Patterns | None:

@@ -7,10 +7,11 @@ factor between the two being fixed by making the largest of w one.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.optimize import nnls
 
 from linkwright.core.sections.numeric import Array
 
@@ -32,6 +33,21 @@ class Products:
         return int(np.argmax(np.abs(self.weight)))
 
 
+@dataclass(frozen=True)
+class Shared:
+    """Parts of a model that give under one set of weights: by the part's number the sizes (K + 1,) of a fit to all
+    readings, and how strongly weights, the largest of which is one, are held to zero (K,)."""
+
+    sizes: Mapping[int, Array]
+    hold: Array
+
+    def steps(self, count: int, starts: Mapping[int, int]) -> Steps:
+        """The coordinates for `count` sizes, those of each part where it `starts`."""
+        begun = np.stack([self.sizes[part] for part in starts])
+        spans = [slice(start, start + begun.shape[1]) for start in starts.values()]
+        return steps(count, spans, factors(begun[:, :-1]))
+
+
 def factors(coefficients: Array) -> Products:
     """The products of rank one that come nearest to coefficients (m, K)."""
     left, singular, right = np.linalg.svd(coefficients, full_matrices=False)
@@ -45,9 +61,10 @@ def factors(coefficients: Array) -> Products:
     return Products(compliance, weight)
 
 
-def under_one(design: Array, target: Array, begun: Array, how: Array) -> Array:
+def under_one(design: Array, target: Array, begun: Array, how: Array, *, bounded: bool = False) -> Array:
     """The sizes under one set of weights that come nearest to a target, as a start for a fit: compliances and weights
-    solved for in turn, from the weights of each term, as sums of products have several valleys.
+    solved for in turn, from the weights of each term, as sums of products have several valleys. Where they are
+    `bounded` no compliance is negative, and opposite weights are a start too.
 
     Args:
         design: What a unit of each product (K) of each term, and last of its size under known loads, moves,
@@ -62,11 +79,19 @@ def under_one(design: Array, target: Array, begun: Array, how: Array) -> Array:
     products, known, count = design[:, :, :-1], design[:, :, -1], len(begun)
     least = np.inf
     best: Array = begun
-    for weight in begun[:, :-1]:
+    beside = np.linalg.qr(known[:, known.any(axis=0)])[0]
+    aim = target - beside @ (beside.T @ target)
+    for weight in (*begun[:, :-1], *(-begun[:, :-1] if bounded and count > 1 else ())):
         value = np.inf
         for _ in range(_TURNS):
             weight = weight / (np.max(np.abs(weight)) or 1.0)
-            own = np.linalg.lstsq(np.hstack([products @ weight, known]), target, rcond=None)[0]
+            giving = products @ weight
+            if bounded:
+                compliance = nnls(giving - beside @ (beside.T @ giving), aim)[0]
+                of_known = np.linalg.lstsq(known, target - giving @ compliance, rcond=None)[0]
+                own = np.concatenate([compliance, of_known])
+            else:
+                own = np.linalg.lstsq(np.hstack([giving, known]), target, rcond=None)[0]
             left = target - known @ own[count:]
             held = float(np.sum((how * weight) ** 2))
             before, value = value, float(np.sum((left - products @ weight @ own[:count]) ** 2)) + held
@@ -93,6 +118,14 @@ class Steps:
     common: slice
     spans: tuple[slice, ...]
 
+    @property
+    def begun(self) -> Array:
+        """The sizes (P,) of the products where steps begin; those of all else are zero."""
+        sizes = np.zeros(len(self.slopes))
+        for span, compliance in zip(self.spans, self.products.compliance.tolist(), strict=True):
+            sizes[span.start : span.stop - 1] = compliance * self.products.weight
+        return sizes
+
     def held(self, how: Array) -> tuple[Array, Array]:
         """Rows (K, Q) that hold the weights but the largest where data do not show them, by `how` strongly (K,), and
         what they ask for (K,)."""
@@ -101,13 +134,19 @@ class Steps:
         rows[:, self.common] = np.diag(how)
         return rows, -how * self.products.weight
 
-    def taken(self, step: Array, share: float) -> Array:
-        """What a share of a step (Q,) adds to all sizes (P,)."""
+    def at_zero(self, step: Array) -> set[int]:
+        """The places of compliances that stand at zero and a step (Q,) would take below."""
+        places = zip(self.own, self.products.compliance.tolist(), strict=True)
+        return {place for place, compliance in places if compliance <= 0.0 and step[place] < 0.0}
+
+    def taken(self, step: Array, share: float, *, bounded: bool = False) -> Array:
+        """What a share of a step (Q,) adds to all sizes (P,); it takes none that is `bounded` below zero."""
         added = share * (self.slopes @ step)
         change = np.where(np.arange(len(self.products.weight)) == self.products.largest, 0.0, step[self.common])
         weight = self.products.weight + share * change
         for place, span, compliance in zip(self.own, self.spans, self.products.compliance.tolist(), strict=True):
-            product = (compliance + share * float(step[place])) * weight
+            after = compliance + share * float(step[place])
+            product = (max(after, 0.0) if bounded else after) * weight
             added[span.start : span.stop - 1] = product - compliance * self.products.weight
         return added
 

@@ -41,10 +41,11 @@ recording, and where the frame is free the most that its sag changes."""
 
 
 def under_one_set_of_weights(
-    prepared: Prepared, terms: list[Term], unit: float
+    prepared: Prepared, terms: list[Term], unit: float, *, bounded: bool = False
 ) -> tuple[list[Term], tuple[Weight, ...]]:
     """The terms, those that give under unknown weights with a column for each weight that any of them shows, as they
-    fit best under one set of weights; `unit` is the scatter of whitened residuals."""
+    fit best under one set of weights, `bounded` or not (see `under_one`); `unit` is the scatter of whitened
+    residuals."""
     observed = prepared.observed
     places = [k for k, t in enumerate(terms) if _only_products(observed, t.candidate)]
     if not places or weights_given(observed):
@@ -64,7 +65,11 @@ def under_one_set_of_weights(
     small = np.linalg.qr(tall - rest @ (rest.T @ tall))[1]
     begun = np.stack([item.sizes for item in shared])
     sizes = under_one(
-        small[:, :-1].reshape(len(small), *begun.shape), small[:, -1], begun, _hold(prepared, weights, unit)
+        small[:, :-1].reshape(len(small), *begun.shape),
+        small[:, -1],
+        begun,
+        _hold(prepared, weights, unit),
+        bounded=bounded,
     )
     for k, own in zip(places, sizes, strict=True):
         merged[k] = replace(merged[k], sizes=own, moved=merged[k].columns @ own)

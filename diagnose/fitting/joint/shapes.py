@@ -47,7 +47,7 @@ class Scan:
             return float("inf")
         white = self.prepared.observed.whitened(columns)
         rules = self.prepared.observed.rules.fitting
-        bound = held_within(candidate, columns, rules=rules)
+        bound = held_within(candidate, columns, self.prepared.width, rules=rules)
         tether = (
             np.zeros((white.shape[1], white.shape[1])) if bound is None else np.diag(self.unit * rules.tether / bound)
         )

@@ -57,11 +57,11 @@ def side_by_side(observed: Observed, parts: Sequence[Array], below: Array | None
     return design
 
 
-def tether(term: Term, unit: float, *, rules: FittingRules = RULES.fitting) -> Array:
+def tether(term: Term, unit: float, width: float = np.inf, *, rules: FittingRules = RULES.fitting) -> Array:
     """What holds a finding's sizes (d,) within their physical bounds, and what badly known ones are near the usual:
     `unit`, the scatter of whitened residuals, over a fifth of the bound or the largest that is usual, whichever is
     less. What the data tell ten times as well as that it leaves where they put it."""
-    bound = held_within(term.candidate, term.columns, rules=rules)
+    bound = held_within(term.candidate, term.columns, width, rules=rules)
     return np.zeros(len(term.sizes)) if bound is None else unit * rules.tether / bound
 
 
@@ -69,7 +69,7 @@ def tethers(prepared: Prepared, terms: Sequence[Term], unit: float) -> tuple[Arr
     """Rows that hold each size (see `tether`): weights (k, b + k) and what they ask for (k,), for the step from the
     present sizes."""
     beside, rules = prepared.beside.shape[2], prepared.observed.rules.fitting
-    weight = np.concatenate([np.zeros(0), *(tether(term, unit, rules=rules) for term in terms)])
+    weight = np.concatenate([np.zeros(0), *(tether(term, unit, prepared.width, rules=rules) for term in terms)])
     sizes = np.concatenate([np.zeros(0), *(term.sizes for term in terms)])
     rows = np.hstack([np.zeros((len(weight), beside)), np.diag(weight)])
     return rows, -weight * sizes
@@ -116,10 +116,16 @@ def _entry(term: Term) -> EffectEntry | None:
 
 
 def solved_together(
-    prepared: Prepared, terms: list[Term], unit: float, still: Sequence[NDArray[np.bool_]] = ()
+    prepared: Prepared,
+    terms: list[Term],
+    unit: float,
+    still: Sequence[NDArray[np.bool_]] = (),
+    *,
+    bounded: bool = False,
 ) -> tuple[Prepared, list[Term]]:
     """Gauss-Newton over all sizes but those of each term that stand `still` (d,), with steps halved as long as they
-    make things worse; the recording with the flexibility found in it beside the terms."""
+    make things worse; the recording with the flexibility found in it beside the terms. Where they are `bounded`,
+    compliances under unknown weights stop at zero."""
     prepared, terms = _coupled(prepared, terms)
     value = _to_be_least(prepared, terms, unit)
     for _ in range(_TOGETHER if any(term.shared for term in terms) else _NEWTON):
@@ -134,8 +140,14 @@ def solved_together(
             held, asked = together.held(hold_of(prepared, terms, unit))
             design, white = np.vstack([design @ together.slopes, held]), np.concatenate([white, asked])
         step, before = solved(design, white), value
+        below = set[int]()
+        while bounded and together is not None and (more := together.at_zero(step) - below):
+            below |= more
+            design[:, sorted(below)] = 0.0
+            step = solved(design, white)
+            step[sorted(below)] = 0.0
         for share in _SHARES:
-            moved = share * step if together is None else together.taken(step, share)
+            moved = share * step if together is None else together.taken(step, share, bounded=bounded)
             moved[stand] = 0.0
             new = [
                 replace(

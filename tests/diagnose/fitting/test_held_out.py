@@ -5,6 +5,7 @@ import pytest
 
 from linkwright.core.diagnose.fitting.held_out import (
     HeldOut,
+    folds_of_rivals,
     parts_of_workspace,
     residual_held_out,
     rms_held_out,
@@ -109,6 +110,20 @@ def test_what_is_held_out_is_made_of_parts_of_the_workspace(null):
     assert len(np.unique(part)) > len(np.unique(fold))
     assert all(len(np.unique(fold[part == k])) == 1 for k in np.unique(part))
     assert all(len(np.unique(part[poses(null.observed) == k])) == 1 for k in np.unique(poses(null.observed)))
+
+
+def test_rivals_are_judged_between_poses_where_these_are_few(null):
+    """Whole poses are left out, and none of the parts of the workspace with several; of many poses, whole parts are."""
+    folds = splits(null.observed, 1)
+    part, fold, pose = parts_of_workspace(null.observed), folds_of_rivals(null.observed, folds), poses(null.observed)
+    assert all(len(np.unique(fold[pose == k])) == 1 for k in np.unique(pose))
+    several = [k for k in np.unique(part) if len(np.unique(pose[part == k])) > 1]
+    assert several
+    assert all(len(np.unique(fold[part == k])) > 1 for k in several)
+    along = np.linspace(0.2, 1.2, 300)[:, None] * np.array([1.0, -0.5, 0.3])
+    line = observe(planar_arm(), Recording("a line", along, planar_tip(along), np.arange(1, 301)))
+    folds = splits(line, 1)
+    assert (folds_of_rivals(line, folds) == folds["pose blocks"]).all()
 
 
 def test_of_few_poses_each_is_left_out_by_itself():

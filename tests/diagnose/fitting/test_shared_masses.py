@@ -219,3 +219,36 @@ def test_one_set_of_weights_is_sought_from_those_of_each_term(seed: int) -> None
     least = np.sum((wanted - compliance[:, None] * moved) ** 2, axis=(0, 1)).min()
     assert left(own) == pytest.approx(least, rel=0.01)
     assert max(left(np.repeat(own[k : k + 1], 3, axis=0)) for k in range(3)) > 3.0 * least
+
+
+@pytest.mark.parametrize("seed", [16, 55, 113])
+def test_bounded_compliances_are_the_best_that_are_not_negative(seed: int) -> None:
+    """A scan of all directions of the weights, with no compliance below zero, says where the least is."""
+    rng = np.random.default_rng(seed)
+    scale = np.exp(2.0 * rng.standard_normal((3, 2)))
+    own = np.append(rng.standard_normal((3, 2)), np.zeros((3, 1)), axis=1)
+    design, target = np.zeros((6, 3, 3)), (scale * own[:, :2]).reshape(-1)
+    for row, (term, weight) in enumerate(np.ndindex(3, 2)):
+        design[row, term, weight] = scale[term, weight]
+    result = under_one(design, target, own, np.zeros(2), bounded=True)
+    assert factors(result[:, :2]).compliance.min() >= -1e-12
+    angle = np.linspace(0.0, 2.0 * math.pi, 20001)
+    moved = scale[:, :, None] * np.stack([np.cos(angle), np.sin(angle)])
+    wanted = (scale * own[:, :2])[:, :, None]
+    compliance = np.maximum(np.sum(moved * wanted, axis=1) / np.sum(moved**2, axis=1), 0.0)
+    least = np.sum((wanted - compliance[:, None] * moved) ** 2, axis=(0, 1)).min()
+    left = float(np.sum((target - np.einsum("nmk,mk->n", design, result)) ** 2))
+    assert left == pytest.approx(least, rel=0.01)
+
+
+def test_a_bounded_step_takes_no_compliance_below_zero() -> None:
+    """From one just above zero it ends at zero, with its products; one at zero that is asked further down stays."""
+    products = factors(np.outer([1.0, 0.01, 0.0], [1.0, -0.5]))
+    spans = (slice(0, 3), slice(3, 6), slice(6, 9))
+    made = steps(9, spans, products)
+    step = np.zeros(made.slopes.shape[1])
+    step[list(made.own)] = -0.1
+    after = made.begun + made.taken(step, 1.0, bounded=True)
+    assert [after[span][0] for span in spans] == pytest.approx([0.9, 0.0, 0.0], abs=1e-12)
+    assert made.at_zero(step) == {made.own[2]}
+    assert made.at_zero(-step) == set()
