@@ -12,6 +12,7 @@ import numpy as np
 from linkwright.core.arm.chain.chain import Arm
 from linkwright.core.sections.numeric import Array
 
+from .judge.rivals import Rivals
 from .recording import Recording, RejectedRow
 from .rules.fitting_rules import FittingRules
 from .rules.rules import RULES
@@ -481,6 +482,7 @@ class Diagnosis:
     wandered: float = 0.0
     exchanges: tuple[Exchange, ...] = ()
     set_aside: SetAside | None = None
+    rivals: Rivals | None = None
 
     def in_space(self, residual: Array) -> Array:
         """Residuals as displacements of the tip (N, D), m: along what was measured, where that is but a part."""

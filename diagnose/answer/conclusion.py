@@ -103,10 +103,10 @@ class Conclusion:
         findings, exchanges = self._findings(), self._exchanges()
         apart = differences(self.prepared, self.names.refit, self.names.outside, self.names.p_values)
         file = for_file(self.names)
-        corrected, of_arm = corrected_arm(arm, file.names.refit, rules=self.rules.fitting)
+        corrected, of_arm = corrected_arm(arm, file.written.refit, rules=self.rules.fitting)
         room = self.names.unnamed() if self.names.members and arm.unknown_origins else None
         corrected, origins = identified_origins(
-            file.names.prepared, file.names.refit, file.names.outside, corrected, room, self.search
+            file.written.prepared, file.written.refit, file.written.outside, corrected, room, self.search
         )
         self.names.tell("next poses", 0.95)
         proposed = next_poses(
@@ -189,6 +189,7 @@ class Conclusion:
             shown=None if self.observed.view is None else self.observed.view.shown,
             exchanges=exchanges,
             set_aside=set_aside(self.names),
+            rivals=file.rivals,
         )
 
     def _whole_places(self) -> bool:
@@ -214,7 +215,7 @@ class Conclusion:
         if not self.observed.recording.units:
             return recordings
         arms = [
-            corrected_arm(arm, file.names.refit, only=index, rules=self.rules.fitting)[0]
+            corrected_arm(arm, file.written.refit, only=index, rules=self.rules.fitting)[0]
             for index in range(len(recordings))
         ]
         own = zip(recordings, arms, self.observed.recording.parts(), strict=True)

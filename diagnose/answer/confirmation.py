@@ -14,7 +14,7 @@ from linkwright.core.diagnose.fitting.fit import Fit, beyond_nuisances, fit, rem
 from linkwright.core.diagnose.fitting.held_out import Folds, HeldOut, hardest, parts_of_workspace, splits
 from linkwright.core.diagnose.fitting.joint.sizes import tether
 from linkwright.core.diagnose.fitting.prepare import Prepared, packed_up, set_up
-from linkwright.core.diagnose.fitting.refit import Refit, impossible_term, refit
+from linkwright.core.diagnose.fitting.refit import Refit, impossible_term, refit, shared_of
 from linkwright.core.diagnose.fitting.relinearize import relinearized
 from linkwright.core.diagnose.fitting.room.unnamed import Unnamed, unnamed
 from linkwright.core.diagnose.options import Options, Progress
@@ -309,9 +309,9 @@ class Confirmed:
             members, least=rules.least_unnamed if len(members) > self.rules.search.sparing else 0.0
         )
 
-    def held_out_of(self, folds: Folds, small: Array | None = None) -> HeldOut:
+    def held_out_of(self, folds: Folds, small: Array | None = None, *, as_filed: bool = False) -> HeldOut:
         """Nuisances, members (at the refitted shapes) and forms, to be fitted to all folds but one; small causes (N, C,
-        K) too, each of a size of the noise's deviation."""
+        K) too, each of a size of the noise's deviation. A file has one set of unknown weights (`as_filed`)."""
         terms = self.refit.terms
         forms = [self.prepared.columns[m] for m in self.outside]
         further = [] if small is None else [small]
@@ -322,18 +322,13 @@ class Confirmed:
             *(None for _ in forms),
             *(np.ones(part.shape[2]) for part in further),
         ]
-        return HeldOut(self.observed, parts, folds, tethers, nuisances=1)
+        shared = shared_of(self.prepared, self.refit) if as_filed else None
+        return HeldOut(self.observed, parts, folds, tethers, nuisances=1, shared=shared)
 
     def rms_held_out(self, members: Sequence[int]) -> float:
         """What some of the members and forms leave of parts of the workspace that their fit has not seen."""
         whole = [*self.members, *self.outside]
         return hardest(self.held_out).rms([0, *(1 + whole.index(m) for m in members)])
-
-    def rms_held_out_of_file(self) -> float:
-        """What the members leave of parts of the workspace that their fit has not seen, forms fitted beside them: those
-        stand in no file."""
-        whole = range(1 + len(self.members) + len(self.outside))
-        return rms_length(hardest(self.held_out).residual(whole, shown=range(1 + len(self.members))))
 
     def moved(self, places: Sequence[int]) -> float:
         """The RMS length (m) of what some findings move together, beyond what the nuisances take up."""

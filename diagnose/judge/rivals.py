@@ -52,6 +52,11 @@ class Rival:
     losses: Array
     rows: Array
 
+    @property
+    def subject(self) -> str:
+        """What it is, at the beginning of a sentence."""
+        return _SUBJECT[self.name]
+
     def rms(self) -> Array:
         """Held-out RMS (J,) of each branch; nan where no reading is."""
         count = self.rows.sum(axis=0)

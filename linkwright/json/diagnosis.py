@@ -34,6 +34,7 @@ from linkwright.results.diagnoses.evidence import unit_files
 from .design import coordinates
 from .fields import fields, fields_if, in_joint_unit, in_mm
 from .parameters import in_unit, parameter_json, unit_of
+from .rivals import rivals_json
 
 
 def _finding(finding: Finding) -> dict[str, Any]:
@@ -201,6 +202,7 @@ def diagnosis_json(diagnosis: Diagnosis) -> dict[str, Any]:
         "labels": None if diagnosis.labels is None else _labels(diagnosis.labels),
         "describes_part": diagnosis.describes_part,
         **_written(diagnosis.written),
+        **rivals_json(diagnosis.rivals, "rms_mm=in_sample", "rms_held_out_mm=held_out"),
         "missing": [_finding(finding) for finding in diagnosis.findings],
         "exchanges": [_exchange(exchange) for exchange in diagnosis.exchanges],
         "origins": [_origin(origin) for origin in diagnosis.origins],

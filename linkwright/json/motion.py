@@ -3,17 +3,16 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from pathlib import PurePath
 from types import MappingProxyType
 from typing import Any
 
-from linkwright.core.diagnose.judge.rivals import Rivals
 from linkwright.core.diagnose.motion.result import MotionDiagnosis, MotionFinding, MotionUnknown
 from linkwright.results.motion.answer import answer, to_do
 
 from .fields import fields, fields_if
 from .parameters import parameter_json
+from .rivals import rivals_json
 
 OBSERVES = MappingProxyType({"observes": "motion", "rms_unit": "N*m"})
 """What says in a result that its figures are of torques."""
@@ -83,19 +82,6 @@ def _where(diagnosis: MotionDiagnosis) -> dict[str, Any]:
     }
 
 
-def _finite(values: Sequence[float]) -> list[float | None]:
-    return [value if math.isfinite(value) else None for value in values]
-
-
-def _rivals(rivals: Rivals | None) -> dict[str, Any]:
-    """The models that were tried on held-out motion, and which of them the file holds."""
-    if rivals is None:
-        return {"rivals": [], "written": None, "written_because": None}
-    figures = ("name", "parameters", "rms=in_sample", "rms_held_out=held_out")
-    table = [{**fields(item, *figures), "by_joint": _finite(item.rms().tolist())} for item in rivals.table]
-    return {"rivals": table, "written": rivals.written, "written_because": rivals.why}
-
-
 def motion_json(diagnosis: MotionDiagnosis) -> dict[str, Any]:
     """What `diagnosis.json` holds of motion logs."""
     several = len(diagnosis.logs) > 1
@@ -119,7 +105,7 @@ def motion_json(diagnosis: MotionDiagnosis) -> dict[str, Any]:
         "per_joint": per_joint_json(diagnosis),
         "written_arm_rms": None if written is None else written.rms,
         "written_arm": fields_if(written, *_WRITTEN),
-        **_rivals(diagnosis.rivals),
+        **rivals_json(diagnosis.rivals, "rms=in_sample", "rms_held_out=held_out", by_joint=True),
         "missing": [_finding(finding) for finding in diagnosis.findings],
         "differs_beyond": list(diagnosis.beyond),
         "where": _where(diagnosis),

@@ -91,12 +91,18 @@ def ladder(diagnosis: Diagnosis) -> Section:
         )
         for rung in diagnosis.ladder
     ]
+    rivals = () if diagnosis.rivals is None else diagnosis.rivals.table
+    tried = [
+        (item.subject, count(item.parameters), length(item.in_sample, 3), length(item.held_out, 3)) for item in rivals
+    ]
     splits = [f"{dict(SPLITS).get(name, name)}: RMS {mm(x, 3)}" for name, x in diagnosis.splits.items()]
     return section(
         "The ladder of models",
         table(("model", "RMS", "mean", "largest", "held out", ""), rows),
         Paragraph("On readings that it has not seen, by what was held out:", "lead", detail=True) if splits else None,
         Lines(tuple(splits), detail=True),
+        table(("what the file could hold", "numbers", "RMS", "held out"), tried, detail=True) if tried else None,
+        Paragraph(diagnosis.rivals.why, "lead", detail=True) if diagnosis.rivals is not None else None,
         lead="Each model is fitted and then tried on readings that it has not seen: the blue bar, and the grey one.",
         detail=len(rows) < 2,
     )
