@@ -36,9 +36,6 @@ from .rivals import Name, Rival, Rivals, chosen
 _GIVES = (JOINT_COMPLIANCE.id, BASE_COMPLIANCE.id, THERMAL_EXPANSION.id)
 """What everybody fits beside zeros and lengths: how far drives and base give, and links expand (B. W. Mooring, Z. S.
 Roth & M. R. Driels, Fundamentals of Manipulator Calibration, Wiley 1991, ch. 6)."""
-_TRAVEL = 0.3
-"""rad. What a joint that moved by less does elsewhere, no reading held out tells: of a grid of two joints' poses ridge
-left 0.13 mm, and 0.74 mm of lines of all six."""
 _USUAL = 1.0
 """Of the largest usual size: one standard deviation of a number that nobody has named."""
 
@@ -119,9 +116,9 @@ def _may_have_rivals(names: Confirmed) -> bool:
     everybody fits there is not told, and no reading held out tells what it does elsewhere."""
     recording = names.observed.recording
     free = recording.units or names.observed.arm_given.unknown_origins
-    travel = np.ptp(recording.q, axis=0)
+    least, travel = names.rules.fitting.rival_travel, np.ptp(recording.q, axis=0)
     moved = all(
-        span > _TRAVEL for span, joint in zip(travel, names.observed.arm_given.joints, strict=True) if joint.revolute
+        span > least for span, joint in zip(travel, names.observed.arm_given.joints, strict=True) if joint.revolute
     )
     return not free and moved and names.named is not None and bool(names.members or names.outside)
 
