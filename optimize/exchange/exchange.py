@@ -21,6 +21,7 @@ from linkwright.core.arm.figures import (
     DesignValues,
     Limit,
     OfDesign,
+    OfKinds,
     OfLinks,
     PoseFamily,
     ThroughPoses,
@@ -153,6 +154,8 @@ def badness_of(context: Context, program: Program, x: Array, arm: Arm, materials
         case OfLinks():
             value = figure.of_links(arm)
             return math.inf if value is None else figure.badness(value)
+        case OfKinds():
+            return figure.badness(figure.follows.count(arm))
         case ThroughPoses(family):
             prepared = next(each for item, each in context.families if item is family)
             worst = family.worst(prepared, context.problem, context.design(arm, p))
