@@ -8,6 +8,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from linkwright.core.arm.effects.drives.torque_offset import TORQUE_OFFSET
+from linkwright.core.arm.effects.friction.friction_coulomb import FRICTION_COULOMB
+from linkwright.core.arm.effects.friction.friction_viscous import FRICTION_VISCOUS
 from linkwright.core.diagnose.result import HALF
 from linkwright.core.diagnose.rules.rules import Rules
 from linkwright.core.sections.numeric import Array
@@ -17,6 +20,8 @@ from .noise import covariance, noise, usual_sizes
 from .products import Products
 
 Parts = NDArray[np.bool_]
+
+_OF_DRIVES = (FRICTION_COULOMB, FRICTION_VISCOUS, TORQUE_OFFSET)
 
 
 @dataclass(frozen=True)
@@ -106,6 +111,12 @@ def may_step(pool: Candidates) -> list[Group]:
     return [group for group in pool.groups if not (group.nuisance or group.tied)]
 
 
+def may_differ(pool: Candidates) -> list[Group]:
+    """The groups that may have other sizes in some recordings of one machine: a load at the tip, and the drives' plain
+    friction and offsets. Anything else that only one recording shows is rather physics that the library lacks."""
+    return [group for group in may_step(pool) if group.effect.place == "tip" or group.effect in _OF_DRIVES]
+
+
 def differences(
     pool: Candidates, blocks: Products, known: Sequence[Difference], *, rules: Rules
 ) -> tuple[tuple[Difference, ...], Array]:
@@ -113,8 +124,9 @@ def differences(
     still lacking, and at most one more; and the RMS (n,) N*m of what all sizes together, free in each recording, would
     explain beyond what is known.
 
-    A step must pay for having been chosen, cut some joint's RMS as a name has to, and explain half of what free sizes
-    would explain there. Of steps that are alike the commonest is taken, payload and friction first.
+    A step must pay for having been chosen, halve what shared sizes leave of some joint's torque (less is rather physics
+    that the library lacks, and would take out of the file what predicts), and explain half of what free sizes would
+    explain there. Of steps that are alike the commonest is taken, payload and friction first.
     """
     motion = blocks.by_log()
     weights, best, least = _apart(pool, blocks, motion)
@@ -123,14 +135,14 @@ def differences(
     found = [replace(item, step=step) for item, step in zip(known, fit.steps, strict=True)]
     left = fit.left()
     further = np.sqrt(np.maximum(left - best, 0.0) / rows)
-    items = sorted(tried(fit, _some(motion.blocks), may_step(pool)), key=lambda step: -step.gain)
+    items = sorted(tried(fit, _some(motion.blocks), may_differ(pool)), key=lambda step: -step.gain)
     choice = float(np.log(max(len(items), 1)))
     enough = choice + rules.search.margin
     likely = [item for item in items if item.gain > max(enough, items[0].gain - rules.search.refuted_odds)]
     for step in sorted(likely, key=lambda step: _uncommon(fit, step)):
         more = fitted(pool, motion, weights, (*fit.steps, step))
         taken = left - more.left()
-        cut = taken > (1.0 - (1.0 - rules.motion.cut) ** 2) * left
+        cut = taken > (1.0 - HALF**2) * left
         if (cut & (taken > HALF * (left - least))).any():
             without, alike = np.sqrt(left / rows), _alternatives(step, items, rules)
             found = [replace(item, step=own) for item, own in zip(found, more.steps, strict=False)]

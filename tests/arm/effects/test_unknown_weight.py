@@ -115,7 +115,7 @@ def test_another_payload_through_a_product_is_said_to_be_missing() -> None:
     assert np.abs(short).max() > 1e-4
     left_out = payloads_left_out(product, (0.0, 3.0))
     assert left_out is not None
-    assert "payload of 3 kg" in left_out
+    assert "another payload (3 kg)" in left_out
     assert "joint 2" in left_out
     assert payloads_left_out(product, (0.0,)) is None
     assert payloads_left_out(soft, (3.0,)) is None

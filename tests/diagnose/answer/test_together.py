@@ -62,6 +62,6 @@ def test_it_is_said_in_words(null):
     alone = reading_of(*GIVES[:1], (3,), result.parameters[1], (), nothing=True)
     assert alone.endswith("With room for what is not named, its sizes may be zero.")
     assert nothing_singly([("joint_compliance", (3,)), ("link_bending", (3,))], 2e-6) == (
-        "These 2 together move the tip by 0.002 mm RMS; singly they mean nothing, as others that are named would take "
+        "These 2 together move the tip by 0.002 mm RMS. Singly they mean nothing, as others that are named would take "
         "their place: compliance of the drives at joint 3 and bending of the links at link 3."
     )

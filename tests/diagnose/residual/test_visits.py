@@ -60,7 +60,7 @@ def test_poses_that_are_come_back_to(drift: float) -> None:
     assert {result.source for result in results} == {"revisits"}
     # From cycle to cycle the drift is a thirtieth of itself, 2 um: next to nothing beside 8 um of noise.
     assert np.mean([result.rms_m or 0.0 for result in results]) == pytest.approx(math.sqrt(2.0) * SIGMA, rel=0.06)
-    assert all("come back" in result.sentence for result in results)
+    assert all("visited again" in result.sentence for result in results)
 
 
 def test_a_declared_sigma_goes_before_revisits() -> None:
