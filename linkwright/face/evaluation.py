@@ -109,7 +109,7 @@ class Figured(ABC):
 
     @property
     def figures(self) -> pd.DataFrame:
-        """A row for each figure that the screen prints, by its name: its title, its value (one for each design where
+        """A row for each figure that is known, by its name: its title, its value (one for each design where
         several are compared; nan where it is not known) and the unit of that row, empty for a pure number."""
         import pandas as pd
 
@@ -128,7 +128,7 @@ class Figured(ABC):
 def values_of(evaluation: EvaluationResult, beside: Values = _NONE, known: Mapping[str, Figure] = FIGURES) -> Values:
     """The figures (SI) of an evaluated design, those `beside` too."""
     drives = evaluation.frequency_of_drives
-    values = {name: item.value(evaluation) if item.told(evaluation) else None for name, item in known.items()}
+    values = {name: item.value(evaluation) for name, item in known.items()}
     return {**values, UPPER: evaluation.upper_bound, DRIVES: None if drives is None else drives.value, **beside}
 
 

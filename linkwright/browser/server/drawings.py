@@ -145,7 +145,10 @@ def choices_to_click(result: Optimization) -> tuple[dict[str, Design], dict[str,
     files."""
     found = result.found
     minimised = found.minimised
-    best = (found.arm, found.objective, found.after.worst.error, found.after.mass, found.after.cost)
+    objective, after = found.objective, found.after
+    if found.rounded is not None:
+        objective, after = found.rounded.objective, found.rounded.evaluation
+    best = (found.built, objective, after.worst.error, after.mass, after.cost)
     ties = [(tie.arm, tie.objective, tie.max_error, tie.mass, tie.cost) for tie in found.near_ties]
     designs: dict[str, Design] = {}
     arms: dict[str, Arm] = {}

@@ -82,3 +82,15 @@ def test_like_logs_do_not_differ(tmp_path):
     result = diagnose_motion(plumb_arm(tmp_path), [logged(15 + k, held(0.0), smooth) for k in range(2)])
     assert (result.verdict, result.findings) == ("none", ())
     assert 0.0 < max(result.beyond) < NOISE
+
+
+def test_what_is_small_beside_an_unknown_is_no_difference(tmp_path):
+    """A bump of 1 N*m over the second joint's angle, which the library lacks, leaves more than dry friction that one
+    log alone has: what differs may then be the bump's, which each log meets in its own way."""
+
+    def more(dry):
+        return lambda q, v: np.stack([np.exp(-(((q[1] - 0.3) / 0.25) ** 2)) + dry * np.sign(v[0]), np.zeros_like(v[1])])
+
+    logs = [logged(17 + k, held(0.0), more(0.5 * k), f"{k}.csv") for k in range(2)]
+    findings = diagnose_motion(plumb_arm(tmp_path), logs).findings
+    assert [item.effect for item in findings if item.recording] == []
