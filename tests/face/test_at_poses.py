@@ -8,6 +8,7 @@ import pytest
 
 import linkwright as lw
 from linkwright.markdown.described import markdown
+from tests.costs import slow_but
 
 F, L, SIDE, E = 100.0, 1.0, 0.03, 200e9
 SECOND_MOMENT = SIDE**4 / 12.0
@@ -53,7 +54,7 @@ def test_play_stands_where_it_counts_most():
     assert error.rotation[2] == pytest.approx(-(F * L**2 / (2.0 * E * SECOND_MOMENT) + F * L / 10e3 + 1e-3))
 
 
-@pytest.mark.parametrize("play", ["worst", "loaded", "statistical"])
+@pytest.mark.parametrize("play", slow_but(["worst", "loaded", "statistical"], "worst"))
 def test_parts_add_up(tmp_path, play):
     """Over the effects, displacement, rotation and share are the whole's: in space, with every kind of play, from a
     calibrated state."""

@@ -16,6 +16,7 @@ from linkwright.core.optimize.run import optimise
 from linkwright.core.sections import SHAPES, Section
 from linkwright.core.sections.taper import Tapered
 from linkwright.core.units.quantities import InputError
+from tests.costs import slow_but
 from tests.optimize.builders import jointed, problem_of, ranged, taken_for_many
 
 ARM = jointed((400, 300), ranged("-60 90", "-90 90"), rest="payload: {mass: 40 kg}\n")
@@ -130,7 +131,10 @@ def test_safety_by_material(many: bool, tmp_path: Path, monkeypatch: pytest.Monk
     assert SAFETY_FACTOR.value(result.after) >= 2.0 * (1.0 - 1e-6)
 
 
-@pytest.mark.parametrize("material", ["{steel-s355: '>= 2', others: '>= 5'}", "{1: '>= 2', 2: '>= 5'}"])
+BY_LINK = "{1: '>= 2', 2: '>= 5'}"
+
+
+@pytest.mark.parametrize("material", slow_but(["{steel-s355: '>= 2', others: '>= 5'}", BY_LINK], BY_LINK))
 def test_listed_sizes_are_those_of_every_combination(material: str, tmp_path: Path) -> None:
     """All 36 designs evaluated one by one."""
     sizes = "sizes: {diameter: [50 mm, 60 mm, 80 mm], thickness: 3 mm}"

@@ -20,6 +20,7 @@ from linkwright.core.optimize.tradeoff.question import question
 from linkwright.core.sections.numeric import Array
 from linkwright.core.units.quantities import InputError
 from tests.arm.builders import arm_of
+from tests.costs import slow_but
 from tests.optimize.builders import problem_of
 
 IN_SPACE = """\
@@ -143,7 +144,7 @@ def with_diameter(arm: str, diameter: float) -> str:
     return arm.replace("diameter: 60 mm", f"diameter: {1e3 * diameter:.9f} mm")
 
 
-@pytest.mark.parametrize("limit", LIMITS)
+@pytest.mark.parametrize("limit", slow_but(LIMITS, LIMITS[0], LIMITS[3]))
 def test_the_lightest_design_is_that_of_bisection(tmp_path: Path, limit: str) -> None:
     """Of circles that are all alike there is one number to choose: bisect it by evaluations alone."""
     text = f"minimize: mass\nsubject_to: {{{limit}, section_size: [10 mm, 200 mm]}}\n"
