@@ -74,14 +74,13 @@ def _link(link: Link, mass: float | None, at: float | None) -> Link:
     return link if masses == link.masses else replace(link, masses=masses)
 
 
-def with_counterweights(arm: Arm, balances: Sequence[Balance], *, least: bool) -> Arm:
-    """The arm with the counterweights that are chosen as light and as near to their joints as they may be, or as heavy
-    as they may be."""
+def with_least_counterweights(arm: Arm, balances: Sequence[Balance]) -> Arm:
+    """The arm with the counterweights that are chosen as light and as near to their joints as they may be."""
     values: dict[tuple[int, str], float] = {}
     for balance in balances:
         if balance.field == "counterweight":
-            values[balance.place, balance.field] = balance.lower if least else balance.upper
-        elif balance.field == "counterweight_at" and least:
+            values[balance.place, balance.field] = balance.lower
+        elif balance.field == "counterweight_at":
             values[balance.place, balance.field] = max(balance.lower, min(balance.upper, 0.0))
     return balanced(arm, values) if values else arm
 

@@ -11,7 +11,7 @@ from linkwright.core.arm.chain.chain import Arm
 from linkwright.core.arm.errors.model import beam_values, beams_of, error_model
 from linkwright.core.arm.figures.frequency import FIRST_FREQUENCY, frequency_of_drives
 from linkwright.core.arm.worst.search import WorstSearch
-from linkwright.core.optimize.balance.balance import with_counterweights
+from linkwright.core.optimize.balance.balance import with_least_counterweights
 from linkwright.core.optimize.exchange.design import numeric_beams
 from linkwright.core.optimize.exchange.exchange import context_of
 from linkwright.core.optimize.exchange.program import carried_mass, drives_cost
@@ -69,7 +69,7 @@ def few(problem: Problem) -> bool:
 def hopeless(problem: Problem) -> bool:
     """Whether the drives that a problem's arm has break, by themselves, the limit on the total mass, the cost or the
     first frequency (on rigid links without weight)."""
-    lightest = replace(problem, arm=with_counterweights(problem.arm, problem.balances, least=True))
+    lightest = replace(problem, arm=with_least_counterweights(problem.arm, problem.balances))
     heavy = any(x.relation != ">=" and carried_mass(lightest) >= x.value for x in problem.limit("total_mass"))
     dear = bool(problem.limit("cost")) and any(drives_cost(problem) >= x.value for x in problem.limit("cost"))
     required = max((x.value for x in problem.limit(FIRST_FREQUENCY.name) if x.relation != "<="), default=0.0)

@@ -15,24 +15,22 @@ from types import MappingProxyType
 
 import numpy as np
 
-from linkwright.core.arm.chain.beam import Beam, Taper
+from linkwright.core.arm.chain.beam import Beam
 from linkwright.core.arm.chain.chain import Arm
-from linkwright.core.arm.chain.prices import fixed_price, price_by_length, price_by_mass
 from linkwright.core.arm.errors.model import beam_values, beams_of, error_model
 from linkwright.core.arm.errors.rigid_links import rigid as rigid_beam
 from linkwright.core.arm.errors.rigid_links import values_of_rigid
 from linkwright.core.arm.figures import KEPT_WITHIN, Limit, ThroughPoses, WorstError, excess
 from linkwright.core.arm.figures.design import DesignValues
-from linkwright.core.arm.figures.torque import drive_case, rated_torques
 from linkwright.core.arm.worst.parts import worst_search
 from linkwright.core.arm.worst.search import WorstSearch
 from linkwright.core.arm.worst.workspace import Unreachable
 from linkwright.core.materials.material import Material
-from linkwright.core.optimize.balance.balance import with_counterweights
+from linkwright.core.optimize.balance.balance import with_least_counterweights
 from linkwright.core.optimize.choice.picks import options
 from linkwright.core.optimize.choice.signs import one_signed
 from linkwright.core.optimize.exchange.design import with_chosen_links
-from linkwright.core.optimize.exchange.program import carried_mass, cut_of, fixed_error
+from linkwright.core.optimize.exchange.program import cut_of, fixed_error
 from linkwright.core.optimize.problem import Problem
 from linkwright.core.sections import SHAPES
 from linkwright.core.sections.numeric import Array
@@ -48,12 +46,10 @@ _SURE = 1e-6
 
 @dataclass(frozen=True)
 class _Extremes:
-    """What any option of a link has at least and at most: mass (kg/m), cost (EUR/m), rigidities, and thermal expansion
-    (1/K, none counts as zero)."""
+    """What the options of a link have: the least mass (kg/m), the greatest rigidities, and the span of the thermal
+    expansion (1/K, none counts as zero)."""
 
     lightest: float
-    heaviest: float
-    cheapest: float
     axial: float
     height: float
     width: float
@@ -71,18 +67,16 @@ def out_of_reach(problem: Problem) -> tuple[OutOfReach, ...]:
     """The limits that no design of any combination keeps, by bounds that are found at once; few where lengths are
     free, for they say little then."""
     problem = with_chosen_links(problem)
-    extremes = _extremes(problem)
-    unreachable = [_of_sums(problem, extremes, limit) for limit in problem.limits]
-    if not problem.free_lengths:
-        unreachable += _through_poses(problem, extremes)
-    return tuple(item for item in unreachable if item is not None and _beyond(item))
+    if problem.free_lengths:
+        return ()
+    return tuple(_through_poses(problem, _extremes(problem)))
 
 
 def _beyond(bound: OutOfReach) -> bool:
     return excess(bound.limit, bound.best) > max(_SURE, KEPT_WITHIN)
 
 
-# ---- sums over the links
+# ---- what the links are at best
 
 
 def _extremes(problem: Problem) -> dict[int, _Extremes]:
@@ -97,6 +91,7 @@ def _extremes(problem: Problem) -> dict[int, _Extremes]:
 
 def _link_extremes(problem: Problem, link: int, pairs: Sequence[tuple[str, Material]]) -> _Extremes:
     ranges = problem.ranges[link].sizes
+    lightest: list[float] = []
     rows: list[tuple[float, ...]] = []
     for shape, item in pairs:
         least, most = (SHAPES[shape].start(area, *ranges).properties(0.3) for area in (_LEAST, _GREATEST))
@@ -104,78 +99,18 @@ def _link_extremes(problem: Problem, link: int, pairs: Sequence[tuple[str, Mater
         density, modulus = material.need("density"), material.need("elastic_modulus")
         # Nothing else is known of a shear modulus that is not: the largest that an isotropic material can have.
         shear = 0.5 * modulus if material.shear_modulus is None else material.shear_modulus
-        light, heavy = density * float(least.area), density * float(most.area)
-        price = price_by_mass(problem.arm, item) if item.has("cost") else 0.0
         stiff = (float(most.area), float(most.second_moment_y), float(most.second_moment_z))
-        rows.append(
-            (
-                light,
-                heavy,
-                price * light + price_by_length(problem.arm),
-                *(modulus * x for x in stiff),
-                shear * float(most.torsion_constant),
-            )
-        )
-    table = np.array(rows)
-    low, high = table.min(axis=0).tolist(), table.max(axis=0).tolist()
+        lightest.append(density * float(least.area))
+        rows.append((*(modulus * x for x in stiff), shear * float(most.torsion_constant)))
     grows = [stuff.at(problem.arm.temperature).thermal_expansion or 0.0 for _, stuff in pairs]
-    return _Extremes(low[0], high[1], low[2], high[3], high[4], high[5], high[6], (min(grows), max(grows)))
-
-
-def _cheapest_rest(problem: Problem) -> float:
-    """The least that drives, rigid links and work at links can cost, EUR."""
-    chosen = problem.actuators or ((),) * len(problem.arm.joints)
-    unchanged = [
-        joint for joint, joint_actuators in zip(problem.arm.joints, chosen, strict=True) if not joint_actuators
-    ]
-    picked = sum(min(item.cost or 0.0 for item in joint_actuators) for joint_actuators in chosen if joint_actuators)
-    return fixed_price(problem.arm, unchanged)[0] + picked
-
-
-def _of_sums(problem: Problem, extremes: dict[int, _Extremes], limit: Limit) -> OutOfReach | None:
-    rigid = sum(link.mass or 0.0 for link in problem.arm.links if link.section is None)
-    if limit.name in ("mass", "total_mass"):
-        carried, heaviest = 0.0, 0.0
-        if limit.name == "total_mass":
-            carried = carried_mass(replace(problem, arm=_ideal(problem)))
-            heaviest = carried_mass(
-                replace(problem, arm=with_counterweights(problem.arm, problem.balances, least=False))
-            )
-        named = [name for name, weighs in (("rigid links", rigid), ("joints and payload", carried)) if weighs]
-        beside = f" with {', '.join(named)}" if named else ""
-        least = rigid + carried + _least_sum(problem, {k: extreme.lightest for k, extreme in extremes.items()})
-        if limit.relation != ">=" and least > limit.value:
-            return OutOfReach(limit, least, f"the lightest sections and materials{beside} weigh")
-        if limit.relation != "<=" and problem.actuators is None:
-            most = (
-                rigid + heaviest + sum(extreme.heaviest * problem.length_spans[k][1] for k, extreme in extremes.items())
-            )
-            if most < limit.value:
-                return OutOfReach(limit, most, f"the heaviest sections and materials{beside} weigh")
-    if limit.name == "cost":
-        drives = _cheapest_rest(problem)
-        least = drives + _least_sum(problem, {k: extreme.cheapest for k, extreme in extremes.items()})
-        return OutOfReach(limit, least, "the cheapest sections and materials cost")
-    return None
-
-
-def _least_sum(problem: Problem, per_length: dict[int, float]) -> float:
-    """The least of a sum over the links of what each has per length, the reach being what it must be at least."""
-    spans = {k: problem.length_spans[k] for k in per_length}
-    fixed = sum(link.length for k, link in enumerate(problem.arm.links) if k not in per_length)
-    total = sum(per_length[k] * low for k, (low, _) in spans.items())
-    missing = max((x.value for x in problem.limit("reach") if x.relation != "<="), default=0.0) - fixed
-    missing -= sum(low for low, _ in spans.values())
-    for k in sorted(per_length, key=lambda k: per_length[k]):
-        more = min(max(missing, 0.0), spans[k][1] - spans[k][0])
-        total, missing = total + more * per_length[k], missing - more
-    return total
+    axial, height, width, torsion = np.array(rows).max(axis=0).tolist()
+    return _Extremes(min(lightest), axial, height, width, torsion, (min(grows), max(grows)))
 
 
 def _ideal(problem: Problem) -> Arm:
     """The arm with drives that have the best of every actuator that may be chosen, in the stiffest of its zones, and
     with the lightest counterweights, as near to their joints as they may be."""
-    arm = with_counterweights(problem.arm, problem.balances, least=True)
+    arm = with_least_counterweights(problem.arm, problem.balances)
     stiffest = (
         joint if not joint.zones else replace(joint, stiffness=max(item for _, item in joint.zones), zones=())
         for joint in arm.joints
@@ -217,7 +152,7 @@ class _Ideal(DesignValues):
 
 
 def _through_poses(problem: Problem, extremes: dict[int, _Extremes]) -> list[OutOfReach]:
-    if not any(limit.name == "torque_use" or _bounded(limit) for limit in problem.limits):
+    if not any(_bounded(limit) for limit in problem.limits):
         return []
     problem = replace(problem, arm=_ideal(problem))
     arm, cases = problem.arm, problem.load_cases
@@ -227,12 +162,8 @@ def _through_poses(problem: Problem, extremes: dict[int, _Extremes]) -> list[Out
     for words, rigid in _IDEALS.items():
         given = _beams(arm, beams, extremes, rigid=rigid)
         ideals[words] = _Ideal(arm, cases, search, values_of_rigid(given), _POSES, given=given)
-    unreachable: list[OutOfReach | None] = []
+    unreachable: list[OutOfReach] = []
     try:
-        weightless = next(iter(ideals.values())).given
-        unreachable += [
-            _of_drives(problem, search, weightless, extremes, limit) for limit in problem.limit("torque_use")
-        ]
         for number, limit in enumerate(problem.limits):
             for words, ideal in ideals.items():
                 best = _best(problem, number, ideal, extremes) if _bounded(limit) else None
@@ -243,7 +174,7 @@ def _through_poses(problem: Problem, extremes: dict[int, _Extremes]) -> list[Out
                     break
     except Unreachable:
         pass  # the search for designs tells of that
-    return [item for item in unreachable if item is not None]
+    return unreachable
 
 
 _IDEALS = MappingProxyType(
@@ -300,33 +231,6 @@ def _best(problem: Problem, number: int, ideal: _Ideal, extremes: dict[int, _Ext
     figure = problem.limits[number].figure
     values = [item.value for item in worst if item.name == figure.name and item.limit in (None, number)]
     return figure.worst(values) if values else None
-
-
-def _of_drives(
-    problem: Problem, search: WorstSearch, weightless: tuple[Beam, ...], extremes: dict[int, _Extremes], limit: Limit
-) -> OutOfReach | None:
-    """What every design asks of some drive at some pose: what it carries and the lightest links, where no link's
-    weight, however it is spread along the link, takes off some of it."""
-    if problem.actuators is not None or problem.balances:
-        return None
-    p = values_of_rigid(weightless)
-    poses = search.poses(p, _POSES) if limit.poses is None else limit.poses
-    rated = np.array([np.inf if torque is None else torque for torque in rated_torques(problem.arm)])
-    least = np.zeros(len(rated))
-    for case in (drive_case(problem.arm, load) for load in problem.load_cases):
-        carried = case.vectorised(poses, p)[0]
-        held, sound = np.abs(carried), np.ones(carried.shape, dtype=bool)
-        for link, extreme in extremes.items():
-            ends = (
-                replace(weightless[link], mass_per_length=extreme.lightest, taper=Taper(balance=end)) for end in (0, 1)
-            )
-            weighed = (values_of_rigid((*weightless[:link], beam, *weightless[link + 1 :])) for beam in ends)
-            more = np.min([np.sign(carried) * (case.vectorised(poses, q)[0] - carried) for q in weighed], axis=0)
-            held, sound = held + more, sound & (more >= 0.0)
-        least = np.maximum(least, np.where(sound, held, 0.0).max(axis=0, initial=0.0))
-    use = least / rated
-    joint = int(np.argmax(use))
-    return OutOfReach(limit, float(use[joint]), f"with the lightest links joint {joint + 1} uses of its rated torque")
 
 
 def _least_error(problem: Problem, search: WorstSearch, p: Array, extremes: dict[int, _Extremes]) -> float | None:

@@ -95,36 +95,8 @@ def test_error_of_the_drive_alone_is_a_bound(tmp_path: Path) -> None:
     assert result.out_of_reach[0].best == pytest.approx(PAYLOAD * GRAVITY * LENGTH**2 / STIFFNESS, rel=1e-6)
 
 
-RATED = 167.0
-"""N*m of an RV-20E (Nabtesco), as the catalogue has it."""
-
-
-def test_load_of_a_drive_is_bounded_by_what_it_carries(tmp_path: Path) -> None:
-    """40 kg half a metre out are 196 N*m, whatever the bar weighs; at least it is one of 5 mm."""
-    arm = BAR.replace("4 kg", "40 kg") % ", actuator: RV-20E"
-    (beyond,) = out_of_reach(problem_of(tmp_path, arm, f"minimize: max_error\nsubject_to: {{{SIZES}}}\n"))
-    least = (40.0 + 0.5 * bar_mass(0.005)) * GRAVITY * LENGTH / RATED
-    assert beyond.limit.name == "torque_use"
-    assert least * (1.0 - 1e-3) < beyond.best <= least * (1.0 + 1e-9)
-    assert "joint 1" in beyond.text
-
-
-def test_a_link_that_balances_the_payload_bounds_no_drive(tmp_path: Path) -> None:
-    """60 kg behind the first joint are 235 N*m about it, but a heavy first link takes off as much as it likes."""
-    arm = (
-        "chain:\n"
-        "  - joint: {range: [-5 deg, 5 deg], actuator: RV-20E}\n"
-        "    link: {length: 500 mm, section: {shape: circle, diameter: 40 mm}, material: steel-s355}\n"
-        "  - joint: {range: [178 deg, 182 deg], stiffness: 20 kN*m/rad}\n"
-        "    link: {length: 900 mm, rigid: true, mass: 1 kg}\n"
-        "payload: {mass: 60 kg}\n"
-    )
-    assert out_of_reach(problem_of(tmp_path, arm, f"minimize: max_error\nsubject_to: {{{SIZES}}}\n")) == ()
-
-
-def test_sums_are_bounded_by_the_smallest_sections(tmp_path: Path) -> None:
+def test_a_sum_would_have_to_be_what_the_smallest_section_weighs(tmp_path: Path) -> None:
     result = explain(tmp_path, "subject_to: {mass: '<= 0.01 kg', section_size: [20 mm, 60 mm]}\n")
-    assert result.out_of_reach[0].best == pytest.approx(bar_mass(0.02), rel=1e-6)
     assert result.limits[0].needed == pytest.approx(bar_mass(0.02), rel=1e-3)
 
 

@@ -126,11 +126,6 @@ def test_a_heavy_counterweight_as_given_puts_no_limit_out_of_reach(limit: str, t
     assert out_of_reach(problem) == ()
     result = optimise(problem)
     assert {item.name for item in result.binding} >= {limit.partition(":")[0]}
-    heavy = lifting(tmp_path, choose, ", total_mass: '>= 550 kg'", link=given.replace("500", "5"))
-    assert out_of_reach(heavy) == ()
-    beyond = lifting(tmp_path, choose, ", total_mass: '>= 2000 kg'", link=given)
-    (found,) = out_of_reach(beyond)
-    assert 600.0 < found.best < 2000.0
 
 
 def test_what_it_slows_the_arm_by_counts(tmp_path: Path) -> None:
