@@ -351,11 +351,22 @@ def _points(body: Mapping, kind: str, arm: Arm) -> tuple[list[tuple[float, ...]]
             if weights[-1] <= 0.0:
                 raise own.error("weight", "must be above zero; leave the point out where it does not count")
             if own.has("max_error"):
-                bound = own.bound("max_error", "length")
-                if bound.relation != "<=" or bound.value <= 0.0:
-                    whole = shown(own.raw("max_error"))
-                    raise own.error("max_error", f"needs a limit from above, e.g. '<= 0.1 mm', not {whole}")
-                limits.append(Limit(error_at_point(number - 1), "<=", bound.value))
+                limits.append(_tolerance(own, number))
+    _check_points(points, body, kind, arm)
+    return points, tuple(limits), tuple(weights) if len(set(weights)) > 1 else ()
+
+
+def _tolerance(own: Mapping, number: int) -> Limit:
+    """The limit that a point (from 1) has on the error there."""
+    bound = own.bound("max_error", "length")
+    if bound.relation != "<=" or bound.value <= 0.0:
+        whole = shown(own.raw("max_error"))
+        raise own.error("max_error", f"needs a limit from above, e.g. '<= 0.1 mm', not {whole}")
+    return Limit(error_at_point(number - 1), "<=", bound.value)
+
+
+def _check_points(points: Sequence[tuple[float, ...]], body: Mapping, kind: str, arm: Arm) -> None:
+    """Refuse points that are too few or too many, or not where the arm moves."""
     if kind == "box" and len(points) != 2:
         raise body.error("box", f"needs two corners, [[x, y], [x, y]], not {len(points)}")
     if not points:
@@ -373,7 +384,6 @@ def _points(body: Mapping, kind: str, arm: Arm) -> tuple[list[tuple[float, ...]]
         raise body.error(kind, "leaves the plane in which the arm moves: z must be 0 mm")
     if flat and not arm.flat:
         raise body.error(kind, "needs three components (x, y, z): the arm moves in space")
-    return points, tuple(limits), tuple(weights) if len(set(weights)) > 1 else ()
 
 
 def _joint_ranges(body: Mapping, arm: Arm) -> Workspace:

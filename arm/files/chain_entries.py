@@ -134,21 +134,9 @@ def _joint(mapping: Mapping, size: int, catalogue: Catalogue) -> tuple[Joint, Mo
         turns = kind == "revolute"
         motion = "angle" if turns else "length"
         follows = read_following(mapping, size, turns=turns)
-        if mapping.has("range"):
-            limits = mapping.range("range", motion)
-        elif turns:
-            limits = (-math.pi, math.pi)
-        elif follows is not None:
-            limits = (0.0, 0.0)
-        else:
-            raise mapping.error("range", "is missing; a slide needs its range, e.g. [0 mm, 500 mm]")
-        stiffness = mapping.optional_quantity("stiffness", "torsional_stiffness" if turns else "linear_stiffness")
-        if stiffness is not None and stiffness <= 0.0:
-            raise mapping.error("stiffness", "must be positive; leave it out for a rigid drive")
+        limits = _range(mapping, turns, follows=follows is not None)
         actuator = _actuator(mapping, turns)
-        zones: Zones = ()
-        if actuator is not None and stiffness is None:
-            stiffness, zones = actuator.stiffness, actuator.zones
+        stiffness, zones = _stiffness(mapping, turns, actuator)
         _require_known(mapping, actuator)
         cost, cost_date = read_cost(mapping)
         rated, peak = _rating(mapping, turns)
@@ -182,6 +170,25 @@ def _joint(mapping: Mapping, size: int, catalogue: Catalogue) -> tuple[Joint, Mo
             guide=guide,
         )
         return joint, motor
+
+
+def _range(mapping: Mapping, turns: bool, *, follows: bool) -> tuple[float, float]:
+    """The joint's range: the file's, a whole turn, or that of a slide which follows other joints."""
+    if mapping.has("range"):
+        return mapping.range("range", "angle" if turns else "length")
+    if not turns and not follows:
+        raise mapping.error("range", "is missing; a slide needs its range, e.g. [0 mm, 500 mm]")
+    return (-math.pi, math.pi) if turns else (0.0, 0.0)
+
+
+def _stiffness(mapping: Mapping, turns: bool, actuator: Actuator | None) -> tuple[float | None, Zones]:
+    """The drive's stiffness, the file's or the actuator's, and the zones of the latter."""
+    stiffness = mapping.optional_quantity("stiffness", "torsional_stiffness" if turns else "linear_stiffness")
+    if stiffness is not None and stiffness <= 0.0:
+        raise mapping.error("stiffness", "must be positive; leave it out for a rigid drive")
+    if actuator is None or stiffness is not None:
+        return stiffness, ()
+    return actuator.stiffness, actuator.zones
 
 
 def _greatest(mapping: Mapping, name: str, kind: str) -> float | None:

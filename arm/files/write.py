@@ -148,36 +148,18 @@ def _joint(joint: Joint) -> dict[str, Any]:
             for value in joint.range
         ]
     out |= _figures(("clearance", joint.clearance, 0.0, "length"))
-    drive = joint.actuator
-    if drive is not None:
-        out["actuator"] = drive.name
-    # Beside an actuator only what differs from its own figures is written, be it a zero.
-    out |= _figures(
-        ("backlash", joint.backlash, 0.0 if drive is None else drive.backlash, motion),
-        (
-            "stiffness",
-            joint.stiffness,
-            None if drive is None or joint.zones != drive.zones else drive.stiffness,
-            "torsional_stiffness" if joint.revolute else "linear_stiffness",
-        ),
-        (
-            "tilting_stiffness",
-            joint.tilting_stiffness,
-            None if drive is None else drive.tilting_stiffness,
-            "torsional_stiffness",
-        ),
-        ("mass", joint.mass, 0.0 if drive is None else drive.mass, "mass"),
-    )
+    out |= _drive(joint, motion)
     if joint.cost is not None:
         out["cost"] = cost_to_value(joint.cost, joint.cost_date)
     if joint.passive:
         out["passive"] = True
+    force = "torque" if joint.revolute else "force"
     out |= _figures(
         ("zero", joint.zero, 0.0, motion),
-        ("effort", joint.effort, None, "torque" if joint.revolute else "force"),
+        ("effort", joint.effort, None, force),
         ("velocity", joint.velocity, None, "angular_speed" if joint.revolute else "speed"),
-        ("rated_torque", joint.rated_torque, None, "torque" if joint.revolute else "force"),
-        ("peak_torque", joint.peak_torque, None, "torque" if joint.revolute else "force"),
+        ("rated_torque", joint.rated_torque, None, force),
+        ("peak_torque", joint.peak_torque, None, force),
     )
     if joint.guide is not None:
         out["beam"] = _guide(joint.guide)
@@ -187,6 +169,22 @@ def _joint(joint: Joint) -> dict[str, Any]:
             name: format_quantity(value, kinds[name]) for name, value in asdict(joint.counterbalance).items()
         }
     return out
+
+
+def _drive(joint: Joint, motion: str) -> dict[str, str]:
+    """The actuator, and of its figures those that the joint has otherwise, be they zero."""
+    drive, stiffness = joint.actuator, "torsional_stiffness" if joint.revolute else "linear_stiffness"
+    if drive is None:
+        named, backlash, stiff, tilting, mass = {}, 0.0, None, None, 0.0
+    else:
+        stiff = drive.stiffness if joint.zones == drive.zones else None
+        named, backlash, tilting, mass = {"actuator": drive.name}, drive.backlash, drive.tilting_stiffness, drive.mass
+    return named | _figures(
+        ("backlash", joint.backlash, backlash, motion),
+        ("stiffness", joint.stiffness, stiff, stiffness),
+        ("tilting_stiffness", joint.tilting_stiffness, tilting, "torsional_stiffness"),
+        ("mass", joint.mass, mass, "mass"),
+    )
 
 
 def _guide(guide: GuideBeam) -> dict[str, Any]:

@@ -10,7 +10,7 @@ from __future__ import annotations
 import heapq
 import itertools
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Sequence, Set
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Literal
@@ -80,18 +80,8 @@ def explained(
     # Numbers of kinds stay: what they leave is looked at.
     every = tuple(k for k, limit in enumerate(problem.limits) if not isinstance(limit.figure.follows, OfKinds))
     asker = _Asker(context, told, progress)
-    # What the joint change comes to is where the others begin.
-    questions = ([every] if len(every) > 1 else []) + [(k,) for k in every]
-    stuck = {problem.limits.index(item.limit) for item in beyond}
-    answers: dict[tuple[int, ...], _Found] = {}
-    for number, question in enumerate(questions):
-        share = (number, len(questions))
-        answers[question] = _Found("none") if stuck - set(question) else asker.answer(question, share)
-    limits = tuple(
-        Needed(limit, _needed(limit, answer.slacks[k]) if answer.outcome == "found" else None, answer.outcome)
-        for k in every
-        if (limit := problem.limits[k]) and (answer := answers[k,])
-    )
+    answers = asker.answers(every, stuck={problem.limits.index(item.limit) for item in beyond})
+    limits = tuple(_alone(problem.limits[k], answers[k,], k) for k in every)
     joint = answers[every] if len(every) > 1 else _Found("undecided")
     changes = tuple(
         Change(limit, _needed(limit, slack))
@@ -110,6 +100,11 @@ def explained(
         rests_on=_rests_on(len(asker.trials), total, asker.among),
         kept=_sizes(problem),
     )
+
+
+def _alone(limit: Limit, answer: _Found, number: int) -> Needed:
+    needed = _needed(limit, answer.slacks[number]) if answer.outcome == "found" else None
+    return Needed(limit, needed, answer.outcome)
 
 
 class _Asker:
@@ -137,6 +132,16 @@ class _Asker:
         fresh = [pick for pick in picks if pick not in self.trials]
         self.trials |= {pick: _Trial(self._context, pick, self._exchanges, pool) for pick in fresh}
         return [self.trials[pick] for pick in fresh]
+
+    def answers(self, every: tuple[int, ...], *, stuck: Set[int]) -> dict[tuple[int, ...], _Found]:
+        """The least change of all limits together and of each alone (by their numbers); where one that is `stuck` has
+        to stay there is none."""
+        # What the joint change comes to is where the others begin.
+        questions = ([every] if len(every) > 1 else []) + [(k,) for k in every]
+        return {
+            question: _Found("none") if stuck - set(question) else self.answer(question, (number, len(questions)))
+            for number, question in enumerate(questions)
+        }
 
     def answer(self, question: tuple[int, ...], share: tuple[int, int]) -> _Found:
         """The least change of the limits of a question (their numbers); it is the one of so many."""

@@ -26,34 +26,44 @@ def _clauses(diagnosis: MotionDiagnosis) -> list[str]:
         return [diagnosis.sentence.removesuffix(".")]
     if diagnosis.verdict == "none":
         return [f"nothing is missing that this log could show; {mismatch} remain"]
-    largest, part, unknown = largest_of(diagnosis), explained_share(diagnosis), diagnosis.unknown
-    open_at, on = "", ""
-    if unknown is not None:
-        joint = unknown.joints[0]
-        more = f" and {len(unknown.joints) - 1} more" if len(unknown.joints) > 1 else ""
-        open_at = f"{torque(unknown.amplitude, torque_unit(diagnosis.arm, joint)).text} at joint {joint}{more}"
-        depends = dependence_words(unknown.depends_on[:3])
-        on = f". It depends on {depends}" if depends else ""
-        if unknown.change is not None:
-            on = f". Something changed at {figure(unknown.change.time, 4)} s"
-        if part is None or part < HALF:
-            explained = "" if largest is None else f". {capital(finding_words(largest))} explains part of the rest"
-            return [f"nothing in the library explains {open_at}", on, explained]
+    largest, part = largest_of(diagnosis), explained_share(diagnosis)
+    open_at, on = _unexplained(diagnosis)
+    if open_at and (part is None or part < HALF):
+        explained = "" if largest is None else f". {capital(finding_words(largest))} explains part of the rest"
+        return [f"nothing in the library explains {open_at}", on, explained]
     if largest is None:
         return [diagnosis.sentence.removesuffix(".")]
-    either = f" or {alternative_words(largest.alternatives[0])}" if largest.alternatives and not open_at else ""
-    alone = not largest.alternatives and not open_at and len(largest.parameters) == 1
-    size = f", {value(largest.parameters[0]).text}" if alone else ""
-    rest = len(diagnosis.findings) - 1
-    more = f" and {rest} smaller {'cause' if rest == 1 else 'causes'}" if rest else ""
-    opening = f"found: {finding_words(largest)}{either}{size}{more}"
-    share = "" if part is None else portion(part).text
+    opening, share = _named(diagnosis, largest, open_at=bool(open_at)), "" if part is None else portion(part).text
     if open_at:
         does = f" ({share} of the {mismatch} mismatch)" if share else ""
         return [f"{opening}{does}. Nothing explains {open_at}", on]
     does = f" ({share} of the mismatch)" if share else ""
     change = from_to(mismatch, torque(diagnosis.rms_held_out).text)
     return [f"{opening}{does}", f". Error {change}", f", {over(diagnosis)}"]
+
+
+def _unexplained(diagnosis: MotionDiagnosis) -> tuple[str, str]:
+    """The torque that nothing explains and where, and what it depends on; empty where there is none."""
+    unknown = diagnosis.unknown
+    if unknown is None:
+        return "", ""
+    joint = unknown.joints[0]
+    more = f" and {len(unknown.joints) - 1} more" if len(unknown.joints) > 1 else ""
+    open_at = f"{torque(unknown.amplitude, torque_unit(diagnosis.arm, joint)).text} at joint {joint}{more}"
+    if unknown.change is not None:
+        return open_at, f". Something changed at {figure(unknown.change.time, 4)} s"
+    depends = dependence_words(unknown.depends_on[:3])
+    return open_at, f". It depends on {depends}" if depends else ""
+
+
+def _named(diagnosis: MotionDiagnosis, largest: MotionFinding, *, open_at: bool) -> str:
+    """The largest cause, its size where it is the one name, and how many others; `open_at`: something else is left."""
+    either = f" or {alternative_words(largest.alternatives[0])}" if largest.alternatives and not open_at else ""
+    alone = not largest.alternatives and not open_at and len(largest.parameters) == 1
+    size = f", {value(largest.parameters[0]).text}" if alone else ""
+    rest = len(diagnosis.findings) - 1
+    more = f" and {rest} smaller {'cause' if rest == 1 else 'causes'}" if rest else ""
+    return f"found: {finding_words(largest)}{either}{size}{more}"
 
 
 def over(diagnosis: MotionDiagnosis) -> str:
