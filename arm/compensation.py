@@ -116,7 +116,9 @@ class _Model:
 
 def without_instrument(arm: Arm) -> Arm:
     """The arm without what belongs to the instrument that measured it."""
-    return replace(arm, effects=tuple(entry for entry in arm.effects if not EFFECTS[entry.effect].of_instrument))
+    return replace(
+        arm, effects=tuple(entry for entry in arm.effects if not EFFECTS[entry.effect].recording.of_instrument)
+    )
 
 
 def corrected(arm: Arm, q: Array, payload: float) -> tuple[Array, Array, Array]:

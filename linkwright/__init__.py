@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from linkwright.api.paper import figures, seam, tables
     from linkwright.api.recording import columns, plan, simulate
     from linkwright.core.arm.chain.statics import PoseState
-    from linkwright.core.arm.effects import Effect, Parameter, Settings, Twist
+    from linkwright.core.arm.effects import Effect, Parameter, Settings, Twist, traits
     from linkwright.core.arm.effects.effect import drive_motion
     from linkwright.core.arm.figures import Figure, OfDesign, OfKinds, OfLinks, at_poses
     from linkwright.core.executors import Cluster, Processes
@@ -51,7 +51,7 @@ HOMES = MappingProxyType(
         "linkwright.api.paper": ("figures", "seam", "tables"),
         "linkwright.api.recording": ("columns", "plan", "simulate"),
         "linkwright.core.arm.chain.statics": ("PoseState",),
-        "linkwright.core.arm.effects": ("Effect", "Parameter", "Settings", "Twist"),
+        "linkwright.core.arm.effects": ("Effect", "Parameter", "Settings", "Twist", "traits"),
         "linkwright.core.arm.effects.effect": ("drive_motion",),
         "linkwright.core.executors": ("Cluster", "Processes"),
         "linkwright.core.materials.material": ("MissingProperty",),
@@ -133,6 +133,7 @@ __all__ = [
     "sweep",
     "tables",
     "tradeoff",
+    "traits",
     "watch",
     "write_table",
 ]

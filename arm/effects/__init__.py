@@ -69,8 +69,10 @@ from linkwright.core.arm.effects.thermal.screw_expansion import SCREW_EXPANSION
 from linkwright.core.arm.effects.thermal.thermal_bending import THERMAL_BENDING
 from linkwright.core.arm.effects.thermal.thermal_expansion import THERMAL_EXPANSION
 
-from .effect import Disc, Effect, Interval, Parameter, Readings, Settings, Twist, kind_at
+from . import traits
+from .effect import Disc, Effect, Interval, Parameter, Settings, Twist, kind_at
 from .registry import EFFECTS
+from .traits import Readings
 
 EFFECTS.ship(
     LINK_BENDING,
@@ -147,4 +149,5 @@ __all__ = [
     "Settings",
     "Twist",
     "kind_at",
+    "traits",
 ]

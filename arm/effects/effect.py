@@ -12,16 +12,14 @@ from dataclasses import dataclass, field, replace
 from types import MappingProxyType
 from typing import Any, Literal
 
-import numpy as np
-from numpy.typing import NDArray
-
-from linkwright.core.arm.chain.beam import Beam
 from linkwright.core.arm.chain.chain import Arm, EffectEntry, Zones
 from linkwright.core.arm.chain.kinematics import carried_unturned
 from linkwright.core.arm.chain.statics import PoseState
 from linkwright.core.arm.chain.vectors import ZERO, Scalar, Vector, scale
 from linkwright.core.arm.motion.motion import Motion
 from linkwright.core.sections.numeric import Array
+
+from .traits import DriveTraits, LinkTraits, PlayTraits, RecordingTraits, WatchTraits, nothing
 
 NodeKind = Literal["base", "joint", "link", "tip"]
 """The base's origin, a joint's axis, the far end of a link, or the tip."""
@@ -205,45 +203,6 @@ def kind_at(parameter: Parameter, *, slides: bool) -> str:
     return _ON_SLIDES.get(parameter.kind, parameter.kind) if slides and not parameter.across else parameter.kind
 
 
-def nothing(state: PoseState, settings: Settings) -> tuple[()]:
-    """For effects without twists, without play, or smooth in the loads."""
-    del state, settings
-    return ()
-
-
-def stands_plumb(settings: Settings) -> Vector:
-    """No turn: for effects that leave the base as plumb as the arm file has it."""
-    del settings
-    return ZERO
-
-
-@dataclass(frozen=True)
-class Readings:
-    """What a recording of N readings holds, for an effect to say whether it shows there: the arm's state at them, the
-    joint coordinates `q` (N, n) in rad and m, and the clock `time` (N,) in s, None where it has none."""
-
-    state: PoseState
-    q: NDArray[np.float64]
-    time: NDArray[np.float64] | None
-
-
-def always_shown(readings: Readings, at: tuple[int, ...], shapes: Mapping[str, float]) -> bool:
-    """True: for effects that ask no more of a recording than what they `require`."""
-    del readings, at, shapes
-    return True
-
-
-@dataclass(frozen=True)
-class Sum:
-    """A parameter that an effect may be given by in place of a size, and is told by where a recording does not show its
-    sizes one by one: the sum of them times `factors`, by what the arm's beams and the place (from 0) are; None where
-    that is no one figure. `beside` is the size of which only this sum may show."""
-
-    name: str
-    factors: Callable[[Sequence[Beam], int], Mapping[str, float] | None]
-    beside: str
-
-
 def among(only: Only | None, index: int, *, revolute: bool) -> bool:
     """Whether joint `index` (from 0) is one of those that `only` names; without it all are."""
     if only == "joints after the first":
@@ -261,54 +220,20 @@ class Effect:
 
     `automatic`: in the model wherever the arm file has its data, unless `leave_out` names it; otherwise only where
     `effects` names it. `needs` says what a recording must hold to show it, `aliases` what it cannot be told from.
-    `twists` gives what it does at a pose, `play` what it leaves free. A recording knows more than a design: there
-    `seated` says where the play came to lie, by the load or by the side of approach.
+    `twists` gives what it does at a pose. `torques` gives what a motion takes of the drives beyond the rigid arm's
+    torque: by joint (from 0) an array (N,), N*m (N for slides), positive where the drive must push towards increasing
+    q; joints that it leaves alone are absent. They are linear in the sizes (`torque_sizes`) at fixed shapes.
     `together` marks physics that all links or joints usually share (one material, one air): a diagnosis then also
-    tries one parameter for all of them. `before_encoder` marks what moves the joint away from its command but is seen
-    by the encoder: it moves the tip only as long as the coordinates are commands. `requires` names the conditions
-    without which it moves nothing, `enough` the sets of parameters of which an entry must hold one to say anything
-    (none named: any one parameter that is a size), `only` the joints outside which it moves nothing.
-    `through_flexibility` marks loads that move the tip by what gives in the arm, what `effects` add to that included.
-    `least_travel` (rad, m) is how far a joint must have gone in a recording for the effect to be sought there, and
-    `shown_by` whether a recording holds what it takes to see it at these places (from 0) with these shapes.
-    `needs_drive` marks what only a drive does: a passive joint has none.
-
-    What other rooms go by:
+    tries one parameter for all of them. `requires` names the conditions without which it moves nothing, `enough` the
+    sets of parameters of which an entry must hold one to say anything (none named: any one parameter that is a size),
+    `only` the joints outside which it moves nothing.
     `rank` says which name goes first where data cannot tell effects apart: the lower, the commoner cause, the simpler.
     (Stiffness of drives and geometry lead in the surveys of robot calibration, e.g. B. W. Mooring, Z. S. Roth & M. R.
     Driels, Fundamentals of Manipulator Calibration, Wiley 1991, ch. 1.)
-    `linear` promises displacements in proportion to the sizes, which fits may then rely on. Where they are not,
-    `size_from_slope` turns a size found with the pattern of small ones into the one that moves as much.
-    `of_instrument` marks what the measurement brings in: a corrected arm may carry it, but it moves no tip.
-    `of_link` marks what another link would not have (None: as all effects at links). `of_drives` marks how drives give:
-    it adds to what the arm file gives them, the whole may not become negative, and under links of unknown weight only
-    its product with that weight can be known.
-    `flexible` marks what gives in proportion to the load, so that unknown loads act through it. Where it is automatic,
-    frequencies count it too: as long as it is in the model, or, `in_modes`, always.
-    `shear_modulus` says where its materials need one, `expansion_unless` that they need a coefficient of thermal
-    expansion where an entry does not give this parameter. `free_with` is the setting of a recording that leaves its
-    sizes open.
-    `curve` gives a joint's error (rad) at coordinates (rad) by the parameters' values, for what is drawn as a curve.
-    `torques` gives what a motion takes of the drives beyond the rigid arm's torque: by joint (from 0) an array (N,),
-    N*m (N for slides), positive where the drive must push towards increasing q; joints that it leaves alone are absent.
-    They are linear in the sizes (`torque_sizes`) at fixed shapes.
-    `along_the_link` marks what every piece of a link does alike, by the loads on it, so that a link that is cut does
-    what the whole does; `turns_along_the_link` which of these turns the pieces beyond.
-    `declared` tells what an arm file whose links are these beams gives already of the first size at a joint or link
-    (from 0), in its unit: file and finding together are not less than zero (infinite: nobody knows).
-    `kinks` tells which of the twists are piecewise linear in a load, and where they bend.
-    `under_forces` marks what gives under forces, not under moments about where it is alone: of links that nobody has
-    weighed it shows the masses beside the first moments. `weights_named` marks what could be almost anything under
-    unknown weights of its own, and is sought only under those that an arm file names.
-    `lasts` says how long it stays as it is: as long as `the arm` does, `a while` (until something wears, slips, is
-    adjusted or mounted anew), or as long as `a recording` (what is held, how it is measured).
-    `repeats` marks play that is a deviation nobody knows but the same whenever the arm stands there, so that a
-    calibration takes it.
-    `watched` marks what is looked at in every watch over dated recordings, found or not.
-    `told_as` is a sum of its sizes by which it is told where they do not show one by one.
-    `sizes_at` names which of its sizes a joint or link (from 0) of an arm has, where not all have the same.
-    `against_plumb` is how the whole arm is turned against the plumb line (rad, about the base's axes), of which levels
-    see what the tip does not.
+    `linear` promises displacements in proportion to the sizes, which fits may then rely on.
+
+    What only some effects have stands by subject: `play` what is left free, `drive` what is of a drive, `link` what is
+    of links and of what gives, `recording` what a diagnosis goes by, `watch` how long it lasts (see `traits`).
 
     >>> import linkwright as lw
     >>> bending = lw.effects["link_bending"]
@@ -327,52 +252,28 @@ class Effect:
     automatic: bool = False
     parameters: tuple[Parameter, ...] = ()
     twists: Callable[[PoseState, Settings], Iterable[Twist]] = nothing
-    play: Callable[[PoseState, Settings], Iterable[Interval | Disc]] = nothing
-    seated: Callable[[PoseState, Settings], Iterable[Twist]] = nothing
     together: bool = False
-    before_encoder: bool = False
     requires: tuple[Condition, ...] = ()
     enough: tuple[tuple[str, ...], ...] = ()
     only: Only | None = None
-    through_flexibility: bool = False
-    least_travel: float = 0.0
-    needs_drive: bool = False
-    shown_by: Callable[[Readings, tuple[int, ...], Mapping[str, float]], bool] = always_shown
     rank: int = LAST_RANK
     linear: bool = False
-    size_from_slope: Callable[[float], float] | None = None
-    of_instrument: bool = False
-    of_link: bool | None = None
-    of_drives: bool = False
-    flexible: bool = False
-    in_modes: bool = False
-    shear_modulus: Literal["in space", "always"] | None = None
-    expansion_unless: str | None = None
-    free_with: Literal["frame", "tool"] | None = None
-    curve: Callable[[Scalar, Mapping[str, float]], Scalar] | None = None
+    play: PlayTraits = field(default_factory=PlayTraits)
+    drive: DriveTraits = field(default_factory=DriveTraits)
+    link: LinkTraits = field(default_factory=LinkTraits)
+    recording: RecordingTraits = field(default_factory=RecordingTraits)
+    watch: WatchTraits = field(default_factory=WatchTraits)
     torques: Callable[[Motion, Settings], Mapping[int, Array]] | None = None
-    along_the_link: bool = False
-    turns_along_the_link: bool = False
-    declared: Callable[[Arm, Sequence[Beam], int], float] | None = None
-    repeats: bool = False
-    lasts: Literal["the arm", "a while", "a recording"] = "the arm"
-    kinks: Callable[[PoseState, Settings], Iterable[Kink]] = nothing
-    under_forces: bool = False
-    weights_named: bool = False
-    watched: bool = False
-    told_as: Sum | None = None
-    sizes_at: Callable[[Arm, int], tuple[str, ...]] | None = None
-    against_plumb: Callable[[Settings], Vector] = stands_plumb
 
     @property
     def belongs_to_link(self) -> bool:
         """Whether it goes with a link as it was built."""
-        return self.place == "link" if self.of_link is None else self.of_link
+        return self.place == "link" if self.link.built_in is None else self.link.built_in
 
     def can_act(self, index: int, *, revolute: bool, passive: bool = False) -> bool:
         """Whether the effect can move anything at joint `index` (from 0), or at the link it carries; no drive does at a
         passive joint."""
-        if passive and self.needs_drive:
+        if passive and self.drive.needed:
             return False
         return among(self.only, index, revolute=revolute)
 
@@ -386,7 +287,7 @@ class Effect:
         it has such."""
         if len(at) > 1:
             return tuple(parameter for parameter in self.sizes if parameter.of_all) or self.sizes
-        here = None if self.sizes_at is None or not at else self.sizes_at(arm, at[0])
+        here = None if self.recording.sizes_at is None or not at else self.recording.sizes_at(arm, at[0])
         entries = [parameter for parameter in self.sizes if not parameter.of_all]
         return tuple(parameter for parameter in entries if here is None or parameter.name in here)
 

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from linkwright.core.arm.effects.traits import DriveTraits
 from linkwright.core.arm.motion.motion import Motion
 from linkwright.core.sections.numeric import Array
 
@@ -51,4 +52,4 @@ def drive_effect(
     """An effect that takes something of each drive, in proportion to its sizes: `amount` as for `OfEachDrive`, `fields`
     those of `Effect` beside."""
     torques = OfEachDrive(amount, only)
-    return Effect(place="joint", needs_drive=True, linear=True, only=only, torques=torques, **fields)
+    return Effect(place="joint", drive=DriveTraits(needed=True), linear=True, only=only, torques=torques, **fields)

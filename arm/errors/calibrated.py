@@ -75,19 +75,19 @@ def error_since_calibrated(
     how play counts, `counted` as for `tip_error`."""
     now = tip_error(state, effects, counted)
     there = tip_error(calibrated_state(state), when_calibrated(effects, state.load), counted)
-    intervals = [interval for interval in now.intervals if not EFFECTS[interval.effect].repeats]
-    discs = [disc for disc in now.discs if not EFFECTS[disc.effect].repeats]
+    intervals = [interval for interval in now.intervals if not EFFECTS[interval.effect].play.repeats]
+    discs = [disc for disc in now.discs if not EFFECTS[disc.effect].play.repeats]
     if mode == "loaded":
         # Where the calibration's load had pushed the play, on the other side of what counts now.
         intervals += [
             replace(interval, vector=scale(-1.0, interval.vector), taken=True)
             for interval in there.intervals
-            if not EFFECTS[interval.effect].repeats and not is_zero((interval.seating, 0.0, 0.0))
+            if not EFFECTS[interval.effect].play.repeats and not is_zero((interval.seating, 0.0, 0.0))
         ]
         discs += [
             replace(disc, seating=scale(-1.0, disc.seating), taken=True)
             for disc in there.discs
-            if not EFFECTS[disc.effect].repeats and not is_zero(disc.seating)
+            if not EFFECTS[disc.effect].play.repeats and not is_zero(disc.seating)
         ]
     kinks = (*now.kinks, *(replace(kink, vector=scale(-1.0, kink.vector)) for kink in there.kinks))
     return TipError(subtract(now.vector, there.vector), tuple(intervals), tuple(discs), kinks)

@@ -156,7 +156,7 @@ def bent_on(
 
 def _carries_slopes(effects: Iterable[ActiveEffect]) -> bool:
     """Whether bent links turn what follows: an arm without that has no pieces that could turn each other."""
-    return any(effect.effect.turns_along_the_link for effect in effects)
+    return any(effect.effect.link.turns_along for effect in effects)
 
 
 class _Chain:
@@ -196,14 +196,14 @@ class _Chain:
         seen_tip: list[Twist] = []
         for active in effects:
             effect, settings = active.effect, active.settings
-            if effect.along_the_link:
+            if effect.link.along:
                 at = tuple(k for link in settings.at for k in self.pieces.of(link))
                 for twist in on_the_way(cut_state.arm, effect.twists(cut_state, replace(settings, at=at))):
                     strain[twist.index] = add(strain[twist.index], twist.translation)
                     bend[twist.index] = add(bend[twist.index], twist.rotation)
                 continue
-            twists = [*on_the_way(now.arm, [*effect.twists(now, settings), *effect.seated(seating, settings)])]
-            if effect.of_instrument and effect.place in ("base", "tip"):
+            twists = [*on_the_way(now.arm, [*effect.twists(now, settings), *effect.play.seated(seating, settings)])]
+            if effect.recording.of_instrument and effect.place in ("base", "tip"):
                 seen_tip += twists
                 continue
             for twist in twists:
@@ -237,7 +237,7 @@ class _Chain:
         same = np.ones(self.rows, dtype=bool)
         for effect, settings in ((entry.effect, entry.settings) for entry in effects):
             states = self._seating(now), self._seating(self.state)
-            for here, there in zip(*(effect.seated(state, settings) for state in states), strict=True):
+            for here, there in zip(*(effect.play.seated(state, settings) for state in states), strict=True):
                 for a, b in ((here.translation, there.translation), (here.rotation, there.rotation)):
                     same &= np.asarray(times(4.0, dot(a, b)) >= plus(dot(a, a), dot(b, b)))
         return same

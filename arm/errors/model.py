@@ -64,14 +64,14 @@ def needs_shear_modulus(arm: Arm, loads: Sequence[LoadCase] = ()) -> bool:
 
     A load case of `loads` (the arm's own payload by default) may press a planar arm out of its plane.
     """
-    needs = {effect.effect.shear_modulus for effect in active_effects(arm)}
+    needs = {effect.effect.link.shear_modulus for effect in active_effects(arm)}
     planar = all(planar_in(arm, load) for load in (loads or arm.cases))
     return "always" in needs or ("in space" in needs and not planar)
 
 
 def needs_thermal_expansion(arm: Arm) -> bool:
     """Whether the arm's model asks its materials how much they expand: the effect does not bring its own figure."""
-    needs = [(effect.effect.expansion_unless, effect.settings.values) for effect in active_effects(arm)]
+    needs = [(effect.effect.link.expansion_unless, effect.settings.values) for effect in active_effects(arm)]
     return any(name is not None and name not in given for name, given in needs)
 
 

@@ -59,15 +59,15 @@ class Asked:
 
 def seen(state: PoseState, effect: Effect, settings: Settings, asked: Asked) -> Channels:
     """What one effect moves in every channel, at the readings of `state`."""
-    twists = [*effect.twists(state, settings), *effect.seated(state, settings)]
-    if effect.before_encoder and asked.command:
+    twists = [*effect.twists(state, settings), *effect.play.seated(state, settings)]
+    if effect.drive.before_encoder and asked.command:
         # The encoder reads this motion, so a tip computed from its readings lacks nothing.
         return replace(seen_of_links(state, (), asked), command=_drives(state, twists, asked))
     result, level = seen_of_links(state, twists, asked), None
     if result.level is not None and asked.levels is not None:
         # What an instrument of the tip is off by turns no level; a base that does not stand plumb turns everything.
-        of_tip = effect.of_instrument and effect.place in ("base", "tip")
-        plumb = columns(effect.against_plumb(settings), asked.rows)
+        of_tip = effect.recording.of_instrument and effect.place in ("base", "tip")
+        plumb = columns(effect.recording.against_plumb(settings), asked.rows)
         level = result.level * (not of_tip) + np.where((asked.levels >= 0)[:, None], plumb, 0.0)
     joint_side = _drives(state, twists, asked) if asked.joint_side else None
     return replace(result, joint_side=joint_side, base=_base(twists, asked), level=level)
@@ -107,7 +107,9 @@ def levels_of(shape: Deformed, effects: Sequence[ActiveEffect], asked: Asked) ->
     levels = asked.levels
     assert levels is not None
     turns = np.zeros((asked.rows, 3))
-    plumb = sum((columns(effect.effect.against_plumb(effect.settings), 1) for effect in effects), np.zeros((1, 3)))
+    plumb = sum(
+        (columns(effect.effect.recording.against_plumb(effect.settings), 1) for effect in effects), np.zeros((1, 3))
+    )
     for link in np.unique(levels[levels >= 0]).tolist():
         turned = Rotation.from_rotvec(plumb) * Rotation.from_matrix(shape.turned[link])
         turns = np.where((levels == link)[:, None], turned.as_rotvec(), turns)
@@ -122,7 +124,7 @@ def seen_of_model(state: PoseState, effects: Sequence[ActiveEffect], asked: Aske
 
 def shape_of(state: PoseState, effects: Sequence[ActiveEffect], asked: Asked) -> Deformed:
     """The arm as it stands at the readings; what an encoder sees of its drives is in the coordinates already."""
-    moving = [effect for effect in effects if not (effect.effect.before_encoder and asked.command)]
+    moving = [effect for effect in effects if not (effect.effect.drive.before_encoder and asked.command)]
     return deformed(state, moving, asked.rows)
 
 

@@ -175,7 +175,7 @@ def tip_error(state: PoseState, effects: Sequence[ActiveEffect], counted: Counte
     intervals: list[TipInterval] = []
     discs: list[TipDisc] = []
     for active in effects:
-        for play in active.effect.play(state, active.settings):
+        for play in active.effect.play.free(state, active.settings):
             if isinstance(play, Interval):
                 vector = carried(state, play.twists)
                 intervals.append(TipInterval(active.effect.id, play.twists[0].index, vector, play.seating))
@@ -184,7 +184,7 @@ def tip_error(state: PoseState, effects: Sequence[ActiveEffect], counted: Counte
     kinks = tuple(
         TipKink(carried(state, kink.twists), kink.load, kink.zones)
         for active in effects
-        for kink in active.effect.kinks(state, active.settings)
+        for kink in active.effect.play.kinks(state, active.settings)
     )
     error = TipError(carried(state, twists), tuple(intervals), tuple(discs), kinks)
     if counted == "orientation":
@@ -194,8 +194,8 @@ def tip_error(state: PoseState, effects: Sequence[ActiveEffect], counted: Counte
 
 def _lost_motion(error: TipError) -> TipError:
     """The part of an error that is another each time that the arm comes to a pose."""
-    intervals = tuple(interval for interval in error.intervals if not EFFECTS[interval.effect].repeats)
-    return TipError(ZERO, intervals, tuple(disc for disc in error.discs if not EFFECTS[disc.effect].repeats))
+    intervals = tuple(interval for interval in error.intervals if not EFFECTS[interval.effect].play.repeats)
+    return TipError(ZERO, intervals, tuple(disc for disc in error.discs if not EFFECTS[disc.effect].play.repeats))
 
 
 def _disc(effect: str, play: Disc) -> TipDisc:

@@ -130,7 +130,7 @@ def _moved(arm: Arm, active: ActiveEffect, q: Array, case: LoadCase) -> Array:
     state: PoseState = solve(arm, [q[:, index] for index in range(arm.size)], beams_of(arm, (case,)), case)
     twists = list(active.effect.twists(state, active.settings))
     if arm.play == "loaded":
-        twists += active.effect.seated(state, active.settings)
+        twists += active.effect.play.seated(state, active.settings)
     return columns(carried_to_tip(state, twists), len(q))
 
 

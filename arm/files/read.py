@@ -212,7 +212,7 @@ def _check_places(entry: Mapping, effect: Effect, at: tuple[int, ...], joints: t
     if at and effect.place in ("base", "tip"):
         raise entry.error("at", f"{effect.id} acts at the {effect.place} as a whole; leave `at` out")
     for number in at:
-        if effect.needs_drive and joints[number - 1].passive:
+        if effect.drive.needed and joints[number - 1].passive:
             raise entry.error("at", f"{effect.id} is of a drive, and joint {number} has none (passive)")
         if not effect.can_act(number - 1, revolute=joints[number - 1].revolute):
             raise entry.error("at", f"{effect.id} acts on {effect.only} only, which joint {number} is not among")

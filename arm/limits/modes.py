@@ -81,8 +81,8 @@ def segmented(arm: Arm) -> SegmentedArm:
             before[way.joints[link]] = nodes[cut.index(link) - 1]
         cuts.append(CutWay(serial, nodes, shared))
     active = {effect.effect.id for effect in active_effects(arm)}
-    elastic = [item for item in EFFECTS.values() if item.flexible and item.automatic]
-    effects = tuple(ActiveEffect(item, Settings()) for item in elastic if item.in_modes or item.id in active)
+    elastic = [item for item in EFFECTS.values() if item.link.flexible and item.automatic]
+    effects = tuple(ActiveEffect(item, Settings()) for item in elastic if item.link.in_modes or item.id in active)
     return SegmentedArm(arm, tuple(cuts), tuple(owner), tuple(kinds), tuple(before), effects)
 
 

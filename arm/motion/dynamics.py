@@ -55,7 +55,7 @@ class Stages:
 
 def torque_stages(motion: Motion) -> Stages:
     """The torques of `model_torque` with what they are made of."""
-    instrument = [entry for entry in motion.arm.effects if EFFECTS[entry.effect].of_instrument]
+    instrument = [entry for entry in motion.arm.effects if EFFECTS[entry.effect].recording.of_instrument]
     others = [entry for entry in motion.arm.effects if entry not in instrument]
     loads = [entry for entry in others if EFFECTS[entry.effect].place != "joint"]
     rigid = inverse_dynamics(motion)

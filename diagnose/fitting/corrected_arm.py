@@ -67,7 +67,7 @@ def corrected_arm(
 
 def _as_told(entry: EffectEntry, parameters: Sequence[FittedParameter]) -> EffectEntry:
     """The entry by the sum that it is told by, where it is: by that alone where nothing else of it shows."""
-    sum_of_sizes = EFFECTS[entry.effect].told_as
+    sum_of_sizes = EFFECTS[entry.effect].recording.told_as
     total = [
         parameter.value
         for parameter in parameters

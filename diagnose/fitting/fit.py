@@ -154,7 +154,7 @@ def unlikely(prepared: Prepared, fitted: Fit) -> float:
         if candidate.outside or candidate.share or len(sizes) != len(candidate.sizes):
             continue
         effect = EFFECTS[candidate.effect]
-        if of_single_numbers(effect) or effect.free_with is not None:
+        if of_single_numbers(effect) or effect.recording.free_with is not None:
             continue
         found = np.array(candidate.from_slopes(sizes.tolist()))
         times = float(np.sum((found / group.usual) ** 2))
@@ -199,7 +199,7 @@ def _most_on_a_link(candidate: Candidate, name: str, prepared: Prepared) -> floa
     much again, or at the tip what an arm of that weight lifts at most, and what may hang on the last link; infinite
     where the file leaves the mass open, and for sizes that are no mass."""
     effect = EFFECTS[candidate.effect]
-    if candidate.share or effect.declared is None:
+    if candidate.share or effect.link.declared is None:
         return np.inf
     parameter = parameter_of(effect, name)
     if parameter.kind != "mass":
@@ -224,7 +224,7 @@ def _in_the_file(candidate: Candidate, name: str, observed: Observed) -> float:
     """What the arm file gives of a size already, the least over the candidate's places; infinite where nobody knows.
     Where payloads were recorded, the least of them is at the tip, and not the file's."""
     effect, arm, carried = EFFECTS[candidate.effect], observed.arm_given, observed.recording.payload_mass
-    if effect.declared is None or name != effect.sizes[0].name:
+    if effect.link.declared is None or name != effect.sizes[0].name:
         return np.inf
     if carried is not None:
         arm = replace(arm, payload=replace(arm.payload, mass=float(np.min(carried))))
@@ -232,9 +232,9 @@ def _in_the_file(candidate: Candidate, name: str, observed: Observed) -> float:
     entries = [entry for entry in arm.effects if entry.effect == effect.id]
 
     def whole(index: int) -> float:
-        assert effect.declared is not None
+        assert effect.link.declared is not None
         entries_here = (entry for entry in entries if not entry.at or index + 1 in entry.at)
-        return effect.declared(arm, beams, index) + sum(entry.parameters.get(name, 0.0) for entry in entries_here)
+        return effect.link.declared(arm, beams, index) + sum(entry.parameters.get(name, 0.0) for entry in entries_here)
 
     return min(whole(index) for index in candidate.at or (0,))
 

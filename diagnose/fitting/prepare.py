@@ -101,7 +101,7 @@ def nuisances(observed: Observed, *, origins: bool = True) -> tuple[Array, tuple
     width = observed.space
     for setting, left in (("frame", observed.recording.frame), ("tool", observed.recording.tool)):
         for effect in EFFECTS.values() if left == "free" else ():
-            sizes = effect.sizes if effect.free_with == setting else ()
+            sizes = effect.sizes if effect.recording.free_with == setting else ()
             for size in (size.name for size in sizes if width == 3 or not size.out_of_plane):
                 parts.append(observed.signature(effect.id, Settings((), {size: 1.0})))
                 names.append(f"{effect.id} {size}")
@@ -405,7 +405,7 @@ def _with_time_alone(candidate: Candidate) -> bool:
     if candidate.outside:
         return form_of(candidate).with_time
     effect = EFFECTS[candidate.effect]
-    return effect.of_instrument and "time" in effect.requires
+    return effect.recording.of_instrument and "time" in effect.requires
 
 
 @dataclass(frozen=True)

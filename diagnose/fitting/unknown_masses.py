@@ -50,7 +50,7 @@ def under_one_set_of_weights(
     places = [k for k, t in enumerate(terms) if _only_products(observed, t.candidate)]
     if not places or weights_given(observed):
         return [replace(t, weights=() if k in places else None) for k, t in enumerate(terms)], ()
-    masses = any(EFFECTS[terms[k].candidate.effect].under_forces for k in places)
+    masses = any(EFFECTS[terms[k].candidate.effect].recording.under_forces for k in places)
     weights, merged = unknown_weights(observed, masses=masses), list(terms)
     for k in places:
         candidate = terms[k].candidate

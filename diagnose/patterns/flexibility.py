@@ -15,12 +15,12 @@ from .library import Candidate, parameter_of
 def flexible(candidate: Candidate) -> bool:
     """Whether a candidate is flexibility through which unknown loads act."""
     common = candidate.only is None
-    return common and not (candidate.share or candidate.outside) and EFFECTS[candidate.effect].flexible
+    return common and not (candidate.share or candidate.outside) and EFFECTS[candidate.effect].link.flexible
 
 
 def through_flexibility(candidate: Candidate) -> bool:
     """Whether a candidate is a load that acts through the arm's flexibility."""
-    return form_of(candidate).force if candidate.outside else EFFECTS[candidate.effect].through_flexibility
+    return form_of(candidate).force if candidate.outside else EFFECTS[candidate.effect].link.through_flexibility
 
 
 def entry(candidate: Candidate, sizes: Sequence[float]) -> EffectEntry | None:

@@ -83,12 +83,12 @@ class Candidate:
     @property
     def of_drives(self) -> bool:
         """Whether it is how drives give (see `arm.effects.Effect`)."""
-        return not self.outside and EFFECTS[self.effect].of_drives
+        return not self.outside and EFFECTS[self.effect].drive.gives
 
     def from_slopes(self, slopes: Sequence[float]) -> list[float]:
         """The sizes that move the tip as much as these of the pattern of small ones, to which a linear fit scales it.
         Products with unknown weights, more than there are sizes, stay as they are."""
-        turned = None if self.outside else EFFECTS[self.effect].size_from_slope
+        turned = None if self.outside else EFFECTS[self.effect].recording.size_from_slope
         return [value if turned is None or len(slopes) != len(self.sizes) else turned(value) for value in slopes]
 
     def settings(self, values: Mapping[str, float]) -> Settings:
@@ -132,7 +132,7 @@ def candidates(observed: Observed, without: frozenset[str] = frozenset()) -> Ite
 
 def _only_the_sum_shows(effect: Effect, candidate: Candidate, columns: Array) -> bool:
     """Whether sizes move the tip alike at every reading, so that but their sum shows, for which one of them stands."""
-    if effect.told_as is None or len(candidate.sizes) < 2:
+    if effect.recording.told_as is None or len(candidate.sizes) < 2:
         return False
     flat = columns.reshape(-1, columns.shape[2])
     singular = np.linalg.svd(flat / np.linalg.norm(flat, axis=0), compute_uv=False)
@@ -143,7 +143,7 @@ def _in_one(observed: Observed, candidate: Candidate, columns: Array) -> Iterato
     """A candidate in each of several recordings but the first alone, where it need not be the same in all."""
     recording, effect = observed.recording, EFFECTS[candidate.effect]
     plain = effect.linear and not (candidate.share or candidate.shared or only_products(observed, effect, candidate.at))
-    if not plain or (effect.lasts == "the arm" and not recording.units):
+    if not plain or (effect.watch.lasts == "the arm" and not recording.units):
         return
     for index in range(1, len(recording.singles)):
         columns_here = of_one(observed, columns, index)
@@ -255,9 +255,14 @@ def _needs_met(observed: Observed, effect: Effect, at: tuple[int, ...], shapes: 
     ]
     if not _held(observed, conditions):
         return False
-    if effect.least_travel > 0.0 and float(np.ptp(observed.recording.q[:, at[0]])) < effect.least_travel:
+    if (
+        effect.recording.least_travel > 0.0
+        and float(np.ptp(observed.recording.q[:, at[0]])) < effect.recording.least_travel
+    ):
         return False
-    return effect.shown_by(Readings(observed.state, observed.recording.q, observed.recording.time), at, shapes)
+    return effect.recording.shown_by(
+        Readings(observed.state, observed.recording.q, observed.recording.time), at, shapes
+    )
 
 
 def _held(observed: Observed, conditions: Sequence[Condition]) -> bool:

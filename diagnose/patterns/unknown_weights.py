@@ -44,7 +44,7 @@ def only_products(observed: Observed, effect: Effect, at: Sequence[int]) -> bool
     first = min(at, default=0)
     if not any(link >= first for link in observed.unknown_masses) or not gives_under_weights(effect):
         return False
-    return weights_given(observed) or not effect.weights_named
+    return weights_given(observed) or not effect.recording.weights_named
 
 
 def weights_given(observed: Observed) -> bool:
@@ -117,7 +117,7 @@ def weights_of(observed: Observed, effect: str, at: tuple[int, ...]) -> tuple[We
     if weights_given(observed):
         return ()
     first = min(at, default=0)
-    whole = unknown_weights(observed, masses=EFFECTS[effect].under_forces)
+    whole = unknown_weights(observed, masses=EFFECTS[effect].recording.under_forces)
     return tuple(weight for weight in whole if weight[0] >= first)
 
 

@@ -42,7 +42,7 @@ def softened(prepared: Prepared, entries: Sequence[EffectEntry], without: frozen
     """
     observed = prepared.observed.softened(entries)
     held = list(zip(prepared.pool.groups, prepared.columns.parts, strict=True))
-    others = frozenset(effect.id for effect in EFFECTS.values() if not effect.through_flexibility)
+    others = frozenset(effect.id for effect in EFFECTS.values() if not effect.link.through_flexibility)
     loads = [*packed_up(candidates(observed, without | others)), *packed_up(forces(observed))]
     before = [(group.candidate, columns) for group, columns in held if through_flexibility(group.candidate)]
     if not _differ(before, loads, observed.rules.search.coupling_matters):

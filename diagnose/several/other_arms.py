@@ -33,7 +33,7 @@ def of_different_arms(
     lasting = [
         candidate
         for candidate in candidates
-        if candidate.only is not None and EFFECTS[candidate.effect].lasts == "the arm"
+        if candidate.only is not None and EFFECTS[candidate.effect].watch.lasts == "the arm"
     ]
     if not lasting or rms_length(remains) > asked.rules.mistakes.label_leaves * left:
         return None

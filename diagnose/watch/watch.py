@@ -138,7 +138,7 @@ class Watch:
 
 def basics() -> tuple[str, ...]:
     """What is watched beside what was found, where nobody asks for anything else: zeros that slip, drives that wear."""
-    return tuple(effect.id for effect in EFFECTS.values() if effect.watched)
+    return tuple(effect.id for effect in EFFECTS.values() if effect.watch.always)
 
 
 def dates_of(recordings: Sequence[Recording | MotionLog]) -> list[datetime.date]:

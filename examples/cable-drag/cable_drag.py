@@ -63,5 +63,5 @@ CABLE_DRAG = lw.Effect(
     twists=_twists,
     linear=True,
     only="joints that turn",
-    least_travel=0.5,
+    recording=lw.traits.RecordingTraits(least_travel=0.5),
 )

@@ -75,7 +75,7 @@ def describe(result: TableResult) -> Description:
     missing = payloads_left_out(arm, np.unique(result.payload).tolist())
     if missing:
         items.append(Paragraph(f"Warning: {missing}."))
-    left = dict.fromkeys(entry.effect for entry in arm.effects if EFFECTS[entry.effect].of_instrument)
+    left = dict.fromkeys(entry.effect for entry in arm.effects if EFFECTS[entry.effect].recording.of_instrument)
     if left:
         names = ", ".join(effect_title(effect) for effect in left)
         items.append(Paragraph(f"Not in it, because it belongs to the instrument: {names}."))

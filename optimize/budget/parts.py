@@ -199,7 +199,7 @@ def _places(arm: Arm, active: ActiveEffect) -> list[tuple[Owner, Settings]]:
 def _factor(active: ActiveEffect, owner: Owner) -> str | None:
     if active.effect.id == JOINT_COMPLIANCE.id:
         return "stiffness"
-    return "elastic_modulus" if active.effect.flexible and owner[0] == "link" else None
+    return "elastic_modulus" if active.effect.link.flexible and owner[0] == "link" else None
 
 
 def _play(error: TipError, owner: Owner, count: int) -> list[Play]:

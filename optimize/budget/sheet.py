@@ -97,7 +97,13 @@ def _tolerances(mapping: Mapping, arm: Arm) -> list[Tolerance]:
     tolerances: list[Tolerance] = []
     for entry, body in zip(entries, _listed(mapping, "tolerances"), strict=True):
         effect = EFFECTS[entry.effect]
-        if not effect.sizes or not effect.linear or effect.requires or effect.automatic or effect.of_instrument:
+        if (
+            not effect.sizes
+            or not effect.linear
+            or effect.requires
+            or effect.automatic
+            or effect.recording.of_instrument
+        ):
             known = sorted(name for name, item in EFFECTS.items() if _can_be_off(name) and item.linear)
             raise body.error("effect", f"{entry.effect} is no tolerance; those are {', '.join(known)}")
         tolerances.append(Tolerance(entry, body.boolean("each_time", False)))
@@ -106,7 +112,9 @@ def _tolerances(mapping: Mapping, arm: Arm) -> list[Tolerance]:
 
 def _can_be_off(name: str) -> bool:
     effect = EFFECTS[name]
-    return bool(effect.sizes) and not (effect.requires or effect.automatic or effect.of_instrument or effect.flexible)
+    return bool(effect.sizes) and not (
+        effect.requires or effect.automatic or effect.recording.of_instrument or effect.link.flexible
+    )
 
 
 def _uncertain(mapping: Mapping, arm: Arm, share: float) -> Uncertain | None:

@@ -49,7 +49,8 @@ PROMISED = {
         "figures",
     ),
     *("import_arm", "export_arm", "budget", "plan", "watch", "write_table", "sweep", "show"),
-    *("Effect", "Parameter", "Settings", "Twist", "PoseState", "drive_motion", "Shape", "Dimension", "numeric"),
+    *("Effect", "Parameter", "Settings", "Twist", "traits", "PoseState", "drive_motion"),
+    *("Shape", "Dimension", "numeric"),
     *("Figure", "OfDesign", "OfKinds", "OfLinks", "at_poses"),
     *("InputError", "NoAnswer", "MissingProperty", "Processes", "Cluster"),
 }

@@ -152,7 +152,7 @@ def test_what_belongs_to_the_instrument_is_not_compensated():
 
 def test_what_the_instrument_brings_in_is_known():
     """What a corrected arm may carry without moving its tip."""
-    results = {effect.id for effect in EFFECTS.values() if effect.of_instrument}
+    results = {effect.id for effect in EFFECTS.values() if effect.recording.of_instrument}
     of_tips = {"frame_misalignment", "frame_drift", "instrument_scale", "latency", "stale_reading"}
     assert results == of_tips | {"torque_constant", "torque_offset", "torque_delay"}
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from linkwright.core.arm.chain.statics import PoseState
 from linkwright.core.arm.chain.vectors import Scalar, plus, times
 from linkwright.core.arm.effects.effect import Effect, OfDrives, Parameter, Settings, size
+from linkwright.core.arm.effects.traits import RecordingTraits
 from linkwright.core.sections.numeric import cos, sin
 
 
@@ -33,7 +34,7 @@ ENCODER_ECCENTRICITY = Effect(
     parameters=(_amplitude("sine"), _amplitude("cosine")),
     twists=OfDrives(_moved, "joints that turn"),
     only="joints that turn",
-    least_travel=1.0,  # over less a wave of one turn is a straight line: the encoder's scale
+    recording=RecordingTraits(least_travel=1.0),  # over less a wave of one turn is a straight line: the encoder's scale
     rank=120,
     linear=True,
 )

@@ -10,6 +10,7 @@ import numpy as np
 from linkwright.core.arm.chain.statics import PoseState
 from linkwright.core.arm.chain.vectors import Scalar
 from linkwright.core.arm.effects.effect import Effect, OfDrives, Settings, size
+from linkwright.core.arm.effects.traits import WatchTraits
 from linkwright.core.arm.motion.motion import Motion
 from linkwright.core.arm.motion.rigid import inverse_dynamics
 from linkwright.core.sections.numeric import Array
@@ -51,8 +52,7 @@ ENCODER_OFFSET = Effect(
     ),
     twists=OfDrives(_moved),
     torques=_torques,
-    lasts="a while",
+    watch=WatchTraits(lasts="a while", always=True),
     rank=20,
     linear=True,
-    watched=True,
 )

@@ -9,7 +9,8 @@ import numpy as np
 
 from linkwright.core.arm.chain.statics import PoseState
 from linkwright.core.arm.chain.vectors import Scalar, plus, times
-from linkwright.core.arm.effects.effect import Effect, OfDrives, Parameter, Readings, Settings, shape, size
+from linkwright.core.arm.effects.effect import Effect, OfDrives, Parameter, Settings, shape, size
+from linkwright.core.arm.effects.traits import DriveTraits, Readings, RecordingTraits
 from linkwright.core.sections.numeric import cos, sin
 
 _LEAST_WAVES = 0.7
@@ -45,7 +46,7 @@ GEAR_TRANSMISSION_ERROR = Effect(
     title="transmission error of a gear",
     formula="sum J_i (a sin k q_i + b cos k q_i)",
     place="joint",
-    needs_drive=True,
+    drive=DriveTraits(needed=True),
     cause="angle errors",
     needs="dense travel of the joint: three readings a period or more",
     aliases=("encoder_eccentricity",),
@@ -71,5 +72,5 @@ GEAR_TRANSMISSION_ERROR = Effect(
     enough=(("sine", "order"), ("cosine", "order")),
     rank=130,
     linear=True,
-    shown_by=_shown,
+    recording=RecordingTraits(shown_by=_shown),
 )

@@ -10,6 +10,7 @@ from linkwright.core.arm.chain.statics import PoseState
 from linkwright.core.arm.chain.vectors import Scalar, times
 from linkwright.core.arm.effects.effect import Effect, OfDrives, Settings, size, torque
 from linkwright.core.arm.effects.torques import direction
+from linkwright.core.arm.effects.traits import DriveTraits
 from linkwright.core.arm.motion.motion import Motion
 from linkwright.core.sections.numeric import Array
 
@@ -39,7 +40,7 @@ JOINT_COUPLING = Effect(
     formula="sum J_i k_i q_(i-1), i from 2; of a motion d_i q'_(i-1) + f_i sign(q'_i + q'_(i-1)) "
     "+ g_i sign(q'_i - q'_(i-1)) at i, and likewise at i-1",
     place="joint",
-    needs_drive=True,
+    drive=DriveTraits(needed=True),
     cause="angle errors",
     needs="both joints' travel, each with the other at several places",
     aliases=("encoder_scale",),

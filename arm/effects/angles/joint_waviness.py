@@ -12,7 +12,8 @@ import numpy as np
 
 from linkwright.core.arm.chain.statics import PoseState
 from linkwright.core.arm.chain.vectors import Scalar, plus, times
-from linkwright.core.arm.effects.effect import Effect, OfDrives, Parameter, Readings, Settings, shape, size
+from linkwright.core.arm.effects.effect import Effect, OfDrives, Parameter, Settings, shape, size
+from linkwright.core.arm.effects.traits import DriveTraits, Readings, RecordingTraits
 from linkwright.core.sections.numeric import cos, sin
 
 ORDERS = 32
@@ -83,6 +84,6 @@ JOINT_WAVINESS = Effect(
     only="joints that turn",
     rank=140,
     linear=True,
-    shown_by=_shown,
-    curve=waviness,
+    recording=RecordingTraits(shown_by=_shown),
+    drive=DriveTraits(curve=waviness),
 )

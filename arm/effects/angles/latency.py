@@ -5,6 +5,7 @@ from __future__ import annotations
 from linkwright.core.arm.chain.statics import PoseState
 from linkwright.core.arm.chain.vectors import Scalar, times
 from linkwright.core.arm.effects.effect import Effect, OfDrives, Settings, size
+from linkwright.core.arm.effects.traits import RecordingTraits
 
 
 def _moved(state: PoseState, settings: Settings, index: int) -> Scalar:
@@ -32,5 +33,5 @@ LATENCY = Effect(
     requires=("velocities",),
     rank=300,
     linear=True,
-    of_instrument=True,
+    recording=RecordingTraits(of_instrument=True),
 )

@@ -11,7 +11,8 @@ import numpy as np
 
 from linkwright.core.arm.chain.statics import PoseState
 from linkwright.core.arm.chain.vectors import Scalar, plus, times
-from linkwright.core.arm.effects.effect import Effect, OfDrives, Readings, Settings, size
+from linkwright.core.arm.effects.effect import Effect, OfDrives, Settings, size
+from linkwright.core.arm.effects.traits import Readings, RecordingTraits
 
 _DIFFERENT_MOVES = 0.05
 """Moves must differ by as much (rad, m): if all are alike, their share is a zero that is off."""
@@ -55,8 +56,7 @@ STALE_READING = Effect(
     ),
     twists=OfDrives(_moved),
     requires=("last_moves",),
-    shown_by=_shown,
+    recording=RecordingTraits(shown_by=_shown, of_instrument=True),
     rank=305,
     linear=True,
-    of_instrument=True,
 )

@@ -83,8 +83,8 @@ def _settings(values: Mapping[str, float], at: tuple[int, ...] = ()) -> Settings
 def _strange(effect: Effect, chain: Chain, values: Mapping[str, float]) -> Iterator[str]:
     """What is neither twist nor play, or stands at no node of the chain."""
     state, settings = chain.readings(), _settings({**values, **_given(effect)})
-    twists = [*effect.twists(state, settings), *effect.seated(state, settings)]
-    for play in effect.play(chain.design(0), settings):
+    twists = [*effect.twists(state, settings), *effect.play.seated(state, settings)]
+    for play in effect.play.free(chain.design(0), settings):
         if isinstance(play, Interval):
             twists += play.twists
             if not play.twists:
@@ -112,7 +112,7 @@ def _given(effect: Effect) -> dict[str, float]:
 
 def _moved(effect: Effect, state: PoseState, values: Mapping[str, float], at: tuple[int, ...] = ()) -> Moved:
     settings = _settings(values, at)
-    return _gathered([*effect.twists(state, settings), *effect.seated(state, settings)])
+    return _gathered([*effect.twists(state, settings), *effect.play.seated(state, settings)])
 
 
 def _gathered(twists: Iterable[Twist]) -> Moved:
@@ -151,7 +151,7 @@ def _symbolic(effect: Effect, chain: Chain, values: Mapping[str, float]) -> Iter
     settings = _settings({**values, **_given(effect)})
 
     def parts(state: PoseState) -> list[Any]:
-        play = [item.twists if isinstance(item, Interval) else () for item in effect.play(state, settings)]
+        play = [item.twists if isinstance(item, Interval) else () for item in effect.play.free(state, settings)]
         twists = [*effect.twists(state, settings), *(twist for item in play for twist in item)]
         moved = _gathered(twists)
         return [part for node in sorted(moved) for part in moved[node]]

@@ -64,21 +64,21 @@ def _roles(effect: Effect) -> Iterator[str]:
     unknown = sorted({name for group in effect.enough for name in group} - set(names))
     if unknown:
         yield f"`enough` names {', '.join(unknown)}, which are no parameters"
-    if effect.expansion_unless is not None and effect.expansion_unless not in names:
-        yield f"expansion_unless names {effect.expansion_unless!r}, which is no parameter"
+    if effect.link.expansion_unless is not None and effect.link.expansion_unless not in names:
+        yield f"expansion_unless names {effect.link.expansion_unless!r}, which is no parameter"
     at_joint, at_part = effect.place == "joint", effect.place in ("joint", "link")
     for name, says, holds in (
         ("only", effect.only is not None, at_part),
         ("together", effect.together, at_part),
-        ("least_travel", effect.least_travel > 0.0, at_part),
-        ("needs_drive", effect.needs_drive, at_joint),
-        ("before_encoder", effect.before_encoder, at_joint),
-        ("of_drives", effect.of_drives, at_joint and len(effect.sizes) == 1),
-        ("curve", effect.curve is not None, at_joint),
-        ("free_with", effect.free_with is not None, not at_part),
-        ("in_modes", effect.in_modes, effect.flexible and effect.automatic),
-        ("flexible", effect.flexible, not effect.through_flexibility),
-        ("size_from_slope", effect.size_from_slope is not None, not effect.linear),
+        ("least_travel", effect.recording.least_travel > 0.0, at_part),
+        ("needs_drive", effect.drive.needed, at_joint),
+        ("before_encoder", effect.drive.before_encoder, at_joint),
+        ("of_drives", effect.drive.gives, at_joint and len(effect.sizes) == 1),
+        ("curve", effect.drive.curve is not None, at_joint),
+        ("free_with", effect.recording.free_with is not None, not at_part),
+        ("in_modes", effect.link.in_modes, effect.link.flexible and effect.automatic),
+        ("flexible", effect.link.flexible, not effect.link.through_flexibility),
+        ("size_from_slope", effect.recording.size_from_slope is not None, not effect.linear),
     ):
         if says and not holds:
             yield f"{name} does not go with the rest: {_WHY[name]}"

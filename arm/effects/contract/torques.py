@@ -93,7 +93,7 @@ def _faults(effect: Effect, motion: Motion) -> Iterator[str]:
             yield f"takes torque where it cannot act ({effect.only})"
     joints = motion.arm.joints
     passive = replace(motion.arm, joints=(*joints[:-1], replace(joints[-1], passive=True)))
-    if effect.needs_drive and size - 1 in _Tried(effect, replace(motion, arm=passive)).torques(usual):
+    if effect.drive.needed and size - 1 in _Tried(effect, replace(motion, arm=passive)).torques(usual):
         yield "takes torque of a joint without a drive"
 
 

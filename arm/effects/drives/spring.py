@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from linkwright.core.arm.effects.effect import given, torque
 from linkwright.core.arm.effects.torques import drive_effect
+from linkwright.core.arm.effects.traits import WatchTraits
 
 SPRING = drive_effect(
     lambda motion, values, joint: values.get("stiffness", 0.0) * (motion.q[:, joint] - values.get("rest", 0.0)),
@@ -26,6 +27,6 @@ SPRING = drive_effect(
             "somewhere in the range",
         ),
     ),
-    lasts="a while",
+    watch=WatchTraits(lasts="a while"),
     rank=172,
 )

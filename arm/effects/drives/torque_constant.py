@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from linkwright.core.arm.effects.effect import torque
 from linkwright.core.arm.effects.torques import drive_effect
+from linkwright.core.arm.effects.traits import RecordingTraits
 from linkwright.core.arm.motion.rigid import load_torque
 
 TORQUE_CONSTANT = drive_effect(
@@ -22,6 +23,6 @@ TORQUE_CONSTANT = drive_effect(
             "makers' figures of motors and losses in gears: 5 to 15 %",
         ),
     ),
-    of_instrument=True,
+    recording=RecordingTraits(of_instrument=True),
     rank=155,
 )

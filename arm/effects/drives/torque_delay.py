@@ -8,6 +8,7 @@ import numpy as np
 
 from linkwright.core.arm.effects.effect import torque
 from linkwright.core.arm.effects.torques import drive_effect
+from linkwright.core.arm.effects.traits import RecordingTraits, WatchTraits
 from linkwright.core.arm.motion.motion import Motion
 from linkwright.core.arm.motion.rigid import load_torque
 from linkwright.core.sections.numeric import Array
@@ -36,8 +37,8 @@ TORQUE_DELAY = drive_effect(
             "filters and cycles of controllers: 2 to 30 ms",
         ),
     ),
-    of_instrument=True,
+    recording=RecordingTraits(of_instrument=True),
     together=True,
-    lasts="a recording",
+    watch=WatchTraits(lasts="a recording"),
     rank=215,
 )

@@ -6,6 +6,7 @@ import numpy as np
 
 from linkwright.core.arm.effects.effect import torque
 from linkwright.core.arm.effects.torques import drive_effect
+from linkwright.core.arm.effects.traits import RecordingTraits, WatchTraits
 
 TORQUE_OFFSET = drive_effect(
     lambda motion, values, _: np.full(motion.size, values.get("torque", 0.0)),
@@ -22,7 +23,7 @@ TORQUE_OFFSET = drive_effect(
             "what is logged where there is no torque", "current sensors and torque sensors: 1 % of their range"
         ),
     ),
-    of_instrument=True,
-    lasts="a while",
+    recording=RecordingTraits(of_instrument=True),
+    watch=WatchTraits(lasts="a while"),
     rank=72,
 )

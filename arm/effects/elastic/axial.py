@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from linkwright.core.arm.chain.statics import PoseState
 from linkwright.core.arm.chain.vectors import add, dot, scale, times
 from linkwright.core.arm.effects.effect import Effect, Settings, Twist
+from linkwright.core.arm.effects.traits import LinkTraits
 
 
 def _twists(state: PoseState, settings: Settings) -> Iterator[Twist]:
@@ -29,7 +30,5 @@ AXIAL = Effect(
     aliases=(),
     source="Gere & Goodno, Mechanics of Materials, axially loaded members",
     twists=_twists,
-    flexible=True,
-    in_modes=True,
-    along_the_link=True,
+    link=LinkTraits(flexible=True, in_modes=True, along=True),
 )

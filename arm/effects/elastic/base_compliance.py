@@ -8,6 +8,7 @@ from linkwright.core.arm.chain.statics import PoseState
 from linkwright.core.arm.chain.vectors import Vector, add, cross, is_zero, scale, times
 from linkwright.core.arm.effects.effect import Effect, Settings, Twist, size
 from linkwright.core.arm.effects.loads.unknown_weight import under_unit_weights, unit_sag
+from linkwright.core.arm.effects.traits import LinkTraits, WatchTraits
 
 
 def base_moment(state: PoseState) -> Vector:
@@ -57,8 +58,8 @@ BASE_COMPLIANCE = Effect(
     ),
     enough=(("compliance",), ("compliance_about_z",), ("unit_sag",)),
     twists=_twists,
-    lasts="a while",
+    watch=WatchTraits(lasts="a while"),
     rank=230,
     linear=True,
-    flexible=True,
+    link=LinkTraits(flexible=True),
 )

@@ -24,7 +24,7 @@ def elastic_twists(state: PoseState) -> Iterator[Twist]:
     """What gives under the loads of `state`: the arm's own physics less `leave_out`, and what its `effects` add."""
     arm = state.arm
     state = replace(state, joints=tuple(replace(joint, zones=()) for joint in state.joints))
-    for effect in (item for item in EFFECTS.values() if item.flexible):
+    for effect in (item for item in EFFECTS.values() if item.link.flexible):
         if effect.automatic and effect.id not in arm.leave_out:
             yield from effect.twists(state, Settings())
         for entry in arm.effects:

@@ -8,7 +8,8 @@ import numpy as np
 
 from linkwright.core.arm.chain.statics import PoseState
 from linkwright.core.arm.chain.vectors import Scalar, times
-from linkwright.core.arm.effects.effect import Effect, OfDrives, Readings, Settings, shape, size
+from linkwright.core.arm.effects.effect import Effect, OfDrives, Settings, shape, size
+from linkwright.core.arm.effects.traits import DriveTraits, Readings, RecordingTraits
 
 _STEADY = 0.02
 """A load that changes by no more than this share of its greatest is steady."""
@@ -41,7 +42,7 @@ CREEP = Effect(
     title="creep of the drives",
     formula="sum J_i tau_i c_i (1 - exp(-t/tc)), t since loading began",
     place="joint",
-    needs_drive=True,
+    drive=DriveTraits(needed=True),
     cause="flexibility",
     needs="time, and steps of load",
     aliases=("thermal_expansion", "joint_compliance"),
@@ -70,5 +71,5 @@ CREEP = Effect(
     enough=(("compliance", "time_constant"),),
     rank=280,
     linear=True,
-    shown_by=_shown,
+    recording=RecordingTraits(shown_by=_shown),
 )

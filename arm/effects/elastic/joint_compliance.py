@@ -12,6 +12,7 @@ from linkwright.core.arm.chain.vectors import times
 from linkwright.core.arm.effects.effect import Effect, Kink, Settings, Twist, drive_motion, given, size
 from linkwright.core.arm.effects.functions import wound_up
 from linkwright.core.arm.effects.loads.unknown_weight import under_unit_weights, unit_sag
+from linkwright.core.arm.effects.traits import DriveTraits, LinkTraits, PlayTraits, WatchTraits
 
 
 def _twists(state: PoseState, settings: Settings) -> Iterator[Twist]:
@@ -72,7 +73,7 @@ JOINT_COMPLIANCE = Effect(
     title="compliance of the drives",
     formula="sum J_i tau_i / K_i; of an actuator whose catalogue has zones of stiffness zone by zone",
     place="joint",
-    needs_drive=True,
+    drive=DriveTraits(needed=True, gives=True),
     cause="flexibility",
     automatic=True,
     needs="two payloads, or joint-side encoders",
@@ -89,12 +90,9 @@ JOINT_COMPLIANCE = Effect(
         unit_sag("the drive"),
     ),
     twists=_twists,
-    kinks=_kinks,
-    lasts="a while",
+    play=PlayTraits(kinks=_kinks),
+    watch=WatchTraits(lasts="a while", always=True),
     rank=10,
     linear=True,
-    of_drives=True,
-    flexible=True,
-    in_modes=True,
-    watched=True,
+    link=LinkTraits(flexible=True, in_modes=True),
 )

@@ -19,6 +19,7 @@ from linkwright.core.arm.effects.effect import (
     size,
 )
 from linkwright.core.arm.effects.functions import saturated, wound_up
+from linkwright.core.arm.effects.traits import DriveTraits, PlayTraits
 from linkwright.core.sections.numeric import tanh
 
 ZONES = ("stiffness_1", "stiffness_2", "stiffness_3", "torque_1", "torque_2")
@@ -71,7 +72,7 @@ JOINT_HARDENING = Effect(
     title="hardening of the drives",
     formula="sum J_i (c_i t0 tanh(tau_i/t0) + c tau_i); or three zones of stiffness K1, K2, K3 up to T1, T2 and beyond",
     place="joint",
-    needs_drive=True,
+    drive=DriveTraits(needed=True),
     cause="flexibility",
     needs="a wide range of torque",
     aliases=("joint_compliance",),
@@ -99,7 +100,7 @@ JOINT_HARDENING = Effect(
         _limit(2),
     ),
     twists=_twists,
-    kinks=_kinks,
+    play=PlayTraits(kinks=_kinks),
     enough=(("compliance", "knee"), ("remaining",), ZONES),
     rank=150,
     linear=True,

@@ -10,6 +10,7 @@ from linkwright.core.arm.chain.statics import LinkState, PoseState
 from linkwright.core.arm.chain.vectors import Scalar, Vector, add, cross, dot, minus, plus, scale, subtract, times
 from linkwright.core.arm.effects.effect import Effect, Settings, Twist, size
 from linkwright.core.arm.effects.loads.unknown_weight import under_unit_weights, unit_sag
+from linkwright.core.arm.effects.traits import LinkTraits, RecordingTraits
 
 
 def in_both_planes(link: LinkState, towards_height: Scalar, towards_width: Scalar) -> tuple[Scalar, Scalar]:
@@ -127,10 +128,6 @@ LINK_BENDING = Effect(
     twists=_twists,
     rank=90,
     linear=True,
-    flexible=True,
-    under_forces=True,
-    weights_named=True,
-    in_modes=True,
-    along_the_link=True,
-    declared=_declared,
+    link=LinkTraits(flexible=True, in_modes=True, along=True, declared=_declared),
+    recording=RecordingTraits(under_forces=True, weights_named=True),
 )

@@ -8,6 +8,7 @@ from collections.abc import Iterator
 from linkwright.core.arm.chain.statics import PoseState
 from linkwright.core.arm.chain.vectors import scale
 from linkwright.core.arm.effects.effect import Effect, Settings, Twist, size
+from linkwright.core.arm.effects.traits import LinkTraits, RecordingTraits
 
 from .axial import AXIAL
 from .link_bending import LINK_BENDING
@@ -51,9 +52,8 @@ LINK_MODULUS = Effect(
         ),
     ),
     twists=_twists,
-    along_the_link=True,
+    link=LinkTraits(along=True, flexible=True),
     together=True,
     rank=70,
-    flexible=True,
-    size_from_slope=_size_from_slope,
+    recording=RecordingTraits(size_from_slope=_size_from_slope),
 )

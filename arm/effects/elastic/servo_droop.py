@@ -5,6 +5,7 @@ from __future__ import annotations
 from linkwright.core.arm.chain.statics import PoseState
 from linkwright.core.arm.chain.vectors import Scalar, times
 from linkwright.core.arm.effects.effect import Effect, OfDrives, Settings, size
+from linkwright.core.arm.effects.traits import DriveTraits, WatchTraits
 
 
 def _moved(state: PoseState, settings: Settings, index: int) -> Scalar:
@@ -16,7 +17,7 @@ SERVO_DROOP = Effect(
     title="droop of the servo loops",
     formula="sum J_i tau_i / Kp_i",
     place="joint",
-    needs_drive=True,
+    drive=DriveTraits(needed=True, before_encoder=True),
     cause="flexibility",
     needs="command and encoder both logged",
     aliases=("joint_compliance",),
@@ -28,8 +29,7 @@ SERVO_DROOP = Effect(
         ),
     ),
     twists=OfDrives(_moved),
-    before_encoder=True,
-    lasts="a while",
+    watch=WatchTraits(lasts="a while"),
     rank=320,
     linear=True,
 )

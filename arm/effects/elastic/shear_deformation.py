@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from linkwright.core.arm.chain.statics import PoseState
 from linkwright.core.arm.chain.vectors import add, dot, scale, times
 from linkwright.core.arm.effects.effect import Effect, Settings, Twist
+from linkwright.core.arm.effects.traits import LinkTraits
 
 
 def _twists(state: PoseState, settings: Settings) -> Iterator[Twist]:
@@ -35,7 +36,5 @@ SHEAR_DEFORMATION = Effect(
     aliases=("link_bending",),
     source="W. D. Pilkey, Analysis and Design of Elastic Beams (Wiley, 2002), shear coefficients from strain energy",
     twists=_twists,
-    flexible=True,
-    shear_modulus="always",
-    along_the_link=True,
+    link=LinkTraits(flexible=True, shear_modulus="always", along=True),
 )

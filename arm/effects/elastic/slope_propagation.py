@@ -8,6 +8,7 @@ from linkwright.core.arm.chain.beam import BendingFactors
 from linkwright.core.arm.chain.statics import LinkState, PoseState
 from linkwright.core.arm.chain.vectors import Scalar, Vector, add, dot, plus, scale, times
 from linkwright.core.arm.effects.effect import Effect, Settings, Twist
+from linkwright.core.arm.effects.traits import LinkTraits
 
 from .link_bending import in_both_planes
 
@@ -54,8 +55,5 @@ SLOPE_PROPAGATION = Effect(
     source="Gere & Goodno, Mechanics of Materials, slopes of cantilever beams; Roark's Formulas, beam tables",
     twists=_twists,
     rank=60,
-    flexible=True,
-    in_modes=True,
-    along_the_link=True,
-    turns_along_the_link=True,
+    link=LinkTraits(flexible=True, in_modes=True, along=True, turns_along=True),
 )

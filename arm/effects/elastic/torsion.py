@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from linkwright.core.arm.chain.statics import LinkState, PoseState
 from linkwright.core.arm.chain.vectors import Scalar, Vector, add, dot, minus, plus, scale, times
 from linkwright.core.arm.effects.effect import Effect, Settings, Twist
+from linkwright.core.arm.effects.traits import LinkTraits
 
 
 def about_shear_centre(link: LinkState, force: Vector) -> Scalar:
@@ -49,8 +50,5 @@ TORSION = Effect(
     source="Gere & Goodno, Mechanics of Materials, torsion, shear centre; V. Z. Vlasov, Thin-walled Elastic Beams "
     "(Jerusalem 1961): warping is held at joints and free at the tip",
     twists=_twists,
-    flexible=True,
-    in_modes=True,
-    shear_modulus="in space",
-    along_the_link=True,
+    link=LinkTraits(flexible=True, in_modes=True, shear_modulus="in space", along=True),
 )

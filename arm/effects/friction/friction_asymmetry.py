@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from linkwright.core.arm.effects.effect import torque
 from linkwright.core.arm.effects.torques import direction, drive_effect
+from linkwright.core.arm.effects.traits import WatchTraits
 
 FRICTION_ASYMMETRY = drive_effect(
     lambda motion, values, joint: values.get("torque", 0.0) * 0.5 * (1.0 + direction(motion.velocity[:, joint])),
@@ -20,6 +21,6 @@ FRICTION_ASYMMETRY = drive_effect(
             "friction towards increasing coordinates beyond that the other way", "up to a third of the dry friction"
         ),
     ),
-    lasts="a while",
+    watch=WatchTraits(lasts="a while"),
     rank=145,
 )

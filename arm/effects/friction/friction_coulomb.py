@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from linkwright.core.arm.effects.effect import torque
 from linkwright.core.arm.effects.torques import direction, drive_effect
+from linkwright.core.arm.effects.traits import WatchTraits
 
 FRICTION_COULOMB = drive_effect(
     lambda motion, values, joint: values.get("torque", 0.0) * direction(motion.velocity[:, joint]),
@@ -22,6 +23,6 @@ FRICTION_COULOMB = drive_effect(
             "gears of robots that carry 3 to 20 kg: 0.2 N*m at wrists, 20 N*m at shoulders",
         ),
     ),
-    lasts="a while",
+    watch=WatchTraits(lasts="a while"),
     rank=52,
 )

@@ -8,6 +8,7 @@ import numpy as np
 
 from linkwright.core.arm.effects.effect import torque
 from linkwright.core.arm.effects.torques import direction, drive_effect
+from linkwright.core.arm.effects.traits import WatchTraits
 from linkwright.core.arm.motion.motion import Motion
 from linkwright.core.arm.motion.rigid import load_torque
 from linkwright.core.sections.numeric import Array
@@ -33,6 +34,6 @@ FRICTION_LOAD = drive_effect(
             "losses of harmonic drives and of planetary gears: 5 to 10 % of the load",
         ),
     ),
-    lasts="a while",
+    watch=WatchTraits(lasts="a while"),
     rank=100,
 )

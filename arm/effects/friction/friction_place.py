@@ -8,6 +8,7 @@ import numpy as np
 
 from linkwright.core.arm.effects.effect import torque
 from linkwright.core.arm.effects.torques import direction, drive_effect
+from linkwright.core.arm.effects.traits import WatchTraits
 from linkwright.core.arm.motion.motion import Motion
 from linkwright.core.sections.numeric import Array
 
@@ -37,6 +38,6 @@ FRICTION_PLACE = drive_effect(
         ),
     ),
     only="joints that turn",
-    lasts="a while",
+    watch=WatchTraits(lasts="a while"),
     rank=186,
 )

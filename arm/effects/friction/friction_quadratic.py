@@ -8,6 +8,7 @@ import numpy as np
 
 from linkwright.core.arm.effects.effect import torque
 from linkwright.core.arm.effects.torques import drive_effect
+from linkwright.core.arm.effects.traits import WatchTraits
 from linkwright.core.arm.motion.motion import Motion
 from linkwright.core.sections.numeric import Array
 
@@ -32,6 +33,6 @@ FRICTION_QUADRATIC = drive_effect(
             "up to half of the viscous friction at full speed, mostly negative (greases that thin under shear)",
         ),
     ),
-    lasts="a while",
+    watch=WatchTraits(lasts="a while"),
     rank=120,
 )

@@ -9,6 +9,7 @@ import numpy as np
 
 from linkwright.core.arm.effects.effect import shape, torque
 from linkwright.core.arm.effects.torques import direction, drive_effect
+from linkwright.core.arm.effects.traits import WatchTraits
 from linkwright.core.arm.motion.motion import Motion
 from linkwright.core.sections.numeric import Array
 
@@ -58,6 +59,6 @@ FRICTION_REVERSAL = drive_effect(
             "motion after which 63 % of it is there", "harmonic drives and rolling bearings: 1 to 10 mrad at the joint"
         ),
     ),
-    lasts="a while",
+    watch=WatchTraits(lasts="a while"),
     rank=135,
 )

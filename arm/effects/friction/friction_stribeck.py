@@ -8,6 +8,7 @@ import numpy as np
 
 from linkwright.core.arm.effects.effect import shape, torque
 from linkwright.core.arm.effects.torques import direction, drive_effect
+from linkwright.core.arm.effects.traits import WatchTraits
 from linkwright.core.arm.motion.motion import Motion
 from linkwright.core.sections.numeric import Array
 
@@ -36,6 +37,6 @@ FRICTION_STRIBECK = drive_effect(
             "speed at which it has fallen to 37 %", "greased gears: 0.03 to 0.3 rad/s at the joint"
         ),
     ),
-    lasts="a while",
+    watch=WatchTraits(lasts="a while"),
     rank=110,
 )

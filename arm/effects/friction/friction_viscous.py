@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from linkwright.core.arm.effects.effect import torque
 from linkwright.core.arm.effects.torques import drive_effect
+from linkwright.core.arm.effects.traits import WatchTraits
 
 FRICTION_VISCOUS = drive_effect(
     lambda motion, values, joint: values.get("coefficient", 0.0) * motion.velocity[:, joint],
@@ -21,6 +22,6 @@ FRICTION_VISCOUS = drive_effect(
             "friction over speed", "greased gears and seals of robots that carry 3 to 20 kg: 0.5 to 50 N*m*s/rad"
         ),
     ),
-    lasts="a while",
+    watch=WatchTraits(lasts="a while"),
     rank=54,
 )

@@ -8,6 +8,7 @@ import numpy as np
 
 from linkwright.core.arm.effects.effect import shape, torque
 from linkwright.core.arm.effects.torques import direction, drive_effect
+from linkwright.core.arm.effects.traits import WatchTraits
 from linkwright.core.arm.motion.motion import Motion
 from linkwright.core.sections.numeric import Array
 from linkwright.core.units.temperature import REFERENCE_TEMPERATURE
@@ -43,6 +44,6 @@ FRICTION_WARMUP = drive_effect(
             "time after which 63 % of the change is done", "12 s of a film of grease to 30 min of a gearbox"
         ),
     ),
-    lasts="a recording",
+    watch=WatchTraits(lasts="a recording"),
     rank=165,
 )

@@ -6,6 +6,7 @@ from collections.abc import Iterator
 
 from linkwright.core.arm.chain.statics import PoseState
 from linkwright.core.arm.effects.effect import Effect, Parameter, Settings, Twist, size
+from linkwright.core.arm.effects.traits import RecordingTraits, WatchTraits
 
 from .frame_misalignment import moved_base
 
@@ -39,8 +40,8 @@ FRAME_DRIFT = Effect(
     parameters=(_shift("x"), _shift("y"), _shift("z"), _turn("x"), _turn("y"), _turn("z")),
     twists=_twists,
     requires=("time",),
-    lasts="a recording",
+    watch=WatchTraits(lasts="a recording"),
     rank=270,
     linear=True,
-    of_instrument=True,
+    recording=RecordingTraits(of_instrument=True),
 )

@@ -7,6 +7,7 @@ from collections.abc import Iterator, Mapping
 from linkwright.core.arm.chain.statics import PoseState
 from linkwright.core.arm.chain.vectors import Scalar, Vector, is_zero, scale
 from linkwright.core.arm.effects.effect import Effect, Parameter, Settings, Twist, size
+from linkwright.core.arm.effects.traits import RecordingTraits, WatchTraits
 
 
 def moved_base(state: PoseState, values: Mapping[str, float], factor: Scalar = 1.0) -> Iterator[Twist]:
@@ -47,9 +48,8 @@ FRAME_MISALIGNMENT = Effect(
     source="B. W. Mooring, Z. S. Roth & M. R. Driels, Fundamentals of Manipulator Calibration (Wiley, 1991)",
     parameters=(_shift("x"), _shift("y"), _shift("z"), _turn("x"), _turn("y"), _turn("z")),
     twists=_twists,
-    lasts="a recording",
+    watch=WatchTraits(lasts="a recording"),
     rank=170,
     linear=True,
-    of_instrument=True,
-    free_with="frame",
+    recording=RecordingTraits(of_instrument=True, free_with="frame"),
 )

@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from linkwright.core.arm.chain.statics import PoseState
 from linkwright.core.arm.chain.vectors import scale
 from linkwright.core.arm.effects.effect import Effect, Settings, Twist, size
+from linkwright.core.arm.effects.traits import RecordingTraits, WatchTraits
 
 
 def _twists(state: PoseState, settings: Settings) -> Iterator[Twist]:
@@ -31,8 +32,8 @@ INSTRUMENT_SCALE = Effect(
         ),
     ),
     twists=_twists,
-    lasts="a recording",
+    watch=WatchTraits(lasts="a recording"),
     rank=260,
     linear=True,
-    of_instrument=True,
+    recording=RecordingTraits(of_instrument=True),
 )

@@ -8,6 +8,7 @@ from linkwright.core.arm.chain.chain import Arm
 from linkwright.core.arm.chain.statics import PoseState, in_base_frame
 from linkwright.core.arm.chain.vectors import ZERO, add, plus, scale, times
 from linkwright.core.arm.effects.effect import Effect, Parameter, Settings, Twist, drive_motion, size
+from linkwright.core.arm.effects.traits import RecordingTraits
 
 
 def _twists(state: PoseState, settings: Settings) -> Iterator[Twist]:
@@ -59,7 +60,7 @@ LINK_LENGTH = Effect(
     ),
     twists=_twists,
     together=True,
-    sizes_at=_given_by,
+    recording=RecordingTraits(sizes_at=_given_by),
     rank=30,
     linear=True,
 )

@@ -11,6 +11,7 @@ from collections.abc import Iterator
 from linkwright.core.arm.chain.statics import PoseState
 from linkwright.core.arm.chain.vectors import IDENTITY, scale
 from linkwright.core.arm.effects.effect import Disc, Effect, Interval, Settings, Twist, given
+from linkwright.core.arm.effects.traits import LinkTraits, PlayTraits
 
 
 def _play(state: PoseState, settings: Settings) -> Iterator[Interval | Disc]:
@@ -39,9 +40,8 @@ RAIL_PITCH = Effect(
             "straightness of rail guides over the length of a carriage: 10 um over 0.1 to 1 m",
         ),
     ),
-    play=_play,
-    repeats=True,
+    play=PlayTraits(free=_play, repeats=True),
     enough=(("angle",),),
     only="joints that slide",
-    of_link=False,
+    link=LinkTraits(built_in=False),
 )

@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from linkwright.core.arm.chain.statics import PoseState
 from linkwright.core.arm.chain.vectors import scale
 from linkwright.core.arm.effects.effect import Disc, Effect, Interval, Settings, Twist, given
+from linkwright.core.arm.effects.traits import PlayTraits
 
 
 def _play(state: PoseState, settings: Settings) -> Iterator[Interval | Disc]:
@@ -37,8 +38,7 @@ RAIL_STRAIGHTNESS = Effect(
             "profiled rail guides: running parallelism of some 10 um a metre; rails on welded frames: ten times that",
         ),
     ),
-    play=_play,
-    repeats=True,
+    play=PlayTraits(free=_play, repeats=True),
     enough=(("deviation",),),
     only="joints that slide",
 )

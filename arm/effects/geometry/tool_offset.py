@@ -9,6 +9,7 @@ from linkwright.core.arm.chain.kinematics import section_directions
 from linkwright.core.arm.chain.statics import PoseState, in_base_frame
 from linkwright.core.arm.chain.vectors import Vector, add, is_zero, scale
 from linkwright.core.arm.effects.effect import Effect, Parameter, Settings, Twist, size
+from linkwright.core.arm.effects.traits import RecordingTraits, WatchTraits
 
 
 def last_link_axes(state: PoseState) -> tuple[Vector, Vector, Vector]:
@@ -64,8 +65,8 @@ TOOL_OFFSET = Effect(
         _offset("out", "out of that plane (nothing in a planar arm)"),
     ),
     twists=_twists,
-    lasts="a recording",
+    watch=WatchTraits(lasts="a recording"),
     rank=100,
     linear=True,
-    free_with="tool",
+    recording=RecordingTraits(free_with="tool"),
 )

@@ -13,6 +13,7 @@ from linkwright.core.arm.chain.statics import PoseState
 from linkwright.core.arm.chain.vectors import ZERO, Vector, cross, is_zero
 from linkwright.core.arm.effects.effect import Effect, Parameter, Settings, Twist, size
 from linkwright.core.arm.effects.elastic.cantilever import elastic_twists, under_other_loads
+from linkwright.core.arm.effects.traits import LinkTraits, RecordingTraits, WatchTraits
 from linkwright.core.arm.motion.motion import Motion
 from linkwright.core.arm.motion.rigid import gravity_torque
 from linkwright.core.sections.numeric import Array
@@ -70,9 +71,9 @@ BASE_TILT = Effect(
     parameters=(_turn("x"), _turn("y"), _turn("z")),
     twists=_twists,
     torques=_torques,
-    against_plumb=_turned,
-    through_flexibility=True,
-    lasts="a while",
+    recording=RecordingTraits(against_plumb=_turned),
+    link=LinkTraits(through_flexibility=True),
+    watch=WatchTraits(lasts="a while"),
     rank=240,
     linear=True,
 )

@@ -11,6 +11,7 @@ from linkwright.core.arm.chain.statics import PoseState
 from linkwright.core.arm.chain.vectors import Scalar, Vector, cross, dot, is_zero, minus, norm, plus, scale, times, unit
 from linkwright.core.arm.effects.effect import Effect, OfDrives, Parameter, Settings, size, torque
 from linkwright.core.arm.effects.torques import OfEachDrive
+from linkwright.core.arm.effects.traits import DriveTraits, RecordingTraits
 from linkwright.core.arm.motion.motion import Motion
 from linkwright.core.sections.numeric import Array
 
@@ -66,7 +67,7 @@ COUNTERBALANCE = Effect(
     title="torque of a counterbalance",
     formula="J_i k sin(phi_i - phi_0)/K_i = J_i (a sin phi_i + b cos phi_i); of a motion -k sin(phi_i - phi_0)",
     place="joint",
-    needs_drive=True,
+    drive=DriveTraits(needed=True),
     cause="loads",
     needs="two payloads",
     aliases=("joint_compliance",),
@@ -76,7 +77,7 @@ COUNTERBALANCE = Effect(
     twists=OfDrives(_moved, "joints that turn"),
     torques=OfEachDrive(_pull, "joints that turn"),
     only="joints that turn",
-    least_travel=0.05,  # a joint that stands only repeats what the joints before it do
+    recording=RecordingTraits(least_travel=0.05),  # a joint that stands only repeats what the joints before it do
     rank=290,
     linear=True,
 )

@@ -14,6 +14,7 @@ from linkwright.core.arm.chain.kinematics import carried_unturned
 from linkwright.core.arm.chain.statics import PoseState
 from linkwright.core.arm.chain.vectors import ZERO, Scalar, Vector, add, cross, dot, scale, subtract, times
 from linkwright.core.arm.effects.effect import Effect, Settings, Twist, drive_motion, size
+from linkwright.core.arm.effects.traits import DriveTraits
 
 _BOOLE = (7.0 / 90.0, 32.0 / 90.0, 12.0 / 90.0, 32.0 / 90.0, 7.0 / 90.0)
 """Boole's rule over the quarters of a link, exact for polynomials up to the fifth degree."""
@@ -115,7 +116,7 @@ DYNAMIC_DEFLECTION = Effect(
     title="deflection of the drives under inertia",
     formula="-sum J_i c_i (M q'' + h(q, q'))_i",
     place="joint",
-    needs_drive=True,
+    drive=DriveTraits(needed=True),
     cause="flexibility",
     needs="velocities and accelerations",
     aliases=("joint_compliance", "latency"),

@@ -16,8 +16,9 @@ from linkwright.core.arm.chain.beam import Beam
 from linkwright.core.arm.chain.chain import Arm
 from linkwright.core.arm.chain.statics import PoseState
 from linkwright.core.arm.chain.vectors import Scalar, minus, plus, times
-from linkwright.core.arm.effects.effect import Effect, Settings, Sum, Twist, given, size
+from linkwright.core.arm.effects.effect import Effect, Settings, Twist, given, size
 from linkwright.core.arm.effects.elastic.cantilever import elastic_twists, under_other_loads
+from linkwright.core.arm.effects.traits import LinkTraits, RecordingTraits, Sum
 
 
 def link_masses_alone(state: PoseState, settings: Settings) -> PoseState | None:
@@ -94,9 +95,8 @@ LINK_MASS = Effect(
         ),
     ),
     twists=_twists,
-    through_flexibility=True,
+    link=LinkTraits(through_flexibility=True, declared=mass_declared),
     rank=250,
     linear=True,
-    declared=mass_declared,
-    told_as=Sum("first_moment", _factors, beside="mass"),
+    recording=RecordingTraits(told_as=Sum("first_moment", _factors, beside="mass")),
 )

@@ -12,6 +12,7 @@ from linkwright.core.arm.chain.chain import Arm
 from linkwright.core.arm.chain.statics import PoseState
 from linkwright.core.arm.effects.effect import Effect, Parameter, Settings, Twist, given, size
 from linkwright.core.arm.effects.elastic.cantilever import elastic_twists, under_other_loads
+from linkwright.core.arm.effects.traits import LinkTraits, WatchTraits
 
 from .inertial import OfInertia, inertial_sizes, of_tip
 from .link_mass import mass_declared
@@ -62,9 +63,8 @@ PAYLOAD = Effect(
     ),
     twists=_twists,
     torques=OfInertia(of_tip),
-    through_flexibility=True,
-    lasts="a recording",
+    link=LinkTraits(through_flexibility=True, declared=_declared),
+    watch=WatchTraits(lasts="a recording"),
     rank=50,
     linear=True,
-    declared=_declared,
 )

@@ -19,6 +19,7 @@ from linkwright.core.arm.effects.effect import (
     size,
 )
 from linkwright.core.arm.effects.loads.added_weights import bearing
+from linkwright.core.arm.effects.traits import DriveTraits, PlayTraits, WatchTraits
 
 
 def _loose(state: PoseState, settings: Settings) -> list[tuple[int, JointState, float]]:
@@ -50,7 +51,7 @@ BACKLASH = Effect(
     title="backlash of the drives",
     formula="1/2 sum J_i b_i sgn(tau_i) where the load seats it; -1/2 sum J_i b_i s_i where friction holds it",
     place="joint",
-    needs_drive=True,
+    drive=DriveTraits(needed=True),
     cause="play and friction",
     automatic=True,
     needs="a reversal of torque, or every pose from both sides",
@@ -75,10 +76,8 @@ BACKLASH = Effect(
             "friction of gearboxes: a few per cent of their rated torque",
         ),
     ),
-    play=_play,
-    seated=_seated,
-    lasts="a while",
+    play=PlayTraits(free=_play, seated=_seated),
+    watch=WatchTraits(lasts="a while", always=True),
     rank=40,
     linear=True,
-    watched=True,
 )

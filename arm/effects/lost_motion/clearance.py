@@ -10,6 +10,7 @@ from linkwright.core.arm.chain.statics import JointState, PoseState
 from linkwright.core.arm.chain.vectors import dot, scale, subtract
 from linkwright.core.arm.effects.effect import NO_LOAD, Disc, Effect, Interval, Settings, Twist, size
 from linkwright.core.arm.effects.loads.added_weights import bearing
+from linkwright.core.arm.effects.traits import PlayTraits, WatchTraits
 
 
 def _loose(state: PoseState, settings: Settings) -> list[tuple[int, JointState, float]]:
@@ -56,9 +57,8 @@ CLEARANCE = Effect(
             "how far the pin's centre can move from the bore's", "running fits of ISO 286-1 at joint diameters"
         ),
     ),
-    play=_play,
-    seated=_seated,
-    lasts="a while",
+    play=PlayTraits(free=_play, seated=_seated),
+    watch=WatchTraits(lasts="a while"),
     rank=160,
     linear=True,
 )

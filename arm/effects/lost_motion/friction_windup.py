@@ -11,6 +11,7 @@ from linkwright.core.arm.chain.statics import JointState, PoseState
 from linkwright.core.arm.chain.vectors import Scalar, plus, times
 from linkwright.core.arm.effects.effect import Disc, Effect, Interval, Settings, Twist, drive_motion, size
 from linkwright.core.arm.effects.loads.added_weights import bearing
+from linkwright.core.arm.effects.traits import DriveTraits, PlayTraits, WatchTraits
 from linkwright.core.sections.numeric import absolute
 
 
@@ -45,7 +46,7 @@ FRICTION_WINDUP = Effect(
     title="wind-up of the drives by friction",
     formula="sum -J_i s_i (tau_c + mu |tau_i|)/K_i",
     place="joint",
-    needs_drive=True,
+    drive=DriveTraits(needed=True),
     cause="play and friction",
     needs="every pose from both sides, with two payloads",
     aliases=("backlash",),
@@ -61,9 +62,8 @@ FRICTION_WINDUP = Effect(
             "a tenth of the drive's compliance",
         ),
     ),
-    play=_play,
-    seated=_seated,
-    lasts="a while",
+    play=PlayTraits(free=_play, seated=_seated),
+    watch=WatchTraits(lasts="a while"),
     rank=200,
     linear=True,
 )

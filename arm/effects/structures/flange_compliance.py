@@ -10,6 +10,7 @@ from collections.abc import Iterator
 from linkwright.core.arm.chain.statics import PoseState
 from linkwright.core.arm.chain.vectors import ZERO, add, dot, is_zero, scale, subtract
 from linkwright.core.arm.effects.effect import Effect, Settings, Twist
+from linkwright.core.arm.effects.traits import LinkTraits
 
 
 def _twists(state: PoseState, settings: Settings) -> Iterator[Twist]:
@@ -41,5 +42,5 @@ FLANGE_COMPLIANCE = Effect(
     "structural analysis, Mech. Mach. Theory 133 (2019) 365, doi:10.1016/j.mechmachtheory.2018.11.023: elastic joints",
     twists=_twists,
     rank=236,
-    flexible=True,
+    link=LinkTraits(flexible=True),
 )

@@ -29,6 +29,7 @@ from linkwright.core.arm.chain.vectors import (
     times,
 )
 from linkwright.core.arm.effects.effect import Effect, Settings, Twist
+from linkwright.core.arm.effects.traits import LinkTraits
 
 Give = tuple[Scalar, Scalar, Scalar]
 """At the carriage: deflection (m/N) and slope (rad/N) under a force, and slope (rad/(N*m)) under a moment."""
@@ -128,5 +129,5 @@ GUIDE_BENDING = Effect(
     twists=_twists,
     only="joints that slide",
     rank=226,
-    flexible=True,
+    link=LinkTraits(flexible=True),
 )

@@ -13,6 +13,7 @@ from linkwright.core.arm.chain.chain import Link
 from linkwright.core.arm.chain.statics import PoseState, in_base_frame
 from linkwright.core.arm.chain.vectors import ZERO, Scalar, Vector, add, cross, dot, plus, scale, subtract, times
 from linkwright.core.arm.effects.effect import Effect, Settings, Twist
+from linkwright.core.arm.effects.traits import LinkTraits
 
 
 def weight_at_end(link: Link) -> tuple[float, float, float]:
@@ -72,5 +73,5 @@ LINK_STIFFNESS = Effect(
     "matrices; Gere & Goodno, Mechanics of Materials, fixed-end moments",
     twists=_twists,
     rank=95,
-    flexible=True,
+    link=LinkTraits(flexible=True),
 )

@@ -5,6 +5,7 @@ from __future__ import annotations
 from linkwright.core.arm.chain.statics import PoseState
 from linkwright.core.arm.chain.vectors import Scalar, times
 from linkwright.core.arm.effects.effect import Effect, OfDrives, Settings, size
+from linkwright.core.arm.effects.traits import DriveTraits
 
 from .warming import LAG, warming_of
 
@@ -18,7 +19,7 @@ GEARBOX_THERMAL = Effect(
     title="thermal motion of the joints",
     formula="sum J_i g_i dT_i, dT_i above 20 degC behind its first-order lag",
     place="joint",
-    needs_drive=True,
+    drive=DriveTraits(needed=True),
     cause="warming",
     needs="temperature",
     aliases=("thermal_bending", "frame_drift"),

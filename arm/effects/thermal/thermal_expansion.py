@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from linkwright.core.arm.chain.statics import PoseState
 from linkwright.core.arm.chain.vectors import scale, times
 from linkwright.core.arm.effects.effect import Effect, Settings, Twist, given, size
+from linkwright.core.arm.effects.traits import LinkTraits
 from linkwright.core.materials.material import MissingProperty
 
 from .warming import LAG, warming_of
@@ -68,6 +69,5 @@ THERMAL_EXPANSION = Effect(
     enough=((),),
     rank=80,
     linear=True,
-    of_link=False,
-    expansion_unless="expansion",
+    link=LinkTraits(built_in=False, expansion_unless="expansion"),
 )

@@ -179,10 +179,10 @@ def _summed(
     beside it, which is none where it shows in the sum alone; None where the effect has no such sum."""
     term, candidate, arm = terms[place], terms[place].candidate, prepared.observed.arm
     effect = None if candidate.outside or candidate.share or term.shared else EFFECTS[candidate.effect]
-    if effect is None or effect.told_as is None or len(candidate.at) != 1:
+    if effect is None or effect.recording.told_as is None or len(candidate.at) != 1:
         return None
     beams = [link.beam for link in prepared.observed.state.links]
-    factors = effect.told_as.factors(beams, candidate.at[0])
+    factors = effect.recording.told_as.factors(beams, candidate.at[0])
     if factors is None:
         return None
     whole = replace(candidate, sizes=tuple(factors))
@@ -194,24 +194,24 @@ def _summed(
     along = np.array([factors[name] for name in candidate.sizes])
     value = float(along @ term.sizes)
     reach = factor * float(np.sqrt(max(along @ spread.covariance[place] @ along, 0.0)))
-    name, at = effect.told_as.name, candidate.numbers
+    name, at = effect.recording.told_as.name, candidate.numbers
     kind = kind_of(arm, candidate, name)
     total = FittedParameter(f"{name}_{at[0]}", name, at, kind, value, (value - reach, value + reach))
-    if white is None or moved is None or effect.told_as.beside not in candidate.sizes:
+    if white is None or moved is None or effect.recording.told_as.beside not in candidate.sizes:
         return total, ""
     others = orthonormal(design_of(prepared, [t for k, t in enumerate(terms) if k != place])[0])
     alone = white - others @ (others.T @ white)
     shown = np.linalg.norm(alone, axis=0) > 1e-9 * moved  # what others do as well leaves rounding
-    beside = whole.sizes.index(effect.told_as.beside)
+    beside = whole.sizes.index(effect.recording.told_as.beside)
     if not shown[beside]:
         return total, ""
     size, beside = float(np.linalg.norm(alone[:, beside])), int(np.sum(shown[:beside]))
     alone = alone[:, shown]
     _, singular, vt = np.linalg.svd(alone / np.linalg.norm(alone, axis=0), full_matrices=False)
     error = float(np.sqrt(variance * np.sum((vt[:, beside] / np.maximum(singular, 1e-9 * singular[0])) ** 2))) / size
-    known = float(term.sizes[candidate.sizes.index(effect.told_as.beside)])
+    known = float(term.sizes[candidate.sizes.index(effect.recording.told_as.beside)])
     telling = factor * error <= prepared.observed.rules.fitting.telling * abs(known)
-    return total, effect.told_as.beside if telling else ""
+    return total, effect.recording.told_as.beside if telling else ""
 
 
 def _profile(

@@ -36,7 +36,7 @@ def at_active_bounds(
     effect, held = EFFECTS[candidate.effect], prepared.observed.state.conditions
     further = [
         size
-        for size in (effect.sizes_here(prepared.observed.arm, candidate.at) if effect.told_as is None else ())
+        for size in (effect.sizes_here(prepared.observed.arm, candidate.at) if effect.recording.told_as is None else ())
         if size.name not in candidate.sizes
         and (size.optional or all(own.optional for own in effect.sizes if own.name in candidate.sizes))
         and all(getattr(held, condition) is not None for condition in size.requires)

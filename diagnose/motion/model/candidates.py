@@ -65,7 +65,7 @@ class Source:
     @property
     def delays(self) -> bool:
         """Whether it shifts the torque in time: what is of the instrument and measured as a time."""
-        return self.effect.of_instrument and [size.kind for size in self.sizes] == ["time"]
+        return self.effect.recording.of_instrument and [size.kind for size in self.sizes] == ["time"]
 
     @property
     def columns(self) -> NDArray[np.int64]:
@@ -336,7 +336,7 @@ def _groups(sources: Sequence[Source], arm: Arm, masses: Array, clock: float, ru
         columns = np.concatenate([source.columns for source in alike])
         shared = variants[(effect.id, alike[0].at)]
         bounds = _bounds(alike[0], arm, rules.fitting.usual)
-        if effect.together or (effect.of_instrument and alike[0].by_load):
+        if effect.together or (effect.recording.of_instrument and alike[0].by_load):
             usual = np.array([max(map(abs, size.typical)) for size in alike[0].sizes])
             mixing = np.tile(np.eye(len(alike[0].sizes)), (len(alike), 1))
             shapes, many, sizes = alike[0].shapes, shared, alike[0].sizes

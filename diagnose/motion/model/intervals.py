@@ -79,7 +79,7 @@ def _gain(system: System, members: Sequence[Member], numbers: Array) -> tuple[Ar
             for (at, _), more in zip(group.labels, group.mixing, strict=True):
                 excess[at[0] - 1, end - group.rank : end] += more
     for group, end in zip(groups, ends, strict=True):
-        if group.effect.place == "joint" and not group.effect.of_instrument and not group.tied:
+        if group.effect.place == "joint" and not group.effect.recording.of_instrument and not group.tied:
             change[end - group.rank : end] += excess[group.at[0] - 1]
     return 1.0 + change @ numbers, change
 

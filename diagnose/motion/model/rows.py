@@ -97,7 +97,7 @@ def with_loads(rows: LogRows, pool: Candidates, sizes: Array) -> LogRows:
     kept_at, every = prepared.motion.time[prepared.kept], prepared.motion.time
     more = rows.explained(np.where(of_arm(pool), sizes, 0.0))
     for instrument, base in ((False, rows.rigid), (True, rows.nominal)):
-        chosen = [s for s in pool.sources if s.by_load and s.effect.of_instrument == instrument]
+        chosen = [s for s in pool.sources if s.by_load and s.effect.recording.of_instrument == instrument]
         torque = base + np.column_stack([np.interp(every, kept_at, column) for column in more.T])
         for part, numbers, within in prepared.pieces():
             _fill(design, place, prepared, chosen, prepared.piece(part, torque), numbers, within)
@@ -126,12 +126,12 @@ def about(rows: LogRows, pool: Candidates, arm: Arm, sizes: Array) -> LogRows:
     place = [{int(c): k for k, c in enumerate(at)} for at in rows.columns]
     design = [item.copy() for item in rows.design]
     for instrument, torque in ((False, load), (True, drive)):
-        chosen = [s for s in pool.sources if s.by_load and s.effect.of_instrument == instrument]
+        chosen = [s for s in pool.sources if s.by_load and s.effect.recording.of_instrument == instrument]
         for part, numbers, within in prepared.pieces():
             _fill(design, place, prepared, chosen, prepared.piece(part, torque), numbers, within)
     gains = gains_of(own)
     for source in pool.sources:
-        for joint in () if source.effect.of_instrument else source.joints:
+        for joint in () if source.effect.recording.of_instrument else source.joints:
             design[joint][:, [place[joint][int(c)] for c in source.columns]] *= gains[joint]
     again = replace(rows, design=tuple(design))
     return replace(again, target=left + again.explained(sizes))
@@ -140,7 +140,7 @@ def about(rows: LogRows, pool: Candidates, arm: Arm, sizes: Array) -> LogRows:
 def gains_of(prepared: PreparedLog) -> Array:
     """How many times (n,) the instrument logs what each drive gives."""
     motion = _piece_of(prepared)
-    entries = [entry for entry in motion.arm.effects if EFFECTS[entry.effect].of_instrument]
+    entries = [entry for entry in motion.arm.effects if EFFECTS[entry.effect].recording.of_instrument]
     nothing = np.zeros_like(motion.q)
     one, none = (torque_of(replace(motion, torque=nothing + unit), entries) for unit in (1.0, 0.0))
     return 1.0 + (one - none).mean(axis=0)

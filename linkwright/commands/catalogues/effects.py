@@ -69,7 +69,7 @@ def show_effect(
         shown.add_row("moves nothing without", ", ".join(name.replace("_", " ") for name in effect.requires))
     if effect.together:
         shown.add_row("usually shared", f"by all {effect.place}s: one value may hold for every one")
-    if effect.before_encoder:
+    if effect.drive.before_encoder:
         shown.add_row("seen by the encoder", "moves the tip as long as the coordinates are commands")
     shown.add_row("source", effect.source)
     for parameter in effect.parameters:
@@ -122,7 +122,18 @@ def _when(effect: Effect) -> str:
 
 
 def _as_json(effect: Effect) -> dict[str, Any]:
-    names = ("id", "title", "formula", "place", "automatic", "together", "before_encoder", "requires", "only", "needs")
+    names = (
+        "id",
+        "title",
+        "formula",
+        "place",
+        "automatic",
+        "together",
+        "before_encoder=drive.before_encoder",
+        "requires",
+        "only",
+        "needs",
+    )
     return {
         **fields(effect, *names, "aliases", "source"),
         "parameters": [_parameter(parameter) for parameter in effect.parameters],

@@ -132,7 +132,7 @@ _CURVE_HEIGHT, _POINTS = 130.0, 400
 def joint_curves(diagnosis: Diagnosis) -> str:
     """A small plot for each joint whose angle errs by a curve; nothing where none does."""
     single = [finding for finding in diagnosis.findings if finding.effect in EFFECTS and len(finding.at) == 1]
-    curves = [(item, EFFECTS[item.effect].curve) for item in single]
+    curves = [(item, EFFECTS[item.effect].drive.curve) for item in single]
     panels = [_curve_panel(diagnosis, item, curve) for item, curve in curves if curve is not None]
     if not panels:
         return ""

@@ -216,7 +216,7 @@ def _telling(
     first, second = EFFECTS[one[0]], EFFECTS[other[0]]
     # A joint's number stands in the column's name.
     at = next((places for effect, places in ((first, one[1]), (second, other[1])) if effect.place == "joint"), ())
-    if first.before_encoder != second.before_encoder and recording.commanded is None:
+    if first.drive.before_encoder != second.drive.before_encoder and recording.commanded is None:
         yield from (f"c{number}_deg" for number in at)
     elif (first.place == "joint") != (second.place == "joint") and recording.joint_side is None:
         yield from (f"j{number}_deg" for number in at)

@@ -147,7 +147,7 @@ def moved(state: PoseState, effect: str, values: Mapping[str, float], at: tuple[
     """What an effect moves the tip by: its twists and the seat of its play, as rows (N, 3)."""
     settings = Settings(at, MappingProxyType(dict(values)))
     result = EFFECTS[effect]
-    tip = carried_to_tip(state, [*result.twists(state, settings), *result.seated(state, settings)])
+    tip = carried_to_tip(state, [*result.twists(state, settings), *result.play.seated(state, settings)])
     rows = np.broadcast_shapes(*(np.shape(item) for item in (*tip, state.joints[0].coordinate)))
     return np.stack([np.broadcast_to(np.asarray(item, dtype=float), rows) for item in tip], axis=-1)
 

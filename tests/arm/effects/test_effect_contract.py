@@ -15,6 +15,7 @@ from linkwright.core.arm.effects import EFFECTS, Disc, Effect, Interval, Paramet
 from linkwright.core.arm.effects.contract import check
 from linkwright.core.arm.effects.effect import drive_motion
 from linkwright.core.arm.effects.torques import OfEachDrive
+from linkwright.core.arm.effects.traits import LinkTraits, PlayTraits, RecordingTraits
 from linkwright.core.arm.motion.motion import Motion
 from linkwright.core.sections.numeric import Array
 from linkwright.core.units.quantities import InputError
@@ -55,8 +56,11 @@ SHAPE = Parameter("lag", "time", "a lag", 0.0, 10.0, (1.0, 2.0), "a test", role=
         (replace(OFFSET, parameters=(SIZE, SIZE)), "two parameters have one name"),
         (replace(OFFSET, parameters=(SHAPE,)), "has shapes but no size"),
         (replace(OFFSET, enough=(("ofset",),)), "`enough` names ofset, which are no parameters"),
-        (replace(OFFSET, in_modes=True), "in_modes does not go with the rest: it must be flexible and automatic"),
-        (replace(OFFSET, free_with="frame"), "free_with does not go with the rest"),
+        (
+            replace(OFFSET, link=LinkTraits(in_modes=True)),
+            "in_modes does not go with the rest: it must be flexible and automatic",
+        ),
+        (replace(OFFSET, recording=RecordingTraits(free_with="frame")), "free_with does not go with the rest"),
         (sized(kind="angel"), "parameter offset: there is no kind of quantity 'angel'"),
         (sized(typical=(0.1, 0.6)), "typical 0.1 to 0.6 must lie within the bounds -0.5 to 0.5"),
         (sized(lower=0.05, typical=(0.1, 0.1)), "the bounds of a size must hold 0"),
@@ -197,8 +201,8 @@ def negative_play(state: PoseState, settings: Settings) -> Iterator[Interval | D
         (replace(OFFSET, twists=nothing), "the size offset moves nothing, on no chain"),
         (replace(OFFSET, twists=beyond_the_chain), "has a twist at joint 9, which the chain does not have"),
         (replace(OFFSET, twists=words), "gives what is no Twist: 'a twist'"),
-        (replace(OFFSET, play=empty_play), "has an interval of play without a twist"),
-        (replace(OFFSET, play=negative_play), "has a disc of play of negative radius"),
+        (replace(OFFSET, play=PlayTraits(free=empty_play)), "has an interval of play without a twist"),
+        (replace(OFFSET, play=PlayTraits(free=negative_play)), "has a disc of play of negative radius"),
         (replace(OFFSET, requires=("time",)), "moves something without time, which it requires"),
         (replace(OFFSET, only="joints that slide"), "moves something where it cannot act (joints that slide)"),
     ],

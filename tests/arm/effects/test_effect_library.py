@@ -355,4 +355,4 @@ def test_what_links_share_and_what_an_encoder_sees() -> None:
     """One material, one air and one clock for all; only a servo's droop is before the encoder."""
     together = {"link_modulus", "link_length", "thermal_expansion", "thermal_bending", "latency", "torque_delay"}
     assert {effect.id for effect in EFFECTS.values() if effect.together} == together
-    assert {effect.id for effect in EFFECTS.values() if effect.before_encoder} == {"servo_droop"}
+    assert {effect.id for effect in EFFECTS.values() if effect.drive.before_encoder} == {"servo_droop"}

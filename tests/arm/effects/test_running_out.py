@@ -64,7 +64,7 @@ def test_what_it_weighs_is_the_same_at_every_pose(tmp_path: Path) -> None:
     state = solve(arm, [np.array([0.3, 0.9, 1.5])], beams_of(arm))
     beams = [link.beam for link in state.links]
     for name, carried in (("payload", LOAD), ("link_mass", 0.0)):
-        declared = EFFECTS[name].declared
+        declared = EFFECTS[name].link.declared
         assert declared is not None
         assert declared(arm, beams, 0) == pytest.approx(carried + RHO * area * LENGTH, rel=1e-12)
 

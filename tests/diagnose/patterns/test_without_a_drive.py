@@ -32,7 +32,7 @@ def test_a_passive_joint_has_its_encoder_and_bearing_but_no_drive():
     of_drives = {"joint_compliance", "joint_hardening", "gear_transmission_error", "joint_coupling"}
     assert of_drives <= sought(arm, recording, 1)
     passive = sought(replace(arm, joints=joints), recording, 1)
-    assert not any(EFFECTS[effect].needs_drive for effect in passive)
+    assert not any(EFFECTS[effect].drive.needed for effect in passive)
     assert {"encoder_offset", "encoder_scale", "encoder_eccentricity", "axis_misalignment"} <= passive
     assert of_drives <= sought(replace(arm, joints=joints), recording, 2)
 

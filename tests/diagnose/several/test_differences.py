@@ -75,7 +75,7 @@ def test_what_lasts_as_long_as_an_arm_differs_between_units_alone():
     (line,) = to_do(days)
     assert "by itself" in line
     assert "--units" in line
-    assert all(EFFECTS[finding.effect].lasts != "the arm" for finding in days.findings if finding.recording)
+    assert all(EFFECTS[finding.effect].watch.lasts != "the arm" for finding in days.findings if finding.recording)
     units = _diagnosed(*pair, units=True)
     own = {(difference.effect, difference.at): difference.each for difference in units.differences}
     assert set(own) == {("link_length", (1,)), ("link_length", (2,))}
