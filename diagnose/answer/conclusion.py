@@ -18,6 +18,7 @@ from linkwright.core.diagnose.fitting.corrected_arm import corrected_arm
 from linkwright.core.diagnose.fitting.fit import displacement, fit, remaining
 from linkwright.core.diagnose.fitting.held_out import hardest, splits
 from linkwright.core.diagnose.fitting.identified_origins import identified_origins
+from linkwright.core.diagnose.judge.contradictions import contradictions
 from linkwright.core.diagnose.judge.for_file import ForFile, for_file
 from linkwright.core.diagnose.predict import residual_under
 from linkwright.core.diagnose.recording import Recording, RejectedRow
@@ -175,6 +176,7 @@ class Conclusion:
                 *self.names.noise.warnings,
                 *of_arm,
                 *((said,) if (said := file.note()) is not None else ()),
+                *contradictions(rms_after, held, mm, rules=self.rules, noise=self.names.noise.rms_m or 0.0),
                 *notes(self.names, self.rest),
                 *(of_exchange(exchange) for exchange in exchanges),
             ),

@@ -13,6 +13,7 @@ from linkwright.core.arm.chain.chain import Arm
 from linkwright.core.arm.effects import EFFECTS
 from linkwright.core.arm.effects.effect import Effect
 from linkwright.core.arm.motion.rigid import link_parameters
+from linkwright.core.diagnose.judge.contradictions import contradictions
 from linkwright.core.diagnose.options import Options, Progress, silent
 from linkwright.core.diagnose.rules.rules import Rules
 from linkwright.core.sections.numeric import Array
@@ -279,11 +280,27 @@ def _result(
         traces=tuple(_traces(*rows, written.sizes) for rows in zip(given, written.rows, strict=True)),
         of_logs=tuple(_of_log(identified, judge, squares, number) for number in range(len(logs))),
         corrected=written.arm,
-        notes=(_HELD_OUT, *([_ALONE] if different.found else []), *_sparse(prepared)),
+        notes=(
+            *_contradictions(arm, identified.split, after, held, heard, rules),
+            _HELD_OUT,
+            *([_ALONE] if different.found else []),
+            *_sparse(prepared),
+        ),
         rivals=judge.rivals,
         beyond=different.beyond,
         seconds=time.perf_counter() - begun,
     )
+
+
+def _contradictions(arm: Arm, split: str, after: Array, held: Array, heard: Array, rules: Rules) -> tuple[str, ...]:
+    """What held-out motion contradicts, at the joint that it is worst at where all together do not."""
+    worst = int(np.nanargmax(held / after))
+    unit = "N*m" if arm.joints[worst].revolute else "N"
+    whole = contradictions(_together(after), {split: _together(held)}, "{:.3g} N*m".format, rules=rules)
+    of_joint = contradictions(
+        float(after[worst]), {split: float(held[worst])}, f"{{:.3g}} {unit}".format, rules=rules, noise=heard[worst]
+    )
+    return whole or tuple(f"Joint {worst + 1}: {line[0].lower()}{line[1:]}" for line in of_joint)
 
 
 def _too_little(arm: Arm, logs: Sequence[MotionLog], prepared: Sequence[PreparedLog], begun: float) -> MotionDiagnosis:

@@ -33,8 +33,8 @@ def arm() -> Arm:
     return Arm("sags", joints, tuple(links))
 
 
-def tips(q: Array) -> Array:
-    """Where the tip is seen (N, 2), m: drives turn by compliance times torque, and space is bent."""
+def tips(q: Array, field: float = 1.0) -> Array:
+    """Where the tip is seen (N, 2), m: drives turn by compliance times torque, and space is bent (`field` times)."""
     across = np.cos(np.cumsum(q, axis=1))
     ends = np.cumsum(across * LENGTHS, axis=1)
     begins = ends - across * LENGTHS
@@ -47,7 +47,7 @@ def tips(q: Array) -> Array:
     )
     angles = np.cumsum(q + COMPLIANCE * torque, axis=1)
     x, y = np.cos(angles) @ LENGTHS, np.sin(angles) @ LENGTHS
-    bent = FIELD * np.stack([np.sin(2.1 * x + 1.3 * y), np.cos(1.7 * y - 1.1 * x)], axis=1)
+    bent = field * FIELD * np.stack([np.sin(2.1 * x + 1.3 * y), np.cos(1.7 * y - 1.1 * x)], axis=1)
     return np.stack([x, y], axis=1) + bent
 
 
