@@ -238,6 +238,8 @@ def _result(
     )
     # What depends on something is no noise where it is as loud as the noise that the sensors are heard to have.
     heard = np.sqrt(np.mean([np.square(log.noise()) for log in prepared], axis=0))
+    above = np.maximum(rules.motion.above_noise * heard, rules.motion.filters * identified.torque)
+    beyond |= floor > above  # well above what the sensors are heard to have, it is physics, if small
     least = np.minimum(rules.motion.unexplained * identified.torque, heard)
     open_joints = [
         item.joint

@@ -103,7 +103,7 @@ def variables(
     joint: int, q: Array, velocity: Array, acceleration: Array, load: Array, time: Array, temperature: Array | None
 ) -> dict[str, Array]:
     """What a joint's residual may depend on (M,), by name: its own angle, speed, acceleration, load, the time, and the
-    speeds of its neighbours."""
+    angles and speeds of its neighbours."""
     values = {
         f"q{joint + 1}": q[:, joint],
         "speed": velocity[:, joint],
@@ -113,6 +113,7 @@ def variables(
     }
     for other in (joint - 1, joint + 1):
         if 0 <= other < q.shape[1]:
+            values[f"q{other + 1}"] = q[:, other]
             values[f"speed_of_joint_{other + 1}"] = velocity[:, other]
     if temperature is not None:
         values["temperature_degC"] = temperature

@@ -94,6 +94,13 @@ class MotionRules:
         "share of a joint's torque",
         "From this share on, or from the noise of the sensors if that is smaller, a dependence is called unknown.",
     )
+    above_noise: float = rule(
+        2.0,
+        "times the noise of the sensors",
+        "A larger remainder of a joint is called unknown. The noise is what lies above the low-pass, and the remainder "
+        "must exceed what filters leave.",
+        "thirty canonical logs: without unknown physics at most 1.5 times, with it from 2.4 times on",
+    )
     uneven: float = rule(
         3.0, "times the median of all joints", "A joint's unexplained share beyond this is called unknown."
     )

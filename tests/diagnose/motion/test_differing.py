@@ -92,5 +92,19 @@ def test_what_is_small_beside_an_unknown_is_no_difference(tmp_path):
         return lambda q, v: np.stack([np.exp(-(((q[1] - 0.3) / 0.25) ** 2)) + dry * np.sign(v[0]), np.zeros_like(v[1])])
 
     logs = [logged(17 + k, held(0.0), more(0.5 * k), f"{k}.csv") for k in range(2)]
-    findings = diagnose_motion(plumb_arm(tmp_path), logs).findings
-    assert [item.effect for item in findings if item.recording] == []
+    result = diagnose_motion(plumb_arm(tmp_path), logs)
+    assert [item.effect for item in result.findings if item.recording] == []
+    assert (result.verdict, result.unknown.joints, result.unknown.depends_on) == ("unknown", (1,), ("q2",))
+
+
+@pytest.mark.parametrize("dry", [0.0, 0.8])
+def test_more_than_the_sensors_noise_is_never_nothing(tmp_path, dry):
+    """1 N*m that goes with both joints' angles together and with neither alone, in one log or two."""
+
+    def more(dry):
+        return lambda q, v: np.stack([np.sin(5.3 * q[0] * q[1]) + dry * np.sign(v[0]), np.zeros_like(v[1])])
+
+    logs = [logged(17 + k, held(0.0), more(dry * k), f"{k}.csv") for k in range(2)]
+    for few in (logs[:1], logs):
+        result = diagnose_motion(plumb_arm(tmp_path), few)
+        assert (result.verdict, result.unknown.joints) == ("unknown", (1,))
