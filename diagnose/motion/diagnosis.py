@@ -23,7 +23,7 @@ from .changed import change_of
 from .corrected import entry_of
 from .differing import Differing, differing, differing_findings, squares_of
 from .findings import finding_of, findings
-from .judged import Judged, as_written, judged
+from .judged import Judged, as_written, judged, rms_together
 from .log import MotionLog
 from .model.candidates import candidates, scanned, with_variants
 from .model.identify import Identified, identify
@@ -42,7 +42,10 @@ _DRAWN = 2000
 """Samples of each log that are drawn."""
 _HELD_OUT = "Held out are the sizes: they were fitted to the rest of the motion. Names were chosen by all of it."
 """What figures on motion that was not fitted rest on."""
-_ALONE = "The arm file holds what all logs share. What one log alone has counts beside it in the figures of these logs."
+_ALONE = (
+    "The arm file holds what all logs share, and figures are of that file. What one log alone has counts beside it "
+    "in the choice of the file, and in what is left with it."
+)
 """What figures of logs that differ rest on."""
 
 
@@ -214,7 +217,7 @@ def _result(
         for item in (
             *(
                 np.sqrt(left.sum(axis=0) / np.maximum(counts.sum(axis=0), 1))
-                for left in (squares, written.left, written.held_out, judge.named.held_out)
+                for left in (squares, written.left, written.held_out, judge.named.beside[1])
             ),
             identified.noise.sigma,
         )
@@ -263,11 +266,12 @@ def _result(
     if unknown is not None and change is not None:
         unknown = since(unknown, change)
     verdict = verdict_of(named, unknown)
+    with_own = rms_together(judge.named.beside[1], counts) if different.found else None
     return MotionDiagnosis(
         arm=arm,
         logs=tuple(logs),
         verdict=verdict,
-        sentence=answer(verdict, named, unknown, per_joint, judge.rivals, different.beyond),
+        sentence=answer(verdict, named, unknown, per_joint, judge.rivals, different.beyond, with_own),
         per_joint=per_joint,
         findings=named,
         unknown=unknown,
@@ -290,6 +294,7 @@ def _result(
         ),
         rivals=judge.rivals,
         beyond=different.beyond,
+        rms_with_own=None if with_own is None else (rms_together(written.beside[0], counts), with_own),
         seconds=time.perf_counter() - begun,
     )
 
@@ -394,4 +399,5 @@ def _of_log(identified: Identified, judge: Judged, given: Array, number: int) ->
         size(judge.written.held_out),
         tuple(item.row for item in log.rejected),
         own,
+        size(judge.written.beside[0]) if own else None,
     )

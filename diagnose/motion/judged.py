@@ -44,7 +44,8 @@ _SETTLED = 1e-3
 class Filed:
     """A set of causes as a file holds them: `numbers` (k,) of all `members` in SI, `sizes` (W,) of the model's columns,
     the `arm` with its entries. `rows` are linearised about it; `left` and `held_out` (B, n) are sums of squares that
-    it leaves where `predict` counts, and that fits to the other folds leave. `held` makes such fits."""
+    it leaves where `predict` counts, and that fits to the other folds leave. `held` makes such fits. `beside` are both
+    where entries of one log alone stand beside it in that log."""
 
     members: tuple[Member, ...]
     numbers: Array
@@ -54,6 +55,7 @@ class Filed:
     left: Array
     held_out: Array
     held: HeldOut
+    beside: tuple[Array, Array]
 
 
 @dataclass(frozen=True)
@@ -88,10 +90,12 @@ class Judged:
 
 @dataclass(frozen=True)
 class _Linearised:
-    """Products of rows about an arm: to fit, with reversals where they count, and as `predict` counts."""
+    """Products of rows about an arm: to fit, with reversals where they count; `beside` what one log alone has, on the
+    samples that `predict` counts; and `counted` as `predict` does, like the `rows`."""
 
     rows: tuple[LogRows, ...]
     fit: Products
+    beside: Products
     counted: Products
 
 
@@ -119,7 +123,10 @@ def judged(arm: Arm, identified: Identified, start: Array, more: Sequence[Effect
         ("ridge", ridge),
     )
     counts = bare.counted.rows.astype(float)
-    return Judged(chosen([_rival(name, item, counts) for name, item in filed]), filed, counts)
+    # What one log alone has tells nothing of what all share: rivals are chosen beside it, and shown as their files are.
+    best = chosen([_rival(name, *item.beside, item, counts) for name, item in filed])
+    shown = tuple(_rival(name, item.left, item.held_out, item, counts) for name, item in filed)
+    return Judged(replace(best, table=shown), filed, counts)
 
 
 def _wide(members: Sequence[Member], rules: Rules) -> tuple[Member, ...]:
@@ -145,13 +152,19 @@ def _with_rest(identified: Identified, members: Sequence[Member]) -> tuple[Membe
 
 
 def _about(identified: Identified, arm: Arm, sizes: Array) -> _Linearised:
-    rows = tuple(about(row, identified.pool, arm, sizes) for row in identified.rows)
+    pool, own = identified.pool, [bool(row.prepared.own) for row in identified.rows]
+    rows = tuple(about(row, pool, arm, sizes) for row in identified.rows)
     by_joint = joint_rows(rows)
-    counted = products(by_joint, identified.pool.width, near=False)
-    if not identified.turning.any():
-        return _Linearised(rows, counted, counted)
-    near = products(by_joint, identified.pool.width, near=True)
-    return _Linearised(rows, mixed(counted, near, identified.turning), counted)
+    fit = beside = counted = products(by_joint, pool.width, near=False)
+    if identified.turning.any():
+        fit = mixed(beside, products(by_joint, pool.width, near=True), identified.turning)
+    if any(own):
+        shared = [replace(row, prepared=replace(row.prepared, own=())) for row in identified.rows]
+        rows = tuple(
+            about(bare, pool, arm, sizes) if has else row for bare, has, row in zip(shared, own, rows, strict=True)
+        )
+        counted = products(joint_rows(rows), pool.width, near=False)
+    return _Linearised(rows, fit, beside, counted)
 
 
 def _settled(
@@ -212,16 +225,20 @@ def _filed(
 ) -> Filed:
     folds = identified.folds
     systems = tuple(_system(identified, rows.fit, members, folds != fold) for fold in np.unique(folds))
-    held = HeldOut(rows.counted, folds, systems)
-    left = rows.counted.left(sizes)
     alone = [Member(number, member.scale) for number, member in enumerate(members)]
-    held_out = held.left(alone, bodies=True) if members else left
-    return Filed(members, numbers, sizes, arm, rows.rows, left, held_out, held)
+
+    def judged_on(made: Products) -> tuple[HeldOut, Array, Array]:
+        held, left = HeldOut(made, folds, systems), made.left(sizes)
+        return held, left, held.left(alone, bodies=True) if members else left
+
+    held, left, held_out = judged_on(rows.counted)
+    beside = (left, held_out) if rows.beside is rows.counted else judged_on(rows.beside)[1:]
+    return Filed(members, numbers, sizes, arm, rows.rows, left, held_out, held, beside)
 
 
 def _without_harm(arm: Arm, identified: Identified, given: Filed, named: Filed, more: Sequence[EffectEntry]) -> Filed:
     """The names without those that move only joints of which held-out motion is then foretold worse than as given."""
-    worse = set(np.flatnonzero(named.held_out.sum(axis=0) > given.held_out.sum(axis=0)).tolist())
+    worse = set(np.flatnonzero(named.beside[1].sum(axis=0) > given.beside[1].sum(axis=0)).tolist())
     moved = identified.system.moved
     kept = tuple(
         member
@@ -231,9 +248,9 @@ def _without_harm(arm: Arm, identified: Identified, given: Filed, named: Filed, 
     return named if len(kept) == len(named.members) else _settled(arm, identified, kept, None, more)
 
 
-def _rival(name: Name, filed: Filed, counts: Array) -> Rival:
-    in_sample, held_out = rms_together(filed.left, counts), rms_together(filed.held_out, counts)
-    return Rival(name, len(filed.numbers), in_sample, held_out, filed.held_out, counts)
+def _rival(name: Name, left: Array, held_out: Array, filed: Filed, counts: Array) -> Rival:
+    figures = rms_together(left, counts), rms_together(held_out, counts)
+    return Rival(name, len(filed.numbers), *figures, held_out, counts)
 
 
 def rms_together(left: Array, counts: Array) -> float:

@@ -114,7 +114,8 @@ class Traces:
 @dataclass(frozen=True)
 class OfLog:
     """One of several logs: its name, file, unit and date, samples used, and RMS of all joints together (N*m) before,
-    after and held out; `rejected` are rows that were set aside. `own` are entries that hold in it alone."""
+    after and held out; `rejected` are rows that were set aside. `own` are entries that hold in it alone, with which
+    beside the arm file `rms_with_own` is left of it (None: there are none)."""
 
     name: str
     file: str
@@ -126,6 +127,7 @@ class OfLog:
     rms_held_out: float
     rejected: tuple[int, ...]
     own: tuple[EffectEntry, ...] = ()
+    rms_with_own: float | None = None
 
 
 @dataclass(frozen=True)
@@ -137,7 +139,9 @@ class MotionDiagnosis:
     would make any candidate as evident beside the model as given; what is too small or foretells no other motion is not
     named. `sentence` is the plain answer, `notes` what rests on what. `written` says what the corrected arm's file
     leaves of the same motion (N*m; None: not tried), `rivals` which models were tried on held-out motion, and which of
-    them `corrected` holds. `beyond` (n,) N*m is the RMS by joint of what else may differ between several logs.
+    them `corrected` holds. `beyond` (n,) N*m is the RMS by joint of what else may differ between several logs. Figures
+    are of that file alone; where one log has something of its own, `rms_with_own` is what is left beside that: by the
+    file, and by what was named on motion that was not fitted.
     """
 
     arm: Arm
@@ -163,3 +167,4 @@ class MotionDiagnosis:
     written: WrittenArm | None = None
     rivals: Rivals | None = None
     beyond: tuple[float, ...] = ()
+    rms_with_own: tuple[float, float] | None = None

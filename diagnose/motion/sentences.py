@@ -32,9 +32,10 @@ def answer(
     per_joint: Sequence[OfJoint],
     rivals: Rivals | None = None,
     beyond: Sequence[float] = (),
+    with_own: float | None = None,
 ) -> str:
     """The plain answer; where the file holds another of the rivals than what was named, which and why. `beyond` (n,)
-    N*m is what else may differ between several logs."""
+    N*m is what else may differ between several logs, `with_own` N*m what is left beside what one log alone has."""
     if verdict == "insufficient_data":
         return "The logs hold too little motion: no joint moves for three seconds above 0.03 rad/s."
     if verdict == "none":
@@ -56,7 +57,8 @@ def answer(
         before = float(np.sqrt(np.nanmean([each.before**2 for each in per_joint])))
         of_named = None if rivals is None else rivals.of("named")
         held = of_named.held_out if of_named else float(np.sqrt(np.nanmean([each.held_out**2 for each in per_joint])))
-        sentences.append(f"{held:.3g} of {before:.3g} N*m is left on motion that was not fitted.")
+        left = held if with_own is None else with_own
+        sentences.append(f"{left:.3g} of {before:.3g} N*m is left on motion that was not fitted.")
         if any(item.recording for item in named):
             sentences.append(nothing_else(beyond))
         sentences += [_undecided(item) for item in named[:_SAID] if item.alternatives]

@@ -91,7 +91,10 @@ def motion_json(diagnosis: MotionDiagnosis) -> dict[str, Any]:
         for item in log.rejected
     ]
     of_log = ("name", "file", "samples", "rms_before", "rms_after", "rms_after_held_out=rms_held_out", "rejected")
-    logs = [{**fields(log, *of_log), "unit": log.unit or None, "date": log.date or None} for log in diagnosis.of_logs]
+    logs = [
+        {**fields(log, *of_log, "rms_with_own"), "unit": log.unit or None, "date": log.date or None}
+        for log in diagnosis.of_logs
+    ]
     written = diagnosis.written
     return {
         "arm": diagnosis.arm.name,
@@ -108,6 +111,7 @@ def motion_json(diagnosis: MotionDiagnosis) -> dict[str, Any]:
         **rivals_json(diagnosis.rivals, "rms=in_sample", "rms_held_out=held_out", by_joint=True),
         "missing": [_finding(finding) for finding in diagnosis.findings],
         "differs_beyond": list(diagnosis.beyond),
+        "rms_with_own": None if diagnosis.rms_with_own is None else diagnosis.rms_with_own[0],
         "where": _where(diagnosis),
         "unknown": None if diagnosis.unknown is None else _unknown(diagnosis.unknown),
         "rejected_rows": [item["row"] for item in rejected],

@@ -15,7 +15,6 @@ from linkwright.core.arm.effects.loads.unknown_weight import unit_weights
 from linkwright.core.arm.files.read import arm_from
 from linkwright.core.arm.files.write import arm_to_yaml
 from linkwright.core.diagnose.answer.sentences import name_of
-from linkwright.core.diagnose.motion.model.entries import with_entries
 from linkwright.core.diagnose.motion.predict import predict_motion
 from linkwright.core.diagnose.motion.result import MotionDiagnosis
 from linkwright.core.diagnose.predict import residual_under
@@ -165,11 +164,9 @@ def learned_from(file: Path, arm: Arm) -> tuple[tuple[float, float], ...] | None
 
 def with_written_motion(result: MotionDiagnosis, catalogue: Catalogue) -> MotionDiagnosis:
     """The diagnosis of motion logs with what its `arm.yaml` is worth on the same motion, as `linkwright predict` says
-    it, beside what holds in one log alone; RMS of all joints and logs together."""
+    it; RMS of all joints and logs together."""
     back = _read_back(result.corrected, catalogue)
-    own = [log.own for log in result.of_logs] or [()] * len(result.logs)
-    arms = [with_entries(back, entries) for entries in own]
-    predictions = [predict_motion(arm, log) for arm, log in zip(arms, result.logs, strict=True)]
+    predictions = [predict_motion(back, log) for log in result.logs]
     squares = np.nan_to_num([np.square(prediction.rms) for prediction in predictions])
     counts = np.array([prediction.samples for prediction in predictions], dtype=float)
     whole = counts.sum(axis=0)

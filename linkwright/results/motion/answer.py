@@ -38,7 +38,7 @@ def _clauses(diagnosis: MotionDiagnosis) -> list[str]:
         does = f" ({share} of the {mismatch} mismatch)" if share else ""
         return [f"{opening}{does}. Nothing explains {open_at}", on]
     does = f" ({share} of the mismatch)" if share else ""
-    change = from_to(mismatch, torque(diagnosis.rms_held_out).text)
+    change = from_to(mismatch, torque(left_with_own(diagnosis)[1]).text)
     return [f"{opening}{does}", f". Error {change}", f", {over(diagnosis)}"]
 
 
@@ -68,7 +68,7 @@ def _named(diagnosis: MotionDiagnosis, largest: MotionFinding, *, open_at: bool)
 
 def over(diagnosis: MotionDiagnosis) -> str:
     """What is left on motion that was not fitted, beside the floor."""
-    times = diagnosis.rms_held_out / diagnosis.noise_floor if diagnosis.noise_floor > 0.0 else 1.0
+    times = left_with_own(diagnosis)[1] / diagnosis.noise_floor if diagnosis.noise_floor > 0.0 else 1.0
     return "the noise floor" if times <= _NOISE else f"{figure(times, 2)} times the noise floor"
 
 
@@ -81,7 +81,12 @@ def explained_share(diagnosis: MotionDiagnosis) -> float | None:
     """The share of the mismatch's sum of squares that the findings explain; None where there was nothing."""
     if not diagnosis.findings or diagnosis.rms_before <= 0.0:
         return None
-    return max(0.0, 1.0 - (diagnosis.rms_after / diagnosis.rms_before) ** 2)
+    return max(0.0, 1.0 - (left_with_own(diagnosis)[0] / diagnosis.rms_before) ** 2)
+
+
+def left_with_own(diagnosis: MotionDiagnosis) -> tuple[float, float]:
+    """What is left of the motion fitted and of other motion, beside what one log alone has."""
+    return diagnosis.rms_with_own or (diagnosis.rms_after, diagnosis.rms_held_out)
 
 
 def to_do(diagnosis: MotionDiagnosis) -> tuple[str, ...]:

@@ -42,7 +42,7 @@ from linkwright.results.document import (
 )
 from linkwright.results.figures_in_words import effect_title, figure, lasted, with_unit
 
-from .answer import answer, explained_share, largest_of, over, to_do
+from .answer import answer, explained_share, largest_of, left_with_own, over, to_do
 from .words import (
     alias_sentence,
     dependence_words,
@@ -129,9 +129,14 @@ def _facts(diagnosis: MotionDiagnosis) -> Facts:
     if diagnosis.findings:
         part = explained_share(diagnosis)
         note = "" if part is None else f"{portion(part).text} of the mismatch explained"
-        facts.append(Fact("with what was found", torque(diagnosis.rms_after), note))
+        left, held_out = left_with_own(diagnosis)
+        facts.append(Fact("with what was found", torque(left), note))
         said = f"{over(diagnosis)}; {diagnosis.split}" if diagnosis.split else over(diagnosis)
-        facts.append(Fact("on motion not fitted", torque(diagnosis.rms_held_out), said))
+        facts.append(Fact("on motion not fitted", torque(held_out), said))
+        if diagnosis.rms_with_own is not None:
+            facts.append(
+                Fact("by the arm file alone", torque(diagnosis.rms_after), "what one log alone has is not in it")
+            )
     written = diagnosis.written
     if written is not None and diagnosis.findings and written_differs(written):
         said = f"of the same motion, where the fit promises {torque(written.promised).text}"
