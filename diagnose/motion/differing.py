@@ -14,7 +14,7 @@ from linkwright.core.diagnose.rules.rules import Rules
 from linkwright.core.sections.numeric import Array
 
 from .changed import sized
-from .findings import reading
+from .findings import finding_of_group
 from .model.candidates import Candidates
 from .model.entries import entries_of, with_entries
 from .model.products import products
@@ -81,26 +81,19 @@ def differing_findings(item: Differing, pool: Candidates, *, rules: Rules) -> tu
     """
     made: list[MotionFinding] = []
     for difference in item.found:
-        step, group = difference.step, difference.step.group
+        step = difference.step
         there = [row for row, own in zip(item.rows, step.parts.tolist(), strict=True) if own]
-        parameters = sized(step, there[0], rules=rules)
-        alone = np.zeros(pool.width)
-        alone[group.columns] = group.values(step.numbers)
-        explained = products(joint_rows(there), pool.width, near=False).explained(alone)
-        alike = tuple(Alternative(((other.effect.id, other.at),), worse) for other, worse in difference.alternatives)
-        names = " and ".join(Path(row.prepared.log.file).name for row in there)
         made.append(
-            MotionFinding(
-                group.effect.id,
-                group.at,
-                parameters,
-                alike,
-                tuple(explained.tolist()),
-                tuple(difference.left.tolist()),
+            finding_of_group(
+                step.group,
+                step.numbers,
+                products(joint_rows(there), pool.width, near=False),
+                sized(step, there[0], rules=rules),
+                tuple(Alternative(((other.effect.id, other.at),), worse) for other, worse in difference.alternatives),
+                difference.left,
                 step.gain,
                 math.exp(-difference.paid),
-                f"In {names} alone, {_lower(reading(group, parameters, alike, explained))}",
-                names,
+                " and ".join(Path(row.prepared.log.file).name for row in there),
             )
         )
     return tuple(made)
@@ -109,7 +102,3 @@ def differing_findings(item: Differing, pool: Candidates, *, rules: Rules) -> tu
 def squares_of(rows: Sequence[LogRows], width: int) -> Array:
     """Sums of squares (B, n) of the torque that the model as given leaves, by block."""
     return products(joint_rows(rows), width, near=False).left(np.zeros(width))
-
-
-def _lower(text: str) -> str:
-    return text[:1].lower() + text[1:]

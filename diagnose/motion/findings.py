@@ -21,6 +21,7 @@ from .model.evidence import Member
 from .model.feasible import feasible
 from .model.identify import Identified
 from .model.intervals import Estimates
+from .model.products import Products
 from .model.ripple import Ripple
 from .result import Alternative, MotionFinding
 
@@ -47,22 +48,16 @@ def findings(
         others = [m for k, m in enumerate(found.fitted) if k != number]
         offer = found.system.offers(others)
         evidence = float(offer.evidence[member.group])
-        parameters = parameters_of(group, arm, sizes.numbers[part], sizes.half[:, part], sizes.shown[part])
-        alone = np.zeros(found.pool.width)
-        alone[group.columns] = group.values((sizes.gain * sizes.numbers)[part])
-        explained = found.products.explained(alone)
-        alike = alternatives(found, number, offer.evidence, beside, rules)
         made.append(
-            MotionFinding(
-                group.effect.id,
-                group.at,
-                parameters,
-                alike,
-                tuple(explained.tolist()),
-                tuple(judge.without(member.group).tolist()),
+            finding_of_group(
+                group,
+                (sizes.gain * sizes.numbers)[part],
+                found.products,
+                parameters_of(group, arm, sizes.numbers[part], sizes.half[:, part], sizes.shown[part]),
+                alternatives(found, number, offer.evidence, beside, rules),
+                judge.without(member.group),
                 evidence,
                 found.chance.p_value(found.system, others, evidence, found.system.beside_joints_of(member.group)),
-                reading(group, parameters, alike, explained),
             )
         )
     return tuple(sorted(made, key=lambda item: -float(np.sum(np.square(item.rms_explained)))))
@@ -212,14 +207,29 @@ def _worse(
     return worse if worse <= (rules.search.refuted_odds if alike else rules.search.log_odds) else np.inf
 
 
-def reading(
-    group: Group, parameters: Sequence[FittedParameter], others: Sequence[Alternative], explained: Array
-) -> str:
-    """A finding as a plain sentence, with what else it could be."""
+def finding_of_group(
+    group: Group,
+    numbers: Array,
+    among: Products,
+    parameters: tuple[FittedParameter, ...],
+    alike: tuple[Alternative, ...],
+    without: Array,
+    evidence: float,
+    p_value: float,
+    recording: str = "",
+) -> MotionFinding:
+    """A group as a finding by its numbers (k,) on some rows, with a plain sentence of what else it could be; `without`
+    (n,) N*m is left where it is missing. `recording` names the logs in which alone it acts."""
+    alone = np.zeros(among.width)
+    alone[group.columns] = group.values(numbers)
+    explained = among.explained(alone)
     most = int(np.argmax(explained))
     name = name_of(group.effect.title, group.effect.place, group.at)
+    name = f"In {recording} alone, {name[:1].lower()}{name[1:]}" if recording else name
     text = f"{name}: {sized(parameters)}{less(parameters)}. RMS {explained[most]:.3g} N*m at joint {most + 1}."
-    return f"{text} The logs cannot tell it from {or_else(others)}." if others else text
+    text += f" The logs cannot tell it from {or_else(alike)}." if alike else ""
+    figures = tuple(explained.tolist()), tuple(without.tolist())
+    return MotionFinding(group.effect.id, group.at, parameters, alike, *figures, evidence, p_value, text, recording)
 
 
 def or_else(others: Sequence[Alternative]) -> str:
