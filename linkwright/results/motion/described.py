@@ -19,7 +19,6 @@ from linkwright.results.diagnoses.words import (
     spoken,
     verdict_words,
     whole_sentence,
-    written_differs,
 )
 from linkwright.results.document import (
     BARS,
@@ -56,8 +55,6 @@ from .words import (
 _WITHOUT = "Without JavaScript the torques against time are missing. All else is here. diagnosis.json has the figures."
 MOST_READINGS = 6
 """Findings up to which a page has a sentence for each."""
-_PROMISE = 0.1
-"""The share of the promised RMS by which the written arm may leave more: a fit may count reversals too."""
 MOST_FINDINGS = 12
 """Findings whose rows a screen shows."""
 
@@ -71,7 +68,6 @@ def describe(diagnosis: MotionDiagnosis) -> Description:
         Lines(to_do(diagnosis)) if to_do(diagnosis) else None,
         Paragraph(spoken(diagnosis.sentence)),
         _facts(diagnosis),
-        _broken_promise(diagnosis),
         _joints(diagnosis) if known else None,
         _logs(diagnosis) if len(diagnosis.of_logs) > 1 else None,
         _findings(diagnosis) if diagnosis.findings else None,
@@ -137,22 +133,7 @@ def _facts(diagnosis: MotionDiagnosis) -> Facts:
             facts.append(
                 Fact("by the arm file alone", torque(diagnosis.rms_after), "what one log alone has is not in it")
             )
-    written = diagnosis.written
-    if written is not None and diagnosis.findings and written_differs(written):
-        said = f"of the same motion, where the fit promises {torque(written.promised).text}"
-        facts.append(Fact("the written arm.yaml leaves", torque(written.rms), said))
     return Facts(tuple(facts), headed=False)
-
-
-def _broken_promise(diagnosis: MotionDiagnosis) -> Paragraph | None:
-    """A warning where the written file is not what the fit promises."""
-    written = diagnosis.written
-    if written is None or not diagnosis.findings or written.rms <= (1.0 + _PROMISE) * written.promised:
-        return None
-    leaves, promised = torque(written.rms).text, torque(written.promised).text
-    return Paragraph(
-        f"Warning: the written arm.yaml leaves {leaves} RMS of the same motion. The fit promises {promised}."
-    )
 
 
 def _joints(diagnosis: MotionDiagnosis) -> Section:

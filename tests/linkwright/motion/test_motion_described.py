@@ -7,7 +7,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from linkwright.core.diagnose.result import WrittenArm
 from linkwright.face.motion.read_back import unlike_arrays
 from linkwright.json.motion import motion_json
 from linkwright.markdown.described import markdown
@@ -152,13 +151,16 @@ def test_json_of_the_unknown():
     assert content["where"]["joint"] == 2
 
 
-def test_a_broken_promise_is_told(capsys):
-    """A written arm that leaves more than the fit promises."""
-    kept = made_motion(written=WrittenArm(0.2, 0.2, ()))
-    assert "Warning" not in on_screen(kept, capsys)
-    broken = made_motion(written=WrittenArm(1.4, 0.2, ()))
-    text = "leaves 1.4 N·m RMS of the same motion. The fit promises 0.2 N·m."
-    assert text in on_screen(broken, capsys)
+def test_what_one_log_alone_has_is_not_in_the_file(capsys):
+    """What is left beside it and what the file leaves stand apart."""
+    assert "arm file alone" not in on_screen(made_motion(), capsys)
+    own = replace(made_motion(), rms_after=1.4, rms_held_out=1.5, rms_with_own=(0.21, 0.22))
+    screen = on_screen(own, capsys)
+    assert "with what was found 0.21 N·m" in screen
+    assert "on motion not fitted 0.22 N·m" in screen
+    assert "by the arm file alone 1.4 N·m" in screen
+    content = motion_json(own)
+    assert (content["rms_after"], content["rms_with_own"]) == (1.4, 0.21)
 
 
 def test_several_logs_are_told_apart(capsys):
