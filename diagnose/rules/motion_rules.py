@@ -95,11 +95,11 @@ class MotionRules:
         "From this share on, or from the noise of the sensors if that is smaller, a dependence is called unknown.",
     )
     above_noise: float = rule(
-        2.0,
+        4.0,
         "times the noise of the sensors",
-        "A larger remainder of a joint is called unknown. The noise is what lies above the low-pass, and the remainder "
-        "must exceed what filters leave.",
-        "thirty canonical logs: without unknown physics at most 1.5 times, with it from 2.4 times on",
+        "A larger remainder of a joint is called unknown, if it exceeds what filters leave. The noise is that above "
+        "the low-pass. Noise that remembers a tenth of a second is up to 3 times louder below it.",
+        "thirty canonical logs (1.5 times at most without unknown physics) and noise with memory (2.9 times)",
     )
     uneven: float = rule(
         3.0, "times the median of all joints", "A joint's unexplained share beyond this is called unknown."
