@@ -46,18 +46,18 @@ def findings(
         part = slice(start, start + group.rank)
         start += group.rank
         others = [m for k, m in enumerate(found.fitted) if k != number]
-        offer = found.system.offers(others)
-        evidence = float(offer.evidence[member.group])
+        plain = [*others, *found.system.plain_beside(member.group, others)]
+        evidence = float(found.system.offers(plain).evidence[member.group])
         made.append(
             finding_of_group(
                 group,
                 (sizes.gain * sizes.numbers)[part],
                 found.products,
                 parameters_of(group, arm, sizes.numbers[part], sizes.half[:, part], sizes.shown[part]),
-                alternatives(found, number, offer.evidence, beside, rules),
+                alternatives(found, number, found.system.offers(others).evidence, beside, rules),
                 judge.without(member.group),
                 evidence,
-                found.chance.p_value(found.system, others, evidence, found.system.beside_joints_of(member.group)),
+                found.chance.p_value(found.system, plain, evidence, found.system.beside_joints_of(member.group)),
             )
         )
     return tuple(sorted(made, key=lambda item: -float(np.sum(np.square(item.rms_explained)))))
@@ -130,8 +130,8 @@ def alternatives(
     """Other names for a member (its number) that the logs do not tell from it, the likeliest first.
 
     `offered` (G,) is the evidence of each group beside the other members, `beside` (G,) beside all of them: what is as
-    evident there is something of its own, no other name. What is as
-    likely must be a body's or within its bounds, and foretell other motion nearly as well.
+    evident there is something of its own, no other name. What is as likely must be a body's or within its bounds, and
+    foretell other motion nearly as well.
     """
     member = found.members[number]
     taken = {found.pool.groups[m.group].family for m in found.members}

@@ -13,17 +13,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from linkwright.core.arm.chain.chain import Arm, EffectEntry
-from linkwright.core.arm.effects.drives.armature import ARMATURE
-from linkwright.core.arm.effects.drives.torque_offset import TORQUE_OFFSET
-from linkwright.core.arm.effects.friction.friction_coulomb import FRICTION_COULOMB
-from linkwright.core.arm.effects.friction.friction_viscous import FRICTION_VISCOUS
 from linkwright.core.arm.effects.loads.link_inertial import LINK_INERTIAL
 from linkwright.core.diagnose.judge.rivals import Name, Rival, Rivals, chosen
 from linkwright.core.diagnose.rules.rules import Rules
 from linkwright.core.sections.numeric import Array
 
 from .corrected import completed
-from .model.candidates import Candidates, Group
+from .model.candidates import PLAIN, Candidates, Group
 from .model.evidence import Member, System, system
 from .model.feasible import feasible
 from .model.identify import Identified, mixed
@@ -32,9 +28,9 @@ from .model.products import Products, products
 from .model.rows import LogRows, about, joint_rows
 from .model.search import HeldOut, rms
 
-_TEXTBOOK = (LINK_INERTIAL, FRICTION_COULOMB, FRICTION_VISCOUS, TORQUE_OFFSET, ARMATURE)
+_TEXTBOOK = (LINK_INERTIAL, *PLAIN)
 """What everybody fits: W. Khalil & E. Dombre, Modeling, Identification and Control of Robots (2002), ch. 12."""
-_STEPS = 4
+_STEPS = 12
 """Times that a model is linearised about the arm as it would be written, at most."""
 _SETTLED = 1e-3
 """Of the noise, by how much a last step may still change torques."""
@@ -229,7 +225,9 @@ def _filed(
 
     def judged_on(made: Products) -> tuple[HeldOut, Array, Array]:
         held, left = HeldOut(made, folds, systems), made.left(sizes)
-        return held, left, held.left(alone, bodies=True) if members else left
+        held_out = held.left(alone, bodies=True) if members else left
+        # Motion that was not fitted is foretold no better than what was: such a linearised fit has not settled.
+        return held, left, np.where(held_out.sum(axis=0) < left.sum(axis=0), left, held_out)
 
     held, left, held_out = judged_on(rows.counted)
     beside = (left, held_out) if rows.beside is rows.counted else judged_on(rows.beside)[1:]

@@ -11,7 +11,12 @@ from numpy.typing import NDArray
 
 from linkwright.core.arm.chain.chain import Arm
 from linkwright.core.arm.effects import EFFECTS
+from linkwright.core.arm.effects.drives.armature import ARMATURE
+from linkwright.core.arm.effects.drives.torque_offset import TORQUE_OFFSET
 from linkwright.core.arm.effects.effect import Effect, Parameter, Settings
+from linkwright.core.arm.effects.friction.friction_coulomb import FRICTION_COULOMB
+from linkwright.core.arm.effects.friction.friction_quadratic import FRICTION_QUADRATIC
+from linkwright.core.arm.effects.friction.friction_viscous import FRICTION_VISCOUS
 from linkwright.core.arm.effects.loads.inertial import OfInertia
 from linkwright.core.arm.effects.torques import OfEachDrive, direction
 from linkwright.core.arm.motion.motion import Motion
@@ -23,6 +28,8 @@ _MOST_VARIANTS = 12
 """Values of an effect's shapes up to which all are candidates; of more, a scan proposes some."""
 _OF_ALL_ROBOTS = ("dimensionless", "time", "time_squared")
 """Kinds of quantity that do not grow with the robot."""
+PLAIN = (FRICTION_COULOMB, FRICTION_VISCOUS, TORQUE_OFFSET, ARMATURE)
+"""What every drive has: W. Khalil & E. Dombre, Modeling, Identification and Control of Robots (2002), ch. 12."""
 _PROBED = 200
 """Instants at which it is tried whether an effect goes by the drives' torque."""
 
@@ -110,6 +117,7 @@ class Group:
     parameters of its numbers, `labels` (k,) the place and parameter of each column. `at` are joints or links from 1,
     `family` what only one variant may be taken of, `variants` how many the family has. `tied`: one number for all
     places. What changes a link's ten parameters has a `body`. A `nuisance` is fitted with the rest and never named.
+    It counts only as far as it explains more than the plain terms `beside` it of the joints that it moves.
     """
 
     effect: Effect
@@ -126,6 +134,12 @@ class Group:
     tied: bool = False
     nuisance: bool = False
     body: Body | None = None
+    beside: tuple[Effect, ...] = ()
+
+    @property
+    def plain(self) -> bool:
+        """Whether it is a term that every drive has."""
+        return self.effect in PLAIN and not self.tied
 
     @property
     def rank(self) -> int:
@@ -305,6 +319,7 @@ def _groups(sources: Sequence[Source], arm: Arm, masses: Array, clock: float, ru
                 variants[key],
                 nuisance=source.effect is SHARPER,
                 body=_body(source, arm, masses),
+                beside=_plain(source),
             )
         )
         if source.delays:
@@ -351,8 +366,19 @@ def _groups(sources: Sequence[Source], arm: Arm, masses: Array, clock: float, ru
             continue
         labels = tuple(((source.at[0] + 1,), size.name) for source in alike for size in source.sizes)
         family = (effect.id, at)
-        groups.append(Group(effect, at, shapes, columns, mixing, usual, bounds, sizes, labels, family, many, tied=True))
+        tied = Group(effect, at, shapes, columns, mixing, usual, bounds, sizes, labels, family, many, tied=True)
+        # One number by which all masses grow together stands in for no rotor.
+        groups.append(tied if isinstance(effect.torques, OfInertia) else replace(tied, beside=_plain(alike[0])))
     return groups
+
+
+def _plain(source: Source) -> tuple[Effect, ...]:
+    """What drives have anyway and a cause varies: bodies turn with rotors; what has a number that is not linear, moves
+    two drives, shifts torque in time, or goes by a power of the speed, stands in for any of the plain terms."""
+    if isinstance(source.effect.torques, OfInertia):
+        return (ARMATURE,)
+    bent = source.shapes or len(source.joints) > 1 or source.delays or source.effect is FRICTION_QUADRATIC
+    return PLAIN if bent and source.effect.place == "joint" else ()
 
 
 def _body(source: Source, arm: Arm, masses: Array) -> Body | None:

@@ -106,6 +106,25 @@ class System:
         return np.array([group.rank for group in self.groups], dtype=np.int64)
 
     @cached_property
+    def drives(self) -> tuple[Member, ...]:
+        """The terms that every drive has."""
+        return tuple(Member(k, SCALES[0]) for k, group in enumerate(self.groups) if group.plain)
+
+    def plain_beside(self, number: int, members: Sequence[Member]) -> list[Member]:
+        """The plain terms beside which a group (its number) counts, of the joints that it moves, where they are no
+        members (J. A. Nelder, A reformulation of linear models, J. R. Stat. Soc. A 140 (1977) 48, doi:10.2307/2344517:
+        a term is judged beside those that are marginal to it)."""
+        group, taken = self.groups[number], {member.group for member in members}
+        joints = self.moved[group.columns].any(axis=0)
+        return [
+            term
+            for term in (self.drives if group.beside else ())
+            if term.group not in taken
+            and self.groups[term.group].effect in group.beside
+            and (self.moved[self.groups[term.group].columns].any(axis=0) & joints).any()
+        ]
+
+    @cached_property
     def by_rank(self) -> tuple[tuple[NDArray[np.int64], NDArray[np.int64]], ...]:
         """Groups of one rank with their numbers' places (g, rank)."""
         ranks: list[tuple[NDArray[np.int64], NDArray[np.int64]]] = []
@@ -186,11 +205,9 @@ def offered(system: System, gram: Array, against: Array, prior: Array) -> Offer:
         values, vectors = np.linalg.eigh(block)
         values = np.maximum(values, 0.0)
         along = np.einsum("gij,gid->gjd", vectors, against[at]) ** 2
-        each = []
-        for c in SCALES:
-            gain = 0.5 * np.einsum("gjd,gj->gd", along, c**2 / (1.0 + c**2 * values))
-            each.append(gain - 0.5 * np.log1p(c**2 * values).sum(axis=1)[:, None])
-        table = np.stack(each)
+        wide = np.square(SCALES)[:, None, None]
+        grown = 1.0 + wide * values
+        table = 0.5 * np.einsum("gjd,sgj->sgd", along, wide / grown) - 0.5 * np.log(grown).sum(axis=2)[:, :, None]
         best = table.max(axis=0)
         evidence[which] = best + np.log(np.mean(np.exp(table - best), axis=0)) + prior[which][:, None]
         scale[which] = np.array(SCALES)[table.argmax(axis=0)]

@@ -19,7 +19,7 @@ from .feasible import lost
 from .noise import Noise, noise
 from .products import Products, products
 from .rows import LogRows, joint_rows, with_loads
-from .search import HeldOut, exchanged, pruned, stepwise
+from .search import HeldOut, pruned, searched
 
 _ROUNDS = 3
 """Times that what goes by the drives' torque is worked out anew for the model found."""
@@ -106,7 +106,7 @@ def identify(
     torque = _torque(current)
     certain, uncertain = (0.25 * share * torque for share in (rules.motion.filters, rules.motion.turning))
     steady = _fit(pool, products(joint_rows(current), pool.width, near=False), certain, seed)
-    members = stepwise(steady.system, rules=rules)
+    members = searched(steady.system, rules=rules)
     given = pool
     for turn in range(1, _ROUNDS):
         progress("naming what is missing", 0.4 + 0.15 * turn)
@@ -114,8 +114,7 @@ def identify(
         current = [with_loads(item, pool, sizes) for item in current]
         pool = as_found(given, _apart(steady.system, members))
         steady = _fit(pool, products(joint_rows(current), pool.width, near=False), certain, seed)
-        members = stepwise(steady.system, initial=members, rules=rules)
-        members = exchanged(steady.system, members, rules=rules)
+        members = searched(steady.system, initial=members, exchange=True, rules=rules)
     progress("looking at reversals", 0.85)
     near = _fit(pool, products(joint_rows(current), pool.width, near=True), uncertain, seed)
     gate_p = min(1.0, 2.0 * min(item.gate() for item in (steady, near)))
@@ -127,7 +126,7 @@ def identify(
         members = _kept(pool, steady, folds, members, torque, rules=rules)
         taken = {m.group for m in members}
         allowed = turning | np.array([number in taken for number in range(len(pool.groups))])
-        members_ = stepwise(near.system, allowed, initial=members, rules=rules)
+        members_ = searched(near.system, allowed, initial=members, rules=rules)
         more = [m for m in _kept(pool, near, folds, members_, torque, rules=rules) if turning[m.group]]
         # What steady motion named goes only where something at reversals stands for it.
         there = {joint for m in more for joint in _joints(pool, m)}
@@ -218,6 +217,7 @@ def _beyond_chance(whole: System, draws: Chance, members: Sequence[Member], leve
         doubtful: list[tuple[float, int]] = []
         for number in range(len(current)):
             others = [*fixed, *current[:number], *current[number + 1 :]]
+            others += whole.plain_beside(current[number].group, others)
             evidence = float(whole.offers(others).evidence[current[number].group]) - lost(
                 whole, others, current[number]
             )

@@ -23,18 +23,43 @@ _PROMISING = 10.0
 """Times the log odds by which a set may be worse before it is settled, for its search to go on."""
 
 
-def stepwise(
+def searched(
     system: System,
     allowed: NDArray[np.bool_] | None = None,
+    *,
+    initial: Sequence[Member] = (),
+    exchange: bool = False,
+    rules: Rules,
+) -> list[Member]:
+    """The set of the greatest evidence that steps and, with `exchange`, exchanges reach from `initial` members.
+
+    First, causes are chosen beside all that drives have anyway. Then each term of the drives is named only where its
+    absence tells, and no cause comes in any more that varies such terms.
+    """
+    may = np.ones(len(system.groups), dtype=bool) if allowed is None else allowed
+    plain = np.array([group.plain for group in system.groups])
+    varied = np.array([bool(group.beside) for group in system.groups])
+    beside = [*system.nuisances, *system.drives]
+    found = [member for member in initial if not plain[member.group]]
+    found = stepwise(system, beside, may & ~plain, initial=found, rules=rules)
+    if exchange:
+        found = exchanged(system, beside, may & ~plain, found, rules=rules)
+    drives = [member for member in system.drives if may[member.group]]
+    again = may & (~varied | _taken(system, found))
+    return stepwise(system, system.nuisances, again, initial=[*found, *drives], rules=rules)
+
+
+def stepwise(
+    system: System,
+    fixed: Sequence[Member],
+    allowed: NDArray[np.bool_],
     *,
     initial: Sequence[Member] = (),
     rules: Rules,
 ) -> list[Member]:
     """The set of the greatest evidence that single additions, removals and exchanges reach, from `initial` members,
-    beside the nuisances."""
-    fixed = system.nuisances
-    chosen = list(initial)
-    may = np.ones(len(system.groups), dtype=bool) if allowed is None else allowed.copy()
+    beside `fixed` ones."""
+    chosen, may = list(initial), allowed.copy()
     if chosen:
         chosen = _settled(system, fixed, chosen, may, rules.search.log_odds)
     for _ in range(2 * _MOST):
@@ -55,34 +80,38 @@ def stepwise(
     return chosen
 
 
-def exchanged(system: System, members: Sequence[Member], *, rules: Rules) -> list[Member]:
+def exchanged(
+    system: System, fixed: Sequence[Member], may: NDArray[np.bool_], members: Sequence[Member], *, rules: Rules
+) -> list[Member]:
     """The set of greatest evidence among this one and those that a search reaches with one of its members kept out.
 
     A cause that was taken early may stand for several that only together explain more.
     """
     current, untried = list(members), list(members)
-    value = system.evidence([*system.nuisances, *current])
+    value = system.evidence([*fixed, *current])
     while untried:
         member = untried.pop()
         rest = [m for m in current if m is not member]
         family = system.groups[member.group].family
-        allowed = np.array([group.family != family for group in system.groups])
-        first = _grown(system, allowed, rest, rules.search.log_odds)
-        if system.evidence([*system.nuisances, *first]) < value - _PROMISING * rules.search.log_odds:
+        allowed = may & np.array([group.family != family for group in system.groups])
+        first = _grown(system, fixed, allowed, rest, rules.search.log_odds)
+        if system.evidence([*fixed, *first]) < value - _PROMISING * rules.search.log_odds:
             continue
-        other = stepwise(system, allowed, initial=rest, rules=rules)
-        worth = system.evidence([*system.nuisances, *other])
+        other = stepwise(system, fixed, allowed, initial=rest, rules=rules)
+        worth = system.evidence([*fixed, *other])
         if worth > value + rules.search.log_odds:
             current, untried, value = other, list(other), worth
     return current
 
 
-def _grown(system: System, may: NDArray[np.bool_], members: Sequence[Member], alarm: float) -> list[Member]:
+def _grown(
+    system: System, fixed: Sequence[Member], may: NDArray[np.bool_], members: Sequence[Member], alarm: float
+) -> list[Member]:
     """A set with what is most evident beside it, one by one, all else as it was."""
     grown = list(members)
     for _ in range(_MOST_FOR_ONE):
-        offer = system.offers([*system.nuisances, *grown])
-        value = np.where(may & ~_taken(system, grown), offer.evidence, -np.inf)
+        offer = system.offers([*fixed, *grown])
+        value = np.where(may & ~_taken(system, [*fixed, *grown]), offer.evidence, -np.inf)
         best = int(np.argmax(value))
         if value[best] < alarm:
             break
@@ -168,17 +197,24 @@ def rms(left: Array, products: Products) -> Array:
 
 
 def pruned(system: System, held: HeldOut, members: Sequence[Member], *, rules: Rules) -> list[Member]:
-    """The members that each gain on motion that was not fitted and cut some joint's RMS; the least goes first."""
+    """The members that each gain on motion that was not fitted and cut some joint's RMS, beside their plain terms;
+    the least goes first."""
     current, fixed = list(members), system.nuisances
+
+    def figures(members: Sequence[Member]) -> tuple[Array, Array]:
+        return held.rms(members), rms(held.products.left(system.solved(members)), held.products)
+
     while current:
-        whole = held.rms([*fixed, *current])
-        fitted = rms(held.products.left(system.solved([*fixed, *current])), held.products)
+        whole = figures([*fixed, *current])
         worth: list[float] = []
         for member in current:
-            others = [*fixed, *(m for m in current if m is not member)]
-            gain = float(np.max(1.0 - whole / np.maximum(held.rms(others), 1e-12)))
-            without = rms(held.products.left(system.solved(others)), held.products)
-            cut = float(np.max(1.0 - fitted / np.maximum(without, 1e-12)))
+            plain = system.plain_beside(member.group, current)
+            beside = [*fixed, *plain, *(m for m in current if m is not member)]
+            with_it = figures([*beside, member]) if plain else whole
+            gain, cut = (
+                float(np.max(1.0 - one / np.maximum(other, 1e-12)))
+                for one, other in zip(with_it, figures(beside), strict=True)
+            )
             worth.append(min(gain / rules.motion.gain, cut / rules.motion.cut))
         least = int(np.argmin(worth))
         if worth[least] >= 1.0:
