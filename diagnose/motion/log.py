@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from types import MappingProxyType
 
 import numpy as np
@@ -70,3 +70,7 @@ class MotionLog:
     def size(self) -> int:
         """The number of samples, N."""
         return len(self.time)
+
+    def saying(self, *sentences: str) -> MotionLog:
+        """The log with further sentences, but for empty ones."""
+        return replace(self, warnings=(*self.warnings, *(each for each in sentences if each)))
