@@ -7,7 +7,7 @@ apart is told beside it. Torques that were clipped are no torques, and speeds th
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from types import MappingProxyType
 
@@ -31,24 +31,25 @@ _NEXT = 4
 """Values beside an extreme, which a torque that is not clipped holds about as often."""
 
 
-def look_at_log(log: MotionLog, arm: Arm, headers: Mapping[str, str], rules: Rules) -> MotionLog:
-    """The log, less clipped torques and speeds that lag, with sentences on what is doubted.
+def look_at_logs(logs: Sequence[tuple[MotionLog, Mapping[str, str]]], arm: Arm, rules: Rules) -> tuple[MotionLog, ...]:
+    """Logs of one arm, less clipped torques and speeds that lag, with sentences on what is doubted.
 
     Args:
-        log: The log, its samples checked.
+        logs: Each log, its samples checked, and the header of each of its columns by name (`q1`: `q1_rad`).
         arm: The arm; where a link's mass is not known, or nothing weighs, its torques tell nothing.
-        headers: The header of each column by name (`q1`: `q1_rad`).
         rules: What counts as plainly wrong.
 
     Raises:
-        InputError: The log is plainly meant otherwise, with what to write.
+        InputError: A log is plainly meant otherwise, with what to write.
     """
-    log = _without_clipped(log, headers, rules)
-    _refuse_speeds(log, headers, rules)
-    log = _without_lag(log, headers, rules)
-    _refuse_coordinates(log, arm, headers, rules)
-    _refuse_beyond_effort(log, arm, headers, rules)
-    return look_at_weights(log, arm, headers, rules)
+    done: list[tuple[MotionLog, Mapping[str, str]]] = []
+    for log, headers in logs:
+        torques = _without_clipped(log, headers, rules)
+        _refuse_speeds(torques, headers, rules)
+        done.append((_without_lag(torques, headers, rules), headers))
+        _refuse_coordinates(torques, arm, headers, rules)
+        _refuse_beyond_effort(torques, arm, headers, rules)
+    return look_at_weights(done, arm, rules)
 
 
 def _without_clipped(log: MotionLog, headers: Mapping[str, str], rules: Rules) -> MotionLog:

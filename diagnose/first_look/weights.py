@@ -3,46 +3,122 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
 
 import numpy as np
 
 from linkwright.core.arm.chain.chain import Arm
 from linkwright.core.diagnose.motion.log import MotionLog
 from linkwright.core.diagnose.rules.rules import Rules
-from linkwright.core.units.reading import refusal
+from linkwright.core.units.reading import refusal, written
 
 from .library import Library
 from .search import Judged, likeliest
 from .torques import TorqueEvidence
+from .transformation import Transformation
 
 _TOLD = 2
 """Transformations that explain a log alike, of which so many are told."""
 
 
-def look_at_weights(log: MotionLog, arm: Arm, headers: Mapping[str, str], rules: Rules) -> MotionLog:
-    """Refuse torques that go against the arm's weights as read, and with them as meant otherwise."""
-    base = "current" if log.from_current else "tau"
-    library = Library(arm, headers, base=base)
-    evidence = TorqueEvidence.of(log, library, rules)
-    if evidence is None:
-        return log
-    _refuse_motor_torques(evidence, log, arm, headers, rules)
-    given = evidence.given()
-    log = _of_little_torque(evidence, log, headers, rules)
-    if given.total < rules.log.conventions_gain:
-        return log
-    # Speeds that are the coordinates' own decide on their unit; what no constant fits, no side of gravity explains.
-    singles = library.of_torques(units=log.velocity is None, gravity=not log.torque_constants_free)
-    tried = likeliest(evidence, given, singles, [each for each in singles if each.common])
-    best = [each for each in tried if each.total < given.total and each.explains]
-    if not best:
-        return log.saying(_unexplained(log, evidence, given, headers, rules))
+@dataclass(frozen=True)
+class _Look:
+    """A log, what its torques say, as it stands (`given`) and as meant otherwise: what explains them, the likeliest
+    first, if that is likelier than `given`."""
+
+    log: MotionLog
+    headers: Mapping[str, str]
+    evidence: TorqueEvidence
+    given: Judged
+    meant: tuple[Judged, ...] = ()
+
+    @property
+    def gain(self) -> float:
+        """How much likelier the likeliest is."""
+        return self.given.total - self.meant[0].total if self.meant else 0.0
+
+    def accepts(self, other: Judged, least: float) -> bool:
+        """Whether its torques do not contradict another log's transformation by `least`."""
+        here = self.evidence.judged([other.parts])[0]
+        return here.explains and here.total - self.given.total < least
+
+
+def look_at_weights(
+    logs: Sequence[tuple[MotionLog, Mapping[str, str]]], arm: Arm, rules: Rules
+) -> tuple[MotionLog, ...]:
+    """Logs of one arm, each with the headers of its columns, with sentences on torques that are doubted.
+
+    What is doubted of one log is doubted of all, where none contradicts it. Raises `InputError` where torques go
+    against the arm's weights as read, and with them as meant otherwise.
+    """
+    seen: dict[int, _Look] = {}
+    libraries: dict[tuple[tuple[str, str], ...], Library] = {}
+    for number, (log, headers) in enumerate(logs):
+        fresh = Library(arm, headers, base="current" if log.from_current else "tau")
+        library = libraries.setdefault((*sorted(headers.items()), ("base", fresh.base)), fresh)
+        if (evidence := TorqueEvidence.of(log, library, rules)) is not None:
+            _refuse_motor_torques(evidence, log, arm, headers, rules)
+            given = evidence.given()
+            seen[number] = _Look(_of_little_torque(evidence, log, headers, rules), headers, evidence, given)
+    for number, look in seen.items():
+        if look.given.total < rules.log.conventions_gain:
+            continue
+        # Speeds that are the coordinates' own decide on their unit; what no constant fits, no side of gravity explains.
+        units, free = look.log.velocity is None, look.log.torque_constants_free
+        singles = look.evidence.library.of_torques(units=units, gravity=not free)
+        tried = likeliest(look.evidence, look.given, singles, [each for each in singles if each.common])
+        meant = tuple(each for each in tried if each.explains and each.transformation.said)
+        if not meant or meant[0].total >= look.given.total:
+            log = look.log.saying(_unexplained(look.log, look.evidence, look.given, look.headers, rules))
+            seen[number] = replace(look, log=log)
+            continue
+        seen[number] = replace(look, meant=meant)
+        if not look.given.explains or seen[number].gain >= rules.log.conventions_gain:
+            _refuse(seen[number], [other for other in seen.values() if other is not seen[number]], arm, rules)
+    _doubt(seen, arm, rules)
+    return tuple(seen[number].log if number in seen else log for number, (log, _) in enumerate(logs))
+
+
+def _refuse(look: _Look, others: Sequence[_Look], arm: Arm, rules: Rules) -> None:
+    best = look.meant
     alike = [each for each in best if each.total - best[0].total < 2.0 * math.log(rules.mistakes.as_well)]
     told = sorted((each.transformation for each in alike), key=lambda each: each.gravity is not None)[:_TOLD]
-    said = "; as well it could be that ".join(each.sentence() for each in told)
-    remedies = [{"columns": columns} for each in told if (columns := each.columns(arm, headers))]
-    raise refusal(log.file, "", f"goes against the arm's weights: {said}", *remedies)
+    remedies = [{"columns": columns} for each in told if (columns := each.columns(arm, look.headers))]
+    also = [Path(other.log.file).name for other in others if other.accepts(best[0], rules.log.conventions_gain)]
+    more = f" ({', '.join(also)} can be read so too)" if also else ""
+    raise refusal(look.log.file, "", f"goes against the arm's weights: {_any_of(told)}{more}", *remedies)
+
+
+def _doubt(seen: dict[int, _Look], arm: Arm, rules: Rules) -> None:
+    """Say what is likelier than each log as it stands, or what is so in the log that is surest of it where all logs may
+    be meant so."""
+    sure = max(seen.values(), key=lambda look: look.gain, default=None)
+    if sure is None or not sure.meant:
+        return
+    shared = all(look.accepts(sure.meant[0], rules.log.conventions_gain) for look in seen.values())
+    for number, look in seen.items():
+        source = sure if shared else look
+        if not source.meant:
+            continue
+        near = source.meant[0].total + rules.log.conventions_gain
+        # Of one column the likeliest is said, and beside it what another column may be.
+        kinds: dict[frozenset[str], Transformation] = {}
+        for each in source.meant:
+            if each.total < near:
+                kinds.setdefault(each.transformation.acts_on, each.transformation)
+        told = list(kinds.values())[:_TOLD]
+        ways = [written({"columns": columns}) for each in told if (columns := each.columns(arm, look.headers))]
+        by = "" if source is look else f", as in {Path(source.log.file).name}"
+        sentence = f"The arm's weights leave doubt{by}: {_any_of(told)}. The log is taken as it stands" + (
+            f"; if it is so, write {' or '.join(ways)} in recording.yaml." if ways else "."
+        )
+        seen[number] = replace(look, log=look.log.saying(sentence))
+
+
+def _any_of(told: Sequence[Transformation]) -> str:
+    return "; as well it could be that ".join(each.sentence() for each in told)
 
 
 def _unexplained(

@@ -6,6 +6,7 @@ Whatever is left out of the result is said: samples in `rejected` with the reaso
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 from types import MappingProxyType
@@ -55,9 +56,14 @@ def read_log(path: Path | str, arm: Arm, settings: Path | str | None = None, *, 
         InputError: Where nothing sensible can follow: no clock, joints or torques that the arm lacks or the log does,
             a clock that runs backwards, an arm that never moves, torques that never change, two robots in one file.
     """
+    return logs_from([table_of_log(path, settings)], arm, rules=rules)[0]
+
+
+def table_of_log(path: Path | str, settings: Path | str | None = None) -> tuple[Table, ReadingSettings]:
+    """The table that a file holds, and its settings; see `read_log`."""
     path = Path(path)
     held = read_settings(find_settings(path) if settings is None else Path(settings))
-    return log_from(read_table(path, held.layout), arm, held, rules=rules)
+    return read_table(path, held.layout), held
 
 
 def is_motion_log(path: Path | str, arm: Arm, settings: Path | str | None = None) -> bool:
@@ -81,8 +87,18 @@ def holds_motion(table: Table, arm: Arm, held: ReadingSettings) -> bool:
     return drives and "time" in named and not named & set(_TIP)
 
 
-def log_from(table: Table, arm: Arm, held: ReadingSettings, *, rules: Rules = RULES) -> MotionLog:
-    """Motion log that a table holds, under settings; see `read_log`."""
+def logs_from(
+    tables: Sequence[tuple[Table, ReadingSettings]], arm: Arm, *, rules: Rules = RULES
+) -> tuple[MotionLog, ...]:
+    """Motion logs of one arm that tables hold, each under its settings; see `read_log`. What is doubted of one is
+    doubted of all that do not contradict it."""
+    from linkwright.core.diagnose.first_look.log import look_at_logs  # here, for what is a log is told without it
+
+    return look_at_logs([_checked(table, arm, held, rules) for table, held in tables], arm, rules)
+
+
+def _checked(table: Table, arm: Arm, held: ReadingSettings, rules: Rules) -> tuple[MotionLog, dict[str, str]]:
+    """The log that a table holds, its samples checked, and the headers of its columns by name."""
     if arm.branches:
         message = f"is a motion log, and {arm.name!r} has several arms on one torso; give one of them"
         raise InputError(table.file, "", message)
@@ -104,9 +120,7 @@ def log_from(table: Table, arm: Arm, held: ReadingSettings, *, rules: Rules = RU
     warnings += drives.warnings
     log = _assembled(columns, strangers, table, arm, held, drives, warnings)
     done = checked_samples(log, arm, columns, table.ragged, rules=rules)
-    from linkwright.core.diagnose.first_look.log import look_at_log  # here, for what is a log is told without it
-
-    return look_at_log(done, arm, {name: column.header for name, column in columns.items()}, rules)
+    return done, {name: column.header for name, column in columns.items()}
 
 
 def _rows_of_others(columns: dict[str, ReadColumn], few: float) -> NDArray[np.bool_] | None:

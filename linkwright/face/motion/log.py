@@ -8,11 +8,11 @@ from pathlib import Path, PurePath
 from typing import TYPE_CHECKING, Any, cast
 
 from linkwright.core.diagnose.motion.log import MotionLog
-from linkwright.core.diagnose.motion.reading.read import holds_motion, is_motion_log, log_from
-from linkwright.core.diagnose.motion.reading.read import read_log as read_file
+from linkwright.core.diagnose.motion.reading.read import holds_motion, is_motion_log, logs_from, table_of_log
 from linkwright.core.diagnose.motion.written import log_columns
 from linkwright.core.diagnose.reading.files import table_of
-from linkwright.core.diagnose.reading.settings import read_settings
+from linkwright.core.diagnose.reading.settings import ReadingSettings, read_settings
+from linkwright.core.diagnose.reading.table import Table
 from linkwright.core.units.quantities import InputError
 from linkwright.face.arm import Arm, arm_of
 from linkwright.face.plain_input import File
@@ -59,11 +59,19 @@ def read_log(log: File | pd.DataFrame, arm: Arm | File, *, settings: File | None
     <Log: log.csv, 2500 samples in 25 s, torques of 4 joints>
     """
     given = arm_of(arm, tips="first")
-    if not _is_frame(log):
-        place = Path(str(log))
-        return Log(given, read_file(place, given.model, None if settings is None else Path(settings)))
-    held = read_settings(None if settings is None else Path(settings))
-    return Log(given, log_from(table_of(cast(Any, log), "DataFrame"), given.model, held))
+    return _read([(log, settings)], given)[0]
+
+
+def _read(pairs: Sequence[tuple[object, File | None]], arm: Arm) -> list[Log]:
+    """The logs that files or data frames hold, each under its settings."""
+    tables: list[tuple[Table, ReadingSettings]] = []
+    for given, settings in pairs:
+        held = None if settings is None else Path(settings)
+        if _is_frame(given):
+            tables.append((table_of(cast(Any, given), "DataFrame"), read_settings(held)))
+        else:
+            tables.append(table_of_log(str(given), held))
+    return [Log(arm, log) for log in logs_from(tables, arm.model)]
 
 
 def logs_of(given: object, arm: Arm, settings: File | Sequence[File] | None = None) -> tuple[Log, ...]:
@@ -79,7 +87,8 @@ def logs_of(given: object, arm: Arm, settings: File | Sequence[File] | None = No
     if not all(kinds):
         message = "are motion logs and recordings of a tip; diagnose each kind by itself"
         raise InputError("", "recording", message)
-    logs = tuple(one if isinstance(one, Log) else read_log(cast(Any, one), arm, settings=held) for one, held in pairs)
+    fresh = iter(_read([pair for pair in pairs if not isinstance(pair[0], Log)], arm))
+    logs = tuple(one if isinstance(one, Log) else next(fresh) for one, _ in pairs)
     files = [Path(log.found.file).absolute() for log in logs if log.found.file and Path(log.found.file).exists()]
     twice = next((file for k, file in enumerate(files) if file in files[:k]), None)
     if twice is not None:

@@ -12,7 +12,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from linkwright.core.diagnose.motion.log import MotionLog
-from linkwright.core.diagnose.motion.reading.read import is_motion_log, log_from, read_log
+from linkwright.core.diagnose.motion.reading.read import is_motion_log, logs_from, read_log
 from linkwright.core.diagnose.reading.files import table_of
 from linkwright.core.diagnose.reading.foreign.proposed_file import propose
 from linkwright.core.diagnose.reading.settings import ReadingSettings
@@ -62,7 +62,7 @@ def test_tables(names, cells, rows):
     """Any headers over any cells."""
     values = {name: [cells[(k + 7 * j) % len(cells)] for k in range(rows)] for j, name in enumerate(names)}
     frame = pd.DataFrame(values, dtype=object)
-    one_line(lambda: log_from(table_of(frame, "DataFrame"), arm(), ReadingSettings()))
+    one_line(lambda: logs_from([(table_of(frame, "DataFrame"), ReadingSettings())], arm())[0])
 
 
 @settings(max_examples=40, deadline=None)
@@ -76,7 +76,7 @@ def test_logs_with_cells_of_anything(data):
     for name in data.draw(st.lists(st.sampled_from(list(columns)), max_size=2, unique=True)):
         del columns[name]
     frame = pd.DataFrame(columns)
-    one_line(lambda: log_from(table_of(frame, "DataFrame"), arm(), ReadingSettings()))
+    one_line(lambda: logs_from([(table_of(frame, "DataFrame"), ReadingSettings())], arm())[0])
 
 
 @pytest.mark.parametrize("apart", [0.0, 7.9e-158, 1e-9])
@@ -84,7 +84,7 @@ def test_stamps_nearer_than_those_of_any_log_are_one(apart):
     """Else joints went at speeds whose square is no number."""
     columns = {name: values[:120].copy() for name, values in motion().items()}
     columns["t_s"][1] = columns["t_s"][0] + apart
-    log = log_from(table_of(pd.DataFrame(columns), "DataFrame"), arm(), ReadingSettings())
+    log = logs_from([(table_of(pd.DataFrame(columns), "DataFrame"), ReadingSettings())], arm())[0]
     assert [item.row for item in log.rejected] == [2]
 
 
@@ -134,5 +134,5 @@ def test_files_of_anything(content, ending):
 def test_numbers_beyond_all_measure():
     """Angles of 1e282 in every row of a joint: it holds no numbers."""
     columns = motion() | {"q1_rad": np.full(2000, 1e282)}
-    said = one_line(lambda: log_from(table_of(pd.DataFrame(columns), "DataFrame"), arm(), ReadingSettings()))
+    said = one_line(lambda: logs_from([(table_of(pd.DataFrame(columns), "DataFrame"), ReadingSettings())], arm())[0])
     assert said.startswith("DataFrame: q1_rad: holds no numbers in most samples")

@@ -12,7 +12,7 @@ from mcap.writer import CompressionType
 
 from linkwright.core.arm.chain.chain import Arm, Joint, Link
 from linkwright.core.diagnose.motion.log import MotionLog
-from linkwright.core.diagnose.motion.reading.read import is_motion_log, log_from, read_log
+from linkwright.core.diagnose.motion.reading.read import is_motion_log, logs_from, read_log
 from linkwright.core.diagnose.reading.files import table_of
 from linkwright.core.diagnose.reading.settings import ReadingSettings
 from linkwright.core.units.quantities import InputError
@@ -294,6 +294,6 @@ def test_degrees_where_radians_would_leave_the_joints_ranges(tmp_path):
 
 
 def test_a_data_frame():
-    log = log_from(table_of(pd.DataFrame(EXPORTS["plotjuggler"]), "DataFrame"), arm(), ReadingSettings())
+    log = logs_from([(table_of(pd.DataFrame(EXPORTS["plotjuggler"]), "DataFrame"), ReadingSettings())], arm())[0]
     is_the_motion(log)
     assert log.file == "DataFrame"
