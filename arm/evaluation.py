@@ -112,7 +112,8 @@ class Evaluation:
     def totals(self) -> Totals:
         """The sums over the links, and what is carried beside them; NaN where one is not known."""
         mass, cost = (math.nan if value is None else value for value in (self.mass, self.cost))
-        return Totals(mass, cost, self.reach, heaviest_carried(self.arm, self.load_cases))
+        payload = max(case.mass for case in self.load_cases)
+        return Totals(mass, cost, self.reach, heaviest_carried(self.arm, self.load_cases), payload)
 
     @property
     def total_mass(self) -> float | None:

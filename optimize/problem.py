@@ -19,6 +19,7 @@ from linkwright.core.arm.figures import (
     DIRECTED,
     FIGURES,
     PARTS,
+    PAYLOAD,
     RANGES_CALLED,
     Figure,
     Limit,
@@ -209,7 +210,7 @@ def problem_from(mapping: Mapping, arm: Arm, known: Catalogue, figures: MappingL
         cases = _load_cases(mapping, arm) or arm.cases
         if mapping.has("relative_to"):
             cases = _relative(mapping, arm, cases)
-        limits, ranges, off = _subject_to(mapping, arm, figures)
+        limits, ranges, off = _subject_to(mapping, arm, {key: item for key, item in figures.items() if item.senses})
         of_cases = _limits_of_cases(mapping, cases)
         limits = (*limits, *of_cases, *of_points)
         by_name = {limit.name: limit.figure for limit in limits if limit.name not in figures}
@@ -266,7 +267,9 @@ def _objective(mapping: Mapping, figures: MappingLike[str, Figure]) -> tuple[str
     else:
         if mapping.content.get(key) in DIRECTED and mapping.content.get(key) not in traded:
             raise mapping.error(key, f"needs a direction: {{{mapping.content[key]}: [0, 0, 1]}}")
-        name = mapping.choice(key, traded, "max_error")
+        name = mapping.choice(key, {**traded, PAYLOAD.name: PAYLOAD}, "max_error")
+        if name == PAYLOAD.name:
+            figures = {**figures, name: PAYLOAD}
     if figures[name].more_is_better != (key == "maximize"):
         more, other = ("less", "minimize") if key == "maximize" else ("more", "maximize")
         raise mapping.error(key, f"{name} is better the {more} there is of it; write {other}: {name}")

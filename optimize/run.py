@@ -6,12 +6,14 @@ from collections.abc import Callable
 from dataclasses import replace
 
 from linkwright.core.arm.evaluation import Evaluation
+from linkwright.core.arm.figures import PAYLOAD
 from linkwright.core.executors import Executor
 from linkwright.core.optimize.choice.combinations import Progress
 from linkwright.core.optimize.choice.picks import disagreement
 from linkwright.core.units.quantities import NoAnswer
 
 from .nominal import Log, Options, nominal_optimum
+from .payload import largest_payload
 from .problem import Problem
 from .reaching import start_that_reaches
 from .result import Dropped, OptimizationResult
@@ -39,7 +41,12 @@ def optimise(
     `Infeasible` (one of them) where no design keeps the limits, which says what they would have to be, and `InputError`
     where a figure is missing that the problem needs.
     """
-    options = Options(log, progress, told, begun, executor)
+    return _optimised(problem, Options(log, progress, told, begun, executor))
+
+
+def _optimised(problem: Problem, options: Options) -> OptimizationResult:
+    if problem.minimize == PAYLOAD.name:
+        return largest_payload(problem, options, _optimised)
     start = start_that_reaches(problem)
     if start is not None:
         options.tell(start.why)

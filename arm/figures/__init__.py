@@ -36,7 +36,7 @@ from .proportions import ASPECT, INNER_SIZE, SECTION_HEIGHT, SECTION_WIDTH
 from .sideways import SIDEWAYS_STIFFNESS
 from .statics import OfStatics, at_poses
 from .strength import BUCKLING, SAFETY_FACTOR
-from .sums import COST, MASS, MATERIALS, PARTS, REACH, TOTAL_MASS
+from .sums import COST, MASS, MATERIALS, PARTS, PAYLOAD, REACH, TOTAL_MASS
 from .tip_stiffness import TIP_STIFFNESS
 from .torque import TORQUE_USE
 from .walls import WALL_SLENDERNESS
@@ -118,6 +118,7 @@ __all__ = [
     "FIGURES",
     "KEPT_WITHIN",
     "PARTS",
+    "PAYLOAD",
     "RANGES",
     "RANGES_CALLED",
     "Asked",

@@ -76,13 +76,14 @@ class DesignExpressions:
 
 @dataclass(frozen=True)
 class Totals:
-    """The sums over a design: the links' mass (kg), the cost (EUR), the reach (m), and the mass of joints and payload
-    (kg); floats, arrays over many designs, or symbols."""
+    """The sums over a design: the links' mass (kg), the cost (EUR), the reach (m), the mass of joints and payload
+    (kg), and the heaviest payload alone (kg); floats, arrays over many designs, or symbols."""
 
     mass: Any
     cost: Any
     reach: Any
     carried: Any
+    payload: float = 0.0
 
 
 @dataclass(frozen=True)

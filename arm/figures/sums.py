@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from linkwright.core.arm.chain.chain import Arm
 from linkwright.core.arm.chain.prices import price_dates, works
 
+from .design import Totals
 from .figure import Figure, OfDesign, OfKinds
 
 MASS = Figure(
@@ -30,6 +31,26 @@ TOTAL_MASS = Figure(
     follows=OfDesign(lambda totals: totals.mass + totals.carried),
     note="with joints and the heaviest payload",
 )
+
+
+def _payload(totals: Totals) -> float:
+    return totals.payload
+
+
+PAYLOAD = Figure(
+    name="payload",
+    synonyms=("max_payload", "largest_payload", "load_capacity"),
+    title="largest payload",
+    kind="mass",
+    unit="kg",
+    senses=(),
+    key="largest_payload_kg",
+    follows=OfDesign(_payload),
+    more_is_better=True,
+    traded=False,
+    note="the largest that keeps the limits",
+)
+"""What `maximize: payload` asks for; of an arm evaluated at that payload. No limit: load cases say what is carried."""
 
 
 def _cost_title(arm: Arm) -> str:

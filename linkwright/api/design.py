@@ -44,7 +44,8 @@ def evaluate(
 
     Args:
         arm: The arm file. In Python also an `Arm`.
-        problem: Take workspace, loads and what is uncertain from this problem file. In Python also a `Problem`; without
+        problem: Take workspace, loads and what is uncertain from this problem file. With `maximize: payload` the arm
+            carries the largest payload that keeps the limits. In Python also a `Problem`; without
             one they are the joint ranges and the arm's own payload.
         pose: Print the tip's error there: its vector, length and rotation, and each effect's share; with one pose also
             mm/N. In quotes, with units or in degrees (mm for slides), or a CSV of poses (q1_deg, q2_deg ...). In Python
@@ -63,7 +64,8 @@ def evaluate(
     """
     from linkwright.core.arm.errors.at_pose import errors_at
     from linkwright.core.arm.evaluation import evaluate as evaluated
-    from linkwright.core.arm.figures import FIGURES
+    from linkwright.core.arm.figures import FIGURES, PAYLOAD
+    from linkwright.core.optimize.payload import largest_payload_of, with_payload
     from linkwright.core.optimize.robust.figure import robust_figure
     from linkwright.face.arm import arm_of
     from linkwright.face.evaluation import Evaluation, along, poses_of
@@ -78,7 +80,10 @@ def evaluate(
         evaluation = evaluated(given.model, pose=one)
     else:
         for_joints_of(given, asked)
-        evaluation = evaluated(given.model, asked.workspace, cases_at(asked, given), pose=one)
+        cases = cases_at(asked, given)
+        if asked.minimize == PAYLOAD.name:
+            cases = with_payload(cases, largest_payload_of(asked, given.model) or 0.0)
+        evaluation = evaluated(given.model, asked.workspace, cases, pose=one)
     robust = None if asked is None or asked.uncertain is None else robust_figure(given.model, asked)
     at = () if poses is None else errors_at(given.model, evaluation.load_cases, poses)
     known = FIGURES if asked is None else asked.figures

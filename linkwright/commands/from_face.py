@@ -85,7 +85,7 @@ def _heard(problem: lw.Problem, steps: Any) -> dict[str, Any]:
                 say(f"arm as given: {mm(before.found.max_error)}. {item.text}")
 
     def log(iteration: Iteration) -> None:
-        say(iteration_line(iteration, problem.model.minimize))
+        say(iteration_line(iteration, problem.model.objective))
 
     def beyond(text: str) -> None:
         say(f"{text}; now looking for what the limits would have to be")

@@ -87,7 +87,7 @@ class Optimization(Figured, Reported):
     @property
     def log(self) -> pd.DataFrame:
         """A row for each round of the exchange: objective (mm, kg or EUR), design change and violation (relative)."""
-        factor, unit = objective_unit(self.found.minimize)
+        factor, unit = objective_unit(self.found.minimize, self.found.figures)
         keys = ("design_change", "poses", "worst_violation", "certified")
         return frame(
             [
@@ -113,7 +113,7 @@ class Optimization(Figured, Reported):
 
     def plot(self) -> go.Figure:
         """The objective round by round: where what the program believes and what is found meet, the exchange ends."""
-        return figure_of(exchange_figure(self.found.iterations, self.found.minimize))
+        return figure_of(exchange_figure(self.found.iterations, self.found.minimised))
 
     def _content(self) -> Mapping[str, Any]:
         return optimization_json(self.found)

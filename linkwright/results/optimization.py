@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import PurePath
 
+from linkwright.core.arm.figures import Figure as Goal
 from linkwright.core.optimize.infeasible.answer import Infeasibility, changed
 from linkwright.core.optimize.result import BindingLimit, Iteration, OptimizationResult
 from linkwright.core.units.quantities import format_quantity
@@ -340,9 +341,9 @@ def violation_words(iteration: Iteration) -> str:
     return percent(iteration.worst_violation if iteration.worst_violation > _ROUNDING else 0.0)
 
 
-def iteration_line(iteration: Iteration, minimize: str) -> str:
+def iteration_line(iteration: Iteration, objective: Goal) -> str:
     """One round of the exchange as a line of a log."""
-    factor, unit = objective_unit(minimize)
+    factor, unit = objective.factor, objective.unit
     mark = "  certified" if iteration.certified else ""
     return (
         f"iteration {iteration.number:3d}  objective {figure(factor * iteration.objective, 6):>10} {unit}"

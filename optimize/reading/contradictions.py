@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, cast
 
-from linkwright.core.arm.figures import Limit
+from linkwright.core.arm.figures import PAYLOAD, Limit
 from linkwright.core.sections import SHAPES
 from linkwright.core.sections.taper import Tapered, size_ratio
 from linkwright.core.units.names import nearest
@@ -110,7 +110,7 @@ def _check_objective(mapping: Mapping, body: Mapping, problem: Problem) -> None:
     if not any(link.elastic for link in problem.arm.links):
         raise mapping.error("arm", f"{problem.arm.name}: no link has a section, so there is nothing to design")
     figure = problem.objective
-    if not figure.summed and problem.sizes is not None:
+    if not figure.summed and figure is not PAYLOAD and problem.sizes is not None:
         message = f"goes with sections of free sizes; of listed ones {figure.name} can be limited"
         raise mapping.error("choose.sizes", message)
     limited = any(limit.figure.is_error for limit in problem.limits)

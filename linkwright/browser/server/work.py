@@ -103,7 +103,7 @@ def _heard(problem: lw.Problem | None) -> dict[str, Any]:
     from linkwright.results.optimization import iteration_line
 
     def log(iteration: Iteration) -> None:
-        say(line=iteration_line(iteration, problem.model.minimize))
+        say(line=iteration_line(iteration, problem.model.objective))
 
     def out_of_reach(text: str) -> None:
         say(line=f"{text}; now looking for what the limits would have to be")

@@ -78,7 +78,7 @@ def exchange(result: OptimizationResult, words: str) -> Drawn | str:
     """The objective over the iterations; nothing where there was but one."""
     if len(result.iterations) < 2:
         return ""
-    figures = {"exchange": exchange_figure(result.iterations, result.minimize)}
+    figures = {"exchange": exchange_figure(result.iterations, result.minimised)}
     return Drawn(figure_place("exchange", words, text(_EXCHANGE)), figures)
 
 

@@ -12,9 +12,9 @@ from linkwright.core.arm.error_map import ErrorMap, error_map
 from linkwright.core.arm.errors.model import beam_values, beams_of, error_model
 from linkwright.core.arm.errors.unknown_mass import unknown_taken_out
 from linkwright.core.arm.evaluation import Evaluation
+from linkwright.core.arm.figures import Figure as Goal
 from linkwright.core.arm.worst.search import WorstSearch
 from linkwright.core.optimize.result import Iteration
-from linkwright.json.design import objective_unit
 from linkwright.results.design import poses_that_differ
 from linkwright.results.figures_in_words import figure, mm, pose
 
@@ -141,12 +141,12 @@ def error_map_words(field: ErrorMap, evaluation: Evaluation) -> str:
     return f"Error over the workspace. The worst, {mm(evaluation.max_error)}, is where the tip is at ({place}) mm."
 
 
-def exchange_figure(iterations: Sequence[Iteration], minimize: str) -> Figure:
+def exchange_figure(iterations: Sequence[Iteration], objective: Goal) -> Figure:
     """The objective round by round; for errors also the worst found afterwards: where both meet, the exchange ends."""
-    factor, unit = objective_unit(minimize)
+    factor, unit = objective.factor, objective.unit
     numbers = [iteration.number for iteration in iterations]
     series = [("over the poses so far", [factor * iteration.objective for iteration in iterations])]
-    if minimize == "max_error":
+    if objective.name == "max_error":
         upper = [factor * iteration.objective * (1.0 + max(iteration.worst_violation, 0.0)) for iteration in iterations]
         series.insert(0, ("worst pose found afterwards", upper))
     data = [
@@ -154,7 +154,7 @@ def exchange_figure(iterations: Sequence[Iteration], minimize: str) -> Figure:
     ]
     layout = {
         "xaxis": {"title": {"text": "iteration"}, "dtick": max(1, len(numbers) // 10), "zeroline": False},
-        "yaxis": {"title": {"text": f"{minimize.replace('_', ' ')} in {unit}"}, "zeroline": False},
+        "yaxis": {"title": {"text": f"{objective.name.replace('_', ' ')} in {unit}"}, "zeroline": False},
         "margin": {"l": 70, "r": 10, "t": 10, "b": 50},
         "legend": {"orientation": "h", "y": -0.22},
         "showlegend": len(series) > 1,

@@ -1,0 +1,304 @@
+"""The largest payload that a design can carry within its limits (`maximize: payload`).
+
+The payload is one mass, that of every load case which has one (of all, where none has). The optimiser makes a limited
+figure as good as it can be for a payload; that design's own largest payload follows by root finding; and so on from
+there (after W. Dinkelbach, Management Science 13, 1967, 492-498, doi:10.1287/mnsc.13.7.492), until a payload larger by
+`_WITHIN` has no design.
+"""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+from scipy.optimize import brentq
+
+from linkwright.core.arm.chain.chain import Arm, LoadCase
+from linkwright.core.arm.error_map import ErrorMap, error_map
+from linkwright.core.arm.errors.model import beam_values, beams_of, error_model
+from linkwright.core.arm.evaluation import Evaluation, evaluate
+from linkwright.core.arm.figures import PAYLOAD, Limit, OfDesign, OfKinds, OfLinks, excess
+from linkwright.core.arm.worst.search import WorstSearch
+from linkwright.core.arm.worst.workspace import Unreachable
+from linkwright.core.units.quantities import InputError, NoAnswer
+
+from .infeasible.answer import Infeasible
+from .nominal import Options
+from .problem import Problem
+from .problem_summary import limits_in_words
+from .result import BindingLimit, Candidate, Iteration, OptimizationResult, proved
+from .trust import GAP
+
+Optimise = Callable[[Problem, Options], OptimizationResult]
+
+_WITHIN = 1e-3
+"""A payload that is larger by this share has no design."""
+_MOST = 1e5
+"""kg; what is carried beyond that is not limited."""
+_FIRST = 1.0
+"""kg; the payload to begin with where nobody says one."""
+_STEP = 1e-2
+"""By how much (relative) a payload is changed to see what it does to figures."""
+_MOST_ROUNDS = 40
+_MOST_TIES = 10
+_NEAR = 0.03
+_POSES = 20_000
+
+
+def with_payload(cases: Sequence[LoadCase], mass: float) -> tuple[LoadCase, ...]:
+    """Load cases with another payload (kg): of those that have one, or of all where none has."""
+    named = any(case.mass > 0.0 for case in cases)
+    return tuple(replace(case, mass=mass) if case.mass > 0.0 or not named else case for case in cases)
+
+
+def evaluated_at(problem: Problem, arm: Arm, mass: float) -> Evaluation:
+    """The evaluation of an arm that carries a payload (kg). Raises `NoAnswer` where it cannot reach the workspace."""
+    try:
+        return evaluate(arm, problem.workspace, with_payload(problem.load_cases, mass))
+    except Unreachable as error:
+        raise NoAnswer(f"workspace: {error}") from None
+
+
+def largest_payload_of(problem: Problem, arm: Arm, start: float = _FIRST) -> float | None:
+    """The largest payload (kg) that an arm carries within a problem's limits; None where it breaks one without any.
+
+    Limits are taken to be the harder to keep the larger the payload. Raises `InputError` where none limits it.
+    """
+    fixed = [limit for limit in problem.limits if isinstance(limit.figure.follows, OfLinks | OfKinds)]
+    fixed += [limit for limit in problem.limits if _is_sum(limit)]
+    moving = [limit for limit in problem.limits if limit not in fixed]
+
+    def beyond(mass: float, limits: Sequence[Limit] = moving) -> float:
+        evaluation = evaluated_at(problem, arm, mass)
+        values = [excess(limit, limit.of(evaluation)) for limit in limits]
+        return max((value for value in values if not math.isnan(value)), default=-1.0)
+
+    if fixed and beyond(0.0, fixed) > GAP:
+        return None
+    low, high = 0.0, start
+    while beyond(high) <= 0.0:
+        low, high = high, 4.0 * high
+        if high > _MOST:
+            would_do = "give one that a payload makes harder to keep, e.g. subject_to: {max_error: '<= 0.2 mm'}"
+            raise InputError(problem.file, "maximize", f"no limit holds the payload back; {would_do}")
+    if low == 0.0 and beyond(0.0) > 0.0:
+        return None
+    root: Any = brentq(beyond, low, high, xtol=1e-6 * high)
+    root = float(root)
+    while beyond(root) > 0.0 and root > low:
+        root *= 1.0 - 1e-7
+    return root
+
+
+def _is_sum(limit: Limit) -> bool:
+    """Whether a limit is on a sum over the links, in which no payload counts."""
+    return isinstance(limit.figure.follows, OfDesign) and limit.name != "total_mass"
+
+
+def pushed_limit(problem: Problem) -> Limit | None:
+    """The limit whose figure is made as good as it can be for a payload: that on the worst error, else the first that
+    has a value at every pose; None where there is none."""
+    able = [
+        limit
+        for limit in problem.limits
+        if limit.figure.traded
+        and limit.poses is None
+        and limit.demands is None
+        and limit.relation != "=="
+        and not isinstance(limit.figure.follows, OfDesign | OfLinks | OfKinds)
+    ]
+    errors = [limit for limit in able if limit.name == "max_error"]
+    return min(errors, key=lambda limit: limit.value) if errors else next(iter(able), None)
+
+
+@dataclass
+class _Search:
+    """Payloads between `low`, which the best design so far carries, and `high`, which none does."""
+
+    problem: Problem
+    optimise: Optimise
+    options: Options
+    pushed: Limit | None
+    low: float = 0.0
+    best: OptimizationResult | None = None
+    high: float = math.inf
+    proven: bool = False
+    refused: OptimizationResult | None = None
+    """The best design for `high`, which breaks the pushed limit."""
+    rounds: list[Iteration] = field(default_factory=list)
+    interrupted: bool = False
+
+    def inner(self, mass: float) -> Problem:
+        """The problem of the best design for a payload (kg)."""
+        problem = replace(self.problem, load_cases=with_payload(self.problem.load_cases, mass))
+        figures = {name: figure for name, figure in problem.figures.items() if name != PAYLOAD.name}
+        if self.pushed is None:
+            return replace(problem, minimize="mass", figures=figures)
+        name = self.pushed.name
+        others = tuple(limit for limit in problem.limits if limit.name != name)
+        return replace(problem, minimize=name, figures=figures, limits=others)
+
+    def try_at(self, mass: float) -> bool:
+        """Look for a design that carries a payload (kg); whether there is one."""
+
+        def heard(iteration: Iteration) -> None:
+            self.rounds.append(replace(iteration, objective=mass, number=len(self.rounds) + 1))
+            if self.options.log is not None:
+                self.options.log(self.rounds[-1])
+
+        quiet = Options(heard, self.options.progress, None, None, self.options.executor)
+        try:
+            result = self.optimise(self.inner(mass), quiet)
+        except Infeasible:
+            if mass == 0.0:
+                raise
+            self.high, self.proven, self.refused = mass, False, None
+            return False
+        self.interrupted = result.interrupted
+        carried = largest_payload_of(self.problem, result.arm, mass or _FIRST)
+        if carried is not None and (self.best is None or carried > self.low):
+            self.low, self.best = carried, result
+        if carried is not None and carried >= mass * (1.0 - 1e-5):
+            return True
+        self.high, self.refused = mass, result
+        limit = self.pushed
+        self.proven = (
+            limit is not None
+            and result.basis != "local"
+            and not result.doubts
+            and excess(limit, result.lower_bound) > 0
+        )
+        return False
+
+    def run(self) -> None:
+        """Narrow the payloads down. Raises `NoAnswer` where no design keeps the limits without any."""
+        given = max(case.mass for case in self.problem.load_cases) or _FIRST
+        if not self.try_at(given) and self.best is None:
+            self.try_at(0.0)
+        if self.best is None:
+            assert self.pushed is not None
+            raise NoAnswer(f"no design keeps {self.pushed.text} within the other limits, even with no payload")
+        step = _WITHIN
+        for _ in range(_MOST_ROUNDS):
+            if self.interrupted or self.high <= self.low * (1.0 + _WITHIN) * (1.0 + 1e-9) or self.low == 0.0:
+                return
+            before = self.low
+            trial = self.low * (1.0 + step)
+            if trial >= self.high:
+                trial = math.sqrt(self.low * self.high)
+                trial = max(min(trial, self.high), self.low * (1.0 + 0.5 * _WITHIN))
+            step = 4.0 * step if self.try_at(trial) and self.low < before * (1.0 + 4.0 * step) else _WITHIN
+
+
+def largest_payload(problem: Problem, options: Options, optimise: Optimise) -> OptimizationResult:
+    """The design that carries most within a problem's limits; `optimise` gives the best design of the inner problems.
+
+    Raises `InputError` where something is uncertain, or nothing limits the payload; `NoAnswer` where no design keeps
+    the limits.
+    """
+    began = time.perf_counter()
+    if problem.uncertain is not None:
+        would_do = "minimise max_error over what is uncertain, for payloads one by one"
+        raise InputError(problem.file, "uncertain", f"goes without maximize: payload; {would_do}")
+    before = evaluated_at(problem, problem.arm, largest_payload_of(problem, problem.arm) or 0.0)
+    if options.begun is not None:
+        options.begun(before)
+    search = _Search(problem, optimise, options, pushed_limit(problem))
+    search.run()
+    best = search.best
+    assert best is not None
+    after = evaluated_at(problem, best.arm, search.low)
+    proven = search.proven and math.isfinite(search.high)
+    status = "interrupted" if search.interrupted else best.status
+    if status in ("certified", "certified_where_reached"):
+        status = proved(after)
+    ties = [
+        replace(tie, objective=carried, max_error=evaluated_at(problem, tie.arm, carried).max_error)
+        for tie in best.near_ties[:_MOST_TIES]
+        if (carried := largest_payload_of(problem, tie.arm, search.low)) and carried >= search.low * (1.0 - _NEAR)
+    ]
+    return replace(
+        best,
+        minimize=PAYLOAD.name,
+        limits=limits_in_words(problem),
+        status=status,
+        before=before,
+        after=after,
+        objective=search.low,
+        lower_bound=search.high if math.isfinite(search.high) else search.low,
+        optimum="global" if proven and not search.interrupted else "local",
+        bound_of="binding_poses",
+        binding=_priced(problem, search, after),
+        iterations=tuple(search.rounds),
+        candidates=tuple(_without_objective(item) for item in best.candidates),
+        drives=tuple(replace(item, objective=None) for item in best.drives),
+        motor_places=tuple(replace(item, objective=None) for item in best.motor_places),
+        near_ties=tuple(sorted(ties, key=lambda tie: -tie.objective)),
+        near_ties_left=best.near_ties_left + len(best.near_ties) - len(ties),
+        before_map=_map(problem, before),
+        after_map=_map(problem, after),
+        figures=problem.figures,
+        interrupted=search.interrupted,
+        seconds=time.perf_counter() - began,
+    )
+
+
+def _without_objective(candidate: Candidate) -> Candidate:
+    return replace(candidate, objective=None)
+
+
+def _map(problem: Problem, evaluation: Evaluation) -> ErrorMap:
+    arm, cases = evaluation.arm, evaluation.load_cases
+    search = WorstSearch(error_model(arm, cases), replace(problem.workspace, error="whole"))
+    return error_map(search, beam_values(beams_of(arm, cases)), poses=_POSES)
+
+
+def _priced(problem: Problem, search: _Search, after: Evaluation) -> tuple[BindingLimit, ...]:
+    """The limits that hold the payload, with what one unit more of each would change of it.
+
+    With F the best of the pushed figure for a payload m, F(m, limits) is the pushed limit: dm is d(limit) / F_m, and
+    -F_l dl / F_m for another limit l. F_l is the price in the inner problem, F_m by its multipliers (envelope theorem).
+    """
+    assert search.best is not None
+    pushed, inner = search.pushed, (search.refused or search.best)
+    if pushed is None or inner.listed:
+        return ()
+    less, more = (evaluated_at(problem, after.arm, search.low * (1.0 + sign * _STEP)) for sign in (-1.0, 1.0))
+
+    def slope(limit: Limit) -> float:
+        change = limit.of(more) - limit.of(less)
+        return limit.figure.factor * change / (2.0 * _STEP * search.low)
+
+    sense = -1.0 if pushed.figure.more_is_better else 1.0
+    limits = {limit.text: limit for limit in problem.limits}
+    others = [item for item in inner.binding if math.isfinite(item.price)]
+    by_payload = slope(pushed)
+    by_payload -= sum(sense * item.price * slope(limits[item.text]) for item in others if item.text in limits)
+    if by_payload == 0.0 or not math.isfinite(by_payload):
+        return ()
+    own = BindingLimit(
+        pushed.name,
+        pushed.text,
+        pushed.of(after) * pushed.figure.factor,
+        pushed.value * pushed.figure.factor,
+        pushed.figure.unit,
+        -1.0 / by_payload,
+        f"kg/{pushed.figure.unit}" if pushed.figure.unit else "kg",
+    )
+    return (
+        own,
+        *(
+            replace(
+                item,
+                value=limits[item.text].of(after) * limits[item.text].figure.factor
+                if item.text in limits
+                else item.value,
+                price=sense * item.price / by_payload,
+                price_unit=f"kg/{item.unit}" if item.unit else "kg",
+            )
+            for item in others
+        ),
+    )
