@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from linkwright.core.arm.bodies.warping import FREE, warping_of
 from linkwright.core.arm.chain.chain import Arm, LoadCase
 from linkwright.core.arm.effects.elastic.lateral_compliance import LATERAL_COMPLIANCE
-from linkwright.core.arm.placed.heights import told_of_heights
+from linkwright.core.arm.placed.heights import height_sentences
 from linkwright.core.sections.taper import Tapered
 from linkwright.core.units.quantities import format_quantity
 
@@ -20,7 +20,7 @@ def notes_of(arm: Arm, cases: Sequence[LoadCase]) -> tuple[str, ...]:
         *payloads_left_off(cases),
         *rigid_bearings(arm),
         *twisted_links(arm, cases),
-        *told_of_heights(arm),
+        *height_sentences(arm),
     )
 
 

@@ -39,7 +39,7 @@ def error_map(search: WorstSearch, p: Array, *, poses: int | None = None, cells:
     named = tips_of([case.load for case in model.cases])
     by_name = {name: error_model(model.arm.on(name), (LoadCase(),)).tip for name in named if name}
     if by_name:
-        # Of several tips each has its own places.
+        # Of several tips each has its places.
         tips = np.vstack([by_name[case.load.tip](q, p)[0] for case in model.cases])
         error = np.concatenate(errors)
     else:

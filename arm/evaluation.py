@@ -24,7 +24,7 @@ from linkwright.core.arm.errors.rigid_links import rigid, values_of_rigid
 from linkwright.core.arm.errors.structure import Identity
 from linkwright.core.arm.errors.tip import active_effects
 from linkwright.core.arm.errors.unknown_mass import gives_unknown, of_unknown_mass, unknown_taken_out
-from linkwright.core.arm.figures import FIGURES, DesignValues, Found, OfLinks, PoseFamily, Totals, families_of
+from linkwright.core.arm.figures import FIGURES, DesignValues, FigureResult, OfLinks, PoseFamily, Totals, families_of
 from linkwright.core.arm.figures.frequency import MODES, Frequency, frequency_of_drives
 from linkwright.core.arm.figures.local_buckling import WALLS, LocalBuckling
 from linkwright.core.arm.figures.sideways import ACROSS
@@ -83,7 +83,7 @@ class Evaluation:
     mass: float | None
     cost: float | None
     reach: float
-    found: Mapping[str, Any]
+    by_family: Mapping[str, Any]
     """What each family of figures through poses (see `figures.PoseFamily`) found, by its name."""
     compliance: Compliance
     warnings: tuple[str, ...]
@@ -101,11 +101,11 @@ class Evaluation:
     rigid_links_error: float | None = None
     """The worst error (m) were the links rigid and weightless: what is not the links'; None where none gives."""
 
-    def of(self, family: PoseFamily[Found]) -> Found | None:
+    def of(self, family: PoseFamily[FigureResult]) -> FigureResult | None:
         """What a family of figures finds; None where nothing has them, or they are not known. A family of a problem's
         own is looked at when it is asked for."""
-        if family.name in self.found or family in families_of(FIGURES):
-            return self.found.get(family.name)
+        if family.name in self.by_family or family in families_of(FIGURES):
+            return self.by_family.get(family.name)
         return family.evaluate(_design_of(self.arm, self.workspace, self.load_cases))
 
     @property
@@ -123,12 +123,12 @@ class Evaluation:
     @property
     def strength(self) -> StrengthResult:
         """Stress, buckling and deflection of each link."""
-        return self.found[STRENGTHS.name]
+        return self.by_family[STRENGTHS.name]
 
     @property
     def local_buckling(self) -> LocalBuckling:
         """How near each link's walls are to buckling."""
-        return self.found[WALLS.name]
+        return self.by_family[WALLS.name]
 
     @property
     def frequency(self) -> Frequency | None:
@@ -184,7 +184,7 @@ def evaluate(
     pose: Sequence[float] | None = None,
     gap: float = DEFAULT_GAP,
 ) -> Evaluation:
-    """Evaluate an arm over a workspace (its joint ranges by default) and load cases (its own payload by default).
+    """Evaluate an arm over a workspace (its joint ranges by default) and load cases (its payload by default).
 
     `pose` (rad, m) is where the compliance is asked for; the worst pose by default. Raises `PropertyNeeded`,
     `MissingProperty`, `OutOfRange` or `Unreachable` where the question cannot be put.
@@ -224,7 +224,7 @@ def _evaluated(
     unknown: dict[str, str] = dict.fromkeys(("mass", "total_mass"), lacking["masses"]) if unweighed else {}
     masses = link_masses(beams)
     cost = _cost(arm, masses, unknown)
-    results = _found(families, design, lacking, unknown)
+    results = _results_by_family(families, design, lacking, unknown)
     unknown |= _unknown_of_links(given, lacking)
     growth = growth_left_out(arm, cases, space, p, gap=gap)
     missed = unreached(space, lambda q: search.motion(q, p), search.lower, search.upper)
@@ -247,7 +247,7 @@ def _evaluated(
         mass=None if unweighed else sum(masses),
         cost=cost,
         reach=max(sum(arm.lengths[index] for index in arm.on(tip).to_tip) for tip in tips),
-        found=MappingProxyType(results),
+        by_family=MappingProxyType(results),
         compliance=_compliance(where, give.matrices(where[None], p)[0]),
         warnings=(
             *([] if missed is None else [missed.text(space.kind)]),
@@ -273,7 +273,7 @@ def _evaluated(
     )
 
 
-def _found(
+def _results_by_family(
     families: Sequence[PoseFamily[Any]], design: DesignValues, lacking: Mapping[str, str], unknown: dict[str, str]
 ) -> dict[str, Any]:
     """What each family of figures finds of a design, by its name; why one is not known goes to `unknown`."""
@@ -391,7 +391,7 @@ def effects_at(
 
 
 def compliance_at(arm: Arm, beams: Sequence[Beam], q: Sequence[float], *, planar: bool) -> Compliance:
-    """The tip's compliance at a pose, by unit forces through the arm's own model (its deterministic part)."""
+    """The tip's compliance at a pose, by unit forces through the arm's model (its deterministic part)."""
     place = np.array([tuple(float(value) for value in q)])
     matrix = tip_compliance(arm, planar=planar).matrices(place, beam_values(beams))[0]
     return _compliance(place[0], matrix)

@@ -52,7 +52,7 @@ _SOURCES = ("ReferenceSource", "SourceURL", "ProductURL", "StandardCode", "Autho
 
 
 def read_card(path: Path | str) -> Entry:
-    """Return the material of a card of either format, under the card's own name in our spelling.
+    """Return the material of a card of either format, under the card's name in our spelling.
 
     Raises `InputError` for a file that is no such card, or a value that is no quantity of its kind.
     """

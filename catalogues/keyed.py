@@ -52,7 +52,7 @@ class Schema:
         read: checks a file's content and returns its entries; raises `InputError`.
         shipped: the files that come with the program.
         figures: the names of the figures that can be marked as not confirmed in their source.
-        own_sources: whether each figure can have a source of its own (as `{value: ..., source: ...}`); otherwise an
+        has_sources: whether each figure can have a separate source (as `{value: ..., source: ...}`); otherwise an
             entry has one for all.
         inherited: an entry's content with what its file (given with the name of its family) says of all its entries.
         columns: the keys that have a place in tables, in the order of a file's entry.
@@ -63,7 +63,7 @@ class Schema:
     read: Callable[[Keys], object]
     shipped: Callable[[], Iterable[Keys]]
     figures: Callable[[], Sequence[str]]
-    own_sources: bool
+    has_sources: bool
     inherited: Callable[[Mapping[str, Any], str, Mapping[str, Any]], Mapping[str, Any]]
     columns: Callable[[], Sequence[Column]]
 
@@ -152,7 +152,7 @@ class KeyedEditor(Editor[Entry]):
         return self.shipped(name)
 
     def text(self, entries: Iterable[Entry]) -> str:
-        """The entries as the text of a file of their own."""
+        """The entries as the text of a separate file."""
         document = YamlText(self.new_file, file="")
         self.put(document, list(entries))
         return document.text
@@ -201,11 +201,11 @@ class KeyedEditor(Editor[Entry]):
                 whole = len(keys) == 1 or keys[1] in _LAWS
                 if whole:
                     self._unmark(document, at, keys[0], "found_in")
-                if not self.schema.own_sources:
+                if not self.schema.has_sources:
                     self._unmark(document, at, key, "unconfirmed")
                 elif source:
                     self._cite(document, at, keys[0], source, fresh=len(keys) == 1 and not isinstance(value, dict))
-            if source and not self.schema.own_sources:
+            if source and not self.schema.has_sources:
                 known = (document.get(["references"]) or {}).get(document.get([*at, "source"]), "")
                 text = f"{known}; {', '.join(values)}: {source}" if known and known != source else source
                 document.set([*at, "source"], _reference(document, source, text))

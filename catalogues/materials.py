@@ -63,7 +63,7 @@ MATERIALS = KeyedEditor(
         read=_read,
         shipped=lambda: shipped_files("linkwright.core.materials", "catalogue"),
         figures=_figures,
-        own_sources=True,
+        has_sources=True,
         inherited=_inherited,
         columns=_columns,
     )

@@ -250,7 +250,7 @@ STOCK = StockEditor()
 
 
 def rows_text(rows: Iterable[Row]) -> str:
-    """The rows as the text of a file of their own."""
+    """The rows as the text of a separate file."""
     document = YamlText(NEW_FILE, file="")
     document.append(["tables"], *_tables(rows))
     return document.text

@@ -228,11 +228,11 @@ class YamlText:
         if token is None:
             return ""
         if isinstance(holder[key], _LINES):
-            own, after = "", " " * token.start_mark.column + token.value
+            kept, after = "", " " * token.start_mark.column + token.value
         else:
-            own, _, after = token.value.partition("\n")
-        token.value = f"{own}\n"
-        comments[slot] = token if own else None
+            kept, _, after = token.value.partition("\n")
+        token.value = f"{kept}\n"
+        comments[slot] = token if kept else None
         return after
 
     def _paste(self, holder: Any, key: Any, lines: str, *, within: bool = True) -> None:

@@ -1,4 +1,5 @@
-"""The steps in order: noise floor, nuisances, gate, location, names, tests, confirmation, what cannot be told apart."""
+"""The steps in order: noise floor, nuisances, gate, location, names, tests, confirmation, what cannot be
+distinguished."""
 
 from __future__ import annotations
 
@@ -47,20 +48,20 @@ class _SoFar:
     sought, and may still turn out otherwise."""
 
     def __init__(self, tell: Progress) -> None:
-        self._tell, self._found = tell, ""
+        self._tell, self._provisional = tell, ""
 
     def __call__(self, what: str, share: float) -> None:
         """`what` is being done now."""
-        self._tell(f"{self._found}{what}", share)
+        self._tell(f"{self._provisional}{what}", share)
 
-    def found(self, namer: Namer, members: Sequence[int]) -> None:
+    def provisional(self, namer: Namer, members: Sequence[int]) -> None:
         """What is named now, that by its name which explains most alone; nothing where it was given up again."""
-        self._found = ""
+        self._provisional = ""
         if members:
             alone = namer.prepared.products.gains()
             (first,) = candidates_of(namer, [max(members, key=lambda member: alone[member])])
             more = f" and {len(members) - 1} more" if len(members) > 1 else ""
-            self._found = f"provisional: {label_of(first, namer.prepared.observed.recording)}{more}; "
+            self._provisional = f"provisional: {label_of(first, namer.prepared.observed.recording)}{more}; "
 
 
 def diagnose(
@@ -126,7 +127,7 @@ def _diagnosed(arm: Arm, recording: Recording, options: Options, hear: Progress)
         return other, name_missing(other, lambda _: None, before)
 
     def sought(namer: Namer, named: Named) -> tuple[Namer, Named]:
-        tell.found(namer, named.members)
+        tell.provisional(namer, named.members)
         if min(test.p_value for test in named.gate) <= rules.search.false_alarm:
             namer, named = about_large(namer, named, about)
         if may_couple(namer, named):
@@ -137,7 +138,7 @@ def _diagnosed(arm: Arm, recording: Recording, options: Options, hear: Progress)
                 named = name_missing(namer, lambda share: tell("searching again", 0.65 + 0.05 * share), before)
             namer, named = through_what_is_named(namer, named, options.without, lambda _: tell("searching again", 0.69))
             named = under_one_set(namer, named, lambda _: tell("searching again", 0.69))
-            tell.found(namer, named.members)
+            tell.provisional(namer, named.members)
         return namer, named
 
     def whole_about(near: Observed) -> Observed:
@@ -153,7 +154,7 @@ def _diagnosed(arm: Arm, recording: Recording, options: Options, hear: Progress)
         named = None
     else:
         searching = "searching for what is missing"
-        named = name_missing(namer, lambda share: tell(searching, 0.3 + 0.3 * share), accepted=tell.found)
+        named = name_missing(namer, lambda share: tell(searching, 0.3 + 0.3 * share), accepted=tell.provisional)
         namer, named = sought(namer, named)
         for _ in range(ROUNDS):
             if named.outside or not namer.prepared.rejected:
@@ -192,9 +193,9 @@ def cleaned_of(
     """The recording with sound orientations, its noise floor, and the readings that do not stand out from repeats; of
     several recordings each by itself, and each one's floor."""
     if isinstance(recording, Several):
-        found = [cleaned_of(arm, item, rules) for item in recording.each]
-        again = recording.of_parts([cleaned for _, _, cleaned, _ in found], arm, rules.residual)
-        floors = tuple(noise for _, noise, _, _ in found)
+        cleaned_parts = [cleaned_of(arm, item, rules) for item in recording.each]
+        again = recording.of_parts([cleaned for _, _, cleaned, _ in cleaned_parts], arm, rules.residual)
+        floors = tuple(noise for _, noise, _, _ in cleaned_parts)
         return again, floor_of_all(floors, again), again, floors
     arm = arm.on(recording.branch)
     recording = with_sound_orientation(arm, recording, rules=rules.residual)
@@ -254,6 +255,6 @@ def _less_doubtful(before: NoiseFloor, after: NoiseFloor) -> NoiseFloor:
 
 
 def _without(recording: Recording, noise: NoiseFloor) -> Recording:
-    """The recording without the rows that stand out from repeats of their own pose."""
+    """The recording without the rows that stand out from repeats of their pose."""
     bad = {outlier.row for outlier in noise.outliers}
     return recording.kept(np.array([int(row) not in bad for row in recording.row]))

@@ -64,8 +64,8 @@ class Recording:
 
     Where something else than the whole place was measured, `tip` (N, W) holds what the `instrument` read, and `slots`
     (N, W) say what each number is (see `instruments.instrument`); `touches` (N,) which of the instrument's labels was
-    touched, -1 none, and `bar_at` (N,) m how far along its bar (nought elsewhere). Where rows
-    hold different things, each number is a reading of its own (W = 1) of the same `row`. A camera's `orientation` is
+    touched, -1 none, and `bar_at` (N,) m how far along its bar (zero elsewhere). Where rows
+    hold different things, each number is a separate reading (W = 1) of the same `row`. A camera's `orientation` is
     that of the target in its frame; `sigma_axes` (m) and `sigma_angle` (rad) are what was declared of its axes.
     """
 
@@ -193,5 +193,5 @@ class Recording:
 
 
 def since_the_reading_before(q: Array) -> Array:
-    """How far each joint had gone (N, n) from the row before; nought at the first, and where either is not known."""
+    """How far each joint had gone (N, n) from the row before; zero at the first, and where either is not known."""
     return np.nan_to_num(np.diff(q, axis=0, prepend=q[:1]))

@@ -18,7 +18,7 @@ from .rules.fitting_rules import FittingRules
 from .rules.rules import RULES
 
 HALF = 0.5
-"""The share from which on most of something is told."""
+"""The share from which on most of something is reported."""
 
 Verdict = Literal["none", "named", "alias_class", "unknown", "insufficient_data"]
 
@@ -63,10 +63,10 @@ class FittedParameter:
 
 
 @dataclass(frozen=True)
-class FoundOrigin:
+class FittedOrigin:
     """A fixed transform that the arm file leaves free, as it was found: in front of which joint (from 1), its shift
     (m, in the frame before it) and fixed-axis roll, pitch and yaw (rad), and the numbers that were free with their
-    intervals. `swallowed` is what cannot be told from it, by effect and place."""
+    intervals. `swallowed` is what cannot be distinguished from it, by effect and place."""
 
     joint: int
     shift: tuple[float, float, float]
@@ -107,10 +107,10 @@ class Finding:
     """Physics that the model left out: where it acts (joints or links from 1), its parameters, and what it explains.
 
     `rms_explained` (m) is the RMS length of the displacement that it adds at the recording's poses; `p_value` that of
-    its own test by permutation among all candidates, given all other findings (beyond three, given those named before
+    its test by permutation among all candidates, given all other findings (beyond three, given those named before
     it; nan where neighbouring readings share what they are off by, so that no p-value holds); `evidence` (nats) how
     much likelier the recording is with it than without, once its coefficients, the choice among candidates and unusual
-    sizes are paid for; `may_be_nothing` whether the intervals of all its sizes hold nought; `rms_without` (m) the RMS
+    sizes are paid for; `may_be_nothing` whether the intervals of all its sizes hold zero; `rms_without` (m) the RMS
     of what remains when it alone is left out and the rest is fitted again, `rms_without_held_out` the same on rows not
     fitted. `reading` is the plain sentence. `recording` names the one of several recordings in which it acts, beside
     what all have (empty: in all). `together` are the other findings, by effect and place, without which it means
@@ -475,7 +475,7 @@ class Diagnosis:
     recordings: tuple[OfRecording, ...] = ()
     differences: tuple[Difference, ...] = ()
     shown: Array | None = None
-    origins: tuple[FoundOrigin, ...] = ()
+    origins: tuple[FittedOrigin, ...] = ()
     other_arms: OtherArms | None = None
     next_poses_enough: bool = False
     noise_from: Literal["repeats", "declared", "revisits", "none"] = "repeats"

@@ -58,7 +58,7 @@ class Plan:
     joint the second time from the other side; one: all joints upwards; random. `temperature` (K, from and to) wanders
     between the two; `hours` is how long it all takes. `free_frame` measures in a frame that stands anywhere.
     `outliers` is the share of readings that are off by 10 to 50 standard deviations. `joint_side` and `commands` add
-    encoders on the joints' own side (with `encoder_noise`, rad or m) and logged commands, `orientation` how the tool
+    encoders on the joints' side (with `encoder_noise`, rad or m) and logged commands, `orientation` how the tool
     is turned (with `turn_noise`, rad about each axis). `slots` (see `instruments.instrument`; none: the whole place)
     and `instrument` say what is read instead of the tip's place, with the same `noise`; with `anchor_free` the
     recording does not say where the anchor is, and `bar` is where along bars the tip touches (m). A tilt's noise is
@@ -66,7 +66,7 @@ class Plan:
     times `noise` and what `noise` makes of a target of 0.1 m. `at` are readings that name what to record in its
     place: poses, sides, payloads, temperatures and times are theirs. `torque_noise` (n,; none: no torques) is that of
     the torques that the drives hold at rest, without friction (N*m, of slides N). Readings at which an instrument reads
-    nothing are left out; with `every_row` they stay, as nought.
+    nothing are left out; with `every_row` they stay, as zero.
     """
 
     poses: int
@@ -360,7 +360,7 @@ def _written(q: Array, arm: Arm) -> Array:
 
 
 def _temperature(time: Array, limits: tuple[float, float], random: np.random.Generator) -> Array:
-    """A slow walk that touches both limits (K): no line in time, so that drift and warming can be told apart."""
+    """A slow walk that touches both limits (K): no line in time, so that drift and warming can be distinguished."""
     phase = time / max(float(time[-1]), 1.0)
     waves = np.zeros_like(phase)
     for cycles in (1.4, 2.3, 3.7):

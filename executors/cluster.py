@@ -77,7 +77,7 @@ class Cluster(Shared):
 
     def _quieten(self, undo: ExitStack) -> None:
         """Let what dask's client logs pass while it is connected. What it makes of a scheduler that is gone, tracebacks
-        of its own tasks among it, adds nothing to the one line that is said of that here."""
+        of its tasks among it, adds nothing to the one line that is said of that here."""
 
         def connected(_: logging.LogRecord) -> bool:
             return self._running
@@ -97,11 +97,13 @@ class Cluster(Shared):
                 message = f"the scheduler at {self.address} has no workers; start some: dask worker {self.address}"
                 raise InputError("", "--dask", message)
             time.sleep(BEAT)
-        own = installed()
-        for worker, found in self._client.run(installed, on_error="return").items():
-            if found != own:
-                has = found if isinstance(found, str) and found else "none"
-                message = f"the worker {worker} needs linkwright {own} as here, and has {has}; install it there"
+        local_version = installed()
+        for worker, worker_version in self._client.run(installed, on_error="return").items():
+            if worker_version != local_version:
+                has = worker_version if isinstance(worker_version, str) and worker_version else "none"
+                message = (
+                    f"the worker {worker} needs linkwright {local_version} as here, and has {has}; install it there"
+                )
                 raise InputError("", "--dask", message)
 
     @property

@@ -10,7 +10,7 @@ from typing import Any
 
 
 class _Packer(pickle.Pickler):
-    """Sends a read-only mapping as a copy of its own."""
+    """Sends a read-only mapping as a separate copy."""
 
     def reducer_override(self, obj: Any) -> Any:
         if isinstance(obj, MappingProxyType):
@@ -31,5 +31,5 @@ def packed(content: object) -> bytes:
 
 
 def unpacked(content: bytes) -> Any:
-    """The object that bytes hold; only ever of bytes that this program's own processes sent."""
+    """The object that bytes hold; only ever of bytes that this program's processes sent."""
     return pickle.loads(content)

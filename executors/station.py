@@ -22,7 +22,7 @@ class Station(WorkerPlugin):
 
     def __init__(self, name: str, work: bytes) -> None:
         self.name, self._work = name, work
-        self._lock, self._own = threading.Lock(), threading.local()
+        self._lock, self._per_thread = threading.Lock(), threading.local()
         self._opened: Work[Any, Any, Any] | None = None
 
     def __reduce__(self) -> tuple[object, ...]:
@@ -34,9 +34,9 @@ class Station(WorkerPlugin):
         with self._lock:
             if self._opened is None:
                 self._opened = unpacked(self._work)
-        here: Here | None = getattr(self._own, "here", None)
+        here: Here | None = getattr(self._per_thread, "here", None)
         if here is None:
-            here = self._own.here = Here()
+            here = self._per_thread.here = Here()
         assert self._opened is not None
         return packed(here.step(self._opened, unpacked(item)))
 

@@ -1,4 +1,4 @@
-"""The catalogue of materials: files by family, the user's own laid over the shipped one, every entry checked.
+"""The catalogue of materials: files by family, the user's laid over the shipped one, every entry checked.
 
 A catalogue file:
 
@@ -12,7 +12,7 @@ found_in:                              # optional: in which text the values of a
 materials:
   steel-s355:
     title: S355 structural steel
-    source: en-1993-1-1                # for all properties that name none of their own
+    source: en-1993-1-1                # for all properties that name none of their
     elastic_modulus: 210 GPa           # see catalogue_entry.py for what a property can be
     density: {value: 7850 kg/m^3, source: en-1993-1-2}
 prices:                                # of materials of other catalogues (or this one), which stay as they are
@@ -42,7 +42,7 @@ FORMAT_VERSION = 1
 """The version of the catalogue format that this code reads and writes."""
 
 USER_CATALOGUE = UserFile("LINKWRIGHT_CATALOGUE", "materials.yaml")
-"""The user's own catalogue."""
+"""The user's catalogue."""
 
 
 @dataclass(frozen=True)

@@ -1,6 +1,6 @@
 """One entry of a catalogue, or a material described in place, read and checked.
 
-`family` of its own overrides that of the file. A property is written as a plain quantity (`71 GPa`), or as a
+`family` of its overrides that of the file. A property is written as a plain quantity (`71 GPa`), or as a
 mapping (the n-th coefficient of a polynomial is per kelvin^n):
 
 ```yaml
@@ -74,13 +74,13 @@ Finder: TypeAlias = Callable[[str], Material | None]
 """Gives the material of a name that a ply may have; None for no such material."""
 
 
-def nothing_found(name: str) -> Material | None:
+def no_material(name: str) -> Material | None:
     """Knows no plies by name."""
     del name
     return None
 
 
-def read_inline(content: object, *, file: object, key: str, find: Finder = nothing_found) -> Material:
+def read_inline(content: object, *, file: object, key: str, find: Finder = no_material) -> Material:
     """Return the material that an arm file describes in place, such as `{elastic_modulus: 71 GPa, ...}`.
 
     Nothing is required: what a question needs and the entry lacks is a `MissingProperty` when the question is
@@ -100,7 +100,7 @@ def read_entry(
     name: str,
     references: MappingLike[str, str],
     family: str,
-    find: Finder = nothing_found,
+    find: Finder = no_material,
     found_in: MappingLike[str, str] | None = None,
 ) -> Material:
     """Return the checked material of one catalogue entry; `found_in` has the text in which the values of a source were
@@ -118,7 +118,7 @@ def _read(
     name: str,
     references: MappingLike[str, str] | None,
     family: str,
-    find: Finder = nothing_found,
+    find: Finder = no_material,
     found_in: MappingLike[str, str] = MappingProxyType({}),
 ) -> Material:
     title = mapping.text("title", "")
@@ -143,8 +143,10 @@ def _read(
         properties, isotropic = made | properties, False
     used = [item.source for item in properties.values()] + [magnetic_source]
     cited = {key: references[key] for key in used if references is not None and key}
-    told = marks.get("magnetic", ("", ""))
-    material = Material(name, properties, title, family, isotropic, magnetic, magnetic_source, cited, *told, bending)
+    magnetic_marks = marks.get("magnetic", ("", ""))
+    material = Material(
+        name, properties, title, family, isotropic, magnetic, magnetic_source, cited, *magnetic_marks, bending
+    )
     _check_values(material, mapping)
     return material
 
@@ -345,9 +347,9 @@ def _of_wall(wall: Wall, ply: Material, source: str) -> dict[PropertyName, Prope
 
 def _ply(keys: Mapping, find: Finder) -> Material:
     if isinstance(keys.content.get("ply"), dict):
-        own = keys.mapping("ply")
-        ply = _read(own, "the ply", None, "in place")
-        own.close()
+        ply_keys = keys.mapping("ply")
+        ply = _read(ply_keys, "the ply", None, "in place")
+        ply_keys.close()
         return ply
     name = keys.text("ply")
     result = find(name)

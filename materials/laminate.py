@@ -39,7 +39,7 @@ class Ply:
 
     @property
     def stiffness(self) -> Array:
-        """The reduced stiffnesses (3, 3) in the ply's own directions, Pa."""
+        """The reduced stiffnesses (3, 3) in the ply's directions, Pa."""
         minor = self.poisson_ratio * self.across / self.along
         whole = 1.0 - self.poisson_ratio * minor
         mixed = self.poisson_ratio * self.across / whole
@@ -50,7 +50,7 @@ class Ply:
 class Wall:
     """What a balanced laminate is as one: moduli (Pa) along the link, around it and in shear, Poisson's ratio
     (contraction around under pull along), expansions (1/K) along and around, None where the plies' are not known, and
-    how stiff it is against its own bending."""
+    how stiff it is against its bending."""
 
     along: float
     around: float

@@ -32,7 +32,7 @@ def price_unit(problem: Problem, unit: str) -> str:
 
 
 def binding_limits(problem: Problem, choice: Choice, after: Evaluation) -> tuple[BindingLimit, ...]:
-    """Every limit that holds the optimum, with what one unit more of it would buy; `after` is the design's own
+    """Every limit that holds the optimum, with what one unit more of it would buy; `after` is the design's
     evaluation."""
     solution = choice.exchanged.solution
     # The objective is a logarithm: of the error that design can change, of the mass, or of the cost.

@@ -49,15 +49,15 @@ class Options:
 
     log: Log | None = None
     progress: Progress | None = None
-    told: Callable[[str], None] | None = None
+    notify: Callable[[str], None] | None = None
     begun: Callable[[Evaluation], None] | None = None
     executor: Executor | None = None
     _before: list[Evaluation] = field(default_factory=list)
 
     def tell(self, text: str) -> None:
         """A sentence for whoever listens."""
-        if self.told is not None:
-            self.told(text)
+        if self.notify is not None:
+            self.notify(text)
 
     def evaluated(self, problem: Problem) -> Evaluation:
         """The arm as given, evaluated once, of which who listens hears before the first round.
@@ -84,10 +84,10 @@ class _Solver:
 
     options: Options
     alone: bool
-    """Whether there is one structure only, which tells of its own progress and its near ties."""
+    """Whether there is one structure only, which tells of its progress and its near ties."""
     unsolved: int = 0
     """On how many combinations of shapes and materials the solver failed where there was no design."""
-    told: Feasibility | None = None
+    feasibility: Feasibility | None = None
     """What is known of how far all combinations of an only structure break the limits."""
     solutions: Solutions = field(default_factory=Solutions)
     """Near ties come back to combinations that were solved before."""
@@ -103,12 +103,12 @@ class _Solver:
         result = self.chosen(context, known, progress=progress, log=self.options.log, ties=self.alone)
         if isinstance(result, NoChoice):
             self.unsolved += result.unsolved
-            self.told = result.feasibility if self.alone else None
+            self.feasibility = result.feasibility if self.alone else None
             return None
         return Answer(result.objective, (context, result), result.interrupted)
 
     def near_ties(self, search: StructureSearch[Driven], best: Choice) -> Ties:
-        """What comes near the best, over all structures looked at that may hold any of it: of each, its own best and
+        """What comes near the best, over all structures looked at that may hold any of it: of each, its best and
         what comes near that. What was solved before is not solved again."""
         limit = search.objective * (1.0 + NEAR)
         results: dict[tuple[Structure, Combination], Tie] = {}
@@ -144,7 +144,7 @@ def nominal_optimum(problem: Problem, options: Options, given: Problem) -> Optim
     began = time.perf_counter()
     for link, materials in enumerate(materials_of(problem)[1]):
         for material in materials:
-            material_row([material], problem, first=link)  # what a material lacks is told before anything is solved
+            material_row([material], problem, first=link)  # what a material lacks is reported before anything is solved
     # With motors to place, its bounds would be those of the motors where they are.
     beyond = () if problem.motors else out_of_reach(problem)
     if beyond:
@@ -175,7 +175,9 @@ def _best(search: StructureSearch[Driven], solver: _Solver) -> Driven:
     if search.best is None:
         first = next(iter(search.noted))
         context = context_of(search.problem_with(first))
-        why = explained(context, unsolved=solver.unsolved, told=solver.told, progress=solver.options.progress)
+        why = explained(
+            context, unsolved=solver.unsolved, feasibility=solver.feasibility, progress=solver.options.progress
+        )
         raise Infeasible(why, _looked_at(names_of(first.drives)))
     context, choice = search.best[1]
     if not solver.alone:

@@ -1,7 +1,7 @@
 """The largest payload that a design can carry within its limits (`maximize: payload`).
 
 The payload is one mass, that of every load case which has one (of all, where none has). The optimiser makes a limited
-figure as good as it can be for a payload; that design's own largest payload follows by root finding; and so on from
+figure as good as it can be for a payload; that design's largest payload follows by root finding; and so on from
 there (after W. Dinkelbach, Management Science 13, 1967, 492-498, doi:10.1287/mnsc.13.7.492), until a payload larger by
 `_WITHIN` has no design.
 """

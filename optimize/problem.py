@@ -348,23 +348,23 @@ def _points(body: Mapping, kind: str, arm: Arm) -> tuple[list[tuple[float, ...]]
             points.append(_point(entry, body, key))
             weights.append(1.0)
             continue
-        with Mapping(cast(object, entry), file=body.file, key=body.path_of(key)).reading() as own:
-            points.append(_point(own.raw("at", "at: [400 mm, 300 mm]"), own, "at"))
-            weights.append(own.number("weight", 1.0))
+        with Mapping(cast(object, entry), file=body.file, key=body.path_of(key)).reading() as point_keys:
+            points.append(_point(point_keys.raw("at", "at: [400 mm, 300 mm]"), point_keys, "at"))
+            weights.append(point_keys.number("weight", 1.0))
             if weights[-1] <= 0.0:
-                raise own.error("weight", "must be above zero; leave the point out where it does not count")
-            if own.has("max_error"):
-                limits.append(_tolerance(own, number))
+                raise point_keys.error("weight", "must be above zero; leave the point out where it does not count")
+            if point_keys.has("max_error"):
+                limits.append(_tolerance(point_keys, number))
     _check_points(points, body, kind, arm)
     return points, tuple(limits), tuple(weights) if len(set(weights)) > 1 else ()
 
 
-def _tolerance(own: Mapping, number: int) -> Limit:
+def _tolerance(point_keys: Mapping, number: int) -> Limit:
     """The limit that a point (from 1) has on the error there."""
-    bound = own.bound("max_error", "length")
+    bound = point_keys.bound("max_error", "length")
     if bound.relation != "<=" or bound.value <= 0.0:
-        whole = shown(own.raw("max_error"))
-        raise own.error("max_error", f"needs a limit from above, e.g. '<= 0.1 mm', not {whole}")
+        whole = shown(point_keys.raw("max_error"))
+        raise point_keys.error("max_error", f"needs a limit from above, e.g. '<= 0.1 mm', not {whole}")
     return Limit(error_at_point(number - 1), "<=", bound.value)
 
 
@@ -414,7 +414,7 @@ def _point(value: object, body: Mapping, key: str) -> tuple[float, ...]:
 
 def _load_cases(mapping: Mapping, arm: Arm) -> tuple[LoadCase, ...]:
     """Each case replaces the arm's payload wholly; a force may stand inside `payload` or beside it. Of several arms on
-    one torso a case that names no `tip` is one of each tip that counts, the others with their own payloads."""
+    one torso a case that names no `tip` is one of each tip that counts, the others with their payloads."""
     if not mapping.has("load_cases"):
         return ()
     cases: list[LoadCase] = []

@@ -67,7 +67,7 @@ def start_that_reaches(problem: Problem) -> Start | None:
     if missing is None and allowed(problem, values):
         return None
     finder = _Finder(problem)
-    lengths = finder.found()
+    lengths = finder.reaching_lengths()
     if lengths is None:
         reason = "the arm as given reaches it all with lengths that are not allowed"
         if missing is not None:
@@ -101,7 +101,7 @@ def _would_do(problem: Problem) -> str:
         for link_ranges, span in zip(problem.ranges, spans, strict=True)
     )
     wider = replace(problem, ranges=tuple(ranges), limits=free)
-    lengths = _Finder(wider).found()
+    lengths = _Finder(wider).reaching_lengths()
     if lengths is None:
         ends = f"{1e3 * low.min() / _WIDER:.4g} to {1e3 * high.max() * _WIDER:.4g}"
         return f"nor from {ends} mm: other joint ranges may be needed"
@@ -127,20 +127,20 @@ class _Finder:
         self.starts = spread(lower, upper, TRIES)[:TRIES]
         self.best: tuple[float, Array, Array] = (math.inf, np.zeros(0), np.zeros(0))
 
-    def found(self) -> Array | None:
+    def reaching_lengths(self) -> Array | None:
         """Lengths that reach everything, or None."""
         for _ in range(_PLACES_ADDED):
-            lengths = self._found()
+            lengths = self._lengths_for_places()
             missed = None if lengths is None else _missed(self.problem, _with(self.problem, lengths))
             if lengths is None or missed is None:
                 return lengths
             self.places = np.vstack([self.places, [*missed.point, 0.0][:3]])
         return None
 
-    def _found(self) -> Array | None:
+    def _lengths_for_places(self) -> Array | None:
         """Lengths that reach the few places."""
-        own = moved(np.array([self.problem.arm.lengths[k] for k in self.free]), self.low, self.high, self.sums)
-        tried = [own, *spread_lengths(self.problem, _TRIED)]
+        given = moved(np.array([self.problem.arm.lengths[k] for k in self.free]), self.low, self.high, self.sums)
+        tried = [given, *spread_lengths(self.problem, _TRIED)]
         rows = np.array([item for item in tried if allowed(self.problem, item)])
         if not len(rows):
             return None
@@ -161,19 +161,19 @@ class _Finder:
         self.best = (float(misses[order[0]].max()), rows[order[0]], misses[order[0]])
         whole = np.flatnonzero(misses.max(axis=1) <= REACHED)
         if len(whole):
-            near = sorted(whole, key=lambda k: float(np.abs(rows[k] - own).max()))[:_FIRST]
-            return min((self._first(own, rows[k]) for k in near), key=lambda item: float(np.abs(item - own).max()))
+            near = sorted(whole, key=lambda k: float(np.abs(rows[k] - given).max()))[:_FIRST]
+            return min((self._first(given, rows[k]) for k in near), key=lambda item: float(np.abs(item - given).max()))
         return None
 
-    def _first(self, own: Array, other: Array) -> Array:
+    def _first(self, given: Array, other: Array) -> Array:
         """Where on the way from lengths to others that reach all the places these are first reached, and a bit on."""
         low, high = 0.0, 1.0
         for _ in range(_HALVINGS):
             middle = 0.5 * (low + high)
-            reaches = self._misses((own + middle * (other - own))[None]).max() <= REACHED
+            reaches = self._misses((given + middle * (other - given))[None]).max() <= REACHED
             low, high = (low, middle) if reaches else (middle, high)
         for share in (high + _FURTHER * (1.0 - high), high, 1.0):
-            lengths = own + share * (other - own)
+            lengths = given + share * (other - given)
             if _missed(self.problem, _with(self.problem, lengths)) is None:
                 return lengths
         return other

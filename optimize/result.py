@@ -91,7 +91,7 @@ class Dropped:
 @dataclass(frozen=True)
 class NearTie:
     """A combination that comes within a few per cent of the best, solved to the end: its objective and its figures (SI;
-    None where not known); its actuators joint by joint (None: the joint keeps its own drive)."""
+    None where not known); its actuators joint by joint (None: the joint keeps its drive)."""
 
     shapes: tuple[str | None, ...]
     materials: tuple[str | None, ...]
@@ -106,7 +106,7 @@ class NearTie:
 
 @dataclass(frozen=True)
 class DriveCandidate:
-    """One choice of actuators, joint by joint (None: the joint keeps its own drive): the objective that it allows (SI),
+    """One choice of actuators, joint by joint (None: the joint keeps its drive): the objective that it allows (SI),
     or why it was left. `objective` is None where `outcome` is not `best` or `solved`."""
 
     actuators: tuple[str | None, ...]
@@ -234,7 +234,7 @@ class OptimizationResult:
     is the whole log: exchanges of one choice after another, numbered through.
     `objective` and `lower_bound` are in SI units of what was minimised (m, kg, EUR), or maximised: the bound is then
     one from above. `bound_of` says what `lower_bound`
-    is: under `binding_poses` the optimum over the binding poses alone, from several starts: the design's own objective
+    is: under `binding_poses` the optimum over the binding poses alone, from several starts: the design's objective
     lies above it by no more than the certificate's gap, and only where `optimum` is `global` is it a bound for every
     design. Under `all_designs` no design of any combination goes below it (see `optimize.choice.at_once.relaxation`).
     """

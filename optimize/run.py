@@ -27,13 +27,13 @@ def optimise(
     *,
     log: Log | None = None,
     progress: Progress | None = None,
-    told: Callable[[str], None] | None = None,
+    notify: Callable[[str], None] | None = None,
     begun: Callable[[Evaluation], None] | None = None,
     executor: Executor | None = None,
 ) -> OptimizationResult:
     """The best design for a problem; what falls apart into steps is done by `executor`, else by this process.
 
-    `told` hears at once of limits that no design can keep, before it is found out what they would have to be; `begun`
+    `notify` hears at once of limits that no design can keep, before it is found out what they would have to be; `begun`
     of the arm as given, before the first round.
     `log` hears of every round of an exchange, `progress` of combinations tried; where either raises `KeyboardInterrupt`
     the best design so far is the result, marked `interrupted`. Where lengths are free and the arm as given does not
@@ -41,7 +41,7 @@ def optimise(
     `Infeasible` (one of them) where no design keeps the limits, which says what they would have to be, and `InputError`
     where a figure is missing that the problem needs.
     """
-    return _optimised(problem, Options(log, progress, told, begun, executor))
+    return _optimised(problem, Options(log, progress, notify, begun, executor))
 
 
 def _optimised(problem: Problem, options: Options) -> OptimizationResult:

@@ -1,7 +1,7 @@
 """Drives of joints and places of motors: what changes the error model itself, worked through with one incumbent.
 
 Stiffness, backlash and mass of drives are constants of an error model, and so is where motors stand: each choice of
-them is a problem of its own for the links. The choices of drives are taken in the order of the error that they give the
+them is a separate problem for the links. The choices of drives are taken in the order of the error that they give the
 arm as given; one that cannot beat the best so far is given up.
 """
 
@@ -23,21 +23,21 @@ from .choice.chooser import Progress
 from .problem import Problem
 from .result import DriveCandidate, PlaceCandidate
 
-Found = TypeVar("Found")
+Result = TypeVar("Result")
 _BETTER = 1e-6
 """A choice joint by joint goes on while it wins more than this share."""
 
 
 @dataclass(frozen=True)
-class Answer(Generic[Found]):
+class Answer(Generic[Result]):
     """The best design for one structure: its objective (SI), its result, and whether an interrupt ended its search."""
 
     objective: float
-    found: Found
+    result: Result
     interrupted: bool = False
 
 
-Solve = Callable[[Problem, float], "Answer[Found] | None"]
+Solve = Callable[[Problem, float], "Answer[Result] | None"]
 """The best design of a problem with drives and places chosen that is better than an objective (SI); None where there is
 none. May raise `NoAnswer`."""
 
@@ -56,13 +56,13 @@ class _Noted:
     outcome: Literal["solved", "bounded out", "infeasible"]
 
 
-class StructureSearch(Generic[Found]):
+class StructureSearch(Generic[Result]):
     """Looks for the best structure of a problem; every choice of drives is looked at where they are few
     (`choice.actuators.few`), else they are chosen joint by joint."""
 
-    def __init__(self, problem: Problem, solve: Solve[Found], progress: Progress | None) -> None:
+    def __init__(self, problem: Problem, solve: Solve[Result], progress: Progress | None) -> None:
         self.problem, self._solve, self._progress = problem, solve, progress
-        self.best: tuple[Structure, Found] | None = None
+        self.best: tuple[Structure, Result] | None = None
         self.objective = math.inf
         """The best objective so far (SI)."""
         self.interrupted = False
@@ -152,7 +152,7 @@ class StructureSearch(Generic[Found]):
             return
         self.noted[structure] = _Noted(answer.objective, "solved")
         if answer.objective < known:
-            self.best, self.objective = (structure, answer.found), answer.objective
+            self.best, self.objective = (structure, answer.result), answer.objective
         if answer.interrupted:
             raise KeyboardInterrupt
 
@@ -205,5 +205,5 @@ def _rank(candidate: DriveCandidate | PlaceCandidate) -> float:
 
 
 def named(pick: Assignment) -> tuple[str | None, ...]:
-    """The actuators of a choice by name, None for a joint that keeps its own drive."""
+    """The actuators of a choice by name, None for a joint that keeps its drive."""
     return tuple(None if actuator is None else actuator.name for actuator in pick)

@@ -18,7 +18,7 @@ from .result import NearTie
 
 
 def near_ties_of(context: Context, ties: Sequence[Tie]) -> tuple[NearTie, ...]:
-    """The near ties, each with an error model of its own drives."""
+    """The near ties, each with an error model of its drives."""
     arm = context.problem.arm
     contexts: dict[tuple[Actuator | None, ...], Context] = {tuple(joint.actuator for joint in arm.joints): context}
     results: list[NearTie] = []

@@ -43,7 +43,7 @@ def doubts_of(
     problem = context.problem
     among = before.arm.joints == problem.arm.joints and _as_given(before.arm, problem.arm)
     among = among and given_design(problem) is not None
-    return doubts(problem, choice.objective, before, after, lower_bound, own=among)
+    return doubts(problem, choice.objective, before, after, lower_bound, given_allowed=among)
 
 
 def _as_given(arm: Arm, changed: Arm) -> bool:
@@ -60,10 +60,10 @@ def _ends(section: Section | None) -> tuple[Section | None, Section | None]:
 
 
 def doubts(
-    problem: Problem, claimed: float, before: Evaluation, after: Evaluation, lower_bound: float, *, own: bool
+    problem: Problem, claimed: float, before: Evaluation, after: Evaluation, lower_bound: float, *, given_allowed: bool
 ) -> tuple[str, ...]:
     """The same of a design that was found with an objective of the badness `claimed`, none less than `lower_bound`;
-    `own`: the arm as given is one of the designs to choose from."""
+    `given_allowed`: the arm as given is one of the designs to choose from."""
     figure = problem.objective
     reached = figure.value(after)
     assert reached is not None
@@ -93,7 +93,7 @@ def doubts(
         results.append(f"the design leaves {next(shares)} of the {kind} unreached, the arm as given {next(shares)}")
     before_value = figure.value(before)
     was = math.inf if not before_value else figure.badness(before_value)
-    if own and was < objective - room and keeps_limits(problem, before):
+    if given_allowed and was < objective - room and keeps_limits(problem, before):
         results.append(f"the arm as given keeps all limits and does {shown(was)}")
     return tuple(results)
 

@@ -13,7 +13,7 @@ from linkwright.core.arm.figures.sideways import sideways_rigidities
 UNCHANGED = 5e-4
 """Figures that differ by less (relative) count as the same: what four digits still show."""
 MUCH_LESS = 0.5
-"""A stiffness across the plane below this share of what it was is told in words."""
+"""A stiffness across the plane below this share of what it was is reported in words."""
 
 
 @dataclass(frozen=True)
@@ -26,7 +26,7 @@ class Worse:
 
 
 def worse_figures(figures: Mapping[str, Figure], before: Evaluation, after: Evaluation) -> tuple[Worse, ...]:
-    """The figures known of both that are worse after than before, each by its own sense of better."""
+    """The figures known of both that are worse after than before, each by its sense of better."""
     results: list[Worse] = []
     for figure in figures.values():
         if isinstance(figure.follows, OfKinds):

@@ -92,17 +92,17 @@ def _faults(section: Section) -> Iterator[str]:
     if any(not np.allclose(loop[0], loop[-1], rtol=0.0, atol=1e-9) for loop in loops):
         yield "its outline is not closed"
         return
-    own = section.properties(_POISSON)
+    stated = section.properties(_POISSON)
     central = about_centroid([loop[:-1] for loop in loops])
-    height = float(own.height)
+    height = float(stated.height)
     if np.abs(central[0].max(axis=0) - loops[0].max(axis=0)).max() > _CENTRE * height:
         yield "its outline is not about the centroid"
-    yield from _by_outline(section, own, central)
-    yield from _alike(section, own)
-    yield from _walls(section, loops, own)
+    yield from _by_outline(section, stated, central)
+    yield from _alike(section, stated)
+    yield from _walls(section, loops, stated)
 
 
-def _by_outline(section: Section, own: SectionProperties, loops: list[Array]) -> Iterator[str]:
+def _by_outline(section: Section, stated: SectionProperties, loops: list[Array]) -> Iterator[str]:
     solved = with_shear(Outlined(loops).figures, poisson_square(_POISSON))
     height, second_moment = float(solved.height), float(solved.second_moment_y)
     compared = [(name, share, getattr(solved, name)) for name, share in _TOLERANCES.items()]
@@ -112,17 +112,17 @@ def _by_outline(section: Section, own: SectionProperties, loops: list[Array]) ->
     if solved.warping_constant > slight:
         compared.append(("warping_constant", _WARPING, solved.warping_constant))
     for name, share, scale in compared:
-        value, expected = float(getattr(own, name)), float(getattr(solved, name))
+        value, expected = float(getattr(stated, name)), float(getattr(solved, name))
         if not abs(value - expected) <= share * abs(float(scale)):
             sizes = ", ".join(f"{key} {1e3 * item:.4g} mm" for key, item in section.given().items())
             yield f"{name} of {sizes} is {value:.4g} where its outline has {expected:.4g} (SI)"
 
 
-def _alike(section: Section, own: SectionProperties) -> Iterator[str]:
+def _alike(section: Section, stated: SectionProperties) -> Iterator[str]:
     """Other sizes, arrays and symbols give what a float gives."""
     names = [item.name for item in fields(SectionProperties)]
-    expected = np.array([float(getattr(own, name)) for name in names])
-    height = float(own.height)
+    expected = np.array([float(getattr(stated, name)) for name in names])
+    height = float(stated.height)
     scales = np.maximum(np.abs(expected), _ALIKE * np.array([height ** POWERS[name] for name in names]))
     twice = section.scaled(2.0).properties(_POISSON)
     grown = np.array([float(getattr(twice, name)) / 2.0 ** POWERS[name] for name in names])
@@ -145,9 +145,9 @@ def _alike(section: Section, own: SectionProperties) -> Iterator[str]:
             yield f"{name} by {what} is not that by numbers"
 
 
-def _walls(section: Section, loops: list[Array], own: SectionProperties) -> Iterator[str]:
+def _walls(section: Section, loops: list[Array], stated: SectionProperties) -> Iterator[str]:
     """The middle of each flat wall lies in the material."""
-    corner = np.array([float(own.centroid_y), float(own.centroid_z)])
+    corner = np.array([float(stated.centroid_y), float(stated.centroid_z)])
     for wall in section.wall_parts("internal") or ():
         if wall.ends is not None:
             middle = 0.5 * (np.array(wall.ends[0], dtype=float) + np.array(wall.ends[1], dtype=float)) - corner

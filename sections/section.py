@@ -370,7 +370,7 @@ def stress_area(second_moment: Number, width: Number, first_moment: Number) -> N
 
 
 def hollow_torsion_modulus(enclosed: Number, thickness: Number, torsion_constant: Number) -> Number:
-    """W_t of a closed wall, m^3: Bredt's stress T / (2 A_m t), and that of the wall's own twist, T t / (2 J).
+    """W_t of a closed wall, m^3: Bredt's stress T / (2 A_m t), and that of the wall's twist, T t / (2 J).
 
     ``enclosed`` is the area A_m within the wall's middle line (m^2). Stress concentrations at inner corners are left
     out.

@@ -6,7 +6,7 @@ from typing import Any
 
 
 def column_of_symbols(name: str, size: int = 1) -> Any:
-    """A column of CasADi symbols (size, 1), which NumPy's functions give expressions of as well: a formula of one's own
+    """A column of CasADi symbols (size, 1), which NumPy's functions give expressions of as well: a separate formula
     may use `np.sin` where the project has `sections.numeric.sin`.
 
     CasADi (from 3.8 on) warns of that at length unless it is told that it is meant; whoever told it otherwise is left

@@ -44,7 +44,7 @@ class Rod:
     joint_mass: float
 
 
-def _own_axes(axis: Array) -> Array:
+def _local_axes(axis: Array) -> Array:
     """Columns: along x, then the height (in the plane in which the joint turns the link), then the width."""
     along = np.array([1.0, 0.0, 0.0])
     height = np.cross(axis, along)
@@ -68,7 +68,7 @@ def rod_tip(rods: list[Rod], q: Array, gravity: Array, payload: float, force: Ar
             axis = np.array(rod.axis)
             world = frame @ axis
             frame = frame @ Rotation.from_rotvec(axis * (q[number] + rod.compliance * (world @ moment))).as_matrix()
-            own = _own_axes(axis)
+            own = _local_axes(axis)
             start = ahead[2 * number + 1]
 
             def slope(s: float, y: Array, rod: Rod = rod, own: Array = own, start: Array = start) -> Array:

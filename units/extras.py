@@ -10,7 +10,7 @@ PROGRAM = "linkwright"
 
 
 def install_line(extra: str) -> str:
-    """The command that installs what an extra of the distribution needs, by the packages' own names: it does so
+    """The command that installs what an extra of the distribution needs, by the packages' names: it does so
     wherever the distribution came from, a folder, a wheel or an index."""
     try:
         needs = metadata.requires(PROGRAM) or []

@@ -47,7 +47,7 @@ class _Loader(yaml.SafeLoader):
     """
 
     depth = 0
-    yaml_implicit_resolvers = {}  # noqa: RUF012 - PyYAML's own table, filled once below
+    yaml_implicit_resolvers = {}  # noqa: RUF012 - PyYAML's table, filled once below
 
     def compose_node(self, parent: yaml.Node | None, index: Any) -> yaml.Node | None:
         """Compose one node; an alias is refused, because a few lines of them can stand for gigabytes."""
@@ -187,8 +187,8 @@ def parse_yaml(text: str, *, file: object) -> object:
         raise InputError(file, "", f"is not YAML: {shown(str(error))}") from None
 
 
-def parse_own_yaml(text: str) -> object:
-    """What a YAML file of the program's own holds. It is read by the C parser, ten times as fast, which lets pass what
+def parse_bundled_yaml(text: str) -> object:
+    """What a YAML file of the program's holds. It is read by the C parser, ten times as fast, which lets pass what
     `parse_yaml` refuses; plain words mean the same, and the tests read the same files by both."""
     fast: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
     meaning = {"yaml_implicit_resolvers": _Loader.yaml_implicit_resolvers}
@@ -212,7 +212,7 @@ def shipped_files(package: str, folder: str = "") -> Iterator[Mapping]:
     for item in sorted(files(package).joinpath(folder).iterdir(), key=lambda entry: entry.name):
         if item.name.endswith(".yaml"):
             name = f"{folder or package.rpartition('.')[2]}/{item.name}"
-            yield Mapping(parse_own_yaml(item.read_text(encoding="utf-8")), file=name)
+            yield Mapping(parse_bundled_yaml(item.read_text(encoding="utf-8")), file=name)
 
 
 class Mapping:

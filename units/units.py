@@ -1,7 +1,7 @@
 """The units that may stand at the door, and the kinds of quantity they measure.
 
-The pint registry here is built from the short list below instead of pint's own file, for two reasons: an
-angle is a dimension of its own (so `12 kN*m` is not taken for a torsional stiffness, nor `3 rad/s` for a
+The pint registry here is built from the short list below instead of pint's file, for two reasons: an
+angle is a separate dimension (so `12 kN*m` is not taken for a torsional stiffness, nor `3 rad/s` for a
 frequency), and nothing exotic can be read by accident (pint's `e` is the elementary charge). Factors are
 decimal, so `25 um` reads as exactly the float `2.5e-05`. Conversion factors: BIPM SI Brochure (9th ed.) Table
 8 and NIST SP 811 Appendix B.

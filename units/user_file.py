@@ -1,4 +1,4 @@
-"""A file of the user's own, read over what is shipped: where an environment variable says, or in the configuration
+"""A file of the user's, read over what is shipped: where an environment variable says, or in the configuration
 folder."""
 
 from __future__ import annotations
@@ -30,5 +30,5 @@ class UserFile:
     def over(self, paths: Sequence[Path | str], *, user: bool) -> list[Path | str]:
         """The files to read over what is shipped, in order: the user's own (where it exists or is named, and `user` is
         true), then `paths`."""
-        own = self.path()
-        return [*([own] if user and (os.path.exists(own) or self._named) else []), *paths]
+        user_path = self.path()
+        return [*([user_path] if user and (os.path.exists(user_path) or self._named) else []), *paths]

@@ -101,7 +101,7 @@ def _text_of(path: Path | str, content: bytes, sheet: str | None, decimal: str) 
 
 def _rows(path: Path | str, sheet: Any) -> Iterator[list[Any]]:
     """The rows that hold anything, each to its last filled cell."""
-    sheet.reset_dimensions()  # what a file says of its own size need not be true
+    sheet.reset_dimensions()  # what a file says of its size need not be true
     seen = 0
     for row in sheet.iter_rows(values_only=True):
         seen += len(row)

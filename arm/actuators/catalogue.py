@@ -1,6 +1,6 @@
 """The catalogue of actuators: what a joint's drive gives under, loses, weighs, holds and costs.
 
-A file of actuators, the shipped ones beside this module and the user's own alike:
+A file of actuators, the shipped ones beside this module and the user's alike:
 
 ```yaml
 format_version: 1
@@ -52,7 +52,7 @@ FORMAT_VERSION = 1
 """The version of the format that this code reads."""
 
 USER_ACTUATORS = UserFile("LINKWRIGHT_ACTUATORS", "actuators.yaml")
-"""The user's own actuators."""
+"""The user's actuators."""
 
 CONFIRMABLE = ("rated_torque", "peak_torque", "stiffness", "backlash", "mass", "tilting_stiffness")
 """The figures that can be marked as not confirmed; `stiffness` with the torques of its zones."""

@@ -1,4 +1,4 @@
-"""What acts on an arm beside the weights of its links, each kind with its own terms in the walk from tip to base.
+"""What acts on an arm beside the weights of its links, each kind with its terms in the walk from tip to base.
 
 `arm.chain.statics` walks inward with the load (force and moment) that each link and joint carries. On the way every
 kind adds what it does at a link's far end, at a joint, and on its drive.

@@ -52,7 +52,7 @@ def jacobian(arm: Arm, q: Array) -> Array:
             if not joint.driven:
                 result[:, follower] = 0.0
     if arm.angles == "absolute":
-        # Such a drive turns its own link alone and carries the rest along unturned.
+        # Such a drive turns its link alone and carries the rest along unturned.
         for index in range(arm.size):
             if arm.joints[index].revolute:
                 after = carried_unturned(arm.joints, index)

@@ -25,7 +25,7 @@ STATIONS = tuple(k / 60 for k in range(61))
 class BendingFactors:
     """How much more a tapered link bends than a uniform one that bends as much under a force at its end.
 
-    Deflection and slope of the far end, under the link's own weight and under a moment at its end. (The slope under a
+    Deflection and slope of the far end, under the link's weight and under a moment at its end. (The slope under a
     force is the deflection under a moment, by Maxwell's theorem.)
     """
 
@@ -55,7 +55,7 @@ class Station:
 
 @dataclass(frozen=True)
 class Part:
-    """A quarter of a tapered link: its effective rigidities over those of the whole link, and its own taper."""
+    """A quarter of a tapered link: its effective rigidities over those of the whole link, and its taper."""
 
     rigidities: Mapping[str, float]
     taper: Taper
@@ -66,7 +66,7 @@ class Taper:
     """What a tapered link is against a uniform one of its effective rigidities and its mean mass per length.
 
     `balance` is where its centre of mass is, as a share of its length from its joint. `axial_weight` and so on say how
-    much more it gives under its own weight; `column_height` and `column_width` how much more compression it holds;
+    much more it gives under its weight; `column_height` and `column_width` how much more compression it holds;
     `offset_square` is the mean square of the shear centre's eccentricity over the square of its mean, by flexibility.
     `density` is the mass per length over its mean at the ends of its `parts`. Plain numbers, whatever the length.
     """

@@ -35,7 +35,7 @@ def way_to(arm: Arm, tip: str) -> Way:
 
 
 def alone(arm: Arm, branch: Branch) -> Arm:
-    """A branch as an arm of its own, on a torso that stands still."""
+    """A branch as a separate arm, on a torso that stands still."""
     return _of(arm, tuple(range(branch.first, branch.end)), branch)
 
 

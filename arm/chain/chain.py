@@ -145,7 +145,7 @@ class Joint:
 
     @property
     def driven(self) -> bool:
-        """Whether the joint has a coordinate of its own; one that only follows has none."""
+        """Whether the joint has a separate coordinate; one that only follows has none."""
         return self.follows is None or self.follows.driven
 
     @property
@@ -294,7 +294,7 @@ def _leaves_plane(compliance: Matrix) -> bool:
 class LoadCase:
     """What acts at the tip: a payload mass in kg, a force in N and a moment in N*m, both in the base frame.
 
-    `leaves_off` (kg) is the arm's own payload where the case replaces it without naming one.
+    `leaves_off` (kg) is the arm's payload where the case replaces it without naming one.
     `relative_to` is the calibrated state that the error counts from; None counts the whole error. Of several arms on
     one torso `tip` names the one at whose tip it acts and whose error counts; empty: the arm's own.
     """

@@ -1,8 +1,8 @@
 """Joints that follow others: parallelograms, gear couplings, drives at the base.
 
 A joint that follows turns by sum_j w_j q_j + constant, over the coordinates of joints nearer the base (and, where it
-has a drive of its own that does not stand at it, its own coordinate with w = 1). By virtual work drive j then holds its
-own joint's load and w_j times the follower's, and whatever turns joint j beside its reading turns the follower w_j
+has a separate drive that does not stand at it, its coordinate with w = 1). By virtual work drive j then holds its
+joint's load and w_j times the follower's, and whatever turns joint j beside its reading turns the follower w_j
 times. Where the axes are parallel a rod or belt runs along the link between: it takes its share of the follower's
 moment off that link, and what the link's bending turns, the follower turns back.
 """
@@ -35,15 +35,15 @@ class Tie:
 
 @dataclass(frozen=True)
 class Following:
-    """What a joint follows: the ties, a `constant` (rad, m), and whether its own coordinate counts too (`driven`)."""
+    """What a joint follows: the ties, a `constant` (rad, m), and whether its coordinate counts too (`driven`)."""
 
     ties: tuple[Tie, ...]
     constant: float = 0.0
     driven: bool = False
 
-    def at(self, own: Scalar, q: Sequence[Scalar]) -> Scalar:
-        """The joint's turn or shift at coordinates q of all joints, `own` among them its own."""
-        total: Scalar = own if self.driven else 0.0
+    def at(self, joint_value: Scalar, q: Sequence[Scalar]) -> Scalar:
+        """The joint's turn or shift at coordinates q of all joints, `joint_value` among them its own."""
+        total: Scalar = joint_value if self.driven else 0.0
         for tie in self.ties:
             total = plus(total, times(tie.weight, q[tie.joint]))
         return plus(total, self.constant)
@@ -55,8 +55,8 @@ class Following:
 
 
 def turns(arm: Arm, q: Sequence[Scalar]) -> list[Scalar]:
-    """How far each joint turns (rad) or slides (m) at coordinates q; what q holds of joints without a drive of their
-    own does not count."""
+    """How far each joint turns (rad) or slides (m) at coordinates q; what q holds of joints without a separate
+    drive does not count."""
     return [
         item if joint.follows is None else joint.follows.at(item, q) for joint, item in zip(arm.joints, q, strict=True)
     ]

@@ -110,7 +110,7 @@ def section_directions(link: Link, joint: Joint) -> tuple[FloatVector, FloatVect
     """The directions of a section's height and width in the link's frame.
 
     Unless the link says otherwise, the height lies in the plane in which its joint turns it; for a joint that turns
-    it about its own axis, or slides, along the frame's y (or z, where the link itself runs along y).
+    it about its axis, or slides, along the frame's y (or z, where the link itself runs along y).
     """
     along = link.direction
     if link.height_direction is not None:
@@ -125,7 +125,7 @@ def section_directions(link: Link, joint: Joint) -> tuple[FloatVector, FloatVect
 
 def carried_unturned(joints: Sequence[Joint], index: int) -> int:
     """Where angles are absolute, the joint (from 0) from whose axis on a drive carries the rest along without turning
-    it: the next that turns, past the pieces of its own link and slides that ride on it; their number if there is none,
+    it: the next that turns, past the pieces of its link and slides that ride on it; their number if there is none,
     for then even the tool turns."""
     after = range(index + joints[index].spans, len(joints))
     return next((item for item in after if joints[item].revolute), len(joints))

@@ -1,4 +1,4 @@
-"""Links cut into pieces, each a beam of its own: for loads and bending along a shape that is no longer straight."""
+"""Links cut into pieces, each a separate beam: for loads and bending along a shape that is no longer straight."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from .kinematics import section_directions
 from .vectors import IDENTITY, Scalar, minus, plus, times
 
 PIECES = 4
-"""Of each uniform elastic link. What a piece's own curvature leaves out falls with the square of their number: with
+"""Of each uniform elastic link. What a piece's curvature leaves out falls with the square of their number: with
 four it is below 0.1 um for links that bend by 10 mm."""
 
 
@@ -34,7 +34,7 @@ class Pieces:
         return range(self.first[link], self.last(link) + 1)
 
     def coordinates(self, q: Sequence[Scalar]) -> list[Scalar]:
-        """The cut arm's joint coordinates: 0 between pieces, or the link's own angle where angles are absolute."""
+        """The cut arm's joint coordinates: 0 between pieces, or the link's angle where angles are absolute."""
         turning = [self.arm.angles == "absolute" and joint.revolute for joint in self.arm.joints]
         return [
             q[owner] if index == self.first[owner] or turning[index] else 0.0 for index, owner in enumerate(self.owner)
@@ -102,5 +102,5 @@ def _at_first_pieces(entry: EffectEntry, first: Sequence[int]) -> EffectEntry:
 
 
 def _at_ends(link: Link, *, first: bool, last: bool) -> tuple[PointMass, ...]:
-    """What hangs on a piece of a link: at the link's own ends alone."""
+    """What hangs on a piece of a link: at the link's ends alone."""
     return tuple(mass for mass in link.masses if (first if mass.on == "joint" else last))

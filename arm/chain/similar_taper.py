@@ -78,20 +78,20 @@ def similar_taper(log_taper: Any) -> Taper:
     parts: list[Part] = []
     for k in range(QUARTERS):
         near, far = (1.0 + (item / QUARTERS) * (ratio - 1.0) for item in (k, k + 1))
-        own = far / near
-        area, second = near * near * own / ratio, near**4 * own / ratio
-        own_torsion = 3.0 * own**3 / (1.0 + own + own * own)
+        part_ratio = far / near
+        area, second = near * near * part_ratio / ratio, near**4 * part_ratio / ratio
+        part_torsion = 3.0 * part_ratio**3 / (1.0 + part_ratio + part_ratio * part_ratio)
         rigidities: dict[str, Any] = {
             "axial_rigidity": area,
             "flexural_rigidity_height": second,
             "flexural_rigidity_width": second,
-            "torsional_rigidity": near**4 * own_torsion * sums / (3.0 * ratio**3),
+            "torsional_rigidity": near**4 * part_torsion * sums / (3.0 * ratio**3),
             "shear_rigidity_height": area,
             "shear_rigidity_width": area,
-            **dict.fromkeys(_SHEAR_CENTRE, near * _offset(own) / _offset(ratio)),
+            **dict.fromkeys(_SHEAR_CENTRE, near * _offset(part_ratio) / _offset(ratio)),
         }
-        factors = _by_moments(own)
-        parts.append(Part(rigidities, Taper(height=factors, width=factors, offset_square=_offset_square(own))))
+        factors = _by_moments(part_ratio)
+        parts.append(Part(rigidities, Taper(height=factors, width=factors, offset_square=_offset_square(part_ratio))))
     return Taper(
         balance=(0.25 + 0.5 * ratio + 0.75 * ratio * ratio) / sums,
         height=bending,

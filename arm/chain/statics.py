@@ -117,7 +117,7 @@ class PoseState:
 
 
 def in_base_frame(state: PoseState, index: int, vector: FloatVector) -> Vector:
-    """A vector (3,) of the frame of link `index` (from 0) at a pose, in the base frame and in its own unit."""
+    """A vector (3,) of the frame of link `index` (from 0) at a pose, in the base frame and in its unit."""
     link, at_pose = state.arm.links[index], state.links[index]
     height, width = section_directions(link, state.arm.joints[index])
     axes = ((link.direction, at_pose.along), (height, at_pose.height), (width, at_pose.width))
@@ -271,7 +271,7 @@ def _hanging(
     arm: Arm, placed: Frames, q: Sequence[Scalar], beams: Sequence[Beam], pull: Vector
 ) -> list[tuple[Scalar, Load]]:
     """How far the tip is away from each branch that it is not of, and the load at the torso's end of that branch's
-    weights, as its own joints have it."""
+    weights, as its joints have it."""
     torso = arm.branches[0].first - 1
     link, frame = arm.links[torso], placed.links[torso]
     axes = (link.direction, *section_directions(link, arm.joints[torso]))
@@ -326,8 +326,8 @@ def run_out(arm: Arm, beams: Sequence[Beam], q: Sequence[Scalar]) -> Sequence[Be
     """The beams at coordinates q (rad, m): those that run out of a sleeve as long as they have."""
     if not any(link.runs_out for link in arm.links):
         return beams
-    own = turns(arm, q)
+    joint_turns = turns(arm, q)
     return [
-        beam.run_out(plus(own[k], arm.joints[k].zero)) if arm.links[k].runs_out else beam
+        beam.run_out(plus(joint_turns[k], arm.joints[k].zero)) if arm.links[k].runs_out else beam
         for k, beam in enumerate(beams)
     ]

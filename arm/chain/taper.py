@@ -72,7 +72,7 @@ def tapered_beam(length: float, section: Tapered, material: MaterialValues, *, s
     parts: list[Part] = []
     for k in range(QUARTERS):
         rows = slice(k * _NODES, (k + 1) * _NODES)
-        cut = _Cut(quarter, 0.5 * weights, fitted / mean)  # its own weight is never asked for (see `arm.limits.modes`)
+        cut = _Cut(quarter, 0.5 * weights, fitted / mean)  # its weight is never asked for (see `arm.limits.modes`)
         piece, factors = _effective(_rows(local, rows, len(share)), cut, quarter, length)
         ratios = {name: getattr(piece, name) / getattr(beam, name) for name in _OF_PARTS if getattr(beam, name)}
         parts.append(Part(ratios, factors))
@@ -164,7 +164,7 @@ def _effective(local: Beam, cut: _Cut, share: Array, length: float) -> tuple[Bea
 
 
 def _shear_centres(local: Beam, cut: _Cut, share: Array, force: Array) -> tuple[dict[str, float], float]:
-    """What a beam's shear centre is on the mean, by the flexibility of torsion, with how much more its own weight
+    """What a beam's shear centre is on the mean, by the flexibility of torsion, with how much more its weight
     (`force` beyond each place) twists it; and the mean of its square over the square of the mean."""
     means = {"shear_centre_height": 0.0, "shear_centre_width": 0.0, "torsion_by_weight": 1.0}
     if local.torsional_rigidity is None:

@@ -47,7 +47,7 @@ def _if_else_zero(condition: Any, value: Any, out: Array | None = None) -> Any:
 
 
 def _sign(x: Any, out: Array | None = None) -> Any:
-    """Sign of x as CasADi has it: a zero keeps its own sign; `out` must not alias x."""
+    """Sign of x as CasADi has it: a zero keeps its sign; `out` must not alias x."""
     return np.copysign(np.sign(x, out=out), x, out=out)
 
 

@@ -25,7 +25,7 @@ Pattern = tuple[bool, ...]
 class VectorFunction:
     """A function of many rows; made by `vectorise`, safe to call from several threads.
 
-    NumPy's sines and cosines are within 4e-16 (absolute) of the exact values; all else rounds as CasADi's own
+    NumPy's sines and cosines are within 4e-16 (absolute) of the exact values; all else rounds as CasADi's
     evaluation does, up to the last digits of library functions. NaN and infinities are those of `ca.cse(outputs)` too
     (which takes y - y for 0), but for the sign of a NaN and the sign of fmin and fmax of two zeros.
     """

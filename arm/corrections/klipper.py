@@ -12,7 +12,7 @@ import numpy as np
 
 from linkwright.core.arm.chain.chain import Arm
 from linkwright.core.arm.chain.kinematics import tip_position
-from linkwright.core.arm.descriptions.exported import GEOMETRY, effects_beside, found_geometry
+from linkwright.core.arm.descriptions.exported import GEOMETRY, effects_beside, identified_geometry
 from linkwright.core.arm.descriptions.formats import Exported
 from linkwright.core.sections.numeric import Array
 from linkwright.core.units.quantities import InputError
@@ -32,7 +32,7 @@ def skewed(arm: Arm) -> Exported:
     Raises `InputError` for another arm.
     """
     slides = _slides(arm)
-    geometry, read = found_geometry(arm), readings(arm)
+    geometry, read = identified_geometry(arm), readings(arm)
     directions = _directions(geometry)
     scales = np.array([1.0 + item.scale for item in read])
     signs = np.array([sign for _, sign in slides])

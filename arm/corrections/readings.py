@@ -21,8 +21,8 @@ class Reading:
     scale: float = 0.0
 
     @property
-    def found(self) -> bool:
-        """Whether anything was."""
+    def corrects(self) -> bool:
+        """Whether the reading needs a correction."""
         return self.offset != 0.0 or self.scale != 0.0
 
 

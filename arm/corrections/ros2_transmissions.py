@@ -25,7 +25,7 @@ def transmissions(arm: Arm) -> Exported:
     root = Element("ros2_control", {"name": "what was found", "type": "system"})
     carried: list[str] = []
     for reading in readings(arm):
-        if not reading.found:
+        if not reading.corrects:
             continue
         one = SubElement(root, "transmission", {"name": f"{reading.name}_transmission"})
         SubElement(one, "plugin").text = _PLUGIN

@@ -9,7 +9,7 @@ from collections.abc import Iterator
 
 from linkwright.core.arm.chain.chain import Arm, Joint, Link
 from linkwright.core.arm.chain.vectors import Rotation, to_roll_pitch_yaw
-from linkwright.core.arm.descriptions.exported import GEOMETRY, effects_beside, found_geometry
+from linkwright.core.arm.descriptions.exported import GEOMETRY, effects_beside, identified_geometry
 from linkwright.core.arm.descriptions.formats import Exported
 from linkwright.core.arm.effects import EFFECTS
 from linkwright.core.units.quantities import kind_of
@@ -41,7 +41,7 @@ def tabulated(arm: Arm) -> Exported:
 
 
 def _frames(arm: Arm) -> Iterator[_Row]:
-    geometry = found_geometry(arm)
+    geometry = identified_geometry(arm)
     for number, (before, after) in enumerate(zip(arm.joints, geometry.joints, strict=True), start=1):
         place = f"joint {number}"
         for (figure, unit, old), (_, _, new) in zip(_of_joint(before), _of_joint(after), strict=True):

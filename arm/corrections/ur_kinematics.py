@@ -26,7 +26,7 @@ from linkwright.core.arm.descriptions.editing.editor import CHANGED
 from linkwright.core.arm.descriptions.exported import GEOMETRY, effects_beside
 from linkwright.core.arm.descriptions.file_frames import FileFrame, FileFrames, transform
 from linkwright.core.arm.descriptions.formats import Exported
-from linkwright.core.arm.descriptions.found_frames import alike, corrections
+from linkwright.core.arm.descriptions.identified_frames import alike, corrections
 from linkwright.core.arm.descriptions.reading.elements import Element
 from linkwright.core.sections.numeric import Array
 from linkwright.core.units.files import read_bytes

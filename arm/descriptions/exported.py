@@ -114,7 +114,7 @@ def structure(arm: Arm, *, springs: bool, weighed: bool = True) -> Structure:
     if any(link.runs_out for link in arm.links):
         message = "runs out of a sleeve (bends_over), and no such format knows parts whose length changes"
         raise InputError("", f"link {[link.runs_out for link in arm.links].index(True) + 1}", message)
-    arm, names = found_geometry(arm), names_of(arm)
+    arm, names = identified_geometry(arm), names_of(arm)
     unknown = () if weighed else of_unknown_mass(arm)
     beams = beams_of(without_unknown(arm, unknown))
     added, unlike = added_parameters(arm), list[int]()
@@ -147,8 +147,8 @@ def structure(arm: Arm, *, springs: bool, weighed: bool = True) -> Structure:
             pieces.append(Piece(f"{name}_outer", name, (IDENTITY, middle), None, springs_here, far))
             ends[index] = (f"{name}_outer", (end[0], middle))
         else:
-            own = None if index in unknown else weighed_with(index, masses.whole)
-            pieces.append(Piece(name, on, origin, index, (), own))
+            inertial = None if index in unknown else weighed_with(index, masses.whole)
+            pieces.append(Piece(name, on, origin, index, (), inertial))
             ends[index] = (name, end)
     compliance = [drive_compliance(arm, index) for index in range(arm.size)]
     stiffness = tuple(1.0 / item if item > 0.0 else None for item in compliance)
@@ -179,7 +179,7 @@ def standing(joint: Joint) -> Frame:
     return rotation, add(translation, rotate(rotation, scale(joint.zero, joint.axis)))
 
 
-def found_geometry(arm: Arm) -> Arm:
+def identified_geometry(arm: Arm) -> Arm:
     """The arm with what findings say of its zeros, lengths and axes in place."""
     joints, links, followers = list(arm.joints), list(arm.links), ties_to(arm)
     for entry in arm.effects:
@@ -271,7 +271,7 @@ def _floats(vector: Array) -> FloatVector:
 
 
 def mimicked(arm: Arm, index: int) -> tuple[int, float, float] | None:
-    """The one joint (from 0) whose turn a joint (from 0) without a drive of its own follows, by what multiplier and
+    """The one joint (from 0) whose turn a joint (from 0) without a drive of its follows, by what multiplier and
     offset; None where it follows several, or the coordinate of one that follows others itself."""
     follows = arm.joints[index].follows
     if follows is None or follows.driven or len(follows.ties) != 1:

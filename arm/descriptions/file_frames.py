@@ -130,8 +130,8 @@ def _way_in_bodies(read: Mjcf, names: Sequence[str]) -> list[tuple[Element, str,
             if item.tag == "joint" and item.attributes.get("name") == names[-1]:
                 return way
             if item.tag == "body":
-                own = item.attributes.get("childclass", class_)
-                pending.append(([*way, (item, own, step)], item, own))
+                child_class = item.attributes.get("childclass", class_)
+                pending.append(([*way, (item, child_class, step)], item, child_class))
     raise InputError(read.top.file, "", f"has no joint '{names[-1]}'")
 
 

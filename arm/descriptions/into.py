@@ -1,4 +1,4 @@
-"""Identified parameters written into the user's own URDF or MJCF: a few numbers, and not a byte beside them."""
+"""Identified parameters written into the user's URDF or MJCF: a few numbers, and not a byte beside them."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from .editing.in_motion import write_joints, write_weights
 from .exported import GEOMETRY, effects_beside
 from .file_frames import FileFrames, mjcf_frames, urdf_frames
 from .formats import Exported
-from .found_frames import SAME, Corrections, corrections
+from .identified_frames import SAME, Corrections, corrections
 from .imported import import_robot
 from .in_motion import Format, effects_in_motion
 from .reading.elements import Element, elements_in
@@ -93,7 +93,8 @@ def _all(element: Element, tag: str) -> list[Element]:
 
 
 def _tip(there: FileFrames, moves: Corrections, editor: Editor) -> tuple[str, ...]:
-    """Move the frame at the arm's tip, where the last link's length or the tool changed; what could not be is told."""
+    """Move the frame at the arm's tip, where the last link's length or the tool changed; what could not be is
+    reported."""
     if np.abs(moves.tool - np.eye(4)).max() <= CHANGED:
         return ()
     for tip in there.tips:
@@ -104,7 +105,7 @@ def _tip(there: FileFrames, moves: Corrections, editor: Editor) -> tuple[str, ..
 
 
 def _servos(arm: Arm, names: Sequence[str], top: Element, editor: Editor) -> tuple[str, ...]:
-    """Write the stiffness of drives whose compliance was found into position servos; what has none is told."""
+    """Write the stiffness of drives whose compliance was found into position servos; what has none is reported."""
     lost: list[str] = []
     positions = {item.attributes.get("joint", ""): item for item in _all(top, "position")}
     for index, name in enumerate(names):

@@ -49,7 +49,7 @@ def doubts_of(
 
 
 def _of_link(name: str, link: TreeLink, robot: Robot) -> list[str]:
-    """What a link's own figures say: its tensor, and its mass beside what it is drawn by."""
+    """What a link's figures say: its tensor, and its mass beside what it is drawn by."""
     doubts: list[str] = []
     held = link.inertial
     if held is not None and held.inertia is not None:

@@ -285,7 +285,11 @@ class Way:
         folded = [name for body in bodies for name, _ in body.links if name not in (body.joint.child, self.end)]
         if folded:
             yield f"names of links that are rigid with others ({', '.join(folded)})"
-        ends = [f"{name}, as `{told}`" for name, told in ((self.start, "base"), (self.end, "tip")) if name != told]
+        ends = [
+            f"{name}, as `{usual_name}`"
+            for name, usual_name in ((self.start, "base"), (self.end, "tip"))
+            if name != usual_name
+        ]
         if ends:
             yield f"names of the base and the tip in exports ({'; '.join(ends)})"
         tags = [child.tag for joint in self.robot.joints.values() for child in joint.element.children]
@@ -378,7 +382,7 @@ def _joint(body: Body, *, first: bool) -> Joint:
     )
 
 
-def _own(joint: TreeJoint) -> tuple[tuple[Effect, Mapping[str, float]], ...]:
+def _joint_entries(joint: TreeJoint) -> tuple[tuple[Effect, Mapping[str, float]], ...]:
     """What a joint's drive has of its own, as effects with their parameters."""
     return (
         (FRICTION_COULOMB, {"torque": joint.friction}),
@@ -389,8 +393,8 @@ def _own(joint: TreeJoint) -> tuple[tuple[Effect, Mapping[str, float]], ...]:
 
 
 def _held(joint: TreeJoint) -> bool:
-    """Whether an arm file holds them: of a joint with a drive of its own, where they are finite."""
-    values = [next(iter(parameters.values())) for _, parameters in _own(joint)]
+    """Whether an arm file holds them: of a joint with a separate drive, where they are finite."""
+    values = [next(iter(parameters.values())) for _, parameters in _joint_entries(joint)]
     return joint.mimic is None and all(0.0 <= value < math.inf for value in values)
 
 
@@ -399,7 +403,7 @@ def _effects(bodies: list[Body]) -> tuple[EffectEntry, ...]:
     return tuple(
         EffectEntry(effect.id, (number,), MappingProxyType(dict(parameters)))
         for number, body in enumerate(bodies, start=1)
-        for effect, parameters in _own(body.joint)
+        for effect, parameters in _joint_entries(body.joint)
         if next(iter(parameters.values())) > 0.0 and _held(body.joint)
     )
 

@@ -219,10 +219,10 @@ class Effect:
     """One kind of physics that moves the tip, or loads the drives of a moving arm.
 
     `automatic`: in the model wherever the arm file has its data, unless `leave_out` names it; otherwise only where
-    `effects` names it. `needs` says what a recording must hold to show it, `aliases` what it cannot be told from.
-    `twists` gives what it does at a pose. `torques` gives what a motion takes of the drives beyond the rigid arm's
-    torque: by joint (from 0) an array (N,), N*m (N for slides), positive where the drive must push towards increasing
-    q; joints that it leaves alone are absent. They are linear in the sizes (`torque_sizes`) at fixed shapes.
+    `effects` names it. `needs` says what a recording must hold to show it, `aliases` what it cannot be distinguished
+    from. `twists` gives what it does at a pose. `torques` gives what a motion takes of the drives beyond the rigid
+    arm's torque: by joint (from 0) an array (N,), N*m (N for slides), positive where the drive must push towards
+    increasing q; joints that it leaves alone are absent. They are linear in the sizes (`torque_sizes`) at fixed shapes.
     `together` marks physics that all links or joints usually share (one material, one air): a diagnosis then also
     tries one parameter for all of them. `requires` names the conditions without which it moves nothing, `enough` the
     sets of parameters of which an entry must hold one to say anything (none named: any one parameter that is a size),

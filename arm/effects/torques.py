@@ -25,7 +25,7 @@ def direction(velocity: Array) -> Array:
 
 @dataclass(frozen=True)
 class OfEachDrive:
-    """The torques of an effect that takes something of each drive where it acts, by that joint's own motion.
+    """The torques of an effect that takes something of each drive where it acts, by that joint's motion.
 
     `amount` (N,) N*m (N) is that of a motion, the effect's parameters and a joint (from 0). Joints without a drive have
     none; with `only` some joints, the others neither.

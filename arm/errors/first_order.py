@@ -57,12 +57,12 @@ def beyond_first_order(
     settled = True
     for index, case in enumerate(cases):
         state = solve(arm, [q[:, joint] for joint in range(arm.size)], beams_of(arm, (case,)), case)
-        exact, first, result = _both(state, effects, channels)
+        exact, first, result = _exact_and_linear(state, effects, channels)
         if case.relative_to is not None:
-            exact_there, first_there, found_there = _both(
+            exact_there, first_there, solved_there = _exact_and_linear(
                 calibrated_state(state), when_calibrated(effects, case), channels
             )
-            exact, first, result = exact - exact_there, first - first_there, result & found_there
+            exact, first, result = exact - exact_there, first - first_there, result & solved_there
         if projections is not None:
             exact, first = (np.einsum("nij,nj->ni", projections, item) for item in (exact, first))
         off: Array = np.linalg.norm(exact - first, axis=1)
@@ -74,7 +74,9 @@ def beyond_first_order(
     return BeyondFirstOrder(at_worst, most if settled else None, longer if settled else None, len(q))
 
 
-def _both(state: PoseState, effects: Sequence[ActiveEffect], channels: Asked) -> tuple[Array, Array, NDArray[np.bool_]]:
+def _exact_and_linear(
+    state: PoseState, effects: Sequence[ActiveEffect], channels: Asked
+) -> tuple[Array, Array, NDArray[np.bool_]]:
     """How far the tip has moved (N, 3), as it stands and to first order, m; and where it finds a shape."""
     shape = deformed(state, effects, channels.rows, play_stays=state.arm.play != "loaded")
     first = sum(

@@ -5,7 +5,7 @@ with a disc around it: its farthest point is a vertex, plus the sum of the radii
 normals, and the farthest point is sought by climbing the support function v(d), d = v/|v|, from many directions
 (each step cannot decrease |v|, since the set is convex).
 loaded: each play lies where its load pushes it; play without load counts as worst. What a calibration took of it, where
-its own load had pushed it, comes off; of play that no load pushed it took the middle.
+its load had pushed it, comes off; of play that no load pushed it took the middle.
 statistical: a quantile over seeded draws, uniform in each interval and over each disc, the same draws at every pose.
 """
 

@@ -62,7 +62,7 @@ _BALANCE = ("balancer", "counterweight", "counterweight_at")
 def needs_shear_modulus(arm: Arm, loads: Sequence[LoadCase] = ()) -> bool:
     """Whether the arm's model asks its materials for a shear modulus: for shear, or for torsion out of the plane.
 
-    A load case of `loads` (the arm's own payload by default) may press a planar arm out of its plane.
+    A load case of `loads` (the arm's payload by default) may press a planar arm out of its plane.
     """
     needs = {effect.effect.link.shear_modulus for effect in active_effects(arm)}
     planar = all(planar_in(arm, load) for load in (loads or arm.cases))
@@ -70,13 +70,13 @@ def needs_shear_modulus(arm: Arm, loads: Sequence[LoadCase] = ()) -> bool:
 
 
 def needs_thermal_expansion(arm: Arm) -> bool:
-    """Whether the arm's model asks its materials how much they expand: the effect does not bring its own figure."""
+    """Whether the arm's model asks its materials how much they expand: the effect does not bring its figure."""
     needs = [(effect.effect.link.expansion_unless, effect.settings.values) for effect in active_effects(arm)]
     return any(name is not None and name not in given for name, given in needs)
 
 
 def beams_of(arm: Arm, loads: Sequence[LoadCase] = ()) -> tuple[Beam, ...]:
-    """The beams that an arm's links are, at its temperature, for load cases (its own payload by default).
+    """The beams that an arm's links are, at its temperature, for load cases (its payload by default).
 
     Raises `PropertyNeeded` for a link of unknown mass, `MissingProperty` or `OutOfRange` for a material's figure.
     """
@@ -203,7 +203,7 @@ def error_model(
     drives: bool = False,
     counted: Counted = "position",
 ) -> ErrorModel:
-    """The arm's error model under the load cases (its own payload by default); `only` keeps a single effect, `counted`
+    """The arm's error model under the load cases (its payload by default); `only` keeps a single effect, `counted`
     is what is counted of the tip's error (of `orientation` all vectors are rotations, rad).
 
     With `drives` the row p goes on with a factor of each joint's stiffness, then of each joint's backlash.

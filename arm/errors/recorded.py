@@ -1,6 +1,6 @@
 """What instruments read: the model at the poses and conditions of a recording, where play has come to lie somewhere.
 
-The tip's position is the first channel. Others show more physics: an encoder on the joint's own side sees what the
+The tip's position is the first channel. Others show more physics: an encoder on the joint's side sees what the
 drive does between motor and joint, a target on the base sees the base and the measuring frame move, and where commands
 are logged beside encoders their difference shows what the servo lets go. A target that shows how the tool is turned
 tells turns from shifts, and a level on the base or a link what turns that against the plumb line.
@@ -152,7 +152,7 @@ def _none(channels: Asked, wanted: bool, columns: int) -> Array | None:
 
 
 def _drives(state: PoseState, twists: Iterable[Twist], channels: Asked) -> Array:
-    """How far each joint moves along its own coordinate."""
+    """How far each joint moves along its coordinate."""
     moved = np.zeros((channels.rows, len(state.joints)))
     for twist in twists:
         if twist.node == "joint":

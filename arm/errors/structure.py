@@ -71,7 +71,7 @@ def link_entries(link: Link) -> object:
 
 
 def entries(value: object) -> object:
-    """A value as something to compare and to hash: dataclasses by all their fields, those that their own comparison
+    """A value as something to compare and to hash: dataclasses by all their fields, those that their comparison
     leaves out too; mappings, lists and arrays by what they hold."""
     if isinstance(value, tuple | list):
         return tuple(map(entries, cast("tuple[object, ...] | list[object]", value)))
@@ -96,7 +96,7 @@ def by_structure(
         return build(structure.arm, *args, **options)
 
     @wraps(build)
-    def found(arm: Arm, *args: Options.args, **options: Options.kwargs) -> Result:
+    def of_arm(arm: Arm, *args: Options.args, **options: Options.kwargs) -> Result:
         return cast("Callable[..., Result]", cached)(Structure(arm), *args, **options)
 
-    return found
+    return of_arm

@@ -114,9 +114,9 @@ class Average(PoseFamily[AverageError]):
         errors = [search.errors(poses, design.p, case).error for case in range(len(design.load_cases))]
         return AverageError(tuple(_mean(error, shares) for error in errors), len(poses))
 
-    def values(self, found: AverageError) -> Mapping[str, float | None]:
+    def values(self, result: AverageError) -> Mapping[str, float | None]:
         """The greatest of any load case."""
-        return {self.name: max(found.by_case)}
+        return {self.name: max(result.by_case)}
 
     def worst(self, prepared: PreparedAverage, problem: Asked, design: DesignValues) -> list[Worst]:
         """The average of each load case, with where play stands."""
@@ -126,9 +126,9 @@ class Average(PoseFamily[AverageError]):
             error = design.search.errors(prepared.poses, design.p, group)
             plays = np.zeros((len(prepared.poses), prepared.plays))
             plays[:, : error.signs.shape[1]] = error.signs
-            told = np.hstack([plays, error.shifts.sum(axis=1)])
+            row = np.hstack([plays, error.shifts.sum(axis=1)])
             place = (0.0,) * prepared.poses.shape[1]
-            cut = Cut(place, group, tuple(told.ravel().tolist()))
+            cut = Cut(place, group, tuple(row.ravel().tolist()))
             worst.append(Worst(self.name, _mean(error.error, prepared.shares), cut))
         return worst
 
@@ -151,7 +151,7 @@ def _mean(errors: Array, shares: Array) -> float:
 
 
 class SearchedError(PoseFamily[WorstCase]):
-    """The worst over a workspace of what counts of the tip's error, by a search of its own without a certificate: a cut
+    """The worst over a workspace of what counts of the tip's error, by a separate search without a certificate: a cut
     holds where play stands beside the pose. `name` is that of its figure."""
 
     is_error: ClassVar[bool] = True
@@ -183,9 +183,9 @@ class SearchedError(PoseFamily[WorstCase]):
         for number, value, slack in held.on(self.name):
             yield number, 0.5 * ca.log(ca.dot(vector, vector) + _FLOOR) - ca.log(value) - slack
 
-    def values(self, found: WorstCase) -> Mapping[str, float | None]:
+    def values(self, result: WorstCase) -> Mapping[str, float | None]:
         """The worst of it."""
-        return {self.name: found.error}
+        return {self.name: result.error}
 
     def worst(self, prepared: WorstSearch, problem: Asked, design: DesignValues) -> list[Worst]:
         """The worst poses, with where play stands."""
@@ -259,10 +259,10 @@ class CaseError(SearchedError):
 
 def error_of_case(case: int) -> Figure:
     """The worst error under one load case (from 0), which a limit of that case's own is on."""
-    return _own(CaseError(case), f"worst error of load case {case + 1}")
+    return _part_figure(CaseError(case), f"worst error of load case {case + 1}")
 
 
-def _own(family: CaseError | PointError, title: str) -> Figure:
+def _part_figure(family: CaseError | PointError, title: str) -> Figure:
     return Figure(
         name=family.name,
         title=title,
@@ -314,7 +314,7 @@ class PointError(SearchedError):
 
 def error_at_point(number: int) -> Figure:
     """The worst error at a point (from 0) of a workspace, which a limit of that point's own is on."""
-    return _own(PointError(number), f"worst error at point {number + 1}")
+    return _part_figure(PointError(number), f"worst error at point {number + 1}")
 
 
 AVERAGE = Average()

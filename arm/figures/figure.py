@@ -88,11 +88,11 @@ class Asked(Protocol):
 
 _LOOSE = 1e9
 """A limit that is looser by this factor holds nothing back."""
-Found = TypeVar("Found")
+FigureResult = TypeVar("FigureResult")
 """What a family tells of a design: its figures, where they are, and whatever else comes with them."""
 
 
-class PoseFamily(ABC, Generic[Found]):
+class PoseFamily(ABC, Generic[FigureResult]):
     """Figures that have a value at every pose and share the work that finds it."""
 
     name: str
@@ -131,43 +131,43 @@ class PoseFamily(ABC, Generic[Found]):
         the limit that it holds."""
 
     @abstractmethod
-    def evaluate(self, design: DesignValues) -> Found | None:
+    def evaluate(self, design: DesignValues) -> FigureResult | None:
         """The worst of its figures over the workspace for a design; None where nothing has them. Raises
         `MissingProperty` for what they need of a material that alone needs it."""
 
     @abstractmethod
-    def values(self, found: Found) -> Mapping[str, float | None]:
+    def values(self, result: FigureResult) -> Mapping[str, float | None]:
         """Its figures (SI), by name; None where one is not known or nothing has it."""
 
-    def of_links(self, found: Found, name: str) -> Mapping[int, float | None]:
+    def of_links(self, result: FigureResult, name: str) -> Mapping[int, float | None]:
         """A figure of each link that has it (from 0), where a limit may ask different things of them."""
-        del found, name
+        del result, name
         return {}
 
     @abstractmethod
     def worst(self, prepared: Any, problem: Asked, design: DesignValues) -> list[Worst]:
         """The worst of each figure over the workspace for a design, with the poses that show it."""
 
-    def unknown(self, found: Found | None) -> Mapping[str, str]:
+    def unknown(self, result: FigureResult | None) -> Mapping[str, str]:
         """Why figures are not known, by what an evaluation calls them."""
-        del found
+        del result
         return {}
 
-    def warnings(self, arm: Arm, found: Found) -> Sequence[str]:
+    def warnings(self, arm: Arm, result: FigureResult) -> Sequence[str]:
         """A line for each thing that fails as the arm is."""
-        del arm, found
+        del arm, result
         return ()
 
     def load_case(self, cut: Cut) -> int:
         """The load case of a cut: its group, unless a family says otherwise."""
         return cut.group
 
-    def first(self, found: Sequence[Worst]) -> list[Cut]:
+    def first(self, result: Sequence[Worst]) -> list[Cut]:
         """The poses to begin an exchange with, of those that a first design shows."""
-        return [item.cut for item in found]
+        return [item.cut for item in result]
 
     def at_pose(self, prepared: Any, group: int, q: Array, designs: Designs) -> Mapping[str, Array]:
-        """The figures (N) of many designs, each at a pose of its own q (N, n) under a load case."""
+        """The figures (N) of many designs, each at a pose of its q (N, n) under a load case."""
         del prepared, group, q, designs
         return {}
 
@@ -365,7 +365,7 @@ class Figure:
         """The pose at which an evaluation has it; None where it has none worth telling."""
         assert isinstance(self.follows, ThroughPoses)
         assert self.where is not None
-        result = evaluation.found.get(self.follows.family.name)
+        result = evaluation.by_family.get(self.follows.family.name)
         return None if result is None else self.where(result)
 
     def of_links(self, arm: Arm, limit: Limit | None = None) -> float | None:
@@ -386,7 +386,7 @@ class Figure:
         return min(values) if self.more_is_better else max(values)
 
     def badness(self, value: float) -> float:
-        """The value where less is better, its reciprocal where more is; its own inverse."""
+        """The value where less is better, its reciprocal where more is; its inverse."""
         return 1.0 / value if self.more_is_better else value
 
     @property
@@ -401,9 +401,9 @@ class Figure:
         follows = self.follows
         return isinstance(follows, WorstError) or (isinstance(follows, ThroughPoses) and follows.family.is_error)
 
-    def told(self, evaluation: Evaluation) -> bool:
-        """Whether there is anything to tell of it: a value, or a reason why none is known. A number of kinds is told
-        where a limit is on it, with that."""
+    def is_reported(self, evaluation: Evaluation) -> bool:
+        """Whether there is anything to tell of it: a value, or a reason why none is known. A number of kinds is
+        reported where a limit is on it, with that."""
         if isinstance(self.follows, OfKinds):
             return False
         if self.value(evaluation) is not None or self.name in evaluation.unknown:
@@ -520,7 +520,7 @@ class Limit:
         follows = self.figure.follows
         if not isinstance(follows, ThroughPoses):
             return self.figure.of_links(evaluation.arm, self)
-        posed = evaluation.found.get(follows.family.name)
+        posed = evaluation.by_family.get(follows.family.name)
         by_link = {} if posed is None else follows.family.of_links(posed, self.name)
         values = [
             None if item is None else item / self.share_of(evaluation.arm, link) for link, item in by_link.items()

@@ -267,13 +267,13 @@ class Modes(PoseFamily[Frequency]):
         """The slowest mode; None where nothing in the model gives."""
         return least_frequency(design.arm, design.search, design.beams, design.p, design.load_cases)
 
-    def values(self, found: Frequency) -> Mapping[str, float | None]:
+    def values(self, result: Frequency) -> Mapping[str, float | None]:
         """The least frequency."""
-        return {FIRST_FREQUENCY.name: found.value}
+        return {FIRST_FREQUENCY.name: result.value}
 
-    def unknown(self, found: Frequency | None) -> Mapping[str, str]:
+    def unknown(self, result: Frequency | None) -> Mapping[str, str]:
         """A rigid arm has none."""
-        return {} if found else {self.called: "nothing in the model gives, so there is no bending frequency"}
+        return {} if result else {self.called: "nothing in the model gives, so there is no bending frequency"}
 
     def worst(self, prepared: tuple[Arm, SegmentedArm], problem: Asked, design: DesignValues) -> list[Worst]:
         """The slowest mode; none where nothing in the model gives."""
@@ -306,5 +306,5 @@ FIRST_FREQUENCY = Figure(
     follows=ThroughPoses(MODES),
     more_is_better=True,
     note="least",
-    where=lambda found: found.q,
+    where=lambda result: result.q,
 )

@@ -294,20 +294,20 @@ class Walls(PoseFamily[LocalBuckling]):
     def _over(self, design: DesignValues, cases: Sequence[LoadsCase], least: float) -> LocalBuckling:
         return local_buckling(design.arm, cases, design.beams, design.poses, design.p, design.search, least=least)
 
-    def values(self, found: LocalBuckling) -> Mapping[str, float | None]:
+    def values(self, result: LocalBuckling) -> Mapping[str, float | None]:
         """The least factor of any wall."""
-        return {LOCAL_BUCKLING.name: found.least}
+        return {LOCAL_BUCKLING.name: result.least}
 
-    def unknown(self, found: LocalBuckling | None) -> Mapping[str, str]:
+    def unknown(self, result: LocalBuckling | None) -> Mapping[str, str]:
         """Of walls or of what their material does across them."""
-        return {} if found is None or found.unknown is None else {LOCAL_BUCKLING.name: found.unknown}
+        return {} if result is None or result.unknown is None else {LOCAL_BUCKLING.name: result.unknown}
 
-    def warnings(self, arm: Arm, found: LocalBuckling) -> list[str]:
+    def warnings(self, arm: Arm, result: LocalBuckling) -> list[str]:
         """One line for each link whose walls buckle under what they bear."""
         del arm
         return [
             f"link {link.link + 1}: walls buckle under {link.factor:.3g} times what they bear ({link.wall})"
-            for link in found.links
+            for link in result.links
             if link.factor is not None and link.factor < 1.0
         ]
 

@@ -1,7 +1,7 @@
 """How stiff a planar arm is out of its plane, which its planar model does not count: a thin section bends sideways.
 
-Links bend about their other axis and, where the arm is bent, twist; joints give in their own motion and, where they
-have a `tilting_stiffness`, in their bearings. To first order, by unit forces across the plane through the arm's own
+Links bend about their other axis and, where the arm is bent, twist; joints give in their motion and, where they
+have a `tilting_stiffness`, in their bearings. To first order, by unit forces across the plane through the arm's
 model in space.
 """
 

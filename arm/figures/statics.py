@@ -21,7 +21,7 @@ from linkwright.core.sections.numeric import Array
 from linkwright.core.sections.symbols import column_of_symbols
 
 from .design import DesignExpressions, Designs, DesignValues
-from .figure import Asked, Cut, Found, Held, PoseFamily, ThroughPoses, Worst
+from .figure import Asked, Cut, FigureResult, Held, PoseFamily, ThroughPoses, Worst
 
 if TYPE_CHECKING:
     from linkwright.core.arm.worst.search import WorstSearch
@@ -78,7 +78,7 @@ def at_poses(name: str, values: Values, *, least: bool = False, either_way: bool
     return ThroughPoses(Extremes(name, values, least=least, either_way=either_way))
 
 
-class OfStatics(PoseFamily[Found]):
+class OfStatics(PoseFamily[FigureResult]):
     """The greatest of some values of a pose's state, or the least, or the greatest of their sizes."""
 
     needs = frozenset({"masses"})
@@ -145,6 +145,6 @@ class Extremes(OfStatics[Extreme]):
         every = self.each(design, self.cases(design.arm, design.load_cases))
         return min(every, key=lambda item: -self._sign * item.value, default=None)
 
-    def values(self, found: Extreme) -> Mapping[str, float | None]:
+    def values(self, result: Extreme) -> Mapping[str, float | None]:
         """The worst value."""
-        return {self.name: found.value}
+        return {self.name: result.value}

@@ -6,8 +6,8 @@ also where transverse shear counts (Jourawski's V Q / (I b)): on the neutral axi
 what bends there. Of solid and round sections nothing between is worse.
 
 Buckling: each link as an Euler column fixed at its joint and free at its end (effective length 2 L; Gere & Goodno,
-Mechanics of Materials, columns), under what presses its far end and its own weight, which is spread along it (along a
-tapered link it counts as if it were at the far end). Deflection: a link's own bending against a tenth of its length,
+Mechanics of Materials, columns), under what presses its far end and its weight, which is spread along it (along a
+tapered link it counts as if it were at the far end). Deflection: a link's bending against a tenth of its length,
 where linear theory ends.
 """
 
@@ -64,7 +64,7 @@ Stability, 2nd ed., 1961, art. 2.12)."""
 _CLIMBS = 3
 """Climbs for each station of each link, and for each link's compression."""
 LARGEST_DEFLECTION = 0.1
-"""A link's own bending beyond this share of its length is outside linear theory."""
+"""A link's bending beyond this share of its length is outside linear theory."""
 
 
 @dataclass(frozen=True)
@@ -72,7 +72,7 @@ class StrengthCase(Expressions):
     """Stress, compression and deflection under one load case, as functions of poses.
 
     From (q, p, s) to: equivalent stresses (Pa; link after link, each at `STATIONS`), the share of Euler's
-    load that presses each link (negative in tension), and each link's own deflection over its length. Rigid links are
+    load that presses each link (negative in tension), and each link's deflection over its length. Rigid links are
     left out: `links` numbers those that are listed.
     """
 
@@ -175,7 +175,7 @@ def _moments(link: LinkState, rest: Scalar, half: Vector) -> tuple[Scalar, Scala
 
 def _sheared(link: LinkState, section: Sequence[Any]) -> list[Scalar]:
     """The stresses where shear counts, at the joint and at the far end: a transverse force changes only by the link's
-    own weight between them."""
+    weight between them."""
     far = (0.0, scale(0.0, link.weight), scale(0.0, link.weight))
     near = (link.beam.length, link.weight, scale(link.beam.taper.balance, link.weight))
     stations = link.beam.taper.stations
@@ -233,7 +233,7 @@ class StrengthResult:
     """The worst over poses and load cases, link by link (numbered from 0).
 
     `stress` in Pa; `safety_factor` is yield strength over stress, None where a material has no yield strength;
-    `buckling` is Euler's load over the compression, infinite where nothing presses; `deflection` is each link's own
+    `buckling` is Euler's load over the compression, infinite where nothing presses; `deflection` is each link's
     bending over its length. `poses` are the poses (q) and load cases of the greatest stress.
     """
 
@@ -358,37 +358,37 @@ class Strength(PoseFamily[StrengthResult]):
         """Each link's greatest stress and greatest compression."""
         return strength_over(design.arm, design.load_cases, design.poses, design.p, design.search)
 
-    def values(self, found: StrengthResult) -> Mapping[str, float | None]:
+    def values(self, result: StrengthResult) -> Mapping[str, float | None]:
         """The least factors of any link."""
-        return {SAFETY_FACTOR.name: found.least_safety_factor, BUCKLING.name: found.least_buckling}
+        return {SAFETY_FACTOR.name: result.least_safety_factor, BUCKLING.name: result.least_buckling}
 
-    def of_links(self, found: StrengthResult, name: str) -> Mapping[int, float | None]:
+    def of_links(self, result: StrengthResult, name: str) -> Mapping[int, float | None]:
         """The factor of each elastic link."""
         return dict(
-            zip(found.links, found.safety_factor if name == SAFETY_FACTOR.name else found.buckling, strict=True)
+            zip(result.links, result.safety_factor if name == SAFETY_FACTOR.name else result.buckling, strict=True)
         )
 
-    def unknown(self, found: StrengthResult | None) -> Mapping[str, str]:
+    def unknown(self, result: StrengthResult | None) -> Mapping[str, str]:
         """A safety factor needs a yield strength."""
-        if found is not None and found.least_safety_factor is not None:
+        if result is not None and result.least_safety_factor is not None:
             return {}
         return {SAFETY_FACTOR.name: "a link's material has no yield strength, or no link has a section"}
 
-    def warnings(self, arm: Arm, found: StrengthResult) -> list[str]:
+    def warnings(self, arm: Arm, result: StrengthResult) -> list[str]:
         """One line for each link that yields, buckles, or bends beyond a tenth of its length."""
         del arm
         lines: list[str] = []
-        for index, link in enumerate(found.links):
-            factor, buckling = found.safety_factor[index], found.buckling[index]
+        for index, link in enumerate(result.links):
+            factor, buckling = result.safety_factor[index], result.buckling[index]
             name = f"link {link + 1}"
-            if found.deflection[index] > LARGEST_DEFLECTION:
-                share = found.deflection[index]
+            if result.deflection[index] > LARGEST_DEFLECTION:
+                share = result.deflection[index]
                 lines.append(
                     f"{name} bends by {share:.3g} of its length: beyond a tenth, linear theory (and so the error "
                     "printed) means nothing"
                 )
             if factor is not None and factor < 1.0:
-                lines.append(f"{name} yields: {found.stress[index] / 1e6:.4g} MPa, safety factor {factor:.3g}")
+                lines.append(f"{name} yields: {result.stress[index] / 1e6:.4g} MPa, safety factor {factor:.3g}")
             if math.isfinite(buckling) and buckling < 1.0:
                 lines.append(f"{name} buckles: the compression is {1.0 / buckling:.3g} times Euler's load")
         return lines

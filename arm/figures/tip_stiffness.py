@@ -1,11 +1,11 @@
 """How stiff an arm is at its tip: the least force over the displacement that it brings, whatever its direction.
 
-The compliance matrix C (m/N) holds the tip's displacements under unit forces through the arm's own model; the stiffness
+The compliance matrix C (m/N) holds the tip's displacements under unit forces through the arm's model; the stiffness
 at a pose is one over its largest singular value. Of a planar arm C is that of its plane; what it gives out of it, which
 a planar model does not count, is told by `arm.figures.sideways`.
 
 A limit holds through cuts, each a pose with a direction u of the force: |C u| is at most the largest singular value
-of the compliance C, whatever u, and equals it where u is its own direction. So every cut is valid for every design,
+of the compliance C, whatever u, and equals it where u is its direction. So every cut is valid for every design,
 smooth, and exact where it was made.
 """
 
@@ -198,9 +198,9 @@ class Stiffness(PoseFamily[TipStiffness]):
         stiffness = least_stiffness(self.of_arm(evaluation.arm, cases), poses, p)
         return None if stiffness is None else stiffness.value
 
-    def values(self, found: TipStiffness) -> Mapping[str, float | None]:
+    def values(self, result: TipStiffness) -> Mapping[str, float | None]:
         """The least stiffness."""
-        return {self.called: found.value}
+        return {self.called: result.value}
 
     def worst(self, prepared: PreparedStiffness, problem: Asked, design: DesignValues) -> list[Worst]:
         """The softest pose of the workspace, or each of the poses that a limit names."""
@@ -229,9 +229,9 @@ class Stiffness(PoseFamily[TipStiffness]):
         return np.min([stiffnesses(prepared.compliance.matrices(q, designs.p)) for q in places], axis=0)
 
 
-def softest_pose(found: TipStiffness) -> tuple[float, ...]:
+def softest_pose(result: TipStiffness) -> tuple[float, ...]:
     """The pose that has the least stiffness."""
-    return found.q
+    return result.q
 
 
 def stiffness_figure(name: str, family: Stiffness, key: str, **more: Any) -> Figure:

@@ -1,7 +1,7 @@
 """What a joint's drive has to hold: the greatest torque over a workspace, against its rated one.
 
 The loads are static, as everything here: payload, process force and weights. Accelerations come on top, and a motion
-that takes long at the greatest torque is for the maker's own selection procedure.
+that takes long at the greatest torque is for the maker's selection procedure.
 """
 
 from __future__ import annotations
@@ -86,15 +86,15 @@ class Torques(OfStatics[DriveLoads]):
         cases = [drive_case(design.arm, load) for load in design.load_cases]
         return greatest_drive_loads(design.arm, cases, design.poses, design.p, design.search)
 
-    def values(self, found: DriveLoads) -> Mapping[str, float | None]:
+    def values(self, result: DriveLoads) -> Mapping[str, float | None]:
         """The greatest use of any drive."""
-        return {TORQUE_USE.name: found.greatest_use}
+        return {TORQUE_USE.name: result.greatest_use}
 
-    def warnings(self, arm: Arm, found: DriveLoads) -> list[str]:
+    def warnings(self, arm: Arm, result: DriveLoads) -> list[str]:
         """One line for each joint whose drive has to hold more than it can."""
         return [
             f"joint {number} holds up to {held:.4g} {_unit(joint)}, more than {_rating_in_words(joint)}"
-            for number, (joint, held) in enumerate(zip(arm.joints, found.greatest, strict=True), start=1)
+            for number, (joint, held) in enumerate(zip(arm.joints, result.greatest, strict=True), start=1)
             if (most := joint.greatest_static_load) is not None and held > most
         ]
 

@@ -53,19 +53,19 @@ def read_branches(mapping: Mapping, catalogue: Catalogue, torso: int) -> Branche
             if body.has("at") and body.integer("at") != torso:
                 raise body.error("at", f"can be {torso} only: branches stand on the last link of the torso (chain)")
             entries = _entries(body, catalogue)
-            own_joints, own_links = joined(body, entries)
+            branch_joints, branch_links = joined(body, entries)
             first = torso + len(joints)
             # A branch's joints are numbered within it, as its columns are.
-            whole = dict(zip(range(len(own_joints)), range(first, first + len(own_joints)), strict=True))
-            own_joints = tuple(
+            whole = dict(zip(range(len(branch_joints)), range(first, first + len(branch_joints)), strict=True))
+            branch_joints = tuple(
                 joint if joint.follows is None else replace(joint, follows=joint.follows.moved(whole))
-                for joint in own_joints
+                for joint in branch_joints
             )
             tool = _tool(body)
             payload = _payload(body)
-            branches.append(Branch(name, first, first + len(own_joints), tool, payload, 1.0 if branches else 0.0))
-        joints += own_joints
-        links += own_links
+            branches.append(Branch(name, first, first + len(branch_joints), tool, payload, 1.0 if branches else 0.0))
+        joints += branch_joints
+        links += branch_links
     return Branches(tuple(joints), tuple(links), tuple(branches))
 
 

@@ -42,7 +42,7 @@ def is_modified(mapping: Mapping) -> bool:
 
 def modified_dh(row: DhRow, joint: Joint) -> tuple[tuple[Rotation, FloatVector], Joint]:
     """Modified (proximal) parameters, Rx(alpha) Tx(a) Rz(theta + q) Tz(d) with a and alpha of the link before: where
-    the joint stands (J. J. Craig, Introduction to Robotics, ch. 3). As d lies along the joint's own axis, it can go
+    the joint stands (J. J. Craig, Introduction to Robotics, ch. 3). As d lies along the joint's axis, it can go
     before the turn."""
     twist = from_roll_pitch_yaw(row.alpha, 0.0, 0.0)
     up: FloatVector = (twist[0][2], twist[1][2], twist[2][2])

@@ -19,10 +19,10 @@ _NOTHING = 1e-11
 def differences(meant: Arm, back: Arm) -> Iterator[str]:
     """What an arm that was read back says otherwise than the one that was meant, by the keys of an arm file, numbers in
     SI; nothing where it is the same arm."""
-    yield from _differing(_told(meant), _told(back), "")
+    yield from _differing(_file_values(meant), _file_values(back), "")
 
 
-def _told(arm: Arm) -> dict[str, Any]:
+def _file_values(arm: Arm) -> dict[str, Any]:
     """What a file tells of an arm, by its keys."""
     chain = [{"joint": _joint(joint), "link": link} for joint, link in zip(arm.joints, arm.links, strict=True)]
     whole = {field.name: getattr(arm, field.name) for field in fields(arm) if field.compare}

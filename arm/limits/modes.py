@@ -93,11 +93,11 @@ def _cut(arm: Arm) -> tuple[Arm, list[int], list[SegmentKind]]:
     owner: list[int] = []
     kinds: list[SegmentKind] = []
     for index, (joint, link) in enumerate(zip(arm.joints, arm.links, strict=True)):
-        own: list[SegmentKind] = ["part"] * SEGMENTS if link.elastic else ["before", "after"]
+        segments: list[SegmentKind] = ["part"] * SEGMENTS if link.elastic else ["before", "after"]
         if joint.mass and (not joint.revolute or any(joint.origin_translation)):
-            own.insert(0, "head")
-        pieces = len(own)
-        kinds += own
+            segments.insert(0, "head")
+        pieces = len(segments)
+        kinds += segments
         height, _ = section_directions(link, joint)
         axis = joint.axis if joint.revolute else (0.0, 0.0, 1.0)
         starts = {link: owner.index(link) for link in range(index)}
@@ -116,7 +116,7 @@ def _cut(arm: Arm) -> tuple[Arm, list[int], list[SegmentKind]]:
 
 
 def segment_coordinates(arm: SegmentedArm, q: Sequence[Scalar]) -> list[Scalar]:
-    """The segmented arm's joint coordinates: 0 between segments, or the link's own angle where angles are absolute."""
+    """The segmented arm's joint coordinates: 0 between segments, or the link's angle where angles are absolute."""
     out: list[Scalar] = []
     for index, owner in enumerate(arm.owner):
         first = index == 0 or arm.owner[index - 1] != owner

@@ -113,17 +113,21 @@ def _size(value: Any) -> Any:
     return sqrt(value * value + _NOTHING)
 
 
-def modes_of(section: Section, found: SectionProperties, material: MaterialValues) -> list[tuple[str, Mode]] | None:
+def modes_of(
+    section: Section, properties: SectionProperties, material: MaterialValues
+) -> list[tuple[str, Mode]] | None:
     """How each wall of a section of these properties buckles, with what it is called; none where it is solid, None
     where its walls, or how its material bends in them, are not known."""
-    known = walls(section, (found.centroid_y, found.centroid_z))
+    known = walls(section, (properties.centroid_y, properties.centroid_z))
     if known is None or (known and material.walls is None):
         return None
     modes: list[tuple[str, Mode]] = []
     for wall in known:
         assert material.walls is not None
-        own = _round(wall, found, material.walls) if wall.ends is None else _flat(wall, found, material.walls)
-        modes += [(wall.text, mode) for mode in own]
+        modes_here = (
+            _round(wall, properties, material.walls) if wall.ends is None else _flat(wall, properties, material.walls)
+        )
+        modes += [(wall.text, mode) for mode in modes_here]
     return modes
 
 

@@ -47,8 +47,8 @@ def climbed(
 def plainest(load: Callable[[Array], Array], pose: Array, box: tuple[Array, Array]) -> Array:
     """The plainest pose (n,) within a box of joint coordinates that is as bad as one of its poses but for rounding:
     joints that do not count stand at zero, or as near to it as they come, and of two poses that mirror each other
-    the one whose first joint is off to the positive side is told. `load` (N,) of poses (N, n) is greatest where they
-    are worst."""
+    the one whose first joint is off to the positive side is reported. `load` (N,) of poses (N, n) is greatest where
+    they are worst."""
     least = float(load(pose[None])[0]) * (1.0 - _THE_SAME)
     plain = pose.copy()
     for joint, nearest in enumerate(np.clip(0.0, *box).tolist()):

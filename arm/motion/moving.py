@@ -22,7 +22,7 @@ PIECE = 8192
 @dataclass(frozen=True)
 class MovingLink:
     """A link at M instants. In the base frame: its joint's `axis` and `origin` (3, M), m, and its `rotation` (3, 3, M).
-    In its own frame: the `acceleration` of its origin (3, M), m/s^2, gravity taken off, and how it is `turning` (rad/s)
+    In its frame: the `acceleration` of its origin (3, M), m/s^2, gravity taken off, and how it is `turning` (rad/s)
     and `spinning_up` (rad/s^2)."""
 
     axis: Array
@@ -75,7 +75,7 @@ def pieces(size: int) -> Iterator[slice]:
 
 
 def moving(arm: Arm, q: Array, velocity: Array, acceleration: Array, gravity: FloatVector | None = None) -> MovingArm:
-    """An arm's links at coordinates, velocities and accelerations (M, n), under its own gravity or another (m/s^2)."""
+    """An arm's links at coordinates, velocities and accelerations (M, n), under its gravity or another (m/s^2)."""
     count = len(q)
     turns = turns_by_drives(arm)
     rates, speeding = (velocity @ turns.T).T, (acceleration @ turns.T).T

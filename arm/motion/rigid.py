@@ -192,12 +192,12 @@ def _about_joints(arm: Arm, here: MovingArm, parameters: Array, payload_mass: Ar
 def _other_payload(arm: Arm, mass: Array) -> Array:
     """What another payload (M,) kg adds to the last link's parameters (10, M)."""
     place = tip_of_last_link(arm)
-    own, unit = ball(arm.payload.mass, place), ball(1.0, place)
+    payload_ball, unit = ball(arm.payload.mass, place), ball(1.0, place)
     point = parameters_of(Mass(1.0, place, np.zeros((3, 3))))
-    # A ball's own inertia goes with mass and radius squared, and so with the mass to the power of 5/3.
+    # A ball's inertia goes with mass and radius squared, and so with the mass to the power of 5/3.
     shape = np.zeros(10)
     shape[[4, 7, 9]] = unit.inertia[0, 0]
-    return point[:, None] * mass + shape[:, None] * mass ** (5.0 / 3.0) - parameters_of(own)[:, None]
+    return point[:, None] * mass + shape[:, None] * mass ** (5.0 / 3.0) - parameters_of(payload_ball)[:, None]
 
 
 def _wrench(link: MovingLink, parameters: Array) -> tuple[Array, Array]:

@@ -71,7 +71,7 @@ def height_up(arm: Arm, index: int) -> FloatVector | None:
     return snap_vector((x, y, z))
 
 
-def told_of_heights(arm: Arm) -> list[str]:
+def height_sentences(arm: Arm) -> list[str]:
     """One line for all links whose section bends otherwise along its width than along its height, which is not up:
     what the word suggests and the file neither holds nor says otherwise."""
     by_words: dict[str, list[str]] = {}

@@ -135,7 +135,7 @@ def _halved(centers: Array, half: Array, which: Index, weight: Array) -> tuple[A
 
 def climb(at: Derivatives, starts: Array, lower: Array, upper: Array, steps: int = 40) -> tuple[Array, Array]:
     """Local maxima of a function for each of `starts` (N, n) within a box, by projected Newton steps on all at once;
-    each start may have a function of its own.
+    each start may have a separate function.
 
     Infinite bounds leave a full-circle joint free to turn through. Returns points (N, n) and values (N,).
     """
@@ -170,7 +170,7 @@ def _newton_step(x: Array, gradient: Array, hessian: Array, lower: Array, upper:
     """Steps uphill (N, n) from points within a box, and what each promises to first order (N,)."""
     held = ((x <= lower) & (gradient < 0.0)) | ((x >= upper) & (gradient > 0.0))
     free = ~held
-    # A held coordinate takes the Hessian's own size: one of another size would drown the others' curvatures.
+    # A held coordinate takes the Hessian's size: one of another size would drown the others' curvatures.
     size = np.abs(hessian).max(axis=(1, 2), initial=0.0)[:, None, None]
     masked = hessian * free[:, :, None] * free[:, None, :] - size * np.eye(x.shape[1]) * held[:, :, None]
     eigenvalues, vectors = np.linalg.eigh(masked)

@@ -2,7 +2,7 @@
 
 An arm that works at another temperature than 20 degC, at which its lengths hold (ISO 1), is longer or shorter there.
 The model counts that only where the arm's `effects` name thermal expansion; where they do not, this says what they
-leave out, by the same effect's own twists.
+leave out, by the same effect's twists.
 """
 
 from __future__ import annotations

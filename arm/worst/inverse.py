@@ -71,7 +71,7 @@ def inverse(
     `point` (m) has two components (z is then 0) or three, in the base frame; `orientation` is the rotation matrix of
     the last link's frame. `seeds` low-discrepancy starting poses are followed; at most `most` poses are returned, those
     nearest mid-range first. An arm with more joints than the target asks for has a continuum of them: samples of it
-    are returned. Of several arms on one torso the tip's own joints are sought, those of the others stand in the middle
+    are returned. Of several arms on one torso the tip's joints are sought, those of the others stand in the middle
     of their ranges. Raises `Unreachable` (with an orientation `UnreachableInclined`) with the least distance found, m.
     """
     if arm.branches:

@@ -1,4 +1,4 @@
-"""The worst error across or along a path: each straight piece has a direction of its own, and so a part of the error.
+"""The worst error across or along a path: each straight piece has a separate direction, and so a part of the error.
 
 A piece's poses are searched with the error projected, by the same search, and the same certificate, as the whole error.
 """
@@ -70,14 +70,14 @@ class PartSearch(WorstSearch):
         """The load case of one of the model's cases."""
         return case % self._loads
 
-    def of_loads(self, found: WorstCase) -> WorstCase:
-        """A worst case with the load cases by their own numbers."""
+    def of_loads(self, worst_case: WorstCase) -> WorstCase:
+        """A worst case with the load cases by their numbers."""
         poses: list[WorstPose] = []
-        for pose in found.poses:
+        for pose in worst_case.poses:
             pose_ = replace(pose, load_case=self.load_case(pose.load_case))
             if (pose_.q, pose_.load_case) not in {(item.q, item.load_case) for item in poses}:
                 poses.append(pose_)
-        return replace(found, poses=tuple(poses))
+        return replace(worst_case, poses=tuple(poses))
 
 
 def _direction(piece: Workspace) -> tuple[float, ...]:
@@ -102,15 +102,15 @@ def projections_at(model: ErrorModel, workspace: Workspace, tips: Array) -> Arra
     return np.array(projections)[np.argmin(away, axis=0)]
 
 
-def seam_errors(model: ErrorModel, workspace: Workspace, p: Array, found: WorstCase) -> SeamErrors | None:
-    """The worst of each part of the error on a path for a design p, `found` being that of the part that counts; the
-    others are searched for, without a certificate. None where there is no direction."""
+def seam_errors(model: ErrorModel, workspace: Workspace, p: Array, worst_case: WorstCase) -> SeamErrors | None:
+    """The worst of each part of the error on a path for a design p, `worst_case` being that of the part that counts;
+    the others are searched for, without a certificate. None where there is no direction."""
     if not workspace.segments:
         return None
 
     def worst(part: Part) -> WorstCase:
         if part == workspace.error:
-            return found
+            return worst_case
         search = worst_search(model, replace(workspace, error=part))
         other = search.worst(p, certify=False)
         return search.of_loads(other)

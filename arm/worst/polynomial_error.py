@@ -118,7 +118,7 @@ def error_polynomials(
         raise NotPolynomial("the error depends on too many joints")
     matter = known
     joints = coordinates.of(matter)
-    # Vectors and loads are fitted apart, each by the measure of its own size.
+    # Vectors and loads are fitted apart, each by the measure of its size.
     shapes = fit(lambda q: columns(coordinates.placed(matter, q))[:, :vectors], joints)
     seatings = None
     if (loaded and count) or zones:

@@ -123,7 +123,7 @@ class Reach:
         arm, beyond = self.arm, self._beyond()
         plain = all(joint.revolute and not any(joint.origin_translation) for joint in arm.joints)
         if arm.angles == "absolute" and plain and not any(arm.tool):
-            return math.hypot(*arm.lengths)  # each joint turns its own link and no other
+            return math.hypot(*arm.lengths)  # each joint turns its link and no other
         square = 0.0
         for i, j in itertools.product(range(arm.size), repeat=2):
             first, later = min(i, j), max(i, j)

@@ -103,7 +103,7 @@ class _Walk:
                 if along >= length:
                     break
                 continue
-            along += 0.98 * radius  # the ball's own edge is left to the next ball
+            along += 0.98 * radius  # the ball's edge is left to the next ball
             followed = self._follow(pose, along, length)
             if followed is None:
                 return self._ended(along, length, one, other)

@@ -162,7 +162,7 @@ class WorstSearch:
         return max(float(self.errors(q, p, case).error.max()) for case in range(len(self.model.cases)))
 
     def _refuse_what_is_not_finite(self, p: Array, q: Array) -> None:
-        """Raise `NoAnswer` for a design that gives by no number at all, or by a million times its own length."""
+        """Raise `NoAnswer` for a design that gives by no number at all, or by a million times its length."""
         longest = _FARTHEST * max(sum(self.arm.lengths), 1e-3)
         for case in self.model.cases:
             if not float(np.abs(case.arrays(q, p).vector).max(initial=0.0)) <= longest:
@@ -200,9 +200,9 @@ class WorstSearch:
         """The load case of one of the model's cases."""
         return case
 
-    def of_loads(self, found: WorstCase) -> WorstCase:
-        """A worst case with the load cases by their own numbers."""
-        return found
+    def of_loads(self, worst_case: WorstCase) -> WorstCase:
+        """A worst case with the load cases by their numbers."""
+        return worst_case
 
     def errors(self, q: Array, p: Array, case: int) -> PlayedError:
         """The error at poses q (N, n) in a load case, with the play where the arm's mode puts it."""

@@ -71,7 +71,7 @@ class Workspace:
 
     @property
     def segments(self) -> tuple[Workspace, ...]:
-        """The straight pieces of a path that have a length, each a path of its own; pieces that go on straight are
+        """The straight pieces of a path that have a length, each a separate path; pieces that go on straight are
         one."""
         if self.kind != "path":
             return ()
@@ -319,7 +319,7 @@ class RegionCells:
                 least, most = np.minimum(slope * low, slope * high), np.maximum(slope * low, slope * high)
                 below = points[:, axis].min() - values[axis] - room - most.sum(axis=1)
                 above = points[:, axis].max() - values[axis] + room - least.sum(axis=1)
-                # What is asked of each joint's own part.
+                # What is asked of each joint's part.
                 parts = np.stack([below[:, None] + most, above[:, None] + least])
                 steep = np.abs(slope) > 1e-12
                 ends = np.where(steep, parts / np.where(steep, slope, 1.0), np.stack([low, high]))

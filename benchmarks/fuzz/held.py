@@ -47,14 +47,14 @@ def hold(kind: Kind, files: Mapping[str, bytes], folder: Path) -> bool:
 
 
 @dataclass(frozen=True)
-class _Told:
+class _Progress:
     """What a process tells of itself: files begun; since when (`time.monotonic`) one is read, 0 between two."""
 
     begun: Synchronized[int]
     since: Synchronized[float]
 
 
-def _held_of(name: str, kind: Kind, count: int, number: int, told: _Told, folder: Path) -> None:
+def _held_of(name: str, kind: Kind, count: int, number: int, told: _Progress, folder: Path) -> None:
     """Hold so many odd files of a kind. Raises what the first one raises."""
 
     @seed(number)
@@ -79,7 +79,7 @@ def _held_of(name: str, kind: Kind, count: int, number: int, told: _Told, folder
     every()
 
 
-def _worker(name: str, count: int, number: int, told: _Told, folder: str) -> None:
+def _worker(name: str, count: int, number: int, told: _Progress, folder: str) -> None:
     pages = int(Path("/proc/self/statm").read_text(encoding="ascii").split()[0])
     most = pages * os.sysconf("SC_PAGE_SIZE") + BYTES
     resource.setrlimit(resource.RLIMIT_AS, (most, most))
@@ -92,7 +92,7 @@ class Watched:
     def __init__(self, name: str, count: int, number: int) -> None:
         context = multiprocessing.get_context("fork")
         self.name, self.wrong = name, ""
-        self._told = _Told(context.Value("q", 0, lock=False), context.Value("d", 0.0, lock=False))
+        self._told = _Progress(context.Value("q", 0, lock=False), context.Value("d", 0.0, lock=False))
         self._folder = tempfile.mkdtemp(prefix=f"fuzz-{name}-")
         self._process = context.Process(target=_worker, args=(name, count, number, self._told, self._folder))
         self._process.start()

@@ -70,7 +70,7 @@ def _depths(prepared: Prepared, terms: Sequence[Term]) -> list[str]:
     at = prepared.beside_names.index(DEPTHS)
     columns = np.concatenate([prepared.beside, *(term.columns for term in terms)], axis=2)
     design, left = observed.whitened(columns), observed.whitened(observed.residual)
-    value, error = _told(design, left, at)
+    value, error = _estimate(design, left, at)
     share = value + sight.depth
     if not error > 0.0 or abs(share) <= observed.rules.residual.torque_sure * error:
         return []
@@ -82,7 +82,7 @@ def _depths(prepared: Prepared, terms: Sequence[Term]) -> list[str]:
     ]
 
 
-def _told(design: Array, left: Array, at: int) -> tuple[float, float]:
+def _estimate(design: Array, left: Array, at: int) -> tuple[float, float]:
     """One value of a least-squares fit and its standard error."""
     size = np.linalg.norm(design, axis=0)
     scaled = design / np.where(size > 0.0, size, 1.0)

@@ -39,7 +39,7 @@ from linkwright.core.diagnose.result import (
 from linkwright.core.diagnose.search.aliases import Rival
 from linkwright.core.diagnose.search.exchanges import exchanged
 from linkwright.core.diagnose.several.differences import differences
-from linkwright.core.diagnose.several.each import from_others, of_recordings, told_without
+from linkwright.core.diagnose.several.each import determined_without, from_others, of_recordings
 from linkwright.core.sections.numeric import Array
 
 from .cameras import of_camera
@@ -97,7 +97,13 @@ class Conclusion:
             folds = hardest(splits(self.search.observed, self.names.options.seed))
             there = self.observed.recording
             unknown = describe(
-                self.names.namer, self.names.found, self.names.forms, depends, folds, self.names.noise.rms_m, there
+                self.names.namer,
+                self.names.named_members,
+                self.names.forms,
+                depends,
+                folds,
+                self.names.noise.rms_m,
+                there,
             )
             if self.rest.may_scatter:
                 unknown = replace(unknown, decide=_COME_BACK)
@@ -112,8 +118,8 @@ class Conclusion:
         self.names.tell("next poses", 0.95)
         proposed = next_poses(
             self.names.namer,
-            [*self.names.found, *self.names.forms],
-            list(zip(self.names.found, self.names.alternatives, strict=True)),
+            [*self.names.named_members, *self.names.forms],
+            list(zip(self.names.named_members, self.names.alternatives, strict=True)),
             self.names.options.seed,
         )
         held = {name: part.rms() for name, part in self.names.held_out.items()}
@@ -151,7 +157,7 @@ class Conclusion:
             unknown=unknown,
             ladder=self._ladder(),
             rejected_rows=rejected,
-            rejected_forms=rejected_forms(self.names.namer, self.names.found, self.names.forms)
+            rejected_forms=rejected_forms(self.names.namer, self.names.named_members, self.names.forms)
             if self._anything
             else (),
             detectable=self._detectable(),
@@ -220,15 +226,15 @@ class Conclusion:
             corrected_arm(arm, file.written.refit, only=index, rules=self.rules.fitting)[0]
             for index in range(len(recordings))
         ]
-        own = zip(recordings, arms, self.observed.recording.parts(), strict=True)
+        files = zip(recordings, arms, self.observed.recording.parts(), strict=True)
         return tuple(
             replace(one, corrected=file_arm, rms_promised=rms_length(residual_under(file_arm, part)))
-            for one, file_arm, part in own
+            for one, file_arm, part in files
         )
 
     def _left_by_file(self, corrected: Arm, recordings: Sequence[OfRecording]) -> float:
         """The RMS length (m) that what is written leaves, by the function that `predict` uses; of several arms what
-        each one's own file leaves."""
+        each one's file leaves."""
         if not self.observed.recording.units:
             return rms_length(residual_under(corrected, self.observed.recording))
         count = np.bincount(self.observed.which, minlength=len(recordings))
@@ -236,12 +242,12 @@ class Conclusion:
         return float(np.sqrt(count @ squares / count.sum()))
 
     def _from_others(self, which: NDArray[np.int64]) -> Array:
-        """The tip's residuals (N, D), m, of each recording by what the others say, its own frame still to be fitted."""
+        """The tip's residuals (N, D), m, of each recording by what the others say, its frame still to be fitted."""
         held_out = self.names.held_out_of(which)
         left = np.zeros((self.observed.rows, self.observed.components))
         last = 1 + len(self.names.refit.terms) + len(self.names.outside)
         for index in np.unique(which).tolist():
-            terms = told_without(index, [term.candidate for term in self.names.refit.terms], int(which.max()) + 1)
+            terms = determined_without(index, [term.candidate for term in self.names.refit.terms], int(which.max()) + 1)
             parts = [0, *(1 + k for k in terms), *range(1 + len(self.names.refit.terms), last)]
             left[which == index] = held_out.residual(parts)[which == index]
         return left
@@ -302,13 +308,13 @@ class Conclusion:
 
     def _evidence(self, place: int) -> float:
         """How much likelier (nats) the readings that were searched are with a finding than without it."""
-        namer, whole = self.names.namer.with_prepared(self.search), [*self.names.found, *self.names.forms]
-        rest = [member for member in whole if member != self.names.found[place]]
+        namer, whole = self.names.namer.with_prepared(self.search), [*self.names.named_members, *self.names.forms]
+        rest = [member for member in whole if member != self.names.named_members[place]]
         return 0.5 * (namer.criterion_of(rest) - namer.criterion_of(whole)) / self.prepared.together
 
     def _exchanges(self) -> tuple[Exchange, ...]:
         """The sets of causes that could stand in the place of one or two findings, where findings are few."""
-        if len(self.names.found) > MANY_FINDINGS:
+        if len(self.names.named_members) > MANY_FINDINGS:
             return ()
         namer, groups = self.names.namer.with_prepared(self.search), self.search.pool.groups
 
@@ -321,7 +327,7 @@ class Conclusion:
 
         return tuple(
             Exchange(named(item.members), named(item.others), item.worse)
-            for item in exchanged(namer, self.names.found, self.names.forms)
+            for item in exchanged(namer, self.names.named_members, self.names.forms)
         )
 
     def _causes(self) -> list[tuple[str, float]]:
@@ -383,7 +389,7 @@ class Conclusion:
     def _detectable(self) -> tuple[Detectable, ...]:
         if self.names.named is None:
             return ()
-        # What is left after the findings is scatter; the gate's own draws still hold what was found.
+        # What is left after the findings is scatter; the gate's draws still hold what was found.
         test = self.names.named.gate[0] if self.names.named.left is None else self.names.named.left[0]
         return detectable(self.search, test, self.names.fitted.unit, self.rules.search.false_alarm)
 

@@ -64,7 +64,7 @@ class Confirmed:
             places, reasons, reason, unexplained = wrong
             reasons += [f"{self.label(self.members[place])}{reason}" for place in places]
             for place in sorted(places, reverse=True):
-                self.found, self.members = _less(self.found, place), _less(self.members, place)
+                self.named_members, self.members = _less(self.named_members, place), _less(self.members, place)
                 self.alternatives, self.alike = _less(self.alternatives, place), _less(self.alike, place)
                 self.p_values = _less(self.p_values, place)
             if not (unexplained and self._form_instead(whole)):
@@ -98,17 +98,17 @@ class Confirmed:
         if named is None or named.left is None or left is self.search:
             return
         if min(test.p_value for test in named.left) <= self.rules.search.false_alarm:
-            again = self.namer.with_prepared(left).test((*self.found, *self.forms))
+            again = self.namer.with_prepared(left).test((*self.named_members, *self.forms))
             self.named = replace(named, left=again)
 
     def _take_up(self, whole: Recording | None) -> None:
         """Take up what was named under the names that go first, and fit it to what it is to be confirmed by."""
         self.search: Prepared = self.namer.prepared
-        self.found, self.alternatives, self.alike = self._renamed()
+        self.named_members, self.alternatives, self.alike = self._renamed()
         self.p_values = self.named.p_values if self.named is not None else ()
         self.forms: tuple[int, ...] = self.named.outside if self.named is not None else ()
         self.prepared, number = self._fitted_to(whole)
-        self.members = tuple(number[m] for m in self.found)
+        self.members = tuple(number[m] for m in self.named_members)
         self.outside = tuple(number[m] for m in self.forms)
         self.folds: dict[str, Folds] = splits(self.prepared.observed, self.options.seed)
         self._fit()
@@ -126,7 +126,7 @@ class Confirmed:
         if self.named is None or not self.may_have_forms:
             return False
         namer = self.namer.with_prepared(self.search)
-        again = weighed_again(namer, self.named, self.found, self.p_values)
+        again = weighed_again(namer, self.named, self.named_members, self.p_values)
         if not again.outside:
             return False
         self.namer, self.named = namer, again
@@ -150,7 +150,7 @@ class Confirmed:
         rivals = [rival.member for others in self.alike for rival in others]
         width = self.observed.residual.shape[1]
         rows = (self.searched()[:, None] * width + np.arange(width)).reshape(-1)
-        room = unnamed(self.with_what_is_left(), [*self.found, *self.forms], rivals, rows)
+        room = unnamed(self.with_what_is_left(), [*self.named_members, *self.forms], rivals, rows)
         if len(self.members) > 1:
             # One finding may be all there is; a second says that the arm has more.
             room = room.at_least(self.rules.fitting.least_unnamed)
@@ -160,12 +160,12 @@ class Confirmed:
         moved = sum((self.refit.terms[place].moved for place in weak), self.refit.residual)
         left = self.search.observed.whitened(moved[self.searched()])
         among = replace(self.search, vector=self.search.pool.projected(left))
-        strong = [member for place, member in enumerate(self.found) if place not in weak]
+        strong = [member for place, member in enumerate(self.named_members) if place not in weak]
         return room.no_less_than(unnamed(among, [*strong, *self.forms], rivals, rows))
 
     def _weak(self) -> list[int]:
         """The places of findings that move the tip by less than noise does, beside one that moves it most: that one
-        says nothing of others. None where they are too few for a sample: one alone is a cause of its own."""
+        says nothing of others. None where they are too few for a sample: one alone is a separate cause."""
         if self.noise.rms_m is None:
             return []
         moved = [self.moved([place]) for place in range(len(self.members))]
@@ -267,15 +267,17 @@ class Confirmed:
         belong to those searched). With it, the numbers that the search's groups have there."""
         searched = self.search
         if whole is None or self.forms:
-            return searched, {m: m for m in (*self.found, *self.forms)}
+            return searched, {m: m for m in (*self.named_members, *self.forms)}
         near = searched.observed
         rejected = {item.row for item in searched.rejected}
         rows = kept(whole, np.array([int(row) not in rejected for row in whole.row]))
         observed = observed_about(near, near.about, (), rows).softened(near.softening)
-        patterns = [(c, columns_of(observed, c)) for c in (searched.pool.groups[m].candidate for m in self.found)]
+        patterns = [
+            (c, columns_of(observed, c)) for c in (searched.pool.groups[m].candidate for m in self.named_members)
+        ]
         packed = packed_up((c, columns) for c, columns in patterns if columns is not None)
         prepared = set_up(observed, packed, searched.rejected)
-        return prepared, {m: k for k, m in enumerate(self.found)}
+        return prepared, {m: k for k, m in enumerate(self.named_members)}
 
     def wandered(self) -> float:
         """The RMS length (m) of what wanders with the instrument."""
@@ -290,8 +292,8 @@ class Confirmed:
         return self.refit.residual[:, :width]
 
     def _renamed(self) -> tuple[tuple[int, ...], tuple[list[Rival], ...], tuple[list[Rival], ...]]:
-        """The members under the name of each class that goes first, with what cannot be told from each, and what could
-        not if they were all there is."""
+        """The members under the name of each class that goes first, with what cannot be distinguished from each, and
+        what could not if they were all there is."""
         if self.named is None:
             return (), (), ()
         members = renamed_under_one_set(self.namer, self.named)

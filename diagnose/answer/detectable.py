@@ -1,4 +1,4 @@
-"""The smallest size of each effect that a recording would have shown, with power 0.9 at the test's own level."""
+"""The smallest size of each effect that a recording would have shown, with power 0.9 at the test's level."""
 
 from __future__ import annotations
 
@@ -52,7 +52,7 @@ def detectable(
 
 
 def is_plain(candidate: Candidate) -> bool:
-    """Whether a candidate is what its effect does where none of its shapes is given: each of them is nought."""
+    """Whether a candidate is what its effect does where none of its shapes is given: each of them is zero."""
     return not any(candidate.shapes.values())
 
 

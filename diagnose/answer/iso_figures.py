@@ -1,6 +1,6 @@
 """A recording in the words of ISO 9283 and ISO 230-2: accuracy, repeatability, reversal, drift, static compliance.
 
-The standards prescribe their own test cycles (ISO 9283:1998: five poses, thirty visits; ISO 230-2:2014: five visits
+The standards prescribe their test cycles (ISO 9283:1998: five poses, thirty visits; ISO 230-2:2014: five visits
 from each side). A recording made for another purpose seldom follows them, so each figure says how many readings it
 rests on, and none is given on fewer than a least number.
 """
@@ -89,7 +89,7 @@ def _worst(each: Sequence[tuple[float, int]], symbol: str, name: str, standard: 
 def poses_of(recording: Recording, arm: Arm, *, rules: Rules = RULES) -> tuple[Pose, ...]:
     """The poses with enough readings to say anything, whatever was carried and from whichever side.
 
-    Poses are told apart by their commands where those are recorded, else by the encoders' readings.
+    Poses are distinguished by their commands where those are recorded, else by the encoders' readings.
     """
     asked = recording.q if recording.commanded is None else recording.commanded
     labels = clusters(asked / same_pose(arm, rules.residual))
@@ -184,7 +184,7 @@ def side_variations(recording: Recording, poses: Sequence[Pose]) -> list[tuple[f
 
 def joint_reversals(recording: Recording, arm: Arm, poses: Sequence[Pose], joint: int) -> list[tuple[float, int]]:
     """The reversal of `joint` (from 0) at each pose and load: mean position coming from below (towards increasing
-    coordinates) less that coming from above, along the joint's own motion of the tip, m (ISO 230-2:2014).
+    coordinates) less that coming from above, along the joint's motion of the tip, m (ISO 230-2:2014).
 
     Only sides that differ in this joint alone are compared. A joint that lags behind in both directions, as by friction
     or backlash, gives a negative value.

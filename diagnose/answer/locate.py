@@ -97,9 +97,9 @@ def _mixed(table: Array, stay: NDArray[np.int64], visits: NDArray[np.int64], rng
     return table[rows] * flips[stay[rows], None]
 
 
-def depends_on(found: Sequence[Dependence], *, rules: ResidualRules = RULES.residual) -> tuple[str, ...]:
+def depends_on(dependences: Sequence[Dependence], *, rules: ResidualRules = RULES.residual) -> tuple[str, ...]:
     """The covariates beyond doubt, strongest first."""
-    return tuple(item.on for item in found if item.p_value <= rules.level and item.share > 0.0)
+    return tuple(item.on for item in dependences if item.p_value <= rules.level and item.share > 0.0)
 
 
 def _shares(bases: Sequence[tuple[str, Array]], vectors: Array) -> Array:

@@ -245,18 +245,20 @@ def _tried(observed: Observed, room: Room, seed: int) -> Observed | None:
 def _pair(namer: Namer, tried: Observed, members: Sequence[int], member: int, other: int) -> _Pair | None:
     prepared = namer.prepared
     sizes = fit(prepared, list(members)).sizes[list(members).index(member)]
-    own = columns_of(tried, namer.pool.groups[member].candidate)
+    columns = columns_of(tried, namer.pool.groups[member].candidate)
     known = [m for m in members if m != member and not namer.pool.groups[m].candidate.outside]
     rest = [columns_of(tried, namer.pool.groups[m].candidate) for m in (*known, other)]
-    if own is None or any(part is None for part in rest):
+    if columns is None or any(part is None for part in rest):
         return None
     there = [part for part in rest if part is not None]
     recording = prepared.observed.recording
     # Of several recordings it is the last that goes on: what the others swallow has no part in it.
     last = recording.singles[-1]
-    own_beside, _ = nuisances(replace(tried, recording=replace(tried.recording, frame=last.frame, tool=last.tool)))
-    others = prepared.beside.shape[2] - own_beside.shape[2]
-    beside = np.pad(own_beside, ((0, 0), (0, 0), (others, 0)))
+    nuisance_columns, _ = nuisances(
+        replace(tried, recording=replace(tried.recording, frame=last.frame, tool=last.tool))
+    )
+    others = prepared.beside.shape[2] - nuisance_columns.shape[2]
+    beside = np.pad(nuisance_columns, ((0, 0), (0, 0), (others, 0)))
     recorded = np.concatenate([prepared.beside, *(prepared.columns[m] for m in (*known, other))], axis=2)
     white = prepared.observed.whitened
     # Least squares sees the recorded rows through their triangular factor alone.
@@ -266,7 +268,7 @@ def _pair(namer: Namer, tried: Observed, members: Sequence[int], member: int, ot
     return _Pair(
         f"{names[0]} from {names[1]}",
         factor[:, -1],
-        tried.whitened(own @ sizes),
+        tried.whitened(columns @ sizes),
         factor[:, :-1],
         tried.whitened(np.concatenate([beside, *there], axis=2)),
     )

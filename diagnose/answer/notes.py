@@ -116,7 +116,7 @@ def _of_aside(names: Confirmed, aside: SetAside) -> list[str]:
 
 
 def beyond_first_order_of(names: Confirmed) -> float:
-    """The RMS length (m) of what was found moves the tip by beyond first order; nought where it does not matter."""
+    """The RMS length (m) of what was found moves the tip by beyond first order; zero where it does not matter."""
     further = rms_length(beyond_first_order(names.observed, names.observed.about)) if names.observed.about else 0.0
     scatter = rms_length(names.observed.scale[None, : names.observed.components])
     return further if further > names.rules.search.motion_matters * scatter else 0.0

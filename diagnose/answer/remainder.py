@@ -34,7 +34,7 @@ class Remainder:
             and not self.what_remains().is_noise
             and (self.names.describes_nothing or self._left_over() or self._refuted_as_whole())
         )
-        self.may_scatter = self.left_over and self._not_told_from_scatter()
+        self.may_scatter = self.left_over and self._like_scatter()
 
     @property
     def unexplained(self) -> bool:
@@ -113,10 +113,10 @@ class Remainder:
         if result.held_out_times > rules.answer.held_out_beyond * result.times:
             return None
         prepared = self.names.with_what_is_left()
-        fitted = fit(prepared, self.names.found)
+        fitted = fit(prepared, self.names.named_members)
         rivals = [rival.member for others in self.names.alike for rival in others]
         noise = fitted.rss / len(prepared.vector) / result.times**2
-        causes = small_causes(prepared, self.names.found, rivals, noise)
+        causes = small_causes(prepared, self.names.named_members, rivals, noise)
         if causes is None:
             return None
         again = self._lack_of_fit(causes)
@@ -175,7 +175,7 @@ class Remainder:
         back = self.noise.drift_degrees_of_freedom >= self.rules.fitting.least_parts
         return self.noise.drift_m is not None and back
 
-    def _not_told_from_scatter(self) -> bool:
+    def _like_scatter(self) -> bool:
         """Whether what is left of an arm that came back to no pose is what it would leave that returns badly: neither
         library nor forms explain more of it than of visits with random signs, nor are visits like those before."""
         named, rules = self.names.named, self.rules
@@ -196,7 +196,7 @@ class Remainder:
         """The share of what is left beside the findings that is predicted where it was not seen; worked out once."""
         if self._predicted is None:
             folds = hardest(splits(self.names.search.observed, self.names.options.seed))
-            self._predicted = predictable(self.names.namer, self.names.found, folds)
+            self._predicted = predictable(self.names.namer, self.names.named_members, folds)
         return self._predicted
 
     def _visits_follow(self) -> float:

@@ -18,8 +18,8 @@ from linkwright.core.diagnose.result import (
     Difference,
     Exchange,
     Finding,
+    FittedOrigin,
     FittedParameter,
-    FoundOrigin,
     LackOfFit,
     Left,
     Mislabelled,
@@ -240,9 +240,11 @@ def put_in_first(findings: Sequence[Finding], arm: Arm) -> str:
     for (what, kind), pairs in off.items():
         unit = "deg" if kind == "angle" else "mm"
         sizes = [format_quantity(value, kind, unit, digits=2).partition(" ")[0] for _, value in sorted(pairs)]
-        told = f"{_and([str(at) for at, _ in sorted(pairs)])} are off by {_and(sizes)} {unit}"
+        summary = f"{_and([str(at) for at, _ in sorted(pairs)])} are off by {_and(sizes)} {unit}"
         noun, _, place = what.partition(" of ")
-        sentences.append(f"{noun}s of {place}s {told}" if len(pairs) > 1 else f"{what} {told.replace(' are ', ' is ')}")
+        sentences.append(
+            f"{noun}s of {place}s {summary}" if len(pairs) > 1 else f"{what} {summary.replace(' are ', ' is ')}"
+        )
     sentences += numbers
     if not sentences:
         return ""
@@ -263,10 +265,10 @@ def _and(words: Sequence[str]) -> str:
 
 
 def what_differs(
-    found: Sequence[Difference], recordings: Sequence[OfRecording], *, rules: MistakeRules = RULES.mistakes
+    differences: Sequence[Difference], recordings: Sequence[OfRecording], *, rules: MistakeRules = RULES.mistakes
 ) -> str:
     """What is not the same in several recordings, as sentences that go on; nothing where all is."""
-    values = [f"{name_of(item.effect, item.at)}, {_values(item, recordings)}" for item in found]
+    values = [f"{name_of(item.effect, item.at)}, {_values(item, recordings)}" for item in differences]
     sentences = [f" Not the same in all recordings: {'; '.join(values)}."] if values else []
     worst = max(
         recordings, key=lambda recording: recording.rms_from_others / max(recording.rms_own, 1e-12), default=None
@@ -280,10 +282,10 @@ def what_differs(
     return "".join(sentences)
 
 
-def what_was_free(found: Sequence[FoundOrigin]) -> str:
+def what_was_free(origins: Sequence[FittedOrigin]) -> str:
     """Fixed transforms that the arm file leaves free, as sentences that go on; nothing where there are none."""
     sentences: list[str] = []
-    for item in found:
+    for item in origins:
         sizes = [about_of(parameter) for parameter in item.parameters]
         sentences.append(f" The fixed transform in front of joint {item.joint}: {'; '.join(sizes)}.")
         if not all(np.isfinite(end) for parameter in item.parameters for end in parameter.interval):
@@ -305,29 +307,29 @@ def _values(difference: Difference, recordings: Sequence[OfRecording]) -> str:
         format_quantity(item.value, item.kind, unit or None, digits=3).partition(" ")[0] for item in difference.each
     ]
     sizes[-1] = f"{sizes[-1]} {unit}".strip()
-    values = [f"{size} in {own.name}" for size, own in zip(sizes, recordings, strict=True)]
+    values = [f"{size} in {recording.name}" for size, recording in zip(sizes, recordings, strict=True)]
     return f"{largest.parameter} {', '.join(values[:-1])} and {values[-1]}"
 
 
-def refutation(found: LackOfFit) -> str:
+def refutation(test: LackOfFit) -> str:
     """Why what was named is not the whole answer, by readings of one pose."""
-    what = "visits of one pose" if found.against == "returns" else "repeats of a visit"
+    what = "visits of one pose" if test.against == "returns" else "repeats of a visit"
     return (
         "Readings of one pose refute the findings as the whole answer. Remaining error: "
-        f"{found.times:.1f} times what {what} differ by (F = {found.ratio:.2g}, p = {found.p_value:.2g}). On held-out "
-        f"readings: {found.held_out_times:.1f} times what noise alone leaves. The findings describe part of the "
+        f"{test.times:.1f} times what {what} differ by (F = {test.ratio:.2g}, p = {test.p_value:.2g}). On held-out "
+        f"readings: {test.held_out_times:.1f} times what noise alone leaves. The findings describe part of the "
         "mismatch, and may stand for something else."
     )
 
 
-def of_small_causes(found: SmallBeside, alone: LackOfFit) -> str:
+def of_small_causes(beside: SmallBeside, alone: LackOfFit) -> str:
     """What causes too small to be named make of what is left, where readings of one pose refute the names alone."""
-    held = found.lack_of_fit.held_out_times
+    held = beside.lack_of_fit.held_out_times
     return (
         f"Remaining error: {alone.times:.2f} times what readings of one pose differ by (p = {alone.p_value:.2g}). "
         "Causes of the library that are too small to be named one by one fit the remainder, "
-        f"{mm(found.moved)} RMS together. With room for them only noise remains "
-        f"(p = {found.lack_of_fit.p_value:.2g}). Held-out readings leave {held:.2f} times what such causes and noise "
+        f"{mm(beside.moved)} RMS together. With room for them only noise remains "
+        f"(p = {beside.lack_of_fit.p_value:.2g}). Held-out readings leave {held:.2f} times what such causes and noise "
         "leave. arm.yaml holds the named causes alone. More readings would name the largest of the small causes."
     )
 
@@ -344,7 +346,7 @@ def _named(finding: Finding) -> str:
     return name_of(finding.effect, finding.at, finding.recording) + size
 
 
-def _own_name(finding: Finding) -> str:
+def _finding_name(finding: Finding) -> str:
     return name_of(finding.effect, finding.at, finding.recording)
 
 
@@ -366,7 +368,7 @@ def _undecided(finding: Finding, *, alone: bool) -> str:
     names = [name_of(other.effect, other.at, other.recording) for other in finding.alternatives[:3]]
     either = names[0] if len(names) == 1 else f"{', '.join(names[:-1])} or {names[-1]}"
     more = f" ({len(finding.alternatives) - 3} more in the report)" if len(finding.alternatives) > 3 else ""
-    return f"The data fit equally well: {either}{more}{'' if alone else f', in place of the {_own_name(finding)}'}."
+    return f"The data fit equally well: {either}{more}{'' if alone else f', in place of the {_finding_name(finding)}'}."
 
 
 def of_exchange(exchange: Exchange) -> str:

@@ -18,16 +18,16 @@ from linkwright.core.diagnose.rules.rules import RULES
 
 
 def may_be_nothing(parameters: Sequence[FittedParameter], sizes: Sequence[str]) -> bool:
-    """Whether the intervals of all sizes of a finding hold nought."""
+    """Whether the intervals of all sizes of a finding hold zero."""
     intervals = [parameter.interval for parameter in parameters if parameter.parameter in (*sizes, SAG, CHANGE)]
     return bool(intervals) and all(low <= 0.0 <= high for low, high in intervals)
 
 
-def only_with(prepared: Prepared, found: Refit, *, rules: AnswerRules = RULES.answer) -> Mapping[int, tuple[int, ...]]:
+def only_with(prepared: Prepared, refit: Refit, *, rules: AnswerRules = RULES.answer) -> Mapping[int, tuple[int, ...]]:
     """The places of findings that mean nothing singly, each with the places of those that would take its place: it may
     be nothing by itself, or all but cancels them and would be missed by little, or is more than the whole mismatch and
     would be missed by as little."""
-    terms = found.terms
+    terms = refit.terms
     edges = np.cumsum([0, *(term.columns.shape[2] for term in terms)]).tolist()
     spans = [slice(a, b) for a, b in itertools.pairwise(edges)]
     if len(terms) < 2:
@@ -38,11 +38,11 @@ def only_with(prepared: Prepared, found: Refit, *, rules: AnswerRules = RULES.an
     most = prepared.observed.rules.search.balanced**2 * float(prepared.vector @ prepared.vector)
     gram, sizes = white.T @ white, np.concatenate([term.sizes for term in terms])
     together: dict[int, tuple[int, ...]] = {}
-    for place, (term, parameters) in enumerate(zip(terms, found.parameters, strict=True)):
-        own = np.arange(edges[-1])[spans[place]]
-        rest = np.setdiff1d(np.arange(edges[-1]), own)
-        moved = gram[:, own] @ sizes[own]
-        whole = float(sizes[own] @ moved[own])
+    for place, (term, parameters) in enumerate(zip(terms, refit.parameters, strict=True)):
+        columns_here = np.arange(edges[-1])[spans[place]]
+        rest = np.setdiff1d(np.arange(edges[-1]), columns_here)
+        moved = gram[:, columns_here] @ sizes[columns_here]
+        whole = float(sizes[columns_here] @ moved[columns_here])
         instead = np.zeros(edges[-1])
         instead[rest] = normal_solution(gram[np.ix_(rest, rest)], moved[rest])
         alone = whole - float(instead @ moved)

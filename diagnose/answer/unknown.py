@@ -238,8 +238,8 @@ def _inputs(namer: Namer, at: Recording | None = None) -> Array:
 
     columns = [
         values[:, None]
-        for own, values in zip(further(searched), further(recording), strict=True)
-        if own is not None and values is not None and np.ptp(own) > 0.0
+        for searched_values, values in zip(further(searched), further(recording), strict=True)
+        if searched_values is not None and values is not None and np.ptp(searched_values) > 0.0
     ]
     return np.concatenate([recording.q, *columns], axis=1)
 

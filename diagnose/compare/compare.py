@@ -146,7 +146,7 @@ def fit_common(arm: Arm, recording: Recording, terms: Sequence[Candidate], *, ru
     """Fit the common model to the tip's readings of a recording, beside its nuisances; about what it found, again and
     again, until the sizes stay (an arm that gives by millimetres moves beyond first order).
 
-    Standard errors are the larger of the plain ones and of those that let each visit have an error of its own (K.-Y.
+    Standard errors are the larger of the plain ones and of those that let each visit have a separate error (K.-Y.
     Liang & S. L. Zeger, Biometrika 73 (1986) 13-22, doi:10.1093/biomet/73.1.13; visits are the clusters).
     """
     best = fitted = _fitted_about(arm, recording, terms, (), rules)
@@ -238,13 +238,13 @@ def _changes(arm: Arm, terms: Sequence[Candidate], fitted: Sequence[CommonFit], 
     sizes, errors = list[tuple[str, FittedParameter, FittedParameter]](), list[float]()
     for index, term in enumerate(terms):
         for column, name in enumerate(term.sizes):
-            kind, own = kind_of(arm, term, name), [float(item.errors[index][column]) for item in fitted]
+            kind, errors_here = kind_of(arm, term, name), [float(item.errors[index][column]) for item in fitted]
             first, second = (
                 _parameter(name, term.numbers, kind, float(item.sizes[index][column]), error, item.freedom)
-                for item, error in zip(fitted, own, strict=True)
+                for item, error in zip(fitted, errors_here, strict=True)
             )
             sizes.append((term.effect, first, second))
-            errors.append(float(np.hypot(own[0], own[1])))
+            errors.append(float(np.hypot(errors_here[0], errors_here[1])))
     return changes_of(sizes, errors, min(item.freedom for item in fitted), level)
 
 

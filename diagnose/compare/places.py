@@ -80,7 +80,7 @@ def regions(arm: Arm, first: Diagnosis, second: Diagnosis) -> tuple[Region, ...]
     residuals = (first.residual_before, second.residual_before)
     if residuals[0].shape[1] != residuals[1].shape[1]:
         return ()
-    # Where the tip nominally is: measured positions may stand in a frame of their own.
+    # Where the tip nominally is: measured positions may stand in a separate frame.
     tips = [tip_position(arm, item.recording.q)[:, : residuals[0].shape[1]] for item in (first, second)]
     every = np.concatenate(tips)
     lower, upper = every.min(axis=0), every.max(axis=0)

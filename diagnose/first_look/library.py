@@ -59,10 +59,10 @@ class Library:
     def of_torques(self, *, units: bool, gravity: bool) -> list[Transformation]:
         """Every single one that torques may show, those of units and gravity where asked."""
         everywhere = tuple(range(self.arm.size))
-        own = [coordinate for coordinate, _, _ in self.turns]
+        plain = [coordinate for coordinate, _, _ in self.turns]
         all_signs = self.turned(everywhere) if self.arm.size > 1 else ()
         more = [*(self._degrees() if units else ()), *(self._gravity() if gravity else ())]
-        return [*own, *all_signs, *self._zeros(), *self._swapped(), *self._coupled(), *self._reversed(), *more]
+        return [*plain, *all_signs, *self._zeros(), *self._swapped(), *self._coupled(), *self._reversed(), *more]
 
     @functools.cached_property
     def turns(self) -> tuple[tuple[Transformation, Transformation, Transformation], ...]:
@@ -197,8 +197,8 @@ class Library:
                     continue  # torques: angles against the base alone
                 matrix = np.eye(self.arm.size)
                 matrix[k, other] = sign
-                own, also = self.name("q", k), self.name("q", other)
-                said = f"{own} holds {also} as well" if sign < 0.0 else f"{own} is less {also}"
+                plain, also = self.name("q", k), self.name("q", other)
+                said = f"{plain} holds {also} as well" if sign < 0.0 else f"{plain} is less {also}"
                 yield replace(
                     self.none,
                     matrix=matrix,

@@ -90,15 +90,17 @@ def _refuse_beyond_effort(log: MotionLog, arm: Arm, headers: Mapping[str, str], 
         return
     efforts = np.array([math.nan if joint.effort is None else joint.effort for joint in arm.joints])
     logged = np.where(np.isfinite(log.torque).any(axis=0), log.torque, np.nan)
-    told = np.flatnonzero(np.isfinite(logged).any(axis=0) & (efforts > 0.0))
-    if not len(told):
+    determined = np.flatnonzero(np.isfinite(logged).any(axis=0) & (efforts > 0.0))
+    if not len(determined):
         return
-    middle = np.nanmedian(np.abs(logged[:, told]), axis=0)
+    middle = np.nanmedian(np.abs(logged[:, determined]), axis=0)
     # One joint that is loaded beyond its drive tells of no unit: most of them do.
-    if float(np.median(middle / efforts[told])) > rules.log.least_gear:
-        k = int(np.argmax(middle / efforts[told]))
-        gives = f"joint {told[k] + 1} by the arm file gives {efforts[told[k]]:.3g} N*m"
-        message = f"is {middle[k]:.3g} N*m in the middle at joint {told[k] + 1}, and {gives} at most; is it in N*mm"
+    if float(np.median(middle / efforts[determined])) > rules.log.least_gear:
+        k = int(np.argmax(middle / efforts[determined]))
+        gives = f"joint {determined[k] + 1} by the arm file gives {efforts[determined[k]]:.3g} N*m"
+        message = (
+            f"is {middle[k]:.3g} N*m in the middle at joint {determined[k] + 1}, and {gives} at most; is it in N*mm"
+        )
         refuse_millimetres(log, arm, headers, message)
 
 

@@ -251,7 +251,7 @@ def _weights(arm: Arm, q: Array) -> Array | None:
 def sagged(arm: Arm, q: Array, droop: Array) -> Array:
     """Where joints stand that give way by `droop` (n,) or (N, n) under what holds the arm there.
 
-    What holds a joint that turns goes with the sine and the cosine of its own coordinate, the others at rest.
+    What holds a joint that turns goes with the sine and the cosine of its coordinate, the others at rest.
     """
     by_joint = np.broadcast_to(droop, q.shape)
     settled = q.copy()
@@ -267,12 +267,12 @@ def sagged(arm: Arm, q: Array, droop: Array) -> Array:
                 return q
             front, up, back = (each[which.ravel()] for each in np.split(weights[:, k], 3))
             middle, cosine = 0.5 * (front + back), 0.5 * (front - back)
-            sine, told, by = up - middle, q[rows, k], by_joint[rows, k]
-            at = told
+            sine, stated, by = up - middle, q[rows, k], by_joint[rows, k]
+            at = stated
             for _ in range(_SETTLES):
                 c, s = np.cos(at), np.sin(at)
                 slope = 1.0 + by * (sine * c - cosine * s)
-                at = at - (at + by * (middle + cosine * c + sine * s) - told) / np.maximum(slope, 0.2)
+                at = at - (at + by * (middle + cosine * c + sine * s) - stated) / np.maximum(slope, 0.2)
             settled[rows, k] = at
     return settled
 

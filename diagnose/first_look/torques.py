@@ -137,10 +137,10 @@ class TorqueEvidence:
         by = regressor(arm, q, v, a)
         mixed = np.concatenate([by[:, :, 10 * k : 10 * k + 10] @ of for k, of in enumerate(self.bodies)], axis=2)
         fixed = inverse_dynamics(Motion(arm, np.zeros(len(q)), q, v, a, payload_mass=payload)) - mixed @ self.expected
-        own = np.stack([np.ones_like(v), -np.ones_like(v), q, -q, direction, v, a], axis=2)
-        parts = (np.split(of, count) for of in (mixed, fixed, own))
-        for mixed_here, fixed_here, own_here in zip(*parts, strict=True):
-            yield _Rows(mixed_here, fixed_here, own_here, self.joints)
+        of_joint = np.stack([np.ones_like(v), -np.ones_like(v), q, -q, direction, v, a], axis=2)
+        parts = (np.split(of, count) for of in (mixed, fixed, of_joint))
+        for mixed_here, fixed_here, of_joint_here in zip(*parts, strict=True):
+            yield _Rows(mixed_here, fixed_here, of_joint_here, self.joints)
 
     def _fit(
         self, parts: tuple[Transformation, ...], transformation: Transformation, rows: _Rows, *, turned: bool
@@ -174,12 +174,12 @@ class TorqueEvidence:
     def _mixture(self, rows: _Rows, torque: Array, variance: Array) -> Array:
         """The likeliest mixture (g,), none of it negative, by torques (M, n) of a variance (n,)."""
         m, _, g = rows.mixed.shape
-        of = rows.own.shape[2]
+        of = rows.of_joint.shape[2]
         scale = np.sqrt(self.rules.log.conventions_samples / (m * self.rules.log.unexplained * variance))
         design = np.zeros((len(self.joints), m, g + of * self.library.arm.size))
         for row, joint in zip(design, self.joints.tolist(), strict=True):
             row[:, :g] = rows.mixed[:, joint] * scale[joint]
-            row[:, g + of * joint : g + of * (joint + 1)] = rows.own[:, joint] * scale[joint]
+            row[:, g + of * joint : g + of * (joint + 1)] = rows.of_joint[:, joint] * scale[joint]
         design = design.reshape(-1, design.shape[2])
         gram, right = design.T @ design, design.T @ ((torque - rows.fixed) * scale)[:, self.joints].T.ravel()
         gram[np.arange(g), np.arange(g)] += 1.0
@@ -209,13 +209,13 @@ class _Rows(NamedTuple):
 
     mixed: Array
     fixed: Array
-    own: Array
+    of_joint: Array
     joints: NDArray[np.int64]
 
     def left(self, torque: Array, mixture: Array) -> Array:
         """What bodies, and at each joint what is its own, leave of torques (M, n): mean squares (k,)."""
         rest = torque - self.fixed - self.mixed @ mixture
-        return np.array([nnls(self.own[:, k], rest[:, k])[1] ** 2 / len(rest) for k in self.joints.tolist()])
+        return np.array([nnls(self.of_joint[:, k], rest[:, k])[1] ** 2 / len(rest) for k in self.joints.tolist()])
 
 
 def _mixtures(arm: Arm, rules: Rules) -> tuple[Array, Array]:
@@ -227,8 +227,8 @@ def _mixtures(arm: Arm, rules: Rules) -> tuple[Array, Array]:
     sides = around * np.vstack([np.eye(3), -np.eye(3)])
     factor, more, any_ = rules.log.conventions_masses
     bodies: list[Array] = []
-    for step, own in zip(steps, file, strict=True):
-        mass = more * own[0] + any_ * float(file[:, 0].sum())
+    for step, link_body in zip(steps, file, strict=True):
+        mass = more * link_body[0] + any_ * float(file[:, 0].sum())
         points = [parameters_of(Mass(mass, each, np.zeros((3, 3)))) for each in np.vstack([sides, sides + step])]
-        bodies.append(np.column_stack([factor * own, *points]))
+        bodies.append(np.column_stack([factor * link_body, *points]))
     return np.stack(bodies), np.tile(np.eye(len(bodies[0].T))[0] / factor, arm.size)

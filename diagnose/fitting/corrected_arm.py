@@ -35,9 +35,9 @@ def corrected_arm(
     shared = [term for term in fitted.terms if term.shared]
     products: dict[int, float] = {}
     if shared:
-        found = factors(np.stack([term.sizes[:-1] for term in shared]))
-        entries += weight_entries(fitted.weights, found.weight.tolist()) if fitted.weights else ()
-        products = dict(zip(map(id, shared), found.compliance.tolist(), strict=True))
+        shared_factors = factors(np.stack([term.sizes[:-1] for term in shared]))
+        entries += weight_entries(fitted.weights, shared_factors.weight.tolist()) if fitted.weights else ()
+        products = dict(zip(map(id, shared), shared_factors.compliance.tolist(), strict=True))
         notes.append(_of_weights(shared))
     for term, parameters in zip(fitted.terms, fitted.parameters, strict=True):
         candidate = term.candidate
@@ -59,13 +59,13 @@ def corrected_arm(
         if term.shared:
             entries.append(_under_weights(term, products[id(term)]))
             continue
-        entry = _as_told(as_entry(candidate, term.sizes.tolist()), parameters)
+        entry = _as_reported(as_entry(candidate, term.sizes.tolist()), parameters)
         if candidate.only is None or not _added(entries, entry, candidate.sizes):
             entries.append(entry)
     return replace(arm, effects=tuple(entries), leave_out=frozenset(left_out)), tuple(notes)
 
 
-def _as_told(entry: EffectEntry, parameters: Sequence[FittedParameter]) -> EffectEntry:
+def _as_reported(entry: EffectEntry, parameters: Sequence[FittedParameter]) -> EffectEntry:
     """The entry by the sum that it is told by, where it is: by that alone where nothing else of it shows."""
     sum_of_sizes = EFFECTS[entry.effect].recording.told_as
     total = [
@@ -78,8 +78,8 @@ def _as_told(entry: EffectEntry, parameters: Sequence[FittedParameter]) -> Effec
     beside = any(parameter.parameter == sum_of_sizes.beside for parameter in parameters)
     if len(entry.parameters) == 1 and beside:
         return entry
-    own = {sum_of_sizes.beside: entry.parameters[sum_of_sizes.beside]} if len(entry.parameters) > 1 else {}
-    return replace(entry, parameters=MappingProxyType({**own, sum_of_sizes.name: total[0]}))
+    kept = {sum_of_sizes.beside: entry.parameters[sum_of_sizes.beside]} if len(entry.parameters) > 1 else {}
+    return replace(entry, parameters=MappingProxyType({**kept, sum_of_sizes.name: total[0]}))
 
 
 def _added(entries: list[EffectEntry], more: EffectEntry, sizes: Sequence[str]) -> bool:
@@ -98,7 +98,7 @@ def _added(entries: list[EffectEntry], more: EffectEntry, sizes: Sequence[str]) 
 
 
 def _under_weights(term: Term, unit_sag: float) -> EffectEntry:
-    """What gives under unknown weights, as an entry: the product, and its own size where known loads told that."""
+    """What gives under unknown weights, as an entry: the product, and its size where known loads told that."""
     values = {"unit_sag": unit_sag}
     if term.columns[:, :, -1].any():
         values[term.candidate.sizes[0]] = float(term.sizes[-1])
@@ -122,7 +122,7 @@ def _of_weights(shared: Sequence[Term]) -> str:
 def as_entry(candidate: Candidate, sizes: Sequence[float]) -> EffectEntry:
     """A candidate of the library at some sizes as an entry of an arm's `effects`."""
     values = dict(zip(candidate.sizes, sizes, strict=True))
-    # A shape of nought is what the file means anyway, unless its default is another.
+    # A shape of zero is what the file means anyway, unless its default is another.
     defaults = {parameter.name: parameter.default for parameter in EFFECTS[candidate.effect].shapes}
     shapes = {name: value for name, value in candidate.shapes.items() if value > 0.0 or defaults[name] != 0.0}
     return EffectEntry(candidate.effect, candidate.numbers, MappingProxyType({**values, **shapes}))

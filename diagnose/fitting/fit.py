@@ -61,7 +61,7 @@ def fit(prepared: Prepared, members: Sequence[int]) -> Fit:
         sizes.append(group.back @ coefficients[part])
         error = np.sqrt(np.sum((group.back @ root[part]) ** 2, axis=1) * variance)
         # A size that the columns do not tell from another has no error of its own.
-        errors.append(np.where(group.told, error, np.inf))
+        errors.append(np.where(group.determined, error, np.inf))
     return Fit(tuple(members), tuple(sizes), tuple(errors), rss, freedom)
 
 
@@ -117,7 +117,7 @@ def left_of_a_drive(candidate: Candidate, name: str) -> bool:
 
 
 def _of_all(common: Mapping[Family, Array], candidate: Candidate, sizes: Array) -> Array:
-    """The sizes that a candidate of one recording has in all of them, nought where none was found."""
+    """The sizes that a candidate of one recording has in all of them, zero where none was found."""
     common_term = common.get(replace(candidate, only=None).family)
     return common_term if common_term is not None and common_term.shape == sizes.shape else np.zeros(sizes.shape)
 
@@ -156,8 +156,8 @@ def unlikely(prepared: Prepared, fitted: Fit) -> float:
         effect = EFFECTS[candidate.effect]
         if of_single_numbers(effect) or effect.recording.free_with is not None:
             continue
-        found = np.array(candidate.from_slopes(sizes.tolist()))
-        times = float(np.sum((found / group.usual) ** 2))
+        fitted_sizes = np.array(candidate.from_slopes(sizes.tolist()))
+        times = float(np.sum((fitted_sizes / group.usual) ** 2))
         total += (1.0 + len(sizes)) * math.log(max(1.0, times))
     return total
 
@@ -209,7 +209,7 @@ def _most_on_a_link(candidate: Candidate, name: str, prepared: Prepared) -> floa
         return most
     arm, beams = prepared.observed.arm_given, [link.beam for link in prepared.observed.state.links]
     last = LINK_MASS.sizes[0].typical[1] + mass_declared(arm, beams, arm.size - 1)
-    # The lightest arms for what they carry lift their own weight (A. Albu-Schaeffer et al., Industrial Robot 34 (2007)
+    # The lightest arms for what they carry lift their weight (A. Albu-Schaeffer et al., Industrial Robot 34 (2007)
     # 376: a load-to-weight ratio of 1:1).
     return max(most, last, _whole_mass(prepared.observed))
 

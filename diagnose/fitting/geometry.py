@@ -90,6 +90,6 @@ def _fitted(observed: Observed, single: Sequence[Candidate]) -> tuple[tuple[Effe
 
 
 def _size_there(observed: Observed, item: Candidate) -> float:
-    """The size of a zero or length in the state that first order is taken about; nought where it is not there."""
+    """The size of a zero or length in the state that first order is taken about; zero where it is not there."""
     there = (entry for entry in observed.about if (entry.effect, entry.at) == (item.effect, item.numbers))
     return sum(entry.parameters.get(item.sizes[0], 0.0) for entry in there)

@@ -109,10 +109,10 @@ def _few(observed: Observed) -> bool:
 class HeldOut:
     """Fits to all folds but one, in turn, of any choice among some parts of a model.
 
-    `columns` are the parts' displacements (N, C, d), `tethers` (d,) for each part what holds its sizes at nought: the
+    `columns` are the parts' displacements (N, C, d), `tethers` (d,) for each part what holds its sizes at zero: the
     reciprocal of their usual size over the scatter (None: nothing does). What the parts multiply to is worked out once
     a fold. Of the first `nuisances` parts, what no other fold tells (where a point is that is touched in one fold
-    alone) is fitted to the fold's own readings: nothing can foretell it, and it says nothing of the rest. Parts that
+    alone) is fitted to the fold's readings: nothing can foretell it, and it says nothing of the rest. Parts that
     are `shared` give under one set of unknown weights in each of these fits, as a file has one: to first order about
     all readings' fit.
     """
@@ -143,7 +143,7 @@ class HeldOut:
         self._rows = [self._fold == fold for fold in range(int(self._fold.max()) + 1)]
         self._products = [self._product(scaled[rows], target[rows]) for rows in self._rows]
         self._nuisances = scaled[:, :, : int(self._edges[nuisances])].copy()
-        self._own = [self._told_by_none_but(gram, int(self._edges[nuisances])) for gram, _ in self._products]
+        self._fold_only = [self._fold_only_directions(gram, int(self._edges[nuisances])) for gram, _ in self._products]
 
     def _scaled(self) -> Array:
         """All columns (N, C, d) over the scatter, put together part by part."""
@@ -157,7 +157,7 @@ class HeldOut:
         flat = part.reshape(part.shape[0] * part.shape[1], part.shape[2])
         return flat.T @ flat, flat.T @ target.reshape(-1)
 
-    def _told_by_none_but(self, gram: Array, width: int) -> Array:
+    def _fold_only_directions(self, gram: Array, width: int) -> Array:
         """The directions (width, k) of the first columns' sizes that no fold but that of a product tells."""
         whole = sum(item[:width, :width] for item, _ in self._products)
         if width == 0 or len(self._products) == 1:
@@ -166,13 +166,13 @@ class HeldOut:
         mine = np.einsum("wk,wv,vk->k", vectors, gram[:width, :width], vectors)
         return vectors[:, (values <= _TOLD * values[-1]) & (mine > _TOLD * values[-1])]
 
-    def _of_its_own(self, left: Array, fold: int, own: Array) -> Array:
+    def _fold_only_part(self, left: Array, fold: int, directions: Array) -> Array:
         """What of a fold's readings left, (n, C, k), the directions that it alone tells take up of the tip, m."""
-        width, out = len(own), self._rows[fold]
-        seen = np.tensordot(self._nuisances[out], own, 1)
-        flat = seen.reshape(-1, own.shape[1])
+        width, out = len(directions), self._rows[fold]
+        seen = np.tensordot(self._nuisances[out], directions, 1)
+        flat = seen.reshape(-1, directions.shape[1])
         target = self._observed.scaled(self._whole(left, out))[out].reshape(len(flat), -1)
-        values = (own @ np.linalg.lstsq(flat, target, rcond=None)[0]) / self._size[:width, None]
+        values = (directions @ np.linalg.lstsq(flat, target, rcond=None)[0]) / self._size[:width, None]
         nuisances = zip(self._parts, self._edges[1:].tolist(), strict=True)
         beside = np.concatenate([part[out] for part, end in nuisances if end <= width], axis=2)
         return np.tensordot(beside[:, : self._observed.components], values, 1)
@@ -182,7 +182,7 @@ class HeldOut:
         spans = itertools.pairwise(self._edges.tolist())
         used = ((part, values[a:b]) for part, (a, b) in zip(self._parts, spans, strict=True) if values[a:b].any())
         count = self._observed.residual[rows].shape
-        return sum((np.tensordot(part[rows], own, 1) for part, own in used), np.zeros((*count, values.shape[1])))
+        return sum((np.tensordot(part[rows], sizes, 1) for part, sizes in used), np.zeros((*count, values.shape[1])))
 
     def _along(self, target: Array, rows: NDArray[np.bool_]) -> Array:
         """The products (d, k) of the columns in some rows with a target (n, C, k)."""
@@ -190,7 +190,7 @@ class HeldOut:
         return np.concatenate(products) / self._size[:, None]
 
     def _whole(self, left: Array, out: NDArray[np.bool_]) -> Array:
-        """A fold's readings in their places among all, nought elsewhere."""
+        """A fold's readings in their places among all, zero elsewhere."""
         whole = np.zeros((len(out), *left.shape[1:]))
         whole[out] = left
         return whole
@@ -215,9 +215,9 @@ class HeldOut:
         moved = self._moved(values)
         missed = self._observed.residual - moved[np.arange(len(moved)), :, self._fold]
         left = missed[:, :width]
-        for fold, (own, out) in enumerate(zip(self._own, self._rows, strict=True)):
-            if own.shape[1] and (taken[: len(own)] == np.arange(len(own))).all():
-                left[out] -= self._of_its_own(missed[out][..., None], fold, own)[..., 0]
+        for fold, (directions, out) in enumerate(zip(self._fold_only, self._rows, strict=True)):
+            if directions.shape[1] and (taken[: len(directions)] == np.arange(len(directions))).all():
+                left[out] -= self._fold_only_part(missed[out][..., None], fold, directions)[..., 0]
         return left
 
     def _steps(self, which: Sequence[int] | None, taken: NDArray[np.int64]) -> Steps | None:
@@ -240,7 +240,7 @@ class HeldOut:
             return normal_solution(gram, against) / size
         begun, slopes = start * steps.begun[:, None] * size, steps.slopes * size
         held, asked = steps.held(self._shared.hold)
-        # A column for the largest weight, which stands, is nought: its step stays at nought too.
+        # A column for the largest weight, which stands, is zero: its step stays at zero too.
         whole, right = slopes.T @ gram @ slopes + held.T @ held, slopes.T @ (against - gram @ begun)
         right += start * (held.T @ asked)[:, None]
         scale = np.sqrt(np.diag(whole))
@@ -257,13 +257,15 @@ class HeldOut:
         target = self._observed.scaled(self._observed.scaled(drawn))
         against = [self._along(target[rows], rows) for rows in self._rows]
         whole = sum(gram for gram, _ in self._products) + np.diag(self._held / self._size**2)
-        each = zip(self._products, against, self._own, self._rows, strict=True)
+        each = zip(self._products, against, self._fold_only, self._rows, strict=True)
         taken = np.arange(len(self._size))
         steps = self._steps(None, taken)
-        for fold, ((gram, _), wanted, own, out) in enumerate(each):
+        for fold, ((gram, _), wanted, directions, out) in enumerate(each):
             values = self._fitted(whole - gram, sum(against) - wanted, taken, steps, start=0.0)
             missed = drawn[out] - self._moved(values, out)
-            left[out] = missed[:, :width] - (self._of_its_own(missed, fold, own) if own.shape[1] else 0.0)
+            left[out] = missed[:, :width] - (
+                self._fold_only_part(missed, fold, directions) if directions.shape[1] else 0.0
+            )
         return np.sqrt(np.mean(np.sum(left**2, axis=1), axis=0))
 
     def better_by(self, which: Sequence[int], without: Sequence[int], together: NDArray[np.int64]) -> float:

@@ -14,7 +14,7 @@ from linkwright.core.arm.chain.vectors import to_roll_pitch_yaw
 from linkwright.core.diagnose.patterns.library import columns_of
 from linkwright.core.diagnose.patterns.pool import VISIBLE, orthonormal
 from linkwright.core.diagnose.residual.free_origins import TURNS, Freedom, known, moved, of_observed, turned_whole
-from linkwright.core.diagnose.result import FittedParameter, FoundOrigin
+from linkwright.core.diagnose.result import FittedOrigin, FittedParameter
 from linkwright.core.sections.numeric import Array
 
 from .fit import solved, t_quantile
@@ -34,7 +34,7 @@ def identified_origins(
     arm: Arm,
     unnamed: Unnamed | None,
     search: Prepared,
-) -> tuple[Arm, tuple[FoundOrigin, ...]]:
+) -> tuple[Arm, tuple[FittedOrigin, ...]]:
     """An arm with its fixed transforms where the joint fit puts them, known from now on, and what is said of each.
 
     What the readings do not tell is not bounded, and stays as near as it can to where it was found at first; `search`
@@ -63,7 +63,7 @@ def identified_origins(
         covariance = inverse * unnamed.variance + unnamed.beside(operator)
     placed = moved(arm, ways, by)
     origins = tuple(
-        _found(placed, index, ways, covariance[columns, columns], determined, t_quantile(fitted.freedom))
+        _fitted_origin(placed, index, ways, covariance[columns, columns], determined, t_quantile(fitted.freedom))
         for index in sorted({way.joint for way in ways})
     )
     return known(placed), tuple(
@@ -71,9 +71,9 @@ def identified_origins(
     )
 
 
-def _found(
+def _fitted_origin(
     arm: Arm, index: int, ways: Sequence[Freedom], covariance: Array, determined: NDArray[np.bool_], factor: float
-) -> FoundOrigin:
+) -> FittedOrigin:
     joint = arm.joints[index]
     roll, pitch, yaw = to_roll_pitch_yaw(joint.origin_rotation)
     values = dict(zip(("x", "y", "z", *TURNS), (*joint.origin_translation, roll, pitch, yaw), strict=True))
@@ -101,7 +101,7 @@ def _found(
                 (value - reach, value + reach),
             )
         )
-    return FoundOrigin(index + 1, joint.origin_translation, (roll, pitch, yaw), tuple(parameters))
+    return FittedOrigin(index + 1, joint.origin_translation, (roll, pitch, yaw), tuple(parameters))
 
 
 def _angles_by_turns(pitch: float, yaw: float) -> Array:
@@ -113,8 +113,8 @@ def _angles_by_turns(pitch: float, yaw: float) -> Array:
 
 
 def _swallowed(prepared: Prepared, ways: Sequence[Freedom], index: int) -> tuple[tuple[str, tuple[int, ...]], ...]:
-    """What of the library cannot be told from one transform: it shows beside the other nuisances, and not beside this
-    one."""
+    """What of the library cannot be distinguished from one transform: it shows beside the other nuisances, and not
+    beside this one."""
     observed, pool = prepared.observed, prepared.pool
     shown = {group.candidate.family for group in pool.groups}
     first = prepared.beside.shape[2] - len(ways)

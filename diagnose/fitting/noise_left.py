@@ -76,7 +76,7 @@ def scatter_of(left: Array, observed: Observed) -> Array:
 
 def outliers_of(scaled: Array, observed: Observed) -> NDArray[np.bool_]:
     """Readings (N, C), over their scatter, that lie far off and are no part of the mismatch: a handful anywhere; where
-    they are many, those that the other readings of their own visit do not bear out. Repeats that are mostly alike to
+    they are many, those that the other readings of their visit do not bear out. Repeats that are mostly alike to
     the last digit are one count of an encoder written down again, and bear nothing out."""
     width, rules = observed.components, observed.rules.fitting
     tip = scaled[:, :width]
@@ -125,7 +125,7 @@ def _warming_up(tip: Array, far: NDArray[np.bool_], observed: Observed) -> NDArr
 
 
 def _mixed(observed: Observed) -> bool:
-    """Whether each number is a reading of its own, so that neighbours in the file are of different instruments."""
+    """Whether each number is a separate reading, so that neighbours in the file are of different instruments."""
     slots = observed.recording.slots
     return slots is not None and bool((slots != slots[0]).any())
 

@@ -69,8 +69,8 @@ def located(arm: Arm, recording: Recording, *, rules: Rules = RULES) -> Arm:
             break
     assert best is not None
     placed = tuple(
-        replace(joint, origin_rotation=found.origin_rotation, origin_translation=found.origin_translation)
-        for joint, found in zip(arm.joints, best.arm.joints, strict=True)
+        replace(joint, origin_rotation=fitted.origin_rotation, origin_translation=fitted.origin_translation)
+        for joint, fitted in zip(arm.joints, best.arm.joints, strict=True)
     )
     return _improved(_tried(replace(arm, joints=placed), bare, rules), bare, rules).arm
 

@@ -26,7 +26,7 @@ from linkwright.core.diagnose.residual.free_origins import of_observed, origin_c
 from linkwright.core.diagnose.residual.observe import observe
 from linkwright.core.diagnose.residual.observed import Observed, rms_length
 from linkwright.core.diagnose.residual.orientation import tool_turns
-from linkwright.core.diagnose.residual.time_vs_path import Told, places, rather_with_time, time_vs_path
+from linkwright.core.diagnose.residual.time_vs_path import JudgedVisits, places, rather_with_time, time_vs_path
 from linkwright.core.diagnose.residual.visits import poses
 from linkwright.core.diagnose.residual.wander import clock, remembered, still, wander_in, without
 from linkwright.core.diagnose.rules.fitting_rules import FittingRules
@@ -79,7 +79,7 @@ class Prepared:
         """Which groups are of the library, and not mere forms."""
         return np.array([not group.candidate.outside for group in self.pool.groups], dtype=bool)
 
-    def told_apart(self, unit: float) -> float:
+    def unit_of_sizes(self, unit: float) -> float:
         """The scatter `unit` of whitened residuals as it stands against what holds sizes near the usual: neighbours
         that tell as much as one are counted once, or what many readings leave alike would pass for sizes."""
         return unit * float(np.sqrt(self.together))
@@ -171,7 +171,7 @@ Patterns = list[tuple[Candidate, Packed]]
 
 
 def packed_up(patterns: Iterable[tuple[Candidate, Array]]) -> Patterns:
-    """Patterns with columns (N, C, d), one after the other, without their noughts."""
+    """Patterns with columns (N, C, d), one after the other, without their zeros."""
     return [(candidate, packed(columns)) for candidate, columns in patterns]
 
 
@@ -301,11 +301,11 @@ def _variants(observed: Observed, named: Sequence[Candidate], patterns: Patterns
     few rows alone, other shapes are told by all."""
     variants: list[Variants] = []
     for candidate in named:
-        own = columns_of(observed, candidate)
+        columns = columns_of(observed, candidate)
         of_family = ((item, part) for item, part in patterns if item.family == candidate.family)
         same = [(item, part.whole()) for item, part in of_family if thresholds_of(item)]
-        if own is not None:
-            variants.append([(candidate, own), *same])
+        if columns is not None:
+            variants.append([(candidate, columns), *same])
     return variants
 
 
@@ -342,11 +342,11 @@ def _with_memory(
     much = rules.fitting.much_memory * max(1.0, observed.rows * observed.components / rules.search.many)
     for _ in range(_PASSES if memory > much else 0):
         left = _left_by_rough_model(prepared, noise_floor)
-        found = memory_of(observed.scaled(left), observed)
-        if found <= prepared.observed.correlation:
+        correlation = memory_of(observed.scaled(left), observed)
+        if correlation <= prepared.observed.correlation:
             break
         del prepared
-        prepared = set_up(replace(observed, correlation=found), patterns, rejected)
+        prepared = set_up(replace(observed, correlation=correlation), patterns, rejected)
     return replace(prepared, independent=independent_share(prepared.observed, left, noise_floor), together=together)
 
 
@@ -361,9 +361,9 @@ def _wandering(prepared: Prepared) -> tuple[Observed | None, int]:
     _, first, visit = np.unique(observed.block, return_index=True, return_inverse=True)
     visit = visit.reshape(-1)
     if len(first) < rules.enough or kinds > recordings:
-        return None, 1  # several kinds of numbers wander each in its own way
-    told_by = time_vs_path(observed.recording, observed.arm, poses(observed), first, rules=rules)
-    judged_by = told_by or Told(np.arange(len(first)), None)
+        return None, 1  # several kinds of numbers wander each in its way
+    judging = time_vs_path(observed.recording, observed.arm, poses(observed), first, rules=rules)
+    judged_by = judging or JudgedVisits(np.arange(len(first)), None)
     count = np.bincount(visit)
 
     def means(values: Array) -> Array:
@@ -385,12 +385,12 @@ def _wandering(prepared: Prepared) -> tuple[Observed | None, int]:
     gain = still(left, beside).likelihood - rough.price
     values = without(whole, beside)
     rather = rules.rather_a_drift if rough.drifts else rules.wander_beyond
-    excused = gain > wander.likelihood + rather and not (told_by is None and rough.wanders)
+    excused = gain > wander.likelihood + rather and not (judging is None and rough.wanders)
     if wander.rate <= 0.0 or excused:
         return None, 1
-    if told_by is None:
+    if judging is None:
         return None, min(remembered(values), max(1, len(first) // observed.rules.search.least_visits))
-    if told_by.back is None and not rather_with_time(
+    if judging.back is None and not rather_with_time(
         values, places(observed.recording.q[first], observed.arm), rules=rules
     ):
         return None, 1

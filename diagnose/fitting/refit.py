@@ -18,7 +18,7 @@ from linkwright.core.sections.numeric import Array
 
 from .fit import Fit, bounds, t_quantile, why_impossible
 from .joint.intervals import parameters_of, spread_of
-from .joint.shapes import shapes_found
+from .joint.shapes import fitted_shapes
 from .joint.sizes import left_by, solved_together
 from .prepare import Prepared
 from .room.unnamed import Unnamed
@@ -63,17 +63,17 @@ def refit(
     if not terms:
         residual, rss, freedom = left_by(prepared, terms)
         return Refit((), (), residual, rss, freedom)
-    unit = fitted.unit if unnamed is None else prepared.told_apart(fitted.unit)
+    unit = fitted.unit if unnamed is None else prepared.unit_of_sizes(fitted.unit)
     terms, weights = under_one_set_of_weights(prepared, terms, unit, bounded=bounded)
-    terms = shapes_found(prepared, terms, unit)
+    terms = fitted_shapes(prepared, terms, unit)
     initial = prepared
     prepared, terms = solved_together(initial, terms, unit, bounded=bounded)
-    while any(_below_nought(prepared, term) for term in terms):
-        held = shapes_found(initial, [_never_below_nought(prepared, term) for term in terms], unit)
+    while any(_below_zero(prepared, term) for term in terms):
+        held = fitted_shapes(initial, [_bounded_at_zero(prepared, term) for term in terms], unit)
         prepared, terms = solved_together(initial, held, unit, bounded=bounded)
     residual, rss, freedom = left_by(prepared, terms)
     spread = spread_of(prepared, terms, rss / max(freedom, 1), unnamed)
-    doubtful = not_under_known_loads(prepared, terms, spread.noise, spread.told, freedom)
+    doubtful = not_under_known_loads(prepared, terms, spread.noise, spread.determined, freedom)
     if doubtful:
         prepared, terms = solved_together(
             initial,
@@ -90,7 +90,7 @@ def refit(
         if not any(np.any(sizes) for sizes in beyond):
             break
         # What made up for the rest of a size that stands at its bound now is fitted anew beside it, which may take that
-        # to a bound of its own.
+        # to a separate bound.
         still = [held | sizes for held, sizes in zip(still, beyond, strict=True)]
         prepared, terms = solved_together(initial, within, unit, still, bounded=bounded)
         residual, rss, freedom = left_by(prepared, terms)
@@ -103,7 +103,7 @@ def refit(
     return Refit(tuple(terms), parameters, residual, rss, freedom, weights)
 
 
-def _below_nought(prepared: Prepared, term: Term) -> tuple[str, ...]:
+def _below_zero(prepared: Prepared, term: Term) -> tuple[str, ...]:
     """The sizes of a term that came out negative where nothing is: a drive that the arm file calls rigid would turn
     against its load, a wind-up push on."""
     candidate = term.candidate
@@ -116,9 +116,9 @@ def _below_nought(prepared: Prepared, term: Term) -> tuple[str, ...]:
     return below if len(below) < len(candidate.sizes) else ()
 
 
-def _never_below_nought(prepared: Prepared, term: Term) -> Term:
-    """The term with such sizes held at nought, where physics ends."""
-    below, candidate = _below_nought(prepared, term), term.candidate
+def _bounded_at_zero(prepared: Prepared, term: Term) -> Term:
+    """The term with such sizes held at zero, where physics ends."""
+    below, candidate = _below_zero(prepared, term), term.candidate
     if not below:
         return term
     kept = [k for k, name in enumerate(candidate.sizes) if name not in below]
@@ -139,12 +139,12 @@ def _within_bounds(prepared: Prepared, term: Term, errors: Array, anyhow: bool) 
     return term if (sizes == term.sizes).all() else term_at(prepared.observed, candidate, sizes, term.columns)
 
 
-def impossible_term(prepared: Prepared, found: Refit) -> tuple[int, str] | None:
+def impossible_term(prepared: Prepared, refit_result: Refit) -> tuple[int, str] | None:
     """The place of the term that cannot be physics, and why as a clause; of several the one that moves most, as the
     others may only balance it. None where all can be."""
     worst: tuple[float, int, str] | None = None
-    factor = t_quantile(found.freedom)
-    for place, (term, parameters) in enumerate(zip(found.terms, found.parameters, strict=True)):
+    factor = t_quantile(refit_result.freedom)
+    for place, (term, parameters) in enumerate(zip(refit_result.terms, refit_result.parameters, strict=True)):
         reaches = {
             parameter.parameter: (parameter.interval[1] - parameter.interval[0]) / (2.0 * factor)
             for parameter in parameters
@@ -158,12 +158,12 @@ def impossible_term(prepared: Prepared, found: Refit) -> tuple[int, str] | None:
     return None if worst is None else worst[1:]
 
 
-def shared_of(prepared: Prepared, found: Refit) -> Shared | None:
+def shared_of(prepared: Prepared, refit_result: Refit) -> Shared | None:
     """What a joint fit says of one set of weights, for fits to fewer readings; terms are parts from 1. None where fewer
     than two terms share them."""
-    sizes = {1 + place: term.sizes for place, term in enumerate(found.terms) if term.shared}
-    unit = float(np.sqrt(found.rss / max(found.freedom, 1)))
-    return Shared(sizes, hold_of(prepared, found.terms, unit)) if len(sizes) > 1 else None
+    sizes = {1 + place: term.sizes for place, term in enumerate(refit_result.terms) if term.shared}
+    unit = float(np.sqrt(refit_result.rss / max(refit_result.freedom, 1)))
+    return Shared(sizes, hold_of(prepared, refit_result.terms, unit)) if len(sizes) > 1 else None
 
 
 def refined_shapes(prepared: Prepared, members: Sequence[int], fitted: Fit) -> tuple[Candidate | None, ...]:
@@ -175,7 +175,7 @@ def refined_shapes(prepared: Prepared, members: Sequence[int], fitted: Fit) -> t
         _begun(prepared, group.candidate, sizes, prepared.columns[m])
         for m, group, sizes in zip(members, groups, fitted.sizes, strict=True)
     ]
-    shapes = shapes_found(prepared, terms, fitted.unit)
+    shapes = fitted_shapes(prepared, terms, fitted.unit)
     return tuple(term.candidate if term.candidate.free_shapes else None for term in shapes)
 
 

@@ -85,8 +85,12 @@ def _about(relinearized_: Relinearized) -> Observed:
     """The readings set against the arm with what is found; loads act through the flexibility found, and through what
     the search has assumed beside it (not through what was found and is no longer)."""
     observed, terms = relinearized_.prepared.observed, relinearized_.refit.terms
-    softer = [own for own in (entry(term.candidate, term.sizes.tolist()) for term in terms) if own is not None]
-    taken = {(own.effect, own.at) for own in (*softer, *observed.about)}
+    softer = [
+        entry_made
+        for entry_made in (entry(term.candidate, term.sizes.tolist()) for term in terms)
+        if entry_made is not None
+    ]
+    taken = {(entry_made.effect, entry_made.at) for entry_made in (*softer, *observed.about)}
     softer += [item for item in observed.softening if (item.effect, item.at) not in taken]
     return observed_about(observed, entries_of_arm(terms), softer)
 

@@ -89,19 +89,19 @@ def under_one(design: Array, target: Array, begun: Array, how: Array, *, bounded
             if bounded:
                 compliance = nnls(giving - beside @ (beside.T @ giving), aim)[0]
                 of_known = np.linalg.lstsq(known, target - giving @ compliance, rcond=None)[0]
-                own = np.concatenate([compliance, of_known])
+                solution = np.concatenate([compliance, of_known])
             else:
-                own = np.linalg.lstsq(np.hstack([giving, known]), target, rcond=None)[0]
-            left = target - known @ own[count:]
+                solution = np.linalg.lstsq(np.hstack([giving, known]), target, rcond=None)[0]
+            left = target - known @ solution[count:]
             held = float(np.sum((how * weight) ** 2))
-            before, value = value, float(np.sum((left - products @ weight @ own[:count]) ** 2)) + held
+            before, value = value, float(np.sum((left - products @ weight @ solution[:count]) ** 2)) + held
             if value < least:
                 least = value
                 best = np.zeros(begun.shape)
-                best[:, :-1], best[:, -1] = np.outer(own[:count], weight), own[count:]
+                best[:, :-1], best[:, -1] = np.outer(solution[:count], weight), solution[count:]
             if value > before * (1.0 - _SETTLED):
                 break
-            rows = np.vstack([np.einsum("nmk,m->nk", products, own[:count]), np.diag(how)])
+            rows = np.vstack([np.einsum("nmk,m->nk", products, solution[:count]), np.diag(how)])
             weight = np.linalg.lstsq(rows, np.concatenate([left, np.zeros(len(how))]), rcond=None)[0]
     return best
 
@@ -109,12 +109,12 @@ def under_one(design: Array, target: Array, begun: Array, how: Array, *, bounded
 @dataclass(frozen=True)
 class Steps:
     """The coordinates in which a fit takes its steps: `slopes` (P, Q) turns a step of theirs into one of all sizes to
-    first order, `own` and `common` are where the compliances and the weights are among them. `spans` are where the
+    first order, `groups` and `common` are where the compliances and the weights are among them. `spans` are where the
     shared terms' sizes are among the P (the products first, then one under known loads)."""
 
     slopes: Array
     products: Products
-    own: tuple[int, ...]
+    groups: tuple[int, ...]
     common: slice
     spans: tuple[slice, ...]
 
@@ -136,7 +136,7 @@ class Steps:
 
     def at_zero(self, step: Array) -> set[int]:
         """The places of compliances that stand at zero and a step (Q,) would take below."""
-        places = zip(self.own, self.products.compliance.tolist(), strict=True)
+        places = zip(self.groups, self.products.compliance.tolist(), strict=True)
         return {place for place, compliance in places if compliance <= 0.0 and step[place] < 0.0}
 
     def taken(self, step: Array, share: float, *, bounded: bool = False) -> Array:
@@ -144,7 +144,7 @@ class Steps:
         added = share * (self.slopes @ step)
         change = np.where(np.arange(len(self.products.weight)) == self.products.largest, 0.0, step[self.common])
         weight = self.products.weight + share * change
-        for place, span, compliance in zip(self.own, self.spans, self.products.compliance.tolist(), strict=True):
+        for place, span, compliance in zip(self.groups, self.spans, self.products.compliance.tolist(), strict=True):
             after = compliance + share * float(step[place])
             product = (max(after, 0.0) if bounded else after) * weight
             added[span.start : span.stop - 1] = product - compliance * self.products.weight

@@ -23,7 +23,7 @@ class Term:
     its derivatives by the loads found that act through it, None where there are none.
 
     What gives under unknown `weights` (none named: those of the arm file) has a product for each of them among its
-    sizes, and last its own size under the loads that are known; None: nothing of that kind."""
+    sizes, and last its size under the loads that are known; None: nothing of that kind."""
 
     candidate: Candidate
     sizes: Array

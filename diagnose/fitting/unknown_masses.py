@@ -71,8 +71,8 @@ def under_one_set_of_weights(
         _hold(prepared, weights, unit),
         bounded=bounded,
     )
-    for k, own in zip(places, sizes, strict=True):
-        merged[k] = replace(merged[k], sizes=own, moved=merged[k].columns @ own)
+    for k, sizes_here in zip(places, sizes, strict=True):
+        merged[k] = replace(merged[k], sizes=sizes_here, moved=merged[k].columns @ sizes_here)
     return merged, weights
 
 
@@ -82,20 +82,24 @@ def _only_products(observed: Observed, candidate: Candidate) -> bool:
 
 
 def not_under_known_loads(
-    prepared: Prepared, terms: Sequence[Term], errors: Sequence[Array], told: Sequence[NDArray[np.bool_]], freedom: int
+    prepared: Prepared,
+    terms: Sequence[Term],
+    errors: Sequence[Array],
+    determined: Sequence[NDArray[np.bool_]],
+    freedom: int,
 ) -> set[int]:
     """The places of the terms under unknown weights whose own size the known loads do not tell, or would make what
     cannot be."""
-    factor, found = t_quantile(freedom), set[int]()
+    factor, doubtful = t_quantile(freedom), set[int]()
     for k, term in enumerate(terms):
         if not term.shared or not term.columns[:, :, -1].any():
             continue
         candidate, value = term.candidate, float(term.sizes[-1])
         least = -file_compliance(prepared.observed.arm, candidate.at[0]) if candidate.of_drives else 0.0
         telling = prepared.observed.rules.fitting.telling
-        if value <= least or not told[k][-1] or factor * float(errors[k][-1]) > telling * abs(value):
-            found.add(k)
-    return found
+        if value <= least or not determined[k][-1] or factor * float(errors[k][-1]) > telling * abs(value):
+            doubtful.add(k)
+    return doubtful
 
 
 def less_known(term: Term) -> Term:
@@ -114,7 +118,7 @@ def steps_of(terms: Sequence[Term], spans: Sequence[slice], count: int) -> Steps
 
 
 def hold_of(prepared: Prepared, terms: Sequence[Term], unit: float) -> Array:
-    """How strongly unknown weights (K,) are held to nought where data do not show them: `unit`, the scatter of whitened
+    """How strongly unknown weights (K,) are held to zero where data do not show them: `unit`, the scatter of whitened
     residuals, over how large one may be against the largest. A first moment is a mass, no more than all of them, times
     a lever, no longer than what lies beyond the joint."""
     weights = next((term.weights for term in terms if term.weights is not None), None)
@@ -132,10 +136,10 @@ def entries_of(terms: Sequence[Term]) -> tuple[EffectEntry, ...]:
     shared = [term for term in terms if term.weights is not None]
     if not shared:
         return ()
-    found = factors(np.stack([term.sizes[:-1] for term in shared]))
-    giving = zip(shared, found.compliance.tolist(), strict=True)
+    shared_factors = factors(np.stack([term.sizes[:-1] for term in shared]))
+    giving = zip(shared, shared_factors.compliance.tolist(), strict=True)
     return (
-        *weight_entries(shared[0].weights or (), found.weight.tolist() if shared[0].weights else ()),
+        *weight_entries(shared[0].weights or (), shared_factors.weight.tolist() if shared[0].weights else ()),
         *(product_entry(term.candidate.effect, term.candidate.numbers, product) for term, product in giving),
     )
 
@@ -145,15 +149,15 @@ def known_load(
     kind: str,
     errors: Array,
     noise: Array,
-    told: NDArray[np.bool_],
+    determined: NDArray[np.bool_],
     factor: float,
     at: tuple[int, ...],
     telling: float,
 ) -> tuple[FittedParameter, ...]:
     """The compliance where links weigh an unknown amount but another load (the payload's) is known and changes:
-    its own column, the last, tells it. Nothing where the data hardly do."""
+    its column, the last, tells it. Nothing where the data hardly do."""
     value, error = float(term.sizes[-1]), float(errors[-1])
-    if not told[-1] or factor * float(noise[-1]) > telling * abs(value):
+    if not determined[-1] or factor * float(noise[-1]) > telling * abs(value):
         return ()
     interval = (value - factor * error, value + factor * error)
     name = term.candidate.sizes[0]

@@ -4,9 +4,9 @@ A camera that stands still reads where a target on the tool is in its frame; a c
 that stands still is. Either way two unknown frames, six numbers each, close the chain from the measuring frame (the
 camera's, or the fixed target's) over the arm to what the tool carries: the hand-eye problem. It is solved in closed
 form first, whatever the rotations are (M. Shah, J. Mechanisms Robotics 5 (2013) 031007, doi:10.1115/1.4024473), then
-by Gauss and Newton's steps over places and turns together, each weighed by its own scatter; so is a scale of the
-depths, which an error of the focal length makes. Residuals are in the camera's own axes, for depth is read several
-times worse than what lies across, and by turns about its own axes.
+by Gauss and Newton's steps over places and turns together, each weighed by its scatter; so is a scale of the
+depths, which an error of the focal length makes. Residuals are in the camera's axes, for depth is read several
+times worse than what lies across, and by turns about its axes.
 """
 
 from __future__ import annotations

@@ -128,9 +128,9 @@ def _slopes(kind: InstrumentKind, scene: Scene, random: np.random.Generator) -> 
     )
 
 
-def _differ(name: str, found: Array, said: Array) -> Iterator[str]:
-    size = max(float(np.abs(found).max()), float(np.abs(said).max()))
-    if float(np.abs(found - said).max()) > _LINEAR * max(size, _SMALLEST):
+def _differ(name: str, differences: Array, said: Array) -> Iterator[str]:
+    size = max(float(np.abs(differences).max()), float(np.abs(said).max()))
+    if float(np.abs(differences - said).max()) > _LINEAR * max(size, _SMALLEST):
         yield f"`{name}` is not what it shows"
 
 

@@ -286,7 +286,7 @@ class InstrumentKind(ABC):
 
     @abstractmethod
     def part(self, first: int, scene: Scene) -> Part | None:
-        """Its numbers in a fit with others; None where it is set against the model by a fit of its own."""
+        """Its numbers in a fit with others; None where it is set against the model by a separate fit."""
 
     def simulated(self, stood: Stood, instrument: Instrument, random: np.random.Generator) -> Array:
         """What it reads of an arm without noise (N, k), what nobody knows of it drawn; nan where it reads nothing,

@@ -87,6 +87,6 @@ def _level(up: Array, *, flat: bool) -> Array:
 
 
 def _axes(arm: Arm, q: Array, link: int) -> Array:
-    """A link's own axes (from 1) at poses q (N, n), in the columns of (N, 3, 3)."""
+    """A link's axes (from 1) at poses q (N, n), in the columns of (N, 3, 3)."""
     frame = place(arm, [q[:, index] for index in range(arm.size)]).links[link - 1]
     return np.stack([columns(part, len(q)) for part in (frame.along, frame.height, frame.width)], axis=2)

@@ -1,4 +1,4 @@
-"""Recordings whose rows hold different things: each number becomes a reading of its own."""
+"""Recordings whose rows hold different things: each number becomes a separate reading."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from .instrument import Slots
 
 def laid_out(recording: Recording) -> Recording:
     """The recording with as many numbers in each row, each of the same kind; where rows hold different ones (`slots` of
-    -1 hold none), each number as a reading of its own."""
+    -1 hold none), each number as a separate reading."""
     slots = recording.slots
     if slots is None or not recording.size:
         return recording
@@ -25,7 +25,7 @@ def laid_out(recording: Recording) -> Recording:
 
 
 def as_scalars(recording: Recording) -> Recording:
-    """The recording with each number as a reading of its own, positions too."""
+    """The recording with each number as a separate reading, positions too."""
     slots = recording.slots
     if slots is None:
         slots = np.tile(np.arange(recording.tip.shape[1]), (recording.size, 1))

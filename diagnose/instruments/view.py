@@ -1,6 +1,6 @@
 """What an instrument should read where the model has the tip, and what of it a displacement of the tip shows.
 
-Each kind of instrument models its own numbers (`instruments.kinds`); here frame, tool and what is unknown of every kind
+Each kind of instrument models its numbers (`instruments.kinds`); here frame, tool and what is unknown of every kind
 are fitted together. Residuals are exact; what displacements, turns and nuisances show is to first order about where the
 arm stands, as everywhere in the diagnosis.
 """
@@ -94,16 +94,16 @@ class Within(Change):
     @property
     def mask(self) -> Marked:  # pyright: ignore[reportIncompatibleVariableOverride] - of all rows
         """Those of that recording."""
-        own = self.change.mask
-        mask = np.zeros((self.rows, own.shape[1]), dtype=np.bool_)
-        mask[self.first : self.first + len(own)] = own
+        marked = self.change.mask
+        mask = np.zeros((self.rows, marked.shape[1]), dtype=np.bool_)
+        mask[self.first : self.first + len(marked)] = marked
         return mask
 
     def exact(self, moved: Array, turned: Array) -> Array:
         """Of its rows, zero of others."""
-        own = slice(self.first, self.first + len(self.change.mask))
+        rows_here = slice(self.first, self.first + len(self.change.mask))
         seen = np.zeros((self.rows, self.change.mask.shape[1]))
-        seen[own] = self.change.exact(moved[own], turned[own])
+        seen[rows_here] = self.change.exact(moved[rows_here], turned[rows_here])
         return seen
 
 
@@ -185,7 +185,7 @@ class _Viewing:
         )  # fmt: skip
         parts = (kind.part(slots_of(kind.name)[0], self.scene) for kind in kinds)
         self.parts: list[Part] = [part for part in parts if part is not None]
-        self.own = sum(len(part.own_names) for part in self.parts)
+        self.stepped_count = sum(len(part.own_names) for part in self.parts)
         self.frame_free = recording.frame == "free" and bool(self.framed.any())
         self.tool_free = recording.tool == "free"
 
@@ -193,7 +193,7 @@ class _Viewing:
         """The view that fits best."""
         place = self._start()
         undetermined = np.zeros((0, 0))
-        if self.frame_free or self.tool_free or self.own:
+        if self.frame_free or self.tool_free or self.stepped_count:
             place, undetermined = self._fitted(place, _STEPS)
         seen = self.seen(place)
         columns = [part.own_columns(state, seen) for part, state in self._each(place)]
@@ -237,12 +237,12 @@ class _Viewing:
         at = self._at(place)
         modelled, shown, turning = (np.zeros((*self.scene.slots.shape, *more)) for more in ((), (3,), (3,)))
         for part, state in self._each(place):
-            own = part.model(state, at, place.frame)
-            where = np.clip(self.scene.slots - part.first, 0, own.values.shape[1] - 1)
-            modelled = np.where(part.mask, np.take_along_axis(own.values, where, axis=1), modelled)
+            modelled_part = part.model(state, at, place.frame)
+            where = np.clip(self.scene.slots - part.first, 0, modelled_part.values.shape[1] - 1)
+            modelled = np.where(part.mask, np.take_along_axis(modelled_part.values, where, axis=1), modelled)
             shown, turning = (
                 np.where(part.mask[:, :, None], np.take_along_axis(item, where[:, :, None], axis=1), before)
-                for item, before in ((own.shown, shown), (own.turning, turning))
+                for item, before in ((modelled_part.shown, shown), (modelled_part.turning, turning))
             )
         return Seen(self.scene.read - modelled, shown, turning, at)
 
@@ -266,7 +266,7 @@ class _Viewing:
         best, least = place, np.inf
         for rotation in self._rotations():
             tried = replace(place, rotation=rotation, translation=self._shift(rotation, place))
-            result, _ = few._fitted(tried, _START_STEPS)  # its own kind
+            result, _ = few._fitted(tried, _START_STEPS)  # its kind
             rms = few.seen(result).rms()
             # An earlier start turns less: it stays unless another fits clearly better.
             if rms < _BETTER * least:
@@ -308,10 +308,10 @@ class _Viewing:
             columns += [part.own_columns(state, seen) for part, state in self._each(place)]
             if self.tool_free:
                 columns.append(np.einsum("nwa,nab->nwb", seen.shown, self.scene.directions[:, :, :width]))
-            own = sum(part.shape[2] for part in columns)
+            stepped = sum(part.shape[2] for part in columns)
             beside = [column for part, state in self._each(place) for column in part.beside(state, seen)[0]]
-            design = np.concatenate([*columns, *beside], axis=2).reshape(-1, own + sum(p.shape[2] for p in beside))
-            step, undetermined = _determined(design, seen.residual.reshape(-1), own, UNDETERMINED)
+            design = np.concatenate([*columns, *beside], axis=2).reshape(-1, stepped + sum(p.shape[2] for p in beside))
+            step, undetermined = _determined(design, seen.residual.reshape(-1), stepped, UNDETERMINED)
             at = 0
             if self.frame_free:
                 shift, turn = np.zeros(3), np.zeros(3)
@@ -356,15 +356,19 @@ class _Viewing:
         return tuple(sentences)
 
 
-def _determined(design: Array, target: Array, own: int, share: float) -> tuple[Array, Array]:
+def _determined(design: Array, target: Array, stepped_count: int, share: float) -> tuple[Array, Array]:
     """Least squares of a target (n,) by columns (n, k) in the directions that the readings tell: the step of the first
-    `own`, and which directions of them are not told (m, own), those that move less than a share of the best."""
-    beside = design[:, own:]
+    `stepped_count`, and which directions of them are not told (m, own), those that move less than a share of the
+    best."""
+    beside = design[:, stepped_count:]
     if beside.shape[1]:
         basis, size, _ = np.linalg.svd(beside, full_matrices=False)
         basis = basis[:, size > 1e-9 * size[0]]
-        design, target = design[:, :own] - basis @ (basis.T @ design[:, :own]), target - basis @ (basis.T @ target)
-    u, s, vt = np.linalg.svd(design[:, :own], full_matrices=False)
+        design, target = (
+            design[:, :stepped_count] - basis @ (basis.T @ design[:, :stepped_count]),
+            target - basis @ (basis.T @ target),
+        )
+    u, s, vt = np.linalg.svd(design[:, :stepped_count], full_matrices=False)
     determined = s > share * s[0]
     return vt[determined].T @ ((u[:, determined].T @ target) / s[determined]), vt[~determined]
 

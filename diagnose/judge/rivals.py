@@ -83,12 +83,12 @@ def chosen(rivals: Sequence[Rival], most: float = math.inf) -> Rivals:
 
     Args:
         rivals: The rivals, the arm as given (`nominal`) among them, all on the same parts and branches.
-        most: Times what a rival leaves of its own readings that it may leave of held-out ones in each branch.
+        most: Times what a rival leaves of its readings that it may leave of held-out ones in each branch.
 
     Returns:
         The rivals with the one that is written: the best held out, or the one with the fewest numbers that is no more
         than one standard error worse; none that is worse than the arm as given, on the whole or in some branch by more
-        than a standard error. One that leaves more than `most` times what it leaves of its own readings gives way to
+        than a standard error. One that leaves more than `most` times what it leaves of its readings gives way to
         those that do not, the arm as given aside.
 
     Raises:

@@ -25,7 +25,9 @@ def entry_of(effect: Effect, ripple: Ripple) -> EffectEntry:
 def completed(arm: Arm, groups: Sequence[Group], numbers: Sequence[Array], more: Sequence[EffectEntry] = ()) -> Arm:
     """The arm with entries for groups by their numbers (SI), joined to what it has of the same effect, place
     and shapes, and `more`."""
-    joined = with_entries(arm, [e for group, own in zip(groups, numbers, strict=True) for e in entries_of(group, own)])
+    joined = with_entries(
+        arm, [e for group, values in zip(groups, numbers, strict=True) for e in entries_of(group, values)]
+    )
     return replace(arm, effects=tuple(_readable(entry) for entry in (*joined.effects, *more)))
 
 

@@ -266,7 +266,7 @@ def _result(
     if unknown is not None and change is not None:
         unknown = since(unknown, change)
     verdict = verdict_of(named, unknown)
-    with_own = rms_together(judge.named.beside[1], counts) if different.found else None
+    with_own = rms_together(judge.named.beside[1], counts) if different.differences else None
     return MotionDiagnosis(
         arm=arm,
         logs=tuple(logs),
@@ -289,7 +289,7 @@ def _result(
         notes=(
             *_contradictions(arm, identified.split, after, held, heard, rules),
             _HELD_OUT,
-            *([_ALONE] if different.found else []),
+            *([_ALONE] if different.differences else []),
             *_sparse(prepared),
         ),
         rivals=judge.rivals,
@@ -381,7 +381,7 @@ def _traces(rows: LogRows, written: LogRows, sizes: Array) -> Traces:
 
 
 def _of_log(identified: Identified, judge: Judged, given: Array, number: int) -> OfLog:
-    log, own = identified.rows[number].prepared.log, identified.rows[number].prepared.own
+    log, entries = identified.rows[number].prepared.log, identified.rows[number].prepared.entries
     here = identified.products.log == number
     rows = max(int(judge.counts[here].sum()), 1)
 
@@ -398,6 +398,6 @@ def _of_log(identified: Identified, judge: Judged, given: Array, number: int) ->
         size(judge.written.left),
         size(judge.written.held_out),
         tuple(item.row for item in log.rejected),
-        own,
-        size(judge.written.beside[0]) if own else None,
+        entries,
+        size(judge.written.beside[0]) if entries else None,
     )

@@ -1,4 +1,4 @@
-"""What differs between motion logs that are diagnosed together: each log's own entries, and what they are told as."""
+"""What differs between motion logs that are diagnosed together: each log's entries, and what they are told as."""
 
 from __future__ import annotations
 
@@ -25,17 +25,17 @@ from .result import Alternative, MotionFinding
 
 @dataclass(frozen=True)
 class Differing:
-    """Logs about arms of their own: `rows` with the entries that hold in each log alone, `found` what those are, and
-    `beyond` (n,) N*m, the RMS of what else may differ (empty: one log)."""
+    """Logs about arms of their own: `rows` with the entries that hold in each log alone, `differences` what those are,
+    and `beyond` (n,) N*m, the RMS of what else may differ (empty: one log)."""
 
     rows: tuple[LogRows, ...]
-    found: tuple[Difference, ...] = ()
+    differences: tuple[Difference, ...] = ()
     beyond: tuple[float, ...] = ()
 
     @property
     def steps(self) -> tuple[Step, ...]:
         """What steps between the logs."""
-        return tuple(item.step for item in self.found)
+        return tuple(item.step for item in self.differences)
 
     def sizes(self, number: int, width: int) -> Array:
         """The sizes (width,) of the model's columns that a log (its number) has of its own."""
@@ -65,12 +65,14 @@ def differing(arm: Arm, pool: Candidates, rows: Sequence[LogRows], *, rules: Rul
         known = tuple(more)
 
 
-def _about(arm: Arm, pool: Candidates, row: LogRows, number: int, found: Sequence[Difference], rules: Rules) -> LogRows:
+def _about(
+    arm: Arm, pool: Candidates, row: LogRows, number: int, differences: Sequence[Difference], rules: Rules
+) -> LogRows:
     """A log's rows about the arm with what the log (its number) alone has."""
-    steps = [item.step for item in found if item.step.parts[number]]
-    own = tuple(entry for step in steps for entry in entries_of(step.group, step.numbers))
-    motion = replace(row.prepared.motion, arm=with_entries(arm, own))
-    return log_rows(replace(row.prepared, motion=motion, own=own), pool, rules=rules) if own else row
+    steps = [item.step for item in differences if item.step.parts[number]]
+    entries = tuple(entry for step in steps for entry in entries_of(step.group, step.numbers))
+    motion = replace(row.prepared.motion, arm=with_entries(arm, entries))
+    return log_rows(replace(row.prepared, motion=motion, entries=entries), pool, rules=rules) if entries else row
 
 
 def differing_findings(item: Differing, pool: Candidates, *, rules: Rules) -> tuple[MotionFinding, ...]:
@@ -80,9 +82,9 @@ def differing_findings(item: Differing, pool: Candidates, *, rules: Rules) -> tu
     (G. Shafer et al., Statist. Sci. 26 (2011) 84-101, doi:10.1214/10-STS347).
     """
     made: list[MotionFinding] = []
-    for difference in item.found:
+    for difference in item.differences:
         step = difference.step
-        there = [row for row, own in zip(item.rows, step.parts.tolist(), strict=True) if own]
+        there = [row for row, present in zip(item.rows, step.parts.tolist(), strict=True) if present]
         made.append(
             finding_of_group(
                 step.group,

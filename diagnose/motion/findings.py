@@ -27,37 +27,39 @@ from .result import Alternative, MotionFinding
 
 
 def findings(
-    found: Identified, sizes: Estimates, judge: Judged, arm: Arm, *, rules: Rules
+    identified: Identified, sizes: Estimates, judge: Judged, arm: Arm, *, rules: Rules
 ) -> tuple[MotionFinding, ...]:
     """The findings, the one that explains most of the torque first.
 
     Args:
-        found: What was identified.
+        identified: What was identified.
         sizes: Of its members, in their order.
         judge: What held-out motion says of the arm with them.
         arm: The arm.
-        rules: Which names are told apart.
+        rules: Which names are distinguished.
     """
     made: list[MotionFinding] = []
-    beside = found.system.offers(found.fitted).evidence
+    beside = identified.system.offers(identified.fitted).evidence
     start = 0
-    for number, member in enumerate(found.members):
-        group = found.pool.groups[member.group]
+    for number, member in enumerate(identified.members):
+        group = identified.pool.groups[member.group]
         part = slice(start, start + group.rank)
         start += group.rank
-        others = [m for k, m in enumerate(found.fitted) if k != number]
-        plain = [*others, *found.system.plain_beside(member.group, others)]
-        evidence = float(found.system.offers(plain).evidence[member.group])
+        others = [m for k, m in enumerate(identified.fitted) if k != number]
+        plain = [*others, *identified.system.plain_beside(member.group, others)]
+        evidence = float(identified.system.offers(plain).evidence[member.group])
         made.append(
             finding_of_group(
                 group,
                 (sizes.gain * sizes.numbers)[part],
-                found.products,
+                identified.products,
                 parameters_of(group, arm, sizes.numbers[part], sizes.half[:, part], sizes.shown[part]),
-                alternatives(found, number, found.system.offers(others).evidence, beside, rules),
+                alternatives(identified, number, identified.system.offers(others).evidence, beside, rules),
                 judge.without(member.group),
                 evidence,
-                found.chance.p_value(found.system, plain, evidence, found.system.beside_joints_of(member.group)),
+                identified.chance.p_value(
+                    identified.system, plain, evidence, identified.system.beside_joints_of(member.group)
+                ),
             )
         )
     return tuple(sorted(made, key=lambda item: -float(np.sum(np.square(item.rms_explained)))))
@@ -125,7 +127,7 @@ def _between(grid: Sequence[float], value: float) -> tuple[float, float]:
 
 
 def alternatives(
-    found: Identified, number: int, offered: Array, beside: Array, rules: Rules
+    identified: Identified, number: int, offered: Array, beside: Array, rules: Rules
 ) -> tuple[Alternative, ...]:
     """Other names for a member (its number) that the logs do not tell from it, the likeliest first.
 
@@ -133,19 +135,19 @@ def alternatives(
     evident there is something of its own, no other name. What is as likely must be a body's or within its bounds, and
     foretell other motion nearly as well.
     """
-    member = found.members[number]
-    taken = {found.pool.groups[m.group].family for m in found.members}
+    member = identified.members[number]
+    taken = {identified.pool.groups[m.group].family for m in identified.members}
     best: dict[tuple[str, tuple[int, ...]], float] = {}
     evidence = float(offered[member.group])
-    rest = [m for m in found.fitted if m is not member]
+    rest = [m for m in identified.fitted if m is not member]
     for one in np.flatnonzero(np.abs(evidence - offered) <= rules.search.refuted_odds).tolist():
-        family = found.pool.groups[one].family
+        family = identified.pool.groups[one].family
         if family in taken or offered[one] - max(float(beside[one]), 0.0) < 0.5 * evidence:
             continue
-        worse = _worse(found, rest, [member], one, evidence, float(offered[one]), rules)
+        worse = _worse(identified, rest, [member], one, evidence, float(offered[one]), rules)
         if np.isfinite(worse):
             best[family] = min(best.get(family, np.inf), worse)
-    for family, worse in _for_two(found, member, number, rules).items():
+    for family, worse in _for_two(identified, member, number, rules).items():
         best[family] = min(best.get(family, np.inf), worse)
     made = [Alternative((family,), max(worse, 0.0)) for family, worse in best.items()]
     return tuple(sorted(made, key=lambda item: item.worse))
@@ -179,7 +181,7 @@ def _for_two(
 
 
 def _worse(
-    found: Identified,
+    identified: Identified,
     rest: Sequence[Member],
     instead_of: Sequence[Member],
     one: int,
@@ -193,17 +195,17 @@ def _worse(
     Samples of a log share their errors: names that explain the same, and differ on motion that was not fitted by no
     more than that scatters between stretches, are one class, of which only what is far less evident is refuted.
     """
-    scale = float(found.system.offers(rest).scale[one])
-    own, other = [*rest, *instead_of], [*rest, Member(one, scale)]
-    if not found.system.within(other)[-1]:
+    scale = float(identified.system.offers(rest).scale[one])
+    current, other = [*rest, *instead_of], [*rest, Member(one, scale)]
+    if not identified.system.within(other)[-1]:
         return np.inf
     alike = (
         offered >= rules.search.alike**2 * evidence
-        and found.held.loss(other, own, found.noise.weights) <= rules.search.refuted_odds
+        and identified.held.loss(other, current, identified.noise.weights) <= rules.search.refuted_odds
     )
-    if not alike and (found.held.rms(other) > (1.0 + rules.motion.gain) * found.held.rms(own)).any():
+    if not alike and (identified.held.rms(other) > (1.0 + rules.motion.gain) * identified.held.rms(current)).any():
         return np.inf
-    worse = evidence - offered + feasible(found.system, other).worse - feasible(found.system, own).worse
+    worse = evidence - offered + feasible(identified.system, other).worse - feasible(identified.system, current).worse
     return worse if worse <= (rules.search.refuted_odds if alike else rules.search.log_odds) else np.inf
 
 

@@ -171,7 +171,7 @@ def _settled(
     more: Sequence[EffectEntry],
     given: _Linearised | None = None,
 ) -> Filed:
-    """A set with sizes by which its own arm, as it would be written, leaves least."""
+    """A set with sizes by which its arm, as it would be written, leaves least."""
     pool = identified.pool
     groups = [pool.groups[member.group] for member in members]
     usual = np.concatenate([np.zeros(0), *(group.usual for group in groups)])

@@ -20,7 +20,7 @@ from .preparation import prepare
 @dataclass(frozen=True)
 class MotionPrediction:
     """A model on a log, by joint: `rms` (n,) N*m (N) of measured less predicted torque where the joint moves, and
-    `share` (n,) of the torque's own RMS, nan where it never does; `samples` (n,) that counted, `cutoff` Hz of the
+    `share` (n,) of the torque's RMS, nan where it never does; `samples` (n,) that counted, `cutoff` Hz of the
     low-pass on both sides, None where there is none."""
 
     rms: tuple[float, ...]
@@ -49,13 +49,13 @@ def predict_motion(arm: Arm, log: MotionLog, *, rules: Rules = RULES) -> MotionP
         prepared = prepare(arm, log, rules=rules)
     except ValueError as error:
         raise InputError(log.file, "", str(error)) from None
-    left, own = np.zeros((len(prepared.kept), arm.size)), np.zeros((len(prepared.kept), arm.size))
+    left, logged = np.zeros((len(prepared.kept), arm.size)), np.zeros((len(prepared.kept), arm.size))
     for part, numbers, within in prepared.pieces():
         measured = prepared.measured[part]
         left[numbers] = prepared.filtered(measured - model_torque(prepared.piece(part)))[within]
-        own[numbers] = prepared.filtered(measured)[within]
+        logged[numbers] = prepared.filtered(measured)[within]
     use = prepared.moving
-    size, torque = _rms(left, use), _rms(own, use)
+    size, torque = _rms(left, use), _rms(logged, use)
     share = size / np.maximum(torque, 1e-12)
     return MotionPrediction(
         tuple(size.tolist()), tuple(share.tolist()), tuple(use.sum(axis=0).tolist()), prepared.low_pass

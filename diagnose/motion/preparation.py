@@ -46,11 +46,11 @@ class Stretch:
 
 @dataclass(frozen=True)
 class PreparedLog:
-    """A log on an even clock, or at its own instants where its rate holds no low-pass: `cutoff` is then infinite.
+    """A log on an even clock, or at its instants where its rate holds no low-pass: `cutoff` is then infinite.
     `motion` (N samples at `rate` Hz) has speeds and accelerations; `measured` (N, n) N*m is not filtered. `kept` (M,)
     are the samples whose filtered values count; `moving` (M, n) those where the joint moves steadily, `near` (M, n)
-    those and reversals. `own` are entries that hold in this log alone, beside those of the arm file; `motion.arm` has
-    them.
+    those and reversals. `entries` are entries that hold in this log alone, beside those of the arm file; `motion.arm`
+    has them.
     """
 
     log: MotionLog
@@ -62,7 +62,7 @@ class PreparedLog:
     kept: NDArray[np.int64]
     moving: NDArray[np.bool_]
     near: NDArray[np.bool_]
-    own: tuple[EffectEntry, ...] = ()
+    entries: tuple[EffectEntry, ...] = ()
 
     @property
     def low_pass(self) -> float | None:
@@ -164,10 +164,10 @@ def prepare(arm: Arm, log: MotionLog, *, rules: Rules) -> PreparedLog:
     smooth = min(rules.motion.bands * cutoff, _HELD * working)
     clock = [t[::divide] for t in times]
     since = [np.arange(len(t)) / working if held else t for t in clock]
-    share = 1.0 if held else _told(q, since)
+    share = 1.0 if held else _share_resolved(q, since)
     around = min(cutoff, _HELD * working)
     speeds = _speeds(q, None if logged is None else thinned(logged), since, share, smooth, around, working, rules)
-    sampled = 1.0 if held else share * _told(speeds, since)
+    sampled = 1.0 if held else share * _share_resolved(speeds, since)
     accelerations = [sampled * slope(v, t) for v, t in zip(speeds, since, strict=True)]
 
     def joined(values: Array | None) -> Array | None:
@@ -222,8 +222,8 @@ def _clocks(log: MotionLog, gap: float, step: float | None) -> list[Array]:
     times: list[Array] = []
     for a, b in pairwise(edges):
         if log.time[b - 1] - log.time[a] > 1.0:
-            own = log.time[a:b]
-            times.append(own if step is None else np.arange(own[0], own[-1], step))
+            clock = log.time[a:b]
+            times.append(clock if step is None else np.arange(clock[0], clock[-1], step))
     if not times:
         raise ValueError("no stretch of the log is longer than a second")
     return times
@@ -233,29 +233,29 @@ def _speeds(
     q: list[Array],
     logged: list[Array] | None,
     clock: list[Array],
-    told: float,
+    share: float,
     smooth: float,
     cutoff: float,
     rate: float,
     rules: Rules,
 ) -> list[Array]:
-    """Speeds: as logged where they agree with the coordinates' own, so far as samples tell these (`told`), and are
+    """Speeds: as logged where they agree with the coordinates' own, so far as samples tell these (`share`), and are
     quieter around the low-pass, else those."""
     slopes = [slope(low_pass(item, smooth, rate), t) for item, t in zip(q, clock, strict=True)]
     if logged is None:
-        return [told * item for item in slopes]
+        return [share * item for item in slopes]
     read = [low_pass(item, smooth, rate) for item in logged]
     speeds = [np.empty_like(item) for item in slopes]
     differentiated = _noise(q, rate) * (2.0 * np.pi * cutoff) ** 2
-    quieter = told * _noise(logged, rate) <= differentiated
+    quieter = share * _noise(logged, rate) <= differentiated
     for joint in range(q[0].shape[1]):
         a, b = (np.concatenate([item[:, joint] for item in many]) for many in (slopes, read))
         size = float(a @ a)
         agrees = (
-            size > 0.0 and np.isfinite(b).all() and told * float((a - b) @ (a - b)) < rules.motion.speeds_agree * size
+            size > 0.0 and np.isfinite(b).all() and share * float((a - b) @ (a - b)) < rules.motion.speeds_agree * size
         )
         for into, mine, theirs in zip(speeds, slopes, read, strict=True):
-            into[:, joint] = theirs[:, joint] if agrees and quieter[joint] else told * mine[:, joint]
+            into[:, joint] = theirs[:, joint] if agrees and quieter[joint] else share * mine[:, joint]
     return speeds
 
 
@@ -265,7 +265,7 @@ def slope(values: Array, clock: Array) -> Array:
     return np.asarray(CubicSpline(clock, values)(clock, 1)) if len(clock) > 1 else np.zeros_like(values)
 
 
-def _told(values: list[Array], clock: list[Array]) -> float:
+def _share_resolved(values: list[Array], clock: list[Array]) -> float:
     """How much of the square of slopes every other sample foretells: 1 of a motion, 0 of poses from which nobody knows
     how the arm went to the next."""
     whole = missed = 0.0

@@ -53,7 +53,7 @@ class MotionFinding:
 class OfJoint:
     """A joint (from 1): RMS of what the model leaves of its torque, N*m (N), on samples where it moves (nan: it never
     does, or its drive was not logged): `before` and `after` what was identified, `held_out` on motion to which sizes
-    were not fitted, `floor` what the whole library leaves, and `share` of the torque's own RMS that is left (held out).
+    were not fitted, `floor` what the whole library leaves, and `share` of the torque's RMS that is left (held out).
     `p_unknown` is how often chance leaves as much structure; `depends_on` what that depends on where it is more than
     chance (`q2`, `speed`, `load`, `time`, `temperature_degC`).
     """
@@ -114,7 +114,7 @@ class Traces:
 @dataclass(frozen=True)
 class OfLog:
     """One of several logs: its name, file, unit and date, samples used, and RMS of all joints together (N*m) before,
-    after and held out; `rejected` are rows that were set aside. `own` are entries that hold in it alone, with which
+    after and held out; `rejected` are rows that were set aside. `entries` are entries that hold in it alone, with which
     beside the arm file `rms_with_own` is left of it (None: there are none)."""
 
     name: str
@@ -126,7 +126,7 @@ class OfLog:
     rms_after: float
     rms_held_out: float
     rejected: tuple[int, ...]
-    own: tuple[EffectEntry, ...] = ()
+    entries: tuple[EffectEntry, ...] = ()
     rms_with_own: float | None = None
 
 

@@ -95,8 +95,8 @@ def since_words(change: Change) -> str:
 
 def _undecided(finding: MotionFinding) -> str:
     effect = EFFECTS[finding.effect]
-    own = name_of(effect.title, effect.place, finding.at)
-    return f"The data fit equally well: {or_else(finding.alternatives)}, in place of {own}."
+    label = name_of(effect.title, effect.place, finding.at)
+    return f"The data fit equally well: {or_else(finding.alternatives)}, in place of {label}."
 
 
 def _friction(effect: str) -> bool:
@@ -107,7 +107,7 @@ def _mostly_friction(named: Sequence[MotionFinding]) -> bool:
     """Whether several names of friction are most of what is missing."""
     size = [float(np.sum(np.square(item.rms_explained))) for item in named]
     rubs = [_friction(item.effect) for item in named]
-    most = sum(own for own, friction in zip(size, rubs, strict=True) if friction) > 0.5 * sum(size)
+    most = sum(value for value, friction in zip(size, rubs, strict=True) if friction) > 0.5 * sum(size)
     return most and sum(rubs) > 2
 
 

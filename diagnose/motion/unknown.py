@@ -65,7 +65,7 @@ def structure(
             tables.append(_explained(item, inside))
     if not names:
         return Structure((), (), 1.0)
-    # The greatest share of all, each beside its own scatter, so that one test is made of many.
+    # The greatest share of all, each beside its scatter, so that one test is made of many.
     stacked = np.stack(tables)
     middle, spread = np.median(stacked[:, 1:], axis=1), np.std(stacked[:, 1:], axis=1)
     beyond = stacked[:, 0] - middle
@@ -102,7 +102,7 @@ def _shifts(log: NDArray[np.int64], seed: int) -> list[NDArray[np.int64]]:
 def variables(
     joint: int, q: Array, velocity: Array, acceleration: Array, load: Array, time: Array, temperature: Array | None
 ) -> dict[str, Array]:
-    """What a joint's residual may depend on (M,), by name: its own angle, speed, acceleration, load, the time, and the
+    """What a joint's residual may depend on (M,), by name: its angle, speed, acceleration, load, the time, and the
     angles and speeds of its neighbours."""
     values = {
         f"q{joint + 1}": q[:, joint],

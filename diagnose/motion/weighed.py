@@ -51,12 +51,14 @@ def weighed(arm: Arm, prepared: Sequence[PreparedLog], *, rules: Rules) -> list[
 
 
 def _constant(free: Sequence[PreparedLog], joint: int, rules: Rules) -> tuple[float, float]:
-    """N*m/A of a joint, by what weights make beyond friction, a drive's own inertia and a constant (nan: not told), and
+    """N*m/A of a joint, by what weights make beyond friction, a drive's inertia and a constant (nan: not told), and
     how much (N*m RMS) that is."""
-    weights, current, own = (np.concatenate(item) for item in zip(*(_rows(item, joint) for item in free), strict=True))
-    if len(current) <= own.shape[1]:
+    weights, current, motion_columns = (
+        np.concatenate(item) for item in zip(*(_rows(item, joint) for item in free), strict=True)
+    )
+    if len(current) <= motion_columns.shape[1]:
         return math.nan, 0.0
-    basis = np.linalg.qr(own)[0]
+    basis = np.linalg.qr(motion_columns)[0]
     m, y = (item - basis @ (basis.T @ item) for item in (weights, current))
     size = math.sqrt(float(m @ m) * float(y @ y))
     enough = size > 0.0 and float(y @ m) > rules.fitting.same_way * size
@@ -66,11 +68,11 @@ def _constant(free: Sequence[PreparedLog], joint: int, rules: Rules) -> tuple[fl
 def _rows(log: PreparedLog, joint: int) -> tuple[Array, Array, Array]:
     """Torque by weights (M,), current (M,) and what a drive has of its own (M, 4), filtered, where the joint moves."""
     use = log.moving[:, joint]
-    found = [np.zeros((0, 6))]
+    parts = [np.zeros((0, 6))]
     for part, numbers, within in log.pieces():
         motion = log.piece(part)
         v, a = motion.velocity[:, joint], motion.acceleration[:, joint]
         columns = [inverse_dynamics(motion)[:, joint], log.measured[part, joint], np.ones(len(v)), direction(v)]
-        found.append(log.filtered(np.stack([*columns, v, a], axis=1))[within][use[numbers]])
-    rows = np.concatenate(found)
+        parts.append(log.filtered(np.stack([*columns, v, a], axis=1))[within][use[numbers]])
+    rows = np.concatenate(parts)
     return rows[:, 0], rows[:, 1], rows[:, 2:]

@@ -1,4 +1,4 @@
-"""Forces at the tip that no entry of the library describes, through the arm's own flexibility: steady, wandering with
+"""Forces at the tip that no entry of the library describes, through the arm's flexibility: steady, wandering with
 time, springs, pulls towards a point, fields over the workspace."""
 
 from __future__ import annotations
@@ -119,7 +119,7 @@ def _points_around(tip: Array) -> list[tuple[float, ...]]:
     return list(itertools.product(*spans))
 
 
-def pull_found(observed: Observed, pool: Pool, vector: Array, known: Sequence[int]) -> tuple[Candidate, Array] | None:
+def fitted_pull(observed: Observed, pool: Pool, vector: Array, known: Sequence[int]) -> tuple[Candidate, Array] | None:
     """The pull that explains most of what the `known` groups leave of the whitened residual (n,), moved off the grid to
     where it does; with its columns (N, C, 1), None where the arm does not bend."""
     gained = products(pool, vector).beside(pool.columns(known)).gains()

@@ -97,7 +97,7 @@ def _by_another(observed: Observed, number: int, motion: Array) -> Iterator[tupl
 
 
 def _scaled(q: Array) -> Array:
-    """Joint coordinates (N, n), each from -1 to 1 over the recording; nought where it does not move."""
+    """Joint coordinates (N, n), each from -1 to 1 over the recording; zero where it does not move."""
     low, high = q.min(axis=0), q.max(axis=0)
     spread = high - low
     return np.where(spread > 0.0, (2.0 * q - low - high) / np.where(spread > 0.0, spread, 1.0), 0.0)
@@ -192,12 +192,12 @@ def _with_covariates(observed: Observed, axes: Array) -> Iterator[tuple[Candidat
     if recording.payload_mass is not None and np.ptp(recording.payload_mass) > 0.0:
         load = (recording.payload_mass - recording.payload_mass.mean()) / np.ptp(recording.payload_mass)
         yield LOADED.of(), interactions([load, *(load * p for p in place)], axes)
-    for own, columns in ((SIDES, recording.sides), (VELOCITY, recording.velocity)):
+    for form, columns in ((SIDES, recording.sides), (VELOCITY, recording.velocity)):
         for number in range(observed.arm.size if columns is not None else 0):
             values = columns[:, number] if columns is not None else np.zeros(observed.rows)
             if np.ptp(values) > 0.0:
                 scaled = values / np.abs(values).max()
-                yield own.of((number,)), interactions([scaled, *(scaled * p for p in place)], axes)
+                yield form.of((number,)), interactions([scaled, *(scaled * p for p in place)], axes)
     for name, values in recording.other.items():
         if np.isfinite(values).all() and np.ptp(values) > 0.0:
             scaled = (values - values.mean()) / np.ptp(values)

@@ -235,14 +235,14 @@ def _of_effect(observed: Observed, effect: Effect) -> Iterator[Candidate]:
         if not _needs_met(observed, effect, at, shapes):
             continue
         here = effect.sizes_here(observed.arm, at)
-        own = tuple(parameter.name for parameter in here if _held(observed, parameter.requires))
+        sizes = tuple(parameter.name for parameter in here if _held(observed, parameter.requires))
         if only_products(observed, effect, at):
-            # About its own z a base does not turn under weights.
-            own = own[:1]
-        yield Candidate(effect.id, at, own, MappingProxyType(shapes), shared=shared)
-        needed = tuple(name for name in own if not parameter_of(effect, name).optional)
-        less = [needed] if needed else [(name,) for name in own]
-        for fewer in (item for item in less if item != own):
+            # About its z a base does not turn under weights.
+            sizes = sizes[:1]
+        yield Candidate(effect.id, at, sizes, MappingProxyType(shapes), shared=shared)
+        needed = tuple(name for name in sizes if not parameter_of(effect, name).optional)
+        less = [needed] if needed else [(name,) for name in sizes]
+        for fewer in (item for item in less if item != sizes):
             yield Candidate(effect.id, at, fewer, MappingProxyType(shapes), shared=shared)
 
 

@@ -1,4 +1,4 @@
-"""Columns of patterns without what is nought in them: a long recording has hundreds of megabytes of noughts.
+"""Columns of patterns without what is zero in them: a long recording has hundreds of megabytes of zeros.
 
 What acts in one of several recordings moves nothing in the others, and what encoders, commands or a target on the base
 see of most physics is nothing.
@@ -18,7 +18,7 @@ from linkwright.core.sections.numeric import Array
 
 @dataclass(frozen=True)
 class Packed:
-    """Columns of `shape` (N, C, d): `values` from the row `first` on, in some `channels`; nought elsewhere."""
+    """Columns of `shape` (N, C, d): `values` from the row `first` on, in some `channels`; zero elsewhere."""
 
     shape: tuple[int, int, int]
     first: int

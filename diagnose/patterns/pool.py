@@ -62,7 +62,7 @@ class Group:
         return np.array([max(map(abs, parameter.typical)) for parameter in parameters])
 
     @cached_property
-    def told(self) -> NDArray[np.bool_]:
+    def determined(self) -> NDArray[np.bool_]:
         """Which sizes (d,) the columns tell from the others."""
         return np.einsum("ij,ji->i", self.back, self.forward) > 1.0 - _TOLD
 
@@ -142,7 +142,7 @@ class Pool:
         return self.basis.T @ self.basis
 
     @cached_property
-    def own(self) -> tuple[Array, tuple[Array, ...]]:
+    def blocks(self) -> tuple[Array, tuple[Array, ...]]:
         """What the Gram matrix holds of each group alone: its diagonal (M,), and blocks (g, r, r) as `layout.wide`."""
         blocks: list[Array] = []
         for _, at in self.layout.wide:
@@ -254,8 +254,8 @@ def _grouped(
     """Each pattern as a group and its basis (r, n), the first of which begins at column `at`; no group where nothing is
     seen of it beside the nuisances."""
     for block in _blocks(patterns):
-        for (candidate, _, _), found in zip(block, _seen(block, beside, rules), strict=True):
-            kept, basis, s, directions, unit, length, whole = found
+        for (candidate, _, _), seen in zip(block, _seen(block, beside, rules), strict=True):
+            kept, basis, s, directions, unit, length, whole = seen
             if not kept.any():
                 yield candidate, None, basis[:0]
                 continue
@@ -282,7 +282,7 @@ def _seen(block: Sequence[Whitened], beside: Array, rules: PatternRules) -> list
     """What is seen of each of some patterns: which directions are kept (d,), all of them as an orthonormal basis (d, n)
     with their singular values (d,), largest first, and as sizes (d, d), the unit of each size and the norm of its
     columns (d,), and the largest singular value before the nuisances are taken off. All of one width go together."""
-    found: dict[int, _Seen] = {}
+    seen: dict[int, _Seen] = {}
     widths = np.array([columns.shape[1] for _, columns, _ in block])
     for width in np.unique(widths).tolist():
         which = np.flatnonzero(widths == width).tolist()
@@ -302,8 +302,8 @@ def _seen(block: Sequence[Whitened], beside: Array, rules: PatternRules) -> list
         least = np.maximum(np.array(ranks) * s[:, 0], VISIBLE * whole)
         least = np.maximum(least, [0.0 if limit is None else rules.seen for limit in limits])
         kept = s > least[:, None]
-        found.update(zip(which, zip(kept, basis, s, directions, unit, length, whole, strict=True), strict=True))
-    return [found[number] for number in range(len(block))]
+        seen.update(zip(which, zip(kept, basis, s, directions, unit, length, whole, strict=True), strict=True))
+    return [seen[number] for number in range(len(block))]
 
 
 def _singular(rows: Array) -> tuple[Array, Array, Array]:
@@ -314,7 +314,7 @@ def _singular(rows: Array) -> tuple[Array, Array, Array]:
     s = np.sqrt(np.maximum(values[:, ::-1], 0.0))
     vectors = vectors[:, :, ::-1]
     basis = vectors.transpose(0, 2, 1) @ rows
-    # By their own length, for the orthogonality that squaring has cost.
+    # By their length, for the orthogonality that squaring has cost.
     size = np.sqrt(np.einsum("gdn,gdn->gd", basis, basis))
     basis /= np.where(size > 0.0, size, 1.0)[:, :, None]
     return basis, s, vectors
@@ -330,11 +330,11 @@ def with_group(pool: Pool, candidate: Candidate, columns: Array, limits: Array |
 def exchanged(pool: Pool, kept: Sequence[int], patterns: Iterable[Whitened]) -> Pool:
     """The pool with some of its groups (their numbers) alone, and behind them candidates with whitened columns (n, d)
     and limits of their sizes; `invisible` are those of which nothing is seen."""
-    found = list(_grouped(patterns, pool.nuisance, pool.basis.shape[1], pool.rules.patterns))
-    groups = [group for _, group, _ in found if group is not None]
-    unseen = tuple(candidate for candidate, group, _ in found if group is None)
+    seen = list(_grouped(patterns, pool.nuisance, pool.basis.shape[1], pool.rules.patterns))
+    groups = [group for _, group, _ in seen if group is not None]
+    unseen = tuple(candidate for candidate, group, _ in seen if group is None)
     few = pool.on_this_basis(tuple(pool.groups[k] for k in kept), unseen)
-    return _wider(few, groups, np.concatenate([basis for _, _, basis in found]).T) if groups else few
+    return _wider(few, groups, np.concatenate([basis for _, _, basis in seen]).T) if groups else few
 
 
 def _wider(pool: Pool, groups: Sequence[Group], basis: Array) -> Pool:

@@ -1,6 +1,6 @@
 """What gives under links that nobody has weighed: patterns of compliance times weight, which show only together.
 
-The weights are those of `arm.effects.loads.unknown_weight`: each link's first moments about its own joint, and its mass
+The weights are those of `arm.effects.loads.unknown_weight`: each link's first moments about its joint, and its mass
 where masses show by themselves. As long as nothing is known of them, an effect that gives under them has one column for
 each; where the arm file names them, up to a factor, it has one.
 """
@@ -145,14 +145,14 @@ def _weighing(observed: Observed, weights: Sequence[Weight], values: Sequence[fl
 
 
 def with_known_load(observed: Observed, effect: Effect, at: tuple[int, ...], products: Array) -> Array:
-    """The products' columns and, last, what one unit of the effect's own size moves under the loads that are known;
-    nought where that is what unknown weights could do as well."""
+    """The products' columns and, last, what one unit of the effect's size moves under the loads that are known;
+    zero where that is what unknown weights could do as well."""
     known = observed.signature(effect.id, Settings(at, MappingProxyType({effect.sizes[0].name: 1.0})))
-    flat, own = products.reshape(-1, products.shape[2]), known.reshape(-1)
+    flat, target = products.reshape(-1, products.shape[2]), known.reshape(-1)
     size = np.linalg.norm(flat, axis=0)
     scaled = flat / np.where(size > 0.0, size, 1.0)
-    left = own - scaled @ np.linalg.lstsq(scaled, own, rcond=1e-10)[0]
-    if np.linalg.norm(left) <= _SPANNED * np.linalg.norm(own):
+    left = target - scaled @ np.linalg.lstsq(scaled, target, rcond=1e-10)[0]
+    if np.linalg.norm(left) <= _SPANNED * np.linalg.norm(target):
         known = np.zeros(known.shape)
     return np.concatenate([products, known[:, :, None]], axis=2)
 
@@ -162,6 +162,6 @@ def columns_under_weights(
 ) -> Array:
     """The columns (N, C, K + 1) of an effect under unknown weights: a product for each of `weights` (its own by
     default), and its size under the loads that are known."""
-    own = EFFECTS[effect]
+    effect_here = EFFECTS[effect]
     of = weights_of(observed, effect, at) if weights is None else weights
-    return with_known_load(observed, own, at, weighed(observed, own, at, of))
+    return with_known_load(observed, effect_here, at, weighed(observed, effect_here, at, of))

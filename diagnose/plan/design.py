@@ -1,11 +1,11 @@
 """Which visits to choose: those from which the causes asked for can be seen small, and told from their rivals.
 
 A candidate's parameter shows by v = c' (I - P) c, with c its whitened displacements over the readings and P the
-projection onto the nuisances and, where it is to be told from a rival, onto that rival too: the non-centrality of the
-test of that parameter at the middle of its usual sizes, and the smallest size goes with 1/sqrt(v). The score is the
-mean logarithm of those over all parameters asked for, alone, so that each counts by how many times smaller it is seen,
-and a share of the mean of log(1 + t/v) over all pairs, where t is what it takes to refuse a wrong name: what is told
-anyhow counts no more. So it is a compound Ds-optimal design (A. C. Atkinson, A. N. Donev & R. D. Tobias, Optimum
+projection onto the nuisances and, where it is to be distinguished from a rival, onto that rival too: the non-centrality
+of the test of that parameter at the middle of its usual sizes, and the smallest size goes with 1/sqrt(v). The score is
+the mean logarithm of those over all parameters asked for, alone, so that each counts by how many times smaller it is
+seen, and a share of the mean of log(1 + t/v) over all pairs, where t is what it takes to refuse a wrong name: what is
+told anyhow counts no more. So it is a compound Ds-optimal design (A. C. Atkinson, A. N. Donev & R. D. Tobias, Optimum
 Experimental Designs, with SAS, Oxford 2007, ch. 10 and 21). Visits are taken greedily by the slope of the score, then
 exchanged one at a time (V. V. Fedorov, Theory of Optimal Experiments, Academic Press 1972).
 """
@@ -31,8 +31,8 @@ _SETTLED = 0.005
 class Patterns:
     """What the score goes by: whitened rows of all visits tried, `rows` (V, m, M), the first `nuisances` columns of
     which are nuisances; `known` (M, M) is what other readings tell already. `rivals` are the columns of each cause,
-    `asked` the columns whose sizes are to be seen, `against` (asked, rivals) which rival each is to be told from, and
-    `told` the non-centrality that does."""
+    `asked` the columns whose sizes are to be seen, `against` (asked, rivals) which rival each is to be distinguished
+    from, and `enough` the non-centrality that does."""
 
     rows: Array
     nuisances: int
@@ -40,7 +40,7 @@ class Patterns:
     asked: NDArray[np.int64]
     rivals: tuple[slice, ...]
     against: NDArray[np.bool_]
-    told: float
+    enough: float
 
 
 def chosen_visits(
@@ -119,11 +119,13 @@ class _Score:
         return int(closest[int(np.argmin(reached))])
 
     def __call__(self, total: Array) -> float:
-        alone, told, _, _ = self._shown(total)
+        alone, separation, _, _ = self._shown(total)
         against = self.patterns.against
         value = float(np.mean(-0.5 * np.log(alone)))
         return value + (
-            self.rules.pairs * float(np.mean(np.log1p(self.patterns.told / told[against]))) if against.any() else 0.0
+            self.rules.pairs * float(np.mean(np.log1p(self.patterns.enough / separation[against])))
+            if against.any()
+            else 0.0
         )
 
     def _projected(self, total: Array) -> tuple[Array, Array]:
@@ -139,28 +141,28 @@ class _Score:
         left, off = self._projected(total)
         asked = patterns.asked
         alone = left[asked, asked]
-        told = np.empty(patterns.against.shape)
+        separation = np.empty(patterns.against.shape)
         coefficients: list[Array] = []
         for number, rival in enumerate(patterns.rivals):
             mixed = left[asked, rival]
             by = np.asarray(np.linalg.solve(left[rival, rival], mixed.T).T, dtype=np.float64)
-            told[:, number] = alone - np.einsum("ad,ad->a", by, mixed)
+            separation[:, number] = alone - np.einsum("ad,ad->a", by, mixed)
             coefficients.append(by)
         least = 1e-9 * alone
-        return alone, np.maximum(told, least[:, None]), coefficients, off
+        return alone, np.maximum(separation, least[:, None]), coefficients, off
 
     def _slopes(self, total: Array) -> Array:
         """By how much each visit tried betters the score, to first order (V,)."""
         patterns = self.patterns
-        alone, told, coefficients, off = self._shown(total)
+        alone, separation, coefficients, off = self._shown(total)
         asked, b = patterns.asked, patterns.nuisances
         size = total.shape[0] - b
         weight = np.zeros((size, size))
         weight[asked, asked] = 0.5 / (alone * len(asked))
         share = self.rules.pairs / max(int(patterns.against.sum()), 1)
         for number, (rival, by) in enumerate(zip(patterns.rivals, coefficients, strict=True)):
-            shown = told[:, number]
-            steep = patterns.told / (shown * (shown + patterns.told))
+            shown = separation[:, number]
+            steep = patterns.enough / (shown * (shown + patterns.enough))
             slopes = np.where(patterns.against[:, number], share * steep, 0.0)
             if not slopes.any():
                 continue

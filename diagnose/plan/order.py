@@ -44,9 +44,9 @@ def in_order(chosen: Sequence[int], back: Sequence[int], payload: Array, q: Arra
         if back and not several:
             rows.append(back[0])
         made = np.array(rows, dtype=np.int64)
-        found = with_time(q[made], sides[made])
-        if found < least:
-            best, least = made, found
+        duration = with_time(q[made], sides[made])
+        if duration < least:
+            best, least = made, duration
     return best
 
 

@@ -39,7 +39,7 @@ Place = tuple[str, tuple[int, ...]]
 @dataclass(frozen=True)
 class Asked:
     """`poses` visits of `repeats` readings each. `effects` are those to be seen (none: all that can be), each at one
-    place or wherever it acts; `pairs_only` where they are to be told from each other and from nothing else.
+    place or wherever it acts; `pairs_only` where they are to be distinguished from each other and from nothing else.
 
     `sigma` is what each component scatters by (m, of tilts rad; of a camera across its view, `camera_noise` being that
     of its depths, m, and turns, rad), `payloads` kg, `frame` and `tool` say what is fitted along, `room`

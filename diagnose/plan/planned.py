@@ -88,10 +88,10 @@ class Planned:
         return values_sorted[len(values_sorted) // 2] if values_sorted else math.inf
 
     @property
-    def told_at_random(self) -> tuple[int, int]:
+    def separated_at_random(self) -> tuple[int, int]:
         """Of how many pairs of causes how many the middle one of the plans at random tells apart: (told, pairs). What a
         plan does not see has no pairs, so that plans have not the same number of them."""
-        counts = sorted(((one.told, one.pairs) for one in self.random), key=lambda item: item[0] / max(item[1], 1))
+        counts = sorted(((one.separated, one.pairs) for one in self.random), key=lambda item: item[0] / max(item[1], 1))
         return counts[len(counts) // 2] if counts else (0, 0)
 
     @property
@@ -104,12 +104,12 @@ class Planned:
         """How many times smaller the sizes are that it shows than those at random, on average (geometric mean) over
         the causes that both show; nan where there are none."""
         sizes = [(self.at_random(item), item.smallest) for item in self.promise.shown]
-        gains = [math.log(random / own) for random, own in sizes if math.isfinite(random)]
+        gains = [math.log(random / designed) for random, designed in sizes if math.isfinite(random)]
         return math.exp(sum(gains) / len(gains)) if gains else math.nan
 
 
 def _share(promise: Promise) -> float:
-    return promise.told / max(promise.pairs, 1)
+    return promise.separated / max(promise.pairs, 1)
 
 
 def _same(one: Shown, other: Shown) -> bool:

@@ -33,7 +33,7 @@ from .order import in_order, returns_of, with_time
 from .plan_request import Asked, seen_axes
 from .planned import Planned
 from .promise import NEVER, Promise, another_cause, is_asked, middle_size, promised, seen_columns
-from .torques import told_by_torques, torque_rows
+from .torques import promised_by_torques, torque_rows
 from .tried import Tried, tried_visits
 from .written import as_read, plan_text, read_plan, to_record
 
@@ -156,7 +156,7 @@ def _checked(
         read = replace(read, file="", frame=request.frame, tool=request.tool)
     promise = promised(arm, read if after is None else going_on(after, read, arm, request.rules), axes, request)
     # Each recording's torques are looked at by themselves.
-    return read, replace(promise, torques=told_by_torques(arm, read, request))
+    return read, replace(promise, torques=promised_by_torques(arm, read, request))
 
 
 def going_on(before: Recording, then: Recording, arm: Arm, rules: Rules) -> Recording:
@@ -207,11 +207,11 @@ def _patterns(arm: Arm, request: Asked, tried: Tried, axes: Sequence[str], after
             arm, plans[0] if len(plans) == 1 else together(plans, arm, rules=request.rules.residual), request
         )
         nuisance_columns = nuisances(recorded)[0]
-        found = [columns_of(recorded, candidate) for candidate, _ in chosen]
+        seen_columns = [columns_of(recorded, candidate) for candidate, _ in chosen]
         nothing = np.zeros((recorded.rows, recorded.residual.shape[1], 1))
         parts = [
             nothing * s if columns is None or columns.shape[2] != len(s) else columns * s
-            for columns, s in zip(found, scale, strict=True)
+            for columns, s in zip(seen_columns, scale, strict=True)
         ]
         taken = _rows(recorded, [nuisance_columns], axes, request).reshape(
             len(axes) * recorded.rows, nuisance_columns.shape[2]
@@ -228,25 +228,25 @@ def _with_torques(patterns: Patterns, arm: Arm, tried: Recording, request: Asked
     """The same with what the drives' torques show of weights and friction, each asked for beside the causes; no cause
     is mistaken for those."""
     unasked, wanted = (np.sqrt(request.repeats) * row for row in torque_rows(arm, tried, request))
-    before, own = unasked.shape[2], wanted.shape[2]
+    before, count = unasked.shape[2], wanted.shape[2]
     first, size = patterns.nuisances, patterns.rows.shape[2]
 
     tip = patterns.rows
     of_tip, of_drives = ((*part.shape[:2],) for part in (tip, unasked))
-    seen = [tip[:, :, :first], np.zeros((*of_tip, before)), tip[:, :, first:], np.zeros((*of_tip, own))]
+    seen = [tip[:, :, :first], np.zeros((*of_tip, before)), tip[:, :, first:], np.zeros((*of_tip, count))]
     held = [np.zeros((*of_drives, first)), unasked, np.zeros((*of_drives, size - first)), wanted]
     rows = np.concatenate([np.concatenate(seen, axis=2), np.concatenate(held, axis=2)], axis=1)
     columns = np.concatenate([np.arange(first), np.arange(first, size) + before])
     known = np.zeros((rows.shape[2],) * 2)
     known[np.ix_(columns, columns)] = patterns.known
-    added = np.arange(own) + size - first
+    added = np.arange(count) + size - first
     return replace(
         patterns,
         rows=rows,
         nuisances=first + before,
         known=known,
         asked=np.concatenate([patterns.asked, added]).astype(np.int64),
-        against=np.concatenate([patterns.against, np.zeros((own, patterns.against.shape[1]), dtype=bool)]),
+        against=np.concatenate([patterns.against, np.zeros((count, patterns.against.shape[1]), dtype=bool)]),
     )
 
 
@@ -298,11 +298,11 @@ def _to_choose(
     seen = total.diagonal() > VISIBLE**2 * (whole + known.diagonal()[beside:])
     starts = np.cumsum([0, *(columns.shape[2] for _, columns in chosen)])
     spans = [np.arange(a, b)[seen[a:b]] for a, b in pairwise(starts.tolist())]
-    own = [
+    to_choose = [
         span[span < start + len(item.sizes)] if is_asked(item.effect, item.at, request.effects) else span[:0]
         for span, start, (item, _) in zip(spans, starts[:-1].tolist(), chosen, strict=True)
     ]
-    columns = np.concatenate(own or [np.zeros(0)])
+    columns = np.concatenate(to_choose or [np.zeros(0)])
     if not len(columns):
         raise NothingToSee
     owner = np.repeat(np.arange(len(chosen)), np.diff(starts)).tolist()

@@ -1,4 +1,4 @@
-"""What a recording at given readings will show, by the diagnosis' own test, patterns and criterion.
+"""What a recording at given readings will show, by the diagnosis' test, patterns and criterion.
 
 Nothing of the search is asked: the readings are taken as they stand in the file, a sound arm is simulated at them, and
 the gate is calibrated on its noise as a diagnosis would.
@@ -30,22 +30,22 @@ from linkwright.core.diagnose.simulate import Plan, simulate
 from linkwright.core.sections.numeric import Array
 
 from .plan_request import Asked, Place, view
-from .torques import TorqueTold
+from .torques import TorquePromise
 from .written import weightless
 
 NEVER = 0.9999
-"""Correlation: patterns as alike over all poses tried are told apart by no pose."""
+"""Correlation: patterns as alike over all poses tried are distinguished by no pose."""
 
 
 @dataclass(frozen=True)
 class Rival:
-    """Another cause: how alike the patterns are (0 to 1), and the size from which on the two are told apart; infinite
-    where that is beyond what is possible."""
+    """Another cause: how alike the patterns are (0 to 1), and the size from which on the two are distinguished;
+    infinite where that is beyond what is possible."""
 
     effect: str
     at: tuple[int, ...]
     likeness: float
-    told: float
+    resolved_size: float
 
 
 @dataclass(frozen=True)
@@ -65,14 +65,16 @@ class Shown:
     others: int
 
     @property
-    def not_told(self) -> tuple[Rival, ...]:
+    def inseparable(self) -> tuple[Rival, ...]:
         """The causes from which it is not told at sizes that are usual."""
-        return tuple(rival for rival in self.rivals if rival.told > self.usual)
+        return tuple(rival for rival in self.rivals if rival.resolved_size > self.usual)
 
     @property
-    def told(self) -> float:
-        """The size from which on it is told from every cause but those."""
-        return max([self.smallest, *(rival.told for rival in self.rivals if rival.told <= self.usual)])
+    def resolved_size(self) -> float:
+        """The size from which on it is distinguished from every cause but those."""
+        return max(
+            [self.smallest, *(rival.resolved_size for rival in self.rivals if rival.resolved_size <= self.usual)]
+        )
 
 
 @dataclass(frozen=True)
@@ -82,7 +84,7 @@ class Promise:
 
     shown: tuple[Shown, ...]
     unseen: tuple[tuple[str, tuple[int, ...]], ...]
-    torques: tuple[TorqueTold, ...] = ()
+    torques: tuple[TorquePromise, ...] = ()
 
     @property
     def pairs(self) -> int:
@@ -90,9 +92,9 @@ class Promise:
         return sum(item.others for item in self.shown)
 
     @property
-    def told(self) -> int:
-        """How many of those are told apart at usual sizes."""
-        return sum(item.others - len(item.not_told) for item in self.shown if item.smallest <= item.usual)
+    def separated(self) -> int:
+        """How many of those are distinguished at usual sizes."""
+        return sum(item.others - len(item.inseparable) for item in self.shown if item.smallest <= item.usual)
 
 
 def promised(arm: Arm, recording: Recording, axes: Sequence[str], asked: Asked) -> Promise:
@@ -258,12 +260,12 @@ def rivals_of(prepared: Prepared, number: int, parameter: str, asked: Asked) -> 
         if not _may_be(group.candidate, candidate, asked):
             continue
         likeness = float(shared[other])
-        told = _told_from(likeness, length, float(price[other] - price[number]), asked.rules)
-        rival = Rival(candidate.effect, candidate.numbers, likeness, told if told <= largest else math.inf)
+        size = _resolved_size(likeness, length, float(price[other] - price[number]), asked.rules)
+        rival = Rival(candidate.effect, candidate.numbers, likeness, size if size <= largest else math.inf)
         known = hardest.get(candidate.family)
-        if known is None or (known.told, known.likeness) < (rival.told, rival.likeness):
+        if known is None or (known.resolved_size, known.likeness) < (rival.resolved_size, rival.likeness):
             hardest[candidate.family] = rival
-    return tuple(sorted(hardest.values(), key=lambda item: (-item.told, -item.likeness)))
+    return tuple(sorted(hardest.values(), key=lambda item: (-item.resolved_size, -item.likeness)))
 
 
 def _may_be(one: Candidate, other: Candidate, request: Asked) -> bool:
@@ -278,7 +280,7 @@ def another_cause(one: Candidate, other: Candidate) -> bool:
     return one.effect != other.effect or not (set(one.at) & set(other.at) or one.at == other.at)
 
 
-def _told_from(likeness: float, length: float, dearer: float, rules: Rules) -> float:
+def _resolved_size(likeness: float, length: float, dearer: float, rules: Rules) -> float:
     """The size, of a pattern of this `length` for size one, from which on a rival is refused with high power: its
     criterion is worse by the non-centrality that it leaves and by what it costs more."""
     if likeness >= NEVER and dearer <= 0.0:

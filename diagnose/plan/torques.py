@@ -22,7 +22,7 @@ from .plan_request import Asked
 
 
 @dataclass(frozen=True)
-class TorqueTold:
+class TorquePromise:
     """What the torque of a drive (joint from 1) will tell, each with its standard error: how many times as much as in
     the model `links` and `payload` weigh on it (shares), the `friction` (N*m, of slides N); None: nothing. `together`
     says that the payload is in `links`: it cannot be told by itself."""
@@ -34,19 +34,19 @@ class TorqueTold:
     together: bool
 
 
-def told_by_torques(arm: Arm, recording: Recording, asked: Asked) -> tuple[TorqueTold, ...]:
+def promised_by_torques(arm: Arm, recording: Recording, asked: Asked) -> tuple[TorquePromise, ...]:
     """What the torques of a planned recording will tell of each drive; none where none are read."""
     if not asked.torque_noise:
         return ()
     visit = (recording.row - 1) // asked.repeats
-    torques: list[TorqueTold] = []
+    torques: list[TorquePromise] = []
     for joint, design in enumerate(_designs(arm, recording, visit, asked)):
         scatter = asked.torque_noise[joint] / math.sqrt(asked.repeats)
         if not _tells(design, scatter, asked):
             continue
         errors = design.errors(scatter, asked.rules.residual)
         links, payload, friction = (errors.get(name) for name in ("links", "payload", "side"))
-        torques.append(TorqueTold(joint + 1, links, payload, friction, design.together))
+        torques.append(TorquePromise(joint + 1, links, payload, friction, design.together))
     return tuple(torques)
 
 
@@ -69,10 +69,12 @@ def torque_rows(arm: Arm, tried: Recording, asked: Asked) -> tuple[Array, Array]
         moments, share = _without_repetition(design, asked)
         if share is None:
             continue
-        # The sum that is asked becomes a coefficient of its own: its column, and what stands across it beside.
+        # The sum that is asked becomes a separate coefficient: its column, and what stands across it beside.
         wanted.append(of_drive(joint, (moments @ share / float(share @ share))[:, None]))
         across = np.linalg.svd(share[None])[2][1:].T
-        beside.append(of_drive(joint, np.column_stack([np.ones(tried.size), *design.own.values(), moments @ across])))
+        beside.append(
+            of_drive(joint, np.column_stack([np.ones(tried.size), *design.of_drive.values(), moments @ across]))
+        )
     empty = np.zeros((tried.size, arm.size, 0))
     return np.concatenate([empty, *beside], axis=2), np.concatenate([empty, *wanted], axis=2)
 

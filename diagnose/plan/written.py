@@ -198,7 +198,7 @@ def _of_tip(header: str, arm: Arm) -> bool:
 
 
 def _coordinate(table: Table, arm: Arm, index: int) -> Array:
-    """One joint's coordinates; nought where it has no drive and no column."""
+    """One joint's coordinates; zero where it has no drive and no column."""
     for header in table.names:
         meaning = meaning_of(header, arm, file=table.file)
         if meaning is not None and meaning.name == f"q{index + 1}":

@@ -127,7 +127,7 @@ class ColumnMeaning:
 
 
 class UnitMissing(InputError):
-    """A known name without a unit that would do. In a foreign file it may be somebody's own column; anywhere, where
+    """A known name without a unit that would do. In a foreign file it may be somebody's column; anywhere, where
     words follow it and not just a unit (`stranger`: x_mean_of_ten)."""
 
     def __init__(
@@ -258,15 +258,15 @@ def formulas(headers: Sequence[str], arm: Arm, matrix: Array, offset: Array | No
     """
     sizes = np.array([_size(header, arm) for header in headers])
     results: dict[str, str] = {}
-    for k, own in enumerate(headers):
+    for k, here in enumerate(headers):
         order = sorted(np.flatnonzero(matrix[k]).tolist(), key=lambda index: index != k)
         terms = [(float(matrix[k, n] * sizes[n] / sizes[k]), headers[n]) for n in order]
         if offset is not None and offset[k]:
             terms.append((float(offset[k] / sizes[k]), ""))
         parts = [("- " if factor < 0.0 else "+ ") + _term(abs(factor), of) for factor, of in terms]
         formula = " ".join(parts).removeprefix("+ ")
-        if formula != own and np.isfinite([factor for factor, _ in terms]).all():
-            results[own] = f"-{formula[2:]}" if formula.startswith("- ") else formula
+        if formula != here and np.isfinite([factor for factor, _ in terms]).all():
+            results[here] = f"-{formula[2:]}" if formula.startswith("- ") else formula
     return results
 
 

@@ -54,7 +54,7 @@ def _parquet(path: Path) -> Table:
     except ImportError:
         message = f"{not_installed('parquet', 'pyarrow', 'parquet')}, or give a CSV file"
         raise InputError(path, "", message) from None
-    except (OSError, ValueError, KeyError) as error:  # pyarrow's own errors are heirs of ValueError or OSError
+    except (OSError, ValueError, KeyError) as error:  # pyarrow's errors are heirs of ValueError or OSError
         raise InputError(path, "", f"is not a parquet file: {shown(str(error))}") from None
     return table_of(frame, str(path), feature_names(path))
 

@@ -33,7 +33,7 @@ Sides = Literal["columns", "from_order"]
 class ReadingSettings:
     """What recording.yaml says.
 
-    `columns` maps our headers (`q1_deg`) to formulas of the file's own columns; where it is given, further columns are
+    `columns` maps our headers (`q1_deg`) to formulas of the file's columns; where it is given, further columns are
     taken for strangers unless their headers are ours with a unit. `ignore` names columns to pass over, `rows`
     comparisons that a row must meet to be read at all, `time_format` how a time stamp is written (strptime, or `iso`).
     `sigma` (m, of tilts alone rad) is the standard deviation of each component of the tip, `sigma_axes` those of a
@@ -74,7 +74,7 @@ class ReadingSettings:
 
 
 def find_settings(recording: Path) -> Path | None:
-    """The settings beside a recording: a file of its own name, or recording.yaml in its folder."""
+    """The settings beside a recording: a file of its name, or recording.yaml in its folder."""
     if not recording.name:
         return None  # a folder, which is said where it is read
     beside = recording.with_suffix(".yaml")

@@ -25,7 +25,7 @@ _ALONG_BAR = "bar"
 
 @dataclass(frozen=True)
 class Sights:
-    """What rows hold: numbers `tip` (N, W), nought where there is none, `slots` (N, W) that say what each is (-1:
+    """What rows hold: numbers `tip` (N, W), zero where there is none, `slots` (N, W) that say what each is (-1:
     none), `touches` (N,), `bar_at` (N,) m how far along its bar each touches (None without bars) and the
     `instrument`."""
 
@@ -177,7 +177,7 @@ def _labelled(
 def _along_bars(
     columns: Mapping[str, ReadColumn], table: Table, touches: Slots, reasons: dict[int, list[str]], arm: Arm
 ) -> Array:
-    """How far along its bar each row touches, m; nought where it touches none."""
+    """How far along its bar each row touches, m; zero where it touches none."""
     if _ALONG_BAR not in columns:
         would_do = f"write {example_headers(_ALONG_BAR, arm)}: 0 at one ball, say, and 500 at the other"
         raise InputError(table.file, "bar_mm", f"is missing: where along its bar each row touches; {would_do}")

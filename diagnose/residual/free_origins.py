@@ -81,18 +81,18 @@ def origin_columns(observed: Observed, ways: Sequence[Freedom]) -> Array:
 
 
 def _twists(state: PoseState, way: Freedom) -> list[Twist]:
-    joint, own = state.joints[way.joint], state.arm.joints[way.joint]
-    before: Rows = compose(state.frames.joints[way.joint].frame, transpose(own.origin_rotation))
+    joint, joint_before = state.joints[way.joint], state.arm.joints[way.joint]
+    before: Rows = compose(state.frames.joints[way.joint].frame, transpose(joint_before.origin_rotation))
     axis = rotate(before, way.axis)
     if not way.turns:
         return [Twist("joint", way.joint, axis, (0.0, 0.0, 0.0))]
     # A slide's guide turns about where it begins, and the carriage stands some way along it.
     travel: Vector = (0.0, 0.0, 0.0)
-    if not own.revolute and not state.arm.links[way.joint].runs_out:
-        travel = cross(axis, scale(plus(joint.coordinate, own.zero), joint.axis))
+    if not joint_before.revolute and not state.arm.links[way.joint].runs_out:
+        travel = cross(axis, scale(plus(joint.coordinate, joint_before.zero), joint.axis))
     twists = [Twist("joint", way.joint, travel, axis)]
     # What a joint moves, its followers do after it; how it stands moves none of them.
-    along = dot(joint.axis, axis if own.revolute else travel)
+    along = dot(joint.axis, axis if joint_before.revolute else travel)
     for index, other in enumerate(state.arm.joints):
         for tie in () if other.follows is None else other.follows.ties:
             if tie.joint == way.joint:

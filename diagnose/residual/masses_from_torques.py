@@ -2,7 +2,7 @@
 
 What a drive holds is linear in masses at places on the links (C. G. Atkeson, C. H. An & J. M. Hollerbach, Int. J.
 Robot. Res. 5(3) (1986) 101, doi:10.1177/027836498600500306). Torques at rest tell first moments, and no masses: of all
-masses that make the measured loads those are taken that lie along the links, none below nought (C. L. Lawson & R. J.
+masses that make the measured loads those are taken that lie along the links, none below zero (C. L. Lawson & R. J.
 Hanson, Solving Least Squares Problems, 1974, ch. 23), alike where nothing tells them apart; masses beside the links
 where those along them do not make the loads.
 """
@@ -140,7 +140,7 @@ def held_by_drives(
 
 
 def masses(held: Sequence[Held], usable: NDArray[np.bool_]) -> Array:
-    """The masses (P,), kg, at usable places that make best what drives hold, none below nought."""
+    """The masses (P,), kg, at usable places that make best what drives hold, none below zero."""
     design = np.concatenate([item.of_one for item in held])[:, usable]
     size = float(np.linalg.norm(design, axis=0).max())
     design = np.concatenate([design, _ALIKE * size * np.eye(design.shape[1])])
@@ -160,7 +160,7 @@ def against_any_masses(arm: Arm, recording: Recording, *, rules: ResidualRules =
     turned, places = replace(recording, torque=-recording.torque), _places(arm, of_unknown_mass(arm), rules)
     as_is, other = (held_by_drives(arm, one, places, rules=rules) for one in (recording, turned))
 
-    def told(held_load: Held) -> float:
+    def explained(held_load: Held) -> float:
         """The share that masses make of what a drive holds."""
         left = held_load.lacking - held_load.of_one @ masses(
             [held_load], np.ones(held_load.of_one.shape[1], dtype=bool)
@@ -168,12 +168,14 @@ def against_any_masses(arm: Arm, recording: Recording, *, rules: ResidualRules =
         return 1.0 - float(left @ left) / max(float(held_load.lacking @ held_load.lacking), _NOTHING)
 
     least = -rules.torque_against
-    return tuple(one for one, way in zip(as_is, other, strict=True) if told(one) < 1.0 - least and told(way) > least)
+    return tuple(
+        one for one, way in zip(as_is, other, strict=True) if explained(one) < 1.0 - least and explained(way) > least
+    )
 
 
-def misfit(held: Sequence[Held], found: Array) -> float:
+def misfit(held: Sequence[Held], masses_fitted: Array) -> float:
     """The mean square of what masses leave of what drives hold, over its scatter."""
-    return float(np.mean(np.concatenate([item.lacking - item.of_one @ found for item in held]) ** 2))
+    return float(np.mean(np.concatenate([item.lacking - item.of_one @ masses_fitted for item in held]) ** 2))
 
 
 def _weightless(arm: Arm) -> Arm:

@@ -49,7 +49,7 @@ class NoiseFloor:
     were come back to, and what changed between two visits is in it. `rms_m` is the RMS length of the error
     vector. `drift_m` is the RMS length by which poses that were visited again later had moved, noise taken off (where
     it is known), None where none were; `drift_degrees_of_freedom` of that. `outliers` are rows that stand out from
-    repeats of their own pose, `doubtful` rows that disagree in halves, of which nobody can say which is wrong.
+    repeats of their pose, `doubtful` rows that disagree in halves, of which nobody can say which is wrong.
     `resolution` (m) is given where readings are too coarse to show their noise. `sentence` says it all for people,
     `warnings` what is odd.
     """
@@ -147,7 +147,9 @@ def _repeats(residual: Array, groups: Sequence[Rows], recording: Recording, rule
     measured = np.sqrt(cleaned.squares / dof)
     coarse = bool((measured <= least).all()) and bool(least.any())
     disagree = (
-        declared is not None and not coarse and _differ(cleaned, own_of(recording, declared, width), width, rules.level)
+        declared is not None
+        and not coarse
+        and _differ(cleaned, declared_sigmas(recording, declared, width), width, rules.level)
     )
     return _Repeats(cleaned, np.maximum(np.maximum(measured, least), _FINEST), least, max(steps), coarse, disagree)
 
@@ -170,7 +172,9 @@ def _best_known(
     if repeats.measured is not None and (declared is None or repeats.disagree or enough):
         return _Known(tuple(float(item) for item in repeats.measured), "repeats", dof)
     if declared is not None:
-        return _Known(tuple(np.maximum(own_of(recording, declared, width), repeats.least).tolist()), "declared", 0)
+        return _Known(
+            tuple(np.maximum(declared_sigmas(recording, declared, width), repeats.least).tolist()), "declared", 0
+        )
     again = differences_of_revisits(residual, _revisits(groups, recording, arm, rules))
     # Neighbouring differences share a reading: two thirds of them are worth one each.
     rested = 2 * len(again) // 3
@@ -215,7 +219,7 @@ def _against_nominal(recording: Recording, arm: Arm, rules: ResidualRules) -> Ar
 
 
 def _of_each_kind(recording: Recording, arm: Arm, rules: ResidualRules) -> NoiseFloor:
-    """The noise floor where each number is a reading of its own: of each kind by itself, together by mean squares."""
+    """The noise floor where each number is a separate reading: of each kind by itself, together by mean squares."""
     assert recording.slots is not None
     slots = recording.slots[:, 0]
     kinds = np.unique(slots).tolist()
@@ -396,7 +400,7 @@ def _contrasts(values: Array) -> Array:
     return np.array(contrasts)
 
 
-def own_of(recording: Recording, declared: float, width: int) -> Array:
+def declared_sigmas(recording: Recording, declared: float, width: int) -> Array:
     """The declared standard deviation of each component (D,), m."""
     axes = recording.sigma_axes
     return np.array(axes) if axes is not None and len(axes) == width else np.full(width, declared)

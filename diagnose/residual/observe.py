@@ -1,6 +1,6 @@
 """Setting a recording against an arm's model: what the model moves in every channel, and what is left.
 
-Each recording is set in its own frame, with its own tool where that is free; several become one. What was found so
+Each recording is set in its frame, with its tool where that is free; several become one. What was found so
 large that first order is taken about it deforms the arm by finite motions.
 """
 
@@ -41,7 +41,7 @@ from .recorded_conditions import conditions_of
 from .visits import visits
 
 Array = NDArray[np.float64]
-Found = TypeVar("Found")
+Placed = TypeVar("Placed")
 _Placed = tuple[PoseState, PoseState, Channels, Array, View | None]
 
 _AT_ONCE = 8192
@@ -137,13 +137,13 @@ def _in_pieces(
     pieces = [slice(start, min(start + at_once, recording.size)) for start in range(0, recording.size, at_once)]
 
     def placed(known: Arm) -> tuple[None, Alignment]:
-        own, effects = active_effects(known), list[_Stood]()
+        arm_effects, effects = active_effects(known), list[_Stood]()
         held = in_pieces(conditions_of(recording, known, rules=rules.residual), pieces)
         for rows, conditions in zip(pieces, held, strict=True):
             some = kept(recording, np.arange(rows.start, rows.stop))
             channels = _asked(some)
             nominal = undeformed(known, some, rules.residual, conditions)
-            effects.append(_stood(some, nominal, shape_of(nominal, own, channels), own, channels))
+            effects.append(_stood(some, nominal, shape_of(nominal, arm_effects, channels), arm_effects, channels))
             if heard is not None:
                 heard(rows.stop, recording.size)
         return None, _set_against(recording, known, _Stood.joined(effects), rules.residual)[0]
@@ -165,24 +165,24 @@ def _asked(recording: Recording) -> Asked:
 
 
 def _with_free_tool(
-    arm: Arm, recording: Recording, placed: Callable[[Arm], tuple[Found, Alignment]]
-) -> tuple[Arm, Found, Alignment]:
+    arm: Arm, recording: Recording, placed: Callable[[Arm], tuple[Placed, Alignment]]
+) -> tuple[Arm, Placed, Alignment]:
     """What is found of an arm `placed` at the readings, once a free tool has been put into it; the arm with that."""
     given = arm.tool
-    found, alignment = placed(arm)
+    result, alignment = placed(arm)
     # What a camera sees or is sits beside the tip, at which loads act.
     beside = is_camera(recording)
     for _ in range(_TOOL_PASSES if recording.tool == "free" and not beside else 0):
         # Loads and turns act at the target that was found, not where the file says that the tip is.
         put = alignment.tool
         arm = replace(arm, tool=tool_moved(given, put))
-        found, further = placed(arm)
+        result, further = placed(arm)
         done = np.abs(further.tool).max() < _TOOL_FOUND
         # What a last pass moves it by is within the nuisances; the arm has what was put into it.
         alignment = replace(further, tool=put if done else put + further.tool)
         if done:
             break
-    return arm, found, alignment
+    return arm, result, alignment
 
 
 def observed_about(
@@ -192,7 +192,7 @@ def observed_about(
     recording: Recording | None = None,
 ) -> Observed:
     """The same readings, or others of the same instrument (`recording`), with first order taken about the arm as the
-    entries `about` beside its own deform it, loads acting through `softening` too; scatter, memory and loudness
+    entries `about` beside its deform it, loads acting through `softening` too; scatter, memory and loudness
     stay."""
     return observe(
         observed.arm_given,
@@ -208,7 +208,7 @@ def observed_about(
 
 
 def _of_several(parts: Sequence[Observed], recording: Several, scale: Array | None, correlation: float) -> Observed:
-    """Several recordings that were set against one model, each in its own frame and with its own tool, as one."""
+    """Several recordings that were set against one model, each in its frame and with its tool, as one."""
     counts = [part.rows for part in parts]
     first = parts[0]
     blocks = np.cumsum([0, *(int(part.block[-1]) + 1 for part in parts)])
@@ -218,7 +218,7 @@ def _of_several(parts: Sequence[Observed], recording: Several, scale: Array | No
         for text in part.alignment.undetermined
     )
     width = first.space
-    # The arm has the file's tool: what was found of each recording's is in its own state.
+    # The arm has the file's tool: what was found of each recording's is in its state.
     nowhere = Alignment(np.eye(width), np.zeros(width), np.zeros(width), first.alignment.residual, sentences)
     residual = np.concatenate([part.residual for part in parts])
     return Observed(
@@ -256,7 +256,7 @@ def undeformed(arm: Arm, recording: Recording, rules: ResidualRules, conditions:
     of the recording itself by default."""
     turned: dict[str, Any] = {}
     if recording.moment is not None:
-        # In the plane a moment stays there: nought beside its axis, not columns of it.
+        # In the plane a moment stays there: zero beside its axis, not columns of it.
         turned["moment"] = tuple(moment if moment.any() else 0.0 for moment in recording.moment.T)
     return solve(
         arm,
@@ -341,7 +341,7 @@ def _set_against(recording: Recording, arm: Arm, stood: _Stood, rules: ResidualR
 def _to_first_order(
     state: PoseState, arm: Arm, about: Sequence[EffectEntry], channels: Asked
 ) -> tuple[Array, Array, Array]:
-    """What entries beside the arm's own move and turn the tip by to first order about `state`, and turn what levels
+    """What entries beside the arm's move and turn the tip by to first order about `state`, and turn what levels
     stand on; (N, 3) m and rad."""
     displacements = [seen(state, entry.effect, entry.settings, channels) for entry in _entries(arm, about)]
     nothing = np.zeros((channels.rows, 3))
@@ -358,15 +358,15 @@ def _entries(arm: Arm, about: Sequence[EffectEntry]) -> tuple[ActiveEffect, ...]
 
 
 def beyond_first_order(observed: Observed, about: Sequence[EffectEntry]) -> Array:
-    """What entries beside the arm's own move the tip by beyond first order about the state observed, (N, D), m."""
+    """What entries beside the arm's move the tip by beyond first order about the state observed, (N, D), m."""
     if not about:
         return np.zeros((observed.rows, observed.components))
     arm, asked = observed.arm, observed.asked
-    own = active_effects(arm)
-    whole = (*own, *_entries(arm, about))
+    arm_effects = active_effects(arm)
+    whole = (*arm_effects, *_entries(arm, about))
     with_them, without = (
         shape_of(with_effects(observed.nominal, arm, softening_of(observed.nominal, arm), weights), effects, asked)
-        for effects, weights in ((whole, about), (own, ()))
+        for effects, weights in ((whole, about), (arm_effects, ()))
     )
     first, turn, level = _to_first_order(observed.state, arm, about, asked)
     if observed.view is None:
@@ -375,7 +375,7 @@ def beyond_first_order(observed: Observed, about: Sequence[EffectEntry]) -> Arra
     if _turns_with_tool(observed.recording):
         turned, level = [with_them.turn, without.turn], turn
     if asked.levels is not None:
-        turned = [levels_of(shape, effects, asked) for shape, effects in ((with_them, whole), (without, own))]
+        turned = [levels_of(shape, effects, asked) for shape, effects in ((with_them, whole), (without, arm_effects))]
     beyond = observed.view.change(with_them.tip, turned[0]) - observed.view.change(without.tip, turned[1])
     return beyond - observed.view.of_tip(first, level)
 

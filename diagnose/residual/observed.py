@@ -1,7 +1,7 @@
 """A recording set against the model: residuals in every channel, whitened, and the rows that belong together.
 
 Each reading is one row; its columns are the tip's components and whatever further instruments there are (an encoder on
-the joint's side, a target on the base, commands beside encoders), each divided by its own scatter, so that plain least
+the joint's side, a target on the base, commands beside encoders), each divided by its scatter, so that plain least
 squares weighs them rightly.
 """
 
@@ -49,8 +49,8 @@ class Observed:
     `rules` are those of the whole diagnosis.
 
     Of several recordings (`Several`) frame and tool are each one's own, and so is how loud its instrument is: `loud`
-    (R,) is what `scale` is multiplied by for each recording's readings (None: nothing); where each number is a reading
-    of its own, for each kind of number as well.
+    (R,) is what `scale` is multiplied by for each recording's readings (None: nothing); where each number is a separate
+    reading, for each kind of number as well.
 
     `view` says what a displacement of the tip shows where something else than its place was measured; the tip's columns
     are those readings then.
@@ -141,7 +141,7 @@ class Observed:
         return slice(count - (turns_measured(self.space) if self.has_turns else 0), count)
 
     def turns(self, turn: Array) -> Array:
-        """Turns about the base's axes (N, 3) as they were measured, (N, 1 or 3), by a camera about its own: nought
+        """Turns about the base's axes (N, 3) as they were measured, (N, 1 or 3), by a camera about its own: zero
         where a row has none."""
         if self.sight is not None:
             turn = np.einsum("nab,na->nb", self.sight.axes, turn)

@@ -27,7 +27,7 @@ _HALF_TURN = 2.5
 
 
 def turn_left(recording: Recording, state: PoseState, modelled: Array, rotation: Array) -> Array:
-    """How the tool is turned beyond the model, (N, 3), rad, about the base's axes; nought where a row has none.
+    """How the tool is turned beyond the model, (N, 3), rad, about the base's axes; zero where a row has none.
 
     `modelled` (N, 3), rad, is what the model's effects turn it by, `rotation` (D, D) that from the measuring frame to
     the base's.

@@ -15,7 +15,7 @@ from linkwright.core.arm.chain.chain import Arm
 from linkwright.core.sections.numeric import Array
 
 UNDETERMINED = 1e-3
-"""Of the best told direction: less of frame and tool than this is not told by the readings and is left at nought. A
+"""Of the best told direction: less of frame and tool than this is not told by the readings and is left at zero. A
 target that turns by a milliradian puts a tool a metre off for a millimetre of anything."""
 _STEPS = 40
 _TUKEY = 4.685
@@ -49,7 +49,7 @@ class Placement:
 
 def placed(arm: Arm, q: Array, measured: Array, *, frame: bool, tool: bool) -> Placement:
     """Nominal and measured tips with frame and tool free where asked, by iteratively reweighted least squares. What of
-    the tool hardly shows beside the frame is left at nought."""
+    the tool hardly shows beside the frame is left at zero."""
     width = measured.shape[1]
     tips, axes = nominal(arm, q, width)
     rotation, translation, offset = np.eye(width), np.zeros(width), np.zeros(width)

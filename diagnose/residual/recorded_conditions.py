@@ -16,7 +16,7 @@ from linkwright.core.units.temperature import REFERENCE_TEMPERATURE
 def conditions_of(recording: Recording, arm: Arm, *, rules: ResidualRules = RULES.residual) -> Conditions:
     """The conditions of the N readings, in arrays of N.
 
-    The warming of a link is its own temperature's where the recording has that, else the air's, else None. The
+    The warming of a link is its temperature's where the recording has that, else the air's, else None. The
     present payload counts as taken up at its first reading since it last changed; what was there at the first reading
     of all counts from then. Where the recording goes on from others, the first of those began it: time runs from
     there, a payload that stayed counts from where it was taken up, and a lag goes on.
@@ -46,12 +46,12 @@ def _loaded_since(recording: Recording, rules: ResidualRules) -> Array | None:
     return None if whole is None else whole[len(earlier.time) :]
 
 
-def _warming(told: Recording | Earlier, arm: Arm) -> tuple[Array, ...] | None:
-    if told.link_temperature is not None:
-        return _by_joint(told.link_temperature - REFERENCE_TEMPERATURE)
-    if told.temperature is None:
+def _warming(conditions: Recording | Earlier, arm: Arm) -> tuple[Array, ...] | None:
+    if conditions.link_temperature is not None:
+        return _by_joint(conditions.link_temperature - REFERENCE_TEMPERATURE)
+    if conditions.temperature is None:
         return None
-    return (told.temperature - REFERENCE_TEMPERATURE,) * arm.size
+    return (conditions.temperature - REFERENCE_TEMPERATURE,) * arm.size
 
 
 def _by_joint(values: Array | None) -> tuple[Array, ...] | None:

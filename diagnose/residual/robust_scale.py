@@ -45,7 +45,7 @@ def resolution(values: Array) -> float | None:
             if largest / step > 1e11:
                 return None
             counts = values / step
-            # What lies within a hair of nought is a multiple of nothing: some values must be steps apart.
+            # What lies within a hair of zero is a multiple of nothing: some values must be steps apart.
             if np.ptp(np.round(counts)) > 0.0 and np.all(np.abs(counts - np.round(counts)) < 1e-4):
                 return step
     return None

@@ -1,7 +1,7 @@
-"""Where what goes with time can be told from what goes with the arm's pose.
+"""Where what goes with time can be distinguished from what goes with the arm's pose.
 
 A recording that goes from pose to neighbouring pose goes through its poses and through time together: what the arm
-does there looks like an instrument that wanders. The two are told apart by readings near in time and far in pose, or
+does there looks like an instrument that wanders. The two are distinguished by readings near in time and far in pose, or
 by poses that are come back to; where there are neither, physics goes first.
 """
 
@@ -20,7 +20,7 @@ from linkwright.core.sections.numeric import Array
 
 
 @dataclass(frozen=True)
-class Told:
+class JudgedVisits:
     """Visits by which a wander can be judged: their numbers `visit` (V,), and to which pose and condition each comes
     back (V,), where that is what tells; None where neighbours in time are far apart in pose."""
 
@@ -39,20 +39,20 @@ class Told:
 
 def time_vs_path(
     recording: Recording, arm: Arm, pose: NDArray[np.int64], first: NDArray[np.int64], *, rules: FittingRules
-) -> Told | None:
+) -> JudgedVisits | None:
     """The visits that tell, None where time and pose go together. `pose` (N,) numbers the poses of all readings,
     `first` (V,) is each visit's first."""
     at = places(recording.q[first], arm)
     if len(first) < rules.enough:
         return None
     if _shuffled(at, rules):
-        return Told(np.arange(len(first)), None)
+        return JudgedVisits(np.arange(len(first)), None)
     return come_back_to(recording, pose, first, rules=rules)
 
 
 def come_back_to(
     recording: Recording, pose: NDArray[np.int64], first: NDArray[np.int64], *, rules: FittingRules
-) -> Told | None:
+) -> JudgedVisits | None:
     """The visits of poses that are come back to under one condition, None where they are too few to tell."""
     conditions = [item for item in (pose, recording.payload_mass, recording.sides) if item is not None]
     held = [condition[first].reshape(len(first), -1).astype(np.float64) for condition in conditions]
@@ -62,7 +62,7 @@ def come_back_to(
     count = int(number.max()) + 1 if len(again) else 0
     if count < rules.poses_come_back_to or len(again) - count < rules.enough:
         return None
-    return Told(again, number.astype(np.int64))
+    return JudgedVisits(again, number.astype(np.int64))
 
 
 def places(q: Array, arm: Arm) -> Array:

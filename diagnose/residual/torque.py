@@ -65,7 +65,7 @@ class DriveTorque:
 
     @property
     def scaled(self) -> bool:
-        """Whether links and payload weigh more in the same proportion: rather the torque's own scale is off."""
+        """Whether links and payload weigh more in the same proportion: rather the torque's scale is off."""
         if self.links is None or self.payload is None:
             return False
         apart = abs(self.links.value - self.payload.value)
@@ -79,13 +79,13 @@ class DriveTorque:
 @dataclass(frozen=True)
 class DriveDesign:
     """What a drive's torque is fitted by, visit by visit: `load` (V,) that links and payload make together, a constant
-    and what is not alike everywhere of payload, side and velocity (`own`, each (V,)), and first moments `each` (V, k);
-    `weigh` (V,) is what the model has the links weigh, with the payload where that cannot be told by itself
+    and what is not alike everywhere of payload, side and velocity (`of_drive`, each (V,)), and first moments `each` (V,
+    k); `weigh` (V,) is what the model has the links weigh, with the payload where that cannot be told by itself
     (`together`)."""
 
     load: Array
     weigh: Array
-    own: Mapping[str, Array]
+    of_drive: Mapping[str, Array]
     each: Array
     together: bool
 
@@ -97,7 +97,7 @@ class DriveDesign:
     @property
     def columns(self) -> Array:
         """What is fitted (V, 1 + own + k): the constant, the own columns, the moments."""
-        return np.column_stack([np.ones(len(self.load)), *self.own.values(), self.each])
+        return np.column_stack([np.ones(len(self.load)), *self.of_drive.values(), self.each])
 
     def share(self, rules: ResidualRules) -> Array | None:
         """By what of the moments' coefficients (k,) one has how many times as much as in the model the links weigh:
@@ -112,8 +112,8 @@ class DriveDesign:
         friction (side, N*m or N) and of what goes with velocity."""
         columns = self.columns
         covariance = scatter**2 * np.linalg.pinv(columns.T @ columns, rcond=_TOLD**2, hermitian=True)
-        errors = {name: float(np.sqrt(covariance[k, k])) for k, name in enumerate(self.own, start=1)}
-        share, first = self.share(rules), 1 + len(self.own)
+        errors = {name: float(np.sqrt(covariance[k, k])) for k, name in enumerate(self.of_drive, start=1)}
+        share, first = self.share(rules), 1 + len(self.of_drive)
         if share is not None:
             errors["links"] = float(np.sqrt(max(share @ covariance[first:, first:] @ share, 0.0)))
         return errors
@@ -221,7 +221,7 @@ def _of_drive(
     joint: int, recording: Recording, visit: NDArray[np.int64], fitted: DriveDesign, rules: ResidualRules
 ) -> DriveTorque | None:
     assert recording.torque is not None
-    count, own, spread, load = np.bincount(visit), fitted.own, fitted.spread, fitted.load
+    count, columns, spread, load = np.bincount(visit), fitted.of_drive, fitted.spread, fitted.load
     torque = np.bincount(visit, weights=recording.torque[:, joint]) / count
     design = fitted.columns
     values, _, rank, _ = np.linalg.lstsq(design, torque, rcond=_TOLD)
@@ -231,13 +231,13 @@ def _of_drive(
     left = torque - design @ values
     scatter = float(np.sqrt(np.sum(left**2) / freedom))
     errors, share = fitted.errors(scatter, rules), fitted.share(rules)
-    known = {name: Factor(float(values[k]), errors[name]) for k, name in enumerate(own, start=1)}
+    known = {name: Factor(float(values[k]), errors[name]) for k, name in enumerate(columns, start=1)}
     if share is not None:
-        known["links"] = Factor(float(share @ values[1 + len(own) :]), errors["links"])
+        known["links"] = Factor(float(share @ values[1 + len(columns) :]), errors["links"])
     rub = np.zeros(len(torque))
     for name in ("side", "velocity"):
         if name in known:
-            rub += known[name].value * own[name]
+            rub += known[name].value * columns[name]
     held = torque - values[0] - rub
     made = DriveTorque(
         joint,

@@ -36,7 +36,7 @@ def growth(time: Array, rate: float, which: NDArray[np.int64] | None) -> Array:
 
 def without_wander(values: Array, grows: Array) -> Array:
     """Values (N, ...) of unit scatter and a random walk whose variance grows by `grows` (N - 1,) from one to the next,
-    as independent ones of unit variance. The walk begins at nought, and again after what is infinite."""
+    as independent ones of unit variance. The walk begins at zero, and again after what is infinite."""
     if values.size == 0:
         return values
     factor = cholesky_banded(_band(grows), lower=True)
@@ -47,7 +47,7 @@ def without_wander(values: Array, grows: Array) -> Array:
 
 
 def walks(grows: Array, drawn: Array) -> Array:
-    """Random walks (N, ...) whose variance grows by `grows` (N - 1,), of steps of unit variance (N, ...): at nought
+    """Random walks (N, ...) whose variance grows by `grows` (N - 1,), of steps of unit variance (N, ...): at zero
     first, and again after what is infinite."""
     begins = np.concatenate([[0], 1 + np.flatnonzero(np.isinf(grows)), [len(drawn)]])
     steps = np.sqrt(np.concatenate([[0.0], np.where(np.isinf(grows), 0.0, grows)]))

@@ -29,13 +29,13 @@ def likenesses(namer: Namer, members: Sequence[int], member: int) -> tuple[Array
     explains beside them, in sum of squares; both (G,)."""
     pool = namer.pool
     products = namer.prepared.products.beside(pool.columns([m for m in members if m != member]))
-    left, own = products.against, pool.columns([member])
-    gram = products.rows(own).T
-    pattern = np.linalg.pinv(gram[own], rcond=1e-9, hermitian=True) @ left[own]
+    left, columns = products.against, pool.columns([member])
+    gram = products.rows(columns).T
+    pattern = np.linalg.pinv(gram[columns], rcond=1e-9, hermitian=True) @ left[columns]
     mixed = gram @ pattern
-    signal = max(float(pattern @ mixed[own]), 1e-300)
+    signal = max(float(pattern @ mixed[columns]), 1e-300)
     shared, gained = np.zeros(len(pool.groups)), np.zeros(len(pool.groups))
-    layout, (diagonal, blocks) = pool.layout, products.own
+    layout, (diagonal, blocks) = pool.layout, products.blocks
     singles = (layout.single_groups, layout.single_columns[:, None])
     for (groups, at), block in zip(
         (singles, *layout.wide), (diagonal[layout.single_columns, None, None], *blocks), strict=True
@@ -47,7 +47,8 @@ def likenesses(namer: Namer, members: Sequence[int], member: int) -> tuple[Array
 
 
 def rivals(namer: Namer, members: Sequence[int], member: int, judges: Sequence[Namer] = ()) -> list[Rival]:
-    """What cannot be told from a member, given the other groups, nearest first: the best variant of each family.
+    """What cannot be distinguished from a member, given the other groups, nearest first: the best variant of each
+    family.
 
     `judges` search the same recording with room for what is not named (see `Namer.with_room`): what cannot be told by
     one of them cannot be told."""
@@ -62,7 +63,7 @@ def rivals(namer: Namer, members: Sequence[int], member: int, judges: Sequence[N
         if family in taken:
             continue
         trial = [number if m == member else m for m in members]
-        worse = min(judge.criterion_of(trial) - own for judge, own in judged)
+        worse = min(judge.criterion_of(trial) - value for judge, value in judged)
         if worse <= (rules.refuted if shared[number] >= rules.alike else rules.confident) and namer.possible(trial):
             rival = Rival(number, float(shared[number]), worse)
             if family not in rivals_ or rivals_[family].worse > worse:

@@ -102,7 +102,7 @@ def each_given_others(
     whole = given.beside(columns)
     square = whole.root.shape[0] == whole.root.shape[1]
     spans = [np.arange(edges[place], edges[place + 1]) for place in range(len(members))]
-    left = [whole.leaving(own) if square else given.beside(np.delete(columns, own)) for own in spans]
+    left = [whole.leaving(span) if square else given.beside(np.delete(columns, span)) for span in spans]
     rss = np.array([item.rss for item in left])
     statistic = criterion.count * (np.log(rss) - np.log(whole.rss)) - criterion.price[list(members)]
     basis = pool.basis[:, columns] @ whole.root
@@ -270,7 +270,7 @@ class _Unit:
 
 def _unit(beside: Products) -> _Unit:
     """From the Gram matrix alone: vectors come in orthogonal to the smaller model, so only lengths matter."""
-    size, blocks = beside.own
+    size, blocks = beside.blocks
     scale = np.where(size > _GONE, 1.0 / np.sqrt(np.where(size > _GONE, size, 1.0)), 0.0)
     wide: list[Array] = []
     for block in blocks:

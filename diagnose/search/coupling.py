@@ -154,12 +154,12 @@ def _entries(namer: Namer, members: Sequence[int]) -> tuple[EffectEntry, ...]:
 
 def _under_weights(observed: Observed, products: Sequence[tuple[Candidate, Array]]) -> tuple[EffectEntry, ...]:
     """What gives under unknown weights, as fitted one by one, with the one set of weights that comes nearest to all."""
-    own = [weights_of(observed, candidate.effect, candidate.at) for candidate, _ in products]
-    weights = sorted({weight for item in own for weight in item})
+    weights_here = [weights_of(observed, candidate.effect, candidate.at) for candidate, _ in products]
+    weights = sorted({weight for item in weights_here for weight in item})
     if not products or not weights:
         return tuple(product_entry(item.effect, item.numbers, float(sizes[0])) for item, sizes in products)
     stacked = np.zeros((len(products), len(weights)))
-    for row, of, (_, sizes) in zip(stacked, own, products, strict=True):
+    for row, of, (_, sizes) in zip(stacked, weights_here, products, strict=True):
         row[[weights.index(weight) for weight in of]] = sizes
     shared = factors(stacked)
     giving = [

@@ -1,10 +1,10 @@
 """Sets of causes that could stand in the place of a set: two zeros for a tool's offset, one tilt for two couplings.
 
-What cannot be told from one finding need not be one cause. Beside all other findings, pairs of the library are looked
-at for each finding, and single causes for each two of them, by what they explain beside the rest (`Blocks`). What
-explains more, and is better by the criterion, takes their place: a name that was taken early may stand for two that
-only together explain more (a bent link for two drives that give). What fits as well, and would not without one of its
-parts, is told.
+What cannot be distinguished from one finding need not be one cause. Beside all other findings, pairs of the library are
+looked at for each finding, and single causes for each two of them, by what they explain beside the rest (`Blocks`).
+What explains more, and is better by the criterion, takes their place: a name that was taken early may stand for two
+that only together explain more (a bent link for two drives that give). What fits as well, and would not without one of
+its parts, is reported.
 """
 
 from __future__ import annotations
@@ -71,7 +71,7 @@ def better(namer: Namer, members: Sequence[int], *, one_by_one: bool = False) ->
 
 
 def exchanged(namer: Namer, members: Sequence[int], outside: Sequence[int] = ()) -> tuple[Exchanged, ...]:
-    """The sets that cannot be told from one or two members beside the others (and forms `outside`)."""
+    """The sets that cannot be distinguished from one or two members beside the others (and forms `outside`)."""
     exchanges: list[Exchanged] = []
     for size in (1, 2):
         for place in itertools.combinations(members, size):

@@ -23,9 +23,15 @@ def geometry_alone(namer: Namer) -> tuple[int, ...]:
     for number, group in enumerate(namer.pool.groups):
         if _single(group.candidate):
             variants.setdefault(group.candidate.family, []).append(number)
-    sizes = {number: set(namer.pool.groups[number].candidate.sizes) for own in variants.values() for number in own}
-    less = {n: [m for m in own if sizes[m] < sizes[n]] for own in variants.values() for n in own}
-    members_ = [max(own, key=lambda number: len(sizes[number])) for own in variants.values()]
+    sizes = {
+        number: set(namer.pool.groups[number].candidate.sizes)
+        for members_here in variants.values()
+        for number in members_here
+    }
+    less = {
+        n: [m for m in members_here if sizes[m] < sizes[n]] for members_here in variants.values() for n in members_here
+    }
+    members_ = [max(members_here, key=lambda number: len(sizes[number])) for members_here in variants.values()]
     value = namer.criterion_of(members_)
     while members_:
         fewer = [[m for m in members_ if m != member] for member in members_]

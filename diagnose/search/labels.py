@@ -152,7 +152,7 @@ def _relabelled(arm: Arm, recording: Recording, rules: Rules) -> Iterator[_Tried
 
 def _crossed(observed: Observed) -> Iterator[_Tried]:
     """The recording with the sides of two joints exchanged: those pairs where each one's sides tell most of how the
-    other is off, beside what every joint's own sides tell."""
+    other is off, beside what every joint's sides tell."""
     recording = observed.recording
     if recording.sides is None:
         return
@@ -163,14 +163,14 @@ def _crossed(observed: Observed) -> Iterator[_Tried]:
     beside = orthonormal(observed.whitened(np.concatenate([nuisances(observed)[0], columns], axis=2)))
     left = observed.whitened(observed.residual)
     left -= beside @ (beside.T @ left)
-    told: list[tuple[float, int, int]] = []
+    ranked: list[tuple[float, int, int]] = []
     for one, other in itertools.combinations(joints, 2):
         if np.array_equal(recording.sides[:, one], recording.sides[:, other]):
             continue
         crossed = observed.whitened(np.stack([moved[one][:, :, other], moved[other][:, :, one]], axis=2))
         crossed -= beside @ (beside.T @ crossed)
-        told.append((float(np.sum((orthonormal(crossed).T @ left) ** 2)), one, other))
-    for _, one, other in sorted(told, reverse=True)[:_SIDES]:
+        ranked.append((float(np.sum((orthonormal(crossed).T @ left) ** 2)), one, other))
+    for _, one, other in sorted(ranked, reverse=True)[:_SIDES]:
         sides = recording.sides.copy()
         sides[:, [one, other]] = sides[:, [other, one]]
         sentence = f"the sides of joints {one + 1} and {other + 1} stand in each other's columns (dirN)"

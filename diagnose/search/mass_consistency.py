@@ -34,15 +34,15 @@ def under_one_set(namer: Namer, named: Named, tell: Callable[[float], None]) -> 
     `tell` hears the share of the work done.
     """
     for number in range(_SEARCHES):
-        found = _joint(namer, named.members, named.outside)
-        place = None if found is None else _balanced(namer, found)
-        if found is None or place is None:
+        refit = _joint(namer, named.members, named.outside)
+        place = None if refit is None else _balanced(namer, refit)
+        if refit is None or place is None:
             break
         other = _without(namer, named, place, tell)
         if other is None:
             break
         again = _fitted(namer, other.members, other.outside)
-        before, after = _criterion(namer, found, named.everything), _criterion(namer, again, other.everything)
+        before, after = _criterion(namer, refit, named.everything), _criterion(namer, again, other.everything)
         if after > before + namer.rules.refuted:
             break
         named = other
@@ -53,10 +53,10 @@ def under_one_set(namer: Namer, named: Named, tell: Callable[[float], None]) -> 
 def renamed_under_one_set(namer: Namer, named: Named) -> tuple[int, ...]:
     """The members of what was named under the names that go first, where they fit as well under one set of weights."""
     names, members = renamed(namer, named), named.members
-    found = _joint(namer, members, named.outside) if names != members else None
-    if found is None:
+    refit = _joint(namer, members, named.outside) if names != members else None
+    if refit is None:
         return names
-    value = _criterion(namer, found, named.everything)
+    value = _criterion(namer, refit, named.everything)
     for place, name in enumerate(names):
         if name == members[place]:
             continue
@@ -84,21 +84,21 @@ def _fitted(namer: Namer, members: tuple[int, ...], outside: tuple[int, ...]) ->
     return refit(namer.prepared, members, outside, fit(namer.prepared, (*members, *outside)))
 
 
-def _criterion(namer: Namer, found: Refit, members: tuple[int, ...]) -> float:
+def _criterion(namer: Namer, refit: Refit, members: tuple[int, ...]) -> float:
     """The criterion of a joint fit: what gives under weights that others share has but one coefficient of its own."""
-    further = max(sum(term.shared for term in found.terms) - 1, 0)
-    return namer.criterion(found.rss, members) - further * math.log(namer.criterion.count)
+    further = max(sum(term.shared for term in refit.terms) - 1, 0)
+    return namer.criterion(refit.rss, members) - further * math.log(namer.criterion.count)
 
 
-def _balanced(namer: Namer, found: Refit) -> int | None:
+def _balanced(namer: Namer, refit: Refit) -> int | None:
     """The place of what gives under unknown weights and moves the tip most, where that is by more than the whole
     mismatch; None where it is not."""
     width = namer.prepared.observed.components
 
     def moved(place: int) -> float:
-        return rms_length(beyond_nuisances(namer.prepared, found.terms[place].moved)[:, :width])
+        return rms_length(beyond_nuisances(namer.prepared, refit.terms[place].moved)[:, :width])
 
-    most = max((place for place, term in enumerate(found.terms) if term.shared), key=moved, default=None)
+    most = max((place for place, term in enumerate(refit.terms) if term.shared), key=moved, default=None)
     mismatch = rms_length(remaining(namer.prepared, fit(namer.prepared, ()))[:, :width])
     return most if most is not None and moved(most) > namer.rules.balanced * mismatch else None
 

@@ -1,4 +1,5 @@
-"""Which physics is missing: gate, exhaustive search, a test of every finding, and what cannot be told from it."""
+"""Which physics is missing: gate, exhaustive search, a test of every finding, and what cannot be distinguished from
+it."""
 
 from __future__ import annotations
 
@@ -13,7 +14,7 @@ from linkwright.core.diagnose.fitting.fit import Fit, fit, impossible, unlikely
 from linkwright.core.diagnose.fitting.prepare import Prepared, limits
 from linkwright.core.diagnose.fitting.refit import refined_shapes
 from linkwright.core.diagnose.fitting.room.small_causes import with_room
-from linkwright.core.diagnose.patterns.forces import pull_found
+from linkwright.core.diagnose.patterns.forces import fitted_pull
 from linkwright.core.diagnose.patterns.library import Candidate, Family, columns_of
 from linkwright.core.diagnose.patterns.pool import Pool, with_group
 from linkwright.core.diagnose.rules.search_rules import SearchRules
@@ -33,7 +34,7 @@ Mask = NDArray[np.bool_]
 
 @dataclass(frozen=True)
 class Named:
-    """What was found: groups of the library (`members`) and forms (`outside`), the p-value of each member's own test,
+    """What was found: groups of the library (`members`) and forms (`outside`), the p-value of each member's test,
     the gate's two tests (library, forms), and the test of what is left. `without_forms` are the groups of the library
     that fit best where no form stands beside them or in their place: what a file can hold."""
 
@@ -110,7 +111,7 @@ class Namer:
     def seek_pull(self, members: Sequence[int]) -> None:
         """Take in the pull towards a point that explains most beside some groups, wherever that is: on a coarse grid a
         magnet between two points is several small errors of the joints."""
-        pull = pull_found(self.prepared.observed, self.pool, self.prepared.vector, members)
+        pull = fitted_pull(self.prepared.observed, self.pool, self.prepared.vector, members)
         if pull is not None:
             self._take_in(*pull)
 
@@ -149,7 +150,7 @@ class Namer:
         """Whether a form does."""
         return self._test(members, (~self.library,), self._decisive())[0]
 
-    def own_tests(
+    def tests_given_others(
         self, members: Sequence[int], others: Sequence[int] = (), level: float | None = None
     ) -> Iterator[tuple[int, float]]:
         """The place and the p-value of each group given all the others (and `others`), the weakest first: how often
@@ -181,11 +182,11 @@ class Namer:
 
     def best(self, allowed: Mask, largest: int) -> dict[int, Subset]:
         """The best possible subset of each size."""
-        found = best_subsets(
+        subsets_by_size = best_subsets(
             self.pool, self.prepared.vector, self.criterion, largest=largest, allowed=lambda m: bool(allowed[m])
         )
         taken: dict[int, Subset] = {}
-        for size, subsets in found.items():
+        for size, subsets in subsets_by_size.items():
             for subset in subsets:
                 if size in taken and subset.criterion >= taken[size].criterion:
                     break
@@ -280,12 +281,12 @@ def _two_at_once(namer: Namer) -> float:
     if pair is None:
         return 1.0
     among = int(namer.library.sum())
-    tested = namer.own_tests(pair.members, level=namer.rules.false_alarm / among)
+    tested = namer.tests_given_others(pair.members, level=namer.rules.false_alarm / among)
     return min(1.0, among * max(p for _, p in tested))
 
 
 def _of_library(namer: Namer) -> tuple[tuple[int, ...], tuple[float, ...]]:
-    """The library's best answer of up to three, every part of which passes its own test."""
+    """The library's best answer of up to three, every part of which passes its test."""
     subsets = namer.best_of_library()
     members = [namer.refined(subset.members) for subset in subsets.values()]
     smallest = 99
@@ -293,7 +294,7 @@ def _of_library(namer: Namer) -> tuple[tuple[int, ...], tuple[float, ...]]:
         if len(chosen) >= smallest:
             continue
         smallest = len(chosen)
-        failing, p_values = _own_tests(namer, chosen)
+        failing, p_values = _tests_given_others(namer, chosen)
         if failing is None:
             return chosen, p_values
     return (), ()
@@ -322,7 +323,7 @@ def _carried_on(
 def _exchanged(
     namer: Namer, members: tuple[int, ...], p_values: tuple[float, ...], *, one_by_one: bool = False
 ) -> tuple[tuple[int, ...], tuple[float, ...]]:
-    """Of a better set those that pass their own tests beside each other, if they are better still; else the members.
+    """Of a better set those that pass their tests beside each other, if they are better still; else the members.
     Ways that begin elsewhere come by the same sets: of each that is found out once."""
     key = (frozenset(members), one_by_one)
     if key not in namer.exchanges:
@@ -412,7 +413,7 @@ def _against_forms(
 def margin_of_forms(rules: SearchRules, findings: int) -> float:
     """How much better a form's criterion must be than that of so many findings before they are given up for it.
 
-    Never less than nought, however many: what fits worse than named physics does not take its place.
+    Never less than zero, however many: what fits worse than named physics does not take its place.
     """
     return rules.margin if findings <= rules.sparing else 0.0
 
@@ -437,7 +438,7 @@ def _near_enough(namer: Namer, members: Sequence[int], best: Subset) -> bool:
 def _still_there(
     namer: Namer, members: tuple[int, ...], outside: tuple[int, ...]
 ) -> tuple[tuple[int, ...], tuple[int, ...], tuple[float, ...]]:
-    """The members that pass their own test beside a form."""
+    """The members that pass their test beside a form."""
     members, p_values = _sound(namer, members, outside)
     return members, outside, p_values
 
@@ -445,22 +446,22 @@ def _still_there(
 def _sound(
     namer: Namer, members: tuple[int, ...], outside: tuple[int, ...] = ()
 ) -> tuple[tuple[int, ...], tuple[float, ...]]:
-    """The members that pass their own test beside each other (and `outside`), with its p-values."""
+    """The members that pass their test beside each other (and `outside`), with its p-values."""
     while members:
-        failing, p_values = _own_tests(namer, members, outside)
+        failing, p_values = _tests_given_others(namer, members, outside)
         if failing is None:
             return members, p_values
         members = tuple(m for k, m in enumerate(members) if k != failing)
     return (), ()
 
 
-def _own_tests(
+def _tests_given_others(
     namer: Namer, members: Sequence[int], outside: Sequence[int] = ()
 ) -> tuple[int | None, tuple[float, ...]]:
-    """The place of the weakest member that does not pass its own test beside the others (and `outside`), None where
+    """The place of the weakest member that does not pass its test beside the others (and `outside`), None where
     each does; then the p-values of all, and else of those that were tested until then."""
     known: dict[int, float] = {}
-    for place, p in namer.own_tests(members, outside):
+    for place, p in namer.tests_given_others(members, outside):
         known[place] = p
         if p > namer.rules.false_alarm:
             return place, tuple(known.values())

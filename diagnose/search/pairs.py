@@ -45,7 +45,7 @@ class Blocks:
 
     def beside(self, group: int) -> Blocks:
         """What is left of all groups beside one of them, orthonormal within each again: directions that are gone are
-        nought."""
+        zero."""
         columns = slice(int(self.starts[group]), int(self.starts[group] + self.ranks[group]))
         mixed = self.gram[:, columns]
         left = Blocks(self.gram - mixed @ mixed.T, self.against - mixed @ self.against[columns], self.ranks)
@@ -97,7 +97,7 @@ class Blocks:
         each of those, which have one rank, (F, G)."""
         rank, groups = int(behind.ranks[firsts[0]]), len(behind.ranks)
         at = behind.starts[firsts][:, None] + np.arange(rank)
-        rows, own = behind.gram[at], behind.against[at]
+        rows, target = behind.gram[at], behind.against[at]
         shared = np.empty((len(firsts), groups, rank))
         squares = np.empty((len(firsts), groups, rank, rank))
         for which, span in behind.of_rank():
@@ -108,8 +108,8 @@ class Blocks:
             else:
                 squares[:, which] = mixed @ mixed.transpose(0, 1, 3, 2)
             shared[:, which] = np.einsum("fgir,gr->fgi", mixed, behind.against[span].reshape(mixed.shape[1], -1))
-        taken = np.einsum("fgij,fj->fgi", squares, own)
-        left = behind.alone() - 2.0 * np.einsum("fgi,fi->fg", shared, own) + np.einsum("fgi,fi->fg", taken, own)
+        taken = np.einsum("fgij,fj->fgi", squares, target)
+        left = behind.alone() - 2.0 * np.einsum("fgi,fi->fg", shared, target) + np.einsum("fgi,fi->fg", taken, target)
         along = shared - taken
         if rank == 1:
             rest = 1.0 - squares[:, :, 0, 0]

@@ -40,8 +40,8 @@ class Asked:
 
 def asked_again(namer: Namer, named: Named, whole: Observed, options: Options, noise_floor: float | None) -> Asked:
     """All readings that were searched and set aside, `whole`, judged by what was named."""
-    found = candidates_of(namer, named.members)
-    aside, shaped = set_aside_beside(found, whole, options, noise_floor)
+    candidates = candidates_of(namer, named.members)
+    aside, shaped = set_aside_beside(candidates, whole, options, noise_floor)
     same = {item.row for item in aside} == {item.row for item in namer.prepared.rejected}
     return Asked(aside, shaped, same)
 

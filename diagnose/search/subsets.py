@@ -44,8 +44,8 @@ class Products:
     covers (their numbers `at`; of which groups, `layout` says), what is left of the vector in sum of squares, and the
     products (M, k) with an orthonormal basis of what is taken. Beside that the pool's Gram matrix is less by the last
     times itself, each direction as often as `times` (k,) says. No more of it is worked out than is asked for, and each
-    group's `own` part: the diagonal (M,) and blocks (g, r, r) as `layout.wide`. `root` (c, r) makes that basis of the
-    columns that were taken last, `along` (r,) is what the vector has in it."""
+    group's `blocks` part: the diagonal (M,) and blocks (g, r, r) as `layout.wide`. `root` (c, r) makes that basis of
+    the columns that were taken last, `along` (r,) is what the vector has in it."""
 
     pool: Pool
     layout: Layout
@@ -54,7 +54,7 @@ class Products:
     rss: float
     taken: Array
     times: Array
-    own: tuple[Array, tuple[Array, ...]]
+    blocks: tuple[Array, tuple[Array, ...]]
     root: Array
     along: Array
 
@@ -63,9 +63,11 @@ class Products:
         columns = self.pool.columns(np.flatnonzero(groups).tolist())
         layout, place = self.pool.layout_of(groups), self.place(columns)
         rows = [groups[which] for which, _ in self.layout.wide]
-        own = tuple(block[some] for block, some in zip(self.own[1], rows, strict=True) if some.any())
+        wide_blocks = tuple(block[some] for block, some in zip(self.blocks[1], rows, strict=True) if some.any())
         against, taken = self.against[place], self.taken[place]
-        return replace(self, layout=layout, at=columns, against=against, taken=taken, own=(self.own[0][place], own))
+        return replace(
+            self, layout=layout, at=columns, against=against, taken=taken, blocks=(self.blocks[0][place], wide_blocks)
+        )
 
     def place(self, columns: NDArray[np.int64]) -> NDArray[np.int64]:
         """Where columns of the pool, all of which are covered, stand among those."""
@@ -104,7 +106,7 @@ class Products:
     def _with(self, mixed: Array, along: Array, times: float) -> Products:
         """With directions taken, or given back (`times` -1): the columns' products (M, k) with them, and what the
         vector has in them (k,)."""
-        diagonal, blocks = self.own
+        diagonal, blocks = self.blocks
         parts = [mixed[at] for _, at in self.layout.wide]
         less = tuple(b - times * (part @ part.transpose(0, 2, 1)) for b, part in zip(blocks, parts, strict=True))
         return replace(
@@ -112,13 +114,13 @@ class Products:
             against=self.against - times * (mixed @ along),
             taken=np.concatenate([self.taken, mixed], axis=1),
             times=np.concatenate([self.times, np.full(len(along), times)]),
-            own=(diagonal - times * np.einsum("ij,ij->i", mixed, mixed), less),
+            blocks=(diagonal - times * np.einsum("ij,ij->i", mixed, mixed), less),
         )
 
     def gains(self) -> Array:
-        """What each group explains (G,), in sum of squares, beside what is taken as given; nought of those that are not
+        """What each group explains (G,), in sum of squares, beside what is taken as given; zero of those that are not
         covered."""
-        layout, (diagonal, blocks) = self.layout, self.own
+        layout, (diagonal, blocks) = self.layout, self.blocks
         gained, at = np.zeros(layout.groups), layout.single_columns
         diagonal_here = diagonal[at]
         gained[layout.single_groups] = np.where(
@@ -136,7 +138,7 @@ def products(pool: Pool, vector: Array) -> Products:
     against, none = pool.basis.T @ vector, np.zeros(0)
     at, taken = np.arange(len(against)), np.zeros((len(against), 0))
     rss, empty = float(vector @ vector), np.zeros((0, 0))
-    return Products(pool, pool.layout, at, against, rss, taken, none, pool.own, empty, none)
+    return Products(pool, pool.layout, at, against, rss, taken, none, pool.blocks, empty, none)
 
 
 @dataclass(frozen=True)
@@ -217,18 +219,18 @@ def best_subsets(
     """
     usable = np.array([allowed is None or allowed(number) for number in range(len(pool.groups))], dtype=bool)
     start = products(pool, vector)
-    found = {0: [Subset((), start.rss, criterion(start.rss, ()))]}
+    by_size = {0: [Subset((), start.rss, criterion(start.rss, ()))]}
     if not usable.any():
-        return found
+        return by_size
     alone = np.where(usable, start.gains(), -1.0)
     singles = [(float(gain), (number,)) for number, gain in enumerate(alone.tolist()) if gain >= 0.0]
-    found[1] = _ranked(start.rss, singles, criterion)
+    by_size[1] = _ranked(start.rss, singles, criterion)
     if largest >= 2:
-        found[2] = _ranked(start.rss, _pairs(pool, start, usable, criterion), criterion)
-    if largest >= 3 and found.get(2):
-        reduced = _worth_a_triple(pool, start, found, usable)
-        found[3] = _ranked(start.rss, _triples(pool, start, reduced, criterion), criterion)
-    return {size: subsets for size, subsets in found.items() if subsets}
+        by_size[2] = _ranked(start.rss, _pairs(pool, start, usable, criterion), criterion)
+    if largest >= 3 and by_size.get(2):
+        reduced = _worth_a_triple(pool, start, by_size, usable)
+        by_size[3] = _ranked(start.rss, _triples(pool, start, reduced, criterion), criterion)
+    return {size: subsets for size, subsets in by_size.items() if subsets}
 
 
 def _ranked(rss: float, gained: Sequence[tuple[float, tuple[int, ...]]], criterion: Criterion) -> list[Subset]:
@@ -268,14 +270,18 @@ def _triples(
     triples: list[tuple[float, float, tuple[int, ...]]] = []
     for first in range(len(order) - 2):
         rest = slice(first + 1, None)
-        own = family[rest]
+        family_of_rest = family[rest]
         gained = alone[first] + blocks.without(first).beside(0).without(1).of_two()
         whole, rank = (
             price[first] + price[rest][:, None] + price[rest],
             ranks[first] + ranks[rest][:, None] + ranks[rest],
         )
         value = criterion.of_many(start.rss, gained, whole, rank)
-        apart = (own[:, None] != own) & (own != family[first]) & (own[:, None] != family[first])
+        apart = (
+            (family_of_rest[:, None] != family_of_rest)
+            & (family_of_rest != family[first])
+            & (family_of_rest[:, None] != family[first])
+        )
         value[~np.triu(apart, 1) | (gained <= 0.0)] = np.inf
         for at in _smallest(value, _KEPT):
             members = order[[first, first + 1 + at[0], first + 1 + at[1]]]

@@ -16,25 +16,25 @@ from linkwright.core.sections.numeric import Array
 
 
 def differences(
-    prepared: Prepared, found: Refit, outside: Sequence[int], p_values: Sequence[float]
+    prepared: Prepared, refit: Refit, outside: Sequence[int], p_values: Sequence[float]
 ) -> tuple[Difference, ...]:
     """Of each finding that acts in one recording alone, its sizes in every recording, all else fitted with them.
 
-    `outside` are the forms beside the findings (their groups), `p_values` those of the findings' own tests.
+    `outside` are the forms beside the findings (their groups), `p_values` those of the findings' tests.
     """
     places: dict[tuple[str, tuple[int, ...]], list[int]] = {}
-    for place, term in enumerate(found.terms):
+    for place, term in enumerate(refit.terms):
         if term.candidate.only is not None:
             places.setdefault((term.candidate.effect, term.candidate.at), []).append(place)
     differing: list[Difference] = []
-    for (effect, at), own in places.items():
-        candidate = replace(found.terms[own[0]].candidate, only=None)
-        rest = [t for t in found.terms if (t.candidate.effect, t.candidate.at) != (effect, at)]
+    for (effect, at), places_here in places.items():
+        candidate = replace(refit.terms[places_here[0]].candidate, only=None)
+        rest = [t for t in refit.terms if (t.candidate.effect, t.candidate.at) != (effect, at)]
         forms = [prepared.columns[m] for m in outside]
         beside = np.concatenate([prepared.beside, *(t.columns for t in rest), *forms], axis=2)
         target = prepared.observed.residual - sum((t.moved - t.columns @ t.sizes for t in rest), np.zeros(1))
-        p = max((p_values[place] for place in own if place < len(p_values)), default=float("nan"))
-        differing += _of_one(prepared, candidate, beside, target, found, p)
+        p = max((p_values[place] for place in places_here if place < len(p_values)), default=float("nan"))
+        differing += _of_one(prepared, candidate, beside, target, refit, p)
     return tuple(differing)
 
 

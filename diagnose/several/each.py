@@ -27,7 +27,7 @@ def of_recordings(
     parts of the workspace, and held out by recording with what each swallows left in; `model` are the columns (N, C, d)
     of what each recording swallows and of what was found; `rejected` all rows set aside, numbered through."""
     recording = observed.recording
-    beside, found = model
+    beside, named = model
     before, after, held_out, apart = residuals
     places = [recording.place_of(item.row) for item in rejected]
     results: list[OfRecording] = []
@@ -46,15 +46,15 @@ def of_recordings(
                 rms_before=rms_length(before[rows]),
                 rms_after=rms_length(after[rows]),
                 rms_held_out=rms_length(held_out[rows]),
-                rms_from_others=rms_length(_less_own(observed, apart, beside, index)),
-                rms_own=rms_length(_less_own(observed, before, np.concatenate([beside, found], axis=2), index)),
+                rms_from_others=rms_length(_after_fit(observed, apart, beside, index)),
+                rms_own=rms_length(_after_fit(observed, before, np.concatenate([beside, named], axis=2), index)),
                 rejected=tuple(sorted(row for where, row in places if where == index)),
             )
         )
     return tuple(results)
 
 
-def _less_own(observed: Observed, residual: Array, columns: Array, index: int) -> Array:
+def _after_fit(observed: Observed, residual: Array, columns: Array, index: int) -> Array:
     """A recording's residuals of the tip (n, D), m, less what columns (N, C, d) fitted to it alone take off."""
     rows = observed.which == index
     width = observed.components
@@ -72,9 +72,9 @@ def from_others(each: Sequence[OfRecording]) -> float:
     return float(np.sqrt(np.sum(count * np.array([one.rms_from_others for one in each]) ** 2) / count.sum()))
 
 
-def told_without(index: int, candidates: Sequence[Candidate], count: int) -> list[int]:
-    """Which candidates the recordings (`count` of them) but one (from 0) tell: where all that are left have a size of
-    their own beside the common one, that common one alone."""
+def determined_without(index: int, candidates: Sequence[Candidate], count: int) -> list[int]:
+    """Which candidates the recordings (`count` of them) but one (from 0) tell: where all that are left have a separate
+    size beside the common one, that common one alone."""
     numbers: list[int] = []
     for place, candidate in enumerate(candidates):
         same_place = [item for item in candidates if (item.effect, item.at) == (candidate.effect, candidate.at)]

@@ -1,4 +1,4 @@
-"""The noise floors of several recordings, each from its own repeats, and what they come to together."""
+"""The noise floors of several recordings, each from its repeats, and what they come to together."""
 
 from __future__ import annotations
 

@@ -13,7 +13,7 @@ from linkwright.core.sections.numeric import Array
 def of_each(
     observed: Observed, columns: Array, names: tuple[str, ...], settings: Sequence[str]
 ) -> tuple[Array, tuple[str, ...]]:
-    """Each recording's own nuisances (N, C, b), as many columns again for each. `settings` are those (frame, tool) that
+    """Each recording's nuisances (N, C, b), as many columns again for each. `settings` are those (frame, tool) that
     leave the first of them free; the others always are."""
     recording = observed.recording
     parts: list[Array] = []

@@ -41,10 +41,10 @@ def of_different_arms(
     return OtherArms(names, rms_length(remains))
 
 
-def of_other_arms(told: OtherArms) -> str:
+def of_other_arms(arms: OtherArms) -> str:
     """The same as a sentence."""
     return (
-        f"It looks as if the recordings were of different arms. With {told.names}, {mm(told.leaves)} would remain, but "
+        f"It looks as if the recordings were of different arms. With {arms.names}, {mm(arms.leaves)} would remain, but "
         "such a cause does not change within one arm. Diagnose each by itself. For several arms of one type, use "
         "--units."
     )

@@ -68,13 +68,17 @@ class Several(Recording):
         while at is not None:
             chain.insert(0, at)
             at = self.before[at]
-        own = self.each[index].started
-        told = [(parts[k], start - own) for k in chain if (start := parts[k].started) is not None and own is not None]
-        told = [(part, start) for part, start in told if part.size]
-        return earlier([part for part, _ in told], [start for _, start in told]) if told else None
+        start_here = self.each[index].started
+        runs = [
+            (parts[k], start - start_here)
+            for k in chain
+            if (start := parts[k].started) is not None and start_here is not None
+        ]
+        runs = [(part, start) for part, start in runs if part.size]
+        return earlier([part for part, _ in runs], [start for _, start in runs]) if runs else None
 
     def _part(self, index: int) -> Recording:
-        rows, own = self.which == index, self.each[index]
+        rows, recording = self.which == index, self.each[index]
         taken: dict[str, Array | NDArray[np.int64] | None] = {}
         for name in _COLUMNS:
             values = getattr(self, name)
@@ -82,7 +86,7 @@ class Several(Recording):
         if self.time is not None:
             taken["time"] = self.time[rows] - self.began[index]
         other = MappingProxyType({name: values[rows] for name, values in self.other.items()})
-        return replace(own, **taken, other=other, seat=self.seat)  # pyright: ignore[reportArgumentType]
+        return replace(recording, **taken, other=other, seat=self.seat)  # pyright: ignore[reportArgumentType]
 
     def place_of(self, row: int) -> tuple[int, int]:
         """The recording (from 0) and the row in its file of a reading by its number in `row`."""
@@ -144,7 +148,7 @@ def together(
     are called.
     """
     names = tuple(names or names_of(recordings))
-    recordings = _alike([_with_own_payload(recording, arm, recordings) for recording in recordings])
+    recordings = _alike([_with_payload(recording, arm, recordings) for recording in recordings])
     width = min(recording.tip.shape[1] for recording in recordings)
     notes: list[str] = []
     counts = [recording.size for recording in recordings]
@@ -245,10 +249,10 @@ def _of_clocks(
     names: Sequence[str], recordings: Sequence[Recording], time: Array | None, before: Sequence[int | None]
 ) -> Iterator[str]:
     """Which recordings go on from which, and whether times are of no use."""
-    for own, other in enumerate(before):
+    for later, other in enumerate(before):
         if other is not None:
             stayed = "payloads that stayed count from there, lags too"
-            yield f"{names[own]} goes on from {names[other]}, by its clock: {stayed}."
+            yield f"{names[later]} goes on from {names[other]}, by its clock: {stayed}."
     if time is None and any(recording.time is not None for recording in recordings):
         yield "Not all recordings hold times: they are not used."
 
@@ -281,7 +285,7 @@ def nominal_tips(arm: Arm, recording: Recording) -> Array:
     return np.stack(tips)[recording.tips, np.arange(recording.size)]
 
 
-def _with_own_payload(recording: Recording, arm: Arm, all_of_them: Sequence[Recording]) -> Recording:
+def _with_payload(recording: Recording, arm: Arm, all_of_them: Sequence[Recording]) -> Recording:
     """A recording of one of several arms on a torso with that arm's payload in a column, where others have one."""
     if not arm.branches or recording.payload_mass is not None or all(item.payload_mass is None for item in all_of_them):
         return recording
@@ -289,7 +293,7 @@ def _with_own_payload(recording: Recording, arm: Arm, all_of_them: Sequence[Reco
 
 
 def _alike(recordings: Sequence[Recording]) -> Sequence[Recording]:
-    """The recordings as they are where all hold the same; else each number of theirs is a reading of its own."""
+    """The recordings as they are where all hold the same; else each number of theirs is a separate reading."""
     alone = [_alone(recording) for recording in recordings]
     if len(set(alone)) > 1:
         number = next(index for index, name in enumerate(alone) if name)

@@ -20,7 +20,7 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class ConditionsOfSeveral(Conditions):
-    """Conditions of the readings of several recordings, each with its own past: a lag begins anew with each that does
+    """Conditions of the readings of several recordings, each with its past: a lag begins anew with each that does
     not go on from another."""
 
     parts: tuple[Conditions, ...] = ()

@@ -20,9 +20,9 @@ def view_of_several(views: Sequence[View | None], names: Sequence[str]) -> View 
     beside = np.zeros((sum(len(view.residual) for view in present), present[0].residual.shape[1], width))
     row, column = 0, 0
     for view in present:
-        count, own = len(view.residual), view.beside.shape[2]
-        beside[row : row + count, :, column : column + own] = view.beside
-        row, column = row + count, column + own
+        count, inner = len(view.residual), view.beside.shape[2]
+        beside[row : row + count, :, column : column + inner] = view.beside
+        row, column = row + count, column + inner
     firsts = np.cumsum([0, *(len(view.residual) for view in present)]).tolist()
     changes = [
         Within(change, first, len(beside))
@@ -34,7 +34,7 @@ def view_of_several(views: Sequence[View | None], names: Sequence[str]) -> View 
         residual=np.concatenate([view.residual for view in present]),
         shown=np.concatenate([view.shown for view in present]),
         beside=beside,
-        names=tuple(f"{own}, {name}" for view, name in zip(present, names, strict=True) for own in view.names),
+        names=tuple(f"{inner}, {name}" for view, name in zip(present, names, strict=True) for inner in view.names),
         at=np.concatenate([view.at for view in present]),
         framed=np.concatenate([view.framed for view in present]),
         settled=np.concatenate([view.settled for view in present]),

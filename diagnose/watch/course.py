@@ -33,12 +33,12 @@ _LOCATED = 3.84
 @dataclass(frozen=True)
 class Turn:
     """A change in a series: a `step` after, one recording that is off alone (`once`) at, or a `drift` since recording
-    `at` (from 0): a step is there from `at` on. `told` is the recording by which it was beyond chance, `p` the p-value
-    of the one test that told it."""
+    `at` (from 0): a step is there from `at` on. `detected` is the recording by which it was beyond chance, `p` the
+    p-value of the one test that told it."""
 
     kind: Kind
     at: int
-    told: int
+    detected: int
     p: float
 
 
@@ -171,7 +171,7 @@ def _settled(series: Series, turns: list[Turn]) -> list[Turn]:
             if not np.isfinite(left).any():
                 continue
             kind, at = ways[int(np.argmin(left))]
-            turns = [*turns[:place], Turn(kind, at, turn.told, turn.p), *turns[place + 1 :]]
+            turns = [*turns[:place], Turn(kind, at, turn.detected, turn.p), *turns[place + 1 :]]
         if [(item.kind, item.at) for item in turns] == before:
             break
     return turns
@@ -185,13 +185,13 @@ def course_of(series: Series, level: float) -> Course:
     weight = 1.0 / np.sqrt(variances[0])
     sizes = np.linalg.lstsq(model * weight[:, None], series.values * weight, rcond=None)[0]
     left = float(np.sum((weight * (series.values - model @ sizes)) ** 2))
-    own, prior = max(len(when) - model.shape[1], 0), series.rules.prior
-    scale = (prior * float(series.common[-1]) + left) / (prior + own)
+    freedom, prior = max(len(when) - model.shape[1], 0), series.rules.prior
+    scale = (prior * float(series.common[-1]) + left) / (prior + freedom)
     return Course(
         level=model @ sizes,
         began=np.full(len(when), sizes[0]),
         deviations=np.sqrt(scale * variances[0]),
-        freedom=prior + own,
+        freedom=prior + freedom,
         changes=tuple(_measured(series, turns, place) for place in range(len(turns))),
     )
 

@@ -38,11 +38,11 @@ class Unwatched:
 
 @dataclass(frozen=True)
 class Begun:
-    """A candidate with the sizes (d,) about which it is fitted; `found`: it was, and is not merely asked for."""
+    """A candidate with the sizes (d,) about which it is fitted; `identified`: it was, and is not merely asked for."""
 
     candidate: Candidate
     sizes: Array
-    found: bool
+    identified: bool
 
 
 @dataclass(frozen=True)
@@ -65,7 +65,7 @@ class Parameter:
     at: tuple[int, ...]
     name: str
     kind: str
-    found: bool
+    identified: bool
 
     @property
     def label(self) -> str:
@@ -99,12 +99,12 @@ def begun(findings: Sequence[Finding], most: int) -> tuple[list[Begun], list[Beg
         place = (candidate.effect, candidate.at)
         if finding.recording:
             # What one recording has more than the others: all have the same pattern, most of them none of it.
-            made.setdefault(place, Begun(candidate, np.zeros(len(candidate.sizes)), found=True))
+            made.setdefault(place, Begun(candidate, np.zeros(len(candidate.sizes)), identified=True))
             continue
         known = tuple(name for name in candidate.sizes if name in values)
         if known:
             candidate = replace(candidate, sizes=known)
-            made[place] = Begun(candidate, np.array([values[name] for name in known]), found=True)
+            made[place] = Begun(candidate, np.array([values[name] for name in known]), identified=True)
     every = list(made.values())
     few = [item for item in every if len(item.sizes) <= most]
     return few, [item for item in every if len(item.sizes) > most]
@@ -134,12 +134,12 @@ def choose(
     shares = np.zeros(0)
     for each in (*few, *basics):
         now = _shown(seen, [*watched, each])
-        kept_clear = np.array([one.found for one in watched], dtype=bool)
+        kept_clear = np.array([one.identified for one in watched], dtype=bool)
         clear = bool(np.all((now[:-1] >= rules.watch.hides * shares)[kept_clear]))
         if clear and bool(np.all(now >= rules.watch.shown)):
             watched.append(each)
-            shares = now if each.found else np.concatenate([shares, now[-1:]])
-        elif each.found:
+            shares = now if each.identified else np.concatenate([shares, now[-1:]])
+        elif each.identified:
             held.append(each)
             left_out.append(_hidden(each, "single recordings do not show it: it is held as it was found"))
         else:
@@ -158,14 +158,14 @@ def _same(one: Begun, other: Begun) -> bool:
 def _basics(seen: Sequence[Observed], wanted_names: Collection[str]) -> list[Begun]:
     """The candidates of the effects asked for, each at one joint or link, that every recording could show."""
     without = frozenset(EFFECTS) - frozenset(wanted_names)
-    found: dict[tuple[str, tuple[int, ...]], Candidate] = {}
+    visible: dict[tuple[str, tuple[int, ...]], Candidate] = {}
     for candidate, columns in candidates(seen[0], without):
         plain = not (candidate.share or candidate.shared) and columns.shape[2] == len(candidate.sizes)
         if plain and all(columns_of(item, candidate) is not None for item in seen[1:]):
-            found.setdefault((candidate.effect, candidate.at), candidate)
+            visible.setdefault((candidate.effect, candidate.at), candidate)
     order = {name: place for place, name in enumerate(wanted_names)}
-    chosen = sorted(found.values(), key=lambda item: (order[item.effect], item.at))
-    return [Begun(item, np.zeros(len(item.sizes)), found=False) for item in chosen]
+    chosen = sorted(visible.values(), key=lambda item: (order[item.effect], item.at))
+    return [Begun(item, np.zeros(len(item.sizes)), identified=False) for item in chosen]
 
 
 def _shown(seen: Sequence[Observed], terms: Sequence[Begun]) -> Array:
@@ -187,7 +187,7 @@ def _shown(seen: Sequence[Observed], terms: Sequence[Begun]) -> Array:
 
 
 def terms_of(observed: Observed, terms: Sequence[Begun]) -> list[Term]:
-    """Terms with their columns in a recording; what it does not show at all has columns of noughts."""
+    """Terms with their columns in a recording; what it does not show at all has columns of zeros."""
     made: list[Term] = []
     for term in terms:
         columns = columns_of(observed, term.candidate)
@@ -202,7 +202,9 @@ def terms_of(observed: Observed, terms: Sequence[Begun]) -> list[Term]:
 def parameters_of(arm: Arm, chosen: Chosen) -> tuple[Parameter, ...]:
     """The sizes that are watched, in the order of the estimates' columns."""
     return tuple(
-        Parameter(item.candidate.effect, item.candidate.numbers, name, kind_of(arm, item.candidate, name), item.found)
+        Parameter(
+            item.candidate.effect, item.candidate.numbers, name, kind_of(arm, item.candidate, name), item.identified
+        )
         for item in chosen.watched
         for name in item.candidate.sizes
     )

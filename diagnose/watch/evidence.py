@@ -62,7 +62,7 @@ def in_common(factor: Array) -> Array:
 @dataclass(frozen=True)
 class Tried:
     """Columns tried one at a time beside those in the model: sizes, t statistics and sums of squares left (S, K), the
-    scales (S, K) of the variances with each, and the degrees of freedom of t; t is nought for what is no column."""
+    scales (S, K) of the variances with each, and the degrees of freedom of t; t is zero for what is no column."""
 
     sizes: Array
     t: Array

@@ -47,8 +47,8 @@ class Moved:
 
     A step lies between the recordings `last` and `first` (from 0); one that is off alone is `first`, and a drift goes
     on since `first`. `earliest` and `latest` are the bounds (95 %) of `first`. `size` is by how much, SI, with its 95 %
-    `interval`; a drift's is what has come since then, and `rate` is that per day. `told` is the recording after which
-    it was beyond chance; `p_value` how likely a year of quiet recordings raises as strong an alarm.
+    `interval`; a drift's is what has come since then, and `rate` is that per day. `detected` is the recording after
+    which it was beyond chance; `p_value` how likely a year of quiet recordings raises as strong an alarm.
     """
 
     kind: Kind
@@ -59,7 +59,7 @@ class Moved:
     interval: tuple[float, float]
     rate: float | None
     rate_interval: tuple[float, float] | None
-    told: int
+    detected: int
     p_value: float
 
     @property
@@ -74,7 +74,7 @@ class Watched:
 
     `values` with `errors` and 95 % `intervals` (N, 2); `level` what the values scatter about, changes and all;
     `limits` (N, 2) what one recording keeps to as long as the parameter stays at the level that it began with.
-    `deviation` is how far one recording scatters, of which `between` is beyond its standard error (nought: nothing);
+    `deviation` is how far one recording scatters, of which `between` is beyond its standard error (zero: nothing);
     `smallest_step` is the least that the next few recordings would tell.
     """
 
@@ -155,7 +155,7 @@ def watch(
     *,
     search: bool = True,
 ) -> Watch:
-    """Watch an arm over at least three recordings, each with a date of its own; `asked` names effects to watch beside
+    """Watch an arm over at least three recordings, each with a separate date; `asked` names effects to watch beside
     what a diagnosis finds (`search`), by default `basics()`.
 
     Raises `arm.bodies.beams.PropertyNeeded` and the materials' errors where the model lacks a figure.
@@ -185,7 +185,7 @@ def watched(
     recordings: Sequence[Recording],
     chosen: Chosen,
     estimates: Estimates,
-    found: Diagnosis | None,
+    diagnosis: Diagnosis | None,
     searched: tuple[int, ...],
     *,
     rules: WatchRules,
@@ -202,7 +202,7 @@ def watched(
             days, names, recordings, estimates.rows, estimates.left_out, estimates.rms, strict=True
         )
     )
-    return Watch(arm, dated, known, left, chosen.left_out, found, searched, rules)
+    return Watch(arm, dated, known, left, chosen.left_out, diagnosis, searched, rules)
 
 
 def courses(
@@ -227,7 +227,7 @@ def courses(
         when: (N,) days since the first.
         rules: When something moved.
     """
-    remains = Parameter(LEFT, (), LEFT, kind, found=True)
+    remains = Parameter(LEFT, (), LEFT, kind, identified=True)
     values = np.column_stack([values, np.log(np.maximum(rms, 1e-12))])
     # The standard deviation of the logarithm of a root mean square.
     errors = np.column_stack([errors, np.sqrt(0.5 / freedom)])
@@ -317,7 +317,7 @@ def _moved(
         interval=(share * ends[0], share * ends[1]),
         rate=measured.size / whole if drift else None,
         rate_interval=(ends[0] / whole, ends[1] / whole) if drift else None,
-        told=places[turn.told],
+        detected=places[turn.detected],
         p_value=p,
     )
 

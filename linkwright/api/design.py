@@ -231,7 +231,7 @@ def inverse(
     >>> lw.inverse(arm, "400 mm", "300 mm")
     <Inverse: 2 poses at (400, 300) mm>
     """
-    from linkwright.core.arm.worst.inverse import inverse as found_poses
+    from linkwright.core.arm.worst.inverse import inverse as inverse_poses
     from linkwright.face.arm import arm_of
     from linkwright.face.inverse import Inverse, inclined
     from linkwright.face.plain_input import in_si
@@ -240,7 +240,7 @@ def inverse(
     point = tuple(in_si(value, "length", name) for name, value in named)
     given = arm_of(arm, tips="one")
     turned = None if inclination is None else inclined(given, inclination)
-    return Inverse(given, point, found_poses(given.model, point, turned, most=most))
+    return Inverse(given, point, inverse_poses(given.model, point, turned, most=most))
 
 
 def budget(

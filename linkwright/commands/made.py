@@ -22,7 +22,7 @@ from linkwright.output.files import (
     REPORT,
     RESULT,
     check_target,
-    claim_own,
+    claim_folder,
     write_file,
     write_markdown,
 )
@@ -221,7 +221,7 @@ class Made:
 
     def claim(self, folder: Path) -> None:
         """Make the folder, or take an earlier one of this command again. Raises `InputError`."""
-        claim_own(folder, self.name, self.out.files if self.out is not None else ())
+        claim_folder(folder, self.name, self.out.files if self.out is not None else ())
 
     def call(self, given: dict[str, Any], targets: Targets, crew: Executor) -> Any:
         """Call the function; a bar shows how far it is."""

@@ -126,7 +126,7 @@ class _Cut:
 
     @property
     def box(self) -> Points:
-        """The corners of the section's own width and height on the page, mm: from the left at the foot onwards."""
+        """The corners of the section's width and height on the page, mm: from the left at the foot onwards."""
         outer = np.asarray(self.section.outline()[0])
         (left, foot), (right, top) = outer.min(axis=0), outer.max(axis=0)
         return 1e3 * self.side.section(np.array([(left, foot), (right, foot), (right, top), (left, top)]))

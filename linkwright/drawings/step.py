@@ -180,7 +180,7 @@ def _wire(contour: Contour, stand: Stand, share: float, keep: Sequence[bool] = (
 
     match contour:
         case Ring():
-            # An ellipse is told from a circle by its axes: the longer one leads.
+            # An ellipse is distinguished from a circle by its axes: the longer one leads.
             plane = Plane(at((0.0, 0.0)), x_dir=tuple(stand.width), z_dir=tuple(np.cross(stand.width, stand.height)))
             if math.isclose(contour.across, contour.high, rel_tol=1e-12):
                 return Wire([Edge.make_circle(1e3 * contour.across, plane)])

@@ -21,7 +21,7 @@ from linkwright.json.fields import fields, in_mm
 from linkwright.output.files import DESIGN
 from linkwright.output.read_back import ReadBack
 from linkwright.output.table_file import frame
-from linkwright.redesigning import Redesign as FoundRedesign
+from linkwright.redesigning import Redesign as RedesignResult
 from linkwright.redesigning import describe, redesign_json, redesign_sentences
 from linkwright.report.pictures.plots import exchange_figure
 from linkwright.results import optimization
@@ -163,7 +163,7 @@ def optimized(
             if begun is not None:
                 begun(Evaluation(problem.arm, before))
 
-        settings: Any = {"log": heard, "progress": tries, "told": out_of_reach, "begun": starts}
+        settings: Any = {"log": heard, "progress": tries, "notify": out_of_reach, "begun": starts}
         settings["executor"] = executor
         if rounding is not None:
             return Optimization(problem, optimise_rounded(problem.model, rounding, **settings))
@@ -179,7 +179,7 @@ class Redesign(Figured, Result):
     _describe = staticmethod(describe)
 
     problem: Problem
-    found: FoundRedesign
+    found: RedesignResult
 
     @property
     def old(self) -> Optimization:

@@ -54,7 +54,7 @@ _OF_DRIVE = ("torque", "rms_torque", "speed", "power", "energy", "braked")
 
 @dataclass(frozen=True)
 class Row:
-    """A figure beside those that can be limited: of the kind of one of them, with a title of its own."""
+    """A figure beside those that can be limited: of the kind of one of them, with a separate title."""
 
     name: str
     title: str

@@ -42,7 +42,7 @@ def _silent(text: str, share: float) -> None:
 @contextmanager
 def interrupts() -> Generator[Callable[[], None]]:
     """Note the first Ctrl-C and raise it at the next call of what is given, for a solver in between would take it for a
-    failure of its own; a second one is raised at once."""
+    separate failure; a second one is raised at once."""
     noted: list[int] = []
 
     def note(number: int, frame: FrameType | None) -> None:

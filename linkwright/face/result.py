@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Generic, TypeVar, cast
 
 from linkwright.core.units.quantities import InputError
-from linkwright.output.files import DESIGN, OUTPUT, REPORT, RESULT, claim_own, json_text, write_file, write_folder
+from linkwright.output.files import DESIGN, OUTPUT, REPORT, RESULT, claim_folder, json_text, write_file, write_folder
 from linkwright.output.read_back import ReadBack
 from linkwright.report.described import origin_of, page_of, signed
 from linkwright.results.document import Description
@@ -58,7 +58,7 @@ class Result(ABC):
     """The command that makes the same; its name stands in the files."""
     _signed = True
     """Whether the JSON says so."""
-    _own: tuple[str, ...] = (RESULT, REPORT, DESIGN)
+    _folder_files: tuple[str, ...] = (RESULT, REPORT, DESIGN)
     """The files that a folder of it may hold."""
     _describe: Callable[[Any], Description]
     """What describes the field `found`."""
@@ -101,7 +101,7 @@ class Result(ABC):
         return self._saved(Path(folder), {})
 
     def _saved(self, place: Path, first: Mapping[str, str]) -> Sequence[Path]:
-        claim_own(place, self._command, self._own)
+        claim_folder(place, self._command, self._folder_files)
         files = {**first, **self._files(), RESULT: self.to_json()}
         write_folder(place, files)
         return [place / name for name in files]

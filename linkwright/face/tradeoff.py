@@ -114,7 +114,7 @@ def traced(given: Problem, asked: Question, accuracy: float, progress: Progress 
             check()
             tell(_words(done, groups=asked.by is not None), done.share)
 
-        return Tradeoff(given, trade_off(asked, accuracy=accuracy, told=heard))
+        return Tradeoff(given, trade_off(asked, accuracy=accuracy, notify=heard))
 
 
 def _words(done: Traced, *, groups: bool) -> str:

@@ -17,7 +17,7 @@ from linkwright.core.diagnose.result import (
     Difference,
     Exchange,
     Finding,
-    FoundOrigin,
+    FittedOrigin,
     LackOfFit,
     Mislabelled,
     NextPose,
@@ -143,7 +143,7 @@ def _recording(recording: OfRecording, arm_file: str | None) -> dict[str, Any]:
     }
 
 
-def _origin(origin: FoundOrigin) -> dict[str, Any]:
+def _origin(origin: FittedOrigin) -> dict[str, Any]:
     return {
         "joint": origin.joint,
         "xyz_mm": [in_mm(item) for item in origin.shift],

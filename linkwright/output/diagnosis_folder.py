@@ -28,7 +28,7 @@ from linkwright.core.units.reading import Mapping as Reader
 from linkwright.core.units.reading import load_json, parse_yaml, read_text
 from linkwright.json.fields import joint_columns
 from linkwright.output.arm_file import arm_file
-from linkwright.output.files import DESIGN, REPORT, claim_own, made_by, write_each
+from linkwright.output.files import DESIGN, REPORT, claim_folder, made_by, write_each
 from linkwright.output.read_back import ReadBack
 from linkwright.output.table_file import frame
 from linkwright.results.diagnoses.evidence import unit_files
@@ -44,7 +44,7 @@ _DIGITS = 9
 
 def claim_diagnosis(folder: Path) -> None:
     """Make the output folder, or take an earlier diagnosis's again; anything else is refused. Raises `InputError`."""
-    claim_own(folder, "diagnose", (*FILES, *_own_files(folder)), DIAGNOSIS)
+    claim_folder(folder, "diagnose", (*FILES, *_arm_files(folder)), DIAGNOSIS)
 
 
 def write_diagnosis(folder: Path, diagnosis: Diagnosis, content: str, page: str, catalogue: Catalogue) -> list[Path]:
@@ -60,14 +60,14 @@ def write_diagnosis(folder: Path, diagnosis: Diagnosis, content: str, page: str,
     }
     for one, name in zip(diagnosis.recordings, units, strict=False):
         files[name] = arm_file(one.corrected if one.corrected is not None else diagnosis.corrected, catalogue)
-    earlier = {*_own_files(folder), COMPENSATION} - files.keys()
+    earlier = {*_arm_files(folder), COMPENSATION} - files.keys()
     return _written(folder, files, (*FILES, *units), earlier)
 
 
 def write_motion(folder: Path, diagnosis: MotionDiagnosis, content: str, page: str, catalogue: Catalogue) -> list[Path]:
     """The same of motion logs. Raises `InputError`, and `NotAsWritten` at the end."""
     files = {DIAGNOSIS: content, REPORT: page, DESIGN: arm_file(diagnosis.corrected, catalogue)}
-    return _written(folder, files, FILES, {*_own_files(folder), *FILES} - files.keys())
+    return _written(folder, files, FILES, {*_arm_files(folder), *FILES} - files.keys())
 
 
 def _written(
@@ -83,7 +83,7 @@ def _written(
     return [folder / name for name in order if name in files]
 
 
-def _own_files(folder: Path) -> dict[str, str]:
+def _arm_files(folder: Path) -> dict[str, str]:
     """The files of several arms' own in a diagnosis's folder, with what the recording of each is called."""
     if made_by(folder / DIAGNOSIS) != "diagnose":
         return {}
@@ -141,7 +141,7 @@ def learned_from(file: Path, arm: Arm) -> tuple[tuple[float, float], ...] | None
     residuals beside it; None for an arm file of no diagnosis."""
     import pandas as pd
 
-    files = _own_files(file.parent)
+    files = _arm_files(file.parent)
     if made_by(file.with_name(DIAGNOSIS)) != "diagnose" or (file.name != DESIGN and file.name not in files):
         return None
     try:
@@ -182,10 +182,12 @@ def with_written(result: Diagnosis, catalogue: Catalogue) -> Diagnosis:
     rms = _left(result.corrected, result.recording, catalogue)
     result = replace(result, written=WrittenArm(rms, result.rms_promised, _lacks(result, result.corrected)))
     parts = zip(result.recordings, result.recording.parts(), strict=False)  # of a recording alone there are none
-    return replace(result, recordings=tuple(_with_own(result, one, part, catalogue) for one, part in parts))
+    return replace(result, recordings=tuple(_with_written_part(result, one, part, catalogue) for one, part in parts))
 
 
-def _with_own(diagnosis: Diagnosis, one: OfRecording, recording: Recording, catalogue: Catalogue) -> OfRecording:
+def _with_written_part(
+    diagnosis: Diagnosis, one: OfRecording, recording: Recording, catalogue: Catalogue
+) -> OfRecording:
     """A recording with what the file of its arm is worth on it."""
     if one.corrected is None:
         return one

@@ -122,13 +122,13 @@ def made_folder(folder: Path) -> set[str]:
 
 
 def refuse_strangers(folder: Path, there: set[str], allowed: Collection[str]) -> None:
-    """Refuse a folder that holds anything but a command's own files, so that nobody's are written over."""
+    """Refuse a folder that holds anything but a command's files, so that nobody's are written over."""
     strangers = sorted(name for name in there - set(allowed) if left_over_of(name) not in allowed)
     if strangers:
         raise InputError(folder, "", f"holds other files ({strangers[0]}); name a new or empty folder")
 
 
-def claim_own(folder: Path, command: str, allowed: Collection[str], result: str = RESULT) -> None:
+def claim_folder(folder: Path, command: str, allowed: Collection[str], result: str = RESULT) -> None:
     """Make the output folder of a command, or take an earlier one of the same command again.
 
     A folder that holds anything but the `allowed` files is refused, so that nobody's are written over. Raises

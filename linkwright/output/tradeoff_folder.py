@@ -14,7 +14,7 @@ from linkwright.core.units.spreadsheet import defused
 from linkwright.json.design import links_json
 from linkwright.json.fields import fields
 from linkwright.output.arm_file import arm_file
-from linkwright.output.files import REPORT, RESULT, claim_own, made_folder, refuse_strangers, write_each
+from linkwright.output.files import REPORT, RESULT, claim_folder, made_folder, refuse_strangers, write_each
 from linkwright.output.read_back import ReadBack
 from linkwright.report.charts.fronts import slope_factor, tradeoff_picture
 from linkwright.results.figures_in_words import section_words
@@ -133,7 +133,7 @@ FILES = (RESULT, REPORT, CSV, PICTURE, POINTS)
 
 def claim_tradeoff(folder: Path) -> None:
     """Make the output folder, or take an earlier trade-off's again; anything else is refused. Raises `InputError`."""
-    claim_own(folder, "tradeoff", FILES)
+    claim_folder(folder, "tradeoff", FILES)
 
 
 def write_tradeoff(result: Tradeoff, out: Path, content: str, page: str, catalogue: Catalogue) -> list[Path]:

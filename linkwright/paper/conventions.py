@@ -1,10 +1,10 @@
-"""The paper's own conventions, for the columns "reproduced" and "as its equations read" and for nothing else.
+"""The paper's conventions, for the columns "reproduced" and "as its equations read" and for nothing else.
 
 What the printed figures turn out to be:
 - squared distances: equation (29) lost its square root, so they are mm^2 though printed as mm;
 - with clearance and backlash taken sqrt(2) times as large (a square's half side and not a disc's radius);
 - with angles that are absolute: backlash of joint i turns link i alone;
-- plus a deformation whose size at full stretch is two constants fitted to the paper, one for the links' own weight
+- plus a deformation whose size at full stretch is two constants fitted to the paper, one for the links' weight
   and one for a tool that it does not print. How it varies with the pose and the design is taken from its equations.
 
 What the equations read: (29) with its root, (22) to (25) without sqrt(2), (30) to (35) for the deformation, no tool.
@@ -86,7 +86,7 @@ class Equations:
 
 @dataclass(frozen=True)
 class Deformation:
-    """The equations' deformation, scaled: `weight` for the links' own weight, `tool` the tool's weight in N."""
+    """The equations' deformation, scaled: `weight` for the links' weight, `tool` the tool's weight in N."""
 
     equations: Equations
     weight: float = 1.0

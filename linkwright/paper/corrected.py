@@ -1,4 +1,4 @@
-"""The paper's arm in the project's own physics: true distances, nothing fitted to the paper, and tables it lacks."""
+"""The paper's arm in the project's physics: true distances, nothing fitted to the paper, and tables it lacks."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ from linkwright.paper.printed import FILE, Paper, words
 DEFORMATION = frozenset({"link_bending", "slope_propagation", "axial", "torsion", "shear_deformation"})
 """The effects that are deformation; left out for the figures without it."""
 PAPER_PHYSICS = frozenset({"slope_propagation", "shear_deformation"})
-"""What the paper's own deformation leaves out of ours."""
+"""What the paper's deformation leaves out of ours."""
 
 
 @dataclass(frozen=True)

@@ -78,7 +78,7 @@ class Figures(Result):
     """The paper's Figures 5 to 9 as data, each by its conventions and in truth; by number."""
 
     _command = "figures"
-    _own = FIGURE_FILES
+    _folder_files = FIGURE_FILES
 
     figures: tuple[Figure, ...]
 

@@ -12,7 +12,7 @@ from types import MappingProxyType
 from typing import Any
 
 from linkwright.core.units.quantities import read_quantity
-from linkwright.core.units.reading import parse_own_yaml
+from linkwright.core.units.reading import parse_bundled_yaml
 
 
 @dataclass(frozen=True)
@@ -193,7 +193,7 @@ def words() -> Mapping[str, Any]:
 
 
 def _of_package(name: str) -> Mapping[str, Any]:
-    content: Any = parse_own_yaml(files("linkwright.paper").joinpath(name).read_text(encoding="utf-8"))
+    content: Any = parse_bundled_yaml(files("linkwright.paper").joinpath(name).read_text(encoding="utf-8"))
     return content
 
 

@@ -55,7 +55,7 @@ class Postures:
 
     @cached_property
     def design(self) -> Array:
-        """The arm's own rigidities and lengths."""
+        """The arm's rigidities and lengths."""
         return beam_values(beams_of(self.arm))
 
     def support(self, q: Array, directions: Array) -> Array:

@@ -153,7 +153,7 @@ _END = "</main>"
 @dataclass(frozen=True)
 class Origin:
     """`date` (UTC, ISO 8601), the program's `version`, the `files` that were read as names and SHA-256 sums; `author`
-    and `comment` are the user's own, and may be empty."""
+    and `comment` are the user's, and may be empty."""
 
     date: str
     version: str

@@ -28,7 +28,7 @@ def side_by_side(*parts: str) -> str:
     return element("div", *parts, class_=f"columns-{len(parts)}")
 
 
-def in_own_place(name: str, when: str, label: str) -> str:
+def separate_place(name: str, when: str, label: str) -> str:
     """Where the figure called `name` stands in its colours."""
     heading = element("h3", text(f"{when.capitalize()}, in its own colours".removeprefix(", ").capitalize()))
     return element("div", heading, figure_place(f"{name}-own", f"{label} In its own colours."))

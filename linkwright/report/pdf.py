@@ -1,4 +1,4 @@
-"""A report as a PDF: its page, printed by a browser of the machine in the page's own style for paper."""
+"""A report as a PDF: its page, printed by a browser of the machine in the page's style for paper."""
 
 from __future__ import annotations
 

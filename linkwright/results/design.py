@@ -68,7 +68,7 @@ def bound_words(evaluation: Evaluation) -> str:
 
 
 def as_sentence(words: str) -> str:
-    """A phrase as a sentence of its own."""
+    """A phrase as a separate sentence."""
     return f"{words[:1].upper()}{words[1:]}."
 
 
@@ -120,7 +120,7 @@ def relative_words(evaluation: Evaluation) -> list[Paragraph]:
 
 
 def warnings(evaluation: Evaluation, which: str = "") -> list[Paragraph]:
-    """Each warning as a paragraph of its own; `which` says of what design."""
+    """Each warning as a separate paragraph; `which` says of what design."""
     prefix = f"{which}: " if which else ""
     return [Paragraph(f"{prefix}{warning}", "warning") for warning in evaluation.warnings]
 
@@ -136,7 +136,7 @@ def figures(evaluation: Evaluation, known: Mapping[str, Figure] = FIGURES) -> li
     rows: list[tuple[str, Value, str]] = []
     for item in known.values():
         value = item.shown(item.value(evaluation))
-        if item.name == "max_error" or not item.told(evaluation):
+        if item.name == "max_error" or not item.is_reported(evaluation):
             continue
         at = None if item.where is None else item.pose(evaluation)
         note = item.note_for(evaluation.arm)

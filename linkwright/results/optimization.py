@@ -149,7 +149,7 @@ def _facts(result: OptimizationResult) -> Facts:
     facts: list[Fact] = []
     both = (result.before, result.after)
     for name, item in result.figures.items():
-        if not any(item.told(evaluation) for evaluation in both):
+        if not any(item.is_reported(evaluation) for evaluation in both):
             continue
         one, other = (item.shown(item.value(evaluation)) for evaluation in both)
         before, after = (amount(value, item.unit, item.digits) for value in (one, other))
@@ -394,7 +394,7 @@ def bound_sentence(result: OptimizationResult) -> str:
         sizes = "" if result.listed else " and all sizes"
         whose = f"all {result.combinations:,} combinations{sizes}" if result.combinations > 1 else "all sizes"
         gap = result.lower_bound_gap
-        # Where the bound is the design's own figure to all digits told, a rest of the solver's is nothing to tell.
+        # Where the bound is the design's figure to all digits told, a rest of the solver's is nothing to tell.
         better = "better" if figure(1.0 + gap, 6) == "1" else f"more than {percent(gap)} better"
         side = "upper" if result.minimised.more_is_better else "lower"
         return f"{side} bound {value}: of {whose}, bounded at once; no design is {better}"

@@ -21,7 +21,7 @@ _SMALLER = 1.005
 
 
 def describe(result: Planned) -> Description:
-    """The plan: figures, what will be seen, what is told from what, the visits."""
+    """The plan: figures, what will be seen, what is distinguished from what, the visits."""
     request, promise = result.asked, result.promise
     facts = Facts(
         (
@@ -53,7 +53,7 @@ def describe(result: Planned) -> Description:
         )
     if promise.torques:
         items.append(_torques(result))
-    items.append(section("What it will not tell", Lines(_not_told(seen, promise.unseen))))
+    items.append(section("What it will not tell", Lines(_indistinguishable(seen, promise.unseen))))
     items.append(section("Visits", _visits(result), detail=True))
     items.append(Lines(_how(result)))
     headline = _headline(result)
@@ -66,8 +66,8 @@ def describe(result: Planned) -> Description:
 def _apart(planned: Planned) -> tuple[Fact, ...]:
     """Of what could be mistaken for something else how much is decided, and how much poses at random would decide; each
     of a different number of pairs, for causes that a plan does not see have none."""
-    shown, pairs = planned.promise.told, planned.promise.pairs
-    by_chance, possible = planned.told_at_random
+    shown, pairs = planned.promise.separated, planned.promise.pairs
+    by_chance, possible = planned.separated_at_random
     facts = [Fact("pairs told apart", count(shown), f"of {pairs} (a cause, one to mistake it for), at usual sizes")]
     if possible:
         text = f"of the {possible} pairs of causes that such poses see, for comparison"
@@ -92,7 +92,7 @@ def _noise(planned: Planned) -> tuple[Fact, ...]:
 def _headline(planned: Planned) -> str:
     """What it tells apart and shows, and whether that is more than poses at random do."""
     promise, smaller = planned.promise, planned.smaller
-    text = f"{planned.asked.poses} visits tell {promise.told} of {promise.pairs} pairs of causes apart"
+    text = f"{planned.asked.poses} visits tell {promise.separated} of {promise.pairs} pairs of causes apart"
     if not planned.random:
         return text
     if smaller > _SMALLER:
@@ -138,7 +138,7 @@ def _row(planned: Planned, shown: Shown) -> tuple[str | Value, ...]:
         _size(shown.smallest, shown.kind),
         _size(planned.at_random(shown), shown.kind),
         _size(shown.usual, shown.kind),
-        _size(shown.told, shown.kind) if len(shown.not_told) < shown.others else Value("–"),
+        _size(shown.resolved_size, shown.kind) if len(shown.inseparable) < shown.others else Value("–"),
     )
 
 
@@ -146,13 +146,13 @@ def _size(value: float, kind: str) -> Value:
     return Value(format_quantity(value, kind, digits=3) if math.isfinite(value) else "–")
 
 
-def _not_told(seen: Sequence[Shown], unseen: Sequence[tuple[str, tuple[int, ...]]]) -> tuple[str, ...]:
+def _indistinguishable(seen: Sequence[Shown], unseen: Sequence[tuple[str, tuple[int, ...]]]) -> tuple[str, ...]:
     """Sentences on what stays open: pairs (once each), and what is not seen."""
     lines: list[str] = []
     for item in seen:
-        if not item.not_told:
+        if not item.inseparable:
             continue
-        names = [name_of(rival.effect, rival.at) for rival in item.not_told]
+        names = [name_of(rival.effect, rival.at) for rival in item.inseparable]
         shown = f"{', '.join(names[:4])}{f' and {len(names) - 4} more' if len(names) > 4 else ''}"
         lines.append(f"{name_of(item.effect, item.at)} is not told from {shown}.")
     if len(lines) > _FIRST:
@@ -162,7 +162,7 @@ def _not_told(seen: Sequence[Shown], unseen: Sequence[tuple[str, tuple[int, ...]
         ]
     if unseen:
         lines.append(f"Not seen at any possible size: {', '.join(name_of(*each) for each in unseen)}.")
-    if any(rival.likeness > 0.9999 for each in seen for rival in each.not_told):
+    if any(rival.likeness > 0.9999 for each in seen for rival in each.inseparable):
         lines.append(
             "What is alike at all poses of the plan only another sensor, or other poses, tell apart "
             "(`linkwright effects show`)."

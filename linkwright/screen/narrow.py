@@ -61,12 +61,12 @@ class FittingTable(Table):
         headings = [str(column.header) if self.show_header else "" for column in self.columns]
         for row in zip(*(tuple(column.cells) for column in self.columns), strict=True):
             cells = [(heading, printable(str(cell))) for heading, cell in zip(headings, row, strict=True)]
-            yield from _told(cells, width)
+            yield from _stacked(cells, width)
         if self.caption:
             yield Text(printable(str(self.caption)))
 
 
-def _told(row: Sequence[tuple[str, str]], width: int) -> Iterator[RenderableType]:
+def _stacked(row: Sequence[tuple[str, str]], width: int) -> Iterator[RenderableType]:
     heading, first = row[0]
     if first:
         # A bare number says nothing without its heading.

@@ -17,7 +17,7 @@ MOST_PLACES = 64
 
 @dataclass(frozen=True)
 class MotorPlace:
-    """Where a motor stands: on link `on` at that link's joint (from 1), on the base (0) or at its own joint (None);
+    """Where a motor stands: on link `on` at that link's joint (from 1), on the base (0) or at its joint (None);
     its mass (kg), what the transmission there makes of the drive (None: what the arm has), in SI, and the rods by which
     it turns its link, if so."""
 

@@ -1,6 +1,6 @@
 """An arm's error at many poses in parts: what each effect does at each place, and what each tolerance could.
 
-All to first order, from the effects' own formulas on arrays of poses; so halving a part or drawing another arm is only
+All to first order, from the effects' formulas on arrays of poses; so halving a part or drawing another arm is only
 another sum.
 """
 

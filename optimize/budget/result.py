@@ -102,7 +102,7 @@ def budget(
     avoid: Sequence[Region] = (),
     progress: Heard | None = None,
 ) -> Budget:
-    """The budget of an arm over a workspace (its joint ranges by default) and load cases (its own payload by default),
+    """The budget of an arm over a workspace (its joint ranges by default) and load cases (its payload by default),
     at poses that keep out of what the arm's file and `avoid` name.
 
     Raises `PropertyNeeded` or `MissingProperty` where the arm lacks a figure, `Unreachable` where the workspace cannot

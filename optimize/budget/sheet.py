@@ -148,14 +148,14 @@ def _option(body: Mapping, arm: Arm, sheet: Sheet, changed: Changed) -> Option:
         if body.has("temperature"):
             warmth = _positive(body, "temperature", "temperature_difference")
         uncertain = _uncertain(body, arm, sheet.share) or sheet.uncertain
-        own = replace(
+        improved = replace(
             sheet, tolerances=tolerances, uncertain=uncertain, repeatability=repeatability, temperature=warmth
         )
         made = changed(keys) if keys else arm
-        if made == arm and own == sheet:
+        if made == arm and improved == sheet:
             would_do = "joint: {backlash: 1 arcmin} with at: 2, or tolerances"
             raise body.error("", f"changes nothing; say what is better, e.g. {would_do}")
-        return Option(name, price, made, own)
+        return Option(name, price, made, improved)
 
 
 def _places(body: Mapping, arm: Arm) -> list[int]:

@@ -18,7 +18,7 @@ from linkwright.core.optimize.exchange.program import carried_mass, drives_cost
 from linkwright.core.optimize.problem import Problem
 
 Assignment = tuple[Actuator | None, ...]
-"""An actuator for each joint; None for a joint that keeps its own drive."""
+"""An actuator for each joint; None for a joint that keeps its drive."""
 
 MOST_ASSIGNMENTS = 64
 """Up to this many choices every one is looked at."""

@@ -63,10 +63,10 @@ def bound_all(
     work: Bounding,
     picks: Sequence[Combination],
     pool: Pool,
-    told: Callable[[int], None],
+    notify: Callable[[int], None],
     keep: Callable[[Combination, Bounded], None],
 ) -> None:
-    """What each combination comes to on a pool, which `keep` hears as it comes; `told` hears often how many are
+    """What each combination comes to on a pool, which `keep` hears as it comes; `notify` hears often how many are
     done."""
     groups: list[list[Combination]] = []
     for pick in picks:
@@ -82,4 +82,4 @@ def bound_all(
         for pick, item in zip(groups[number], bounded, strict=True):
             keep(pick, item)
 
-    executor.map(work, [(tuple(group), pool) for group in groups], lambda: told(done), count)
+    executor.map(work, [(tuple(group), pool) for group in groups], lambda: notify(done), count)

@@ -1,6 +1,6 @@
 """Bounds from below for every combination, a combination solved at a time.
 
-The multipliers of a solved combination, those of its relaxation about its own solution (`at_once.relaxation`), make one
+The multipliers of a solved combination, those of its relaxation about its solution (`at_once.relaxation`), make one
 sum of its objective, its binding poses and its limits that no design of any combination can have above its objective
 (Lagrange). Its least over the cells of each link's options bounds each combination by a sum of one number a link.
 """

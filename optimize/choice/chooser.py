@@ -148,7 +148,7 @@ class Chooser:
         }
         known = len(bounded)
 
-        def told(done: int) -> None:
+        def notify(done: int) -> None:
             if self.progress is not None:
                 self.progress(known + done, len(left), "bounding combinations")
 
@@ -156,7 +156,7 @@ class Chooser:
             bounded[pick] = self._solutions[keys[pick]] = bound
 
         fresh = [pick for _, pick in left if pick not in bounded]
-        bound_all(executor, self._bounding, fresh, self.pool, told, keep)
+        bound_all(executor, self._bounding, fresh, self.pool, notify, keep)
         bounds: list[tuple[float, int, Array]] = []
         for number, pick in left:
             answer = bounded[pick]
@@ -205,7 +205,7 @@ class Chooser:
 
     def try_other_lengths(self) -> None:
         """Descents from other lengths, where those are free and the places to reach stay where they are, each with its
-        own binding poses, by the best combination and those that came near it."""
+        binding poses, by the best combination and those that came near it."""
         if self.best is None:
             return
         pick, space, _, _, exchanged, _ = self.best
@@ -221,12 +221,12 @@ class Chooser:
                 continue
             lengths = space.sections_and_lengths([float(value) for value in start])[1]
             for each in (pick, *near):
-                own = start
+                begin = start
                 if each.shapes != pick.shapes:
                     other = self._exchange(each.shapes).space
-                    own = starting_points(other, material_row(each.materials, self.context.problem), 1)[0]
-                    own = with_lengths(other, own, lengths)
-                self._finish_near_lengths(each, own)
+                    begin = starting_points(other, material_row(each.materials, self.context.problem), 1)[0]
+                    begin = with_lengths(other, begin, lengths)
+                self._finish_near_lengths(each, begin)
             if self.best is best or self._reaches_less(self.best, best):
                 self.best, self.pool, self.candidates = best, pool, noted
 
@@ -376,7 +376,7 @@ class Chooser:
         starts = starting_points(exchange.space, materials, 2)
         pool = self.pool = self.pool or first_pool(self.context, exchange.space, starts[0], pick.materials)
 
-        def found() -> Answer:
+        def answered() -> Answer:
             alone = _alone(exchange, materials, pool, starts)
             if not explain or alone.solution is not None or alone.unsolved:
                 return alone
@@ -384,7 +384,7 @@ class Chooser:
             ask = Ask(self.context.problem.limits, relax=True)
             return replace(alone, relaxed=program.solve(starts[0], materials, pool, ask))
 
-        answer, _ = self._known("solve", pick, exchange, (explain,), found)
+        answer, _ = self._known("solve", pick, exchange, (explain,), answered)
         if answer.solution is None:
             self.note(pick, None, "unsolved" if answer.unsolved else "infeasible")
         return Solved(exchange, materials, pool, answer.objective, answer.solution, answer.relaxed, answer.unsolved)
@@ -468,7 +468,7 @@ class Chooser:
             rounds.append(iteration)
             self._heard(iteration)
 
-        def found() -> Ended:
+        def run_exchange() -> Ended:
             done, objective, unreachable = None, None, False
             try:
                 done = exchange.run(
@@ -483,7 +483,7 @@ class Chooser:
             assert exchange.room is not None
             return Ended(exchange.room, done, objective, exchange.infeasible, unreachable, tuple(rounds))
 
-        ended, fresh = self._known("finish", pick, exchange, (start, within, known), found)
+        ended, fresh = self._known("finish", pick, exchange, (start, within, known), run_exchange)
         if not fresh:
             exchange.infeasible = ended.infeasible
             for item in ended.rounds:

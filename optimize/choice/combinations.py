@@ -172,9 +172,9 @@ class _Search:
         chooser, problem = self.chooser, self.chooser.context.problem
         chooser.polish()
         chooser.try_other_lengths()
-        own = given_design(problem)
-        if own is not None:
-            chooser.no_worse_than(own.combination, own.x)
+        given = given_design(problem)
+        if given is not None:
+            chooser.no_worse_than(given.combination, given.x)
         if problem.free_tapers:
             chooser.hold_against_uniform()
 

@@ -1,7 +1,7 @@
 """The best of many combinations: those that their bounds do not exclude are solved, the most promising first.
 
 Every combination solved raises the bounds of the others (`optimize.choice.bounds`); those whose bound is no better than
-the best design are out without a solution of their own. Where there are too many for a bound each, all are bounded at
+the best design are out without a separate solution. Where there are too many for a bound each, all are bounded at
 once (`at_once.branching`), and so they are where lengths are chosen. Where the model is no sum of products, play
 depends on the design, or poses of a place in space turn with the lengths, nothing bounds them: they are then searched
 link by link; and so they are where tapers or counterweights are chosen.
@@ -21,7 +21,7 @@ from .chooser import Chooser, Solved
 from .picks import Combination, count, uniform
 
 CLOSE = 1e-4
-"""A bound this near to the best design (relative) leaves nothing to win: the exchange's own gap."""
+"""A bound this near to the best design (relative) leaves nothing to win: the exchange's gap."""
 NEAR = 0.03
 """How far (relative) from the best objective a combination counts as a near tie."""
 WANTED = 1e-2
@@ -112,7 +112,7 @@ def _one_by_one(chooser: Chooser, bounds: CombinationBounds | None) -> float | N
         if chooser.progress is not None:
             gap_text = "" if math.isinf(gap) else f", none more than {gap:.2%} better"
             chooser.progress(number, number + left, f"solving combinations{gap_text}")
-        # What has no bound of its own tells nothing of where the best is.
+        # What has no bound of its tells nothing of where the best is.
         finite = running & np.isfinite(bounds.bounds)
         place = np.argmin(np.where(finite, bounds.bounds, np.inf)) if finite.any() else np.argmax(running)
         _solve(

@@ -67,7 +67,7 @@ def near_ties(chooser: Chooser, among: Among | None) -> Ties:
     limit = chooser.objective * (1.0 + NEAR)
     ties = [
         Tie(pick, objective, arm)
-        for pick, (objective, arm) in search.found.items()
+        for pick, (objective, arm) in search.solved.items()
         if objective <= limit and best is not None and pick != best[0]
     ]
     all_solved = left == 0 and not search.failed and not interrupted
@@ -77,7 +77,7 @@ def near_ties(chooser: Chooser, among: Among | None) -> Ties:
 class _Search:
     def __init__(self, chooser: Chooser, among: Among | None) -> None:
         self.chooser, self.among = chooser, among
-        self.found: dict[Combination, tuple[float, Arm]] = {}
+        self.solved: dict[Combination, tuple[float, Arm]] = {}
         self.failed = False
         self.tried = self._waiting = self._in_vain = 0
         self._promising = self._most_promising()
@@ -94,7 +94,7 @@ class _Search:
     def run(self) -> None:
         """Solve the most promising."""
         while True:
-            room = min(_TOGETHER, _MOST_TRIED - self.tried, MOST_SOLVED - len(self.found))
+            room = min(_TOGETHER, _MOST_TRIED - self.tried, MOST_SOLVED - len(self.solved))
             together = list(itertools.islice(self._promising, max(room, 0)))
             if not together:
                 return
@@ -111,7 +111,7 @@ class _Search:
             return
         self.tried += 1
         if chooser.progress is not None:
-            count = len(self.found)
+            count = len(self.solved)
             chooser.progress(count, min(count + 1 + more, MOST_SOLVED), "solving near ties")
         branching = None if self.among is None else self.among.branching
         if branching is not None and not branching.could_reach(pick, self.limit):
@@ -130,7 +130,7 @@ class _Search:
         objective = chooser.candidates[pick].objective
         if done is not None and not done.bounded_out and objective is not None:
             space = solved.exchange.space
-            self.found[pick] = (objective, arm_of(space, done.x, pick.materials))
+            self.solved[pick] = (objective, arm_of(space, done.x, pick.materials))
 
     def _most_promising(self) -> Iterator[tuple[Combination, int]]:
         """Combinations that could be near ties, the most promising first, each with how many more there are."""

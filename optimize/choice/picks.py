@@ -98,10 +98,10 @@ def option_table(problem: Problem) -> OptionTable:
     """What each elastic link may be."""
     links = tuple(k for k, link in enumerate(problem.arm.links) if link.section is not None)
     shapes, materials = options(problem)
-    own = (
+    link_options = (
         tuple((shape, material) for shape in shapes[k] if shape for material in materials[k] if material) for k in links
     )
-    return OptionTable(problem.arm.size, links, tuple(own))
+    return OptionTable(problem.arm.size, links, tuple(link_options))
 
 
 def agreeing(problem: Problem, table: OptionTable) -> list[tuple[list[Places], int]]:

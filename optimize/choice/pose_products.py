@@ -280,35 +280,35 @@ def inertia_products(
 
 def _inertia_terms(
     measured: Callable[[Array], tuple[Array, Array]],
-    own: Array,
+    given: Array,
     weights: Sequence[int],
     soft: Sequence[tuple[int, int]],
 ) -> tuple[Products, float] | None:
-    size = len(own)
+    size = len(given)
     # Quadratic in the weights for each flexibility: at zero, at one and two of each, at one of each pair.
     steps = [(), *((k,) for k in weights), *((k, k) for k in weights), *itertools.combinations(weights, 2)]
-    bare = own.copy()
+    bare = given.copy()
     bare[weights, WEIGHT] = 0.0
     for place in soft:
-        bare[place] = np.copysign(_RIGID, own[place])
+        bare[place] = np.copysign(_RIGID, given[place])
     rows: list[Array] = []
     for place in (None, *soft):
         for step in steps:
             row = bare.copy()
             if place is not None:
-                row[place] = own[place]
+                row[place] = given[place]
             for link in step:
-                row[link, WEIGHT] += own[link, WEIGHT]
+                row[link, WEIGHT] += given[link, WEIGHT]
             rows.append(row)
-    other = own.copy()
+    other = given.copy()
     other[weights, WEIGHT] *= np.resize(_APART, len(weights))
     for number, place in enumerate(soft):
         other[place] *= _APART[number % len(_APART)]
-    work, inertia = measured(np.array([*rows, own, other]))
+    work, inertia = measured(np.array([*rows, given, other]))
     if not np.all(np.isfinite(work)):
         return None
     terms: dict[Power, float] = {}
-    features, there = features_of(own.ravel(), size), features_of(other.ravel(), size)
+    features, there = features_of(given.ravel(), size), features_of(other.ravel(), size)
 
     def add(power: Power, value: float) -> None:
         power = tuple(sorted(power))

@@ -26,7 +26,7 @@ _NONE = 1e-9
 
 def one_signed(model: ErrorModel, cuts: Sequence[ErrorCut], p: Array, *, growth: bool = False) -> bool:
     """Whether no two terms of the error point against each other at any of the poses; `p` is a design's beam values,
-    at which the terms are measured. With `growth` what each link grows by is a term of its own, for materials that
+    at which the terms are measured. With `growth` what each link grows by is a separate term, for materials that
     grow by more or less."""
     return all(_agree(_terms(model, cut, p, growth=growth)) for cut in cuts)
 

@@ -208,7 +208,7 @@ def with_chosen_links(problem: Problem) -> Problem:
 
 
 def _candidates(problem: Problem, link: int) -> list[Section]:
-    """A section of each shape that may be chosen for a link (from 0); none where its own shape stays."""
+    """A section of each shape that may be chosen for a link (from 0); none where its shape stays."""
     if problem.sizes is not None:
         return list({item.section.shape: item.section for item in problem.sizes[link]}.values())
     if problem.shapes is None:
@@ -326,8 +326,8 @@ def expressions(space: DesignSpace, x: Any, materials: Any) -> DesignExpressions
         mass = mass + weight
         cost = cost + weight * material.cost + price_by_length(arm) * length
     for (link, name), value in space.balance(x).items():
-        own_figure: dict[str, Any] = {name: value}
-        beams[link] = replace(beams[link], **own_figure)
+        changed_figure: dict[str, Any] = {name: value}
+        beams[link] = replace(beams[link], **changed_figure)
     column = [getattr(beam, name) for beam in beams for name in BEAM_FIELDS]
     strength = [1.0 if result is None else getattr(result, name) for result in properties for name in STRENGTH_FIELDS]
     return DesignExpressions(
@@ -370,9 +370,9 @@ def starting_points(space: DesignSpace, materials: Array, count: int, seed: int 
     lower, upper = space.bounds()
     lengths = _starting_lengths(space)
     starts = [_shared_mass(space, materials, lengths)]
-    own = as_given(space)
-    if own is not None:
-        starts.append(own)
+    given = as_given(space)
+    if given is not None:
+        starts.append(given)
     generator = np.random.default_rng(seed)
     starts = [np.clip(start, lower, upper) for start in starts]
     starts = [starts[0], *(start for start in starts[1:] if _possible(space, start))]
@@ -401,7 +401,7 @@ def ladder(space: DesignSpace, materials: Array, count: int) -> list[Array]:
             section = kind.start(least * (greatest / least) ** float(share), *ranges)
             density = materials[len(MATERIAL_FIELDS) * link + MATERIAL_FIELDS.index("density")]
             mass += float(section.properties(0.3).area) * density * lengths[link]
-            x += _own_values(space, link, section, lengths[link])
+            x += _section_values(space, link, section, lengths[link])
         rung = np.clip(np.array([*x, *_given_balance(space)]), lower, upper)
         if mass <= most * (1.0 + 1e-9) and len(rung) == len(lower) and _possible(space, rung):
             rungs.append(rung)
@@ -409,7 +409,7 @@ def ladder(space: DesignSpace, materials: Array, count: int) -> list[Array]:
 
 
 def _possible(space: DesignSpace, x: Array) -> bool:
-    """Whether the optimiser's numbers make real sections: an area within its own bounds may not fit its diameter."""
+    """Whether the optimiser's numbers make real sections: an area within its bounds may not fit its diameter."""
     with np.errstate(invalid="ignore"):
         sections, _ = space.sections_and_lengths([float(value) for value in x])
         return not any(section.check() for section in sections if section is not None)
@@ -432,7 +432,7 @@ def _shared_mass(space: DesignSpace, materials: Array, lengths: list[float]) -> 
         density = materials[len(MATERIAL_FIELDS) * link + MATERIAL_FIELDS.index("density")]
         share = 0.9 * most / (len(elastic) * density * lengths[link]) if math.isfinite(most) else 3e-3
         section = SHAPES[shape].start(share, *problem.ranges[link].sizes)
-        x += _own_values(space, link, section, lengths[link])
+        x += _section_values(space, link, section, lengths[link])
     return np.array([*x, *_given_balance(space)])
 
 
@@ -443,7 +443,7 @@ def _given_balance(space: DesignSpace) -> list[float]:
     return [variable.to_x(min(max(value, variable.lower), variable.upper)) for variable, value in pairs]
 
 
-def _own_values(space: DesignSpace, link: int, section: Section, length: float, taper: float = 1.0) -> list[float]:
+def _section_values(space: DesignSpace, link: int, section: Section, length: float, taper: float = 1.0) -> list[float]:
     named = dict(zip((v.name for v in section.variables), section.variable_values(), strict=True))
     named[LENGTH] = length
     named[TAPER] = taper
@@ -467,5 +467,5 @@ def as_given(space: DesignSpace) -> Array | None:
         if ratio is None:
             return None
         near = item.section.near if isinstance(item.section, Tapered) else item.section
-        x += _own_values(space, link, near, lengths[link], ratio)
+        x += _section_values(space, link, near, lengths[link], ratio)
     return np.array([*x, *_given_balance(space)])

@@ -96,7 +96,7 @@ class Ask:
     joints. `within` keeps the design so near (in each of the optimiser's numbers) to another one. `floor` (m) is that
     of the error rows: about the error itself where it may pass through zero. With `relax` the limits may give way and
     the least relaxation is sought instead of the objective. With `elastic` the sum of the limits' slacks, each times
-    its own number of those, is made least instead; a limit with 0 is kept.
+    its number of those, is made least instead; a limit with 0 is kept.
     """
 
     limits: Sequence[Limit] | None = None
@@ -109,7 +109,7 @@ class Ask:
 
 
 BEST = Ask()
-"""The best design within the problem's own limits."""
+"""The best design within the problem's limits."""
 
 
 @dataclass(frozen=True)
@@ -117,7 +117,7 @@ class Solution:
     """What IPOPT found for a pool: the optimiser's numbers and the worst error over the pool (m).
 
     `limit_prices` holds a multiplier for each limit of the problem (d objective / d log limit), `bound_prices` those of
-    the variables' bounds, `shape_prices` those of the sections' own constraints by text. `slacks` are how far each
+    the variables' bounds, `shape_prices` those of the sections' constraints by text. `slacks` are how far each
     limit (in its logarithm) had to be relaxed, `active` are the poses that hold the solution. `turned`: an anchored
     pose was held back from turning further, so that another round from here may do better. `strayed`: one that has
     joints to spare left a joint's range, so that its error may be none of the workspace's.
@@ -240,10 +240,10 @@ class Program:
             )
             for family, prepared in families
         }
-        own, equal = limit_rows(held, design, worst, carried_mass(problem) + design.hung)
+        of_design, equal = limit_rows(held, design, worst, carried_mass(problem) + design.hung)
         shapes = shape_rows(space, design)
         sides = Rows(errors.sides)
-        blocks = {"errors": errors, **by_pose, "own": own, "shapes": shapes, "sides": sides}
+        blocks = {"errors": errors, **by_pose, "design": of_design, "shapes": shapes, "sides": sides}
         self._blocks = blocks
         rows = [row for block in blocks.values() for row in block.rows]
         self._lower = np.full(len(rows) + len(errors.equalities), -np.inf)
@@ -254,7 +254,7 @@ class Program:
         for name, block in blocks.items():
             self._place[name] = slice(start, start + len(block.rows))
             start += len(block.rows)
-        self._lower[self._place["own"]] = np.where(equal, 0.0, -np.inf)
+        self._lower[self._place["design"]] = np.where(equal, 0.0, -np.inf)
         follows, objective = problem.objective.follows, y
         if isinstance(follows, OfDesign):
             totals = Totals(design.mass, design.cost, design.reach, carried_mass(problem) + design.hung)
@@ -464,7 +464,7 @@ class Program:
         """A multiplier for each limit: the sum over its rows, or over the poses through which it holds."""
         prices = [0.0] * len(self.space.problem.limits)
         slopes = {family.name: family.slope for family in self.pose_families}
-        for name in ("own", *slopes):
+        for name in ("design", *slopes):
             for number, value in zip(self._blocks[name].limits, multipliers[self._place[name]], strict=True):
                 prices[number] += slopes.get(name, 1.0) * float(value)
         return prices

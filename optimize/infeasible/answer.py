@@ -105,9 +105,9 @@ def changed(limit: Limit, value: float) -> str:
 class Infeasible(NoAnswer):
     """No design keeps all limits, or none was found; `infeasible` says all that is known of it."""
 
-    def __init__(self, found: Infeasibility, more: str = "") -> None:
-        super().__init__(found.text + more)
-        self.infeasible = found
+    def __init__(self, infeasible: Infeasibility, more: str = "") -> None:
+        super().__init__(infeasible.text + more)
+        self.infeasible = infeasible
         self._more = more
 
     def __reduce__(self) -> tuple[object, ...]:

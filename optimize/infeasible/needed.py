@@ -53,7 +53,7 @@ _DEAR = 1e3
 
 
 @dataclass(frozen=True)
-class _Found:
+class _Outcome:
     """How combinations came out: the slacks of the limits and their sum, where there is a design."""
 
     outcome: Literal["found", "none", "undecided"]
@@ -66,23 +66,24 @@ def explained(
     *,
     beyond: Sequence[OutOfReach] = (),
     unsolved: int = 0,
-    told: Feasibility | None = None,
+    feasibility: Feasibility | None = None,
     progress: Progress | None = None,
 ) -> Infeasibility:
     """Why a problem has no answer; `beyond` are limits that no design keeps, `unsolved` is on how many combinations the
-    solver failed when a design was sought, and `told` what is known from there of how far all break the limits."""
+    solver failed when a design was sought, and `feasibility` what is known from there of how far all break the
+    limits."""
     problem = context.problem
     # An error that nothing limits would otherwise be looked for at every pose.
     problem = replace(problem, minimize="mass", limits=tuple(limit for limit in problem.limits if not limit.aim))
     context = replace(context, problem=problem) if context.aim is None else context_of(problem)
-    told = told if context.aim is None else None
+    feasibility = feasibility if context.aim is None else None
     total = count(problem)
     # Numbers of kinds stay: what they leave is looked at.
     every = tuple(k for k, limit in enumerate(problem.limits) if not isinstance(limit.figure.follows, OfKinds))
-    asker = _Asker(context, told, progress)
+    asker = _Asker(context, feasibility, progress)
     answers = asker.answers(every, stuck={problem.limits.index(item.limit) for item in beyond})
     limits = tuple(_alone(problem.limits[k], answers[k,], k) for k in every)
-    joint = answers[every] if len(every) > 1 else _Found("undecided")
+    joint = answers[every] if len(every) > 1 else _Outcome("undecided")
     changes = tuple(
         Change(limit, _needed(limit, slack))
         for limit, slack in zip(problem.limits, joint.slacks, strict=False)
@@ -102,7 +103,7 @@ def explained(
     )
 
 
-def _alone(limit: Limit, answer: _Found, number: int) -> Needed:
+def _alone(limit: Limit, answer: _Outcome, number: int) -> Needed:
     needed = _needed(limit, answer.slacks[number]) if answer.outcome == "found" else None
     return Needed(limit, needed, answer.outcome)
 
@@ -111,12 +112,12 @@ class _Asker:
     """Solves for the least change of some limits that is feasible: over all combinations where they are few, else over
     the nearest ones, whose number grows with each question."""
 
-    def __init__(self, context: Context, told: Feasibility | None, progress: Progress | None) -> None:
+    def __init__(self, context: Context, feasibility: Feasibility | None, progress: Progress | None) -> None:
         self._context, self._progress = context, progress
         self._exchanges: dict[tuple[str | None, ...], Exchange] = {}
         problem = context.problem
         few = count(problem) <= _ALL
-        self._near = None if few else _nearest(context, told, self._exchanges)
+        self._near = None if few else _nearest(context, feasibility, self._exchanges)
         if self._near is not None:
             picks, self.among = self._near.picks, "that come nearest by bounds on all of them"
         elif few:
@@ -133,21 +134,21 @@ class _Asker:
         self.trials |= {pick: _Trial(self._context, pick, self._exchanges, pool) for pick in fresh}
         return [self.trials[pick] for pick in fresh]
 
-    def answers(self, every: tuple[int, ...], *, stuck: Set[int]) -> dict[tuple[int, ...], _Found]:
+    def answers(self, every: tuple[int, ...], *, stuck: Set[int]) -> dict[tuple[int, ...], _Outcome]:
         """The least change of all limits together and of each alone (by their numbers); where one that is `stuck` has
         to stay there is none."""
         # What the joint change comes to is where the others begin.
         questions = ([every] if len(every) > 1 else []) + [(k,) for k in every]
         return {
-            question: _Found("none") if stuck - set(question) else self.answer(question, (number, len(questions)))
+            question: _Outcome("none") if stuck - set(question) else self.answer(question, (number, len(questions)))
             for number, question in enumerate(questions)
         }
 
-    def answer(self, question: tuple[int, ...], share: tuple[int, int]) -> _Found:
+    def answer(self, question: tuple[int, ...], share: tuple[int, int]) -> _Outcome:
         """The least change of the limits of a question (their numbers); it is the one of so many."""
         closer = self._near.closer(question) if self._near is not None and len(question) == 1 else []
         if closer is None:
-            return _Found("none")
+            return _Outcome("none")
         self._added(closer)
         current = _Question(self._context.problem, question)
         many = len(self.trials)
@@ -181,7 +182,7 @@ class _Nearest:
 
     context: Context
     picks: list[Combination]
-    told: Feasibility
+    feasibility: Feasibility
     trial: _Trial
     x: Array
     pool: Pool
@@ -196,12 +197,12 @@ class _Nearest:
         exchange, pick = self.trial.exchange, self.trial.pick
         problem = self.context.problem
         if len(question) != 1:
-            return _kinds(self.told.nearest(exchange, self.x, pick, self.pool, _RANKED), _CLOSEST)
+            return _kinds(self.feasibility.nearest(exchange, self.x, pick, self.pool, _RANKED), _CLOSEST)
         limit = problem.limits[question[0]]
         if limit.relation == "==":
             return []
         if not isinstance(limit.figure.follows, OfLinks):
-            nearest = self.told.nearest_by_one(exchange, self.x, pick, self.pool, _RANKED, question[0])
+            nearest = self.feasibility.nearest_by_one(exchange, self.x, pick, self.pool, _RANKED, question[0])
             return None if nearest is None else _kinds(nearest, _CLOSEST)
         # What a single link keeps is in the cells of all bounds.
         free = replace(limit, value=limit.value * (_FREE if limit.relation == "<=" else 1.0 / _FREE))
@@ -211,7 +212,7 @@ class _Nearest:
 
 
 def _kinds(picks: Sequence[Combination], number: int) -> list[Combination]:
-    """The first so many, of not more than `_KINDS` kinds of shapes: each kind takes a program of its own."""
+    """The first so many, of not more than `_KINDS` kinds of shapes: each kind takes a separate program."""
     kinds = list(dict.fromkeys(pick.shapes for pick in picks))[:_KINDS]
     return [pick for pick in picks if pick.shapes in kinds][:number]
 
@@ -238,7 +239,7 @@ def _nearest(
         except Unreachable:
             continue
         solution = _elastic(trial.exchange.program(pool), trial.starts[0], trial.materials, pool, price)
-        if isinstance(solution, _Found):
+        if isinstance(solution, _Outcome):
             continue
         pool = trial.exchange.worse_poses(solution, pick.materials, pool)
         picks = feasibility.nearest(trial.exchange, solution.x, pick, pool, most)
@@ -291,7 +292,7 @@ class _Trial:
         if number > 0:
             yield from self.starts[:number]
 
-    def least(self, price: Array, starts: int) -> Solution | _Found:
+    def least(self, price: Array, starts: int) -> Solution | _Outcome:
         """The least change of the limits that have a price, for the poses met so far, from so many starts until there
         is an answer."""
         outcomes: set[str] = set()
@@ -302,11 +303,11 @@ class _Trial:
                 outcomes.add("undecided")
                 continue
             solution = _elastic(self.exchange.program(self.pool), item, self.materials, self.pool, price)
-            if not isinstance(solution, _Found):
+            if not isinstance(solution, _Outcome):
                 self._latest = solution.x
                 return solution
             outcomes.add(solution.outcome)
-        return _Found("none" if outcomes == {"none"} else "undecided")
+        return _Outcome("none" if outcomes == {"none"} else "undecided")
 
     def met(self, solution: Solution, slacks: Sequence[float]) -> bool:
         """Whether a solution, its limits given way, meets poses that break them; they are known from then on."""
@@ -334,7 +335,7 @@ class _Question:
         self._order = itertools.count()
         self._heap: list[tuple[float, int, int, _Trial, Solution]] = []
         self._outcomes: set[str] = set()
-        self._least = _Found("undecided")
+        self._least = _Outcome("undecided")
         self.best: tuple[_Trial, Solution] | None = None
         """The combination whose change is the least."""
 
@@ -342,8 +343,8 @@ class _Question:
         """One more combination, looked at from so many starts until it has an answer."""
         self._note(trial, trial.least(self.price, starts), 1)
 
-    def _note(self, trial: _Trial, solution: Solution | _Found, rounds: int) -> None:
-        if isinstance(solution, _Found):
+    def _note(self, trial: _Trial, solution: Solution | _Outcome, rounds: int) -> None:
+        if isinstance(solution, _Outcome):
             self._outcomes.add(solution.outcome)
         else:
             total = sum(map(abs, self._slacks(solution)))
@@ -352,7 +353,7 @@ class _Question:
     def _slacks(self, solution: Solution) -> tuple[float, ...]:
         return tuple(slack if cost > 0.0 else 0.0 for slack, cost in zip(solution.slacks, self.price, strict=True))
 
-    def answer(self) -> _Found:
+    def answer(self) -> _Outcome:
         """The least change that a whole evaluation confirms; only where all combinations have none is there none."""
         while self._heap and self._heap[0][0] < self._least.total:
             _, _, rounds, trial, solution = heapq.heappop(self._heap)
@@ -363,28 +364,28 @@ class _Question:
                 self._outcomes.add("undecided")
                 continue
             if more:
-                again = trial.least(self.price, 1) if rounds < _ROUNDS else _Found("undecided")
+                again = trial.least(self.price, 1) if rounds < _ROUNDS else _Outcome("undecided")
                 self._note(trial, again, rounds + 1)
                 continue
             after = evaluate(trial.arm(solution.x), self.problem.workspace, self.problem.load_cases)
             if any(excess(limit, limit.of(after)) > GAP for limit in _relaxed(self.problem, slacks)):
                 self._outcomes.add("undecided")
                 continue
-            self._least, self.best = _Found("found", sum(map(abs, slacks)), slacks), (trial, solution)
+            self._least, self.best = _Outcome("found", sum(map(abs, slacks)), slacks), (trial, solution)
         if self._least.outcome == "found":
             return self._least
-        return _Found("none" if self._outcomes == {"none"} else "undecided")
+        return _Outcome("none" if self._outcomes == {"none"} else "undecided")
 
 
-def _elastic(program: Program, x: Array, materials: Array, pool: Pool, price: Array) -> Solution | _Found:
+def _elastic(program: Program, x: Array, materials: Array, pool: Pool, price: Array) -> Solution | _Outcome:
     """The least slacks for a pool, or what became of it. What is kept may give way as well, at so high a price that it
     does only where it must: a start that breaks limits is no trouble then, and a solver's failure proves nothing."""
     held = price == 0.0
     solution = program.solve(x, materials, pool, Ask(elastic=np.where(held, _DEAR, price).tolist()))
     if not solution.solved:
-        return _Found("undecided")
+        return _Outcome("undecided")
     if any(abs(slack) > _BROKEN for slack in np.array(solution.slacks)[held]):
-        return _Found("none")
+        return _Outcome("none")
     return solution
 
 

@@ -77,5 +77,5 @@ def _known(material: Material, name: str, temperature: float) -> bool:
 def _keeps(material: Material, name: PropertyName, relation: str, value: float, temperature: float) -> bool:
     if not _known(material, name, temperature):
         return False
-    own = material.need(name, temperature)
-    return own <= value if relation == "<=" else own >= value if relation == ">=" else own == value
+    known = material.need(name, temperature)
+    return known <= value if relation == "<=" else known >= value if relation == ">=" else known == value

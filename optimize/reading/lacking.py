@@ -40,7 +40,7 @@ def without_lacking(mapping: Mapping, problem: Problem) -> Problem:
     """The problem with only those materials to choose of which all is known that it needs, at the arm's temperature.
     Raises `InputError` where a link is left without one."""
     if problem.materials is None:
-        return problem  # what an arm's own material lacks is an error where it is asked for
+        return problem  # what an arm's material lacks is an error where it is asked for
     needed = needed_figures(problem)
     reasons = {material: _reason(material, needed, problem.arm.temperature) for material in problem.materials}
     left_out = tuple(LeftOut(material.name, why) for material, why in reasons.items() if why)
@@ -55,10 +55,10 @@ def without_lacking(mapping: Mapping, problem: Problem) -> Problem:
     return replace(problem, materials=materials, lists=lists, left_out=left_out)
 
 
-def _list(own: LinkLists, materials: tuple[Material, ...]) -> LinkLists:
-    if own.materials is None:
-        return own
-    return replace(own, materials=tuple(material for material in own.materials if material in materials))
+def _list(lists: LinkLists, materials: tuple[Material, ...]) -> LinkLists:
+    if lists.materials is None:
+        return lists
+    return replace(lists, materials=tuple(material for material in lists.materials if material in materials))
 
 
 def _reason(material: Material, needed: MappingLike[str, str], temperature: float) -> str:

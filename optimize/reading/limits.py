@@ -109,8 +109,8 @@ def _by_parts(body: Mapping, figure: Figure, entry: dict[object, object], arm: A
         if "material" not in figure.by:
             would_do = "one limit, or one by link: {1: ..., others: ...}"
             raise body.error(figure.name, f"takes {would_do}, not {shown(entry)}")
-        with Mapping(entry, file=body.file, key=body.path_of(figure.name)).reading() as own:
-            made = {str(name): read(own, str(name)) for name in entry}
+        with Mapping(entry, file=body.file, key=body.path_of(figure.name)).reading() as limit_keys:
+            made = {str(name): read(limit_keys, str(name)) for name in entry}
         relation, value = made.pop(OTHERS, next(iter(made.values())))
         return Limit(
             figure, relation, value, demands=Demands(materials=tuple((name, x) for name, (_, x) in made.items()))

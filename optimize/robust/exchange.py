@@ -1,4 +1,4 @@
-"""The robust optimum: scenarios enter an exchange of their own, round the exchange of poses.
+"""The robust optimum: scenarios enter a separate exchange, round the exchange of poses.
 
 The design for the scenarios so far; the worst scenario for that design; added, until none is worse. For a share of all
 scenarios a seeded sample stands for them: the best design for the share of it that the design before found easiest, and

@@ -149,18 +149,23 @@ def _status(status: Status, *, settled: bool) -> Status:
 
 
 def _result(
-    problem: Problem, nominal: OptimizationResult, design: Design, own: RobustFigure, before: RobustFigure, began: float
+    problem: Problem,
+    nominal: OptimizationResult,
+    design: Design,
+    new_figure: RobustFigure,
+    before: RobustFigure,
+    began: float,
 ) -> OptimizationResult:
     choice, context = design.choice, design.context
     arm = settled(design.arm)
     after = evaluate(arm, problem.workspace, problem.load_cases)
-    doubts = _doubts(problem, design, own)
+    doubts = _doubts(problem, design, new_figure)
     for limit in problem.limits:
         if limit.name != "max_error" and excess(limit, limit.of(after)) > GAP:
             doubts = (*doubts, f"{limit.text} is not kept")
-    ties, left = _near_ties(problem, design, own)
+    ties, left = _near_ties(problem, design, new_figure)
     robust = Robust(
-        own,
+        new_figure,
         before,
         design.claimed,
         () if context.scenarios is None else context.scenarios.held,
@@ -170,7 +175,7 @@ def _result(
         doubts,
     )
     by_error, figure = problem.minimize == "max_error", problem.objective
-    objective = own.value if by_error else figure.value(after)
+    objective = new_figure.value if by_error else figure.value(after)
     assert objective is not None
     status: Status = "converged" if choice.exchanged.converged and design.settled else "stopped"
     status = "searched" if status == "converged" and not choice.exhaustive else status

@@ -105,11 +105,11 @@ class ScenarioSearch:
             reached = [self._climbed(arm, start, poses) for start in starts]
             compared += sum(count for _, count in reached)
             ends = np.array([end for end, _ in reached])
-            own = ends[int(np.argmax(self.errors(arm, ends, poses)))]
-            worst = self.exact(arm, own, poses)
-            if case is not None and (worst.error <= case.error * (1.0 + 1e-7) or np.array_equal(own, best)):
+            end_worst = ends[int(np.argmax(self.errors(arm, ends, poses)))]
+            worst = self.exact(arm, end_worst, poses)
+            if case is not None and (worst.error <= case.error * (1.0 + 1e-7) or np.array_equal(end_worst, best)):
                 break
-            best, case = own, worst
+            best, case = end_worst, worst
             poses = np.vstack([poses, np.array([pose.q for pose in worst.poses])])
         assert case is not None
         return best, case, compared

@@ -28,15 +28,15 @@ MOST_EVALUATED = 12
 
 
 class NoRounding(NoAnswer):
-    """No design of sizes that can be had keeps the limits; `found` has the one that breaks them least."""
+    """No design of sizes that can be had keeps the limits; `not_rounded` has the one that breaks them least."""
 
-    def __init__(self, found: NotRounded) -> None:
-        self.found = found
-        super().__init__(found.reason)
+    def __init__(self, not_rounded: NotRounded) -> None:
+        self.not_rounded = not_rounded
+        super().__init__(not_rounded.reason)
 
     def __reduce__(self) -> tuple[object, ...]:
         """Keep what was found when the error crosses between processes."""
-        return NoRounding, (self.found,)
+        return NoRounding, (self.not_rounded,)
 
 
 @dataclass(frozen=True)

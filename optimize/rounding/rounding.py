@@ -24,7 +24,7 @@ from linkwright.core.optimize.problem import Problem
 from linkwright.core.optimize.result import KeptLimit, NotRounded, OptimizationResult, Rounded
 from linkwright.core.optimize.run import Log, optimise
 from linkwright.core.optimize.sizes.designs_at_once import Table
-from linkwright.core.optimize.sizes.listed_search import Found
+from linkwright.core.optimize.sizes.listed_search import SearchOutcome
 from linkwright.core.optimize.sizes.options import LinkList, columns_of, keeping
 from linkwright.core.optimize.sizes.rows import product
 from linkwright.core.optimize.sizes.search import CLOSE, ListSearch
@@ -60,13 +60,13 @@ def optimise_rounded(
     *,
     log: Log | None = None,
     progress: Progress | None = None,
-    told: Callable[[str], None] | None = None,
+    notify: Callable[[str], None] | None = None,
     begun: Callable[[Evaluation], None] | None = None,
     executor: Executor | None = None,
 ) -> OptimizationResult:
     """The best design for a problem, with `rounded` in it, or `not_rounded` where no such design keeps the limits.
 
-    `log`, `progress`, `told`, `begun` and `executor` as in `optimise`.
+    `log`, `progress`, `notify`, `begun` and `executor` as in `optimise`.
 
     An interrupt (see `optimise`) leaves the optimum, and the best rounded design if there is one yet. Raises `NoAnswer`
     where no design keeps the limits, whatever its sizes.
@@ -83,7 +83,7 @@ def optimise_rounded(
     if problem.sizes is not None:
         would_do = "they are sizes to be had already, so leave --round out"
         raise InputError(problem.file, "choose.sizes", f"goes without --round; {would_do}")
-    settings: Any = {"log": log, "progress": progress, "told": told, "begun": begun}
+    settings: Any = {"log": log, "progress": progress, "notify": notify, "begun": begun}
     result = optimise(problem, **settings, executor=executor)
     reason = "interrupted before a design of them was found"
     missing = NotRounded(rounding.text, _length_step(problem, rounding), reason)
@@ -94,7 +94,7 @@ def optimise_rounded(
     except KeyboardInterrupt:
         return replace(result, interrupted=True, not_rounded=missing)
     except NoRounding as none:
-        return replace(result, not_rounded=none.found)
+        return replace(result, not_rounded=none.not_rounded)
     except NoAnswer as none:
         return replace(result, not_rounded=replace(missing, reason=str(none)))
     return replace(result, rounded=made, interrupted=made.interrupted)
@@ -145,7 +145,7 @@ def _search(problem: Problem, rounding: Rounding, progress: Progress | None) -> 
     return search
 
 
-def _best(search: ListSearch, rounding: Rounding, beside: int) -> Found:
+def _best(search: ListSearch, rounding: Rounding, beside: int) -> SearchOutcome:
     """The best of all sizes with each of the choices of lengths `beside` the optimum's, and the bound on those; then
     with others as long as that helps. Raises `KeyboardInterrupt` where one left nothing."""
     judge, bound, stopped = search.judge, math.inf, False
@@ -163,7 +163,7 @@ def _best(search: ListSearch, rounding: Rounding, beside: int) -> Found:
             raise
         stopped = True
     pick, objective = judge.best or (None, math.inf)
-    return Found(
+    return SearchOutcome(
         pick, objective, -math.inf if stopped else bound, search.parts, search.compared, judge.searched, stopped
     )
 
@@ -216,8 +216,8 @@ def _distance(option: Option, problem: Problem, index: int) -> float:
     link = problem.arm.links[index]
     assert link.section is not None
     assert link.material is not None
-    own, other = (_stiff_and_heavy(item, problem) for item in (Option(link.section, link.material), option))
-    return sum(abs(math.log(a / b)) for a, b in zip(other, own, strict=True))
+    given, other = (_stiff_and_heavy(item, problem) for item in (Option(link.section, link.material), option))
+    return sum(abs(math.log(a / b)) for a, b in zip(other, given, strict=True))
 
 
 def _stiff_and_heavy(option: Option, problem: Problem) -> tuple[float, float]:
@@ -267,7 +267,7 @@ def _rounded(
     result: OptimizationResult,
     rounding: Rounding,
     every: int,
-    best: Found,
+    best: SearchOutcome,
     after: Evaluation,
     seconds: float,
 ) -> Rounded:
@@ -300,12 +300,14 @@ def _not_rounded(
     picks = product([*map(range, sizes), range(len(judge.table.lengths))])
     judge.offer(picks)
     nearest = nearest_design(judge, picks)
-    told = NotRounded(rounding.text, _length_step(problem, rounding), why_not(judge, rounding))
+    not_rounded = NotRounded(rounding.text, _length_step(problem, rounding), why_not(judge, rounding))
     if nearest is not None:
         limits = _limits(problem, result, nearest.evaluation)
         proven = nearest.proven and sizes == counts
-        told = replace(told, nearest=nearest.evaluation, excess=nearest.excess, limits=limits, proven=proven)
-    return replace(told, seconds=time.perf_counter() - began)
+        not_rounded = replace(
+            not_rounded, nearest=nearest.evaluation, excess=nearest.excess, limits=limits, proven=proven
+        )
+    return replace(not_rounded, seconds=time.perf_counter() - began)
 
 
 def _limits(problem: Problem, result: OptimizationResult, after: Evaluation) -> tuple[KeptLimit, ...]:

@@ -155,7 +155,7 @@ class Table:
         return stresses
 
     def wall_modes(self, picks: Integers, link: int) -> Array:
-        """How a link's walls buckle (N, K, F); noughts where it has fewer modes, or none that are known."""
+        """How a link's walls buckle (N, K, F); zeros where it has fewer modes, or none that are known."""
         for number, link_list in enumerate(self.lists):
             if link == link_list.link:
                 return self._modes[number][picks[:, number]]

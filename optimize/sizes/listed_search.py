@@ -32,7 +32,7 @@ _AGREE = 1e-6
 
 
 @dataclass(frozen=True)
-class Found:
+class SearchOutcome:
     """How a search ended: the best design (an option of each link, then a choice of lengths) or None, its objective
     (SI), the bound that no design goes below, parts looked at, designs compared and searched, and whether it was
     interrupted."""
@@ -111,7 +111,7 @@ class ListedSearch(BranchAndBound[Node]):
         return all(value <= (self.objective * (1.0 + _AGREE) if item else _AGREE) for item, value in values)
 
     @abstractmethod
-    def run(self) -> Found:
+    def run(self) -> SearchOutcome:
         """Look for the best design until nothing much better can be left, or enough parts were looked at."""
 
     def exclude(self, pick: tuple[int, ...]) -> None:
@@ -163,11 +163,11 @@ class ListedSearch(BranchAndBound[Node]):
             halves.append(replace(part, low=low, high=high))
         return halves
 
-    def _ended(self, *, known: bool, interrupted: bool) -> Found:
+    def _ended(self, *, known: bool, interrupted: bool) -> SearchOutcome:
         """How the search ended; `known`: whether the bound holds."""
         bound = min(self.bound, self.objective) * self.worth if known else -math.inf
         pick, objective = self.judge.best or (None, math.inf)
-        return Found(pick, objective, bound, self.parts, self.compared, self.judge.searched, interrupted)
+        return SearchOutcome(pick, objective, bound, self.parts, self.compared, self.judge.searched, interrupted)
 
     def _note(self) -> None:
         """A line of the log: a better design."""

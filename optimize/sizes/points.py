@@ -12,14 +12,14 @@ from .options import LinkList
 class Points(Cells):
     """The options of a link: each is a cell that is never split, with the number that the list gives it."""
 
-    def __init__(self, own: LinkList) -> None:
-        count = len(own.options)
+    def __init__(self, link_list: LinkList) -> None:
+        count = len(link_list.options)
         self.count = count
         self.option = np.arange(count)
         self.roots = np.arange(count)
-        self.corners = np.repeat(own.columns[:, None], 2, axis=1)
+        self.corners = np.repeat(link_list.columns[:, None], 2, axis=1)
         self.kept = np.ones((count, 2), dtype=bool)
-        self.bends = np.zeros((count, 0, own.columns.shape[1]))
+        self.bends = np.zeros((count, 0, link_list.columns.shape[1]))
         self.held, self.held_bends = np.zeros((count, 1, 0)), np.zeros((count, 0, 0))
         self.across = np.zeros(count, dtype=bool)
 

@@ -25,11 +25,11 @@ _WIDTH = len(COLUMNS)
 
 @dataclass(frozen=True)
 class TableRow:
-    """A row over options: `own` of each link (N, D), and products of several links with `coefficients` (T, D), their
-    `powers` of each link's columns (T, K), and each option's `factors` (N, T)."""
+    """A row over options: `of_each_link` of each link (N, D), and products of several links with `coefficients` (T, D),
+    their `powers` of each link's columns (T, K), and each option's `factors` (N, T)."""
 
     constant: Array
-    own: tuple[Array, ...]
+    of_each_link: tuple[Array, ...]
     coefficients: Array
     powers: tuple[Array, ...]
     factors: tuple[Array, ...]
@@ -40,7 +40,7 @@ class TableRow:
         """What must not be above t (or zero) for designs: rows of picks are an option of each link."""
         vectors = np.broadcast_to(self.constant, (len(picks), len(self.constant))).copy()
         products: Array | None = None
-        for k, link_part in enumerate(self.own):
+        for k, link_part in enumerate(self.of_each_link):
             vectors += link_part[picks[:, k]]
             if len(self.coefficients):
                 factor = self.factors[k][picks[:, k]]
@@ -62,8 +62,10 @@ def table_row(row: PoseRow, lists: Sequence[LinkList]) -> TableRow:
         alone = used[k] & ~several
         linear = row.linear[_WIDTH * item.link : _WIDTH * (item.link + 1)]
         by_link.append(np.exp(item.columns @ powers[k][alone].T) @ row.coefficients[alone] + item.columns @ linear)
-    left = tuple(own_powers[several] for own_powers in powers)
-    factors = tuple(np.exp(link_list.columns @ own_powers.T) for link_list, own_powers in zip(lists, left, strict=True))
+    left = tuple(powers_here[several] for powers_here in powers)
+    factors = tuple(
+        np.exp(link_list.columns @ powers_here.T) for link_list, powers_here in zip(lists, left, strict=True)
+    )
     return TableRow(constant, tuple(by_link), row.coefficients[several], left, factors, row.objective, row.shift)
 
 

@@ -26,7 +26,7 @@ from linkwright.core.optimize.trust import doubts
 from linkwright.core.units.quantities import NoAnswer, format_quantity
 
 from .free.search import FreeListSearch
-from .listed_search import Found
+from .listed_search import SearchOutcome
 from .options import LinkList, link_lists
 from .search import CLOSE, ListSearch
 
@@ -124,7 +124,7 @@ def listed_optimum(problem: Problem, options: Options, given: Problem) -> Optimi
     try:
         kind = FreeListSearch if problem.free_lengths else ListSearch
         search = kind(context, link_lists(problem), progress=options.progress, log=options.log)
-        design, after = _found(search)
+        design, after = _outcome(search)
     except Unreachable as error:
         raise NoAnswer(f"workspace: {error}") from None
     objective = problem.objective.value(after)
@@ -133,7 +133,7 @@ def listed_optimum(problem: Problem, options: Options, given: Problem) -> Optimi
     known = gap is not None
     lower_bound = min(design.bound, objective) if known else objective
     among = before.arm.joints == problem.arm.joints and _among(before.arm, search.lists)
-    doubtful = doubts(problem, design.objective, before, after, lower_bound, own=among)
+    doubtful = doubts(problem, design.objective, before, after, lower_bound, given_allowed=among)
     proven = gap is not None and gap <= 2.0 * CLOSE
     links = after.arm.links
     poses = 200_000 if problem.workspace.kind == "joints" else 20_000
@@ -170,7 +170,7 @@ def listed_optimum(problem: Problem, options: Options, given: Problem) -> Optimi
     )
 
 
-def _found(search: ListSearch | FreeListSearch) -> tuple[Found, Evaluation]:
+def _outcome(search: ListSearch | FreeListSearch) -> tuple[SearchOutcome, Evaluation]:
     """The best design with its evaluation, which has the last word; raises `NoAnswer` where there is none."""
     problem = search.context.problem
     for _ in range(_MOST_EXCLUDED):
@@ -186,7 +186,7 @@ def _found(search: ListSearch | FreeListSearch) -> tuple[Found, Evaluation]:
     raise NoListed("the best designs of listed sizes all break a limit when evaluated", proven=False)
 
 
-def _status(result: Found, after: Evaluation, *, proven: bool, uses_error: bool) -> Status:
+def _status(result: SearchOutcome, after: Evaluation, *, proven: bool, uses_error: bool) -> Status:
     if result.interrupted:
         return "interrupted"
     if not proven:

@@ -23,12 +23,12 @@ from linkwright.core.optimize.result import Iteration
 from linkwright.core.sections.numeric import Array
 
 from .designs_at_once import Table
-from .listed_search import Found, ListedSearch, Progress
+from .listed_search import ListedSearch, Progress, SearchOutcome
 from .options import LinkList, agreeing_parts
 from .rows import Integers, TableRow, greatest, product, table_row
 
 CLOSE = 1e-4
-"""A part whose bound is this near to the best design (relative) holds nothing worth winning: the exchange's own gap."""
+"""A part whose bound is this near to the best design (relative) holds nothing worth winning: the exchange's gap."""
 WANTED = 1e-2
 """The gap that is always worth more parts."""
 MOST_PARTS, MOST_CLOSING = 400, 60
@@ -65,9 +65,9 @@ class ListSearch(ListedSearch):
         self.place = 0
         """The choice of lengths, of those of the table."""
         self._known = Pool()
-        self._own = 0
+        self._first_rows = 0
 
-    def at(self, place: int) -> Found:
+    def at(self, place: int) -> SearchOutcome:
         """Look for a design with a choice of lengths of the table that is better than the best so far."""
         self.place, self._known, self.bounded = place, Pool(), True
         self.relaxation.rows, self._rows = [], []
@@ -78,7 +78,7 @@ class ListSearch(ListedSearch):
     def _pool(self) -> Pool:
         return self.judge.pool
 
-    def run(self) -> Found:
+    def run(self) -> SearchOutcome:
         """Split and compare until nothing better can be left, or enough parts were looked at."""
         self._begin_again()
         try:
@@ -93,10 +93,10 @@ class ListSearch(ListedSearch):
         except KeyboardInterrupt:
             if self.judge.best is None:
                 raise
-            return self._found(interrupted=True)
-        return self._found()
+            return self._outcome(interrupted=True)
+        return self._outcome()
 
-    def _found(self, *, interrupted: bool = False) -> Found:
+    def _outcome(self, *, interrupted: bool = False) -> SearchOutcome:
         return self._ended(known=not interrupted and self._agrees(), interrupted=interrupted)
 
     def _values(self, pick: tuple[int, ...]) -> list[tuple[bool, float]]:
@@ -118,7 +118,7 @@ class ListSearch(ListedSearch):
         if rows is None:
             self.bounded = False
             return
-        self._own = len(rows)
+        self._first_rows = len(rows)
         self._join(rows)
         self._refresh()
 
@@ -143,7 +143,7 @@ class ListSearch(ListedSearch):
         if rows is None:
             self.bounded = False
             return
-        self._join(rows[self._own :])
+        self._join(rows[self._first_rows :])
 
     def _join(self, rows: Sequence[PoseRow]) -> None:
         self.relaxation.rows += rows

@@ -40,7 +40,7 @@ from linkwright.core.sections.numeric import Array
 
 Integers = NDArray[np.intp]
 Badness = Callable[[int, Array, Integers], Array]
-"""Of some designs, each at a pose of its own, in a group of poses (a load case)."""
+"""Of some designs, each at a separate pose, in a group of poses (a load case)."""
 Report = Callable[[float], None]
 """Hears what share of the work is behind (0 to 1)."""
 _POSES, _STARTS = 512, 3
@@ -118,10 +118,10 @@ class Sweep:
 
     @cached_property
     def _modes(self) -> list[Array]:
-        """How the walls of each link buckle: (N, K, F), noughts where a design has fewer modes."""
+        """How the walls of each link buckle: (N, K, F), zeros where a design has fewer modes."""
         width = len(fields(Mode))
 
-        def own(link: Link) -> Array:
+        def link_modes(link: Link) -> Array:
             if link.section is None or link.material is None:
                 return np.zeros((0, width))
             material = link.material.at(self.arm.temperature)
@@ -129,10 +129,10 @@ class Sweep:
             modes = modes_of(link.section, link.section.properties(ratio), material) or ()
             return np.array([values_of(mode) for _, mode in modes]).reshape(-1, width)
 
-        most = [max(len(own(link)) for link in links) for links in self.options]
+        most = [max(len(link_modes(link)) for link in links) for links in self.options]
 
         def padded(index: int, link: Link) -> Array:
-            modes = own(link)
+            modes = link_modes(link)
             return np.vstack([modes, np.zeros((most[index] - len(modes), width))])
 
         return self._by_link(padded)
@@ -213,7 +213,7 @@ class Sweep:
         return result
 
     def _error(self, group: int, q: Array, designs: Integers) -> Array:
-        """The error (m) of some designs, each at a pose of its own, in a load case."""
+        """The error (m) of some designs, each at a separate pose, in a load case."""
         case, model = self.search.model.cases[group], self.search.model
         same = np.ptp(designs) == 0 if len(designs) else False
         arrays = case.arrays(q, self.p[designs[0]] if same else self.p[designs])

@@ -52,7 +52,7 @@ class Front:
     there joined them. `steps` are pairs of neighbouring points between which y jumps: nothing between is gained by more
     x until the second. `idle` are stretches of x (SI) along which more x buys nothing. `failed` are values of x (SI) at
     which the solver found no design though there must be one. `capped`: the end with the best y is where the problem's
-    own limit on x ends it. `complete`: the refinement ended by itself and found a design wherever it looked.
+    limit on x ends it. `complete`: the refinement ended by itself and found a design wherever it looked.
     `exhaustive`: at every point each combination was solved, or excluded by what it cannot reach; `undecided` counts
     the points at which the solver failed on one that could be better.
     """

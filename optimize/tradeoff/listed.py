@@ -19,7 +19,7 @@ from linkwright.core.optimize.sizes.options import link_lists
 from linkwright.core.optimize.sizes.search import CLOSE, ListSearch
 from linkwright.core.units.quantities import NoAnswer
 
-from .point import Design, Told
+from .point import Design, Notify
 from .question import Axis, Question
 
 _EXACTLY = 1e-9
@@ -28,7 +28,7 @@ _EXACTLY = 1e-9
 
 @dataclass(frozen=True)
 class _Known:
-    """A design that is optimal for every bound on the constrained figure from its own badness to `most`."""
+    """A design that is optimal for every bound on the constrained figure from its badness to `most`."""
 
     push: int
     least: float
@@ -39,9 +39,9 @@ class _Known:
 class ListedSearch:
     """Finds designs from lists for one problem (of a group) of a trade-off."""
 
-    def __init__(self, asked: Question, problem: Problem, told: Told) -> None:
-        """`told` is called between the parts of the work. Raises `NoAnswer` where a link has no section to be."""
-        self.asked, self.problem, self._told = asked, problem, told
+    def __init__(self, asked: Question, problem: Problem, notify: Notify) -> None:
+        """`notify` is called between the parts of the work. Raises `NoAnswer` where a link has no section to be."""
+        self.asked, self.problem, self._notify = asked, problem, notify
         self.share = 0.0
         assert problem.sizes is not None
         for number, (link_sizes, link) in enumerate(zip(problem.sizes, problem.arm.links, strict=True), start=1):
@@ -102,7 +102,7 @@ class ListedSearch:
 
     def _heard(self) -> Callable[[int, int, str], None]:
         def heard(_done: int, _of: int, text: str) -> None:
-            self._told(text)
+            self._notify(text)
 
         return heard
 

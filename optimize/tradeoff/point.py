@@ -28,7 +28,7 @@ from linkwright.core.sections.numeric import Array
 from .question import Question
 
 AnyCut = TypeVar("AnyCut", ErrorCut, Cut)
-Told = Callable[[str], None]
+Notify = Callable[[str], None]
 """Hears what is being done, often; may raise to stop."""
 
 _KEPT, _KEPT_SMALL = 6, 160
@@ -67,9 +67,9 @@ Corner = tuple[float, float]
 class Search:
     """Finds designs for one problem (of a group) of a trade-off; what it has learnt about combinations it keeps."""
 
-    def __init__(self, asked: Question, problem: Problem, told: Told) -> None:
-        """`told` is called between the parts of the work."""
-        self.asked, self.problem, self._told = asked, problem, told
+    def __init__(self, asked: Question, problem: Problem, notify: Notify) -> None:
+        """`notify` is called between the parts of the work."""
+        self.asked, self.problem, self._notify = asked, problem, notify
         self.share = 0.0
         self.context: Context = context_of(problem)
         self.exhaustive = count(problem) <= MOST_COMBINATIONS
@@ -93,7 +93,7 @@ class Search:
             pool = design.pool if pool is None else pool.joined(design.pool)
         trial.pool = pool
         for design in near:
-            self._told("starting from the neighbours")
+            self._notify("starting from the neighbours")
             trial.finish(design.combination, np.array(design.numbers))
         trial.average(near)
         if not near:
@@ -164,7 +164,7 @@ class Search:
     def say(self, text: str, share: float = 0.0) -> None:
         """Tell what is being done, and what share of it is behind."""
         self.share = share
-        self._told(text)
+        self._notify(text)
 
 
 def _others(met: tuple[AnyCut, ...], cuts: tuple[AnyCut, ...]) -> tuple[AnyCut, ...]:

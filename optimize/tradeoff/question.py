@@ -59,7 +59,7 @@ class Axis:
         return f"{self.title} in {self.unit}" if self.unit else self.title
 
     def badness(self, value: float) -> float:
-        """The badness of a value (SI); its own inverse."""
+        """The badness of a value (SI); its inverse."""
         return 1.0 / value if self.more_is_better else value
 
     def limit(self, badness: float = _LOOSE) -> Limit:
@@ -137,7 +137,7 @@ class Question:
 def question(problem: Problem, x: str, y: str, *, by: By | None = None, reach: Reach = "long") -> Question:
     """The trade-off between two figures of a problem's designs (names of `axes_of`).
 
-    The problem's own limits on them bound the front; what it minimises plays no part. Raises `InputError` where there
+    The problem's limits on them bound the front; what it minimises plays no part. Raises `InputError` where there
     is nothing to trade.
     """
     known = axes_of(problem.figures)

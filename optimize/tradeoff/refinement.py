@@ -96,12 +96,12 @@ def refine(
     for left, right in stretches:
         off = abs(math.log(axes[1].badness(left.y) / axes[1].badness(right.y)))
         work.look_at(left, right, off, max(left.level, axes[0].badness(left.x)))
-    while work.pending and len(work.found) < most:
+    while work.pending and len(work.nodes) < most:
         request = work.next()
         if request is not None:
             stretch, item = request
             work.answered(stretch.level, item, solve(stretch))
-    nodes = sorted(work.found, key=lambda node: node.level)
+    nodes = sorted(work.nodes, key=lambda node: node.level)
     return Refined(tuple(nodes), work.worst, tuple(work.steps), tuple(work.failed), complete=not work.pending)
 
 
@@ -110,7 +110,7 @@ class _Refinement(Generic[AnyNode]):
 
     def __init__(self, axes: tuple[Axis, Axis], nodes: Sequence[AnyNode], accuracy: float, listed: bool) -> None:
         self.axes, self.accuracy, self.listed = axes, accuracy, listed
-        self.found = list(nodes)
+        self.nodes = list(nodes)
         self.pending: list[tuple[float, int, _Open[AnyNode]]] = []
         self.worst = 0.0
         self.steps: list[tuple[AnyNode, AnyNode]] = []
@@ -158,7 +158,7 @@ class _Refinement(Generic[AnyNode]):
             else:
                 self.look_at(left, right, 0.0, level, last=True)
         else:
-            self.found.append(middle)
+            self.nodes.append(middle)
             off = abs(straight(self.axes[0], left, right, middle.level) / middle.y - 1.0)
             if off <= self.accuracy and (not self.listed or level <= self._x(middle) * (1.0 + _CLOSE)):
                 self.worst = max(self.worst, off)

@@ -45,7 +45,7 @@ class Progress:
     share: float
 
 
-Told = Callable[[Progress], None]
+Notify = Callable[[Progress], None]
 
 
 @dataclass(frozen=True)
@@ -63,8 +63,8 @@ class Node:
 class Tracer:
     """The front of one group, one point after another; a point that is wanted again is not solved again."""
 
-    def __init__(self, asked: Question, name: str, problem: Problem, accuracy: float, told: Told | None) -> None:
-        self.asked, self.name, self._accuracy, self._told = asked, name, accuracy, told
+    def __init__(self, asked: Question, name: str, problem: Problem, accuracy: float, notify: Notify | None) -> None:
+        self.asked, self.name, self._accuracy, self._notify = asked, name, accuracy, notify
         self._problem = problem
         self._solved: dict[tuple[int, float], Node | None] = {}
         self.nodes: list[Node] = []
@@ -104,8 +104,8 @@ class Tracer:
         return self._search
 
     def _say(self, text: str) -> None:
-        if self._told is not None:
-            self._told(Progress(self.name, len(self.nodes), self._error, text, self._share))
+        if self._notify is not None:
+            self._notify(Progress(self.name, len(self.nodes), self._error, text, self._share))
 
     @property
     def _share(self) -> float:

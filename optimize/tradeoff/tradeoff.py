@@ -1,6 +1,6 @@
 """Trade-offs between two figures of a design: the Pareto front by the epsilon-constraint method.
 
-minimise y subject to x <= epsilon and the problem's own limits, for as many epsilon as it takes until straight lines
+minimise y subject to x <= epsilon and the problem's limits, for as many epsilon as it takes until straight lines
 between the points are right within the accuracy asked for (Haimes, Lasdon and Wismer, On a bicriterion formulation of
 the problems of integrated system identification and system optimization, IEEE Transactions on Systems, Man, and
 Cybernetics 1 (1971) 296-297, doi:10.1109/TSMC.1971.4308298). The ends are the least x that any design has, with the
@@ -28,7 +28,7 @@ from linkwright.core.units.quantities import NoAnswer
 from .front import Front, Point, Tradeoff
 from .question import Question
 from .refinement import Refined, Stretch, envelope, knee, logarithmic, refine, undominated
-from .trace import Node, Told, Tracer
+from .trace import Node, Notify, Tracer
 
 ACCURACY = 0.01
 """The relative error that straight lines between the points may have."""
@@ -40,11 +40,11 @@ def trade_off(
     asked: Question,
     *,
     accuracy: float = ACCURACY,
-    told: Told | None = None,
+    notify: Notify | None = None,
 ) -> Tradeoff:
     """The fronts of a question and their envelope.
 
-    `told` hears of progress. Where that raises `KeyboardInterrupt`, the points so far are the result, marked
+    `notify` hears of progress. Where that raises `KeyboardInterrupt`, the points so far are the result, marked
     `interrupted`. Raises `NoAnswer` where no design keeps the limits, `InputError` where a figure is missing that the
     question needs.
     """
@@ -54,8 +54,8 @@ def trade_off(
         own = replace(asked.problem, arm=start.problem.arm)
         asked = replace(asked, given=start.problem, problem=own)
     for materials in options(asked.problem)[1]:
-        material_row(materials, asked.problem)  # what a material lacks is told before anything is solved
-    tracers, without, interrupted = _traced(asked, accuracy, told)
+        material_row(materials, asked.problem)  # what a material lacks is reported before anything is solved
+    tracers, without, interrupted = _traced(asked, accuracy, notify)
     best = None
     if len(tracers) > 1:
         try:
@@ -71,14 +71,16 @@ def trade_off(
     return replace(tradeoff, fronts=fronts, envelope=replace(tradeoff.envelope, complete=False), interrupted=True)
 
 
-def _traced(question: Question, accuracy: float, told: Told | None) -> tuple[list[Tracer], list[tuple[str, str]], bool]:
+def _traced(
+    question: Question, accuracy: float, notify: Notify | None
+) -> tuple[list[Tracer], list[tuple[str, str]], bool]:
     """The fronts of all groups, those that have none with the reason, and whether an interrupt ended the work; raises
     where there is none at all."""
     tracers: list[Tracer] = []
     without: list[tuple[str, str]] = []
     blocked: list[Infeasibility] = []
     for name, problem in question.groups():
-        tracer = Tracer(question, name, problem, accuracy, told)
+        tracer = Tracer(question, name, problem, accuracy, notify)
         try:
             if tracer.trace():
                 tracers.append(tracer)

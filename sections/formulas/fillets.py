@@ -62,7 +62,7 @@ def rounded_tube_torsion(
 ) -> Number:
     """J of a rectangular tube whose corners have these radii, m^4; ``sharp`` is J without them.
 
-    Bredt's formula on the middle line, plus the walls' own torsion, as EN 10219-2 (annex B) has it; a corner that is
+    Bredt's formula on the middle line, plus the walls' torsion, as EN 10219-2 (annex B) has it; a corner that is
     thicker than the walls counts with its thickness. Within 0.5 % where the outer radius is a wall or more and the
     inner one is a wall less, or half a wall less (EN 10210-2); 1.5 % between there and a sharp corner.
     """
@@ -73,8 +73,8 @@ def rounded_tube_torsion(
     flat_b, flat_h = width - web - 2.0 * middle, height - flange - 2.0 * middle
     enclosed = (width - web) * (height - flange) - (4.0 - math.pi) * middle**2
     squares = 2.0 * flat_b / flange + 2.0 * flat_h / web + 2.0 * math.pi * middle / (wall * thickening)
-    own = (2.0 * flat_b * flange**3 + 2.0 * flat_h * web**3 + 2.0 * math.pi * middle * wall**3) / 3.0
-    return sharp + minimum(outer / wall, 1.0) ** 2 * (own + 4.0 * enclosed**2 / squares - sharp)
+    open_part = (2.0 * flat_b * flange**3 + 2.0 * flat_h * web**3 + 2.0 * math.pi * middle * wall**3) / 3.0
+    return sharp + minimum(outer / wall, 1.0) ** 2 * (open_part + 4.0 * enclosed**2 / squares - sharp)
 
 
 def rounded_tube_shear(

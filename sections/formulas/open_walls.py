@@ -7,7 +7,7 @@ are thin-wall formulas times the exponential of such a polynomial (`sections/fit
 Three of the four shear problems at Poisson's ratio zero are those of other sections, exactly, because a plane of
 symmetry and a free surface ask the same of the shear stress (none across it):
 - a channel along its web is an I-section of twice the width and twice the web, cut along the middle of its web;
-- a T-section along its flange is an I-section of twice the height, cut at the middle of its web (with a fit of its own
+- a T-section along its flange is an I-section of twice the height, cut at the middle of its web (with a separate fit
   here, as its walls may be thinner);
 - a T-section along its web and a channel along its flanges, each cut along its axis of symmetry, are both an L.
 """

@@ -117,7 +117,7 @@ def solve(loops: Sequence[Array], fineness: float = 1.0) -> SaintVenant:
         particular = -(cy * y**3 + cz * z**3) / 6.0
         particular_flux = -0.5 * (cy * y**2 * ny + cz * z**2 * nz)
         phi0 = particular + cy * warping[:, 1] + cz * warping[:, 2]
-        # Integral of f P over the region: each monomial is the divergence of its own primitive.
+        # Integral of f P over the region: each monomial is the divergence of its primitive.
         fp = -_polynomial_energy(boundary, cy, cz) / 6.0
         first = fp - float(weight @ ((phi0) * particular_flux))
         d_n = 0.5 * (cy * z**2 * ny + cz * y**2 * nz)

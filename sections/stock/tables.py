@@ -1,6 +1,6 @@
-"""Standard sizes by name (`IPE 80`, `CHS 60.3x3.2`), each row checked against its own dimensions when it is read.
+"""Standard sizes by name (`IPE 80`, `CHS 60.3x3.2`), each row checked against its dimensions when it is read.
 
-A file of tables, shipped ones in ``sections/stock`` and the user's own alike:
+A file of tables, shipped ones in ``sections/stock`` and the user's alike:
 
 ```yaml
 format_version: 1
@@ -25,7 +25,7 @@ A column that ends in ``_mm`` or ``_in`` is a dimension of the shape. `area_cm2`
 `second_moment_z_cm4` (`_in2`, `_in4`) are what the source prints; a table without them has computed figures only.
 
 Rounding: a printed figure carries at least three significant digits (zeros at the end do not count beyond them),
-and may differ from the recomputed one by 0.6 units of its last digit: half for its own rounding, the rest for that
+and may differ from the recomputed one by 0.6 units of its last digit: half for its rounding, the rest for that
 of the source's intermediate steps. Sizes in millimetres are nominal ones, and exact. Those in inches are rounded in
 print too, and may each be off by half a unit of their last digit; what that makes of a figure it may differ by as
 well. A row beyond that is refused.
@@ -50,7 +50,7 @@ from linkwright.core.sections.section import Section, SectionError
 from linkwright.core.sections.shapes import SHAPES
 from linkwright.core.units.names import meant, nearest
 from linkwright.core.units.quantities import InputError, shown
-from linkwright.core.units.reading import parse_own_yaml, parse_yaml
+from linkwright.core.units.reading import parse_bundled_yaml, parse_yaml
 from linkwright.core.units.reading import read_text as file_text
 from linkwright.core.units.user_file import UserFile
 
@@ -58,7 +58,7 @@ FORMAT_VERSION = 1
 """The version of the table format that this code reads."""
 
 USER_STOCK = UserFile("LINKWRIGHT_SECTIONS", "sections.yaml")
-"""The user's own tables."""
+"""The user's tables."""
 
 _LARGEST = 1e9
 """No figure of a table is larger."""
@@ -212,7 +212,7 @@ def shipped_sizes() -> tuple[StockSize, ...]:
     sizes: list[StockSize] = []
     for item in sorted(folder.iterdir(), key=lambda entry: entry.name):
         if item.name.endswith(".yaml"):
-            content = parse_own_yaml(item.read_text(encoding="utf-8"))
+            content = parse_bundled_yaml(item.read_text(encoding="utf-8"))
             sizes.extend(_read_content(content, f"stock/{item.name}"))
     return tuple(sizes)
 

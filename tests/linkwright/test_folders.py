@@ -6,7 +6,7 @@ import pytest
 
 from linkwright.core.arm.files.read import read_arm
 from linkwright.core.units.quantities import InputError
-from linkwright.output.files import DESIGN, REPORT, RESULT, claim_own
+from linkwright.output.files import DESIGN, REPORT, RESULT, claim_folder
 from linkwright.results.figures_in_words import figure, mm
 
 
@@ -14,7 +14,7 @@ def test_optimize_writes_its_three_files(linkwright, bench):
     """The new arm file is the design that result.json tells of, and the folder can be taken again."""
     status, out, err = linkwright("optimize", "problem.yaml", "--out", "made/result", "--json", "copy.json")
     assert (status, err) == (0, "")
-    claim_own(bench / "made" / "result", "optimize", (RESULT, REPORT, DESIGN))  # it can be taken again
+    claim_folder(bench / "made" / "result", "optimize", (RESULT, REPORT, DESIGN))  # it can be taken again
     folder = bench / "made" / "result"
     assert {path.name for path in folder.iterdir()} == {"arm.yaml", "report.html", "result.json"}
     content = json.loads((folder / "result.json").read_text(encoding="utf-8"))
@@ -47,7 +47,7 @@ def test_other_peoples_files_are_not_written_over(tmp_path, name):
     """Nor an arm file that stands alone: it need not be ours."""
     (tmp_path / name).write_text("mine", encoding="utf-8")
     with pytest.raises(InputError):
-        claim_own(tmp_path, "optimize", (RESULT, REPORT, DESIGN))
+        claim_folder(tmp_path, "optimize", (RESULT, REPORT, DESIGN))
     assert (tmp_path / name).read_text(encoding="utf-8") == "mine"
 
 

@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from linkwright.core.units.quantities import InputError
-from linkwright.core.units.reading import Mapping, load_yaml, parse_own_yaml, parse_yaml
+from linkwright.core.units.reading import Mapping, load_yaml, parse_bundled_yaml, parse_yaml
 
 CORE = Path(__file__).parents[2] / "linkwright" / "core"
 
@@ -63,7 +63,7 @@ def test_the_programs_own_files_are_plain_yaml_that_the_c_parser_reads_alike(fol
     assert results
     for path in results:
         text = path.read_text(encoding="utf-8")
-        assert parse_own_yaml(text) == parse_yaml(text, file=path), path.name
+        assert parse_bundled_yaml(text) == parse_yaml(text, file=path), path.name
 
 
 def test_files_that_cannot_be_read(tmp_path):

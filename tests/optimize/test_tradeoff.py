@@ -254,7 +254,7 @@ def test_an_interrupt_leaves_the_points_that_are_done(folder: Path) -> None:
         if progress.error is not None:
             raise KeyboardInterrupt
 
-    front = trade_off(asked, accuracy=COARSE, told=stop)
+    front = trade_off(asked, accuracy=COARSE, notify=stop)
     assert front.interrupted
     assert len(front.points) >= 4
     assert not front.envelope.complete

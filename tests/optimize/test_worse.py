@@ -80,7 +80,7 @@ def test_an_arm_in_space_has_no_sideways() -> None:
     """Its tip stiffness counts every direction; nothing is told of one of them."""
     result = evaluate(arm_with(Rectangle(0.04, 0.06), gravity=(0.0, 0.0, -9.81)))
     assert result.sideways is None
-    assert not FIGURES["sideways_stiffness"].told(result)
+    assert not FIGURES["sideways_stiffness"].is_reported(result)
     assert "sideways" not in markdown(describe_evaluation(result))
 
 

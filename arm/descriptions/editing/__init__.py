@@ -1,1 +1,1 @@
-"""Numbers of a user's own file, written anew in their places."""
+"""Numbers of a user's file, written anew in their places."""

@@ -12,7 +12,7 @@ from scipy.spatial.transform import Rotation as Turn
 
 from linkwright.core.arm.chain.vectors import Rotation, to_roll_pitch_yaw
 from linkwright.core.arm.descriptions.file_frames import FileFrame
-from linkwright.core.arm.descriptions.found_frames import alike
+from linkwright.core.arm.descriptions.identified_frames import alike
 from linkwright.core.arm.descriptions.reading.elements import Element
 from linkwright.core.sections.numeric import Array
 

@@ -44,7 +44,7 @@ def write_joints(arm: Arm, elements: Sequence[Element], top: Element, editor: Ed
 def write_weights(
     arm: Arm, frames: Sequence[FileFrame], standing: Sequence[Array], top: Element, editor: Editor
 ) -> Iterator[str]:
-    """Write what the arm's effects say of each link's weight into its link or body; what could not be is told.
+    """Write what the arm's effects say of each link's weight into its link or body; what could not be is reported.
 
     Args:
         arm: The arm with its effects.

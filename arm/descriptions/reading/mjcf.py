@@ -1,4 +1,4 @@
-"""MJCF, MuJoCo's own format, as links and joints, as its compiler takes them
+"""MJCF, MuJoCo's format, as links and joints, as its compiler takes them
 (https://mujoco.readthedocs.io/en/stable/XMLreference.html)."""
 
 from __future__ import annotations
@@ -349,8 +349,8 @@ class _Reading:
                 if any(bent):
                     raise item.error(f"ties {shown(joint.name)} by a curve; an arm's joints follow straight lines")
                 # Both coordinates count from their references.
-                own, others = (self._reference(one) for one in (joint, of))
-                mimic = Mimic(of.name, float(slope), float(constant + own - slope * others))
+                reference, others = (self._reference(one) for one in (joint, of))
+                mimic = Mimic(of.name, float(slope), float(constant + reference - slope * others))
                 tied = replace(joint, mimic=mimic)
                 self.joints[joint.name] = self.above[joint.child] = tied
                 beside = self.below[joint.parent]

@@ -20,7 +20,7 @@ _OF_OTHERS = ("attach", "replicate", "composite", "flexcomp")
 
 
 class Mjcf:
-    """An MJCF file's own conventions: what its compiler is told, and the defaults that hold for each element."""
+    """An MJCF file's conventions: what its compiler is told, and the defaults that hold for each element."""
 
     def __init__(self, top: Element) -> None:
         self.compiler = _merged(top, "compiler")

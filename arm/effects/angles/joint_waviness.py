@@ -1,4 +1,4 @@
-"""A joint's angle errs by a curve of its own: all low orders at once, as gears and encoders make them together.
+"""A joint's angle errs by a separate curve: all low orders at once, as gears and encoders make them together.
 
 Where single orders stand out, `gear_transmission_error` says more. Here the curve is irregular and repeats each turn:
 measured joints of light arms show it (0.2 to 0.3 mrad RMS, bending every 10 to 25 degrees), with no order that leads.

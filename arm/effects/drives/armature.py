@@ -1,4 +1,4 @@
-"""A drive spins its own rotor up, geared: the square of the ratio times the rotor's inertia, at the joint."""
+"""A drive spins its rotor up, geared: the square of the ratio times the rotor's inertia, at the joint."""
 
 from __future__ import annotations
 

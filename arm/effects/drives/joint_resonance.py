@@ -1,4 +1,4 @@
-"""A drive that gives: the arm behind it lags, and swings at a frequency of its own."""
+"""A drive that gives: the arm behind it lags, and swings at a separate frequency."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Torque is told from current by a constant that is not quite the motor's: all of it is off by one share."""
+"""Torque is distinguished from current by a constant that is not quite the motor's: all of it is off by one share."""
 
 from __future__ import annotations
 

@@ -22,7 +22,7 @@ def _twists(state: PoseState, settings: Settings) -> Iterator[Twist]:
     product = settings.values.get("unit_sag", 0.0)
     weighed = under_unit_weights(state) if product != 0.0 else None
     if weighed is not None:
-        # About its own z a weight does not turn the base; in the plane there is no other way.
+        # About its z a weight does not turn the base; in the plane there is no other way.
         moment = base_moment(weighed)
         sagged: Vector = (times(product, moment[0]), times(product, moment[1]), 0.0)
         yield Twist("base", 0, rotation=(0.0, 0.0, times(product, moment[2])) if state.planar else sagged)

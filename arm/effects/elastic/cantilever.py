@@ -21,7 +21,7 @@ from linkwright.core.arm.effects.registry import EFFECTS
 
 
 def elastic_twists(state: PoseState) -> Iterator[Twist]:
-    """What gives under the loads of `state`: the arm's own physics less `leave_out`, and what its `effects` add."""
+    """What gives under the loads of `state`: the arm's physics less `leave_out`, and what its `effects` add."""
     arm = state.arm
     state = replace(state, joints=tuple(replace(joint, zones=()) for joint in state.joints))
     for effect in (item for item in EFFECTS.values() if item.link.flexible):

@@ -23,7 +23,7 @@ def twist_and_shift(link: LinkState) -> tuple[Scalar, Vector]:
     by_weight = about_shear_centre(link, link.weight)
     eccentric = plus(by_force, times(0.5, times(beam.torsion_by_weight, by_weight)))
     twist = times(plus(dot(link.moment, link.along), eccentric), flexibility)
-    # Where the shear centre runs askew along a tapered link, its own eccentricity counts with its square's mean.
+    # Where the shear centre runs askew along a tapered link, its eccentricity counts with its square's mean.
     spread = times(minus(beam.taper.offset_square, 1.0), times(eccentric, flexibility))
     shift = plus(twist, spread)
     up, aside = times(shift, beam.shear_centre_width), times(shift, beam.shear_centre_height)

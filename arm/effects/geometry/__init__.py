@@ -1,1 +1,1 @@
-"""Lengths, axes, frames, tools and slides that are not as declared, the instrument's own scale included."""
+"""Lengths, axes, frames, tools and slides that are not as declared, the instrument's scale included."""

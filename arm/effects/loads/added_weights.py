@@ -1,6 +1,6 @@
 """The weights that an arm's effects add to its file, and what joints bear with them.
 
-What gives in proportion answers to added weights by itself: their own effects move the tip through it. Friction's share
+What gives in proportion answers to added weights by itself: their effects move the tip through it. Friction's share
 of a load and play that a load seats have one answer to the whole load.
 """
 

@@ -1,7 +1,7 @@
 """The base does not stand plumb: gravity comes from another side, and what bends gives another way.
 
 Masses added by the arm's other effects are pulled at from that side too. The measuring frame is taken to stand with the
-base; where it does not, its own turn is a `frame_misalignment`.
+base; where it does not, its turn is a `frame_misalignment`.
 """
 
 from __future__ import annotations

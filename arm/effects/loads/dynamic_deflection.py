@@ -1,4 +1,4 @@
-"""A moving arm's own inertia loads its drives, and they give.
+"""A moving arm's inertia loads its drives, and they give.
 
 The inertia is that of slender links with their masses spread along them (as the taper of a link has it), joints and
 payload as points: recursive Newton-Euler, velocities from the base out, inertial forces (-m a) back in.
@@ -67,7 +67,7 @@ def _spread(beam: Beam) -> float:
 def inertial_loads(
     state: PoseState, velocities: tuple[Scalar, ...], accelerations: tuple[Scalar, ...]
 ) -> tuple[Scalar, ...]:
-    """The load of the arm's own inertia on each drive, N*m (N for a slide), at joint velocities (rad/s, m/s) and
+    """The load of the arm's inertia on each drive, N*m (N for a slide), at joint velocities (rad/s, m/s) and
     accelerations (rad/s^2, m/s^2)."""
     moving = _motion(state, velocities, accelerations)
     force = scale(times(-1.0, state.payload_mass), add(moving[-1].end, moving[-1].relative(state.tool)))
@@ -88,15 +88,15 @@ def inertial_loads(
             arm = scale(beam.lumped_at, link.along)
             lumped = scale(times(-1.0, beam.lumped_mass), add(here.joint, here.relative(arm)))
             moment, force = add(moment, cross(arm, lumped)), add(force, lumped)
-        own = scale(-joint.mass, here.joint)
+        inertia_force = scale(-joint.mass, here.joint)
         if not joint.revolute:
-            loads.append(dot(joint.axis, add(force, own)))
+            loads.append(dot(joint.axis, add(force, inertia_force)))
         elif state.absolute:
             loads.append(dot(joint.axis, subtract(moment, at_axes[carried_unturned(state.arm.joints, index)])))
         else:
             loads.append(dot(joint.axis, moment))
         at_axes[index] = moment
-        force = add(force, own)
+        force = add(force, inertia_force)
         moment = add(moment, cross(state.leads[index], force))
     return tuple(reversed(loads))
 

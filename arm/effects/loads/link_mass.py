@@ -2,7 +2,7 @@
 
 Of a lump somewhere on a link the drives below tell the first moment about the link's joint, mass times place; the mass
 by itself shows only in what carries that joint. So a lump may be given by its first moment alone, and counts as spread
-along the link then; by mass and first moment it acts where it hangs, but bends its own link as if it were spread.
+along the link then; by mass and first moment it acts where it hangs, but bends its link as if it were spread.
 """
 
 from __future__ import annotations

@@ -2,7 +2,7 @@
 
 How far a drive sags under links that nobody has weighed is the product of its compliance and their weight, and nothing
 but the product shows. So the weights are written as multiples of one unknown weight (`mass`, and the first moments
-`along`, `height` and `width` of each link about its own joint as levers of that weight), and what gives says by its
+`along`, `height` and `width` of each link about its joint as levers of that weight), and what gives says by its
 `unit_sag` how far it turns under that weight on a lever of a metre.
 """
 

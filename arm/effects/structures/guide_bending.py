@@ -6,7 +6,7 @@ It is in the model wherever a slide has a `beam`. With a and b from the carriage
     clamped ends: the ends of two cantilevers, as long as a and b, that share the load
 
 and by Maxwell the deflection under a moment is the slope under a force. Twist T a b/(GJ L), held at both ends; two
-rails share the load. The beam's own weight: w a (L^3 - 2 L a^2 + a^3)/(24 EI), or w a^2 b^2/(24 EI), and w a b/(2 GA).
+rails share the load. The beam's weight: w a (L^3 - 2 L a^2 + a^3)/(24 EI), or w a^2 b^2/(24 EI), and w a b/(2 GA).
 """
 
 from __future__ import annotations
@@ -64,7 +64,7 @@ def give(a: Scalar, b: Scalar, flexural: float, shear: float, *, clamped: bool) 
 
 
 def sag(a: Scalar, b: Scalar, flexural: float, shear: float, *, clamped: bool) -> tuple[Scalar, Scalar]:
-    """Deflection (m) and slope (rad) there for a unit of the rail's own weight per length (N/m)."""
+    """Deflection (m) and slope (rad) there for a unit of the rail's weight per length (N/m)."""
     length, product = plus(a, b), times(a, b)
     sheared = product / (2.0 * shear)
     if clamped:
@@ -103,9 +103,9 @@ def _twists(state: PoseState, settings: Settings) -> Iterator[Twist]:
             force, moment = (
                 times(1.0 / guide.rails, dot(*pair)) for pair in ((load, direction), (joint.moment, about))
             )
-            own = dot(weight, direction)
-            moved = plus(plus(times(by_force, force), times(mixed, moment)), times(sagged, own))
-            turned = plus(plus(times(mixed, force), times(by_moment, moment)), times(sloped, own))
+            weight_across = dot(weight, direction)
+            moved = plus(plus(times(by_force, force), times(mixed, moment)), times(sagged, weight_across))
+            turned = plus(plus(times(mixed, force), times(by_moment, moment)), times(sloped, weight_across))
             shift, turn = add(shift, scale(moved, direction)), add(turn, scale(turned, about))
         if not state.planar:
             assert rail.torsional_rigidity is not None

@@ -1,6 +1,6 @@
 """A link whose far end moves by a 6 x 6 compliance: a housing or casting, of which finite elements gave the matrix.
 
-Its own weight acts as the forces and moments at the far end that move that as the weight does: those of a beam held at
+Its weight acts as the forces and moments at the far end that move that as the weight does: those of a beam held at
 both ends, over whose middle (its centre of mass) the mass is spread as evenly as the link's ends allow. For an even
 mass on a uniform beam they are exact (half the weight, and a twelfth of weight times length).
 """

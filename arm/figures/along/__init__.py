@@ -1,4 +1,4 @@
-"""Figures that a problem asks for along a direction, or about an axis: each direction makes a figure of its own."""
+"""Figures that a problem asks for along a direction, or about an axis: each direction makes a separate figure."""
 
 from __future__ import annotations
 

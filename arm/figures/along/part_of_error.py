@@ -72,8 +72,8 @@ def _planar(model: ErrorModel, *, planar: bool) -> ErrorModel:
     return model if model.planar == planar else replace(model, planar=planar)
 
 
-def _where(found: WorstCase) -> tuple[float, ...]:
-    return found.poses[0].q
+def _where(worst_case: WorstCase) -> tuple[float, ...]:
+    return worst_case.poses[0].q
 
 
 def _length(name: str, title: str, key: str, family: PartOfError, **more: Any) -> Figure:

@@ -54,8 +54,8 @@ def split(values: Array, group: Groups, memory: float = 0.0) -> Split:
     means = np.stack([np.bincount(group, weights=column) / count for column in values.T], axis=1)
     within = np.sum((values - means[group]) ** 2, axis=0)
     between = np.sum(count[:, None] * means**2, axis=0)
-    told, expected = _of_memory(count, memory)
-    return Split(within, between, told, expected)
+    freedom, expected = _of_memory(count, memory)
+    return Split(within, between, freedom, expected)
 
 
 def _of_memory(count: Groups, memory: float) -> tuple[tuple[float, float], tuple[float, float]]:
@@ -140,7 +140,7 @@ def refuted_by(
     again = come_back and (not enough or _returns_worse(returns, repeats, visit, rules))
     ratio = lack_of_fit(returns if again else repeats, float(parameters))
     reading = np.sqrt(repeats.within / repeats.expected[0]) if enough else np.zeros(left.shape[1])
-    # How far visits differ holds their readings' own noise as well.
+    # How far visits differ holds their readings' noise as well.
     apart = np.sqrt(returns.within / returns.expected[0]) if again else np.zeros(left.shape[1])
     floor = float(np.sqrt(np.sum(reading**2 if not again else np.maximum(reading, apart) ** 2)))
     rng = np.random.default_rng(seed)
@@ -165,11 +165,11 @@ def refuted_by(
     )
 
 
-def refutes(found: LackOfFit, rules: Rules) -> bool:
+def refutes(test: LackOfFit, rules: Rules) -> bool:
     """Whether readings of one pose refute a fit, or those held out do."""
     # Of thousands of readings the least blemish is beyond chance: it must be above the floor besides.
-    misfit = found.p_value < rules.residual.surely and found.times > rules.fitting.at_the_floor
-    return misfit or (found.held_out_p <= 0.0 and found.held_out_times > rules.answer.held_out_beyond)
+    misfit = test.p_value < rules.residual.surely and test.times > rules.fitting.at_the_floor
+    return misfit or (test.held_out_p <= 0.0 and test.held_out_times > rules.answer.held_out_beyond)
 
 
 def _rounding(observed: Observed, width: int) -> Array:
@@ -195,13 +195,13 @@ def memory_at_most(left: Array, visit: Groups, *, rules: Rules) -> float:
     scaled = left / np.maximum(np.sqrt(np.mean(left**2, axis=0)), 1e-300)
     next_to, lasting = _alike(scaled, visit)
     pairs = left.shape[1] * int(visit[-1])
-    found = (next_to - lasting + _ONE_SIDED / np.sqrt(max(pairs, 1))) / (1.0 - lasting) if pairs else 0.0
+    correlation = (next_to - lasting + _ONE_SIDED / np.sqrt(max(pairs, 1))) / (1.0 - lasting) if pairs else 0.0
     near, far = (np.flatnonzero(visit[lag:] == visit[:-lag]) for lag in (1, 2))
     if left.shape[1] * len(far) >= rules.fitting.enough:
         one, two = (float(np.mean((scaled[at + lag] - scaled[at]) ** 2)) for lag, at in ((1, near), (2, far)))
         error = np.sqrt(2.0 / (left.shape[1] * len(far)))
-        found = min(found, two / max(one, 1e-300) * (1.0 + _ONE_SIDED * error) - 1.0)
-    return min(max(found, 0.0), rules.answer.most_memory)
+        correlation = min(correlation, two / max(one, 1e-300) * (1.0 + _ONE_SIDED * error) - 1.0)
+    return min(max(correlation, 0.0), rules.answer.most_memory)
 
 
 def _alike(scaled: Array, visit: Groups) -> tuple[float, float]:
@@ -219,12 +219,14 @@ def _alike(scaled: Array, visit: Groups) -> tuple[float, float]:
             pairs.append(before.size)
     if not lags:
         return 0.0, 0.0
-    found, weight = np.array(alike), np.array(pairs, dtype=float)
+    correlation, weight = np.array(alike), np.array(pairs, dtype=float)
     faded = np.linspace(0.0, 0.95, 96)[:, None] ** np.array(lags)
-    lasting = np.sum(weight * (found - faded) * (1.0 - faded), axis=1) / np.sum(weight * (1.0 - faded) ** 2, axis=1)
+    lasting = np.sum(weight * (correlation - faded) * (1.0 - faded), axis=1) / np.sum(
+        weight * (1.0 - faded) ** 2, axis=1
+    )
     lasting = np.clip(lasting, 0.0, 0.95)
-    missed = np.sum(weight * (found - faded - lasting[:, None] * (1.0 - faded)) ** 2, axis=1)
-    return float(found[0]), float(lasting[np.argmin(missed)])
+    missed = np.sum(weight * (correlation - faded - lasting[:, None] * (1.0 - faded)) ** 2, axis=1)
+    return float(correlation[0]), float(lasting[np.argmin(missed)])
 
 
 def _conditions(observed: Observed) -> Groups:
@@ -244,7 +246,7 @@ def _first(visit: Groups) -> NDArray[np.int64]:
 
 
 def _returns_worse(returns: Split, repeats: Split, visit: Groups, rules: Rules) -> bool:
-    """Whether visits of one pose differ by more than their readings' own noise explains."""
+    """Whether visits of one pose differ by more than their readings' noise explains."""
     means = float(np.mean(1.0 / np.bincount(visit))) * repeats.expected[1] / repeats.freedom[1]
     noise = float(np.sum(repeats.within)) / repeats.expected[0] * means
     width = len(repeats.within)

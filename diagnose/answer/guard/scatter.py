@@ -1,7 +1,7 @@
 """Whether what visits scatter by is scatter: drawn anew at each, it knows nothing of the visits before.
 
 An arm that returns badly stands off anew whenever it comes. What builds up or settles does not, nor what a block of
-visits has in common: a visit is off like those before. Both are told apart by draws of scatter and noise through the
+visits has in common: a visit is off like those before. Both are distinguished by draws of scatter and noise through the
 same fit, which makes neighbours a little alike by itself (a Monte Carlo test: B. Phipson & G. K. Smyth, Statistical
 Applications in Genetics and Molecular Biology 9 (2010) 39, doi:10.2202/1544-6115.1585).
 """

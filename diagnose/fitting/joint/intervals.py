@@ -1,5 +1,5 @@
 """Intervals of a joint fit's sizes and shapes, by profile likelihood: for sizes those of least squares with the shapes'
-own uncertainty in it, for a shape the values at which the likelihood, sizes fitted anew, falls by the t quantile's
+uncertainty in it, for a shape the values at which the likelihood, sizes fitted anew, falls by the t quantile's
 square."""
 
 from __future__ import annotations
@@ -42,7 +42,7 @@ class Spread:
     errors: tuple[Array, ...]
     covariance: tuple[Array, ...]
     noise: tuple[Array, ...]
-    told: tuple[NDArray[np.bool_], ...]
+    determined: tuple[NDArray[np.bool_], ...]
     shapes: tuple[Mapping[str, float], ...]
 
 
@@ -109,7 +109,7 @@ def parameters_of(
     """The parameters of the term at a place, each with its interval; `residual` (N, C) and `variance` are what the fit
     leaves, `freedom` its degrees of freedom."""
     arm, term, rules = prepared.observed.arm, terms[place], prepared.observed.rules.fitting
-    errors, told, times = spread.errors[place], spread.told[place], spread.shapes[place]
+    errors, determined, times = spread.errors[place], spread.determined[place], spread.shapes[place]
     candidate = term.candidate
     factor = t_quantile(freedom)
     at = candidate.numbers
@@ -117,13 +117,13 @@ def parameters_of(
     summed = _summed(prepared, terms, place, spread, factor, variance)
     if term.shared:
         kind = kind_of(arm, candidate, candidate.sizes[0])
-        known = known_load(term, kind, errors, spread.noise[place], told, factor, at, rules.telling)
+        known = known_load(term, kind, errors, spread.noise[place], determined, factor, at, rules.telling)
         return (sag(prepared, term, factor, variance, at, unnamed, spread.covariance[place]), *known)
     parameters: list[FittedParameter] = []
-    # What the data say next to nothing of is held at nought by its bounds, and is no part of the finding.
+    # What the data say next to nothing of is held at zero by its bounds, and is no part of the finding.
     held = tether(term, 1.0, rules=rules) * spread.noise[place] > rules.held
     seen = ~held if (~held).any() and len(held) <= rules.many_sizes else np.ones(len(held), dtype=bool)
-    fitted = zip(candidate.sizes, term.sizes.tolist(), errors.tolist(), told.tolist(), seen.tolist(), strict=True)
+    fitted = zip(candidate.sizes, term.sizes.tolist(), errors.tolist(), determined.tolist(), seen.tolist(), strict=True)
     if summed is not None:
         total, beside = summed
         parameters.append(total)
@@ -175,7 +175,7 @@ def parameters_of(
 def _summed(
     prepared: Prepared, terms: Sequence[Term], place: int, spread: Spread, factor: float, variance: float
 ) -> tuple[FittedParameter, str] | None:
-    """The sum of sizes by which a finding is told where its effect has one, and the name of the size that is told
+    """The sum of sizes by which a finding is reported where its effect has one, and the name of the size that is told
     beside it, which is none where it shows in the sum alone; None where the effect has no such sum."""
     term, candidate, arm = terms[place], terms[place].candidate, prepared.observed.arm
     effect = None if candidate.outside or candidate.share or term.shared else EFFECTS[candidate.effect]

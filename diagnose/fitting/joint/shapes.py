@@ -74,7 +74,7 @@ def scan_of(prepared: Prepared, terms: Sequence[Term], place: int, unit: float) 
     return Scan(prepared, terms[place].candidate, others, target - others @ (others.T @ target), unit)
 
 
-def shapes_found(prepared: Prepared, terms: list[Term], unit: float) -> list[Term]:
+def fitted_shapes(prepared: Prepared, terms: list[Term], unit: float) -> list[Term]:
     """The terms with their free shapes where they fit best, one after the other."""
     for _, place in itertools.product(range(_SWEEPS), range(len(terms))):
         candidate = terms[place].candidate

@@ -94,13 +94,13 @@ def _coupled(prepared: Prepared, terms: Sequence[Term]) -> tuple[Prepared, list[
         coupled_terms[k] = term_at(
             now.observed, terms[k].candidate, terms[k].sizes, terms[k].columns if columns is None else columns
         )
-    for place, own in enumerate(entries):
-        if own is None:
+    for place, entry_here in enumerate(entries):
+        if entry_here is None:
             continue
         parts: list[Array] = []
-        for name, value in own.parameters.items():
-            step = DIFFERENCE * parameter_of(EFFECTS[own.effect], name).typical[1]
-            further = replace(own, parameters=MappingProxyType({**own.parameters, name: value + step}))
+        for name, value in entry_here.parameters.items():
+            step = DIFFERENCE * parameter_of(EFFECTS[entry_here.effect], name).typical[1]
+            further = replace(entry_here, parameters=MappingProxyType({**entry_here.parameters, name: value + step}))
             other = under([further if k == place else item for k, item in enumerate(entries)])
             moved = np.zeros(prepared.observed.residual.shape)
             for k in loads:

@@ -1,5 +1,5 @@
 """What torques say of masses at places of the links, of payloads and of what acts on the tip: least squares whose
-numbers are held near the file's as strongly as anybody knows them, and no mass below nought."""
+numbers are held near the file's as strongly as anybody knows them, and no mass below zero."""
 
 from __future__ import annotations
 
@@ -147,9 +147,9 @@ class System:
         """What the file says of masses and payloads, and how strongly anybody knows it (a standard deviation)."""
         links, reach = self.arm.links, sum(self.arm.lengths)
         mass = [links[k].mass or 0.0 for k, _ in self.places]
-        own = [at == (centre_of(self.arm, k), 0.0, 0.0) for k, at in self.places]
+        at_centre = [at == (centre_of(self.arm, k), 0.0, 0.0) for k, at in self.places]
         lever, whole = self.rules.mass_beside * reach, sum(link.mass or 0.0 for link in links)
-        means, usual = [np.array(mass) * own], [np.array(mass)]
+        means, usual = [np.array(mass) * at_centre], [np.array(mass)]
         for one in self.held:
             payload = one.recording.payload_mass
             logged = payload is not None
@@ -164,12 +164,12 @@ class System:
 
     @cached_property
     def designs(self) -> list[Array]:
-        """What all numbers make the drives of each recording hold (V, J, C), the sensors' own numbers last."""
-        own = sum(one.beside.shape[1] * one.beside.shape[2] for one in self.held)
+        """What all numbers make the drives of each recording hold (V, J, C), the sensors' numbers last."""
+        sensor_count = sum(one.beside.shape[1] * one.beside.shape[2] for one in self.held)
         first = len(self.said[0])
         designs: list[Array] = []
         for one, span in zip(self.held, self.spans, strict=True):
-            design = np.zeros((*one.lacking.shape, len(self.said[0]) + own))
+            design = np.zeros((*one.lacking.shape, len(self.said[0]) + sensor_count))
             design[:, :, : len(self.places)] = one.of_one
             design[:, :, span.start : span.start + CARRIED] = one.carried
             way = one.acting(self.at_tip, self.gravity)
@@ -256,5 +256,5 @@ class System:
 
 def centre_of(arm: Arm, link: int) -> float:
     """How far along a link its centre of mass is, m."""
-    found = arm.links[link].center_of_mass
-    return 0.5 * arm.links[link].length if found is None else found
+    centre = arm.links[link].center_of_mass
+    return 0.5 * arm.links[link].length if centre is None else centre

@@ -4,7 +4,7 @@ links, bearings, base and masts are all judged to give.
 What a drive holds is linear in the links' masses and first moments (C. G. Atkeson, C. H. An & J. M. Hollerbach, Int. J.
 Robot. Res. 5(3) (1986) 101, doi:10.1177/027836498600500306), in the payload and its centre, and in what hangs on the
 tip or pushes at it. Not every combination of them loads a drive: each is held near what the file says as strongly as
-anybody knows it, so that torques move no other, and no mass is below nought. More numbers than those of the masses must
+anybody knows it, so that torques move no other, and no mass is below zero. More numbers than those of the masses must
 better Schwarz's criterion beyond doubt: where centres lie along links and beside them, what hangs on the tip at each
 visit, what pushes there.
 """
@@ -78,14 +78,14 @@ def loads_by_torque(arm: Arm, recording: Recording, rules: ResidualRules) -> Tor
     known = without_unknown(arm, unknown)
     if not all(index == 0 and _upright(undeformed(known, parts[0], rules)) for index in unknown):
         return None
-    found = TorqueLoads(arm, recording, _of_drives(known, parts, recording, rules))
-    scaled = [_scaled(found.torques, name, rules) for name in recording.names]
+    loads = TorqueLoads(arm, recording, _of_drives(known, parts, recording, rules))
+    scaled = [_scaled(loads.torques, name, rules) for name in recording.names]
     system, fitted = _best(known, parts, scaled, rules)
-    if system.at_tip != "nothing" or any(torque.instead for torque in found.torques):
-        found, parts = _with_what_acts(found, known, system, fitted, parts, rules)
-    if any(torque.instead for torque in found.torques):
-        found = _with_weights(found, system, fitted, parts, rules)
-    return found
+    if system.at_tip != "nothing" or any(torque.instead for torque in loads.torques):
+        loads, parts = _with_what_acts(loads, known, system, fitted, parts, rules)
+    if any(torque.instead for torque in loads.torques):
+        loads = _with_weights(loads, system, fitted, parts, rules)
+    return loads
 
 
 def _of_drives(
@@ -100,7 +100,7 @@ def _of_drives(
 
 
 def _scaled(torques: Sequence[DriveTorque], name: str, rules: ResidualRules) -> frozenset[int]:
-    """The drives of a recording whose torque counts by a scale of its own, and tells no weights."""
+    """The drives of a recording whose torque counts by a separate scale, and tells no weights."""
     return frozenset(item.joint for item in torques if item.of == name and item.scaled and item.differs(rules))
 
 
@@ -126,7 +126,7 @@ def _best(
 
 
 def _with_what_acts(
-    found: TorqueLoads,
+    loads: TorqueLoads,
     known: Arm,
     system: System,
     fitted: Fitted,
@@ -136,8 +136,8 @@ def _with_what_acts(
     """The loads with what acts on the tip that nobody recorded, and what the drives say beside that."""
     at_tip = system.at_tip
     if at_tip == "nothing" and (system.stage == 0 or any(part.payload_mass is not None for part in parts)):
-        return found, parts
-    changed, arm, whole, acting = list(parts), found.arm, float(np.mean(fitted.carried[:, 0])), list[Array]()
+        return loads, parts
+    changed, arm, whole, acting = list(parts), loads.arm, float(np.mean(fitted.carried[:, 0])), list[Array]()
     for one, numbers, by_visit in zip(system.held, fitted.carried, fitted.acting, strict=True):
         part = parts[one.part]
         if at_tip == "mass":
@@ -149,19 +149,19 @@ def _with_what_acts(
         acting.append(by_visit)
     if at_tip == "nothing":
         arm = replace(arm, payload=replace(arm.payload, mass=whole))
-    recording = found.recording if at_tip == "nothing" else found.recording.of_parts(changed, arm, rules)
+    recording = loads.recording if at_tip == "nothing" else loads.recording.of_parts(changed, arm, rules)
     torques = _of_drives(replace(known, payload=arm.payload), changed, recording, rules)
     shown = np.concatenate(acting)
-    found = replace(
-        found,
+    loads = replace(
+        loads,
         arm=arm,
         recording=recording,
-        torques=_beside(torques, found.torques, rules),
+        torques=_beside(torques, loads.torques, rules),
         carried=whole if at_tip == "nothing" else None,
         hung=(float(shown.min()), float(shown.max())) if at_tip == "mass" else None,
         pushed=float(np.linalg.norm(shown, axis=1).max()) if at_tip == "force" else None,
     )
-    return found, changed
+    return loads, changed
 
 
 def _beside(
@@ -175,27 +175,27 @@ def _beside(
 
 
 def _with_weights(
-    found: TorqueLoads, system: System, fitted: Fitted, parts: Sequence[Recording], rules: ResidualRules
+    loads: TorqueLoads, system: System, fitted: Fitted, parts: Sequence[Recording], rules: ResidualRules
 ) -> TorqueLoads:
     """The loads with what links and the payload recorded weigh by the torques."""
     changed = list(parts)
     for one, numbers in zip(system.held, fitted.carried, strict=True):
         changed[one.part] = _carrying_payload(system.arm, parts[one.part], numbers, rules)
     put = list(zip(system.places, fitted.mass.tolist(), strict=True))
-    asked = _asked(found.arm)
-    weighed = carrying(_weightless(found.arm), put) if asked else found.arm
-    recording = found.recording
+    asked = _asked(loads.arm)
+    weighed = carrying(_weightless(loads.arm), put) if asked else loads.arm
+    recording = loads.recording
     if any(new is not old for new, old in zip(changed, parts, strict=True)):
         recording = recording.of_parts(changed, weighed, rules)
     of_link = [np.array([place[0] == k for place in system.places], dtype=float) for k in asked]
-    errors = [float(np.sqrt(own @ fitted.covariance @ own)) for own in of_link]
+    errors = [float(np.sqrt(combination @ fitted.covariance @ combination)) for combination in of_link]
     return replace(
-        found,
+        loads,
         arm=weighed,
         recording=recording,
-        links=_changed(found.arm, weighed, dict(zip(asked, errors, strict=True))),
+        links=_changed(loads.arm, weighed, dict(zip(asked, errors, strict=True))),
         moved=_STAGES[system.stage] in ("ends", "beside"),
-        unmade=_unmade(found, system, fitted, rules),
+        unmade=_unmade(loads, system, fitted, rules),
     )
 
 
@@ -263,12 +263,12 @@ def _drives(
             carried[:, :, k] = loads(hung_at(bare, (last, way))) - centred
         carried *= one.payload_mass[:, None, None]
     pushed = 0.0 if one.force is None else np.einsum("vja,va->vj", tip, one.force)
-    own = [np.ones((one.size, arm.size))]
+    sensor_columns = [np.ones((one.size, arm.size))]
     if one.sides is not None:
-        own.append(one.sides)
+        sensor_columns.append(one.sides)
     if recording.velocity is not None:
-        own.append(_by_visit(recording.velocity, visit, count))
-    beside = np.stack(own, axis=2)[:, joints]
+        sensor_columns.append(_by_visit(recording.velocity, visit, count))
+    beside = np.stack(sensor_columns, axis=2)[:, joints]
     held = -_by_visit(recording.torque, visit, count)[:, joints]
     lacking = held - nothing - pushed
     return Drives(index, recording, joints, visit, lacking, of_one, carried, tip, beside, held)
@@ -290,12 +290,12 @@ def _carrying_payload(arm: Arm, recording: Recording, numbers: Array, rules: Res
     return replace(recording, payload_mass=numbers[0] * recording.payload_mass, moment=moment)
 
 
-def _unmade(found: TorqueLoads, system: System, fitted: Fitted, rules: ResidualRules) -> tuple[tuple[int, float], ...]:
+def _unmade(loads: TorqueLoads, system: System, fitted: Fitted, rules: ResidualRules) -> tuple[tuple[int, float], ...]:
     """The drives whose load none of the loads make but for its scatter, each with the share of it that they leave."""
-    names, shares = found.recording.names, dict[int, float]()
+    names, shares = loads.recording.names, dict[int, float]()
     for one, left in zip(system.held, fitted.left, strict=True):
         rests = dict(zip(one.joints, left.T, strict=True))
-        for torque in found.torques:
+        for torque in loads.torques:
             if torque.of == names[one.part] and torque.joint in rests and torque.instead:
                 square = float(np.mean(rests[torque.joint] ** 2)) - torque.scatter**2
                 share = max(square, 0.0) ** 0.5 / torque.spread

@@ -1,8 +1,8 @@
-"""How far sizes of a finding may be off for further sizes of its effect that were left at nought.
+"""How far sizes of a finding may be off for further sizes of its effect that were left at zero.
 
 Friction winds a drive up by a constant and by a share of its load, always by both. A recording whose loads differ
 little tells their sum, and the finding that one of them makes is chosen, since the other is not told beside it. But
-not told is not nought: it may be as large as the recording allows, up to what is usual, and what it takes is missing
+not told is not zero: it may be as large as the recording allows, up to what is usual, and what it takes is missing
 from the size that was fitted in its place.
 """
 
@@ -38,7 +38,10 @@ def at_active_bounds(
         size
         for size in (effect.sizes_here(prepared.observed.arm, candidate.at) if effect.recording.told_as is None else ())
         if size.name not in candidate.sizes
-        and (size.optional or all(own.optional for own in effect.sizes if own.name in candidate.sizes))
+        and (
+            size.optional
+            or all(other_size.optional for other_size in effect.sizes if other_size.name in candidate.sizes)
+        )
         and all(getattr(held, condition) is not None for condition in size.requires)
     ]
     active = dict.fromkeys(candidate.sizes, (0.0, 0.0))
@@ -65,7 +68,7 @@ def at_active_bounds(
 
 
 def _between(parameter: Parameter, alone: Array, whole: Array, left: Array, reach: float) -> tuple[float, float]:
-    """The least and the greatest that a size may be, about nought, by what it does alone (n,) and what is left: within
+    """The least and the greatest that a size may be, about zero, by what it does alone (n,) and what is left: within
     what is usual and what is possible."""
     usual = max(abs(end) for end in parameter.typical)
     low, high = max(parameter.lower, -usual), min(parameter.upper, usual)

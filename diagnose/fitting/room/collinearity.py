@@ -58,7 +58,7 @@ def collinear_with(prepared: Prepared, terms: Sequence[Term], place: int) -> dic
 
 
 def _whole_with_several_sizes(term: Term) -> bool:
-    """Whether it is an effect in the arm at a place of its own, with all of its sizes, of which there are several."""
+    """Whether it is an effect in the arm at a separate place, with all of its sizes, of which there are several."""
     candidate = term.candidate
     part = candidate.outside or candidate.share or term.shared or candidate.only is not None
     return not part and bool(candidate.at) and len(candidate.sizes) >= 2

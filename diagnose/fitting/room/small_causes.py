@@ -38,13 +38,13 @@ _STEPS = 76
 class SmallCauses:
     """Causes beside what is named: `directions` (n, K), orthonormal, in which they move the whitened observations, each
     by `variance` (K,) times the noise's own, `noise`; `moved` (N, C, K) is the displacement of one unit of each
-    direction beyond nuisances and names, m and rad, `told` (K,) what the remainder holds of each."""
+    direction beyond nuisances and names, m and rad, `coordinates` (K,) what the remainder holds of each."""
 
     directions: Array
     variance: Array
     noise: float
     moved: Array
-    told: Array
+    coordinates: Array
 
     @property
     def shrunk(self) -> Array:
@@ -55,12 +55,12 @@ class SmallCauses:
     def beyond_noise(self) -> Array:
         """What to take off the remainder (N, C), m and rad, so that it scatters like noise alone if small causes are
         all there is beside it."""
-        return self.moved @ ((1.0 - self.shrunk) * self.told)
+        return self.moved @ ((1.0 - self.shrunk) * self.coordinates)
 
     @property
     def likeliest(self) -> Array:
         """How far they move the tip, most likely, (N, C) in m and rad."""
-        return self.moved @ ((1.0 - self.shrunk**2) * self.told)
+        return self.moved @ ((1.0 - self.shrunk**2) * self.coordinates)
 
     @property
     def columns(self) -> Array:
@@ -84,14 +84,14 @@ def small_causes(
     long = prepared.observed.rows > prepared.observed.rules.search.long
     if long or not len(at) or noise <= 0.0 or fit(prepared, members).rss > most:
         return None
-    u, s, vt, told = _beside(prepared, members, at, weight)
-    size, _ = _likeliest_size(prepared, s, told, noise)
+    u, s, vt, coordinates = _beside(prepared, members, at, weight)
+    size, _ = _likeliest_size(prepared, s, coordinates, noise)
     variance = len(prepared.vector) * (size * s) ** 2
     seen = variance > _SEEN
     if not seen.any():
         return None
     moved = _displacements(prepared, members, groups, (weight[:, None] * vt[seen].T) / s[seen])
-    return SmallCauses(u[:, seen], variance[seen], noise, moved, told[seen])
+    return SmallCauses(u[:, seen], variance[seen], noise, moved, coordinates[seen])
 
 
 def with_room(prepared: Prepared, members: Sequence[int], *, least: float = 0.0) -> Prepared:
@@ -105,8 +105,8 @@ def with_room(prepared: Prepared, members: Sequence[int], *, least: float = 0.0)
         return prepared
     size = least
     if len(at):
-        _, s, _, told = _beside(prepared, members, at, weight)
-        likeliest, likelier = _likeliest_size(prepared, s, told, noise)
+        _, s, _, coordinates = _beside(prepared, members, at, weight)
+        likeliest, likelier = _likeliest_size(prepared, s, coordinates, noise)
         size = max(least, likeliest if likelier > prepared.observed.rules.search.confident else 0.0)
     if size == 0.0:
         return prepared
@@ -144,13 +144,13 @@ def _directions(patterns: Array) -> tuple[Array, Array, Array]:
     return (short, s, long.T) if wide else (long, s, short.T)
 
 
-def _likeliest_size(prepared: Prepared, s: Array, told: Array, noise: float) -> tuple[float, float]:
+def _likeliest_size(prepared: Prepared, s: Array, coordinates: Array, noise: float) -> tuple[float, float]:
     """How far each family moves the tip (RMS, times the noise's), most likely, and twice the logarithm of how much more
     likely that is than not at all."""
     count = len(prepared.vector)
     sizes = np.linspace(0.0, prepared.observed.rules.fitting.largest_small, _STEPS)
     spread = 1.0 + count * (sizes[:, None] * s) ** 2
-    unlikely = np.sum(np.log(spread), axis=1) + np.sum(told**2 / spread, axis=1) / noise
+    unlikely = np.sum(np.log(spread), axis=1) + np.sum(coordinates**2 / spread, axis=1) / noise
     best = int(np.argmin(unlikely))
     return float(sizes[best]), float(unlikely[0] - unlikely[best])
 

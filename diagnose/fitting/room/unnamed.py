@@ -4,7 +4,7 @@ A machine has more causes than are found: those too small to be named stay in wh
 that are by whatever part of their patterns is alike. Beside what is named, every other candidate of the library is
 taken to move the tip by a random amount of one variance, which the restricted likelihood of what is left sets against
 the noise's (H. D. Patterson & R. Thompson, Biometrika 58 (1971) 545, doi:10.1093/biomet/58.3.545). Where nothing
-predicts what is left it is next to nought, and intervals are those of least squares.
+predicts what is left it is next to zero, and intervals are those of least squares.
 
 What is left was made small by choosing names for it, and says too little of what others move. Weak findings beside a
 strong one are a sample of the small causes of that arm: with them among the unnamed the likelihood sees those that are
@@ -108,7 +108,7 @@ def others_of(
 
 def _within_visits(prepared: Prepared, remainder: Array, left: float, freedom: int) -> tuple[float, int]:
     """The sum of squares that readings of a visit differ by and its degrees of freedom, where visits differ by more
-    than that explains, beyond chance; nought and none elsewhere, and where whitening allows for neighbours already."""
+    than that explains, beyond chance; zero and none elsewhere, and where whitening allows for neighbours already."""
     observed = prepared.observed
     if observed.wander > 0.0 or observed.correlation > 0.0 or not comes_anew(observed):
         return 0.0, 0

@@ -1,7 +1,7 @@
 """The length that a wire is drawn out from an anchor to the tip: string potentiometers, cable gauges.
 
 The counter starts at zero anywhere, so that a constant is added to the distance, which nobody knows. ISO/TR 13309
-(1995) has cables from several anchors among the equipment that robots are tested with; each is a recording of its own.
+(1995) has cables from several anchors among the equipment that robots are tested with; each is a separate recording.
 """
 
 from __future__ import annotations

@@ -94,7 +94,7 @@ class _Part(Part):
         return (self.scene.read - self._of(self._rises(seat) @ self.scene.stand.up))[self.mask]
 
     def _sits(self, seat: Array) -> Array:
-        """How readings move with small turns of a level about its own axes, (N, W, 3)."""
+        """How readings move with small turns of a level about its axes, (N, W, 3)."""
         stand = self.scene.stand
         assert stand is not None
         turning = np.cross(self._of(self._rises(seat)), stand.up)

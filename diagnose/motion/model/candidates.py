@@ -227,7 +227,7 @@ def with_variants(
     return Candidates(tuple(sources), tuple(_groups(sources, arm, masses, pool.clock, rules)), width, pool.clock)
 
 
-def as_found(pool: Candidates, sizes: Array) -> Candidates:
+def at_estimates(pool: Candidates, sizes: Array) -> Candidates:
     """The candidates with one factor for all masses that holds what links are found to weigh, sizes (W,) of the model's
     columns included, as torque constants do."""
     groups = [
@@ -259,7 +259,7 @@ def _places(arm: Arm, effect: Effect) -> list[tuple[int, ...]]:
 
 def _grid(effect: Effect, slow: float) -> list[Mapping[str, float]]:
     names = [shape.name for shape in effect.shapes]
-    # What depends on speeds whose sign is uncertain is not told from a sign that is sharper or blurred.
+    # What depends on speeds whose sign is uncertain is not distinguished from a sign that is sharper or blurred.
     grids = [[v for v in s.grid if s.kind != "angular_speed" or v > slow] for s in effect.shapes]
     return [dict(zip(names, values, strict=True)) for values in itertools.product(*grids)]
 
@@ -394,7 +394,7 @@ def _body(source: Source, arm: Arm, masses: Array) -> Body | None:
         if isinstance(more, OfInertia):
             had += more.parameters(arm, Settings(tuple(at - 1 for at in entry.at), entry.parameters))[link]
     shown = np.array([names.index(size.name) for size in source.sizes], dtype=np.int64)
-    return Body(link, had, np.stack([own[link] for own in parameters], axis=1), shown)
+    return Body(link, had, np.stack([values_by_link[link] for values_by_link in parameters], axis=1), shown)
 
 
 def _bounds(source: Source, arm: Arm, most_usual: float, *, alone: bool = False) -> Array:
@@ -405,11 +405,11 @@ def _bounds(source: Source, arm: Arm, most_usual: float, *, alone: bool = False)
         shaped_alike = all(entry.parameters.get(name) == value for name, value in source.shapes.items())
         if entry.effect == source.effect.id and shaped_alike and (not entry.at or set(at) <= set(entry.at)):
             more = (entry.parameters.get(size.name, 0.0) for size in source.sizes)
-            had = [own + value for own, value in zip(had, more, strict=True)]
+            had = [present + value for present, value in zip(had, more, strict=True)]
     limits: list[tuple[float, float]] = []
-    for size, own in zip(source.sizes, had, strict=True):
+    for size, present in zip(source.sizes, had, strict=True):
         most = most_usual * max(map(abs, size.typical)) if size.kind in _OF_ALL_ROBOTS else np.inf
-        limits.append((max(size.lower - own, -most), min(size.upper - own, most)))
+        limits.append((max(size.lower - present, -most), min(size.upper - present, most)))
     bounds = np.array(limits, dtype=float).reshape(-1, 2).T
     if alone and source.delays:
         # Encoders of one arm are read alike: no single drive's torque is logged before it is given.

@@ -173,13 +173,13 @@ class System:
 
     def within(self, members: Sequence[Member]) -> NDArray[np.bool_]:
         """Whether each member's numbers are within their bounds in a fit of them all."""
-        numbers, found, start = self.numbers(members), [], 0
+        numbers, within_bounds, start = self.numbers(members), [], 0
         for member in members:
             group = self.groups[member.group]
             values = numbers[start : start + group.rank] * group.usual
-            found.append(bool((values >= group.bounds[0]).all() and (values <= group.bounds[1]).all()))
+            within_bounds.append(bool((values >= group.bounds[0]).all() and (values <= group.bounds[1]).all()))
             start += group.rank
-        return np.array(found, dtype=bool)
+        return np.array(within_bounds, dtype=bool)
 
     def solved(self, members: Sequence[Member]) -> Array:
         """The sizes (W,) of the model's columns under a set (posterior mean)."""
@@ -233,7 +233,7 @@ def discrepancies(pool: Candidates, products: Products, torque: Array) -> Array:
     patterns leave uncertain, `torque` (n,) N*m at each joint for each family of patterns that moves it.
 
     (M. C. Kennedy & A. O'Hagan, Bayesian calibration of computer models, J. R. Stat. Soc. B 63 (2001) 425,
-    doi:10.1111/1467-9868.00294: a model's discrepancy is a term of its own beside noise.)
+    doi:10.1111/1467-9868.00294: a model's discrepancy is a separate term beside noise.)
     """
     shown = (products.rms / torque[:, None]).max(axis=0)
     factors = np.ones(pool.width)
@@ -246,7 +246,7 @@ def unnamed(pool: Candidates, products: Products, weights: Array, named: Array, 
     """The standard deviation (W,) of each column's size beyond the discrepancies of torques `least` (n,) N*m: random
     effects, for causes too small for a name and for what no form of a pattern holds.
 
-    What each effect does at each place has a variance of its own, for most of them none: that of greatest likelihood
+    What each effect does at each place has a separate variance, for most of them none: that of greatest likelihood
     (M. E. Tipping & A. C. Faul, Fast marginal likelihood maximisation for sparse Bayesian models, AISTATS 2003),
     restricted to what the columns `named` (W, k) of the numbers that are fitted leave (H. D. Patterson & R. Thompson,
     Biometrika 58 (1971) 545, doi:10.1093/biomet/58.3.545).

@@ -51,11 +51,11 @@ class Feasible:
 @dataclass(frozen=True)
 class _Link:
     """What a link has, (10,) parameters: `had` by the arm file, and so much by the numbers `by` (10, k + h), of which h
-    are what no motion shows of any link; the ten `own` numbers alone make it any body."""
+    are what no motion shows of any link; the ten `decisive` numbers alone make it any body."""
 
     had: Array
     by: Array
-    own: NDArray[np.int64]
+    decisive: NDArray[np.int64]
 
     def pseudo(self, numbers: Array) -> Array:
         """The pseudo-inertia (4, 4)."""
@@ -92,20 +92,20 @@ def _links(system: System, members: Sequence[Member], count: int) -> list[_Link]
         body = system.groups[member.group].body
         if body is not None:
             shares.setdefault(body.link, []).append((member.group, start))
-    hidden = sum(10 - system.groups[own[0][0]].rank for own in shares.values())
+    hidden = sum(10 - system.groups[places[0][0]].rank for places in shares.values())
     links, free = list[_Link](), count
-    for own in shares.values():
+    for places in shares.values():
         by = np.zeros((10, count + hidden))
-        for number, start in own:
+        for number, start in places:
             group = system.groups[number]
             assert group.body is not None
             by[:, start : start + group.rank] = group.body.units[:, group.body.shown] * group.usual
-        group = system.groups[own[0][0]]
+        group = system.groups[places[0][0]]
         assert group.body is not None
         rest = np.setdiff1d(np.arange(10), group.body.shown)
         usual = [max(map(abs, group.effect.torque_sizes[number].typical)) for number in rest.tolist()]
         by[:, free : free + len(rest)] = group.body.units[:, rest] * usual
-        ten = np.append(own[0][1] + np.arange(group.rank), free + np.arange(len(rest)))
+        ten = np.append(places[0][1] + np.arange(group.rank), free + np.arange(len(rest)))
         links.append(_Link(group.body.had, by, ten))
         free += len(rest)
     return links
@@ -178,8 +178,8 @@ def _start(aim: Array, lower: Array, upper: Array, links: Sequence[_Link]) -> Ar
         whole = (vectors * values) @ vectors.T
         tensor = np.trace(whole[:3, :3]) * np.eye(3) - whole[:3, :3]
         wanted = np.array([whole[3, 3], *whole[:3, 3], *tensor[np.triu_indices(3)]])
-        own = link.own
-        numbers[own] += np.linalg.solve(link.by[:, own], wanted - link.had - link.by @ numbers)
+        places = link.decisive
+        numbers[places] += np.linalg.solve(link.by[:, places], wanted - link.had - link.by @ numbers)
     return numbers
 
 

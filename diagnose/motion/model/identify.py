@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from linkwright.core.diagnose.rules.rules import Rules
 from linkwright.core.sections.numeric import Array
 
-from .candidates import Candidates, as_found
+from .candidates import Candidates, at_estimates
 from .chance import Chance, chance
 from .evidence import Member, System, discrepancies, system, unnamed
 from .feasible import lost
@@ -112,7 +112,7 @@ def identify(
         progress("naming what is missing", 0.4 + 0.15 * turn)
         sizes = steady.system.solved([*steady.system.nuisances, *members])
         current = [with_loads(item, pool, sizes) for item in current]
-        pool = as_found(given, _apart(steady.system, members))
+        pool = at_estimates(given, _apart(steady.system, members))
         steady = _fit(pool, products(joint_rows(current), pool.width, near=False), certain, seed)
         members = searched(steady.system, initial=members, exchange=True, rules=rules)
     progress("looking at reversals", 0.85)
@@ -164,8 +164,8 @@ def identify(
 def _apart(system: System, members: Sequence[Member]) -> Array:
     """The sizes (W,) of the model's columns by what each place has of its own."""
     together = [*system.nuisances, *members]
-    own = np.repeat([not system.groups[m.group].tied for m in together], [system.ranks[m.group] for m in together])
-    return np.asarray(system.spread[:, system.places(together)] @ (own * system.numbers(together)))
+    untied = np.repeat([not system.groups[m.group].tied for m in together], [system.ranks[m.group] for m in together])
+    return np.asarray(system.spread[:, system.places(together)] @ (untied * system.numbers(together)))
 
 
 def _kept(

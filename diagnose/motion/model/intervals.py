@@ -89,9 +89,9 @@ def _by_shapes(system: System, members: Sequence[Member], numbers: Array) -> Arr
     goes with its shape is larger or smaller by that, and not of the other sign."""
     half = np.zeros((2, len(numbers)))
     for place, member in enumerate(members):
-        own = system.groups[member.group]
+        group_of_member = system.groups[member.group]
         for other, group in enumerate(system.groups):
-            if group.family == own.family and _steps(own, group) == 1:
+            if group.family == group_of_member.family and _steps(group_of_member, group) == 1:
                 changed = [*members[:place], Member(other, member.scale), *members[place + 1 :]]
                 change = system.numbers(changed) - numbers
                 half = np.maximum(half, [-change, change])

@@ -81,7 +81,7 @@ def _used(products: Products, inverse: Array, usual: Array, weights: Array) -> A
 
 def _scatter(products: Products, sizes: Array, sigma: Array) -> Array:
     """The scatter of columns' products between blocks over that of independent rows (n,)."""
-    found = np.ones(products.joints)
+    inflation = np.ones(products.joints)
     for joint, at in enumerate(products.columns):
         gram = products.gram[joint]
         size = np.sqrt(np.einsum("kii->i", gram)[:-1])
@@ -90,5 +90,5 @@ def _scatter(products: Products, sizes: Array, sigma: Array) -> Array:
             continue  # its drive was not logged, or never moves
         scores = gram[:, :-1] @ np.append(-sizes[at], 1.0)
         scatter = (scores[:, seen] ** 2).sum(axis=0) / (sigma[joint] * size[seen]) ** 2
-        found[joint] = float(np.quantile(scatter, 0.75))
-    return found
+        inflation[joint] = float(np.quantile(scatter, 0.75))
+    return inflation

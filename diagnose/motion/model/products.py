@@ -92,13 +92,13 @@ class Products:
     def whole(self, weights: Array, blocks: NDArray[np.bool_] | None = None) -> tuple[Array, Array, float]:
         """Products of the whole model with joints weighed by `weights` (n,): Gram matrix (W, W), products with the
         target (W,), and the target's own."""
-        gram, against, own = np.zeros((self.width, self.width)), np.zeros(self.width), 0.0
+        gram, against, square = np.zeros((self.width, self.width)), np.zeros(self.width), 0.0
         for joint, at in enumerate(self.columns):
             part = weights[joint] * self.of_joint(joint, blocks)
             gram[np.ix_(at, at)] += part[:-1, :-1]
             against[at] += part[:-1, -1]
-            own += float(part[-1, -1])
-        return gram, against, own
+            square += float(part[-1, -1])
+        return gram, against, square
 
     def explained(self, sizes: Array) -> Array:
         """RMS (n,) of what sizes (W,) of the model's columns add at each joint."""

@@ -117,10 +117,10 @@ def about(rows: LogRows, pool: Candidates, arm: Arm, sizes: Array) -> LogRows:
     What is left of the target by those sizes is what `predict` says of the file; columns are what it changes by.
     """
     prepared = rows.prepared
-    own = replace(prepared, motion=replace(prepared.motion, arm=with_entries(arm, prepared.own)))
+    renewed = replace(prepared, motion=replace(prepared.motion, arm=with_entries(arm, prepared.entries)))
     left, load, drive = np.zeros_like(rows.target), np.zeros_like(rows.nominal), np.zeros_like(rows.nominal)
-    for part, numbers, within in own.pieces():
-        torque = torque_stages(own.piece(part))
+    for part, numbers, within in renewed.pieces():
+        torque = torque_stages(renewed.piece(part))
         load[part], drive[part] = torque.load, torque.drive
         left[numbers] = prepared.filtered(prepared.measured[part] - torque.logged)[within]
     place = [{int(c): k for k, c in enumerate(at)} for at in rows.columns]
@@ -129,7 +129,7 @@ def about(rows: LogRows, pool: Candidates, arm: Arm, sizes: Array) -> LogRows:
         chosen = [s for s in pool.sources if s.by_load and s.effect.recording.of_instrument == instrument]
         for part, numbers, within in prepared.pieces():
             _fill(design, place, prepared, chosen, prepared.piece(part, torque), numbers, within)
-    gains = gains_of(own)
+    gains = gains_of(renewed)
     for source in pool.sources:
         for joint in () if source.effect.recording.of_instrument else source.joints:
             design[joint][:, [place[joint][int(c)] for c in source.columns]] *= gains[joint]

@@ -84,9 +84,9 @@ def fitted(pool: Candidates, motion: Products, weights: Array, steps: Sequence[S
     spread = covariance(gram, usual) * usual[:, None] * usual
     sizes, made, start = spread @ against, list[Step](), motion.width
     for step in steps:
-        own = slice(start, start + step.group.rank)
-        made.append(replace(step, numbers=sizes[own], covariance=spread[own, own]))
-        start = own.stop
+        span = slice(start, start + step.group.rank)
+        made.append(replace(step, numbers=sizes[span], covariance=spread[span, span]))
+        start = span.stop
     return SteppedFit(motion, weights, tuple(made), sizes, spread)
 
 
@@ -97,10 +97,10 @@ def tried(fit: SteppedFit, where: Iterable[Parts], groups: Sequence[Group]) -> I
         for group in groups:
             across, inner, score = held.of_group(group)
             score = score - across.T @ fit.sizes
-            told = inner - across.T @ fit.covariance @ across
+            information = inner - across.T @ fit.covariance @ across
             precision = np.diag(1.0 / group.usual**2)
-            spread = np.asarray(np.linalg.inv(told + precision), dtype=float)
-            widths = np.linalg.slogdet(told + precision)[1] - np.linalg.slogdet(precision)[1]
+            spread = np.asarray(np.linalg.inv(information + precision), dtype=float)
+            widths = np.linalg.slogdet(information + precision)[1] - np.linalg.slogdet(precision)[1]
             numbers = spread @ score
             common = fit.sizes[group.columns] - fit.covariance[group.columns] @ across @ numbers
             yield Step(group, parts, numbers, spread, common, float(0.5 * (score @ numbers - widths)))
@@ -132,7 +132,7 @@ def differences(
     weights, best, least = _apart(pool, blocks, motion)
     rows = np.maximum(motion.rows.sum(axis=0), 1)
     fit = fitted(pool, motion, weights, [item.step for item in known])
-    found = [replace(item, step=step) for item, step in zip(known, fit.steps, strict=True)]
+    differences = [replace(item, step=step) for item, step in zip(known, fit.steps, strict=True)]
     left = fit.left()
     further = np.sqrt(np.maximum(left - best, 0.0) / rows)
     items = sorted(tried(fit, _some(motion.blocks), may_differ(pool)), key=lambda step: -step.gain)
@@ -145,9 +145,9 @@ def differences(
         cut = taken > (1.0 - HALF**2) * left
         if (cut & (taken > HALF * (left - least))).any():
             without, alike = np.sqrt(left / rows), _alternatives(step, items, rules)
-            found = [replace(item, step=own) for item, own in zip(found, more.steps, strict=False)]
-            return (*found, Difference(more.steps[-1], without, step.gain - choice, alike)), further
-    return tuple(found), further
+            differences = [replace(item, step=renewed) for item, renewed in zip(differences, more.steps, strict=False)]
+            return (*differences, Difference(more.steps[-1], without, step.gain - choice, alike)), further
+    return tuple(differences), further
 
 
 def _alternatives(step: Step, items: Sequence[Step], rules: Rules) -> tuple[tuple[Group, float], ...]:
@@ -195,7 +195,7 @@ def _apart(pool: Candidates, blocks: Products, motion: Products) -> tuple[Array,
     each = [noise(pool, blocks.of_log(number)) for number in range(motion.blocks)]
     rows = np.maximum(motion.rows.sum(axis=0), 1)
     squares, repeats = (
-        sum((own * value for own, value in zip(motion.rows, values, strict=True)), np.zeros(motion.joints))
+        sum((of_row * value for of_row, value in zip(motion.rows, values, strict=True)), np.zeros(motion.joints))
         for values in ([item.sigma**2 for item in each], [item.repeats for item in each])
     )
     repeats = np.maximum(repeats / rows, 1.0)

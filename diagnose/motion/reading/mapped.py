@@ -58,8 +58,8 @@ def _sentence(foreign: Sequence[Meaning]) -> str:
     for item in foreign:
         kinds[re.sub(r"[0-9]+$", "", item.what)].append(item)
     parts: list[str] = []
-    for own in kinds.values():
-        more = f" and {len(own) - 1} more alike" if len(own) > 1 else ""
-        why = "; ".join(dict.fromkeys(f"{each.said}" for each in own if each.said))
-        parts.append(f"{own[0].header} as {own[0].ours}{more}" + (f" ({why})" if why else ""))
+    for alike in kinds.values():
+        more = f" and {len(alike) - 1} more alike" if len(alike) > 1 else ""
+        why = "; ".join(dict.fromkeys(f"{each.said}" for each in alike if each.said))
+        parts.append(f"{alike[0].header} as {alike[0].ours}{more}" + (f" ({why})" if why else ""))
     return f"Headers are taken for ours: {', '.join(parts)}."

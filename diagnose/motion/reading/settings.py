@@ -73,7 +73,7 @@ def _each_joint(mapping: Mapping, name: str, kind: str) -> tuple[float, ...] | N
     if not values:
         raise mapping.error(name, "is an empty list; it has one number for each joint")
     place = mapping.path_of(name)
-    found: list[float] = []
+    numbers: list[float] = []
     for number, value in enumerate(values, start=1):
         key = f"{place}[{number}]" if isinstance(raw, list) else place
         if isinstance(value, int | float) and not isinstance(value, bool):
@@ -82,5 +82,5 @@ def _each_joint(mapping: Mapping, name: str, kind: str) -> tuple[float, ...] | N
             one = read_quantity(value, kind, file=mapping.file, key=key)
         if not 0.0 < one < float("inf"):
             raise mapping.error(name, f"holds {shown(value)}; each must be positive")
-        found.append(one)
-    return tuple(found)
+        numbers.append(one)
+    return tuple(numbers)

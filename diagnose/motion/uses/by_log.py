@@ -33,7 +33,7 @@ class ByLog:
         effects: (P,) the effect of each parameter.
         sizes: For each log its (P,) parameters with their intervals.
         freedom: (L,) degrees of freedom of each log: blocks of time less one.
-        left: (L,) N*m, RMS of what each log's own sizes leave, of all joints together.
+        left: (L,) N*m, RMS of what each log's sizes leave, of all joints together.
     """
 
     together: MotionDiagnosis
@@ -53,9 +53,9 @@ def by_log(arm: Arm, logs: Sequence[MotionLog], options: Options, progress: Prog
     result, rests_on = diagnosed(arm, logs, options, progress)
     if rests_on is None:
         return ByLog(result, (), ((),) * len(logs), (1,) * len(logs), tuple(log.rms_before for log in result.of_logs))
-    found, sizes, steps = rests_on.identified, rests_on.sizes, rests_on.different.steps
-    members = _with_steps(found, steps)
-    named = _parameters(arm, found, found.members, sizes, sizes.shown)
+    identified, sizes, steps = rests_on.identified, rests_on.sizes, rests_on.different.steps
+    members = _with_steps(identified, steps)
+    named = _parameters(arm, identified, identified.members, sizes, sizes.shown)
     named += [(item.effect, size) for item in result.findings if item.recording for size in item.parameters]
     # Of the ten numbers of a load those that are something.
     something = ((effect, size) for effect, size in named if size.interval[0] > 0.0 or size.interval[1] < 0.0)
@@ -64,17 +64,24 @@ def by_log(arm: Arm, logs: Sequence[MotionLog], options: Options, progress: Prog
     freedom: list[int] = []
     left: list[float] = []
     for number in range(len(logs)):
-        own = found.products.of_log(number).with_more(rests_on.different.sizes(number, found.pool.width))
-        system_ = system(found.pool, own, found.noise.weights, found.discrepancy)
-        alike = np.zeros(found.pool.width)  # What has no name is the same in all logs.
-        fitted = estimates(
-            system_, own, found.noise.weights, (*members, *found.system.nuisances), alike, rules=options.rules
+        log_products = identified.products.of_log(number).with_more(
+            rests_on.different.sizes(number, identified.pool.width)
         )
-        pairs = _parameters(arm, found, members, fitted, np.ones(len(fitted.numbers), dtype=bool))
+        system_ = system(identified.pool, log_products, identified.noise.weights, identified.discrepancy)
+        alike = np.zeros(identified.pool.width)  # What has no name is the same in all logs.
+        fitted = estimates(
+            system_,
+            log_products,
+            identified.noise.weights,
+            (*members, *identified.system.nuisances),
+            alike,
+            rules=options.rules,
+        )
+        pairs = _parameters(arm, identified, members, fitted, np.ones(len(fitted.numbers), dtype=bool))
         each = {(effect, item.at, item.parameter): item for effect, item in pairs}
         each_log.append(tuple(each[key] for key in chosen))
-        freedom.append(max(own.blocks - 1, 1))
-        left.append(_rms(own, fitted.sizes))
+        freedom.append(max(log_products.blocks - 1, 1))
+        left.append(_rms(log_products, fitted.sizes))
     return ByLog(result, tuple(effect for effect, *_ in chosen), tuple(each_log), tuple(freedom), tuple(left))
 
 

@@ -21,7 +21,7 @@ from .by_log import by_log
 @dataclass(frozen=True)
 class MotionComparison:
     """Two logs: their diagnosis `together`, the `changes` of what was found in all its sizes, and the RMS (N*m) of what
-    each log's own sizes leave."""
+    each log's sizes leave."""
 
     together: MotionDiagnosis
     changes: tuple[Change, ...]

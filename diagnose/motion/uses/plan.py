@@ -80,7 +80,8 @@ def plan_motion(
 
     Args:
         arm: The arm; its joints' ranges and speeds are kept.
-        wanted: Causes by effect and place (empty: everywhere); none: all that act on torques. One alone is told from
+        wanted: Causes by effect and place (empty: everywhere); none: all that act on torques. One alone is
+        distinguished from
             what its effect's aliases name.
         room: Where the arm may be.
         seconds: How long the motion is.
@@ -124,7 +125,7 @@ def plan_motion(
 
 @dataclass(frozen=True)
 class _Compared:
-    """The pairs of groups of a pool that are to be told apart; `sigma` (n,) weighs the joints."""
+    """The pairs of groups of a pool that are to be distinguished; `sigma` (n,) weighs the joints."""
 
     pool: Candidates
     pairs: tuple[tuple[int, int], ...]
@@ -196,14 +197,14 @@ class _Compared:
     def _of(self, motion: Motion, group: int) -> tuple[Array, float]:
         """A group's patterns (N n, d) at usual sizes, joints weighed, and the weight of the joint where it is most."""
         each, n = self.pool.groups[group], motion.q.shape[1]
-        found = np.zeros((motion.size, n, len(each.columns)))
+        patterns_by_joint = np.zeros((motion.size, n, len(each.columns)))
         place = {int(column): k for k, column in enumerate(each.columns)}
         for source in self.pool.sources:
             if source.columns[0] in place:
                 at = [place[int(column)] for column in source.columns]
                 for joint, values in source.torques(motion).items():
-                    found[:, joint, at] += values
-        patterns = (found @ each.mixing) * each.usual / self.sigma[None, :, None]
+                    patterns_by_joint[:, joint, at] += values
+        patterns = (patterns_by_joint @ each.mixing) * each.usual / self.sigma[None, :, None]
         most = int(np.argmax((patterns**2).sum(axis=(0, 2)) * self.sigma**2))
         return patterns.reshape(-1, each.rank), float(self.sigma[most])
 

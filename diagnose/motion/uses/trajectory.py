@@ -64,7 +64,7 @@ def limits_of(arm: Arm, room: Room, draw: np.random.Generator) -> Limits:
         centre = nearest[np.argmax([room.allows(arm, item + about).mean() for item in nearest])]
     reach = np.minimum(centre - low, high - centre) - _MARGIN * (high - low)
     usual = [_SPEED if joint.revolute else _SLIDING for joint in arm.joints]
-    known = [joint.velocity or own for joint, own in zip(arm.joints, usual, strict=True)]
+    known = [joint.velocity or default for joint, default in zip(arm.joints, usual, strict=True)]
     speed = (1.0 - _MARGIN) * np.array(known)
     return Limits(centre, np.maximum(reach, 0.0), speed, _ACCELERATION * speed)
 

@@ -17,14 +17,14 @@ from .by_log import by_log
 
 
 def watch_motion(arm: Arm, logs: Sequence[MotionLog], options: Options, progress: Progress) -> Watch:
-    """Watch an arm over at least three motion logs, each with a date of its own; what is left in each is an RMS torque
+    """Watch an arm over at least three motion logs, each with a separate date; what is left in each is an RMS torque
     (N*m). Raises what `diagnose_motion` raises."""
     ordered = sorted(logs, key=lambda log: log.date)
     made = by_log(arm, ordered, options, progress)
     days = dates_of(ordered)
     when = np.array([float((day - days[0]).days) for day in days])
     parameters = [
-        Parameter(effect, size.at, size.parameter, size.kind, found=True)
+        Parameter(effect, size.at, size.parameter, size.kind, identified=True)
         for effect, size in zip(made.effects, made.sizes[0], strict=True)
     ]
     shape = (len(ordered), len(parameters))

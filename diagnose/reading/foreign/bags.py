@@ -41,7 +41,7 @@ def bag_table(path: Path, topics: Sequence[str] = ()) -> Table:
         topics: Those that count; all by default.
 
     Returns:
-        The table: `time_s` (s, of the messages' own stamps where they have some), and a column for each number. Other
+        The table: `time_s` (s, of the messages' stamps where they have some), and a column for each number. Other
         topics stand where that one has its messages, between their own in proportion; blank where they are silent.
 
     Raises:
@@ -124,18 +124,18 @@ def _joined(stream: _Stream, base: _Stream, columns: dict[str, Array], rules: Ru
         return [f"{stream.topic} has one message and is not used."]
     # Where one of them has no stamps, both were received by one clock.
     both = stream.stamped and base.stamped
-    clock, own = (base.clock, stream.clock) if both else (np.array(base.received), np.array(stream.received))
-    order = np.argsort(own, kind="stable")
-    own = own[order]
-    period = float(np.median(np.diff(own)))
-    after = np.clip(np.searchsorted(own, clock), 1, len(own) - 1)
-    known = np.minimum(np.abs(clock - own[after - 1]), np.abs(clock - own[after])) <= rules.log.gap * period
+    clock, times = (base.clock, stream.clock) if both else (np.array(base.received), np.array(stream.received))
+    order = np.argsort(times, kind="stable")
+    times = times[order]
+    period = float(np.median(np.diff(times)))
+    after = np.clip(np.searchsorted(times, clock), 1, len(times) - 1)
+    known = np.minimum(np.abs(clock - times[after - 1]), np.abs(clock - times[after])) <= rules.log.gap * period
     for name in stream.cells:
         if name not in columns:
-            columns[name] = np.where(known, np.interp(clock, own, stream.column(name)[order]), np.nan)
-    if np.array_equal(own, clock):
+            columns[name] = np.where(known, np.interp(clock, times, stream.column(name)[order]), np.nan)
+    if np.array_equal(times, clock):
         return []
-    rates = " and ".join(f"{1.0 / max(float(np.median(np.diff(np.sort(of)))), 1e-9):.3g} Hz" for of in (own, clock))
+    rates = " and ".join(f"{1.0 / max(float(np.median(np.diff(np.sort(of)))), 1e-9):.3g} Hz" for of in (times, clock))
     return [f"{stream.topic} is read at the instants of {base.topic} ({rates})."]
 
 

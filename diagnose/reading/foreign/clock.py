@@ -42,8 +42,8 @@ def clock_of(table: Table, beside: str) -> Clock | None:
     """The clock of a table, best that of the topic that a column `beside` it is of; None where there is none."""
     pairs: list[tuple[int, str, str]] = []
     for header in table.names:
-        found = _SECONDS.fullmatch(header)
-        if found is not None:
+        hits = _SECONDS.fullmatch(header)
+        if hits is not None:
             stem = re.sub(r"secs?$", "", header)
             other = next((f"{stem}{item}" for item in _NANOSECONDS if f"{stem}{item}" in table.names), "")
             if other:
@@ -52,8 +52,8 @@ def clock_of(table: Table, beside: str) -> Clock | None:
         _, seconds, other = max(pairs)
         return Clock(seconds, "s", False, f"`{seconds}` + `{other}`*1e-9", "s, as ROS stamps its messages")
     for pattern in _CLOCKS:
-        found = [name for name in table.names if pattern.fullmatch(name)]
-        for header in sorted(found, key=lambda item: _alike(item, beside), reverse=True):
+        hits = [name for name in table.names if pattern.fullmatch(name)]
+        for header in sorted(hits, key=lambda item: _alike(item, beside), reverse=True):
             unit = counted_in(table.numbers(header))
             if unit is not None:
                 return Clock(header, unit, True, said="by the size of its numbers")

@@ -33,7 +33,7 @@ def alone_in_unit(headers: Sequence[str]) -> dict[str, tuple[str, str]]:
     """What the only column in kg, or in degrees Celsius, is in whatever language (`payload`), with header and unit."""
     alone: dict[str, tuple[str, str]] = {}
     for what, units in _BY_UNIT.items():
-        own = [(header, unit) for header in headers if (unit := unit_of(what, name_and_unit(header)[1])) in units]
-        if len(own) == 1:
-            alone[what] = own[0]
+        matching = [(header, unit) for header in headers if (unit := unit_of(what, name_and_unit(header)[1])) in units]
+        if len(matching) == 1:
+            alone[what] = matching[0]
     return alone

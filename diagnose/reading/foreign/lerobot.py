@@ -29,14 +29,14 @@ def feature_names(path: Path) -> dict[str, tuple[str, ...]]:
         return {}
     content = load_json(about)
     features = cast(dict[str, object], content).get("features") if isinstance(content, dict) else None
-    found: dict[str, tuple[str, ...]] = {}
+    names_of: dict[str, tuple[str, ...]] = {}
     for feature, body in (cast(dict[str, object], features) if isinstance(features, dict) else {}).items():
         names = cast(dict[str, object], body).get("names") if isinstance(body, dict) else None
         if isinstance(names, dict):  # {"motors": [...]}, as of version 2
             names = next(iter(cast(dict[str, object], names).values()), None)
         if isinstance(names, list):
-            found[feature] = tuple(str(name) for name in cast(list[object], names))
-    return found
+            names_of[feature] = tuple(str(name) for name in cast(list[object], names))
+    return names_of
 
 
 def expanded(

@@ -112,8 +112,8 @@ def _by_mcap(path: Path, topics: Sequence[str], heard: Heard) -> Iterator[Messag
                 if not _wanted(channel.topic, kind, topics):
                     continue
                 if channel.id not in decoders:
-                    own = json.loads if channel.message_encoding == "json" else None
-                    decoders[channel.id] = own or factory.decoder_for(channel.message_encoding, schema)
+                    decoder = json.loads if channel.message_encoding == "json" else None
+                    decoders[channel.id] = decoder or factory.decoder_for(channel.message_encoding, schema)
                 decode = decoders[channel.id]
                 if decode is None:
                     heard.unknown.add("" if schema is None else schema.name)

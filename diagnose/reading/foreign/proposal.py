@@ -146,7 +146,7 @@ def is_motion(meanings: Sequence[Meaning]) -> bool:
 
 
 def _of(header: str, plain: str, table: Table, arm: Arm) -> Meaning:
-    """What a header, `plain` without a joint's own name, says by itself: one of ours however it is spelled, a place, a
+    """What a header, `plain` without a joint's name, says by itself: one of ours however it is spelled, a place, a
     side, a payload."""
     ours = plain if looks_like_ours(plain) else otherwise_spelled(plain)
     if ours is not None and looks_like_ours(ours):
@@ -200,7 +200,7 @@ def _named(name: str, arm: Arm) -> str:
 
 
 def _of_joints(headers: Mapping[str, str], table: Table, arm: Arm, taken: set[str]) -> dict[str, Meaning]:
-    """What headers, each with itself less a joint's own name, say of joints: of all that tell of the same, those that
+    """What headers, each with itself less a joint's name, say of joints: of all that tell of the same, those that
     tell of most joints, plainest."""
     names = [joint.name for joint in arm.joints]
     groups: dict[tuple[str, str, int], dict[str, Said]] = defaultdict(dict)
@@ -227,7 +227,7 @@ def _of_joints(headers: Mapping[str, str], table: Table, arm: Arm, taken: set[st
         same_base.sort(key=lambda item: (item[2] == home, item[0]), reverse=True)
         for _, _, of, at, group in same_base[:1]:
             if of and of != home and "/" not in of:
-                continue  # somebody's own words before it, and no joint's
+                continue  # somebody's words before it, and no joint's
             free = {joint: header for joint, header in at.items() if f"{base}{joint + 1}" not in taken}
             meanings |= _in_units(base, free, group, units, table, arm)
         if base == "q" and len(same_base) > 1 and same_base[1][0][:2] == same_base[0][0][:2]:

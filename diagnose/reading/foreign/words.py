@@ -129,20 +129,20 @@ def without_names(headers: Sequence[str]) -> dict[str, str]:
     """The headers less what stands behind the number of one joint alone (`J1 base [deg]`, `J2 shoulder [deg]`): where
     headers begin alike, what differs from number to number is what somebody calls that joint, and what is the same says
     what was measured of each."""
-    parsed = {header: found for header in headers if (found := _NAMED_BEHIND.fullmatch(header)) is not None}
+    parsed = {header: match for header in headers if (match := _NAMED_BEHIND.fullmatch(header)) is not None}
     numbers: dict[tuple[str, str], set[str]] = {}
-    for found in parsed.values():
-        numbers.setdefault((found["head"], found["name"].lower()), set()).add(found["k"])
+    for match in parsed.values():
+        numbers.setdefault((match["head"], match["name"].lower()), set()).add(match["k"])
     known = _known_words()
     plain: dict[str, str] = {}
     for header in headers:
-        found = parsed.get(header)
+        match = parsed.get(header)
         plain[header] = header
-        if found is None or _words(found["name"]) & known:
+        if match is None or _words(match["name"]) & known:
             continue
-        others = {name for head, name in numbers if head == found["head"]}
-        if len(others) > 1 and len(numbers[found["head"], found["name"].lower()]) == 1:
-            plain[header] = f"{found['head']}{found['k']}{found['unit']}"
+        others = {name for head, name in numbers if head == match["head"]}
+        if len(others) > 1 and len(numbers[match["head"], match["name"].lower()]) == 1:
+            plain[header] = f"{match['head']}{match['k']}{match['unit']}"
     return plain
 
 
@@ -163,8 +163,8 @@ def message_name(header: str) -> tuple[str, int] | None:
 
 def _by_words(rest: str, number: int | None, label: str, header: str) -> Said | None:
     rest = rest.rstrip(" /")
-    for own, plain in _OF_RSI.items():
-        rest = rest.replace(own, plain)
+    for word, plain in _OF_RSI.items():
+        rest = rest.replace(word, plain)
     path, _, leaf = rest.rpartition("/")
     known = _known_words()
     listed = [item.lower() for item in _WORD.findall(leaf)]
@@ -184,7 +184,7 @@ def _by_words(rest: str, number: int | None, label: str, header: str) -> Said | 
 
 def _base(words: set[str] | frozenset[str], *, plain: bool) -> str | None:
     """The base of our columns that words say; `plain` words of a joint alone are its coordinate."""
-    kind = next((base for base, own in _KINDS.items() if words & own), "q" if plain else None)
+    kind = next((base for base, kind_words in _KINDS.items() if words & kind_words), "q" if plain else None)
     if not words & _COMMANDS:
         return kind
     return "c" if kind in ("q", None) and (plain or kind) else None

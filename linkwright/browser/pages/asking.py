@@ -27,7 +27,7 @@ class Asking(ABC):
         self._desk, self._kind = desk, kind
         self._shown: Asked | None = None
         """What the answer is of that the page shows."""
-        self._own: set[int] = set()
+        self._started: set[int] = set()
         """The jobs that were begun here."""
 
     _edits = True
@@ -83,7 +83,7 @@ class Asking(ABC):
 
     def _begin(self, title: str, inputs: Mapping[str, bytes], request: Mapping[str, Any]) -> None:
         """Begin it. Raises `InputError` where too much is at work."""
-        self._own.add(self._desk.jobs.start(self._kind, title, inputs, request).number)
+        self._started.add(self._desk.jobs.start(self._kind, title, inputs, request).number)
         self._runs.refuse("")
         self._clear()
 
@@ -94,7 +94,7 @@ class Asking(ABC):
         self._other.visible = False
 
     async def _ended(self, job: Job, late: bool) -> bool:
-        if not late and job.number not in self._own and await self._differs(job.asked):
+        if not late and job.number not in self._started and await self._differs(job.asked):
             return False
         if job.result is not None:
             await self._show_kept(job.result, job.asked, "" if late else "It was removed meanwhile.")

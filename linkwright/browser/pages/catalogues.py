@@ -65,7 +65,7 @@ class TableView:
                 self._new = ui.input("New name").props("dense outlined").classes("grow min-w-32")
                 ui.button("Copy as", on_click=self._copy).props("outline dense no-caps")
                 ui.button("Take out", on_click=self._remove).props("outline dense no-caps")
-            self._own = ui.label(f"Your own: {table.path}").classes("lw-note")
+            self._user_file = ui.label(f"Your own: {table.path}").classes("lw-note")
 
     async def show(self) -> None:
         """Draw the grid anew, with the columns of its group."""

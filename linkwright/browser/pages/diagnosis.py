@@ -321,13 +321,13 @@ class _ColumnRow:
         self._zero = self._number(f"zero of {number + 1}", "+", meaning.zero)
         self._sign = ui.button("±", on_click=self._turned).props(f'flat dense aria-label="other sign of {number + 1}"')
         self._offer(meaning.what, meaning.unit)
-        self._what.on_value_change(self._told)
-        self._unit.on_value_change(self._told)
+        self._what.on_value_change(self._entered)
+        self._unit.on_value_change(self._entered)
 
     def _number(self, label: str, prefix: str, value: float) -> ui.input:
         field = ui.input(value=f"{value:.12g}").props(f'dense outlined prefix="{prefix}" aria-label="{label}"')
-        field.on("blur", self._told)
-        field.on("keydown.enter", self._told)
+        field.on("blur", self._entered)
+        field.on("keydown.enter", self._entered)
         return field
 
     def _offer(self, what: str, unit: str) -> str:
@@ -345,9 +345,9 @@ class _ColumnRow:
     async def _turned(self) -> None:
         factor = str(self._factor.value or "").strip()
         self._factor.value = factor.removeprefix("-") if factor.startswith("-") else f"-{factor}"
-        await self._told()
+        await self._entered()
 
-    async def _told(self) -> None:
+    async def _entered(self) -> None:
         what = str(self._what.value or OTHER)
         unit = self._offer(what, str(self._unit.value or ""))
         numbers: list[float] = []

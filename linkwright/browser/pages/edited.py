@@ -39,7 +39,7 @@ class EditedPage(Asking):
 
     @abstractmethod
     def _asked(self) -> None:
-        """What stands under the file's line: a picture, the question's own settings and its button."""
+        """What stands under the file's line: a picture, the question's settings and its button."""
 
     @abstractmethod
     def _read(self, name: str, text: str) -> Any:
@@ -123,7 +123,7 @@ class ProblemPage(EditedPage):
             self._settings()
 
     def _settings(self) -> None:
-        """The question's own settings and its button."""
+        """The question's settings and its button."""
         rounded = {"": "as computed", "stock": "to stock sizes", "1 mm": "to whole mm"}
         self._chosen = {"round_to": _choice(rounded, "", "Sizes")}
         self._button("Optimise")

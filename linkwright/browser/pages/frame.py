@@ -26,7 +26,7 @@ ADDRESS_OF: Mapping[str, str] = MappingProxyType(
 
 
 def styles() -> str:
-    """The pages' own styles; those of the reports hold within pictures only."""
+    """The pages' styles; those of the reports hold within pictures only."""
     css = files("linkwright.browser.pages").joinpath("page.css").read_text(encoding="utf-8")
     report = files("linkwright.report").joinpath("style.css").read_text(encoding="utf-8")
     before, _, _ = report.partition("@page")

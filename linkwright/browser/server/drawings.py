@@ -143,13 +143,13 @@ def front_to_click(front: Tradeoff) -> Front:
 def choices_to_click(result: Optimization) -> tuple[dict[str, Design], dict[str, Arm]]:
     """The best design and its near ties, by what is said of them; and the arms of the near ties by the names of their
     files."""
-    found = result.found
-    minimised = found.minimised
-    objective, after = found.objective, found.after
-    if found.rounded is not None:
-        objective, after = found.rounded.objective, found.rounded.evaluation
-    best = (found.built, objective, after.worst.error, after.mass, after.cost)
-    ties = [(tie.arm, tie.objective, tie.max_error, tie.mass, tie.cost) for tie in found.near_ties]
+    optimum = result.found
+    minimised = optimum.minimised
+    objective, after = optimum.objective, optimum.after
+    if optimum.rounded is not None:
+        objective, after = optimum.rounded.objective, optimum.rounded.evaluation
+    best = (optimum.built, objective, after.worst.error, after.mass, after.cost)
+    ties = [(tie.arm, tie.objective, tie.max_error, tie.mass, tie.cost) for tie in optimum.near_ties]
     designs: dict[str, Design] = {}
     arms: dict[str, Arm] = {}
     for number, (arm, objective, error, mass, cost) in enumerate((best, *ties)):
@@ -157,7 +157,7 @@ def choices_to_click(result: Optimization) -> tuple[dict[str, Design], dict[str,
         if number:
             file = f"{TIES}/{number:02d}.yaml"
             arms[file] = arm
-            worse = 100.0 * abs(objective / found.objective - 1.0) if found.objective else 0.0
+            worse = 100.0 * abs(objective / optimum.objective - 1.0) if optimum.objective else 0.0
             name = f"near tie {number}, " + (f"{worse:.2f} % worse" if worse >= _AS_GOOD else "as good")
         figures = [("worst error", 1e3 * error, "mm"), ("mass of the links", mass, "kg"), ("cost", cost, "EUR")]
         if minimised.name not in _SHOWN:
@@ -165,7 +165,7 @@ def choices_to_click(result: Optimization) -> tuple[dict[str, Design], dict[str,
         options = (
             [None if link.section is None else link.section.shape for link in arm.links],
             [None if link.material is None else link.material.name for link in arm.links],
-            [None if joint.actuator is None else joint.actuator.name for joint in arm.joints] if found.drives else [],
+            [None if joint.actuator is None else joint.actuator.name for joint in arm.joints] if optimum.drives else [],
         )
         words = "; ".join(names_words(names) for names in options if names)
         designs[f"{name}: {words}"] = _design(arm, figures, file)

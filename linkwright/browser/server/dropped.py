@@ -46,7 +46,7 @@ class Dropped:
     remedies: tuple[Mapping[str, Any], ...] = ()
 
     def settings(self) -> str:
-        """The settings file that says what is told. Raises `InputError` where two columns are said to be one."""
+        """The settings file that says what is reported. Raises `InputError` where two columns are said to be one."""
         named = [meaning.what for meaning in self.meanings if meaning.named]
         again = next((name for k, name in enumerate(named) if name in named[:k]), None)
         if again is not None:

@@ -131,14 +131,14 @@ class Guard:
     def _stranger(self, headers: list[tuple[bytes, bytes]]) -> str:
         """Why a request comes from elsewhere, empty where it does not."""
         host = _one(headers, b"host")
-        if host is None or not self._own(host):
+        if host is None or not self._is_this_machine(host):
             return "this server is not known by that name (Host)"
         origin = _one(headers, b"origin") if _has(headers, b"origin") else f"http://{host}"
         if origin is None or origin.lower() not in (f"http://{host}".lower(), f"https://{host}".lower()):
             return "the request comes from another page (Origin)"
         return ""
 
-    def _own(self, host: str) -> bool:
+    def _is_this_machine(self, host: str) -> bool:
         host_match = _HOST.fullmatch(host)
         if host_match is None:
             return False

@@ -134,7 +134,7 @@ class Jobs:
         return job
 
     async def keep(self, job: Job) -> None:
-        """Keep what was found and is left in a folder of its own; where that fails, it stays there."""
+        """Keep what was found and is left in a separate folder; where that fails, it stays there."""
         assert job.left is not None
         try:
             files = await asyncio.to_thread(_files, job.left / "out")
@@ -163,7 +163,7 @@ class Jobs:
             root, out = job.left / "in", job.left / "out"
             root.mkdir()
             await asyncio.to_thread(put, root, inputs)
-            wrong = await self._told(job, {**request, "kind": job.kind, "root": str(root), "out": str(out)})
+            wrong = await self._run_process(job, {**request, "kind": job.kind, "root": str(root), "out": str(out)})
         except (InputError, OSError) as error:
             wrong = _said(error)
         job.took = job.seconds
@@ -184,9 +184,9 @@ class Jobs:
             shutil.rmtree(job.left, ignore_errors=True)
             job.left = None
 
-    async def _told(self, job: Job, request: Mapping[str, Any]) -> str:
+    async def _run_process(self, job: Job, request: Mapping[str, Any]) -> str:
         """Run the process and hear it; gives what went wrong, empty where nothing did."""
-        # A session of its own: Ctrl-C at the terminal is the server's, which passes it on.
+        # A separate session: Ctrl-C at the terminal is the server's, which passes it on.
         job.process = process = await asyncio.create_subprocess_exec(
             *(sys.executable, "-m", "linkwright.browser.server.work"),
             stdin=asyncio.subprocess.PIPE,

@@ -37,7 +37,7 @@ class CatalogueTable(ABC):
 
     @property
     def path(self) -> Path:
-        """The user's own file."""
+        """The user's file."""
         return self.kind.user_file()
 
     @property
@@ -84,14 +84,14 @@ class CatalogueTable(ABC):
             raise InputError("", "Entry", "is empty; choose the one to copy")
         if not new_name.strip():
             raise InputError("", "new name", "is empty; write how the copy shall be called")
-        return self.kind.editor.add(self.path, [replace(self.kind.found(None)(name), name=new_name.strip())])
+        return self.kind.editor.add(self.path, [replace(self.kind.finder(None)(name), name=new_name.strip())])
 
     def remove(self, name: str) -> str:
         """Take an entry out of the user's file."""
         return self.kind.editor.remove(self.path, name)
 
     def doubts(self, name: str) -> list[str]:
-        """What is hardly believable of an entry of the user's own, as the command line questions it."""
+        """What is hardly believable of an entry of the user's, as the command line questions it."""
         return [doubt for doubt in self.kind.doubts(self.path) if doubt.startswith(f"{name}:")]
 
 
@@ -191,7 +191,7 @@ class ActuatorsTable(CatalogueTable):
         return self.kind.editor.set_price(self.path, name, price, list(shipped_actuators()))
 
     def remove(self, name: str) -> str:
-        """The user's own entry, or price."""
+        """The user's entry, or price."""
         if self.there and name not in read_actuators(load_yaml(self.path)):
             return self.kind.editor.remove_price(self.path, name)
         return super().remove(name)

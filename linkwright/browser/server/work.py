@@ -36,7 +36,7 @@ _OFTEN = 0.1
 """Seconds between two signs of progress."""
 
 
-class _Told:
+class _Progress:
     """Passes progress on, not more often than is looked at."""
 
     def __init__(self) -> None:
@@ -71,7 +71,7 @@ def answered(kind: str, root: Path, out: Path, asked: Mapping[str, Any]) -> None
     named = [path for parameter in parameters for path in paths_in(words[parameter.name])]
     problem: lw.Problem | None = arguments.get("problem")
     with lw.Processes() as crew:
-        hears = {**_heard(problem), "progress": _Told(), "executor": crew}
+        hears = {**_heard(problem), "progress": _Progress(), "executor": crew}
         takes = inspect.signature(function).parameters
         result = function(**arguments, **{name: heard for name, heard in hears.items() if name in takes})
     for name in ("SIGINT", "SIGTERM", "SIGHUP"):  # an interrupt comes too late
@@ -112,7 +112,8 @@ def _heard(problem: lw.Problem | None) -> dict[str, Any]:
 
 
 def _beside(result: Any, out: Path, settings: Sequence[Path]) -> None:
-    """What only the pages show: worst poses, fronts and near ties to click on; and the settings as they were told."""
+    """What only the pages show: worst poses, fronts and near ties to click on; and the settings as they were
+    reported."""
     from linkwright.browser.server.drawings import choices_to_click, front_to_click, worst_poses
 
     if isinstance(result, Evaluation):

@@ -66,7 +66,7 @@ ACTUATORS = KeyedEditor(
         read=read_actuators,
         shipped=lambda: shipped_files("linkwright.core.arm.actuators"),
         figures=lambda: CONFIRMABLE,
-        own_sources=False,
+        has_sources=False,
         inherited=_inherited,
         columns=lambda: (
             *(Column(name, needed=True) for name in ("name", "maker", "gear")),
@@ -135,7 +135,7 @@ def _made(name: str, values: dict[str, str], source: str) -> Entry:
     return Entry(name, {**content, "source": "own"}, {"own": source})
 
 
-def _found(catalogue: Path | None) -> Callable[[str], Entry | None]:
+def _finder(catalogue: Path | None) -> Callable[[str], Entry | None]:
     files = [path for path in (USER_ACTUATORS.path(), catalogue) if path is not None and path.exists()]
     return lambda name: ACTUATORS.entry(name, files)
 
@@ -153,7 +153,7 @@ CATALOGUE = UserCatalogue(
     helps=_HELPS,
     such_as="mass='2 kg'",
     made=_made,
-    found=_found,
+    finder=_finder,
     known=lambda path: lw.actuators.with_file(path),
     read={".yaml": ACTUATORS.entries, ".csv": ACTUATORS.read_table, ".xlsx": ACTUATORS.read_table},
 )

@@ -128,7 +128,7 @@ CATALOGUE = UserCatalogue(
     helps=_HELPS,
     such_as="density='3000 kg/m^3'",
     made=_made,
-    found=lambda path: partial(find_entry, lw.materials.with_file(path).catalogue),
+    finder=lambda path: partial(find_entry, lw.materials.with_file(path).catalogue),
     known=lambda path: lw.materials.with_file(path),
     doubts=lambda path: [doubt for material in load_layer(path).materials.values() for doubt in doubts_of(material)],
     keys=MappingProxyType({short: name for name, short in SHORT.items()}),

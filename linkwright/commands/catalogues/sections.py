@@ -157,7 +157,7 @@ def _made(name: str, values: dict[str, str], source: str) -> Row:
     return Row(name, family, shape, source, dict(cell(shape, key, value) for key, value in values.items()))
 
 
-def _found(catalogue: Path | None) -> Callable[[str], Row]:
+def _finder(catalogue: Path | None) -> Callable[[str], Row]:
     stock = lw.sections.with_file(catalogue).stock
     return lambda name: row_of(stock.find(name))
 
@@ -175,7 +175,7 @@ CATALOGUE = UserCatalogue(
     helps=_HELPS,
     such_as="thickness='4 mm'",
     made=_made,
-    found=_found,
+    finder=_finder,
     known=lambda path: lw.sections.with_file(path),
     read={
         ".yaml": lambda path: [row_of(size) for size in STOCK.check(read_text(path), path)],

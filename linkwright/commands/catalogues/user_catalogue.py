@@ -66,7 +66,7 @@ class UserCatalogue:
         example: a name for the help, as the shell takes it.
         helps: of the commands that say more than that they do.
         such_as: a KEY=VALUE, for messages.
-        found: what finds an entry by its name among the shipped ones and those of a file.
+        finder: what finds an entry by its name among the shipped ones and those of a file.
         made: an entry of a name, its values by key, as they were given, and their source.
         read: what reads the entries of a file, by its ending.
         known: all entries with those of a file, by name; its `table` are their figures, a row each.
@@ -86,7 +86,7 @@ class UserCatalogue:
     helps: Mapping[str, str]
     such_as: str
     made: Callable[[str, dict[str, str], str], Any]
-    found: Callable[[Path | None], Callable[[str], Any]]
+    finder: Callable[[Path | None], Callable[[str], Any]]
     read: Mapping[str, Callable[[Path], Sequence[Any]]]
     known: Callable[[Path | None], Any]
     doubts: Callable[[Path], Sequence[str]] = lambda _: ()
@@ -153,7 +153,7 @@ class UserCatalogue:
         if way is None:
             write_file(out, WAYS[out.suffix.lower()](meant))
         else:
-            text = way([*map(self.found(catalogue), names)])
+            text = way([*map(self.finder(catalogue), names)])
             write_file(out, ReadBack(text, partial(self._unlike, meant)))
         typer.echo(f"wrote {len(names)} {self.editor.what}{'' if len(names) == 1 else 's'} to {out}")
 

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 
 class Actuators(Catalogue[Actuator]):
-    """The gears that joints can name: the shipped ones with the user's own over them; figures in SI.
+    """The gears that joints can name: the shipped ones with the user's over them; figures in SI.
 
     >>> import linkwright as lw
     >>> lw.actuators["RV-20E"].rated_torque

@@ -49,7 +49,7 @@ class Material:
 
 
 class Materials(Catalogue[Material]):
-    """The catalogue of materials by name, the shipped one with the user's own over it.
+    """The catalogue of materials by name, the shipped one with the user's over it.
 
     >>> import linkwright as lw
     >>> lw.materials["steel-s355"].at("80 degC").elastic_modulus

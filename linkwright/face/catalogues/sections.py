@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 
 class Sections(Catalogue[StockSize]):
-    """The stock sizes by name, whatever its case and spaces: the shipped ones with the user's own over them.
+    """The stock sizes by name, whatever its case and spaces: the shipped ones with the user's over them.
 
     Each holds its `section`, `family`, `dimensions` (m), `source` and what its maker or standard `printed`.
 

@@ -1,4 +1,4 @@
-"""A motion worth logging, by which named causes are told apart."""
+"""A motion worth logging, by which named causes are distinguished."""
 
 from __future__ import annotations
 

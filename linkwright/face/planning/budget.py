@@ -147,7 +147,7 @@ class Budget(Reported):
     in SI."""
 
     _command = "budget"
-    _own = (RESULT, REPORT)
+    _folder_files = (RESULT, REPORT)
     _describe = staticmethod(describe)
 
     arm: Arm

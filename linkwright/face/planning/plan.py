@@ -12,7 +12,7 @@ from linkwright.core.diagnose.answer.sentences import name_of
 from linkwright.core.diagnose.instruments.registry import labels
 from linkwright.core.diagnose.plan.planned import Planned
 from linkwright.core.diagnose.plan.promise import Shown
-from linkwright.core.diagnose.plan.torques import TorqueTold
+from linkwright.core.diagnose.plan.torques import TorquePromise
 from linkwright.core.diagnose.plan.written import ALONG_BAR, left_blank, plan_text, read_plan
 from linkwright.core.diagnose.reading.read_back import unlike
 from linkwright.core.diagnose.reading.write import settings_text
@@ -57,7 +57,7 @@ class Plan(Result):
     @property
     def shown(self) -> pd.DataFrame:
         """The smallest size of each cause that will be seen, in `unit`, and what poses at random show (nan: nothing);
-        from which size on it is told from other causes, and how many it is not told from."""
+        from which size on it is distinguished from other causes, and how many it is not distinguished from."""
         keys = ("effect", "at", "parameter", "unit", "usual", "smallest", "random", "told_from", "not_told")
         rows = [{**item, "not_told": len(item["not_told"])} for item in self._content()["shown"]]
         return frame(rows, keys)
@@ -112,9 +112,9 @@ class Plan(Result):
             "torques": [_torque(planned, torque) for torque in promise.torques],
             "shown": [_shown(planned, item) for item in promise.shown],
             "unseen": [{"effect": effect, "at": list(at)} for effect, at in promise.unseen],
-            **fields(promise, "pairs", "pairs_told=told"),
-            "pairs_random": planned.told_at_random[1],
-            "pairs_told_random": planned.told_at_random[0],
+            **fields(promise, "pairs", "pairs_told=separated"),
+            "pairs_random": planned.separated_at_random[1],
+            "pairs_told_random": planned.separated_at_random[0],
             "random_plans": len(planned.random),
             "interrupted": planned.interrupted,
             "touches": [
@@ -151,7 +151,7 @@ def _scatter(planned: Planned) -> dict[str, Any]:
     return {**fields(request, "sigma_mm"), "sigma_depth_mm": 1e3 * deep, "sigma_angle_deg": math.degrees(turns)}
 
 
-def _torque(planned: Planned, torque: TorqueTold) -> dict[str, Any]:
+def _torque(planned: Planned, torque: TorquePromise) -> dict[str, Any]:
     """What a drive's torque will tell, half the width of 95 % intervals: shares of the weights, N*m (of slides N)."""
     names = ("links", "payload", "friction")
     bounds = {f"{name}_within": _within(getattr(torque, name)) for name in names}
@@ -173,9 +173,10 @@ def _shown(planned: Planned, shown: Shown) -> dict[str, Any]:
         "usual": size(shown.usual),
         "smallest": size(shown.smallest),
         "random": size(planned.at_random(shown)),
-        "told_from": size(shown.told),
+        "told_from": size(shown.resolved_size),
         "others": shown.others,
         "not_told": [
-            {**fields(rival, "effect", "at", "likeness"), "told_from": size(rival.told)} for rival in shown.not_told
+            {**fields(rival, "effect", "at", "likeness"), "told_from": size(rival.resolved_size)}
+            for rival in shown.inseparable
         ],
     }

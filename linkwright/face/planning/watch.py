@@ -40,7 +40,7 @@ class Watch(Reported):
     """The parameters of an arm over dated recordings, what moved and when; `found` holds everything in SI."""
 
     _command = "watch"
-    _own = (RESULT, REPORT)
+    _folder_files = (RESULT, REPORT)
     _describe = staticmethod(describe)
 
     arm: Arm
@@ -149,7 +149,7 @@ def _alarm(result: WatchResult, watched: Watched, change: Moved) -> dict[str, An
         "ci95": [in_unit(end, kind) for end in change.interval],
         "per_day": None if change.rate is None else in_unit(change.rate, kind),
         "per_day_ci95": None if rates is None else [in_unit(end, kind) for end in rates],
-        "told": days[change.told],
+        "told": days[change.detected],
         "p_value": change.p_value,
     }
 
@@ -171,7 +171,7 @@ def _watched(result: WatchResult, watched: Watched) -> dict[str, Any]:
     ]
     return {
         **_named(watched),
-        "found": watched.parameter.found,
+        "found": watched.parameter.identified,
         "moved": watched.moved,
         "values": values,
         "standard_deviation": in_its_unit(watched.deviation),
@@ -183,7 +183,7 @@ def _watched(result: WatchResult, watched: Watched) -> dict[str, Any]:
 def read_dated(
     recordings: Sequence[Recording | Log | File | pd.DataFrame], arm: Arm, settings: File | Sequence[File] | None = None
 ) -> list[Recording]:
-    """Recordings of one arm, at least three, each with a date of its own. Raises `InputError`."""
+    """Recordings of one arm, at least three, each with a separate date. Raises `InputError`."""
     _enough(recordings)
     read = each_with_settings(recordings, arm, settings)
     _check([one.found for one in read])
@@ -191,7 +191,7 @@ def read_dated(
 
 
 def read_dated_logs(logs: Sequence[Log]) -> None:
-    """Refuse motion logs that are not of one arm, fewer than three, or without a date of its own. Raises
+    """Refuse motion logs that are not of one arm, fewer than three, or without a separate date. Raises
     `InputError`."""
     _enough(logs)
     _check([one.found for one in logs])

@@ -211,7 +211,7 @@ class _Lengthened:
         return _crossing(lambda scale: self.safety(scale) - 1.0)
 
     def bends_at(self) -> float:
-        """The factor at which a link's own bending passes a tenth of its length."""
+        """The factor at which a link's bending passes a tenth of its length."""
         return _crossing(lambda scale: LARGEST_DEFLECTION - max(self._strength(scale).deflection))
 
 

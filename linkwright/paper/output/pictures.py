@@ -1,4 +1,4 @@
-"""Figures 5 to 9 as one page that opens without a network: the truth, and the paper's own curves beside it."""
+"""Figures 5 to 9 as one page that opens without a network: the truth, and the paper's curves beside it."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ _NAMES = (
 
 
 def describe(figures: Sequence[Figure]) -> Description:
-    """All figures, each with the truth and the paper's own curves beside each other."""
+    """All figures, each with the truth and the paper's curves beside each other."""
     parts = [
         section(
             f"Figure {figure.number}: {figure.title}",

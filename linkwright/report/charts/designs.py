@@ -12,7 +12,7 @@ from linkwright.core.arm.error_map import ErrorMap
 from linkwright.core.arm.worst.search import WorstPose
 from linkwright.core.diagnose.result import Diagnosis
 from linkwright.core.optimize.result import OptimizationResult
-from linkwright.report.page import figure_place, in_own_place, only_on_paper, side_by_side
+from linkwright.report.page import figure_place, only_on_paper, separate_place, side_by_side
 from linkwright.report.pictures.arm import arm_caption, arm_picture, numbered, shared_window, skeleton, skeleton_at
 from linkwright.report.pictures.plots import (
     Figure,
@@ -20,7 +20,7 @@ from linkwright.report.pictures.plots import (
     error_map_figure,
     error_map_words,
     exchange_figure,
-    in_own_colours,
+    separate_colours,
     shared_spans,
 )
 from linkwright.report.pictures.svg import element, nice_below, text
@@ -69,8 +69,8 @@ def maps(named: Named, fields: Sequence[ErrorMap]) -> Drawn:
         places.append(element("div", heading, figure_place(name, words, text(words))))
         alone = colour_range([field], [evaluation])
         if alone != colours:
-            figures[f"{name}-own"] = in_own_colours(name, *alone)
-            on_paper.append(in_own_place(name, when, words))
+            figures[f"{name}-own"] = separate_colours(name, *alone)
+            on_paper.append(separate_place(name, when, words))
     return Drawn(side_by_side(*places) + only_on_paper(on_paper), figures)
 
 

@@ -59,7 +59,7 @@ _LOOK = (
     "text{fill:#5b6675;stroke:#fff;stroke-width:4;stroke-linejoin:round;paint-order:stroke}.figures{fill:#1d2530}"
     ".axis{stroke:#d9dee5}.frame,.front{fill:none}.frame{stroke:#5b6675}.front{stroke-linejoin:round}"
 )
-"""The picture's own styles: it stands by itself, on white."""
+"""The picture's styles: it stands by itself, on white."""
 
 
 def span(axis: Axis, values: Sequence[float], *, log: bool) -> tuple[float, float]:
@@ -73,7 +73,7 @@ def span(axis: Axis, values: Sequence[float], *, log: bool) -> tuple[float, floa
 
 
 def _axis(drawn: Sequence[Sequence[float | None]], *, log: bool) -> Figure:
-    """An axis of a figure; one in logarithms is marked as that of the picture is, since plotly's own marks between the
+    """An axis of a figure; one in logarithms is marked as that of the picture is, since plotly's marks between the
     powers of ten are too small to read."""
     if not log:
         return {"type": "linear", "zeroline": False}

@@ -52,7 +52,7 @@ def torque_against_time(diagnosis: MotionDiagnosis) -> Drawn:
 def _over_time(arm: Arm, trace: Traces, joint: int, most: int) -> Figure:
     rows = chosen_rows(len(trace.time), most)
     time = trace.time[rows].round(3).tolist()
-    # Not solid lines alone: on paper and to people who see no colours they are to be told apart too.
+    # Not solid lines alone: on paper and to people who see no colours they are to be distinguished too.
     styles: tuple[tuple[str, Array, dict[str, Any]], ...] = (
         ("measured", trace.measured, {"color": "#1a7f37", "width": 1.2}),
         ("before", trace.before, {"color": "#8b95a3", "width": 1.2, "dash": "dot"}),

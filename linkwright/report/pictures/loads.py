@@ -61,7 +61,7 @@ def bent_shape(arm: Arm, state: PoseState) -> tuple[Array, Array]:
     for index, link in enumerate(state.links):
         vector = _numbers(link.vector)
         start = here + _numbers(state.leads[index])
-        moved, turned = _own(twists, index)
+        moved, turned = _link_displacement(twists, index)
         end_shift, end_turn = ends[index]
         root_turn = end_turn - turned
         root_shift = end_shift - moved - np.cross(root_turn, vector)
@@ -75,8 +75,8 @@ def bent_shape(arm: Arm, state: PoseState) -> tuple[Array, Array]:
     return np.array(places), np.array(shifts)
 
 
-def _own(twists: Sequence[Twist], index: int) -> tuple[Array, Array]:
-    """What a link's own effects do to its far end."""
+def _link_displacement(twists: Sequence[Twist], index: int) -> tuple[Array, Array]:
+    """What a link's effects do to its far end."""
     twists_here = [twist for twist in twists if twist.node == "link" and twist.index == index]
     moved = sum((_numbers(twist.translation) for twist in twists_here), np.zeros(3))
     turned = sum((_numbers(twist.rotation) for twist in twists_here), np.zeros(3))

@@ -78,7 +78,7 @@ def error_map_figure(
     return {"data": [heat, _marks(field, evaluation)], "layout": layout}
 
 
-def in_own_colours(name: str, least: float, greatest: float) -> Figure:
+def separate_colours(name: str, least: float, greatest: float) -> Figure:
     """The figure called `name` with colours from `least` to `greatest`: what its second button shows, for paper."""
     return {LIKE: name, "from": least, "to": greatest}
 

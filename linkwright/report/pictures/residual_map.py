@@ -9,13 +9,13 @@ from linkwright.core.diagnose.residual.observed import rms_length
 from linkwright.core.diagnose.result import Diagnosis
 from linkwright.core.diagnose.several.recordings import nominal_tips as tips_of
 from linkwright.core.sections.numeric import Array
-from linkwright.report.page import figure_place, in_own_place, only_on_paper, side_by_side
+from linkwright.report.page import figure_place, only_on_paper, separate_place, side_by_side
 from linkwright.report.pictures.svg import Plot, arrows, spanned
 from linkwright.results.diagnoses.words import row_words
 from linkwright.results.document import Drawn
 from linkwright.results.figures_in_words import figure, mm, pose
 
-from .plots import Figure, in_own_colours, with_scales
+from .plots import Figure, separate_colours, with_scales
 from .svg import element, label, line, nice_below, text
 
 MOST_ARROWS = 250
@@ -33,7 +33,7 @@ def states(diagnosis: Diagnosis) -> tuple[tuple[str, Array], ...]:
 
 
 def nominal_tips(diagnosis: Diagnosis) -> Array:
-    """Where the tip nominally is at each reading (N, D), mm: measured positions may stand in a frame of their own."""
+    """Where the tip nominally is at each reading (N, D), mm: measured positions may stand in a separate frame."""
     width = diagnosis.recording.tip.shape[1] if diagnosis.shown is None else diagnosis.shown.shape[2]
     return 1e3 * tips_of(diagnosis.arm, diagnosis.recording)[:, :width]
 
@@ -133,8 +133,8 @@ def residual_maps(diagnosis: Diagnosis) -> Drawn:
         heading = element("h3", text(when.capitalize() if which else "Each reading"))
         places.append(element("div", heading, figure_place(name, words, text(words))))
         if 0.0 < float(length.max()) < greatest:
-            figures[f"{name}-own"] = in_own_colours(name, 0.0, float(length.max()))
-            on_paper.append(in_own_place(name, when, words))
+            figures[f"{name}-own"] = separate_colours(name, 0.0, float(length.max()))
+            on_paper.append(separate_place(name, when, words))
     return Drawn(arrow_maps(diagnosis) + side_by_side(*places) + only_on_paper(on_paper), figures)
 
 

@@ -16,7 +16,7 @@ from linkwright.report.charts.designs import arm_at_mismatch
 from linkwright.report.page import side_by_side
 from linkwright.report.pictures.residual_map import residual_maps
 from linkwright.results.design import settings
-from linkwright.results.diagnoses.evidence import differing, own_arms, recordings, unit_files
+from linkwright.results.diagnoses.evidence import arms_of_recordings, differing, recordings, unit_files
 from linkwright.results.document import (
     Cell,
     Column,
@@ -82,7 +82,7 @@ def describe(diagnosis: Diagnosis, redesign: Redesign | None = None) -> Descript
         _broken_promise(diagnosis),
         recordings(diagnosis) if diagnosis.recordings else None,
         differing(diagnosis) if diagnosis.differences else None,
-        own_arms(diagnosis) if diagnosis.findings and unit_files(diagnosis.recordings) else None,
+        arms_of_recordings(diagnosis) if diagnosis.findings and unit_files(diagnosis.recordings) else None,
         _findings(diagnosis) if diagnosis.findings else None,
         _origins(diagnosis) if diagnosis.origins else None,
         None if diagnosis.unknown is None else _unknown(diagnosis.unknown),

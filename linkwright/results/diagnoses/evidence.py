@@ -185,7 +185,7 @@ def next_readings(diagnosis: Diagnosis) -> Section:
 
 
 def unit_files(each: Sequence[OfRecording]) -> tuple[str, ...]:
-    """The names of the files of several arms' own corrected arms, by what each recording is called (`unit:` in its
+    """The names of the files of several arms' corrected arms, by what each recording is called (`unit:` in its
     settings); none where they are of one arm."""
     names: list[str] = []
     for number, one in enumerate(each, start=1):
@@ -198,7 +198,7 @@ def unit_files(each: Sequence[OfRecording]) -> tuple[str, ...]:
     return tuple(names)
 
 
-def own_arms(diagnosis: Diagnosis) -> Section:
+def arms_of_recordings(diagnosis: Diagnosis) -> Section:
     """The corrected arm of each of several arms, and what its file is worth on its recording."""
     rows: list[list[Cell]] = []
     broken: list[Paragraph] = []

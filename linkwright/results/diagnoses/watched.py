@@ -103,7 +103,7 @@ def change_words(result: WatchResult, each: Watched, change: Moved) -> str:
 
 
 def _relative(result: WatchResult, watched: Watched, change: Moved) -> str:
-    """A step of what drives give as a share of what it was before: friction is a figure that has a nought."""
+    """A step of what drives give as a share of what it was before: friction is a figure that has a zero."""
     before = float(watched.level[change.last])
     if not result.of_motion or change.kind != "step" or not abs(before) > 0.0:
         return ""
@@ -189,7 +189,7 @@ def _moves(result: WatchResult) -> Table:
                     Value(f"{amount_words(item, by, signed=True)}{unit}"),
                     Value(_span(item, ends)),
                     sure,
-                    days[change.told],
+                    days[change.detected],
                     probability(change.p_value),
                 )
             )

@@ -1,4 +1,4 @@
-"""The words of a diagnosis: places, parameters with their intervals, what cannot be told apart."""
+"""The words of a diagnosis: places, parameters with their intervals, what cannot be distinguished."""
 
 from __future__ import annotations
 

@@ -131,7 +131,7 @@ class Branching(BranchAndBound[Node]):
                         heapq.heappush(heap, (more, next(self._order), after, ranked))
 
     def could_reach(self, pick: Combination, objective: float) -> bool:
-        """Whether one combination could do as well as an objective (SI), by its own bound as far as that is cheap."""
+        """Whether one combination could do as well as an objective (SI), by its bound as far as that is cheap."""
         alone = [np.array([place]) for place in self.options.place(pick)]
         enough = objective / self.worth
         return self.relaxation.solve(self.relaxation.root(alone), enough, rough=True).bound < enough

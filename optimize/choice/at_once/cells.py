@@ -48,7 +48,7 @@ exactly one where the middle is the lowest point of a parabola."""
 _FIRST = 4
 """Cells along each dimension of a shape whose features are not straight, at first, all together at most that many."""
 _GIVES = 1e-7
-"""By how much a section may break its own limits and still count."""
+"""By how much a section may break its limits and still count."""
 _NARROW = 0.3
 """A cell this narrow (in logarithms) whose corners are no sections is left out: what is possible ends far inside."""
 MOST_CELLS, MOST_CELLS_FREE = 100_000, 60_000
@@ -202,8 +202,8 @@ class Cells:
         first, self.count = self.count, self.count + number
         while self.count > len(self.option):
             for name in ("option", "low", "high", "corners", "kept", "bends", "held", "held_bends", "across"):
-                own = getattr(self, name)
-                setattr(self, name, np.concatenate([own, np.zeros_like(own)]))
+                present = getattr(self, name)
+                setattr(self, name, np.concatenate([present, np.zeros_like(present)]))
         return slice(first, self.count)
 
     def _measured(self, kind: _Kind, options: Ids, points: Array) -> tuple[Array, NDArray[np.bool_], Array]:
@@ -380,13 +380,14 @@ def columns_of(
     return columns
 
 
-def features(found: SectionProperties, materials: ChosenMaterial, *, shear: bool, twisted: Twisted) -> list[Any]:
+def features(properties: SectionProperties, materials: ChosenMaterial, *, shear: bool, twisted: Twisted) -> list[Any]:
     """A section's features but for expansion (see `products.FEATURES`), in floats, arrays or symbols."""
-    beam = elastic_beam(twisted.length, found, materials, shear=shear, warping=twisted.warping)
+    beam = elastic_beam(twisted.length, properties, materials, shear=shear, warping=twisted.warping)
     across = (beam.torsional_rigidity, beam.shear_rigidity_height, beam.shear_rigidity_width)
     rigid = [beam.axial_rigidity, beam.flexural_rigidity_height, beam.flexural_rigidity_width, *across]
     strong = [
-        item * materials.allowed_stress for item in (found.area, found.section_modulus_y, found.section_modulus_z)
+        item * materials.allowed_stress
+        for item in (properties.area, properties.section_modulus_y, properties.section_modulus_z)
     ]
     return [
         beam.mass_per_length,

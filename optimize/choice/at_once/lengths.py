@@ -1,7 +1,7 @@
 """Rows with free lengths: each coefficient is a polynomial in the lengths, read off at lengths between their bounds.
 
 To first order forces and deflections of straight links are polynomials in lengths: a force bends with the third power
-of its own link's and lever arms of others, a weight has one power more. Only errors at poses of the joints, masses,
+of its link's and lever arms of others, a weight has one power more. Only errors at poses of the joints, masses,
 cost and reach are rows here; other limits are left out, which can only lower a bound.
 """
 

@@ -33,7 +33,7 @@ class BranchAndBound(ABC, Generic[Part]):
 
     @abstractmethod
     def _step(self, part: Part) -> None:
-        """Bound a part: it is done with, or its own parts join the heap."""
+        """Bound a part: it is done with, or its parts join the heap."""
 
     @abstractmethod
     def _say(self, done: int, of: int, text: str) -> None:

@@ -114,7 +114,7 @@ def rows_of(context: Context, pool: Pool, arm: Arm, p: Array, worth: float) -> l
     size = arm.size
     fixed = fixed_error(context.model)
     rows: list[PoseRow] = []
-    sums, rest = _own(problem, arm)
+    sums, rest = _link_terms(problem, arm)
     if problem.minimize not in sums and problem.minimize != "max_error":
         return None
     rows += sums_rows(problem, sums, rest, size, worth)
@@ -130,18 +130,18 @@ def rows_of(context: Context, pool: Pool, arm: Arm, p: Array, worth: float) -> l
 
 
 def sums_rows(
-    problem: Problem, own: Mapping[str, dict[Power, Array]], rest: Mapping[str, float], size: int, worth: float
+    problem: Problem, by_links: Mapping[str, dict[Power, Array]], rest: Mapping[str, float], size: int, worth: float
 ) -> list[PoseRow]:
-    """The rows of the figures that are sums over links whatever the pose (`own`; `rest` is what no choice changes): of
-    the one to be least, over `worth`, and of every limit on one, over its value."""
+    """The rows of the figures that are sums over links whatever the pose (`by_links`; `rest` is what no choice
+    changes): of the one to be least, over `worth`, and of every limit on one, over its value."""
     rows: list[PoseRow] = []
-    if problem.minimize in own:
-        terms = {**own[problem.minimize], (): np.array([rest[problem.minimize]])}
+    if problem.minimize in by_links:
+        terms = {**by_links[problem.minimize], (): np.array([rest[problem.minimize]])}
         rows.append(row_of(terms, size, objective=True, scale=worth))
     for number, limit in enumerate(problem.limits):
-        if limit.name not in own:
+        if limit.name not in by_links:
             continue
-        terms = {**own[limit.name], (): np.array([rest[limit.name] - limit.value])}
+        terms = {**by_links[limit.name], (): np.array([rest[limit.name] - limit.value])}
         if limit.relation != ">=":
             rows.append(row_of(terms, size, objective=False, scale=limit.value, limit=number))
         if limit.relation != "<=":
@@ -161,7 +161,7 @@ def error_rows(problem: Problem, terms: dict[Power, Array], size: int, worth: fl
         yield row_of(terms, size, objective=False, scale=least, shift=fixed - least, limit=number)
 
 
-def _own(problem: Problem, arm: Arm) -> tuple[dict[str, dict[Power, Array]], dict[str, float]]:
+def _link_terms(problem: Problem, arm: Arm) -> tuple[dict[str, dict[Power, Array]], dict[str, float]]:
     """Masses and cost: the products of each, and what no choice changes."""
     elastic = [(k, float(link.length)) for k, link in enumerate(arm.links) if link.section is not None]
     rigid = sum(link.mass or 0.0 for link in arm.links if link.section is None)

@@ -121,23 +121,23 @@ class Relaxation:
             return Relaxed(node, np.inf, np.zeros((len(self.cells), _WIDTH)))
         return _Solve(self, node, within).breach(enough)
 
-    def by_option(self, found: Relaxed, room: float) -> tuple[float, list[dict[int, float]]]:
+    def by_option(self, relaxed: Relaxed, room: float) -> tuple[float, list[dict[int, float]]]:
         """A bound by what a relaxed node's prices say, and for each link by how much more (at least) each option that
         the node has raises it; exact to a few thousandths only where that is less than `room`."""
-        bound = found.constant
+        bound = relaxed.constant
         losses: list[dict[int, float]] = []
-        for link_cells, start, price in zip(self.cells, found.node.cells, found.prices, strict=True):
-            ids = self._told_apart(link_cells, start, price, room, LOOSE * max(abs(found.bound), self.little))
+        for link_cells, start, price in zip(self.cells, relaxed.node.cells, relaxed.prices, strict=True):
+            ids = self._resolved(link_cells, start, price, room, LOOSE * max(abs(relaxed.bound), self.little))
             values, _ = link_cells.least_kept(ids, price, room)
             options, places = np.unique(link_cells.option[ids], return_inverse=True)
             least = np.full(len(options), np.inf)
             np.minimum.at(least, places, values)
-            ends = found.node.low if price[LENGTH] >= 0.0 else found.node.high
+            ends = relaxed.node.low if price[LENGTH] >= 0.0 else relaxed.node.high
             bound += float(least.min()) + float(price[LENGTH]) * float(ends[len(losses), LENGTH])
             losses.append(dict(zip(options.tolist(), (least - least.min()).tolist(), strict=True)))
         return bound, losses
 
-    def _told_apart(self, cells: Cells, ids: Ids, price: Array, room: float, loose: float) -> Ids:
+    def _resolved(self, cells: Cells, ids: Ids, price: Array, room: float, loose: float) -> Ids:
         """A link's cells, split where an option that is less than `room` above the best one is not known well."""
         for _ in range(_RANKING_TURNS):
             values, bent = cells.least_kept(ids, price, room)

@@ -21,31 +21,31 @@ _ASIDE = 1e-4
 """A side of a part this near (in logarithms) is where the split would be."""
 
 
-def split(relaxation: Relaxation, node: Node, found: Relaxed, *, by_kind: bool = True) -> list[Node]:
+def split(relaxation: Relaxation, node: Node, relaxed: Relaxed, *, by_kind: bool = True) -> list[Node]:
     """A part in two, by the column in which what is mixed differs most, or (`by_kind`) by shape and material."""
-    scores = found.chords.copy()
+    scores = relaxed.chords.copy()
     for k in range(len(relaxation.cells)):
         mixed: dict[int, tuple[float, Array]] = {}
-        for column, share in found.shares:
+        for column, share in relaxed.shares:
             if column.link == k:
                 weight, at = mixed.get(column.cell, (0.0, np.zeros(len(COLUMNS))))
                 mixed[column.cell] = (weight + share, at + share * column.values)
         for weight, at in mixed.values():
-            scores[k] += np.abs(found.prices[k]) * np.abs(at - weight * found.y[k])
+            scores[k] += np.abs(relaxed.prices[k]) * np.abs(at - weight * relaxed.y[k])
     # At a side that the part has already nothing is split.
-    beside = (found.y > node.low + _ASIDE) & (found.y < node.high - _ASIDE)
+    beside = (relaxed.y > node.low + _ASIDE) & (relaxed.y < node.high - _ASIDE)
     beside[:, LENGTH] = node.high[:, LENGTH] > node.low[:, LENGTH] + _ASIDE
     scores = np.where(beside, scores, 0.0)
     k, column = (int(x) for x in np.unravel_index(int(scores.argmax()), scores.shape))
-    by_rate = _by_rate(relaxation, node, found, float(scores[k, column]))
+    by_rate = _by_rate(relaxation, node, relaxed, float(scores[k, column]))
     if by_rate is not None:
         return by_rate
-    kinds = _by_kind(relaxation, node, found, float(scores[k, column])) if by_kind else None
+    kinds = _by_kind(relaxation, node, relaxed, float(scores[k, column])) if by_kind else None
     if kinds is not None:
         return kinds
     if scores[k, column] <= _LEAST_SCORE:
         return []
-    at = float(found.y[k, column])
+    at = float(relaxed.y[k, column])
     if column == LENGTH:
         room = 0.1 * (node.high - node.low)[k, LENGTH]
         at = min(max(at, node.low[k, LENGTH] + room), node.high[k, LENGTH] - room)

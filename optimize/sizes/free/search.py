@@ -24,7 +24,7 @@ from linkwright.core.optimize.exchange.design import numeric_beams
 from linkwright.core.optimize.exchange.exchange import Context, context_of
 from linkwright.core.optimize.exchange.program import cut_of
 from linkwright.core.optimize.result import Iteration
-from linkwright.core.optimize.sizes.listed_search import Found, ListedSearch, Progress
+from linkwright.core.optimize.sizes.listed_search import ListedSearch, Progress, SearchOutcome
 from linkwright.core.optimize.sizes.options import LinkList, agreeing_parts
 from linkwright.core.optimize.sizes.rows import greatest, product, table_row
 from linkwright.core.optimize.sizes.search import ListSearch
@@ -82,7 +82,7 @@ class FreeListSearch(ListedSearch):
     def _pool(self) -> Pool:
         return self._held
 
-    def run(self) -> Found:
+    def run(self) -> SearchOutcome:
         """Split and settle until nothing much better can be left, or enough parts were looked at."""
         self._begin_again()
         self._tried = set()
@@ -99,10 +99,10 @@ class FreeListSearch(ListedSearch):
         except KeyboardInterrupt:
             if self.judge.best is None:
                 raise
-            return self._found(interrupted=True)
-        return self._found()
+            return self._outcome(interrupted=True)
+        return self._outcome()
 
-    def _found(self, *, interrupted: bool = False) -> Found:
+    def _outcome(self, *, interrupted: bool = False) -> SearchOutcome:
         looked = bool(self._heap or math.isfinite(self._out) or self.judge.best is None)
         return self._ended(known=self.bounded and looked and self._agrees(), interrupted=interrupted)
 

@@ -9,7 +9,7 @@ import pytest
 
 from linkwright.core.arm.chain.chain import EffectEntry
 from linkwright.core.arm.chain.kinematics import tip_position
-from linkwright.core.arm.descriptions.exported import found_geometry
+from linkwright.core.arm.descriptions.exported import identified_geometry
 from linkwright.core.arm.descriptions.imported import import_robot
 from linkwright.core.arm.descriptions.into import into_file
 from linkwright.core.units.quantities import InputError
@@ -63,7 +63,7 @@ def test_a_urdf_stands_as_the_corrected_arm(tmp_path, found):
     arm = import_robot(path, base="base", tip="tool0").arm
     out = into_file(replace(arm, effects=found), path)
     assert not out.lost
-    true = found_geometry(replace(arm, effects=found))
+    true = identified_geometry(replace(arm, effects=found))
     draw = np.random.default_rng(2)
     for _ in range(4):
         q = [draw.uniform(*joint.range) for joint in arm.joints]
@@ -145,7 +145,7 @@ def test_an_mjcf_stands_as_the_corrected_arm(tmp_path, text):
     arm = of_mjcf(text)
     soft = EffectEntry("joint_compliance", (2, 3), {"compliance": 1e-4})
     out = into_file(replace(arm, effects=(*FOUND, soft)), path)
-    true = found_geometry(replace(arm, effects=FOUND))
+    true = identified_geometry(replace(arm, effects=FOUND))
     model = mujoco.MjModel.from_xml_string(out.text)
     draw = np.random.default_rng(3)
     for _ in range(4):

@@ -9,7 +9,7 @@ import pytest
 
 from linkwright.core.arm.chain.chain import EffectEntry
 from linkwright.core.arm.chain.kinematics import tip_position
-from linkwright.core.arm.descriptions.exported import found_geometry
+from linkwright.core.arm.descriptions.exported import identified_geometry
 from linkwright.core.arm.errors.model import beams_of
 from linkwright.core.arm.files.denavit_hartenberg import key_of_offset
 from tests.arm.effects.effect_states import Posed, conditions, moved
@@ -53,7 +53,7 @@ def test_what_is_found_of_a_row_goes_into_other_formats_as_that_number(modified,
         rows = np.array(ROWS)
         rows[row, number] += 2e-3 * factor
         entry = EffectEntry("link_length", (index + 1,), MappingProxyType({axis: 2e-3}))
-        found = found_geometry(replace(arm, effects=(entry,)))
+        found = identified_geometry(replace(arm, effects=(entry,)))
         assert np.ravel(tip_position(found, q)) == pytest.approx(tip_by_matrices(rows, q, modified=modified), abs=1e-12)
 
 

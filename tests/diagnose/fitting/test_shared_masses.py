@@ -247,8 +247,8 @@ def test_a_bounded_step_takes_no_compliance_below_zero() -> None:
     spans = (slice(0, 3), slice(3, 6), slice(6, 9))
     made = steps(9, spans, products)
     step = np.zeros(made.slopes.shape[1])
-    step[list(made.own)] = -0.1
+    step[list(made.groups)] = -0.1
     after = made.begun + made.taken(step, 1.0, bounded=True)
     assert [after[span][0] for span in spans] == pytest.approx([0.9, 0.0, 0.0], abs=1e-12)
-    assert made.at_zero(step) == {made.own[2]}
+    assert made.at_zero(step) == {made.groups[2]}
     assert made.at_zero(-step) == set()

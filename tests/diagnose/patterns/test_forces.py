@@ -8,7 +8,7 @@ import pytest
 from linkwright.core.diagnose.diagnosis import diagnose
 from linkwright.core.diagnose.fitting.prepare import prepare
 from linkwright.core.diagnose.options import Options
-from linkwright.core.diagnose.patterns.forces import pull_found
+from linkwright.core.diagnose.patterns.forces import fitted_pull
 from linkwright.core.diagnose.residual.observe import observe
 from tests.diagnose.arm_of_drives import arm_of_drives, given_way, read, turned_by, visited
 from tests.diagnose.core_cases import group_of
@@ -74,7 +74,7 @@ def test_a_pull_is_found_with_its_core_and_strength(core):
     """By least squares of the columns that come with it; the sharper the core, the better the place is known."""
     recording, place = beside_a_magnet(3, (3, 3), core=core)
     prepared = ready(recording)
-    candidate, columns = pull_found(prepared.observed, prepared.pool, prepared.vector, ())
+    candidate, columns = fitted_pull(prepared.observed, prepared.pool, prepared.vector, ())
     assert np.linalg.norm(place_of(candidate) - place) < 0.05 * core
     assert candidate.shapes["core"] == pytest.approx(core, rel=0.1)
     column, residual = columns[:, :, 0], prepared.observed.residual
@@ -92,9 +92,9 @@ def test_a_pull_is_found_beside_what_is_known():
     assert np.linalg.norm(off) > np.linalg.norm(moved)
     prepared = ready(read(q, moved + off, rng))
     known = (group_of(prepared, "encoder_offset", (1,)),)
-    beside, _ = pull_found(prepared.observed, prepared.pool, prepared.vector, known)
+    beside, _ = fitted_pull(prepared.observed, prepared.pool, prepared.vector, known)
     assert np.linalg.norm(place_of(beside) - place) < 0.03
-    alone, _ = pull_found(prepared.observed, prepared.pool, prepared.vector, ())
+    alone, _ = fitted_pull(prepared.observed, prepared.pool, prepared.vector, ())
     assert np.linalg.norm(place_of(alone) - place) > 0.06
 
 
@@ -102,7 +102,7 @@ def test_the_columns_of_a_pull_are_those_of_the_textbook():
     """J diag(C) J^T F of a unit pull, wherever and however wide it was found."""
     recording, _ = beside_a_magnet(1, (3, 2))
     prepared = ready(recording)
-    candidate, columns = pull_found(prepared.observed, prepared.pool, prepared.vector, ())
+    candidate, columns = fitted_pull(prepared.observed, prepared.pool, prepared.vector, ())
     assert candidate.outside
     q = prepared.observed.recording.q
     expected = given_way(q, drawn(planar_tip(q), place_of(candidate), 1.0, candidate.shapes["core"]))
@@ -112,7 +112,7 @@ def test_the_columns_of_a_pull_are_those_of_the_textbook():
 def test_a_stiff_arm_is_pulled_nowhere():
     recording, _ = beside_a_magnet(1, (3, 2))
     prepared = ready(recording, planar_arm())
-    assert pull_found(prepared.observed, prepared.pool, prepared.vector, ()) is None
+    assert fitted_pull(prepared.observed, prepared.pool, prepared.vector, ()) is None
 
 
 @pytest.mark.slow

@@ -7,7 +7,7 @@ import pytest
 
 from linkwright.core.diagnose.diagnosis import diagnose
 from linkwright.core.diagnose.patterns import forces
-from linkwright.core.diagnose.patterns.forces import pull_found
+from linkwright.core.diagnose.patterns.forces import fitted_pull
 from tests.costs import slow_but
 from tests.diagnose.arm_of_drives import arm_of_drives, given_way, read, turned_by, visited
 from tests.diagnose.patterns.test_forces import between, drawn, place_of, ready
@@ -81,7 +81,7 @@ def test_a_pull_moves_off_a_point_whose_coordinate_is_next_to_nought(monkeypatch
 
     monkeypatch.setattr(forces, "_points_around", moved)
     prepared = ready(recording)
-    candidate, _ = pull_found(prepared.observed, prepared.pool, prepared.vector, ())
+    candidate, _ = fitted_pull(prepared.observed, prepared.pool, prepared.vector, ())
     assert np.linalg.norm(place_of(candidate) - place) < 0.01
 
 

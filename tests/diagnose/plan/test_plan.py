@@ -46,8 +46,8 @@ def test_sizes_are_smaller_than_at_random(found):
     assert {item.effect for item in found.promise.shown} == {"backlash", "joint_compliance"}
     assert np.exp(np.mean(np.log(ratio))) > 1.25
     assert ratio.min() > 0.75
-    told, pairs = found.told_at_random
-    assert found.promise.told * pairs >= 0.99 * told * found.promise.pairs
+    told, pairs = found.separated_at_random
+    assert found.promise.separated * pairs >= 0.99 * told * found.promise.pairs
 
 
 def test_the_promise_is_of_the_readings_alone(found):

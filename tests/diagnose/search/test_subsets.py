@@ -125,7 +125,7 @@ def test_products_beside_everything_leave_nothing():
     all_columns = pool.columns(range(len(RANKS)))
     rest = products(pool, white).beside(all_columns)
     assert isinstance(rest, Products)
-    diagonal, blocks = rest.own
+    diagonal, blocks = rest.blocks
     assert max(np.abs(block).max() for block in (diagonal, *blocks)) < 1e-8
     assert np.abs(rest.against).max() < 1e-7
 

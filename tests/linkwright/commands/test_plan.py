@@ -201,9 +201,9 @@ def test_a_plan_that_is_no_better_than_random_poses_says_so():
     result = lw.plan(ARM, poses=9, for_=["encoder_offset"], repeats=2, payloads=["1 kg"], seed=3).found
     own = result.promise
     coarse = replace(own, shown=tuple(replace(item, smallest=2.0 * item.smallest) for item in own.shown))
-    hard = [replace(item, rivals=tuple(replace(r, told=math.inf) for r in item.rivals)) for item in own.shown]
+    hard = [replace(item, rivals=tuple(replace(r, resolved_size=math.inf) for r in item.rivals)) for item in own.shown]
     worse = replace(own, shown=tuple(hard))
-    assert 0 < worse.told < own.told
+    assert 0 < worse.separated < own.separated
     assert headline_of(result, [own] * 3).endswith("and are no better than poses at random.")
     assert headline_of(result, [worse, own, worse]).endswith("and are no better than poses at random.")
     assert ", more than poses at random, and show sizes no smaller" in headline_of(result, [worse] * 3)

@@ -51,7 +51,7 @@ def test_a_frequency_beyond_that_of_the_drives_is_refused_at_once(tmp_path: Path
     rounds: list[object] = []
     problem = problem_of(tmp_path, SOFT, f"subject_to: {{first_frequency: '>= 20 Hz', {ROOM}}}\n")
     with pytest.raises(NoAnswer, match="first_frequency"):
-        optimise(problem, log=rounds.append, told=texts.append)
+        optimise(problem, log=rounds.append, notify=texts.append)
     assert rounds == []
     assert len(texts) == 1
     assert f"{oscillator(4e4, 1e4):.4g}" in texts[0]

@@ -20,7 +20,7 @@ def test_the_answer_is_that_without_it(tmp_path: Path) -> None:
     """It is said at once, stands in the result with the limit that needs it, and changes nothing."""
     told: list[str] = []
     both = problem_of(tmp_path, PAPER_ARM, LIMITS + CHOOSE.format(f"aluminium-6061-t6, {LACKS}"))
-    found = optimise(both, told=told.append)
+    found = optimise(both, notify=told.append)
     alone = optimise(problem_of(tmp_path, PAPER_ARM, LIMITS + CHOOSE.format("aluminium-6061-t6")))
     assert found.objective == pytest.approx(alone.objective, rel=1e-9)
     (dropped,) = found.dropped

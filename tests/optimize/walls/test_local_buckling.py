@@ -107,7 +107,7 @@ def test_solid_links_have_nothing_that_buckles_so() -> None:
     result = evaluate(one_link(Circle(0.05)))
     assert result.local_buckling.least is None
     assert "local_buckling" not in result.unknown
-    assert not FIGURES["local_buckling"].told(result)
+    assert not FIGURES["local_buckling"].is_reported(result)
 
 
 def test_walls_that_buckle_are_a_warning() -> None:

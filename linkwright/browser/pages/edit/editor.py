@@ -62,9 +62,9 @@ class YamlEditor:
         if self._area.value == self.text:
             return
         self.text = self._area.value
-        await self._told()
+        await self._notify()
 
-    async def _told(self) -> None:
+    async def _notify(self) -> None:
         """Tell of a change once there is no further one for a moment."""
         self._version += 1
         mine = self._version
@@ -100,5 +100,5 @@ class YamlEditor:
         with self._area:  # the field that was changed goes when the form is made anew
             if again:
                 self._show_fields()
-            await self._told()
+            await self._notify()
         return True

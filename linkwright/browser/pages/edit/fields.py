@@ -18,7 +18,7 @@ class QuantityField:
     """Numbers that share a unit, each in a field, the unit beside them; what is typed with another unit changes it."""
 
     def __init__(self, label: str, parts: Parts, title: str, heard: Heard) -> None:
-        self._parts, self._told = parts, heard
+        self._parts, self._notify = parts, heard
         count = len(parts.numbers)
         names = [label] if count == 1 else [f"{label} from", "to"] if count == 2 else _numbered(label, count)
         with ui.element("div").classes("lw-quantity" + " lw-several" * (count > 1)) as place:
@@ -66,7 +66,7 @@ class QuantityField:
             field.value = number
         if parts.unit != (self._unit.value or ""):
             self._unit.set_options(parts.units or [parts.unit], value=parts.unit or None)
-        await self._told(parts.value())
+        await self._notify(parts.value())
 
 
 def words_field(label: str, value: str, heard: Heard, title: str = "") -> ui.input:

@@ -12,7 +12,7 @@ from linkwright.core.arm.chain.chain import Arm
 from linkwright.core.sections.numeric import Array
 from linkwright.core.units.quantities import InputError, shown
 
-from .exported import found_geometry, standing
+from .exported import identified_geometry, standing
 from .file_frames import FileFrames
 from .reading.transforms import transform
 from .reading.tree import NO_STEP, onward
@@ -43,7 +43,7 @@ def corrections(arm: Arm, there: FileFrames, file: Path) -> Corrections:
 
     Raises `InputError` where the file's joints stand elsewhere than the arm's do before what was found.
     """
-    before, after = _frames_of(arm), _frames_of(found_geometry(arm))
+    before, after = _frames_of(arm), _frames_of(identified_geometry(arm))
     to_arm = _base_of(arm, there, before, file)
     joints: list[Array] = []
     links: list[Array] = []
