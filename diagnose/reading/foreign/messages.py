@@ -76,7 +76,9 @@ def _wanted(topic: str, kind: str, topics: Sequence[str]) -> bool:
 
 def _by_rosbags(path: Path, topics: Sequence[str], heard: Heard) -> Iterator[Message]:
     try:
+        from rosbags import rosbag1, rosbag2
         from rosbags.highlevel import AnyReader, AnyReaderError
+        from rosbags.serde import SerdeError
         from rosbags.typesys import Stores, get_typestore
     except ImportError:
         raise InputError(path, "", not_installed("a bag", "rosbags", "logs")) from None
@@ -89,7 +91,7 @@ def _by_rosbags(path: Path, topics: Sequence[str], heard: Heard) -> Iterator[Mes
             for connection, received, raw in reader.messages(chosen) if chosen else ():
                 body = reader.deserialize(raw, connection.msgtype)
                 yield Message(connection.topic, _name(connection.msgtype), 1e-9 * received, fields_of(body))
-    except AnyReaderError as error:
+    except (AnyReaderError, rosbag1.ReaderError, rosbag2.ReaderError, SerdeError) as error:
         raise ValueError(str(error)) from None
 
 
