@@ -148,14 +148,14 @@ def _with_rest(identified: Identified, members: Sequence[Member]) -> tuple[Membe
 
 
 def _about(identified: Identified, arm: Arm, sizes: Array) -> _Linearised:
-    pool, own = identified.pool, [bool(row.prepared.own) for row in identified.rows]
+    pool, own = identified.pool, [bool(row.prepared.entries) for row in identified.rows]
     rows = tuple(about(row, pool, arm, sizes) for row in identified.rows)
     by_joint = joint_rows(rows)
     fit = beside = counted = products(by_joint, pool.width, near=False)
     if identified.turning.any():
         fit = mixed(beside, products(by_joint, pool.width, near=True), identified.turning)
     if any(own):
-        shared = [replace(row, prepared=replace(row.prepared, own=())) for row in identified.rows]
+        shared = [replace(row, prepared=replace(row.prepared, entries=())) for row in identified.rows]
         rows = tuple(
             about(bare, pool, arm, sizes) if has else row for bare, has, row in zip(shared, own, rows, strict=True)
         )
