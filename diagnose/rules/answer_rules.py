@@ -91,14 +91,14 @@ class AnswerRules:
         "share of the RMS in sample",
         "Held-out readings that leave less than fitted ones by this share contradict them. Least squares of one model "
         "never does. Weights by branch change the ratio a little.",
-        "sixty canonical recordings: at most 0.002 over all joints",
+        "canonical recordings: at most 0.002 over all joints",
     )
     held_out_apart: float = rule(
         3.0,
         "times",
         "Blocks of poses that leave this many times what single rows leave show a fit of these poses alone. Stretches "
         "of time against blocks of poses show a change with time.",
-        "sixty canonical recordings: at most 1.2 for tips, 1.4 for a joint",
+        "canonical recordings: at most 1.2 for tips, 1.4 for a joint",
     )
     most_memory: float = rule(0.8, "correlation", "No more is granted to noise before a fit is held to its repeats.")
     local: float = rule(0.25, "median over RMS", "A remainder below this is concentrated at a few visits.", PROOF)

@@ -101,11 +101,11 @@ class MotionRules:
         "From this share on, or from the noise of the sensors if that is smaller, a dependence is called unknown.",
     )
     above_noise: float = rule(
-        4.0,
+        10.0,
         "times the noise of the sensors",
-        "A larger remainder of a joint is called unknown, if it exceeds what filters leave. The noise is that above "
-        "the low-pass. Noise that remembers a tenth of a second is up to 3 times louder below it.",
-        "thirty canonical logs (1.5 times at most without unknown physics) and noise with memory (2.9 times)",
+        "A remainder of a joint that is an order of magnitude above them is called unknown, if it exceeds what filters "
+        "leave. The noise is that above the low-pass. Noise with memory is up to 3 times louder below it.",
+        "the proof's disclosed half: causes too small to be named leave 5 times at most",
     )
     uneven: float = rule(
         3.0, "times the median of all joints", "A joint's unexplained share beyond this is called unknown."
