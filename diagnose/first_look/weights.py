@@ -111,8 +111,8 @@ def _doubt(seen: dict[int, _Look], arm: Arm, rules: Rules) -> None:
         told = list(kinds.values())[:_TOLD]
         ways = [written({"columns": columns}) for each in told if (columns := each.columns(arm, look.headers))]
         by = "" if source is look else f", as in {Path(source.log.file).name}"
-        sentence = f"The arm's weights leave doubt{by}: {_any_of(told)}. The log is taken as it stands" + (
-            f"; if it is so, write {' or '.join(ways)} in recording.yaml." if ways else "."
+        sentence = f"The arm's weights leave doubt{by}: {_any_of(told)}. The log is taken as it stands." + (
+            f" If it is so, write {' or '.join(ways)} in recording.yaml." if ways else ""
         )
         seen[number] = replace(look, log=look.log.saying(sentence))
 

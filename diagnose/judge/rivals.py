@@ -110,7 +110,7 @@ def chosen(rivals: Sequence[Rival], most: float = math.inf) -> Rivals:
         raise ValueError("rivals of different parts")
     weights = _weights(rivals)
     allowed = [rival for rival in rivals if rival is nominal or _no_worse(rival, nominal, weights)]
-    carry = [r for r in allowed if (r.losses.sum(axis=0) <= most**2 * r.fitted).all()]
+    carry = [rival for rival in allowed if (rival.losses.sum(axis=0) / most**2 <= rival.fitted).all()]
     allowed = carry if any(rival is not nominal for rival in carry) else allowed
     best = min(allowed, key=lambda rival: (_total(rival, weights), _ORDER.index(rival.name)))
     alike = [rival for rival in allowed if _within(rival, best, weights)]
