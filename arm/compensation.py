@@ -223,7 +223,7 @@ def grid_axes(arm: Arm, points: int) -> tuple[Array, ...]:
 
 
 def moves(joint: Joint) -> bool:
-    """Whether a joint has a separate coordinate, which can change."""
+    """Whether a joint has an independent coordinate, which can change."""
     return joint.driven and joint.range[1] > joint.range[0]
 
 

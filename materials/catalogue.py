@@ -12,7 +12,7 @@ found_in:                              # optional: in which text the values of a
 materials:
   steel-s355:
     title: S355 structural steel
-    source: en-1993-1-1                # for all properties that name none of their
+    source: en-1993-1-1                # for all properties that name none
     elastic_modulus: 210 GPa           # see catalogue_entry.py for what a property can be
     density: {value: 7850 kg/m^3, source: en-1993-1-2}
 prices:                                # of materials of other catalogues (or this one), which stay as they are

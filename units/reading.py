@@ -188,7 +188,7 @@ def parse_yaml(text: str, *, file: object) -> object:
 
 
 def parse_bundled_yaml(text: str) -> object:
-    """What a YAML file of the program's holds. It is read by the C parser, ten times as fast, which lets pass what
+    """What a YAML file of the program holds. It is read by the C parser, ten times as fast, which lets pass what
     `parse_yaml` refuses; plain words mean the same, and the tests read the same files by both."""
     fast: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
     meaning = {"yaml_implicit_resolvers": _Loader.yaml_implicit_resolvers}

@@ -145,7 +145,7 @@ class Joint:
 
     @property
     def driven(self) -> bool:
-        """Whether the joint has a separate coordinate; one that only follows has none."""
+        """Whether the joint has an independent coordinate; one that only follows has none."""
         return self.follows is None or self.follows.driven
 
     @property

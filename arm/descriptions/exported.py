@@ -271,7 +271,7 @@ def _floats(vector: Array) -> FloatVector:
 
 
 def mimicked(arm: Arm, index: int) -> tuple[int, float, float] | None:
-    """The one joint (from 0) whose turn a joint (from 0) without a drive of its follows, by what multiplier and
+    """The one joint (from 0) whose turn a joint (from 0) without a drive follows, by what multiplier and
     offset; None where it follows several, or the coordinate of one that follows others itself."""
     follows = arm.joints[index].follows
     if follows is None or follows.driven or len(follows.ties) != 1:

@@ -112,7 +112,7 @@ def _one_by_one(chooser: Chooser, bounds: CombinationBounds | None) -> float | N
         if chooser.progress is not None:
             gap_text = "" if math.isinf(gap) else f", none more than {gap:.2%} better"
             chooser.progress(number, number + left, f"solving combinations{gap_text}")
-        # What has no bound of its tells nothing of where the best is.
+        # What has no bound tells nothing of where the best is.
         finite = running & np.isfinite(bounds.bounds)
         place = np.argmin(np.where(finite, bounds.bounds, np.inf)) if finite.any() else np.argmax(running)
         _solve(

@@ -53,7 +53,7 @@ class Room:
         return dict(self.held).get(family, (0,) * groups)
 
     def holds(self, other: Room) -> bool:
-        """Whether there is room for what `other` needs; a group without poses of its cannot fill its slots."""
+        """Whether there is room for what `other` needs; a group without poses cannot fill its slots."""
         pairs = list(zip(self.errors, other.errors, strict=True))
         for family in dict(self.held) | dict(other.held):
             groups = max(len(dict(item.held).get(family, ())) for item in (self, other))

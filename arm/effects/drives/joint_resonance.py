@@ -1,4 +1,4 @@
-"""A drive that gives: the arm behind it lags, and swings at a separate frequency."""
+"""A drive that gives: the arm behind it lags, and swings at its natural frequency."""
 
 from __future__ import annotations
 
