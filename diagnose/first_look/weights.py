@@ -65,7 +65,7 @@ def look_at_weights(
     for number, look in seen.items():
         if look.given.total < rules.log.conventions_gain:
             continue
-        # Speeds that are the coordinates' derivatives decide on their unit; what no constant fits, no side of gravity explains.
+        # Speeds that are derivatives decide on their unit; what no constant fits, no side of gravity explains.
         units, free = look.log.velocity is None, look.log.torque_constants_free
         singles = look.evidence.library.of_torques(units=units, gravity=not free)
         tried = likeliest(look.evidence, look.given, singles, [each for each in singles if each.common])
