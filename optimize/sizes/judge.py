@@ -334,7 +334,6 @@ class Judge:
                 self.pool = self.pool.with_cuts(family.name, [item.cut for item in worst])
 
     def _reaches(self, lengths: int) -> bool:
-        """Whether a choice of lengths reaches all that it must."""
         if self.problem.must_reach and lengths not in self._whole:
             search, p = self.context.search, self._with_lengths(lengths)
             self._near, missed = reached(
@@ -344,7 +343,6 @@ class Judge:
         return self._whole.get(lengths, True)
 
     def _with_lengths(self, lengths: int) -> Array:
-        """The beam values of a design that has a choice of lengths."""
         return self.table.figures(np.array([[*[0] * len(self.table.lists), lengths]])).p[0]
 
     def _kept(self, name: str, value: float, number: int | None = None) -> bool:

@@ -111,6 +111,43 @@ class ListedSearch(BranchAndBound[Node]):
         return all(value <= (self.objective * (1.0 + _AGREE) if item else _AGREE) for item, value in values)
 
     @abstractmethod
+    def _enough(self) -> float:
+        """The bound (relative to `worth`) from which a part holds nothing worth winning."""
+
+    @abstractmethod
+    def _try(self, relaxed: Relaxed) -> None:
+        """Look for a better design near a relaxed part."""
+
+    @abstractmethod
+    def _divide(self, left: Node, relaxed: Relaxed, enough: float) -> None:
+        """Compare what is left of a part, or put its parts on the heap."""
+
+    def _compared_all(self, part: Node) -> bool:
+        """Whether a part was small enough to compare its designs one by one."""
+        del part
+        return False
+
+    def _step(self, part: Node) -> None:
+        if part.bound >= self._enough():
+            self._done_with(part.bound)
+            return
+        if self._compared_all(part):
+            return
+        relaxed = self.relaxation.solve(part, self._enough())
+        bound = max(relaxed.bound, part.bound)
+        if bound < self._enough():
+            self._try(relaxed)
+        enough = self._enough()
+        if bound >= enough:
+            self._done_with(bound)
+            return
+        left = self._filtered(replace(relaxed.node, bound=bound), relaxed, enough)
+        if any(len(ids) == 0 for ids in left.cells):
+            self._done_with(enough)
+            return
+        self._divide(left, relaxed, enough)
+
+    @abstractmethod
     def run(self) -> SearchOutcome:
         """Look for the best design until nothing much better can be left, or enough parts were looked at."""
 
@@ -119,7 +156,6 @@ class ListedSearch(BranchAndBound[Node]):
         self.judge.exclude(pick)
 
     def _columns(self, pick: Sequence[int]) -> Array:
-        """The columns (n K) of an option of each link."""
         return self.relaxation.full(
             np.array([link_list.columns[option] for link_list, option in zip(self.lists, pick, strict=True)])
         )

@@ -155,31 +155,14 @@ class ListSearch(ListedSearch):
 
     # ---- parts
 
-    def _step(self, part: Node) -> None:
-        if part.bound >= self._enough():
-            self._done_with(part.bound)
-            return
-        if self._compared_all(part):
-            return
-        relaxed = self.relaxation.solve(part, self._enough())
-        bound = max(relaxed.bound, part.bound)
-        if bound < self._enough():
-            self._try(relaxed)
-        enough = self._enough()
-        if bound >= enough:
-            self._done_with(bound)
-            return
-        left = self._filtered(replace(relaxed.node, bound=bound), relaxed, enough)
-        if any(len(ids) == 0 for ids in left.cells):
-            self._done_with(enough)
-            return
+    def _divide(self, left: Node, relaxed: Relaxed, enough: float) -> None:
         least, losses = self._losses(left, relaxed)
         picks = combined(losses, enough - least, _MOST_COMPARED)
         if picks is not None and self._compare(self._picks(left, picks)):
             self._done_with(enough)
             return
         for item in self._halves(left, relaxed) or self._by_weight(left):
-            self._push(item, bound)
+            self._push(item, left.bound)
 
     def _by_weight(self, node: Node) -> list[Node]:
         """A part in two, by the weights of the link that has most options."""
@@ -233,7 +216,6 @@ class ListSearch(ListedSearch):
         return np.stack([link_options[places[:, k]] for k, link_options in enumerate(part.cells)], axis=1)
 
     def _placed(self, picks: Integers) -> Integers:
-        """Options of the links with the choice of lengths."""
         return np.hstack([picks, np.full((len(picks), 1), self.place, dtype=np.intp)])
 
     def _try(self, relaxed: Relaxed) -> None:

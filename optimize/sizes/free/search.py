@@ -166,27 +166,13 @@ class FreeListSearch(ListedSearch):
     def _enough(self) -> float:
         return self.objective * (1.0 - _SHARE * WANTED)
 
-    def _step(self, part: Node) -> None:
-        if part.bound >= self._enough():
-            self._done_with(part.bound)
-            return
-        relaxed = self.relaxation.solve(part, self._enough())
-        bound = max(relaxed.bound, part.bound)
-        if bound < self._enough():
-            self._try(relaxed)
-        enough = self._enough()
-        if bound >= enough:
-            self._done_with(bound)
-            return
-        left = self._filtered(replace(relaxed.node, bound=bound), relaxed, enough)
-        if any(len(ids) == 0 for ids in left.cells):
-            self._done_with(enough)
-            return
+    def _divide(self, left: Node, relaxed: Relaxed, enough: float) -> None:
+        del enough
         parts = self._halves(left, relaxed)
         if not parts:
-            self._done_with(bound)
+            self._done_with(left.bound)
         for item in parts:
-            self._push(item, bound)
+            self._push(item, left.bound)
 
     # ---- designs
 
