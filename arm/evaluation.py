@@ -253,7 +253,7 @@ def _evaluated(
             *([] if missed is None else [missed.text(space.kind)]),
             *([] if growth is None else [growth.words(worst.error)]),
             *idle_effects(arm),
-            *nothing_errs(arm),
+            *warn_if_no_error_source(arm),
             *doubtful_materials(arm),
             *shapeless(beyond),
             *(
@@ -421,7 +421,7 @@ def idle_effects(arm: Arm) -> list[str]:
     return lines
 
 
-def nothing_errs(arm: Arm) -> list[str]:
+def warn_if_no_error_source(arm: Arm) -> list[str]:
     """One line where the arm's file holds nothing that moves the tip: an error of zero then says nothing."""
     gives = any(joint.stiffness is not None or joint.zones or joint.backlash or joint.clearance for joint in arm.joints)
     gives = gives or any(joint.tilting_stiffness is not None or joint.guide is not None for joint in arm.joints)

@@ -39,12 +39,12 @@ def joints_that_matter(columns: ErrorColumns, vectors: int, arm: Arm, coordinate
     differ nowhere, which is certain, but for rounding, of polynomials.
     """
     free = coordinates.moving
-    q = all_round(coordinates, seed=3)
+    q = sample_full_travel(coordinates, seed=3)
     here = columns(q)
     size = np.abs(here).max(axis=0, initial=0.0)
     for kind in (slice(0, vectors), slice(vectors, None)):
         size[kind] = size[kind].max(initial=0.0)
-    other = all_round(coordinates, seed=4)
+    other = sample_full_travel(coordinates, seed=4)
     moved = {j: columns(_replaced(q, j, other)) for j in free}
     matter = [j for j in free if not _alike(moved[j], here, size)]
     for j in matter:
@@ -62,7 +62,7 @@ def still_all_that_matter(columns: ErrorColumns, vectors: int, coordinates: Coor
     stand, the vectors have the same lengths and products with each other, and the other figures are the same."""
     if len(joints) == len(coordinates.moving):
         return True
-    q = all_round(coordinates, seed=6)[:_LOOKED_AT]
+    q = sample_full_travel(coordinates, seed=6)[:_LOOKED_AT]
     values = columns(np.vstack([q, coordinates.placed(joints, q[:, list(joints)])]))
     vectors_here = values[:, :vectors].reshape(len(values), -1, 3)
     here, there = np.split(vectors_here @ vectors_here.transpose(0, 2, 1), 2)
@@ -73,7 +73,7 @@ def still_all_that_matter(columns: ErrorColumns, vectors: int, coordinates: Coor
 
 
 @lru_cache(maxsize=64)
-def all_round(coordinates: Coordinates, seed: int) -> Array:
+def sample_full_travel(coordinates: Coordinates, seed: int) -> Array:
     """Poses (N, n) from whole circles and whole slides; joints without width stand where they do."""
     free = coordinates.moving
     some = coordinates.of(free)

@@ -17,7 +17,7 @@ from linkwright.core.arm.chain.vectors import Vector
 from linkwright.core.arm.errors.model import CaseModel
 from linkwright.core.sections.numeric import Array
 
-from .dependence import all_round, joints_that_matter
+from .dependence import sample_full_travel, joints_that_matter
 from .hull import Axis, Pins, PlayedVector, Within, bound, played_vector
 from .polynomial import Coordinates, NotPolynomial, fit
 from .workspace import RegionCells
@@ -108,7 +108,7 @@ def _played(
         raise NotPolynomial("the error depends on too many joints")
     radii, kept = np.zeros(0), list[int]()
     if pins and len(case.radii):
-        radii, kept = _merged(case.radii, case.arrays(all_round(coordinates, seed=5), p).normals)
+        radii, kept = _merged(case.radii, case.arrays(sample_full_travel(coordinates, seed=5), p).normals)
 
     def columns(q: Array) -> Array:
         arrays = case.arrays(q, p)
