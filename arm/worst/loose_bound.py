@@ -17,7 +17,7 @@ from linkwright.core.arm.chain.vectors import Vector
 from linkwright.core.arm.errors.model import CaseModel
 from linkwright.core.sections.numeric import Array
 
-from .dependence import sample_full_travel, joints_that_matter
+from .dependence import joints_that_matter, sample_full_travel
 from .hull import Axis, Pins, PlayedVector, Within, bound, played_vector
 from .polynomial import Coordinates, NotPolynomial, fit
 from .workspace import RegionCells
