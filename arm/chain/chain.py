@@ -266,6 +266,10 @@ class Link:
             return replace(self.may_lack, askew=True)
         return self.may_lack if self.section is None else self.may_lack.with_that(asymmetry_of(self.section))
 
+    def chosen(self, section: Section, name: str | None, material: Material | None) -> Link:
+        """The link with what was chosen for it; what others might have lacked of symmetry is no longer of it."""
+        return replace(self, section=section, section_name=name, material=material, may_lack=SYMMETRIC)
+
     @property
     def elastic(self) -> bool:
         """Whether the link has what it takes to bend."""

@@ -13,7 +13,7 @@ import numpy as np
 
 from linkwright.core.arm.bodies.warping import FREE, warping_of
 from linkwright.core.arm.chain.beam import Beam, elastic_beam
-from linkwright.core.arm.chain.chain import SYMMETRIC, Arm, Asymmetry, LoadCase, asymmetry_of
+from linkwright.core.arm.chain.chain import Arm, Asymmetry, LoadCase, asymmetry_of
 from linkwright.core.arm.chain.prices import price_by_length, price_by_mass
 from linkwright.core.arm.chain.similar_taper import similar_beam
 from linkwright.core.arm.errors.calibrated import calibrated_temperature
@@ -355,8 +355,7 @@ def arm_of(space: DesignSpace, x: Array, materials: Sequence[Material | None]) -
         plain: Section = type(section)(**{name: float(value) for name, value in section.given().items()})
         ratio = math.exp(float(tapers[k]))
         plain = plain if abs(ratio - 1.0) < _UNIFORM else similar(plain, ratio)
-        by_name = {"section": plain, "length": float(length), "material": material}
-        links[k] = replace(links[k], **by_name, section_name=None, may_lack=SYMMETRIC)
+        links[k] = replace(links[k].chosen(plain, None, material), length=float(length))
     return balanced(space.problem.arm.with_links(tuple(links)), space.balance([float(value) for value in x]))
 
 

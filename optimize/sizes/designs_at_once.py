@@ -181,9 +181,8 @@ class Table:
         lengths = self.lengths[pick[-1]]
         for link_list, number in zip(self.lists, pick, strict=False):
             option = link_list.options[number]
-            links[link_list.link] = replace(
-                links[link_list.link], section=option.section, section_name=option.stock, material=option.material
-            )
+            link = links[link_list.link]
+            links[link_list.link] = link.chosen(option.section, option.stock, option.material)
         links = [replace(link, length=length) for link, length in zip(links, lengths, strict=True)]
         return self.arm.with_links(tuple(links))
 

@@ -117,5 +117,5 @@ def listed_arm(problem: Problem, numbers: Sequence[float]) -> Arm:
         m, k = divmod(int(number), len(listed))
         option, material = listed[k], problem.materials_of(place)[m]
         name = None if option.stock is None else option.stock.name
-        links[place] = replace(links[place], section=option.section, section_name=name, material=material)
+        links[place] = links[place].chosen(option.section, name, material)
     return problem.arm.with_links(tuple(links))
