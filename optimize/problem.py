@@ -583,6 +583,9 @@ def _shapes(body: Mapping, key: str) -> tuple[str, ...]:
     names = _names(body, key)
     free = {name: kind for name, kind in SHAPES.items() if can_be_chosen(name)}
     for number, name in enumerate(names, start=1):
+        if name in SHAPES and name not in free:
+            would_do = "name stock sizes without a shape: choose: {sizes: [...]}"
+            raise body.error(f"{key}[{number}]", f"the dimensions of a {name} cannot be chosen; {would_do}")
         if name not in free:
             raise body.error(f"{key}[{number}]", f"there is no shape '{name}' to choose{nearest(name, free)}")
     return tuple(dict.fromkeys(names))

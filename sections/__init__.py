@@ -33,6 +33,7 @@ from linkwright.core.sections.shapes import (
     Triangle,
     TriangularTube,
     TSection,
+    TSlot,
     Tube,
 )
 from linkwright.core.sections.stock.tables import Stock, StockSize, load_stock
@@ -66,6 +67,7 @@ __all__ = [
     "Stock",
     "StockSize",
     "TSection",
+    "TSlot",
     "Triangle",
     "TriangularTube",
     "Tube",

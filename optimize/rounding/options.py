@@ -42,10 +42,12 @@ GRADES = MappingProxyType(
         "EN 10365": _STEELS,
         "EN 755": _WROUGHT,
         "Aluminum Design Manual": _WROUGHT,
+        "Misumi": ("aluminium-6063-t6",),
     }
 )
 """The shipped materials that a standard of dimensions is delivered in, by the technical conditions that go with it:
-EN 10210-1, EN 10219-1, EN 10025 (for EN 10365), EN 755-2 and ASTM B221 (for the Aluminum Design Manual)."""
+EN 10210-1, EN 10219-1, EN 10025 (for EN 10365), EN 755-2 and ASTM B221 (for the Aluminum Design Manual). Misumi's
+alloys are near 6063."""
 
 
 @dataclass(frozen=True)

@@ -15,6 +15,7 @@ from linkwright.core.sections.shapes.rectangle import Rectangle
 from linkwright.core.sections.shapes.rectangular_tube import RectangularTube
 from linkwright.core.sections.shapes.regular_polygon import HexagonalTube, Octagon, OctagonalTube
 from linkwright.core.sections.shapes.t_section import TSection
+from linkwright.core.sections.shapes.t_slot import TSlot
 from linkwright.core.sections.shapes.triangle import Triangle
 from linkwright.core.sections.shapes.triangular_tube import TriangularTube
 from linkwright.core.sections.shapes.tube import Tube
@@ -44,6 +45,7 @@ SHAPES.ship(
     Channel,
     TSection,
     Angle,
+    TSlot,
     Polygon,
 )
 
@@ -63,6 +65,7 @@ __all__ = [
     "Rectangle",
     "RectangularTube",
     "TSection",
+    "TSlot",
     "Triangle",
     "TriangularTube",
     "Tube",

@@ -180,7 +180,7 @@ def test_one_size_can_be_imported_under_another_name(sections, own):
 
 FAMILIES = (
     ("IPE", "HEA", "ALU BAR", "ALU TUBE"), ("RHS",), ("CHS",), ("HFSHS",), ("HFRHS",), ("SHS",),
-    ("HEB", "HEM", "ALU RT", "ALU FLAT"),
+    ("HEB", "HEM", "ALU RT", "ALU FLAT", "HFS"),
 )  # fmt: skip
 
 

@@ -20,13 +20,17 @@ from linkwright.core.sections import (
     Section,
     SectionError,
     SectionProperties,
+    TSlot,
     Wall,
 )
 from linkwright.core.sections.contract import check_shape
 from linkwright.core.sections.formulas.by_ratios import figures_by_ratios
 from linkwright.core.units.quantities import InputError
 
-FIXED = {"polygon": Polygon(((0.0, 0.0), (0.06, 0.0), (0.06, 0.01), (0.01, 0.01), (0.01, 0.05), (0.0, 0.05)))}
+FIXED = {
+    "polygon": Polygon(((0.0, 0.0), (0.06, 0.0), (0.06, 0.01), (0.01, 0.01), (0.01, 0.05), (0.0, 0.05))),
+    "t_slot": TSlot(0.02, 0.02, 0.006, 0.012, 0.002, 0.008, 0.0015, 0.0042),
+}
 """Sections of shapes whose dimensions cannot be drawn."""
 
 

@@ -152,6 +152,46 @@ def test_octagon_from_first_principles() -> None:
     assert result.second_moment_z == result.second_moment_y
 
 
+@pytest.mark.parametrize(
+    ("name", "strong", "weak", "mass"),
+    [("HFS5-2020", 0.742, 0.742, 0.50), ("HFS5-2040", 5.13, 1.358, 0.88), ("HFS8-4040", 10.4, 10.4, 1.73)],
+)
+def test_extrusions_have_the_makers_figures(name: str, strong: float, weak: float, mass: float) -> None:
+    """Misumi's second moments (cm^4) and masses per metre (kg/m, density 2,700), within what its drawings' fillets
+    do."""
+    section = load_stock(user=False).find(name).section
+    area, about_y, about_z = moments_within(section.outline())
+    assert 1e8 * about_y == pytest.approx(strong, rel=0.003)
+    assert 1e8 * about_z == pytest.approx(weak, rel=0.012)
+    assert 2700.0 * area == pytest.approx(mass, rel=0.025)
+
+
+def moments_within(loops: list[np.ndarray]) -> tuple[float, float, float]:
+    """Area and second moments about the origin by Green's theorem, holes taken away."""
+    totals = np.zeros(3)
+    for number, loop in enumerate(loops):
+        (y0, z0), (y1, z1) = loop[:-1].T, loop[1:].T
+        twice = y0 * z1 - y1 * z0
+        part = np.array(
+            [
+                twice.sum() / 2,
+                (twice * (z0**2 + z0 * z1 + z1**2)).sum() / 12,
+                (twice * (y0**2 + y0 * y1 + y1**2)).sum() / 12,
+            ]
+        )
+        totals += np.abs(part) * (1 if number == 0 else -1)
+    return tuple(totals)  # type: ignore[return-value]
+
+
+def test_a_slotted_bar_twists_like_its_thin_parts() -> None:
+    """J is above that of the bored core alone, and near that of the core with ribs (b t^3 / 3 each) and corners."""
+    section = load_stock(user=False).find("HFS5-2020").section
+    constant = 1e12 * section.properties(0.33).torsion_constant
+    core = 0.1406 * 8.0**4 - math.pi / 32.0 * 4.2**4
+    ribs, corners = 4 * 4.5 * 1.5**3 / 3.0, 4 * 0.1406 * 4.0**4
+    assert core < constant < 1.25 * (core + ribs + corners)
+
+
 def test_hexagonal_tube_from_first_principles() -> None:
     # Side a, A = 3 sqrt(3) / 2 a^2, I = 5 sqrt(3) / 16 a^4 about any axis, outside less inside; J by Bredt's formula
     # (4 A_m^2 t / U; R. Bredt, Z. VDI 40 (1896) 785-790) and the walls' own U t^3 / 3. The shear flow cuts its corners,
