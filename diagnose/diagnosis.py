@@ -100,7 +100,7 @@ def diagnose(
 def _diagnosed(arm: Arm, recording: Recording, options: Options, hear: Progress) -> Diagnosis:
     """What an arm's model leaves out, its free transforms about where they stand."""
     began, tell = time.perf_counter(), _SoFar(hear)
-    tell("noise floor", 0.0)
+    tell("estimating the noise floor", 0.0)
     rules = options.rules
     recording, noise, cleaned, floors = cleaned_of(arm, recording, rules)
     tell("setting the recording against the model", 0.05)
@@ -131,7 +131,7 @@ def _diagnosed(arm: Arm, recording: Recording, options: Options, hear: Progress)
         if min(test.p_value for test in named.gate) <= rules.search.false_alarm:
             namer, named = about_large(namer, named, about)
         if may_couple(namer, named):
-            again = coupled(namer, options.without, lambda share: tell("loads and flexibility", 0.6 + 0.05 * share))
+            again = coupled(namer, options.without, lambda share: tell("fitting loads with flexibility", 0.6 + 0.05 * share))
             if again is not namer:
                 before = candidates_of(namer, named.members)
                 namer = again
@@ -220,7 +220,7 @@ def _with_labels(
         options,
         known,
         diagnosis.rms_promised,
-        lambda share: tell("labels put right", 0.96 + 0.04 * share),
+        lambda share: tell("correcting labels", 0.96 + 0.04 * share),
     )
     if wrong is None:
         return diagnosis

@@ -88,7 +88,7 @@ class StructureSearch(Generic[Result]):
         try:
             for done, places in enumerate(every):
                 if places and self._progress is not None:
-                    self._progress(done, len(every), f"motors {', '.join(place.words for place in places)}")
+                    self._progress(done, len(every), f"trying motors {', '.join(place.words for place in places)}")
                 self._look_at(places)
         except KeyboardInterrupt:
             if self.best is None:
@@ -136,7 +136,7 @@ class StructureSearch(Generic[Result]):
         left.sort(key=lambda item: item[0])
         for done, (_, structure) in enumerate(left):
             if self._progress is not None:
-                self._progress(done, len(left), f"actuators {names_of(structure.drives)}")
+                self._progress(done, len(left), f"trying actuators {names_of(structure.drives)}")
             self._try(structure)
 
     def _try(self, structure: Structure) -> None:

@@ -115,7 +115,7 @@ class Conclusion:
         corrected, origins = identified_origins(
             file.written.prepared, file.written.refit, file.written.outside, corrected, room, self.search
         )
-        self.names.tell("next poses", 0.95)
+        self.names.tell("choosing the next poses", 0.95)
         proposed = next_poses(
             self.names.namer,
             [*self.names.named_members, *self.names.forms],

@@ -100,10 +100,10 @@ def diagnosed(
     )
     rows = []
     for number, each in enumerate(prepared):
-        tell(f"columns of {Path(each.log.file).name}", 0.05 + 0.3 * number / len(prepared))
+        tell(f"fitting {Path(each.log.file).name}", 0.05 + 0.3 * number / len(prepared))
         rows.append(log_rows(each, pool, rules=rules))
     scans = scanned(_effects(request))
-    tell("ripple by order", 0.35)
+    tell("fitting ripple by order", 0.35)
     heard = noise(pool, products(joint_rows(rows), pool.width, near=False)).sizes
     slow = [(effect, item) for effect, item in _ripples(rows, heard, scans, request, fast=False)]
     if slow:
@@ -126,7 +126,7 @@ def diagnosed(
         identified.unnamed,
         rules=rules,
     )
-    tell("what is left", 0.95)
+    tell("testing what is left", 0.95)
     seen = [_structure(identified, joint, request) for joint in range(arm.size)]
     judge = judged(arm, identified, sizes.numbers, [entry_of(effect, item) for effect, item in swift], rules=rules)
     sizes = as_written(sizes, identified, judge.named)

@@ -52,7 +52,7 @@ def plan(arm: Arm, asked: Asked, tell: Progress, after: Recording | None = None)
     """
     began = time.perf_counter()
     axes = seen_axes(asked.instrument, arm)
-    tell("poses to try", 0.0)
+    tell("collecting poses", 0.0)
     tried = tried_visits(arm, asked)
     patterns = _patterns(arm, asked, tried, axes, after)
     rng = np.random.default_rng(asked.seed)
@@ -78,7 +78,7 @@ def plan(arm: Arm, asked: Asked, tell: Progress, after: Recording | None = None)
     random: list[Promise] = []
     try:
         for k in range(0 if interrupted else asked.rules.plan.rivals):
-            tell("poses at random, to compare", 0.7 + 0.3 * k / asked.rules.plan.rivals)
+            tell("comparing with poses at random", 0.7 + 0.3 * k / asked.rules.plan.rivals)
             random.append(_checked(arm, asked, tried, _at_random(tried, asked, returns, rng), axes, after)[1])
     except KeyboardInterrupt:
         interrupted = True

@@ -44,7 +44,7 @@ class Optimize(Made):
         """Optimise (and round), with a line for each round and a bar while combinations are tried."""
         from linkwright.screen.progress import Steps
 
-        steps = Steps("looking at what there is to choose from")
+        steps = Steps("preparing the problem")
         try:
             return lw.optimize(**given, **_heard(given["problem"], steps), progress=steps, executor=crew)
         except KeyboardInterrupt:
@@ -88,7 +88,7 @@ def _heard(problem: lw.Problem, steps: Any) -> dict[str, Any]:
         say(iteration_line(iteration, problem.model.objective))
 
     def beyond(text: str) -> None:
-        say(f"{text}; now looking for what the limits would have to be")
+        say(f"{text}; now finding what the limits would have to be")
 
     content: dict[str, Any] = {"out_of_reach": beyond}
     return content if loudness() == "answer" else {**content, "log": log, "begun": begun}
@@ -381,12 +381,12 @@ def commands() -> Mapping[str, Made]:
         ),
         Made("inverse", doing="looking for poses", tip=True, negative=True),
         Made("budget", out=watched, pdf=True, tip=True),
-        Diagnose("diagnose", doing="beginning", out=Out(), pdf=True, tip=True),
-        Made("compare", doing="beginning", tip=True),
+        Diagnose("diagnose", doing="preparing", out=Out(), pdf=True, tip=True),
+        Made("compare", doing="preparing", tip=True),
         Made("predict", doing="predicting", tip=True),
         Compensate("compensate", doing="computing the table", out=table, tip=True),
         Plan("plan", out=plan, tip=True, kept="this is the best plan so far"),
-        Made("watch", doing="beginning", out=watched, pdf=True, tip=True),
+        Made("watch", doing="preparing", out=watched, pdf=True, tip=True),
         Simulate("simulate", doing="simulating", out=recording, tip=True),
         Written("import", "import_arm", out=read, catalogue=False),
         Made("columns", out=settings, catalogue=False, tip=True),

@@ -152,7 +152,7 @@ def optimized(
 
         def tries(done: int, total: int, text: str) -> None:
             check()
-            tell(f"{text}, {done} of {total}", done / max(total, 1))
+            tell(f"{text}, {done:.0f} of {total:.0f} done", done / max(total, 1))
 
         def heard(iteration: Iteration) -> None:
             check()

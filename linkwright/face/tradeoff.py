@@ -120,5 +120,5 @@ def traced(given: Problem, asked: Question, accuracy: float, progress: Progress 
 def _words(done: Traced, *, groups: bool) -> str:
     """How far a front has come; `groups`: fronts have names of their own."""
     name = f"{done.front}: " if groups else ""
-    off = "" if done.error is None else f", straight lines right within {percent(done.error)}"
-    return f"{name}{done.points} points{off}: {done.doing}"
+    off = "" if done.error is None else f", accurate to {percent(done.error)}"
+    return f"{name}{done.doing}, points so far {done.points}{off}"

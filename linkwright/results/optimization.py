@@ -344,12 +344,12 @@ def violation_words(iteration: Iteration) -> str:
 def iteration_line(iteration: Iteration, objective: Goal) -> str:
     """One round of the exchange as a line of a log."""
     factor, unit = objective.factor, objective.unit
-    mark = "  certified" if iteration.certified else ""
-    return (
-        f"iteration {iteration.number:3d}  objective {figure(factor * iteration.objective, 6):>10} {unit}"
-        f"  sizes changed by {percent(iteration.design_change):>9}  poses designed for {iteration.poses:3d}"
-        f"  worst pose above by {violation_words(iteration):>9}{mark}"
-    )
+    if iteration.worst_violation > _ROUNDING:
+        worst = f"another pose is {violation_words(iteration)} worse"
+    else:
+        worst = "no pose is worse (certified)" if iteration.certified else "no pose found is worse"
+    value = f"{figure(factor * iteration.objective, 4)} {unit}".rstrip()
+    return f"round {iteration.number}: {value}, poses designed for {iteration.poses}, {worst}"
 
 
 def status_words(result: OptimizationResult) -> str:

@@ -9,8 +9,9 @@ from contextlib import contextmanager
 from typing import Any
 
 from rich.console import Console
-from rich.progress import BarColumn, Progress, TaskID, TextColumn, TimeElapsedColumn, TimeRemainingColumn
+from rich.progress import BarColumn, Progress, ProgressColumn, Task, TaskID
 from rich.table import Column
+from rich.text import Text
 
 from linkwright.output.stream import printable
 from linkwright.screen.console import console
@@ -55,7 +56,9 @@ class Steps:
             if self._bar is not None:
                 # Without a share there is no end to run towards.
                 total = 1.0 if share > 0.0 else self._bar.tasks[0].total
-                self._bar.update(self._task, completed=share, total=total, description=self._text)
+                # Less than before is another part of the work, with a pace of its own.
+                tell = self._bar.reset if share < self._bar.tasks[0].completed else self._bar.update
+                tell(self._task, completed=share, total=total, description=self._text)
 
     @property
     def doing(self) -> str:
@@ -86,19 +89,28 @@ class Steps:
         with self._lock:
             if self._closed or self._bar is not None or loudness() == "answer":
                 return
-            # Where the screen is narrow the words go on below each other, and bar and times stay whole.
-            bar = BarColumn(_BAR_WIDTH, table_column=_whole())
-            times = TimeElapsedColumn(table_column=_whole()), TimeRemainingColumn(table_column=_whole())
-            what = TextColumn("{task.description}", markup=False, table_column=Column())
+            # Where the screen is narrow the words go on below each other, and the bar stays whole.
+            bar = BarColumn(_BAR_WIDTH, table_column=Column(no_wrap=True))
             look: Any = {"transient": True, "redirect_stdout": False, "speed_estimate_period": _PERIOD}
-            self._bar = Progress(bar, *times, what, console=self._screen, **look)
+            self._bar = Progress(bar, _Words(), console=self._screen, **look)
             self._task = self._bar.add_task(self._text, total=1.0 if self._share > 0.0 else None)
             self._bar.update(self._task, completed=self._share)
             self._bar.start()
 
 
-def _whole() -> Column:
-    return Column(no_wrap=True)
+class _Words(ProgressColumn):
+    """What is being done, and how long it still takes, or where that is not known how long it took."""
+
+    def render(self, task: Task) -> Text:
+        """The words of a task."""
+        left, passed = task.time_remaining, task.elapsed or 0.0
+        time_text = f"{_rounded(passed)} so far" if left is None else f"{_rounded(left)} left"
+        return Text(f"{task.description}, {time_text}")
+
+
+def _rounded(seconds: float) -> str:
+    """A time in s, from two minutes on in min."""
+    return f"{seconds:.0f} s" if seconds < 120.0 else f"{seconds / 60.0:.0f} min"
 
 
 @contextmanager

@@ -131,7 +131,7 @@ class Chooser:
         bounds.sort(key=lambda entry: entry[:2])
         for done, (bound, number, start) in enumerate(bounds):
             if self.progress is not None:
-                self.progress(done, len(bounds), "finishing the best")
+                self.progress(done, len(bounds), "optimising the best of them")
             if bound >= self.objective:
                 self.note(picks[number], bound, "bounded out")
             else:
@@ -198,7 +198,7 @@ class Chooser:
         start_count = _FINAL_STARTS if len(space.variables) > 1 else 1
         for number, start in enumerate(starting_points(space, materials, start_count)):
             if self.progress is not None:
-                self.progress(number, start_count, "further starts")
+                self.progress(number, start_count, "solving from further starts")
             self.finish(pick, start)
         if not self.one_signed():
             self._descend(pick, space, materials)
@@ -213,7 +213,7 @@ class Chooser:
         starts = other_lengths(self.context, space, exchanged.x, pick.materials)
         for number, start in enumerate(starts):
             if self.progress is not None:
-                self.progress(number, len(starts), "other lengths")
+                self.progress(number, len(starts), "solving from other lengths")
             best, pool, noted = self.best, self.pool, dict(self.candidates)
             try:
                 self.pool = first_pool(self.context, space, start, pick.materials)

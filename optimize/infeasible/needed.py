@@ -154,7 +154,7 @@ class _Asker:
         many = len(self.trials)
         for done, trial in enumerate(self.trials.values()):
             if self._progress is not None:
-                self._progress(share[0] * many + done, share[1] * many, "what the limits would have to be")
+                self._progress(share[0] * many + done, share[1] * many, "finding what the limits would have to be")
             current.put(trial, starts=_STARTS if self._near is None or done < _NEAREST else 1)
         answer = current.answer()
         for _ in range(_CLOSER if len(question) == 1 else 1):

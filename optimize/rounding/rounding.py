@@ -141,7 +141,7 @@ def _search(problem: Problem, rounding: Rounding, progress: Progress | None) -> 
     context, lists = context_of(problem), _lists(problem, rounding)
     lengths = length_choices(problem, problem.arm.lengths, rounding.length_step)
     search = ListSearch(context, lists, progress=progress, table=Table(context.problem, lists, lengths))
-    search.named, search.close = "rounding", _CLOSE
+    search.named, search.close = "rounded sizes", _CLOSE
     return search
 
 

@@ -218,7 +218,7 @@ class ListedSearch(BranchAndBound[Node]):
         self._heard(self.judge.offered, self.judge.searched)
 
     def _heard(self, offered: int, searched: int) -> None:
-        self._say(searched, searched + 1, f"{self.named}: {offered} designs compared")
+        self._say(searched, searched + 1, f"comparing {self.named}, {offered} designs so far")
 
     def _say(self, done: int, of: int, text: str) -> None:
         if self.progress is not None:

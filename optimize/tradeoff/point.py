@@ -290,7 +290,7 @@ class _Trial:
         bounds.sort(key=lambda entry: entry[:2])
         for done_of, (bound, number, start) in enumerate(bounds):
             if bound < self.badness:
-                search.say("finishing the best combinations", done_of / len(bounds))
+                search.say("optimising the best combinations", done_of / len(bounds))
                 if not self.finish(picks[number], start):
                     self.unsolved.add(picks[number])
 
@@ -309,5 +309,5 @@ class _Trial:
             return
         pick = self.design.combination
         for start in self._search.starts(pick, _STARTS):
-            self._search.say("further starts")
+            self._search.say("solving from further starts")
             self.finish(pick, start)

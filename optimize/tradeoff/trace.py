@@ -119,10 +119,10 @@ class Tracer:
 
     def solve(self, push: int, held: float, near: Sequence[Node], *, wide: bool = False) -> Node | None:
         """The point at which one figure is pushed and the other held; None where there is no design."""
-        self._say("solving")
+        self._say("solving for a point")
         if (push, held) not in self._solved:
             design = self.search.best(push, held, [node.design for node in near], wide=wide)
-            self._say("solved")
+            self._say("choosing the next point")
             self._solved[push, held] = None if design is None else self._node(design, push, held)
         return self._solved[push, held]
 

@@ -217,7 +217,7 @@ def test_interrupt_leaves_the_best_so_far(problem):
 
     def impatient(text, share):
         del share
-        if text.startswith("further starts"):
+        if text.startswith("solving from further starts"):
             raise KeyboardInterrupt
 
     best = lw.optimize(problem, progress=impatient)

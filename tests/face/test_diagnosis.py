@@ -49,7 +49,7 @@ def test_first_finding_is_told_while_the_search_goes_on(dia, heard):
     result = "provisional: backlash of the drives at joint 2; "
     first = next(number for number, (text, _) in enumerate(heard) if text.startswith("provisional"))
     assert heard[first][1] < 0.6
-    assert {text for text, _ in heard[:first]} >= {"noise floor", "searching for what is missing"}
+    assert {text for text, _ in heard[:first]} >= {"estimating the noise floor", "searching for what is missing"}
     assert len(heard) > first + 3
     assert all(text.startswith(result) for text, _ in heard[first:])
     assert set(dia.findings["at"]) == {(2,)}

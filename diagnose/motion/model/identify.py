@@ -115,7 +115,7 @@ def identify(
         pool = at_estimates(given, _apart(steady.system, members))
         steady = _fit(pool, products(joint_rows(current), pool.width, near=False), certain, seed)
         members = searched(steady.system, initial=members, exchange=True, rules=rules)
-    progress("looking at reversals", 0.85)
+    progress("testing reversals", 0.85)
     near = _fit(pool, products(joint_rows(current), pool.width, near=True), uncertain, seed)
     gate_p = min(1.0, 2.0 * min(item.gate() for item in (steady, near)))
     split, folds = _folds(steady.products)

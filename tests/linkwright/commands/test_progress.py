@@ -43,11 +43,10 @@ def test_steps_tell_what_is_done_and_when_it_ends(terminal):
         with steps.aside():
             terminal.print("a line")
         steps.close()
-    assert "row \\x1b[31m2 of 4" in seen.get()
-    assert "0:01:00" in seen.get()
+    assert "row \\x1b[31m2 of 4, 60 s left" in seen.get()
 
 
-def test_bar_and_times_stay_whole_beside_long_words(terminal, monkeypatch):
+def test_the_bar_stays_whole_beside_long_words(terminal, monkeypatch):
     """Words that a narrow screen has no room for beside them go on in further lines."""
     terminal.width = 70
     shown = threading.Event()
@@ -62,7 +61,6 @@ def test_bar_and_times_stay_whole_beside_long_words(terminal, monkeypatch):
     assert lines
     for line in lines:
         assert "━" * 9 in line
-        assert "0:00:0" in line
     told = seen.get()
     assert all(word in told for word in words.split())
 
