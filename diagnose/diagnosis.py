@@ -131,7 +131,7 @@ def _diagnosed(arm: Arm, recording: Recording, options: Options, hear: Progress)
         if min(test.p_value for test in named.gate) <= rules.search.false_alarm:
             namer, named = about_large(namer, named, about)
         if may_couple(namer, named):
-            again = coupled(namer, options.without, lambda share: tell("fitting loads with flexibility", 0.6 + 0.05 * share))
+            again = coupled(namer, options.without, lambda part: tell("fitting loads", 0.6 + 0.05 * part))
             if again is not namer:
                 before = candidates_of(namer, named.members)
                 namer = again

@@ -53,7 +53,7 @@ def interrupted_at(folder, word, *arguments, how=signal.SIGINT):
 @pytest.mark.parametrize("how", slow_but([signal.SIGINT, signal.SIGTERM, signal.SIGHUP], signal.SIGINT))
 def test_the_best_so_far_is_written_and_called_that(bench, how):
     """While further starts are tried the first design is finished: its files are there, as sure as they say."""
-    status, error = interrupted_at(bench, "solving from further starts", "optimize", "problem.yaml", "--out", "out", how=how)
+    status, error = interrupted_at(bench, "solving from further", "optimize", "problem.yaml", "--out", "out", how=how)
     assert status == 130
     assert "stopped: this is the best design so far" in error
     result = json.loads((bench / "out" / "result.json").read_text())
@@ -74,7 +74,7 @@ def test_the_best_so_far_is_written_and_called_that(bench, how):
 def test_an_interrupt_while_sizes_are_compared_leaves_the_optimum(bench):
     """The optimum was finished, and says so; the sizes were not."""
     arguments = ("optimize", "problem.yaml", "--round", "1 mm", "--out", "out")
-    status, error = interrupted_at(bench, "rounding: 0 designs", *arguments)
+    status, error = interrupted_at(bench, "comparing rounded sizes, 0 designs", *arguments)
     assert status == 130
     assert "stopped: this is the best design so far" in error
     result = json.loads((bench / "out" / "result.json").read_text())
@@ -88,7 +88,7 @@ def test_an_interrupt_while_sizes_are_compared_leaves_the_optimum(bench):
 def test_an_interrupt_of_a_plan_leaves_the_best_so_far(bench):
     """While poses at random are tried the visits are chosen: they are written, promised, and said to be no more."""
     arguments = ("plan", "arm.yaml", "--poses", "8", "--repeats", "1", "--for", "backlash:1", "--payload", "0 kg")
-    status, error = interrupted_at(bench, "comparing with poses at random", *arguments, "--out", "out.csv", "--json", "out.json")
+    status, error = interrupted_at(bench, "comparing with poses", *arguments, "--out", "out.csv", "--json", "out.json")
     assert status == 130
     assert error == "stopped: this is the best plan so far\n"
     result = json.loads((bench / "out.json").read_text())

@@ -346,7 +346,7 @@ def test_an_interrupt_while_sizes_are_compared_keeps_the_optimum(tmp_path: Path)
         def heard(done: int, total: int, words: str) -> None:
             del done, total
             calls.append(words)
-            if sum(call.startswith("rounding") for call in calls) == number:
+            if sum(call.startswith("comparing rounded") for call in calls) == number:
                 raise KeyboardInterrupt
 
         calls.clear()
