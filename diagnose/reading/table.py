@@ -321,7 +321,11 @@ def _parting(line: str) -> str:
 
 
 def _cells(line: str, separator: str) -> list[str]:
-    return [" ".join(cell.strip().strip('"').split()) for cell in line.split(separator)]
+    try:
+        cells = next(csv.reader([line], delimiter=separator), [])
+    except csv.Error:  # what cannot be read is refused with the rows
+        cells = line.split(separator)
+    return [" ".join(cell.split()) for cell in cells]
 
 
 def _filled(cells: Sequence[str]) -> int:

@@ -32,7 +32,7 @@ _OF_JOINTS = ("q", "dir", "tau", "current", "v", "c", "j")
 _PLACE = re.compile(
     r"^(?:tcp|tip|tool|ee|end[\s_-]?effector|pos(?:ition)?|meas(?:ured)?|tracker|laser|point|p)?[\s_.-]*([xyz])$"
 )
-_LETTER = re.compile(r"^(?:.*[\s_.-])([xyz])$", re.IGNORECASE)
+_LETTER = re.compile(r"^(?:.*[\s_.-])?([xyz])(?:[\s_.-]+(?:ist|act|actual|meas|measured))?$", re.IGNORECASE)
 _OF_A_POSE = re.compile(r".*(?:pose|point|transform|target)[./](?:position|translation)?[./]?([xyz])$", re.IGNORECASE)
 _WORDS = MappingProxyType(
     {
@@ -42,7 +42,9 @@ _WORDS = MappingProxyType(
         "time": re.compile(r"^(t|time|timestamp|elapsed|zeit|clock)$"),
     }
 )
-_SIDE = re.compile(r"^(?:dir|direction|side|approach)[\s_.-]*(?:joint|axis|j|q)?[\s_.-]*([0-9]{1,2})$")
+_SIDE = re.compile(
+    r"^(?:dir|direction|direcci[oó]n|richtung|side|approach)[\s_.-]*(?:joint|axis|achse|j|q)?[\s_.-]*([0-9]{1,2})$"
+)
 _TURN = 2.0 * math.pi * 1.05
 """No joint in radians is read beyond."""
 _METRES = 20.0

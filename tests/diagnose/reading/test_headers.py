@@ -102,6 +102,14 @@ def test_titles_as_a_spreadsheet_writes_them(tmp_path, units):
     assert ("The header has a second line, with units." in result.warnings) == bool(units)
 
 
+def test_titles_above_numbers_that_are_text(tmp_path):
+    """A workbook whose numbers are text with decimal commas: they stand in quotes, and hold the separator."""
+    lines = ["Messung,,,2026-05-16", "q1_deg,q2_deg,X,Y"]
+    lines += [",".join(f'"{cell}"' for cell in row.split(";")) for row in text(";", decimal=",").splitlines()[1:]]
+    result = read(tmp_path, "\n".join(lines), "columns: {x_mm: X, y_mm: Y}")
+    assert result.tip == pytest.approx(TIPS, abs=1e-7)
+
+
 def test_a_row_that_lacks_cells_makes_no_titles(tmp_path):
     """A first reading that breaks off is one row set aside, with the header in its place."""
     lines = text(",").splitlines()

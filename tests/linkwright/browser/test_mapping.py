@@ -71,6 +71,8 @@ def test_a_place_is_the_only_column_of_its_letter():
     """Whatever the tip is called; not what was commanded, nor one of two."""
     result = meant(**{"Spitze X [mm]": [400.0], "Prisma Y mm": [410.0], "soll y [mm]": [410.0], "weight in g": [500.0]})
     assert [item.ours for item in result.values()] == ["x_mm", "y_mm", OTHER, "payload_g"]
+    german = meant(**{"X-Ist [mm]": [400.0], "Y-Ist [mm]": [410.0], "X-Soll [mm]": [400.0], "Richtung 2": [1.0]})
+    assert [item.ours for item in german.values()] == ["x_mm", "y_mm", OTHER, "dir2"]
     two = meant(**{"left prism x [mm]": [400.0], "right prism x [mm]": [410.0]})
     assert {item.what for item in two.values()} == {OTHER}
 
