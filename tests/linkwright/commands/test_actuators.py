@@ -106,7 +106,7 @@ def test_a_servo_needs_beside_it_what_nobody_publishes(linkwright, bench):
     status, _, error = linkwright("evaluate", "servo.yaml")
     assert status == 2
     assert "stiffness: is not known of MX-64; write `stiffness: ... N*m/rad` beside the actuator" in error
-    (bench / "servo.yaml").write_text(servo.replace("MX-64", "STS3250"))
+    (bench / "servo.yaml").write_text(servo.replace("MX-64", "17HS19-1684S-PG27"))
     assert "write `stiffness: ... N*m/rad, mass: ... kg` beside" in linkwright("evaluate", "servo.yaml")[2]
     (bench / "servo.yaml").write_text(servo.replace("actuator: MX-64", "actuator: MX-64, stiffness: 200 N*m/rad"))
     assert linkwright("evaluate", "servo.yaml", "--json", "servo.json")[0] == 0
@@ -120,7 +120,7 @@ def test_a_servo_needs_beside_it_what_nobody_publishes(linkwright, bench):
 
 def test_what_is_not_known_is_a_dash(linkwright):
     (row,) = (line for line in linkwright("actuators", "list")[1].splitlines() if line.startswith("STS3215"))
-    assert row.split()[1:] == ["servo", "–", "2.94", "–", "52.2", "–", "–"]
+    assert row.split()[1:] == ["servo", "–", "2.94", "0.027", "52.2", "0.055", "–"]
     out = linkwright("actuators", "show", "STS3215-C018")[1]
     assert "not known" in out
     assert "SO-ARM100, issue 134" in out
