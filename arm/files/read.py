@@ -83,6 +83,8 @@ def arm_from(mapping: Mapping, catalogue: Catalogue, *, tip: str | None = None) 
                 tool = read_vector(offset, "xyz", "length", ZERO)
         play, statistics = _play(mapping)
         left_out = _leave_out(mapping)
+        if isinstance(mapping.content.get("payload"), str):
+            raise mapping.error("payload", f"needs its keys: payload: {{mass: {mapping.text('payload')}}}")
         arm = Arm(
             name=name,
             joints=joints,

@@ -49,7 +49,7 @@ CHAIN_AS_MAPPING = "chain:\n  joint: {range: [-30 deg, 120 deg]}\n  link: {lengt
         ("[-30 deg, 120 deg]", "120 deg", r"needs a range of two, lowest and highest, e.g. \[0 deg, 0.5 deg\]"),
         ("bench arm", ">= 1", "line 1 near 'name: >= 1': a text that begins with > or | needs quotes"),
         ("name: bench arm", "leave_out: bending", r"leave_out: needs a list, e.g. \[bending\], not 'bending'"),
-        ("{mass: 2 kg}", "2 kg", r"payload: needs keys with values \(key: value\), not '2 kg'"),
+        ("{mass: 2 kg}", "2 kg", r"payload: needs its keys: payload: {mass: 2 kg}"),
         (
             "{shape: tube, diameter: 40 mm, thickness: 3 mm}",
             "pipe",
