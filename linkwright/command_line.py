@@ -61,7 +61,7 @@ STATUSES = (
     "Exit status: 0 done, 1 a well-formed question without an answer, 2 wrong input (one line says which). "
     "130 interrupted (standard error says what is kept), 141 nobody reads the output."
 )
-HELP = """Design robot arms for the least worst-case position error.
+HELP = """Design robot arms for the least worst-case error, and find from recordings what the model of a real arm lacks.
 
 Example: linkwright optimize problem.yaml --out result
 """

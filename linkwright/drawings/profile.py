@@ -13,6 +13,7 @@ import numpy as np
 
 from linkwright.core.sections import Dimension, Number, Outline, Polygon, Section, SectionError
 from linkwright.core.sections.numeric import Array
+from linkwright.core.units.extras import not_installed
 from linkwright.core.units.quantities import InputError
 
 _CHORD = 5e-4
@@ -75,7 +76,7 @@ def _loops(path: Path) -> Iterator[Array]:
         import ezdxf
         from ezdxf.path import make_path  # pyright: ignore[reportPrivateImportUsage]
     except ModuleNotFoundError:
-        raise InputError(path, "", "needs ezdxf; install linkwright with the extra dxf") from None
+        raise InputError(path, "", not_installed("DXF", "ezdxf", "dxf")) from None
 
     try:
         document = ezdxf.readfile(path)  # pyright: ignore[reportPrivateImportUsage]
