@@ -56,9 +56,9 @@ class Steps:
             if self._bar is not None:
                 # Without a share there is no end to run towards.
                 total = 1.0 if share > 0.0 else self._bar.tasks[0].total
-                # Less than before is another part of the work, with a pace of its own.
-                tell = self._bar.reset if share < self._bar.tasks[0].completed else self._bar.update
-                tell(self._task, completed=share, total=total, description=self._text)
+                if share < self._bar.tasks[0].completed:  # another part of the work, with a pace of its own
+                    self._bar.reset(self._task)
+                self._bar.update(self._task, completed=share, total=total, description=self._text)
 
     @property
     def doing(self) -> str:
