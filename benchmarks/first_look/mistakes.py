@@ -144,6 +144,13 @@ def turned_frame(case: Case, rng: Rng) -> Case:
     return replace(with_columns(case, "another frame|frame turned by", **moved), settings="frame: known\ntool: known\n")
 
 
+def in_torques(case: Case) -> Case:
+    """The case with torques in place of currents, whose free constants would hide a unit."""
+    kept = {n: c for n, c in case.columns.items() if not n.startswith(("tau", "current"))}
+    torques = {f"tau{k + 1}_Nm": case.extra["torque"][:, k] for k in range(case.machine.size)}
+    return replace(case, columns=kept | torques, settings="observes: motion\n")
+
+
 def torque_sign(case: Case, rng: Rng) -> Case:
     """A torque that counts the other way."""
     name = headers(case, "tau")[some_joint(case, rng, bearing=True)]
@@ -152,13 +159,14 @@ def torque_sign(case: Case, rng: Rng) -> Case:
 
 def motors(case: Case, rng: Rng) -> Case:
     """Torques of the motors."""
-    by = rng.uniform(50.0, 120.0)
+    by, case = rng.uniform(50.0, 120.0), in_torques(case)
     return with_columns(case, "gear_ratios|of the motor", **{n: case.columns[n] / by for n in headers(case, "tau")})
 
 
 def newton_millimetres(case: Case, rng: Rng) -> Case:
     """Torques in N mm."""
     del rng
+    case = in_torques(case)
     return with_columns(case, r"/1000", **{n: 1e3 * case.columns[n] for n in headers(case, "tau")})
 
 

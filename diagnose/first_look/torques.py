@@ -41,6 +41,9 @@ _ROUNDS, _AT_ONCE = 5, 32
 """Fits of the bodies, at most, until the torques' signs stay; transformations whose dynamics are computed at once, in
 some 60 MB of an arm of twelve joints."""
 
+_LEAST = 1e-4
+"""Of a current, what bodies make of it at least where its constant is not known."""
+
 
 @dataclass(frozen=True)
 class TorqueEvidence:
@@ -84,17 +87,14 @@ class TorqueEvidence:
         """The log as it stands."""
         return self._fits([()], turned=False)[0]
 
-    def shares(self) -> Array:
-        """What is left of each torque's variance as logged (n,), nan of those that tell nothing."""
+    def of_bodies(self) -> Array:
+        """How much bodies make of each torque's variance, with either sign (n,), nan of those that tell nothing."""
         rows = next(self._rows([self.library.none], None))
-        may = np.zeros(self.library.arm.size, dtype=bool)
-        mixture, gains = self.expected, self._gains(self.torque, rows, self.expected, may)
-        for _ in range(_ROUNDS):
-            mixture = self._mixture(rows, self.torque * gains, np.var(self.torque * gains, axis=0))
-            gains = self._gains(self.torque, rows, mixture, may)
+        mixture, gains = self._fitted(self.torque, rows, np.ones(self.library.arm.size, dtype=bool))
         shares = np.full(self.library.arm.size, np.nan)
-        shares[self.joints] = rows.left(self.torque * gains, mixture)
-        return shares / np.var(self.torque * gains, axis=0)
+        made, logged = (np.var(each, axis=0) for each in (rows.fixed + rows.mixed @ mixture, self.torque * gains))
+        shares[self.joints] = (made / logged)[self.joints]
+        return shares
 
     def judged(self, several: Sequence[tuple[Transformation, ...]]) -> list[Judged]:
         """Each of several sets, with the torques that then count the other way."""
@@ -145,19 +145,11 @@ class TorqueEvidence:
     def _fit(
         self, parts: tuple[Transformation, ...], transformation: Transformation, rows: _Rows, *, turned: bool
     ) -> Judged:
-        """Bodies and the torques' signs in turn, from the file's bodies, until the signs stay."""
         torque = self.torque @ transformation.torques.T
-        variance = np.var(torque, axis=0)
-        variance = np.maximum(variance, 1e-9 * float(variance.max()))  # of a drive that was not logged
-        may = np.full(len(variance), turned) & (transformation.torques >= 0.0).all(axis=1)
-        mixture, gains = self.expected, self._gains(torque, rows, self.expected, may)
-        for _ in range(_ROUNDS):
-            mixture = self._mixture(rows, torque * gains, variance * gains**2)
-            before, gains = gains, self._gains(torque, rows, mixture, may)
-            if np.allclose(gains, before, rtol=0.1):
-                break
+        may = np.full(self.library.arm.size, turned) & (transformation.torques >= 0.0).all(axis=1)
+        mixture, gains = self._fitted(torque, rows, may)
         rules = self.rules.log
-        shares = rows.left(torque * gains, mixture) / (variance * gains**2)[self.joints]
+        shares = rows.left(torque * gains, mixture) / (_variance(torque) * gains**2)[self.joints]
         whole = list(parts)
         for k in self.joints[gains[self.joints] < 0.0].tolist():
             coordinate, force, both = self.library.turns[k]
@@ -170,6 +162,16 @@ class TorqueEvidence:
         total = float(logs.sum()) + unlike + rules.conventions_gain * len(whole)
         largest = float(shares.max())
         return Judged(parts, composed(whole, self.library.none), total, largest, largest < rules.explains)
+
+    def _fitted(self, torque: Array, rows: _Rows, may: NDArray[np.bool_]) -> tuple[Array, Array]:
+        """Bodies and the torques' signs in turn, from the file's bodies, until the signs stay."""
+        mixture, gains = self.expected, self._gains(torque, rows, self.expected, may)
+        for _ in range(_ROUNDS):
+            mixture = self._mixture(rows, torque * gains, _variance(torque) * gains**2)
+            before, gains = gains, self._gains(torque, rows, mixture, may)
+            if np.allclose(gains, before, rtol=0.1):
+                break
+        return mixture, gains
 
     def _mixture(self, rows: _Rows, torque: Array, variance: Array) -> Array:
         """The likeliest mixture (g,), none of it negative, by torques (M, n) of a variance (n,)."""
@@ -192,15 +194,31 @@ class TorqueEvidence:
     def _gains(self, torque: Array, rows: _Rows, mixture: Array, may: NDArray[np.bool_]) -> Array:
         """What each torque as logged is multiplied by (n,): less than 0 where it counts the other way and `may`; of
         drives whose constants are not known the size too."""
-        size = np.ones(len(may))
-        if self.free:
-            logged, there = (each - each.mean(axis=0) for each in (torque, rows.fixed + rows.mixed @ mixture))
-            size = np.abs(np.sum(logged * there, axis=0)) / np.maximum(np.sum(logged**2, axis=0), 1e-300)
-            size = np.where(size > 0.0, size, 1.0)
-        forth, back = (np.maximum(rows.left(each, mixture), 1e-300) for each in (torque * size, -torque * size))
-        turned = np.zeros(len(may), dtype=np.bool_)
-        turned[self.joints] = np.log(forth / back) > self.rules.log.conventions_gain
-        return np.where(turned & may, -size, size)
+        gains = np.ones(len(may))
+        there = rows.fixed + rows.mixed @ mixture
+        for k in self.joints.tolist():
+            sizes, lefts = zip(
+                *(self._scaled(sign * torque[:, k], there[:, k], rows.of_joint[:, k]) for sign in (1.0, -1.0)),
+                strict=True,
+            )
+            turned = may[k] and math.log(lefts[0] / lefts[1]) > self.rules.log.conventions_gain
+            gains[k] = -sizes[1] if turned else sizes[0]
+        return gains
+
+    def _scaled(self, torque: Array, there: Array, of_joint: Array) -> tuple[float, float]:
+        """What a joint's torque (M,) is multiplied by so that bodies make it `there`, and what they leave of it beside
+        what is of the joint's own (M, c)."""
+        if not self.free:
+            return 1.0, max(nnls(of_joint, torque - there)[1] ** 2, 1e-300)
+        sizes, left = nnls(np.column_stack([there, of_joint]), torque)
+        least = _LEAST * float(np.linalg.norm(torque)) / max(float(np.linalg.norm(there)), 1e-300)
+        return 1.0 / max(sizes[0], least), max(left**2, 1e-300)
+
+
+def _variance(torque: Array) -> Array:
+    """Of torques (M, n), by column; a little where a drive was not logged."""
+    variance = np.var(torque, axis=0)
+    return np.asarray(np.maximum(variance, 1e-9 * float(variance.max())))
 
 
 class _Rows(NamedTuple):

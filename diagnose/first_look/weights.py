@@ -39,6 +39,15 @@ class _Look:
         """How much likelier the likeliest is."""
         return self.given.total - self.meant[0].total if self.meant else 0.0
 
+    def told(self, within: float) -> list[Transformation]:
+        """What is reported: the likeliest, and beside it what else other columns may be; gravity last."""
+        kinds: dict[frozenset[str], Transformation] = {}
+        for each in self.meant:
+            acts = each.transformation.acts_on
+            if each.total < self.meant[0].total + within and not any(acts >= of for of in kinds):
+                kinds[acts] = each.transformation
+        return sorted(list(kinds.values())[:_TOLD], key=lambda each: each.gravity is not None)
+
     def accepts(self, other: Judged, least: float) -> bool:
         """Whether its torques do not contradict another log's transformation by `least`."""
         here = self.evidence.judged([other.parts])[0]
@@ -63,16 +72,18 @@ def look_at_weights(
             given = evidence.given()
             seen[number] = _Look(_of_little_torque(evidence, log, headers, rules), headers, evidence, given)
     for number, look in seen.items():
-        if look.given.total < rules.log.conventions_gain:
+        no_weights = _without_weights(look, rules)
+        if look.given.total < rules.log.conventions_gain or (no_weights and look.given.explains):
+            seen[number] = replace(look, log=look.log.saying(no_weights))
             continue
-        # Speeds that are derivatives decide on their unit; what no constant fits, no side of gravity explains.
-        units, free = look.log.velocity is None, look.log.torque_constants_free
+        # Speeds decide on the unit of angles, and so do torques that they explain; what no constant fits, no side of
+        # gravity explains.
+        units, free = look.log.velocity is None and not look.given.explains, look.log.torque_constants_free
         singles = look.evidence.library.of_torques(units=units, gravity=not free)
         tried = likeliest(look.evidence, look.given, singles, [each for each in singles if each.common])
         meant = tuple(each for each in tried if each.explains and each.transformation.said)
-        if not meant or meant[0].total >= look.given.total:
-            log = look.log.saying(_unexplained(look.log, look.evidence, look.given, look.headers, rules))
-            seen[number] = replace(look, log=log)
+        if not meant or (look.given.explains and meant[0].total >= look.given.total):
+            seen[number] = replace(look, log=look.log.saying(no_weights))
             continue
         seen[number] = replace(look, meant=meant)
         if not look.given.explains or seen[number].gain >= rules.log.conventions_gain:
@@ -82,9 +93,7 @@ def look_at_weights(
 
 
 def _refuse(look: _Look, others: Sequence[_Look], arm: Arm, rules: Rules) -> None:
-    best = look.meant
-    alike = [each for each in best if each.total - best[0].total < 2.0 * math.log(rules.mistakes.as_well)]
-    told = sorted((each.transformation for each in alike), key=lambda each: each.gravity is not None)[:_TOLD]
+    best, told = look.meant, look.told(2.0 * math.log(rules.mistakes.as_well))
     remedies = [{"columns": columns} for each in told if (columns := each.columns(arm, look.headers))]
     also = [Path(other.log.file).name for other in others if other.accepts(best[0], rules.log.conventions_gain)]
     more = f" ({', '.join(also)} can be read so too)" if also else ""
@@ -102,13 +111,7 @@ def _doubt(seen: dict[int, _Look], arm: Arm, rules: Rules) -> None:
         source = sure if shared else look
         if not source.meant:
             continue
-        near = source.meant[0].total + rules.log.conventions_gain
-        # Of one column the likeliest is said, and beside it what another column may be.
-        kinds: dict[frozenset[str], Transformation] = {}
-        for each in source.meant:
-            if each.total < near:
-                kinds.setdefault(each.transformation.acts_on, each.transformation)
-        told = list(kinds.values())[:_TOLD]
+        told = source.told(rules.log.conventions_gain)
         ways = [written({"columns": columns}) for each in told if (columns := each.columns(arm, look.headers))]
         by = "" if source is look else f", as in {Path(source.log.file).name}"
         sentence = f"The arm's weights leave doubt{by}: {_any_of(told)}. The log is taken as it stands." + (
@@ -121,24 +124,20 @@ def _any_of(told: Sequence[Transformation]) -> str:
     return "; as well it could be that ".join(each.sentence() for each in told)
 
 
-def _unexplained(
-    log: MotionLog, evidence: TorqueEvidence, given: Judged, headers: Mapping[str, str], rules: Rules
-) -> str:
-    """What is to be said of currents of unknown constants that are no torques; empty where they are."""
-    if not log.torque_constants_free or given.explains:
+def _without_weights(look: _Look, rules: Rules) -> str:
+    """What is to be said of currents of unknown constants in which the arm's weights hardly show; else empty."""
+    if not look.log.torque_constants_free:
         return ""
-    shares = evidence.shares()
-    bearing = np.std(evidence.rigid, axis=0) > rules.log.heavy * float(np.std(evidence.rigid, axis=0).max())
-    strange = [k for k in evidence.joints.tolist() if bearing[k] and shares[k] > rules.log.explains]
+    spread, share = np.std(look.evidence.rigid, axis=0), look.evidence.of_bodies()
+    bearing = [k for k in look.evidence.joints.tolist() if spread[k] > rules.log.heavy * float(spread.max())]
+    strange = [k for k in bearing if share[k] < rules.log.of_bodies]
     if not strange:
         return ""
-    told = [f"{k + 1}" for k in evidence.joints.tolist() if bearing[k] and k not in strange]
-    names = ", ".join(headers.get(f"current{k + 1}", f"current{k + 1}") for k in strange)
-    sentence = (
-        f"{names}: no torque constant makes this the torque of the arm's weights and friction; is it a voltage or "
-    )
-    sentence += "a PWM? If it is a current, write its `torque_constants`."
-    return sentence + (f" Without them these joints can be told: {', '.join(told)}." if told else "")
+    explained = [f"{k + 1}" for k in bearing if k not in strange]
+    names = ", ".join(look.headers.get(f"current{k + 1}", f"current{k + 1}") for k in strange)
+    sentence = f"{names}: the arm's weights make next to nothing of this; is it a voltage or a PWM? "
+    sentence += "If it is a current, write its `torque_constants`."
+    return sentence + (f" Without them these joints can be told: {', '.join(explained)}." if explained else "")
 
 
 def _refuse_motor_torques(

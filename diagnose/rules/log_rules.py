@@ -55,6 +55,11 @@ class LogRules:
         "share of the torque's variance",
         "The least that bodies and friction leave of a torque. A smaller remainder is no merit of a convention.",
     )
+    of_bodies: float = rule(
+        0.1,
+        "share of the current's variance",
+        "At a joint that bears weight, bodies make at least this of a current. A voltage or a PWM shows less of them.",
+    )
     conventions_exact: float = rule(
         0.002,
         "share of the torque's variance",
@@ -79,7 +84,8 @@ class LogRules:
         1.5,
         "logs of shares",
         "Each mistake of convention must lower the remainder by more than this, over all joints (a fifth at one of "
-        "them, for example).",
+        "them, for example). A log is refused from twice this on, since sound ones reach nearly that. Below, it is "
+        "doubted.",
     )
     convention_window: float = rule(
         0.1, "s", "Speeds and accelerations are means over this time. Poses further apart are taken at rest."

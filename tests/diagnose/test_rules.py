@@ -63,7 +63,7 @@ NO_RULES = {
         "_STEPS, _ZOOM_STEPS, _ZOOMS, _FAMILIES",
         "_TOGETHER",
     },
-    "first_look/torques.py": {"_BEST, _SAMPLES", "_ROUNDS, _AT_ONCE"},
+    "first_look/torques.py": {"_BEST, _SAMPLES", "_ROUNDS, _AT_ONCE", "_LEAST"},
     "first_look/units.py": {"_LENGTHS", "_MILLIONS", "_LENGTH_SIZES", "_ANGLE_SIZES", "IN_A_ROW"},
     "fitting/room/active_bounds.py": {"_ALIKE"},  # what rounding leaves
     "fitting/room/small_causes.py": {"_PRODUCTS", "_SEEN", "_STEPS"},  # directions that tell nothing; a search's steps
