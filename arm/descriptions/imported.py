@@ -30,12 +30,14 @@ def import_robot(path: Path | str, *, base: str | None = None, tip: str | Sequen
     robot = mjcf_tree(top) if top.tag == "mujoco" else urdf_tree(top)
     start = _named(robot, base, "base") if base is not None else robot.root
     tips = [tip] if isinstance(tip, str) else list(tip or ())
-    ends = [_named(robot, item, "tip") for item in tips] or [_only_tip(robot, start)]
+    only, note = ("", "") if tips else _only_tip(robot, start)
+    ends = [_named(robot, item, "tip") for item in tips] or [only]
     if len(set(ends)) < len(ends):
         raise InputError(robot.file, "tip", "names a link twice; name each tip once")
     chains = [way_to(robot, start, end) for end in ends]
     if len(ends) == 1:
-        return Way(robot, start, ends[0], chains[0]).made()
+        made = Way(robot, start, ends[0], chains[0]).made()
+        return replace(made, notes=(*made.notes, note)) if note else made
     return _several(robot, start, ends, chains)
 
 
@@ -154,28 +156,32 @@ def _named(robot: Robot, name: str, option: str) -> str:
     return name
 
 
-def _only_tip(robot: Robot, start: str) -> str:
-    """The only end of the tree that joints move. Raises `InputError` with all of them where there are several."""
-    ends: list[tuple[str, int]] = []
+def _only_tip(robot: Robot, start: str) -> tuple[str, str]:
+    """The end of the tree that joints move, and what is to be said where several ends move with the same joints. Raises
+    `InputError` with all of them where ends move with different ones."""
+    ends: dict[str, tuple[str, ...]] = {}
     ways: list[list[str]] = []
-    pending = [([start], 0)]
+    pending: list[tuple[list[str], tuple[str, ...]]] = [([start], ())]
     while pending:
         way, moving = pending.pop()
         onward = robot.below[way[-1]]
         if not onward and moving:
-            ends.append((way[-1], moving))
+            ends[way[-1]] = moving
             ways.append(way)
-        pending += [([*way, joint.child], moving + joint.moves) for joint in onward]
+        pending += [([*way, joint.child], (*moving, joint.name) if joint.moves else moving) for joint in onward]
     if not ends:
         raise InputError(robot.file, "", f"no joint beyond {shown(start)} moves; an arm has at least one that does")
-    if len(ends) > 1:
-        listed = sorted(ends, key=lambda end: (-end[1], end[0]))
-        words = ", ".join(f"{name} ({count} joint{'s' if count > 1 else ''})" for name, count in listed[:12])
-        more = f" and {len(listed) - 12} more" if len(listed) > 12 else ""
-        example = next((name for name, _ in listed if robot.links[name].mass == 0.0), None)
-        parting = [names[0] for names in zip(*ways, strict=False) if len(set(names)) == 1][-1]
-        if example is None and any(joint.moves for joint in way_to(robot, start, parting)):
-            example = f"{parting}, where they part"  # an arm with a gripper's fingers
-        message = f"has {len(ends)} ends: {words}{more}; name one, e.g. --tip {example or listed[0][0]}"
-        raise InputError(robot.file, "tip", message)
-    return ends[0][0]
+    listed = sorted(ends, key=lambda name: (-len(ends[name]), name))
+    example = next((name for name in listed if robot.links[name].mass == 0.0), None)
+    if len(set(ends.values())) == 1:
+        chosen = example or listed[0]
+        others = ", ".join(name for name in listed if name != chosen)
+        note = f"The tip is {chosen}. With it move {others}, and torques are the same for each: --tip names another"
+        return chosen, note if others else ""
+    parting = [names[0] for names in zip(*ways, strict=False) if len(set(names)) == 1][-1]
+    if example is None and any(joint.moves for joint in way_to(robot, start, parting)):
+        example = f"{parting}, where they part"  # an arm with a gripper's fingers
+    words = ", ".join(f"{name} ({len(ends[name])} joint{'s' if len(ends[name]) > 1 else ''})" for name in listed[:12])
+    more = f" and {len(listed) - 12} more" if len(listed) > 12 else ""
+    message = f"has {len(ends)} ends: {words}{more}; name one, e.g. --tip {example or listed[0]}"
+    raise InputError(robot.file, "tip", message)

@@ -260,12 +260,12 @@ def test_where_the_fingers_part_is_proposed(tmp_path):
         import_robot(path)
 
 
-def test_several_ends_are_listed():
-    """And one without mass, which is a frame and no finger, is proposed."""
-    with pytest.raises(
-        InputError, match=r"has 2 ends: finger \(3 joints\), tip \(3 joints\); name one, e.g. --tip tip"
-    ):
-        import_robot(EXAMPLE)
+def test_of_ends_that_the_same_joints_move_the_one_without_mass_is_taken():
+    """It is a frame and no finger, and torques are the same for each; ends of other joints are asked for."""
+    read = import_robot(EXAMPLE)
+    assert read.tip == "tip"
+    assert "With it move finger, and torques are the same for each" in read.notes[-1]
+    assert read.arm == import_robot(EXAMPLE, tip="tip").arm
     with pytest.raises(InputError, match="there is no link 'tipp'; did you mean 'tip'"):
         import_robot(EXAMPLE, tip="tipp")
     with pytest.raises(InputError, match="'base' is not beyond 'slide'"):
