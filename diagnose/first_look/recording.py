@@ -7,7 +7,7 @@ What contradicts the arm as a whole is refused with what would mend it; a frame 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -25,6 +25,7 @@ from linkwright.core.units.reading import refusal, written
 from .library import Library
 from .search import Judged, likeliest
 from .tips import TipEvidence
+from .transformation import Transformation
 
 Mask = NDArray[np.bool_]
 _LATE = 5
@@ -136,10 +137,23 @@ def _explained(look: TipEvidence, misfit: float) -> Judged | None:
     singles = [] if few else look.library.of_tips()
     units = [] if few else list(look.library.units())
     # A frame that is free takes up much; beside another mistake, nobody gets a single column's unit wrong.
-    kinds = [] if look.frame else [each for each in units if len(each.acts_on) in (look.tip.shape[1], look.arm.size)]
-    again = [*singles, *kinds] if look.gross else []
+    kinds = [each for each in units if len(each.acts_on) in (look.tip.shape[1], look.arm.size)]
+    again = [*singles, *([] if look.frame else kinds)] if look.gross else []
     tried = likeliest(look, look.given(misfit), [*singles, *(units if look.gross else [])], again)
-    return next((each for each in tried if each.explains), None)
+    explained = next((each for each in tried if each.explains), None)
+    if explained is None and look.frame and look.gross and (unit := _unit_by_size(look, kinds)) is not None:
+        # It hides what another unit of the tips gains beside another mistake, but not how far they spread.
+        further = _explained(replace(look, tip=look.tip @ unit.tip.T), misfit)
+        return further and replace(further, transformation=further.transformation.beside(unit))
+    return explained
+
+
+def _unit_by_size(look: TipEvidence, units: Sequence[Transformation]) -> Transformation | None:
+    """The unit of all tips under which they spread as the arm's do; None where they do as they are."""
+    went = _spread(nominal(look.arm, look.q, look.tip.shape[1])[0]) / _spread(look.tip)
+    tips = [each for each in units if len(each.acts_on) == look.tip.shape[1] and np.ptp(np.diag(each.tip)) == 0.0]
+    off = [abs(math.log(went / each.tip[0, 0])) for each in (*tips, look.library.none)]
+    return (*tips, None)[int(np.argmin(off))]
 
 
 def _other_rows(look: TipEvidence) -> Judged | None:
@@ -179,7 +193,8 @@ def _frame_sentences(
     if place.misfit < rules.mistakes.gross * reach or recording.size < 2 * rules.residual.enough_freedom:
         return []
     tries = _other_placements(recording, arm)
-    good = [(remedy, free) for remedy, free in tries if free.misfit < rules.mistakes.better * place.misfit]
+    limit = min(rules.mistakes.better * place.misfit, _left_by_geometry(recording, arm, place))
+    good = [(remedy, free) for remedy, free in tries if free.misfit < limit]
     if not good:
         return _unexplained(recording, arm, place, reach, headers, rules)
     least = min(free.misfit for _, free in good)
@@ -194,6 +209,20 @@ def _frame_sentences(
         )
         raise refusal(recording.file, "", f"{message}: {change}", remedy)
     return [f"{change[0].upper()}{change[1:]}: where nobody knows better, write {written(remedy)} in recording.yaml."]
+
+
+def _left_by_geometry(recording: Recording, arm: Arm, place: Placement) -> float:
+    """What the middle reading is off by (m) where joints count from zeros and links have lengths of their own."""
+    step, width = 1e-6, recording.tip.shape[1]
+    tips, axes = nominal(arm, recording.q, width)
+    moved = [nominal(arm, recording.q + step * each, width) for each in np.eye(arm.size)]
+    for k, link in enumerate(arm.links):
+        links = (*arm.links[:k], replace(link, length=link.length + step), *arm.links[k + 1 :])
+        moved.append(nominal(replace(arm, links=links), recording.q, width))
+    slopes = np.stack([(t + a @ place.tool - tips - axes @ place.tool).ravel() / step for t, a in moved], axis=1)
+    goal = place.residual.ravel()
+    left = goal - slopes @ np.linalg.lstsq(slopes, goal, rcond=None)[0]
+    return float(np.median(np.linalg.norm(left.reshape(-1, width), axis=1)))
 
 
 def _other_placements(recording: Recording, arm: Arm) -> list[tuple[dict[str, str], Placement]]:

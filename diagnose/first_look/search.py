@@ -78,7 +78,8 @@ def likeliest(
         before = min(each.total for each in results) if depth else float("inf")
         level = judged((*kept.parts, single) for kept in beam for single in more if single not in kept.parts)
         if not any(each.settled for each in level):
-            fewer = beam[: 1 if any(each.explains for each in results) else _SIZED]
+            alike = {round(each.total, _ALIKE): each for each in reversed(beam)}
+            fewer = list(reversed(alike.values()))[: 1 if any(each.explains for each in results) else _SIZED]
             level += judged(parts for kept in fewer for parts in evidence.sized(kept.parts))
         level.sort(key=lambda each: each.total)
         results += level
@@ -91,5 +92,5 @@ def likeliest(
     return sorted(results, key=lambda each: each.total)
 
 
-_SIZED = 3
-"""Of the likeliest sets, beside which sizes are fitted."""
+_SIZED, _ALIKE = 16, 6
+"""Of the likeliest sets, beside how many sizes are fitted, and digits to which totals differ between them."""

@@ -50,7 +50,7 @@ NO_RULES = {
     "first_look/log.py": {"_DEGREE", "_FINER", "_NEXT"},
     "first_look/weights.py": {"_TOLD"},
     "first_look/recording.py": {"_LATE"},
-    "first_look/search.py": {"_SIZED"},  # how far a search looks, here and below
+    "first_look/search.py": {"_SIZED, _ALIKE"},  # how far a search looks, here and below
     "first_look/tips.py": {
         "_ALIKE",
         "_BEAM",
