@@ -24,6 +24,7 @@ _KNOWN = ("time_s", "payload_kg", "temperature_degC", "x_mm", "y_mm", "z_mm", "b
 _KNOWN_JOINT = ("q{}_deg", "q{}_mm", "dir{}", "c{}_deg", "j{}_deg", "v{}_deg_s", "a{}_deg_s2", "tau{}_Nm")
 _LARGEST = 1e12
 """In SI; seconds since 1970 count to 2e9."""
+PROPOSES = " (`linkwright columns FILE --arm ARM` proposes it)"
 
 
 def chosen_rows(table: Table, held: ReadingSettings) -> tuple[Table, list[str]]:
@@ -78,7 +79,7 @@ def named_columns(
             meaning = _meaning(spelled.get(header, header), arm, held, table.file)
         except UnitMissing as error:
             if not held.columns and not error.stranger:
-                raise
+                raise UnitMissing(error.file, error.key, error.message + PROPOSES, *error.remedies) from None
             meaning = None
             if header not in used:
                 warnings.append(f"{header} is not used: {error.message}.")

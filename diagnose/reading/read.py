@@ -29,7 +29,7 @@ from .branches import to_its_tip, with_others_at_rest
 from .columns import example_headers
 from .files import read_table
 from .followers import with_followers
-from .named_columns import chosen_rows, named_columns
+from .named_columns import PROPOSES, chosen_rows, named_columns
 from .read_column import ReadColumn
 from .settings import ReadingSettings, find_settings, read_settings
 from .sights import in_part, sights_of
@@ -159,7 +159,7 @@ def _missing(
     also = f" (and {', '.join(others)})" if others else ""
     where = f", or map it in {Path(held.file).name if held.columns else 'recording.yaml'}: "
     where += f"`columns: {{{would_do.split()[0]}: FORMULA}}`"
-    where += "" if held.columns else " (`linkwright columns FILE --arm ARM` proposes it)"
+    where += "" if held.columns else PROPOSES
     part = ""
     if first in _PLACE:
         some = any(name in columns for name in _PLACE)

@@ -4,6 +4,7 @@ import pytest
 
 from linkwright.core.diagnose.reading.columns import otherwise_spelled
 from linkwright.core.diagnose.reading.foreign.proposed_file import propose
+from linkwright.core.diagnose.reading.read import read_recording
 from linkwright.core.units.quantities import InputError
 from tests.diagnose.reading.test_foreign_files import ANGLES, ARM, TIPS, read, text
 
@@ -207,3 +208,10 @@ def test_columns_left_aside_are_named(tmp_path):
     """Where settings map others."""
     said = read(tmp_path, with_columns("bed", "lamp"), "columns: {time_s: bed*2}\n").warnings
     assert "No columns that are known here: lamp. They are kept as they are." in said
+
+
+def test_headers_of_other_programs_point_to_what_proposes_them(tmp_path):
+    """ROS's clock and KUKA's angles beside a tip whose columns lack their unit."""
+    (tmp_path / "r.csv").write_text("%time,AIPos.A1,x,y\n0,10,0.1,0.3\n1,20,0.2,0.4\n", encoding="utf-8")
+    with pytest.raises(InputError, match=r"x: has no unit; write .* \(`linkwright columns FILE --arm ARM` proposes it"):
+        read_recording(tmp_path / "r.csv", ARM)
