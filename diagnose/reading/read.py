@@ -11,6 +11,7 @@ from pathlib import Path
 
 import numpy as np
 
+from linkwright.core.arm.chain.arrays import nominal
 from linkwright.core.arm.chain.chain import Arm
 from linkwright.core.diagnose.first_look.torque_sign import refuse_torques_of_another_sign
 from linkwright.core.diagnose.fitting.origins import located
@@ -26,7 +27,7 @@ from linkwright.core.units.reading import refusal
 
 from .assemble import assembled
 from .branches import to_its_tip, with_others_at_rest
-from .columns import example_headers
+from .columns import example_headers, meaning_of
 from .files import read_table
 from .followers import with_followers
 from .named_columns import PROPOSES, chosen_rows, named_columns
@@ -40,6 +41,8 @@ _QUATERNION = ("qw", "qx", "qy", "qz")
 _ROUNDED = 0.01
 """By how much the length of a quaternion may differ from 1: files round to three digits or more."""
 _LEVEL = 1e-9
+_ROUNDED_TIP = 9
+"""Digits of a tip (m) that the angles give."""
 
 
 def read_recording(path: Path | str, arm: Arm, settings: Path | None = None, *, rules: Rules = RULES) -> Recording:
@@ -78,6 +81,8 @@ def _unchecked(
     columns = with_followers(columns, table, arm, rules.residual)
     partly = in_part(columns, table, held, rules.mistakes.few_rows)
     _refuse_torques_alone(columns, table)
+    columns, sentences = _with_tip_of_angles(columns, table, arm, partly=partly)
+    warnings += sentences
     _require(columns, table, arm, held, whole=not partly)
     sights, seen = None, columns
     bare: list[RejectedRow] = []
@@ -109,6 +114,24 @@ def _checked(recording: Recording, arm: Arm, headers: dict[str, str], in_parts: 
     if in_parts:
         done = sights_checked(laid_out(done), arm, rules=rules)
     return replace(done, rejected=tuple(sorted(done.rejected, key=lambda item: item.row)))
+
+
+def _with_tip_of_angles(
+    columns: dict[str, ReadColumn], table: Table, arm: Arm, *, partly: bool
+) -> tuple[dict[str, ReadColumn], list[str]]:
+    """The columns with the tip where the joints stand, and what is to be said of it, where commands and angles alone
+    were recorded: between them lies the droop of loops."""
+    names = [f"{base}{k + 1}" for base in "qc" for k in range(arm.size)]
+    if partly or any(name in columns for name in _PLACE) or any(name not in columns for name in names):
+        return columns, []
+    q = np.stack([columns[name].values for name in names[: arm.size]], axis=1)
+    tips = np.round(nominal(arm, np.nan_to_num(q), 3)[0], _ROUNDED_TIP)
+    made = dict(columns)
+    for axis, values in zip(_PLACE[: 2 if planar_motion(arm) else 3], tips.T, strict=False):
+        if (meaning := meaning_of(f"{axis}_m", arm, file=table.file)) is not None:
+            made[axis] = ReadColumn(meaning, axis, values, lambda _: "the joints' angles are not known")
+    sentence = "No tip was recorded: it is taken where the angles have it, so that only what lies between commands and "
+    return made, [f"{sentence}angles can be found. Readings at rest show the droop of loops alone."]
 
 
 def _refuse_torques_alone(columns: dict[str, ReadColumn], table: Table) -> None:

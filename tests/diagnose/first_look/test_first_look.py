@@ -12,6 +12,7 @@ import pytest
 from scipy.signal import butter, lfilter
 
 from linkwright.core.arm.chain.chain import Arm, Joint, Link
+from linkwright.core.diagnose.diagnosis import diagnose
 from linkwright.core.diagnose.motion.reading.read import read_log
 from linkwright.core.diagnose.reading.foreign.proposed_file import propose
 from linkwright.core.diagnose.reading.read import read_recording
@@ -45,18 +46,35 @@ def test_a_joint_that_the_one_before_takes_along(tmp_path, part):
     assert f"joint 2 turns by {part:.3g} of q1_deg as well as by q2_deg" in line
 
 
-def test_a_soft_position_loop(tmp_path):
-    """20 N*m/rad under 13.7 N*m when level: seven poses, each twice; the joint stands where spring and weight agree."""
-    told = np.repeat(np.radians([-75.0, -60.0, -40.0, -20.0, 0.0, 20.0, 40.0]), 2)
-    at = told.copy()
+def soft_loop(*degrees):
+    """20 N*m/rad under 13.7 N*m when level: poses, each twice; the joint stands where spring and weight agree."""
+    commanded = np.repeat(np.radians(degrees), 2)
+    at = commanded.copy()
     for _ in range(200):
-        at = 0.5 * (at + told - 3.49 * 9.81 * 0.4 * np.cos(at) / 20.0)
-    tip = 0.6 * np.stack([np.cos(at), np.sin(at)], axis=1) + np.random.default_rng(1).normal(0.0, 4e-4, (14, 2))
+        at = 0.5 * (at + commanded - 3.49 * 9.81 * 0.4 * np.cos(at) / 20.0)
     arm = Arm("loop", (Joint(),), (Link(0.6, mass=3.49, center_of_mass=0.4),), gravity=(0.0, -9.81, 0.0))
-    line = refusal(written(tmp_path / "r.csv", table(told[:, None], tip)), arm)
+    return arm, commanded, at
+
+
+def test_a_soft_position_loop(tmp_path):
+    arm, commanded, at = soft_loop(-75.0, -60.0, -40.0, -20.0, 0.0, 20.0, 40.0)
+    tip = 0.6 * np.stack([np.cos(at), np.sin(at)], axis=1) + np.random.default_rng(1).normal(0.0, 4e-4, (14, 2))
+    line = refusal(written(tmp_path / "r.csv", table(commanded[:, None], tip)), arm)
     assert "joint 1 gives way by 0.0" in line
     stiffness = float(line.partition("`stiffness: ")[2].partition(" N*m/rad")[0])
     assert stiffness == pytest.approx(20.0, rel=0.01)
+
+
+def test_commands_and_angles_tell_a_loops_droop_without_a_tip(tmp_path):
+    arm, commanded, at = soft_loop(*range(-75, 46, 10))
+    at = np.degrees(at + np.random.default_rng(1).normal(0.0, 1e-4, len(at)))
+    rows = [f"{c:.5f},{q:.5f}" for c, q in zip(np.degrees(commanded), at, strict=True)]
+    (tmp_path / "r.csv").write_text("\n".join(["c1_deg,q1_deg", *rows]) + "\n", encoding="utf-8")
+    recording = read_recording(tmp_path / "r.csv", arm)
+    assert any("No tip was recorded" in said for said in recording.warnings)
+    (named,) = diagnose(arm, recording).findings
+    assert named.effect == "servo_droop"
+    assert named.parameters[0].value == pytest.approx(1.0 / 20.0, rel=0.005)
 
 
 def test_a_unit_beside_a_sign(tmp_path):

@@ -211,7 +211,7 @@ def test_columns_left_aside_are_named(tmp_path):
 
 
 def test_headers_of_other_programs_point_to_what_proposes_them(tmp_path):
-    """ROS's clock and KUKA's angles beside a tip whose columns lack their unit."""
-    (tmp_path / "r.csv").write_text("%time,AIPos.A1,x,y\n0,10,0.1,0.3\n1,20,0.2,0.4\n", encoding="utf-8")
+    """KUKA's angles beside a tip whose columns lack their unit."""
+    (tmp_path / "r.csv").write_text("AIPos.A1,x,y\n10,0.1,0.3\n20,0.2,0.4\n", encoding="utf-8")
     with pytest.raises(InputError, match=r"x: has no unit; write .* \(`linkwright columns FILE --arm ARM` proposes it"):
         read_recording(tmp_path / "r.csv", ARM)
