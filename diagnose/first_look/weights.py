@@ -180,7 +180,8 @@ def _of_little_torque(evidence: TorqueEvidence, log: MotionLog, headers: Mapping
     base = "current" if log.from_current else "tau"
     each = ", ".join(f"{headers.get(f'{base}{k + 1}', '')} {logged[k]:.2g} for {made[k]:.2g}" for k in little)
     sentence = (
-        f"Torques are next to nothing beside those of the arm file's weights (RMS: {each}): not logged, or currents?"
+        f"Torques are next to nothing beside those of the arm file's weights (RMS: {each}): not logged, currents, or "
+        "does a counterweight carry them?"
     )
     return log.saying(sentence)
 
