@@ -45,11 +45,6 @@ class UnitChange:
         ]
         return " and ".join(parts)
 
-    def formulas(self) -> dict[str, str]:
-        """The formulas that mend it, by header."""
-        pairs = zip(self.columns, self.factors, strict=True)
-        return {name: f"{name}*{by:.9g}" if by > 1.0 else f"{name}/{1.0 / by:.9g}" for name, by in pairs}
-
 
 def _unit_named(header: str, factor: float) -> str | None:
     """The unit in which a column's numbers are, where they fit with `factor` times the unit of its header."""

@@ -39,7 +39,7 @@ class _Look:
         """How much likelier the likeliest is."""
         return self.given.total - self.meant[0].total if self.meant else 0.0
 
-    def told(self, within: float) -> list[Transformation]:
+    def reported(self, within: float) -> list[Transformation]:
         """What is reported: the likeliest, and beside it what else other columns may be; gravity last."""
         kinds: dict[frozenset[str], Transformation] = {}
         for each in self.meant:
@@ -93,7 +93,7 @@ def look_at_weights(
 
 
 def _refuse(look: _Look, others: Sequence[_Look], arm: Arm, rules: Rules) -> None:
-    best, told = look.meant, look.told(2.0 * math.log(rules.mistakes.as_well))
+    best, told = look.meant, look.reported(2.0 * math.log(rules.mistakes.as_well))
     remedies = [{"columns": columns} for each in told if (columns := each.columns(arm, look.headers))]
     also = [Path(other.log.file).name for other in others if other.accepts(best[0], rules.log.conventions_gain)]
     more = f" ({', '.join(also)} can be read so too)" if also else ""
@@ -111,7 +111,7 @@ def _doubt(seen: dict[int, _Look], arm: Arm, rules: Rules) -> None:
         source = sure if shared else look
         if not source.meant:
             continue
-        told = source.told(rules.log.conventions_gain)
+        told = source.reported(rules.log.conventions_gain)
         ways = [written({"columns": columns}) for each in told if (columns := each.columns(arm, look.headers))]
         by = "" if source is look else f", as in {Path(source.log.file).name}"
         sentence = f"The arm's weights leave doubt{by}: {_any_of(told)}. The log is taken as it stands." + (
