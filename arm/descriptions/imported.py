@@ -159,16 +159,7 @@ def _named(robot: Robot, name: str, option: str) -> str:
 def _only_tip(robot: Robot, start: str) -> tuple[str, str]:
     """The end of the tree that joints move, and what is to be said where several ends move with the same joints. Raises
     `InputError` with all of them where ends move with different ones."""
-    ends: dict[str, tuple[str, ...]] = {}
-    ways: list[list[str]] = []
-    pending: list[tuple[list[str], tuple[str, ...]]] = [([start], ())]
-    while pending:
-        way, moving = pending.pop()
-        onward = robot.below[way[-1]]
-        if not onward and moving:
-            ends[way[-1]] = moving
-            ways.append(way)
-        pending += [([*way, joint.child], (*moving, joint.name) if joint.moves else moving) for joint in onward]
+    ends, ways = _ends(robot, start)
     if not ends:
         raise InputError(robot.file, "", f"no joint beyond {shown(start)} moves; an arm has at least one that does")
     listed = sorted(ends, key=lambda name: (-len(ends[name]), name))
@@ -185,3 +176,18 @@ def _only_tip(robot: Robot, start: str) -> tuple[str, str]:
     more = f" and {len(listed) - 12} more" if len(listed) > 12 else ""
     message = f"has {len(ends)} ends: {words}{more}; name one, e.g. --tip {example or listed[0]}"
     raise InputError(robot.file, "tip", message)
+
+
+def _ends(robot: Robot, start: str) -> tuple[dict[str, tuple[str, ...]], list[list[str]]]:
+    """The ends of the tree that joints move, each with these joints, and the links on the way to each."""
+    ends: dict[str, tuple[str, ...]] = {}
+    ways: list[list[str]] = []
+    pending: list[tuple[list[str], tuple[str, ...]]] = [([start], ())]
+    while pending:
+        way, moving = pending.pop()
+        onward = robot.below[way[-1]]
+        if not onward and moving:
+            ends[way[-1]] = moving
+            ways.append(way)
+        pending += [([*way, joint.child], (*moving, joint.name) if joint.moves else moving) for joint in onward]
+    return ends, ways
