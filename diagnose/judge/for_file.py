@@ -189,6 +189,4 @@ def _rival(item: Filed, parts: NDArray[np.int64], tips: NDArray[np.int64]) -> Ri
     np.add.at(rows, (parts, tips), 1.0)
     terms, weights = item.refit.terms, len(item.refit.weights)
     count = weights + sum(1 if term.shared else term.columns.shape[2] for term in terms)
-    fitted = np.zeros(rows.shape[1])
-    np.add.at(fitted, tips, np.sum(item.left**2, axis=1))
-    return Rival(item.name, count, rms_length(item.left), rms_length(item.held_out), losses, rows, fitted)
+    return Rival(item.name, count, rms_length(item.left), rms_length(item.held_out), losses, rows)

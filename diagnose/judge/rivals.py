@@ -43,7 +43,6 @@ class Rival:
         losses: (P, J) sums of squares that it leaves of each held-out part in each branch: joints, or one for tips.
             Parts are independent of each other: blocks of time, visits, cells, whole recordings.
         rows: (P, J) readings in each part and branch, the same for all rivals.
-        fitted: (J,) sums of squares that it leaves of the readings that it was fitted to.
     """
 
     name: Name
@@ -52,7 +51,6 @@ class Rival:
     held_out: float
     losses: Array
     rows: Array
-    fitted: Array
 
     @property
     def subject(self) -> str:
@@ -78,27 +76,25 @@ class Rivals:
         return next((rival for rival in self.table if rival.name == name), None)
 
 
-def chosen(rivals: Sequence[Rival], most: float = math.inf) -> Rivals:
+def chosen(rivals: Sequence[Rival]) -> Rivals:
     """Which rival the file holds.
 
     Args:
         rivals: The rivals, the arm as given (`nominal`) among them, all on the same parts and branches.
-        most: Times what a rival leaves of its readings that it may leave of held-out ones in each branch.
 
     Returns:
         The rivals with the one that is written: the best held out, or the one with the fewest numbers that is no more
         than one standard error worse; none that is worse than the arm as given, on the whole or in some branch by more
-        than a standard error. One that leaves more than `most` times what it leaves of its readings gives way to
-        those that do not, the arm as given aside.
+        than a standard error.
 
     Raises:
         ValueError: No nominal rival, or parts that differ.
 
     >>> rows = np.full((4, 1), 10.0)
     >>> table = [
-    ...     Rival("nominal", 0, 2.0, 2.0, np.full((4, 1), 40.0), rows, np.array([160.0])),
-    ...     Rival("named", 1, 1.0, 1.0, np.full((4, 1), 10.0), rows, np.array([40.0])),
-    ...     Rival("textbook", 9, 0.9, 1.0, np.array([[9.0], [10.5], [9.5], [10.5]]), rows, np.array([32.4])),
+    ...     Rival("nominal", 0, 2.0, 2.0, np.full((4, 1), 40.0), rows),
+    ...     Rival("named", 1, 1.0, 1.0, np.full((4, 1), 10.0), rows),
+    ...     Rival("textbook", 9, 0.9, 1.0, np.array([[9.0], [10.5], [9.5], [10.5]]), rows),
     ... ]
     >>> chosen(table).written
     'named'
@@ -110,8 +106,6 @@ def chosen(rivals: Sequence[Rival], most: float = math.inf) -> Rivals:
         raise ValueError("rivals of different parts")
     weights = _weights(rivals)
     allowed = [rival for rival in rivals if rival is nominal or _no_worse(rival, nominal, weights)]
-    carry = [rival for rival in allowed if (rival.losses.sum(axis=0) / most**2 <= rival.fitted).all()]
-    allowed = carry if any(rival is not nominal for rival in carry) else allowed
     best = min(allowed, key=lambda rival: (_total(rival, weights), _ORDER.index(rival.name)))
     alike = [rival for rival in allowed if _within(rival, best, weights)]
     written = min(alike, key=lambda rival: (rival.parameters, _ORDER.index(rival.name)))
@@ -167,8 +161,5 @@ def _why(rivals: Sequence[Rival], allowed: Sequence[Rival], best: Rival, written
             f"{other[0].lower()}{other[1:]} on held-out readings."
         )
     if len(allowed) < len(rivals) and _total(best, _weights(rivals)) > min(_total(r, _weights(rivals)) for r in rivals):
-        return (
-            f"{subject} is written, because every better rival makes some joint worse than it was given or predicts "
-            "its own readings far better than held-out ones."
-        )
+        return f"{subject} is written, because every better rival makes some joint worse than it was given."
     return f"{subject} is written, because it predicts held-out readings best."

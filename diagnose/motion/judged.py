@@ -120,7 +120,7 @@ def judged(arm: Arm, identified: Identified, start: Array, more: Sequence[Effect
     )
     counts = bare.counted.rows.astype(float)
     # What one log alone has tells nothing of what all share: rivals are chosen beside it, and shown as their files are.
-    best = chosen([_rival(name, *item.beside, item, counts) for name, item in filed], rules.motion.beyond_fitted)
+    best = chosen([_rival(name, *item.beside, item, counts) for name, item in filed])
     shown = tuple(_rival(name, item.left, item.held_out, item, counts) for name, item in filed)
     return Judged(replace(best, table=shown), filed, counts)
 
@@ -248,7 +248,7 @@ def _without_harm(arm: Arm, identified: Identified, given: Filed, named: Filed, 
 
 def _rival(name: Name, left: Array, held_out: Array, filed: Filed, counts: Array) -> Rival:
     figures = rms_together(left, counts), rms_together(held_out, counts)
-    return Rival(name, len(filed.numbers), *figures, held_out, counts, left.sum(axis=0))
+    return Rival(name, len(filed.numbers), *figures, held_out, counts)
 
 
 def rms_together(left: Array, counts: Array) -> float:

@@ -54,12 +54,6 @@ class MotionRules:
         "A name must lower the joint's RMS by this share on motion that was not fitted.",
         _LOGS,
     )
-    beyond_fitted: float = rule(
-        2.0,
-        "times what is left of the fitted readings",
-        "A rival that leaves more of held-out readings at some joint has learned its own readings: another is written.",
-        "TIAGo's torques: 0.09 N*m held out, 0.04 fitted; of other motion 1.2 to 1.4 times what the textbook leaves",
-    )
     cut: float = rule(
         0.1,
         "share of a joint's RMS",

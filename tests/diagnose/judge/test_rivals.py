@@ -17,7 +17,7 @@ def rival(name, parameters, *mean_squares, scatter=0.0, seed=0):
     random = np.random.default_rng(seed)
     losses = ROWS * np.array(mean_squares) * (1.0 + scatter * random.standard_normal((PARTS, len(mean_squares))))
     rms = float(np.sqrt(np.mean(mean_squares)))
-    return Rival(name, parameters, rms, rms, losses, np.full(losses.shape, ROWS), losses.sum(axis=0))
+    return Rival(name, parameters, rms, rms, losses, np.full(losses.shape, ROWS))
 
 
 def test_the_best_on_held_out_parts_is_written():
@@ -39,20 +39,6 @@ def test_what_is_worse_than_given_in_one_branch_is_not_written():
     result = chosen(table)
     assert result.written == "named"
     assert "worse than it was given" in result.why
-
-
-def test_what_leaves_far_more_than_of_its_own_readings_is_not_written():
-    """RMS 2.1 times as large in one branch; where no other rival carries over, it is written all the same."""
-    learned = rival("ridge", 20, 1.0, 0.5)
-    learned = replace(learned, fitted=learned.fitted / np.array([1.0, 2.1**2]))
-    nominal, named = rival("nominal", 0, 4.0, 4.0), rival("named", 3, 1.0, 1.0)
-    assert chosen([nominal, named, learned]).written == "ridge"
-    result = chosen([nominal, named, learned], 2.0)
-    assert result.written == "named"
-    assert "far better than held-out ones" in result.why
-    assert chosen([nominal, learned], 2.0).written == "ridge"
-    within = replace(learned, fitted=learned.losses.sum(axis=0) / 1.9**2)
-    assert chosen([nominal, named, within], 2.0).written == "ridge"
 
 
 def test_branches_count_alike_whatever_their_size():
@@ -84,10 +70,7 @@ def test_units_and_the_order_of_parts_do_not_matter(sizes, units, seed):
         for k, (name, number) in enumerate((("nominal", 0), ("named", 3), ("textbook", 20)))
     ]
     order = np.random.default_rng(seed).permutation(PARTS)
-    other = [
-        replace(item, losses=(item.losses * units)[order], rows=item.rows[order], fitted=item.fitted * units)
-        for item in table
-    ]
+    other = [replace(item, losses=(item.losses * units)[order], rows=item.rows[order]) for item in table]
     assert chosen(table).written == chosen(other).written
 
 
