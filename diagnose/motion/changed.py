@@ -13,6 +13,7 @@ from linkwright.core.sections.numeric import Array
 
 from .findings import parameters_of
 from .model.identify import Identified
+from .model.intervals import LIKELY
 from .model.products import Products, products
 from .model.rows import LogRows, joint_rows
 from .model.steps import Step, SteppedFit, fitted, may_step, tried
@@ -22,8 +23,6 @@ _PARTS = 40
 """Parts of a log between which a change is looked for first; within them every sample is tried."""
 _ROUNDS = 20
 """Instants and sizes in turn, until the instant stands."""
-_NATS = 2.0
-"""How much less likely than the best an instant may be to lie in the 95 % interval (half of chi-squared, 3.84)."""
 SURE = 1.96
 """Standard deviations to each end of a 95 % interval."""
 
@@ -67,7 +66,7 @@ def _settled(identified: Identified, number: int, fit: SteppedFit, *, rules: Rul
         fit = fitted(identified.pool, motion, weights, (replace(fit.steps[0], parts=later),))
     start, worse, left = _instant(rows, fit)
     clock = rows.prepared.motion.time[rows.prepared.kept]
-    likely: NDArray[np.int64] = np.flatnonzero(worse <= _NATS) + 1
+    likely: NDArray[np.int64] = np.flatnonzero(worse <= LIKELY) + 1
     (step,) = fit.steps
     return Change(
         step.group.effect.id,

@@ -17,10 +17,10 @@ from linkwright.core.units.quantities import format_quantity
 
 from .judged import Judged
 from .model.candidates import Group
-from .model.evidence import Member
+from .model.evidence import Member, System
 from .model.feasible import feasible
 from .model.identify import Identified
-from .model.intervals import Estimates
+from .model.intervals import LIKELY, Estimates
 from .model.products import Products
 from .model.ripple import Ripple
 from .result import Alternative, MotionFinding
@@ -47,13 +47,15 @@ def findings(
         start += group.rank
         others = [m for k, m in enumerate(identified.fitted) if k != number]
         plain = [*others, *identified.system.plain_beside(member.group, others)]
-        evidence = float(identified.system.offers(plain).evidence[member.group])
+        offered = identified.system.offers(plain).evidence
+        evidence = float(offered[member.group])
+        variants = _as_likely(identified.system, member.group, offered)
         made.append(
             finding_of_group(
                 group,
                 (sizes.gain * sizes.numbers)[part],
                 identified.products,
-                parameters_of(group, arm, sizes.numbers[part], sizes.half[:, part], sizes.shown[part]),
+                parameters_of(group, arm, sizes.numbers[part], sizes.half[:, part], sizes.shown[part], variants),
                 alternatives(identified, number, identified.system.offers(others).evidence, beside, rules),
                 judge.without(member.group),
                 evidence,
@@ -100,10 +102,10 @@ def finding_of(effect: Effect, ripple: Ripple, held: Array) -> MotionFinding:
 
 
 def parameters_of(
-    group: Group, arm: Arm, numbers: Array, half: Array, shown: NDArray[np.bool_]
+    group: Group, arm: Arm, numbers: Array, half: Array, shown: NDArray[np.bool_], variants: Sequence[Group] = ()
 ) -> tuple[FittedParameter, ...]:
-    """A group's parameters that the logs show, with intervals that reach `half` (2, k) below and above; shapes by the
-    grid they were tried on."""
+    """A group's parameters that the logs show, with intervals that reach `half` (2, k) below and above; shapes from
+    the least to the greatest of its `variants`."""
     slides = bool(group.at) and group.effect.place == "joint" and not arm.joints[group.at[0] - 1].revolute
     suffix = "" if group.tied or not group.at else f"_{group.at[0]}"
     parameters: list[FittedParameter] = []
@@ -114,16 +116,20 @@ def parameters_of(
             parameters.append(FittedParameter(size.name + suffix, size.name, group.at, kind, value, interval))
     for shape in group.effect.shapes:
         value = group.shapes[shape.name]
-        interval = _between(shape.grid, value)
+        others = [value, *(variant.shapes[shape.name] for variant in variants)]
+        interval = (min(others), max(others))
         kind = kind_at(shape, slides=slides)
         parameters.append(FittedParameter(shape.name + suffix, shape.name, group.at, kind, value, interval))
     return tuple(parameters)
 
 
-def _between(grid: Sequence[float], value: float) -> tuple[float, float]:
-    """The neighbours on a grid: of two values that the true one lies between, logs take either."""
-    at = grid.index(value)
-    return (grid[max(at - 1, 0)], grid[min(at + 1, len(grid) - 1)])
+def _as_likely(system: System, number: int, offered: Array) -> list[Group]:
+    """The variants of a group (its number) that the logs do not refute by what is `offered` (G,), and those next to
+    them: of two shapes that the true one lies between, logs take either."""
+    family = system.groups[number].family
+    likely = [k for k, group in enumerate(system.groups) if group.family == family]
+    likely = [k for k in likely if offered[k] >= offered[number] - LIKELY]
+    return [system.groups[other] for k in likely for other in system.next_to(k)]
 
 
 def alternatives(
@@ -140,7 +146,8 @@ def alternatives(
     best: dict[tuple[str, tuple[int, ...]], float] = {}
     evidence = float(offered[member.group])
     rest = [m for m in identified.fitted if m is not member]
-    for one in np.flatnonzero(np.abs(evidence - offered) <= rules.search.refuted_odds).tolist():
+    least = min(evidence - rules.search.refuted_odds, rules.search.alike**2 * evidence)
+    for one in np.flatnonzero((offered >= least) & (offered <= evidence + rules.search.refuted_odds)).tolist():
         family = identified.pool.groups[one].family
         if family in taken or offered[one] - max(float(beside[one]), 0.0) < 0.5 * evidence:
             continue
@@ -193,19 +200,18 @@ def _worse(
     where it must be some body's as they must; infinitely many where the logs tell it from them.
 
     Samples of a log share their errors: names that explain the same, and differ on motion that was not fitted by no
-    more than that scatters between stretches, are one class, of which only what is far less evident is refuted.
+    more than that scatters between stretches, are one class. There only nats of motion that was not fitted count.
     """
     scale = float(identified.system.offers(rest).scale[one])
     current, other = [*rest, *instead_of], [*rest, Member(one, scale)]
     if not identified.system.within(other)[-1]:
         return np.inf
-    alike = (
-        offered >= rules.search.alike**2 * evidence
-        and identified.held.loss(other, current, identified.noise.weights) <= rules.search.refuted_odds
-    )
+    loss = identified.held.loss(other, current, identified.noise.weights)
+    alike = offered >= rules.search.alike**2 * evidence and loss <= rules.search.refuted_odds
     if not alike and (identified.held.rms(other) > (1.0 + rules.motion.gain) * identified.held.rms(current)).any():
         return np.inf
-    worse = evidence - offered + feasible(identified.system, other).worse - feasible(identified.system, current).worse
+    worse = min(evidence - offered, max(loss, 0.0)) if alike else evidence - offered
+    worse += feasible(identified.system, other).worse - feasible(identified.system, current).worse
     return worse if worse <= (rules.search.refuted_odds if alike else rules.search.log_odds) else np.inf
 
 

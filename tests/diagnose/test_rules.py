@@ -89,14 +89,15 @@ NO_RULES = {
     "instruments/view.py": {"_STEPS, _START_STEPS, _START_ROWS", "_BETTER", "_FOUND"},
     "mistakes/row_lists.py": {"_MOST"},
     "judge/for_file.py": {"_USUAL"},  # the width of a prior
-    "motion/changed.py": {"SURE", "_NATS", "_PARTS", "_ROUNDS"},  # how an instant is looked for, and 95 %
+    "motion/changed.py": {"SURE", "_PARTS", "_ROUNDS"},  # how an instant is looked for, and 95 %
     "motion/diagnosis.py": {"_DRAWN"},
     "motion/judged.py": {"_SETTLED", "_STEPS"},
-    "motion/model/candidates.py": {"SHARPER", "_MOST_VARIANTS", "_PROBED"},  # an effect's entry; what a scan is for
+    "motion/model/candidates.py": {"SHARPER", "_BETWEEN", "_MOST_VARIANTS", "_PROBED"},  # what a scan is for
     "motion/model/chance.py": {"_DRAWS"},
     "motion/model/evidence.py": {"SCALES", "_FREE", "_MULTIPLES", "_SPARING"},  # what is tried; no prior; Akaike's nat
     "motion/model/feasible.py": {"_ENOUGH", "_GAP", "_INSIDE", "_SETTLED", "_SHORT", "_SHRINKS", "_STEPS", "_UNSEEN"},
     "motion/model/identify.py": {"_FOLDS", "_ROUNDS"},
+    "motion/model/intervals.py": {"LIKELY"},  # half of chi-squared
     "motion/model/noise.py": {"_PASSES"},
     "motion/model/ripple.py": {"_DRAWS", "_EACH"},
     "motion/model/search.py": {"_MOST", "_MOST_FOR_ONE", "_PROMISING"},  # how far a search looks

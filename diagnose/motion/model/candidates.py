@@ -15,7 +15,6 @@ from linkwright.core.arm.effects.drives.armature import ARMATURE
 from linkwright.core.arm.effects.drives.torque_offset import TORQUE_OFFSET
 from linkwright.core.arm.effects.effect import Effect, Parameter, Settings
 from linkwright.core.arm.effects.friction.friction_coulomb import FRICTION_COULOMB
-from linkwright.core.arm.effects.friction.friction_quadratic import FRICTION_QUADRATIC
 from linkwright.core.arm.effects.friction.friction_viscous import FRICTION_VISCOUS
 from linkwright.core.arm.effects.loads.inertial import OfInertia
 from linkwright.core.arm.effects.torques import OfEachDrive, direction
@@ -26,6 +25,8 @@ from linkwright.core.sections.numeric import Array
 
 _MOST_VARIANTS = 12
 """Values of an effect's shapes up to which all are candidates; of more, a scan proposes some."""
+_BETWEEN = 4
+"""Parts into which the steps on both sides of a shape that was taken are cut."""
 _OF_ALL_ROBOTS = ("dimensionless", "time", "time_squared")
 """Kinds of quantity that do not grow with the robot."""
 PLAIN = (FRICTION_COULOMB, FRICTION_VISCOUS, TORQUE_OFFSET, ARMATURE)
@@ -227,6 +228,30 @@ def with_variants(
     return Candidates(tuple(sources), tuple(_groups(sources, arm, masses, pool.clock, rules)), width, pool.clock)
 
 
+def refined(pool: Candidates, chosen: Sequence[int], *, rules: Rules) -> Candidates:
+    """The candidates with shapes of some groups (their numbers) between those that were tried and these groups' own;
+    beyond the grid, where a group's own is at its end."""
+    sources, groups, width = list(pool.sources), list(pool.groups), pool.width
+    by_start = {source.start: source for source in pool.sources}
+    for group in (pool.groups[number] for number in chosen):
+        source = by_start[int(group.columns[0])]
+        for shape in () if group.tied or source.by_load else source.effect.shapes:
+            value = group.shapes[shape.name]
+            tried = sorted(other.shapes[shape.name] for other in groups if other.family == group.family)
+            at = tried.index(value)
+            below = tried[at - 1] if at else value**2 / tried[at + 1]
+            above = tried[at + 1] if at + 1 < len(tried) else value**2 / below
+            least = max(shape.lower, rules.motion.slow if shape.kind == "angular_speed" else 0.0)
+            for between in np.geomspace(below, above, 2 * _BETWEEN + 1).tolist():
+                if shape.whole or between <= least or between >= shape.upper or np.isclose(between, tried).any():
+                    continue
+                shapes = {**group.shapes, shape.name: between}
+                sources.append(replace(source, shapes=shapes, start=width))
+                groups.append(replace(group, shapes=shapes, columns=sources[-1].columns))
+                width += len(source.sizes)
+    return Candidates(tuple(sources), tuple(groups), width, pool.clock)
+
+
 def at_estimates(pool: Candidates, sizes: Array) -> Candidates:
     """The candidates with one factor for all masses that holds what links are found to weigh, sizes (W,) of the model's
     columns included, as torque constants do."""
@@ -373,12 +398,11 @@ def _groups(sources: Sequence[Source], arm: Arm, masses: Array, clock: float, ru
 
 
 def _plain(source: Source) -> tuple[Effect, ...]:
-    """What drives have anyway and a cause varies: bodies turn with rotors; what has a number that is not linear, moves
-    two drives, shifts torque in time, or goes by a power of the speed, stands in for any of the plain terms."""
+    """What drives have anyway and a cause varies: bodies turn with rotors, all else that acts at a joint stands in for
+    any of its plain terms."""
     if isinstance(source.effect.torques, OfInertia):
         return (ARMATURE,)
-    bent = source.shapes or len(source.joints) > 1 or source.delays or source.effect is FRICTION_QUADRATIC
-    return PLAIN if bent and source.effect.place == "joint" else ()
+    return PLAIN if source.effect.place == "joint" and source.effect not in PLAIN else ()
 
 
 def _body(source: Source, arm: Arm, masses: Array) -> Body | None:

@@ -90,6 +90,14 @@ class System:
         touched = self.moved[self.groups[number].columns].any(axis=0)
         return np.array([bool((self.moved[group.columns].any(axis=0) & touched).any()) for group in self.groups])
 
+    def next_to(self, number: int) -> list[int]:
+        """A group (its number) and the variants of the same cause whose shapes were tried next to its own."""
+        mine = self.groups[number]
+        alike = [k for k, group in enumerate(self.groups) if group.family == mine.family]
+        alike.sort(key=lambda k: tuple(self.groups[k].shapes.values()))
+        at = alike.index(number)
+        return alike[max(at - 1, 0) : at + 2]
+
     @cached_property
     def nuisances(self) -> tuple[Member, ...]:
         """What is fitted with any set."""

@@ -12,17 +12,17 @@ from numpy.typing import NDArray
 from linkwright.core.diagnose.rules.rules import Rules
 from linkwright.core.sections.numeric import Array
 
-from .candidates import Candidates, at_estimates
+from .candidates import Candidates, at_estimates, refined
 from .chance import Chance, chance
 from .evidence import Member, System, discrepancies, system, unnamed
 from .feasible import lost
 from .noise import Noise, noise
 from .products import Products, products
-from .rows import LogRows, joint_rows, with_loads
+from .rows import LogRows, joint_rows, with_loads, with_sources
 from .search import HeldOut, pruned, searched
 
 _ROUNDS = 3
-"""Times that what goes by the drives' torque is worked out anew for the model found."""
+"""Times that shapes, and what goes by the drives' torque, are worked out anew for the model found."""
 _FOLDS = 5
 """Parts into which one log is cut to hold motion out."""
 
@@ -111,14 +111,16 @@ def identify(
     for turn in range(1, _ROUNDS):
         progress("naming what is missing", 0.4 + 0.15 * turn)
         sizes = steady.system.solved([*steady.system.nuisances, *members])
-        current = [with_loads(item, pool, sizes) for item in current]
-        pool = at_estimates(given, _apart(steady.system, members))
+        finer = refined(given, [member.group for member in members], rules=rules)
+        more = finer.sources[len(given.sources) :]
+        current = [with_sources(with_loads(item, pool, sizes), more) for item in current]
+        given, pool = finer, at_estimates(finer, _apart(steady.system, members))
         steady = _fit(pool, products(joint_rows(current), pool.width, near=False), certain, seed)
         members = searched(steady.system, initial=members, exchange=True, rules=rules)
     progress("testing reversals", 0.85)
     near = _fit(pool, products(joint_rows(current), pool.width, near=True), uncertain, seed)
     gate_p = min(1.0, 2.0 * min(item.gate() for item in (steady, near)))
-    split, folds = _folds(steady.products)
+    split, folds = _folds(steady.products, current[0].length, rules)
     turning = _at_reversals(pool, steady.products, near.products)
     if gate_p > rules.residual.level:
         members = []
@@ -229,10 +231,13 @@ def _beyond_chance(whole: System, draws: Chance, members: Sequence[Member], leve
     return current
 
 
-def _folds(made: Products) -> tuple[str, NDArray[np.int64]]:
+def _folds(made: Products, length: float, rules: Rules) -> tuple[str, NDArray[np.int64]]:
+    """What is held out, and the fold of each block, of `length` s: no fold of one log is shorter than what motion
+    depends on itself, as poses that are close by are foretold by any fit."""
     if len(np.unique(made.log)) > 1:
         return "logs", np.unique(made.log, return_inverse=True)[1].astype(np.int64)
-    return "time blocks", (np.arange(made.blocks) * min(_FOLDS, made.blocks)) // made.blocks
+    most = max(2, min(_FOLDS, int(made.blocks * length / rules.motion.block)))
+    return "time blocks", (np.arange(made.blocks) * min(most, made.blocks)) // made.blocks
 
 
 def _at_reversals(pool: Candidates, steady: Products, near: Products) -> NDArray[np.bool_]:

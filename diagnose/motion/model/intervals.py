@@ -13,10 +13,12 @@ from linkwright.core.arm.effects.drives.torque_constant import TORQUE_CONSTANT
 from linkwright.core.diagnose.rules.rules import Rules
 from linkwright.core.sections.numeric import Array
 
-from .candidates import Group
 from .evidence import Member, System
 from .feasible import feasible
 from .products import Products
+
+LIKELY = 2.0
+"""Nats by which what lies in a 95 % interval may be less likely than the best (half of chi-squared, 3.84)."""
 
 
 @dataclass(frozen=True)
@@ -89,18 +91,8 @@ def _by_shapes(system: System, members: Sequence[Member], numbers: Array) -> Arr
     goes with its shape is larger or smaller by that, and not of the other sign."""
     half = np.zeros((2, len(numbers)))
     for place, member in enumerate(members):
-        group_of_member = system.groups[member.group]
-        for other, group in enumerate(system.groups):
-            if group.family == group_of_member.family and _steps(group_of_member, group) == 1:
-                changed = [*members[:place], Member(other, member.scale), *members[place + 1 :]]
-                change = system.numbers(changed) - numbers
-                half = np.maximum(half, [-change, change])
+        for other in set(system.next_to(member.group)) - {member.group}:
+            changed = [*members[:place], Member(other, member.scale), *members[place + 1 :]]
+            change = system.numbers(changed) - numbers
+            half = np.maximum(half, [-change, change])
     return half
-
-
-def _steps(one: Group, other: Group) -> int:
-    """How many steps of the grids on which shapes are tried are between two variants of a cause."""
-    return sum(
-        abs(shape.grid.index(one.shapes[shape.name]) - shape.grid.index(other.shapes[shape.name]))
-        for shape in one.effect.shapes
-    )

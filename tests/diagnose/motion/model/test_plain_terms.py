@@ -39,12 +39,12 @@ def test_a_cause_counts_beside_the_plain_terms_that_it_varies(tmp_path: Path) ->
         terms = all_.plain_beside(number, members)
         return {(pool.groups[term.group].effect.id, pool.groups[term.group].at) for term in terms}
 
-    for effect in ("friction_quadratic", "friction_stribeck"):
+    for effect in ("friction_quadratic", "friction_stribeck", "friction_place", "spring", "torque_constant"):
         assert beside(effect, (2,)) == {(plain, (2,)) for plain in DRIVE}
     assert beside("joint_coupling", (2,)) == {(plain, (joint,)) for plain in DRIVE for joint in (1, 2)}
     assert beside("payload", ()) == {("armature", (1,)), ("armature", (2,))}
-    # A plain term, a constant of the sensor and one factor of all masses vary none.
-    for effect, at in (("friction_coulomb", (2,)), ("torque_constant", (2,)), ("link_inertial", (1, 2))):
+    # A plain term and one factor of all masses vary none.
+    for effect, at in (("friction_coulomb", (2,)), ("link_inertial", (1, 2))):
         assert beside(effect, at) == set()
     taken = next(term for term in all_.drives if pool.groups[term.group].effect.id == "armature")
     assert len(beside("payload", (), members=(taken,))) == 1
