@@ -263,12 +263,12 @@ def test_an_amplitude_that_goes_with_its_shape_has_a_sign() -> None:
 
 
 def test_a_shape_between_those_that_are_tried_is_held_with_its_amplitude() -> None:
-    """A decay of 25 s is nearer to 12 s than to 60 s by its logarithm; its pattern is nearer to that of 60 s."""
+    """A decay of 25 s; 12 s and 60 s are tried."""
     time, _, v, _ = swings(8)
     fallen = np.zeros_like(v)
     fallen[:, 1] = -6.0 * (1.0 - np.exp(-time / 25.0)) * np.sign(v[:, 1])
     found = sizes(diagnose_motion(two_links(), [log_of(8, fallen)]))
-    assert found["friction_warmup.time_2"][0] == 60.0
+    assert found["friction_warmup.time_2"][0] == pytest.approx(25.0, rel=0.05)
     for name, truth in (("time_2", 25.0), ("torque_2", -6.0)):
         lower, upper = found[f"friction_warmup.{name}"][1]
         assert lower < truth < upper

@@ -12,8 +12,8 @@ from linkwright.core.diagnose.rules.rules import Rules
 from linkwright.core.sections.numeric import Array
 
 from .findings import parameters_of
+from .model.evidence import LIKELY
 from .model.identify import Identified
-from .model.intervals import LIKELY
 from .model.products import Products, products
 from .model.rows import LogRows, joint_rows
 from .model.steps import Step, SteppedFit, fitted, may_step, tried

@@ -17,10 +17,10 @@ from linkwright.core.units.quantities import format_quantity
 
 from .judged import Judged
 from .model.candidates import Group
-from .model.evidence import Member, System
+from .model.evidence import Member
 from .model.feasible import feasible
 from .model.identify import Identified
-from .model.intervals import LIKELY, Estimates
+from .model.intervals import Estimates
 from .model.products import Products
 from .model.ripple import Ripple
 from .result import Alternative, MotionFinding
@@ -49,7 +49,7 @@ def findings(
         plain = [*others, *identified.system.plain_beside(member.group, others)]
         offered = identified.system.offers(plain).evidence
         evidence = float(offered[member.group])
-        variants = _as_likely(identified.system, member.group, offered)
+        variants = [identified.pool.groups[k] for k in identified.system.as_likely(member.group, offered)]
         made.append(
             finding_of_group(
                 group,
@@ -121,15 +121,6 @@ def parameters_of(
         kind = kind_at(shape, slides=slides)
         parameters.append(FittedParameter(shape.name + suffix, shape.name, group.at, kind, value, interval))
     return tuple(parameters)
-
-
-def _as_likely(system: System, number: int, offered: Array) -> list[Group]:
-    """The variants of a group (its number) that the logs do not refute by what is `offered` (G,), and those next to
-    them: of two shapes that the true one lies between, logs take either."""
-    family = system.groups[number].family
-    likely = [k for k, group in enumerate(system.groups) if group.family == family]
-    likely = [k for k in likely if offered[k] >= offered[number] - LIKELY]
-    return [system.groups[other] for k in likely for other in system.next_to(k)]
 
 
 def alternatives(

@@ -94,10 +94,10 @@ NO_RULES = {
     "motion/judged.py": {"_SETTLED", "_STEPS"},
     "motion/model/candidates.py": {"SHARPER", "_BETWEEN", "_MOST_VARIANTS", "_PROBED"},  # what a scan is for
     "motion/model/chance.py": {"_DRAWS"},
-    "motion/model/evidence.py": {"SCALES", "_FREE", "_MULTIPLES", "_SPARING"},  # what is tried; no prior; Akaike's nat
+    # half of chi-squared; what is tried; no prior; Akaike's nat
+    "motion/model/evidence.py": {"LIKELY", "SCALES", "_FREE", "_MULTIPLES", "_SPARING"},
     "motion/model/feasible.py": {"_ENOUGH", "_GAP", "_INSIDE", "_SETTLED", "_SHORT", "_SHRINKS", "_STEPS", "_UNSEEN"},
     "motion/model/identify.py": {"_FOLDS", "_ROUNDS"},
-    "motion/model/intervals.py": {"LIKELY"},  # half of chi-squared
     "motion/model/noise.py": {"_PASSES"},
     "motion/model/ripple.py": {"_DRAWS", "_EACH"},
     "motion/model/search.py": {"_MOST", "_MOST_FOR_ONE", "_PROMISING"},  # how far a search looks

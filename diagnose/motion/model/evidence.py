@@ -35,6 +35,9 @@ _SPARING = 1.0
 _FREE = 1e3
 """Usual sizes in a standard deviation of a number that logs alone tell."""
 
+LIKELY = 2.0
+"""Nats by which what lies in a 95 % interval may be less likely than the best (half of chi-squared, 3.84)."""
+
 
 @dataclass(frozen=True)
 class Member:
@@ -90,13 +93,14 @@ class System:
         touched = self.moved[self.groups[number].columns].any(axis=0)
         return np.array([bool((self.moved[group.columns].any(axis=0) & touched).any()) for group in self.groups])
 
-    def next_to(self, number: int) -> list[int]:
-        """A group (its number) and the variants of the same cause whose shapes were tried next to its own."""
-        mine = self.groups[number]
-        alike = [k for k, group in enumerate(self.groups) if group.family == mine.family]
+    def as_likely(self, number: int, offered: Array) -> list[int]:
+        """Variants of a group (its number) from the least shape to the greatest that is as likely by what is `offered`
+        (G,), and the next ones: of two shapes that the true one lies between, logs take either."""
+        family = self.groups[number].family
+        alike = [k for k, group in enumerate(self.groups) if group.family == family]
         alike.sort(key=lambda k: tuple(self.groups[k].shapes.values()))
-        at = alike.index(number)
-        return alike[max(at - 1, 0) : at + 2]
+        likely = [place for place, k in enumerate(alike) if offered[k] >= offered[number] - LIKELY]
+        return alike[max(likely[0] - 1, 0) : likely[-1] + 2]
 
     @cached_property
     def nuisances(self) -> tuple[Member, ...]:

@@ -17,9 +17,6 @@ from .evidence import Member, System
 from .feasible import feasible
 from .products import Products
 
-LIKELY = 2.0
-"""Nats by which what lies in a 95 % interval may be less likely than the best (half of chi-squared, 3.84)."""
-
 
 @dataclass(frozen=True)
 class Estimates:
@@ -42,8 +39,7 @@ def estimates(
 
     The covariance by blocks is the sandwich of K.-Y. Liang & S. L. Zeger, Biometrika 73 (1986) 13, with Student's t of
     the blocks' degrees of freedom. That by the model holds what random effects of the columns, of standard deviations
-    `unnamed` (W,), move sizes by. Beside them counts how sizes change to the next shape that was tried: of two shapes
-    that the true one lies between, logs take either.
+    `unnamed` (W,), move sizes by. Beside them counts how sizes change to other shapes that are as likely.
     """
     at = system.places(members)
     if not len(at):
@@ -87,11 +83,12 @@ def _gain(system: System, members: Sequence[Member], numbers: Array) -> tuple[Ar
 
 
 def _by_shapes(system: System, members: Sequence[Member], numbers: Array) -> Array:
-    """How much less and more (2, k) the numbers are by the neighbours of the shapes that were taken: an amplitude that
+    """How much less and more (2, k) the numbers are by the shapes that are as likely as those taken: an amplitude that
     goes with its shape is larger or smaller by that, and not of the other sign."""
     half = np.zeros((2, len(numbers)))
     for place, member in enumerate(members):
-        for other in set(system.next_to(member.group)) - {member.group}:
+        offered = system.offers([*members[:place], *members[place + 1 :]]).evidence
+        for other in system.as_likely(member.group, offered) if system.groups[member.group].shapes else ():
             changed = [*members[:place], Member(other, member.scale), *members[place + 1 :]]
             change = system.numbers(changed) - numbers
             half = np.maximum(half, [-change, change])
