@@ -235,7 +235,8 @@ def refined(pool: Candidates, chosen: Sequence[int], *, rules: Rules) -> Candida
     by_start = {source.start: source for source in pool.sources}
     for group in (pool.groups[number] for number in chosen):
         source = by_start[int(group.columns[0])]
-        for shape in () if group.tied or source.by_load else source.effect.shapes:
+        shapes_ = () if group.tied or source.by_load else source.effect.shapes
+        for shape in (item for item in shapes_ if not item.whole and group.variants > 1):
             value = group.shapes[shape.name]
             tried = sorted(other.shapes[shape.name] for other in groups if other.family == group.family)
             at = tried.index(value)
@@ -243,7 +244,7 @@ def refined(pool: Candidates, chosen: Sequence[int], *, rules: Rules) -> Candida
             above = tried[at + 1] if at + 1 < len(tried) else value**2 / below
             least = max(shape.lower, rules.motion.slow if shape.kind == "angular_speed" else 0.0)
             for between in np.geomspace(below, above, 2 * _BETWEEN + 1).tolist():
-                if shape.whole or between <= least or between >= shape.upper or np.isclose(between, tried).any():
+                if between <= least or between >= shape.upper or np.isclose(between, tried).any():
                     continue
                 shapes = {**group.shapes, shape.name: between}
                 sources.append(replace(source, shapes=shapes, start=width))
