@@ -19,7 +19,7 @@ from linkwright.core.diagnose.rules.rules import Rules
 from linkwright.core.sections.numeric import Array
 
 from .corrected import completed
-from .model.candidates import PLAIN, Candidates, Group
+from .model.candidates import PLAIN, Group
 from .model.evidence import Member, System, system
 from .model.feasible import feasible
 from .model.identify import Identified, mixed
@@ -176,7 +176,7 @@ def _settled(
     groups = [pool.groups[member.group] for member in members]
     usual = np.concatenate([np.zeros(0), *(group.usual for group in groups)])
     numbers = np.zeros(len(usual)) if start is None else start[: len(usual)]
-    spread = _spread(pool, members)
+    spread = identified.system.spread[:, identified.system.places(members)] / usual
     weights = identified.noise.weights
     written = completed(arm, groups, _parts(groups, numbers), more)
     rows = _about(identified, written, spread @ numbers) if given is None else given
@@ -189,17 +189,6 @@ def _settled(
         written = completed(arm, groups, _parts(groups, numbers), more)
         rows = _about(identified, written, spread @ numbers)
     return _filed(identified, rows, members, written, numbers, spread @ numbers)
-
-
-def _spread(pool: Candidates, members: Sequence[Member]) -> Array:
-    """The sizes of the model's columns by a set's numbers (W, k), SI."""
-    ranks = [pool.groups[member.group].rank for member in members]
-    spread, start = np.zeros((pool.width, sum(ranks))), 0
-    for member, rank in zip(members, ranks, strict=True):
-        group = pool.groups[member.group]
-        spread[group.columns, start : start + rank] += group.mixing
-        start += rank
-    return spread
 
 
 def _parts(groups: Sequence[Group], numbers: Array) -> list[Array]:

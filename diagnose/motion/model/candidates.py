@@ -250,7 +250,7 @@ def refined(pool: Candidates, chosen: Sequence[int], *, rules: Rules) -> Candida
                 sources.append(replace(source, shapes=shapes, start=width))
                 groups.append(replace(group, shapes=shapes, columns=sources[-1].columns))
                 width += len(source.sizes)
-    return Candidates(tuple(sources), tuple(groups), width, pool.clock)
+    return replace(pool, sources=tuple(sources), groups=tuple(groups), width=width)
 
 
 def at_estimates(pool: Candidates, sizes: Array) -> Candidates:
