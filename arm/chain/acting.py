@@ -66,6 +66,11 @@ class Acting:
         del link
         return load
 
+    def at_joint(self, link: int, load: Load) -> Load:
+        """The load at a link's near end with what acts there."""
+        del link
+        return load
+
     def past(self, joint: int, load: Load) -> Load:
         """What a joint hands on of the load at it."""
         del joint

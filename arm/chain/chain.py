@@ -25,6 +25,8 @@ if TYPE_CHECKING:
     from linkwright.core.materials.material import Material
     from linkwright.core.sections.section import Section
 
+    from .inertia import Moving
+
 FloatVector = tuple[float, float, float]
 
 STANDARD_GRAVITY: FloatVector = (0.0, -9.81, 0.0)
@@ -300,7 +302,8 @@ class LoadCase:
 
     `leaves_off` (kg) is the arm's payload where the case replaces it without naming one.
     `relative_to` is the calibrated state that the error counts from; None counts the whole error. Of several arms on
-    one torso `tip` names the one at whose tip it acts and whose error counts; empty: the arm's own.
+    one torso `tip` names the one at whose tip it acts and whose error counts; empty: the arm's own. `moving` is the
+    instant of a motion at which it acts, at that pose and with its accelerations; None: at rest, at any pose.
     """
 
     mass: float = 0.0
@@ -309,6 +312,7 @@ class LoadCase:
     relative_to: Calibrated | None = None
     tip: str = ""
     leaves_off: float = field(default=0.0, compare=False)
+    moving: Moving | None = None
 
     @property
     def when_calibrated(self) -> LoadCase | None:

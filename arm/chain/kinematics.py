@@ -12,11 +12,11 @@ from typing import Any
 
 import numpy as np
 
-from linkwright.core.sections.numeric import cos, sin
+from linkwright.core.sections.numeric import Array, cos, sin
 from linkwright.core.sections.symbols import column_of_symbols
 
 from .chain import Arm, FloatVector, Joint, Link
-from .following import turns
+from .following import turns, turns_by_coordinates
 from .vectors import (
     IDENTITY,
     ZERO,
@@ -129,6 +129,20 @@ def carried_unturned(joints: Sequence[Joint], index: int) -> int:
     for then even the tool turns."""
     after = range(index + joints[index].spans, len(joints))
     return next((item for item in after if joints[item].revolute), len(joints))
+
+
+def turns_by_drives(arm: Arm) -> Array:
+    """The matrix (n, n) from the rates of an arm's coordinates to those at which each joint turns or slides against the
+    link before it; its transpose leads from torques about the joints to those of the drives."""
+    matrix = turns_by_coordinates(arm)
+    if arm.angles == "absolute":
+        against = np.eye(arm.size)
+        for index, joint in enumerate(arm.joints):
+            after = carried_unturned(arm.joints, index)
+            if joint.revolute and after < arm.size:
+                against[after, index] = -1.0
+        matrix = against @ matrix
+    return matrix
 
 
 def place(arm: Arm, q: Sequence[Scalar], lengths: Sequence[Scalar] | None = None) -> Frames:

@@ -18,6 +18,7 @@ from .branches import alone
 from .chain import Arm, FloatVector, Joint, Link, LoadCase, Zones
 from .conditions import Conditions
 from .following import coordinates, turns
+from .inertia import Inertia
 from .kinematics import Frames, LinkFrame, carried_unturned, place, section_directions
 from .vectors import (
     Scalar,
@@ -152,6 +153,8 @@ def solve(
     arm = arm.on(case.tip)
     held = Conditions() if conditions is None else conditions
     rise = arm.temperature - REFERENCE_TEMPERATURE if warming is None else warming
+    if case.moving is not None:
+        q = case.moving.at(q)
     placed = place(arm, q, [beam.length for beam in beams]) if frames is None else frames
     # On a shape that is given, beams are as long as they have run out to there.
     beams = beams if frames is not None else run_out(arm, beams, q)
@@ -164,8 +167,16 @@ def solve(
     if arm.branches:
         acting.insert(0, Branches(arm, _hanging(arm, placed, q, beams, pull)))
     warm = [rise] * arm.size if held.warming is None else held.warming
-    at = Load(moment=case.moment).pushed(add(pushed, scale(carried, pull)), placed.tool)
-    links, joints = _inward(arm, placed, beams, acting, pull, at, warm, coordinates(arm, q))
+    felt = [(pull, pull)] * arm.size
+    at_tip = pull
+    if case.moving is not None:
+        inertia = Inertia(arm, placed, beams, case.moving, carried)
+        acting.append(inertia)
+        pairs = zip(inertia.links, inertia.joints, strict=True)
+        felt = [(subtract(pull, of_link), subtract(pull, of_joint)) for of_link, of_joint in pairs]
+        at_tip = subtract(pull, inertia.tip)
+    at = Load(moment=case.moment).pushed(add(pushed, scale(carried, at_tip)), placed.tool)
+    links, joints = _inward(arm, placed, beams, acting, felt, at, warm, coordinates(arm, q))
     for index in [index for index in range(arm.size) if not _never(arm.away(index))]:
         here = minus(1.0, arm.away(index))
         links[index], joints[index] = _only(here, links[index]), _only_drive(here, joints[index])
@@ -191,26 +202,30 @@ def _inward(
     placed: Frames,
     beams: Sequence[Beam],
     acting: Sequence[Acting],
-    pull: Vector,
+    felt: Sequence[tuple[Vector, Vector]],
     at: Load,
     warming: Sequence[Scalar],
     coordinate: Sequence[Scalar],
 ) -> tuple[list[LinkState], list[JointState]]:
-    """The links and joints from the base out, by a walk inward from the load `at` the end of the last link."""
+    """The links and joints from the base out, by a walk inward from the load `at` the end of the last link; `felt` is
+    the gravity (m/s^2) that each link and joint feels."""
     joints: list[JointState] = []
     links: list[LinkState] = []
     ends: dict[int, Load] = {}
     for index in range(arm.size - 1, -1, -1):
         joint, beam, beyond = arm.joints[index], beams[index], at
+        of_link, of_joint = felt[index]
         for item in acting:
             at = item.at_end(index, at)
         ends[index] = at
-        link, at = _along(arm.links[index], beam, placed.links[index], pull, at, warming[index])
+        link, at = _along(arm.links[index], beam, placed.links[index], of_link, at, warming[index])
+        for item in acting:
+            at = item.at_joint(index, at)
         axis, past = placed.joints[index].axis, at
         for item in acting:
             past = item.past(index, past)
         # A slide's mass rides on it, so what moves the slide moves that too.
-        riding = at.pushed(scale(joint.mass, pull)).force
+        riding = at.pushed(scale(joint.mass, of_joint)).force
         on_axis = dot(axis, past.moment if joint.revolute else riding)
         drive_load = dot(axis, at.moment if joint.revolute else riding)
         if joint.revolute and arm.angles == "absolute":
@@ -223,7 +238,7 @@ def _inward(
             drive_load = plus(drive_load, item.on_drive(index, on_axis))
         links.append(link)
         joints.append(_joint_state(joint, axis, at, drive_load, coordinate[index]))
-        force = add(at.force, scale(joint.mass, pull))
+        force = add(at.force, scale(joint.mass, of_joint))
         at = Load(force, add(past.moment, cross(placed.joints[index].lead, force)))
         for item in acting:
             at = item.passed_by(index, beyond, at)

@@ -9,8 +9,7 @@ import numpy as np
 
 from linkwright.core.arm.bodies.on_links import link_axes
 from linkwright.core.arm.chain.chain import Arm, FloatVector
-from linkwright.core.arm.chain.following import turns_by_coordinates
-from linkwright.core.arm.chain.kinematics import carried_unturned, place
+from linkwright.core.arm.chain.kinematics import place, turns_by_drives
 from linkwright.core.arm.chain.vectors import Vector
 from linkwright.core.sections.numeric import Array
 from linkwright.core.units.quantities import InputError
@@ -52,20 +51,6 @@ def refuse_what_no_chain_is(arm: Arm) -> None:
     if any(link.runs_out for link in arm.links):
         number = [link.runs_out for link in arm.links].index(True) + 1
         raise InputError("", f"link {number}", "runs out of a sleeve (bends_over); torques need links as they are")
-
-
-def turns_by_drives(arm: Arm) -> Array:
-    """The matrix (n, n) from the rates of an arm's coordinates to those at which each joint turns or slides against the
-    link before it; its transpose leads from torques about the joints to those of the drives."""
-    matrix = turns_by_coordinates(arm)
-    if arm.angles == "absolute":
-        against = np.eye(arm.size)
-        for index, joint in enumerate(arm.joints):
-            after = carried_unturned(arm.joints, index)
-            if joint.revolute and after < arm.size:
-                against[after, index] = -1.0
-        matrix = against @ matrix
-    return matrix
 
 
 def pieces(size: int) -> Iterator[slice]:

@@ -21,11 +21,12 @@ from linkwright.core.arm.bodies.bodies import Mass, ball
 from linkwright.core.arm.bodies.on_links import masses_on_link
 from linkwright.core.arm.chain.chain import Arm, FloatVector
 from linkwright.core.arm.chain.following import turns, turns_by_coordinates
+from linkwright.core.arm.chain.kinematics import turns_by_drives
 from linkwright.core.arm.chain.vectors import ZERO, add, rotate, scale
 from linkwright.core.sections.numeric import Array
 
 from .motion import Motion
-from .moving import MovingArm, MovingLink, cross, dot, moving, pieces, refuse_what_no_chain_is, turns_by_drives
+from .moving import MovingArm, MovingLink, cross, dot, moving, pieces, refuse_what_no_chain_is
 
 PARAMETERS = (
     "mass",
