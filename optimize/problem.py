@@ -43,6 +43,7 @@ from linkwright.core.units.reading import Mapping, load_yaml
 from .balance.balance import Balance
 from .balance.motor_places import MotorChoice, read_motor_places
 from .balance.read import check_balances, read_balances
+from .exchange.cycles import check_cycles, moving_cases, space_of_cycles
 from .ranges import Ranges, Span
 from .reading.by_link import ByLink
 from .reading.by_link import by_link as _by_link
@@ -208,6 +209,8 @@ def problem_from(mapping: Mapping, arm: Arm, known: Catalogue, figures: MappingL
         minimize, figures = _objective(mapping, figures)
         workspace, of_points = _workspace(mapping, arm)
         cases = _load_cases(mapping, arm) or arm.cases
+        if all(case.moving is not None for case in cases) and not mapping.has("workspace"):
+            workspace = space_of_cycles(cases)
         if mapping.has("relative_to"):
             cases = _relative(mapping, arm, cases)
         limits, ranges, off = _subject_to(mapping, arm, {key: item for key, item in figures.items() if item.senses})
@@ -250,6 +253,7 @@ def problem_from(mapping: Mapping, arm: Arm, known: Catalogue, figures: MappingL
         avoid=avoid,
         lists=lists,
     )
+    check_cycles(mapping, problem)
     problem = without_lacking(mapping, replace(problem, limits=(*limits, *_assumed(problem, off))))
     check_problem(mapping, problem)
     return problem
@@ -421,6 +425,9 @@ def _load_cases(mapping: Mapping, arm: Arm) -> tuple[LoadCase, ...]:
     for body in mapping.mappings("load_cases"):
         with body.reading("subject_to"):
             case, named = _load_case(body)
+            if body.has("motion"):
+                cases += moving_cases(body, arm, case if named else replace(case, mass=arm.payload.mass))
+                continue
             if body.has("tip") and not arm.branches:
                 raise body.error("tip", "is of arms with branches, and this one has a single tip; leave it out")
             tips = [""]
@@ -431,7 +438,7 @@ def _load_cases(mapping: Mapping, arm: Arm) -> tuple[LoadCase, ...]:
             cases += [replace(case, tip=tip, leaves_off=0.0 if named else arm.on(tip).payload.mass) for tip in tips]
     if not cases:
         raise mapping.error("load_cases", "is empty; leave it out to use the arm's own payload")
-    return tuple(cases)
+    return tuple(sorted(cases, key=lambda case: case.moving is not None))
 
 
 def _limits_of_cases(mapping: Mapping, cases: Sequence[LoadCase]) -> tuple[Limit, ...]:

@@ -12,6 +12,7 @@ from linkwright.core.optimize.choice.combinations import Progress
 from linkwright.core.optimize.choice.picks import disagreement
 from linkwright.core.units.quantities import NoAnswer
 
+from .exchange.cycles import over_whole_cycles
 from .nominal import Log, Options, nominal_optimum
 from .payload import largest_payload
 from .problem import Problem
@@ -56,12 +57,15 @@ def _optimised(problem: Problem, options: Options) -> OptimizationResult:
     left_out = (*problem.left_out, *without_stock(problem))
     for item in left_out:
         options.tell(f"{item.material} is not looked at: {item.why}")
-    if problem.uncertain is not None:
-        result = robust_structures(problem, options)
-    elif problem.sizes is not None:
-        result = listed_structures(problem, options)
-    else:
-        result = nominal_optimum(problem, options, problem)
+    result = over_whole_cycles(problem, lambda asked: _of_structures(asked, options), options.tell)
     dropped = tuple(Dropped("material", item.material, (), item.why) for item in left_out)
     result = replace(result, dropped=(*dropped, *result.dropped))
     return result if start is None else replace(result, start=f'{start.why}, and "before" is that arm')
+
+
+def _of_structures(problem: Problem, options: Options) -> OptimizationResult:
+    if problem.uncertain is not None:
+        return robust_structures(problem, options)
+    if problem.sizes is not None:
+        return listed_structures(problem, options)
+    return nominal_optimum(problem, options, problem)

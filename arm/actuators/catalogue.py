@@ -18,6 +18,7 @@ actuators:
     backlash: 0 arcmin                 # total lost motion
     mass: 1.5 kg
     tilting_stiffness: 240 kN*m/rad    # of the output bearing, across its axis
+    rotor_inertia: 35 g*m^2            # of what turns with the motor, before the gear, whose ratio then counts
     cost: {value: 1500 EUR, spread: [1200 EUR, 1900 EUR], date: 2026-01}
     note: with the motor               # what a reader should know
     source: csf-csg
@@ -66,10 +67,11 @@ class Actuator:
 
     Figures are None where they are unknown. `stiffnesses` are those of its zones of torque, which end at `zone_torques`
     (one fewer); none where unknown. `peak_torque` of a servo is what it stalls at. `backlash` is the total lost motion,
-    `tilting_stiffness` that of the output bearing across its axis. `cost` is
-    indicative, `cost_spread` the lowest and highest to expect, `cost_date` when that was; None where unknown. `file` is
-    where the entry stands. `unconfirmed` are the figures (of `CONFIRMABLE`) that nobody could find in their source,
-    each with what was looked for; `found_in` is the text that the others were found in.
+    `tilting_stiffness` that of the output bearing across its axis, `rotor_inertia` (kg*m^2) what turns with the motor
+    before the gear. `cost` is indicative, `cost_spread` the lowest and highest to expect, `cost_date` when that was;
+    None where unknown. `file` is where the entry stands. `unconfirmed` are the figures (of
+    `CONFIRMABLE`) that nobody could find in their source, each with what was looked for; `found_in` is the text that
+    the others were found in.
     """
 
     name: str
@@ -91,6 +93,12 @@ class Actuator:
     note: str = ""
     unconfirmed: tuple[tuple[str, str], ...] = ()
     found_in: str = ""
+    rotor_inertia: float | None = None
+
+    @property
+    def rotor_at_joint(self) -> float:
+        """The rotor's inertia as the joint feels it, kg*m^2; 0 where it is unknown."""
+        return 0.0 if self.rotor_inertia is None or self.ratio is None else self.rotor_inertia * self.ratio**2
 
     def is_unconfirmed(self, name: str) -> bool:
         """Whether nobody could find this figure in its source."""
@@ -226,6 +234,9 @@ def _read(keys: Keys, name: str, sources: Mapping[str, str], defaults: _Defaults
         if ratio is not None and ratio <= 0.0:
             raise keys.error("ratio", "must be positive")
         tilting = _positive(keys, "tilting_stiffness", "torsional_stiffness")
+        rotor = _positive(keys, "rotor_inertia", "inertia")
+        if rotor is not None and ratio is None:
+            raise keys.error("rotor_inertia", "needs the gear's ratio, as it is before the gear")
         marks = _marks(keys) if keys.has("unconfirmed") else defaults.unconfirmed
         source = keys.text("source")
         if source not in sources:
@@ -251,6 +262,7 @@ def _read(keys: Keys, name: str, sources: Mapping[str, str], defaults: _Defaults
             cost_date=date,
             note=keys.text("note", ""),
             found_in=keys.text("found_in", defaults.found_in),
+            rotor_inertia=rotor,
         )
     if actuator.lacks(*CONFIRMABLE) == CONFIRMABLE:
         raise keys.error("", f"has no figure; give one or more of {', '.join(CONFIRMABLE)}")

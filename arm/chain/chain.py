@@ -22,10 +22,9 @@ from .vectors import IDENTITY, ZERO, Rotation, Scalar
 if TYPE_CHECKING:
     from linkwright.core.arm.actuators import Actuator
     from linkwright.core.arm.avoid.regions import Region
+    from linkwright.core.arm.motion.inertia import Moving
     from linkwright.core.materials.material import Material
     from linkwright.core.sections.section import Section
-
-    from .inertia import Moving
 
 FloatVector = tuple[float, float, float]
 

@@ -5,9 +5,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
+from linkwright.core.arm.motion.inertia import Moving
+
 from .balance import PointMass
 from .beam import Beam
-from .chain import Arm, EffectEntry, Joint, Link
+from .chain import Arm, EffectEntry, Joint, Link, LoadCase
 from .conditions import Conditions
 from .kinematics import section_directions
 from .vectors import IDENTITY, Scalar, minus, plus, times
@@ -39,6 +41,14 @@ class Pieces:
         return [
             q[owner] if index == self.first[owner] or turning[index] else 0.0 for index, owner in enumerate(self.owner)
         ]
+
+    def load(self, case: LoadCase) -> LoadCase:
+        """A load case, its motion that of the pieces."""
+        moving = case.moving
+        if moving is None:
+            return case
+        q, velocity, acceleration = map(self.coordinates, (moving.q, moving.velocity, moving.acceleration))
+        return replace(case, moving=Moving(tuple(q), tuple(velocity), tuple(acceleration), moving.time, moving.source))
 
     def beams(self, beams: Sequence[Beam], lengths: Sequence[Scalar]) -> list[Beam]:
         """Each link's beam shared out among its pieces, for links of these lengths (m)."""

@@ -10,6 +10,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
+from linkwright.core.arm.motion.inertia import Inertia
 from linkwright.core.units.temperature import REFERENCE_TEMPERATURE
 
 from .acting import Acting, Branches, Counterbalances, Couplings, Load, PointLoads, masses_on
@@ -18,7 +19,6 @@ from .branches import alone
 from .chain import Arm, FloatVector, Joint, Link, LoadCase, Zones
 from .conditions import Conditions
 from .following import coordinates, turns
-from .inertia import Inertia
 from .kinematics import Frames, LinkFrame, carried_unturned, place, section_directions
 from .vectors import (
     Scalar,

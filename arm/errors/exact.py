@@ -354,7 +354,7 @@ class _Chain:
             pieces.arm,
             pieces.coordinates([joint.coordinate for joint in state.joints]),
             pieces.beams(self.beams, shape.lengths),
-            state.load,
+            pieces.load(state.load),
             gravity=state.gravity,
             conditions=pieces.conditions(state.conditions),
             payload_mass=state.payload_mass,

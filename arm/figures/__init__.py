@@ -11,6 +11,7 @@ from linkwright.core.units.quantities import Relation
 from linkwright.core.units.units import kinds
 
 from .along import DIRECTED, ORIENTATION_ERROR, REPEATABILITY, Directed, Direction
+from .cycle import MOTION_USE, PEAK_TORQUE, RMS_TORQUE
 from .design import ChosenMaterial, DesignExpressions, Designs, DesignValues, Totals
 from .error import AVERAGE_ERROR, MAX_ERROR, error_at_point, error_of_case
 from .figure import (
@@ -87,6 +88,9 @@ FIGURES.ship(
     FIRST_FREQUENCY,
     BUCKLING,
     TORQUE_USE,
+    RMS_TORQUE,
+    PEAK_TORQUE,
+    MOTION_USE,
     LOCAL_BUCKLING,
     WALL_SLENDERNESS,
     ASPECT,

@@ -1,13 +1,12 @@
 """What a joint's drive has to hold: the greatest torque over a workspace, against its rated one.
 
-The loads are static, as everything here: payload, process force and weights. Accelerations come on top, and a motion
-that takes long at the greatest torque is for the maker's selection procedure.
+The loads are static: payload, process force and weights. What a motion takes is `arm.figures.cycle`'s.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -76,14 +75,26 @@ def _uses(state: PoseState) -> list[Scalar]:
     return [joint.drive_load / torque for joint, torque in joints if torque is not None]
 
 
+def _at_rest(loads: Sequence[LoadCase]) -> list[LoadCase]:
+    """The load cases with one at rest, the first, in place of those of a motion, whose torques are `cycle`'s."""
+    still = next((load for load in loads if load.moving is None), replace(loads[0], moving=None))
+    return [still if load.moving is not None else load for load in loads]
+
+
 class Torques(OfStatics[DriveLoads]):
     """The loads on the drives, to either side, against their rated torques."""
 
+    def cases(self, arm: Arm, loads: Sequence[LoadCase]) -> tuple[Expressions, ...]:
+        """The loads under each load case, at rest."""
+        return super().cases(arm, _at_rest(loads))
+
     def evaluate(self, design: DesignValues) -> DriveLoads | None:
-        """Each drive's greatest load; None where no drive is known."""
+        """Each drive's greatest load; None where no drive is known, or nothing is held at rest."""
+        if all(load.moving is not None for load in design.load_cases):
+            return None
         if not any(joint.actuator is not None or joint.greatest_static_load for joint in design.arm.joints):
             return None
-        cases = [drive_case(design.arm, load) for load in design.load_cases]
+        cases = [drive_case(design.arm, load) for load in _at_rest(design.load_cases)]
         return greatest_drive_loads(design.arm, cases, design.poses, design.p, design.search)
 
     def values(self, result: DriveLoads) -> Mapping[str, float | None]:
@@ -111,6 +122,8 @@ def _rating_in_words(joint: Joint) -> str:
 
 def _assumed(problem: Asked) -> float | None:
     """Drives are not overloaded, whether or not anybody asks for it."""
+    if all(load.moving is not None for load in problem.load_cases):
+        return None
     driven = any(joint.actuator is not None or joint.greatest_static_load for joint in problem.arm.joints)
     return 1.0 if driven or problem.actuators is not None else None
 

@@ -214,6 +214,9 @@ class WorstSearch:
     def worst_poses_at(self, q: Array, p: Array, case: int) -> list[WorstPose]:
         """The poses q (N, n) with their errors in a load case."""
         result, shown = self.errors(q, p, case), completed(self.arm, q)
+        moving = self.model.cases[case].load.moving
+        if moving is not None:  # it is of its own pose, whatever is asked for
+            shown = np.tile(np.array(moving.q, dtype=float), (len(q), 1))
         return [
             WorstPose(
                 tuple(shown[k].tolist()),

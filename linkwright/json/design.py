@@ -219,7 +219,8 @@ def _seam(evaluation: Evaluation) -> dict[str, Any]:
 
 def _load(case: LoadCase) -> dict[str, Any]:
     tip = {"tip": case.tip} if case.tip else {}
-    return {**tip, **fields(case, "payload_kg=mass", "force_N", "moment_Nm")}
+    moving = {} if case.moving is None else {"motion_time_s": case.moving.time}
+    return {**tip, **fields(case, "payload_kg=mass", "force_N", "moment_Nm"), **moving}
 
 
 def _relative_to(evaluation: Evaluation) -> dict[str, Any] | None:

@@ -49,7 +49,7 @@ def under_other_loads(
 
     With `weightless`, only the loads named here act: links, joints and payload weigh nothing but what is named.
     """
-    arm, case, beams = state.arm, state.load, [link.beam for link in state.links]
+    arm, case, beams = state.arm, replace(state.load, moving=None), [link.beam for link in state.links]
     arm = replace(arm, joints=tuple(replace(joint, counterbalance=None) for joint in arm.joints))
     if weightless or link_masses is not None:
         arm = without_unit_weights(arm)

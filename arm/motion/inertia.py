@@ -15,13 +15,12 @@ import numpy as np
 
 from linkwright.core.arm.bodies.bodies import Mass, ball, known_body, rod, together
 from linkwright.core.arm.bodies.on_links import link_axes
+from linkwright.core.arm.chain.acting import Acting, Load, masses_on
+from linkwright.core.arm.chain.beam import Beam, Taper
+from linkwright.core.arm.chain.chain import Arm
+from linkwright.core.arm.chain.kinematics import Frames, LinkFrame, turns_by_drives
+from linkwright.core.arm.chain.vectors import ZERO, Scalar, Vector, add, cross, dot, minus, plus, scale, subtract, times
 from linkwright.core.sections.numeric import Array
-
-from .acting import Acting, Load, masses_on
-from .beam import Beam, Taper
-from .chain import Arm
-from .kinematics import Frames, LinkFrame, turns_by_drives
-from .vectors import ZERO, Scalar, Vector, add, cross, dot, minus, plus, scale, subtract, times
 
 _EVEN, _MOMENT = 0.4, -1.0 / 60.0
 """Shares of a load that grows linearly along a link: spread evenly, and the moment at its far end (per length)."""
@@ -41,8 +40,7 @@ class Moving:
     def at(self, q: Sequence[Scalar]) -> list[Scalar]:
         """Its coordinates, as many of each as q has."""
         return [
-            here + 0.0 * given if isinstance(given, np.ndarray) else here
-            for here, given in zip(self.q, q, strict=True)
+            here + 0.0 * given if isinstance(given, np.ndarray) else here for here, given in zip(self.q, q, strict=True)
         ]
 
 
