@@ -226,7 +226,7 @@ def problem_from(mapping: Mapping, arm: Arm, known: Catalogue, figures: MappingL
             same |= _one_part(mapping, arm, min(limit.value for limit in limited))
         if "size" in same:
             ranges = shared_ranges(mapping, ranges)
-        uncertain = read_uncertain(mapping, _as_driven(arm, actuators))
+        uncertain = read_uncertain(mapping, _as_driven(arm, actuators), cases, materials or ())
         balances: tuple[Balance, ...] = ()
         motors: tuple[MotorChoice, ...] = ()
         if mapping.has("choose"):

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping as MappingLike
+from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
@@ -11,13 +13,23 @@ from typing import Any, cast
 
 import numpy as np
 
-from linkwright.core.arm.chain.chain import Arm
+from linkwright.core.arm.chain.chain import Arm, LoadCase
 from linkwright.core.arm.effects import BACKLASH, JOINT_COMPLIANCE
+from linkwright.core.materials.material import Material
 from linkwright.core.sections.numeric import Array
 from linkwright.core.sections.taper import Tapered, size_ratio
-from linkwright.core.units.quantities import InputError, read_number, shown
+from linkwright.core.units.quantities import InputError, read_number, read_quantity, shown
 from linkwright.core.units.reading import Mapping, load_json
 
+KINDS: MappingLike[str, str] = MappingProxyType(
+    {
+        "link_length": "length",
+        "payload": "dimensionless",
+        "temperature": "temperature_difference",
+        "force_direction": "angle",
+    }
+)
+"""What else can be uncertain (`arm.errors.varied`), each with the kind of quantity that says how far."""
 OF_LINKS = ("elastic_modulus", "size", "thickness")
 OF_JOINTS = ("stiffness", "backlash")
 FACTORS = (*OF_LINKS, *OF_JOINTS)
@@ -39,18 +51,30 @@ _LARGEST_FIGURE = 1e100
 @dataclass(frozen=True)
 class Scenario:
     """One way the arm may be: factors of `elastic_modulus`, `size` and `thickness` for each link, of `stiffness` and
-    `backlash` for each joint."""
+    `backlash` for each joint; by how much each link is too long (m), the factor of payloads, by how much all is warmer
+    (K), and the two angles (rad) by which forces are turned."""
 
     elastic_modulus: tuple[float, ...]
     size: tuple[float, ...]
     thickness: tuple[float, ...]
     stiffness: tuple[float, ...]
     backlash: tuple[float, ...]
+    link_length: tuple[float, ...] = ()
+    payload: tuple[float, ...] = (1.0,)
+    temperature: tuple[float, ...] = (0.0,)
+    force_direction: tuple[float, ...] = (0.0, 0.0)
+
+    @property
+    def beyond_links(self) -> tuple[float, ...]:
+        """The end of the error model's row p (`arm.errors.varied.as_it_is`)."""
+        lengths = self.link_length or (0.0,) * len(self.stiffness)
+        return (*self.stiffness, *self.backlash, *lengths, *self.payload, *self.temperature, *self.force_direction)
 
 
 @dataclass(frozen=True)
 class Uncertain:
-    """How far each factor may be from one, either way: for each link or joint, by name. `share` is the share of what
+    """How far each factor may be from one, either way, or each of `link_length` (m), `temperature` (K) and
+    `force_direction` (rad) from what the file says: for each link or joint, by name. `share` is the share of what
     may be that the error is held for: 1 is all of it, the worst.
 
     Each factor is anywhere within its bounds, independently of the others; for a share below 1 uniformly so.
@@ -72,21 +96,33 @@ class Uncertain:
     @property
     def places(self) -> tuple[tuple[str, int], ...]:
         """The factors that are uncertain, by name and link or joint (from 0)."""
-        return tuple((name, k) for name in FACTORS for k, width in enumerate(self.widths[name]) if width > 0.0)
+        return tuple((name, k) for name, widths in self.widths.items() for k, width in enumerate(widths) if width > 0.0)
+
+    @property
+    def varied(self) -> frozenset[str]:
+        """Which of `arm.errors.varied.VARIED` are uncertain."""
+        return frozenset(name for name, _ in self.places if name in KINDS)
 
     def scenario(self, shares: Array) -> Scenario:
         """The scenario where each uncertain factor is at a share (-1 to 1) of its way to its bound."""
-        factors = {name: [1.0] * len(self.widths[name]) for name in FACTORS}
+        factors = {name: [_middle(name)] * len(widths) for name, widths in self.widths.items()}
         for (name, k), share in zip(self.places, shares.tolist(), strict=True):
-            factors[name][k] = 1.0 + share * self.widths[name][k]
+            factors[name][k] += share * self.widths[name][k]
         return Scenario(**{name: tuple(values) for name, values in factors.items()})
 
     def pessimistic(self) -> Array:
-        """The vertex where everything is softer, thinner and looser."""
-        return np.array([1.0 if name == "backlash" else -1.0 for name, _ in self.places])
+        """The vertex where everything is softer, thinner, looser and more loaded."""
+        return np.array([-1.0 if name in (*OF_LINKS, "stiffness") else 1.0 for name, _ in self.places])
 
 
-def read_uncertain(mapping: Mapping, arm: Arm) -> Uncertain | None:
+def _middle(name: str) -> float:
+    """What a figure is of an arm as its file has it."""
+    return 0.0 if name in KINDS and name != "payload" else 1.0
+
+
+def read_uncertain(
+    mapping: Mapping, arm: Arm, cases: Sequence[LoadCase], materials: Sequence[Material]
+) -> Uncertain | None:
     """What a problem file says is uncertain, and how `robust` counts it; None where it says nothing.
 
     Raises `InputError` for what is wrong, and for one of `uncertain` and `robust` without the other.
@@ -105,10 +141,13 @@ def read_uncertain(mapping: Mapping, arm: Arm) -> Uncertain | None:
             raise mapping.error("robust", f"is worst, or a share from 50 % to below 100 %, not {shown(raw)}")
     with mapping.mapping("uncertain").reading() as body:
         widths = {name: read_widths(body, name, arm) for name in FACTORS}
+        widths |= {name: _read_varied(body, name, arm, cases) for name in KINDS if body.has(name)}
+        if "temperature" in widths:
+            _check_expansion(body, arm, materials)
         if body.has("diagnosis"):
             _diagnosed(body, arm, widths)
         if not any(any(width_terms) for width_terms in widths.values()):
-            raise mapping.error("uncertain", f"names nothing; it takes {', '.join(FACTORS)} and diagnosis")
+            raise mapping.error("uncertain", f"names nothing; it takes {', '.join((*FACTORS, *KINDS))} and diagnosis")
     if arm.play == "statistical" and any(widths["backlash"]):
         raise mapping.error("uncertain", "backlash goes with play: worst or loaded, not with statistical play")
     for k, link in enumerate(arm.links):
@@ -134,6 +173,41 @@ def read_widths(body: Mapping, name: str, arm: Arm) -> tuple[float, ...]:
             raise body.error(name, f"is how far off it may be, from 0 % to {100.0 * _MOST:g} %, not {shown(value)}")
         results.append(width)
     return tuple(width if _has(arm, name, k) else 0.0 for k, width in enumerate(results))
+
+
+def _read_varied(body: Mapping, name: str, arm: Arm, cases: Sequence[LoadCase]) -> tuple[float, ...]:
+    """How far a figure may be off that is neither a link's section's nor a drive's."""
+    if any(case.relative_to is not None for case in cases):
+        raise body.error(name, "goes without relative_to, whose state it would change as well")
+    raw, count = body.raw(name), arm.size if name == "link_length" else 1
+    values = cast(list[object], raw) if isinstance(raw, list) else [raw] * count
+    if len(values) != count:
+        raise body.error(name, f"is one figure{' for all, or one for each link' if count > 1 else ''}")
+    path = body.path_of(name)
+    if KINDS[name] == "dimensionless":
+        widths = [read_number(value, file=body.file, key=path) for value in values]
+    else:
+        widths = [read_quantity(value, KINDS[name], file=body.file, key=path) for value in values]
+    most = {"payload": 1.0, "force_direction": math.pi / 2.0}.get(name, math.inf)
+    if not all(0.0 <= width <= most for width in widths):
+        raise body.error(name, f"is how far off it may be, either way, not {shown(raw)}")
+    if name == "payload" and not any(case.mass > 0.0 for case in cases):
+        raise body.error(name, "needs a payload; give the arm or a load case one")
+    if name != "force_direction":
+        return tuple(widths)
+    if not any(any(case.force) for case in cases):
+        raise body.error(name, "needs a force at the tip; give the arm or a load case one")
+    if arm.flat and any(case.force[2] for case in cases):
+        raise body.error(name, "of an arm in a plane goes with forces in that plane")
+    return (widths[0], 0.0 if arm.flat else widths[0])
+
+
+def _check_expansion(body: Mapping, arm: Arm, materials: Sequence[Material]) -> None:
+    """Refuse a temperature where some material may be chosen that says nothing of it."""
+    used = [*materials, *(link.material for link in arm.links if link.material is not None)]
+    lacking = [material.name for material in used if not material.has("thermal_expansion")]
+    if lacking:
+        raise body.error("temperature", f"needs thermal_expansion, which {lacking[0]} lacks")
 
 
 def _has(arm: Arm, name: str, k: int) -> bool:

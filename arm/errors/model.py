@@ -30,6 +30,7 @@ from linkwright.core.sections.taper import FreeTaper, Tapered
 from .calibrated import calibrated_temperature, error_since_calibrated, planar_in
 from .structure import by_structure
 from .tip import ActiveEffect, Counted, TipError, TipInterval, active_effects, tip_error
+from .varied import as_it_is, varied_case
 
 BEAM_FIELDS = (
     "length",
@@ -202,18 +203,22 @@ def error_model(
     *,
     drives: bool = False,
     counted: Counted = "position",
+    varied: frozenset[str] = frozenset(),
 ) -> ErrorModel:
     """The arm's error model under the load cases (its payload by default); `only` keeps a single effect, `counted`
     is what is counted of the tip's error (of `orientation` all vectors are rotations, rad).
 
-    With `drives` the row p goes on with a factor of each joint's stiffness, then of each joint's backlash.
+    With `drives` the row p goes on with a factor of each joint's stiffness, then of each joint's backlash, then with
+    what `arm.errors.varied` lists, of which `varied` count.
     """
-    return replace(_modelled(arm, tuple(loads or arm.cases), only, drives, counted), arm=arm)
+    return replace(_modelled(arm, tuple(loads or arm.cases), only, drives, counted, varied), arm=arm)
 
 
 @by_structure
-def _modelled(arm: Arm, loads: tuple[LoadCase, ...], only: str | None, drives: bool, counted: Counted) -> ErrorModel:
-    cases = tuple(_case(arm, load, only, drives, counted) for load in loads)
+def _modelled(
+    arm: Arm, loads: tuple[LoadCase, ...], only: str | None, drives: bool, counted: Counted, varied: frozenset[str]
+) -> ErrorModel:
+    cases = tuple(_case(arm, load, only, drives, counted, varied) for load in loads)
     q, p = symbols(arm), beam_symbols(arm, drives=drives)
     position = place(arm, parts(q), [p[len(BEAM_FIELDS) * index] for index in range(arm.size)]).tip()
     # Clearances in the plane are one sum apart from all else; where tips have their own, each case keeps them.
@@ -226,8 +231,8 @@ def _modelled(arm: Arm, loads: tuple[LoadCase, ...], only: str | None, drives: b
 
 
 def beam_symbols(arm: Arm, *, drives: bool = False) -> Any:
-    """The symbols p: one for each of `BEAM_FIELDS`, link after link; with `drives` two more for each joint."""
-    size = (len(BEAM_FIELDS) + (2 if drives else 0)) * arm.size
+    """The symbols p: one for each of `BEAM_FIELDS`, link after link; with `drives` those that `error_model` names."""
+    size = len(BEAM_FIELDS) * arm.size + (len(as_it_is(arm.size)) if drives else 0)
     return column_of_symbols("p", size)
 
 
@@ -272,17 +277,22 @@ def _taper(arm: Arm, index: int, link: Link, log_taper: Any) -> Taper:
     return beam_of(arm, index).taper if isinstance(link.section, Tapered) else UNIFORM
 
 
-def _case(arm: Arm, load: LoadCase, only: str | None, drives: bool, counted: Counted) -> CaseModel:
+def _case(
+    arm: Arm, load: LoadCase, only: str | None, drives: bool, counted: Counted, varied: frozenset[str]
+) -> CaseModel:
     q, p = symbols(arm), beam_symbols(arm, drives=drives)
     effects = [active for active in active_effects(arm) if only is None or active.effect.id == only]
     beams = symbolic_beams(arm, p)
     looser: list[Any] = []
+    given: dict[str, Any] = {}
     if drives:
         first = len(BEAM_FIELDS) * arm.size
         stiffer, looser = ([p[first + k * arm.size + joint] for joint in range(arm.size)] for k in (0, 1))
         effects = [part for effect in effects for part in _with_factors(effect, stiffer)]
         arm = replace(arm, joints=tuple(map(_stiffened, arm.joints, stiffer)))
-    state = solve(arm, parts(q), beams, load)
+        given, more = varied_case(arm, load, varied, p[first + 2 * arm.size :])
+        effects += more
+    state = solve(arm, parts(q), beams, load, **given)
     whole = load.relative_to is None
     error = tip_error(state, effects, counted) if whole else error_since_calibrated(state, effects, arm.play, counted)
     if looser:

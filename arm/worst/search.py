@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from linkwright.core.arm.chain.following import completed
 from linkwright.core.arm.errors.lost_motion import PlayedError, played
 from linkwright.core.arm.errors.model import BEAM_FIELDS, ErrorModel
+from linkwright.core.arm.errors.varied import as_it_is
 from linkwright.core.sections.numeric import Array
 from linkwright.core.units.quantities import NoAnswer
 
@@ -104,7 +105,7 @@ class WorstSearch:
     def _differs_by_turns(self, index: int) -> bool:
         """Whether a turn more of a joint changes the error; links that hardly bend, for that cannot depend on it."""
         p = np.tile([1e9 if "rigidity" in name else 1.0 for name in BEAM_FIELDS], self.arm.size)
-        p = np.concatenate([p, np.ones(2 * self.arm.size if self.model.drives else 0)])
+        p = np.concatenate([p, as_it_is(self.arm.size)]) if self.model.drives else p
         q = spread(self.lower, self.upper, 16)
         further = q.copy()
         further[:, index] += 2.0 * math.pi

@@ -347,7 +347,7 @@ def optimization_json(result: OptimizationResult) -> dict[str, Any]:
         **fields(result, "exhaustive", "combinations", "combinations_gap=gap"),
         "combinations_unsolved": [fields(item, *names) for item in result.unsolved],
         **fields(result, "actuators_exhaustive=drives_exhaustive", "seconds"),
-        "robust": None if result.robust is None else _robust(result.robust),
+        "robust": None if result.robust is None else _robust(result, result.robust),
         "rounded": None if result.rounded is None else _rounded(result, result.rounded),
         "not_rounded": None if result.not_rounded is None else _not_rounded(result, result.not_rounded),
     }
@@ -368,11 +368,12 @@ def _robust_figure(figure: RobustFigure) -> dict[str, Any]:
     }
 
 
-def _robust(robust: Robust) -> dict[str, Any]:
+def _robust(result: OptimizationResult, robust: Robust) -> dict[str, Any]:
     """A robust optimum beside the nominal one."""
     return {
         **_robust_figure(robust.design),
         "nominal_optimum": _robust_figure(robust.nominal_design),
+        "costs": _objective(result, robust.costs),
         **fields(robust, "loses_mm", "claimed_mm", "rounds", "samples", "kept_nominal", "doubts"),
         "scenarios": [asdict(scenario) for scenario in robust.scenarios],
     }

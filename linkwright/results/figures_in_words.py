@@ -161,13 +161,26 @@ def effect_title(effect: str) -> str:
 def robust_words(result: RobustFigure) -> str:
     """The error over what is uncertain, with what it rests on."""
     widths = {name: sorted({round(x, 9) for x in spread if x > 0.0}) for name, spread in result.widths.items()}
-    spans = [f"{name.replace('_', ' ')} ± {' or '.join(map(percent, each))}" for name, each in widths.items() if each]
+    spans = [
+        f"{name.replace('_', ' ')} ± {' or '.join(_width(name, width) for width in each)}"
+        for name, each in widths.items()
+        if each
+    ]
     over = f"{mm(result.nominal)} as it is; {', '.join(spans)}"
     if result.share == 1.0:
         return f"worst error {mm(result.value)} over what is uncertain ({over}; {result.looked_at} scenarios compared)"
     upper = "" if result.upper is None else f", below {mm(result.upper)} with 95 % confidence"
     rests_on = f"sampled: {result.looked_at} fresh scenarios"
     return f"worst error {mm(result.value)} in {percent(result.share)} of what is uncertain{upper} ({over}; {rests_on})"
+
+
+def _width(name: str, width: float) -> str:
+    """How far a figure may be off, in its unit."""
+    from linkwright.core.optimize.uncertain import KINDS
+    from linkwright.core.units.quantities import format_quantity
+
+    kind = KINDS.get(name, "dimensionless")
+    return percent(width) if kind == "dimensionless" else format_quantity(width, kind, digits=4)
 
 
 def factor_words(before: float, after: float) -> str:

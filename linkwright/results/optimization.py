@@ -101,6 +101,8 @@ def _robust(result: OptimizationResult) -> list[Item]:
     robust = result.robust
     lost = percent(robust.loses / robust.design.value) if robust.design.value > 0.0 else percent(0.0)
     text = f"the nominal optimum has {mm(robust.nominal_design.value)} there: it loses {mm(robust.loses)} ({lost})"
+    factor, unit = objective_unit(result.minimize, result.figures)
+    text += f"; as it is, robustness costs {with_unit(factor * robust.costs, unit)}"
     if robust.kept_nominal:
         text = "no design was found that is better there than the nominal optimum, which stays"
     one = len(robust.scenarios) == 1, robust.rounds == 1

@@ -71,7 +71,7 @@ def scenario_values(arm: Arm, loads: Sequence[LoadCase], scenario: Scenario) -> 
     changed = any(new is not old for new, old in zip(links, arm.links, strict=True))
     values = beam_values(beams_of(arm.with_links(tuple(links)) if changed else arm, loads)).reshape(arm.size, -1)
     factors = np.where(_RIGIDITIES, np.array(scenario.elastic_modulus)[:, None], 1.0)
-    return np.concatenate([(values * factors).ravel(), scenario.stiffness, scenario.backlash])
+    return np.concatenate([(values * factors).ravel(), scenario.beyond_links])
 
 
 def _resized_link(link: Link, size: float, thickness: float) -> Link:
@@ -85,7 +85,7 @@ def scenario_column(arm: Arm, design: DesignExpressions, scenario: Scenario) -> 
     beams = [_beam(arm, design, link, scenario) for link in range(len(design.beams))]
     column = [getattr(beam, name) for beam in beams for name in BEAM_FIELDS]
     entries = [0.0 if entry is None else entry for entry in column]
-    return ca.vertcat(*[ca.SX(entry) for entry in (*entries, *scenario.stiffness, *scenario.backlash)])
+    return ca.vertcat(*[ca.SX(entry) for entry in (*entries, *scenario.beyond_links)])
 
 
 def _beam(arm: Arm, design: DesignExpressions, link: int, scenario: Scenario) -> Beam:

@@ -35,7 +35,8 @@ class Robust:
 
     `scenarios` are those that the exchange ended with, `claimed` the error (m) over them. `rounds`: how many times the
     design was sought. `samples`: of which a share was held (0 for the worst). `doubts`: what fresh scenarios speak
-    against, in words. `kept_nominal`: none was found that is better than the nominal optimum.
+    against, in words. `kept_nominal`: none was found that is better than the nominal optimum. `costs`: by how much (SI)
+    the objective of the arm as it is becomes worse for it.
     """
 
     design: RobustFigure
@@ -46,6 +47,7 @@ class Robust:
     samples: int
     kept_nominal: bool
     doubts: tuple[str, ...]
+    costs: float = 0.0
 
     @property
     def loses(self) -> float:

@@ -164,6 +164,10 @@ def _result(
         if limit.name != "max_error" and excess(limit, limit.of(after)) > GAP:
             doubts = (*doubts, f"{limit.text} is not kept")
     ties, left = _near_ties(problem, design, new_figure)
+    by_error, figure = problem.minimize == "max_error", problem.objective
+    objective = new_figure.value if by_error else figure.value(after)
+    assert objective is not None
+    costs = new_figure.nominal - before.nominal if by_error else objective - nominal.objective
     robust = Robust(
         new_figure,
         before,
@@ -173,10 +177,8 @@ def _result(
         _samples(problem),
         False,
         doubts,
+        -costs if figure.more_is_better else costs,
     )
-    by_error, figure = problem.minimize == "max_error", problem.objective
-    objective = new_figure.value if by_error else figure.value(after)
-    assert objective is not None
     status: Status = "converged" if choice.exchanged.converged and design.settled else "stopped"
     status = "searched" if status == "converged" and not choice.exhaustive else status
     status = "interrupted" if choice.interrupted else "doubtful" if doubts else status

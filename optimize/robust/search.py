@@ -15,6 +15,7 @@ import numpy as np
 
 from linkwright.core.arm.chain.chain import Arm
 from linkwright.core.arm.errors.model import beam_values, beams_of, error_model
+from linkwright.core.arm.errors.varied import as_it_is
 from linkwright.core.arm.worst.search import WorstCase, WorstSearch
 from linkwright.core.optimize.exchange.design import with_chosen_links
 from linkwright.core.optimize.exchange.exchange import CERTIFICATE_GAP
@@ -46,7 +47,7 @@ class ScenarioSearch:
             if name == "stiffness" and base.joints[k].zones:
                 would_do = "leave its stiffness out of uncertain, or give the joint one stiffness"
                 raise InputError(problem.file, "uncertain", f"joint {k + 1} has zones of stiffness; {would_do}")
-        self.model = error_model(base, self.loads, drives=True)
+        self.model = error_model(base, self.loads, drives=True, varied=self.uncertain.varied)
         self.search = WorstSearch(self.model, problem.workspace, gap=CERTIFICATE_GAP)
 
     @property
@@ -146,7 +147,7 @@ class ScenarioSearch:
     def nominal(self, arm: Arm) -> float:
         """The worst error (m) of the arm as it is."""
         p = beam_values(beams_of(arm, self.loads))
-        return self.search.worst(np.concatenate([p, np.ones(2 * arm.size)]), certify=False).error
+        return self.search.worst(np.concatenate([p, as_it_is(arm.size)]), certify=False).error
 
 
 def rank(share: float, count: int) -> int:

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 from linkwright.core.arm.chain.chain import Arm
 from linkwright.core.arm.chain.statics import PoseState, in_base_frame
-from linkwright.core.arm.chain.vectors import ZERO, add, plus, scale, times
+from linkwright.core.arm.chain.vectors import add, is_zero, plus, scale, times
 from linkwright.core.arm.effects.effect import Effect, Parameter, Settings, Twist, drive_motion, size
 from linkwright.core.arm.effects.traits import RecordingTraits
 
@@ -15,7 +15,7 @@ def _twists(state: PoseState, settings: Settings) -> Iterator[Twist]:
     length, stretch = settings.values.get("length", 0.0), settings.values.get("stretch", 0.0)
     x, y, z = (settings.values.get(name, 0.0) for name in ("x", "y", "z"))
     offset = (x, y, 0.0 if state.planar else z)
-    if length == 0.0 and stretch == 0.0 and offset == ZERO:
+    if is_zero((length, stretch, 0.0)) and is_zero(offset):
         return
     for index, link in enumerate(state.links):
         if settings.acts_at(index):
