@@ -14,13 +14,27 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
+import numpy as np
 from scipy.optimize import brentq
 
 from linkwright.core.arm.chain.chain import Arm, LoadCase
 from linkwright.core.arm.error_map import ErrorMap, error_map
 from linkwright.core.arm.errors.model import beam_values, beams_of, error_model
+from linkwright.core.arm.errors.unknown_mass import of_unknown_mass
+from linkwright.core.arm.errors.varied import AFTER_PAYLOAD, as_it_is
 from linkwright.core.arm.evaluation import Evaluation, evaluate
-from linkwright.core.arm.figures import PAYLOAD, Limit, OfDesign, OfKinds, OfLinks, excess
+from linkwright.core.arm.figures import (
+    PAYLOAD,
+    DesignValues,
+    Limit,
+    OfDesign,
+    OfKinds,
+    OfLinks,
+    ThroughPoses,
+    WorstError,
+    excess,
+)
+from linkwright.core.arm.worst.parts import worst_search
 from linkwright.core.arm.worst.search import WorstSearch
 from linkwright.core.arm.worst.workspace import Unreachable
 from linkwright.core.units.quantities import InputError, NoAnswer
@@ -42,10 +56,12 @@ _FIRST = 1.0
 """kg; the payload to begin with where nobody says one."""
 _STEP = 1e-2
 """By how much (relative) a payload is changed to see what it does to figures."""
+_CLOSE = 1e-4
+"""A limit that is broken by less, at a payload found by poses of its own, is met a little below that."""
 _MOST_ROUNDS = 40
 _MOST_TIES = 10
 _NEAR = 0.03
-_POSES = 20_000
+_POSES, _SCAN = 20_000, 4096
 
 
 def with_payload(cases: Sequence[LoadCase], mass: float) -> tuple[LoadCase, ...]:
@@ -72,12 +88,52 @@ def largest_payload_of(problem: Problem, arm: Arm, start: float = _FIRST) -> flo
     moving = [limit for limit in problem.limits if limit not in fixed]
 
     def beyond(mass: float, limits: Sequence[Limit] = moving) -> float:
-        evaluation = evaluated_at(problem, arm, mass)
-        values = [excess(limit, limit.of(evaluation)) for limit in limits]
+        values = [excess(limit, value) for limit, value in _figures_at(problem, arm, mass, limits)]
         return max((value for value in values if not math.isnan(value)), default=-1.0)
 
     if fixed and beyond(0.0, fixed) > GAP:
         return None
+    by_error = _beyond_error(problem, arm, moving)
+    root = None if by_error is None else _where_kept(problem, by_error, start)
+    if by_error is not None and root is None:
+        return None
+    if root is None or beyond(root) > _CLOSE:  # another limit than that on the error holds it
+        root = _where_kept(problem, beyond, start if root is None else root)
+    step = 1e-7
+    while root is not None and beyond(root) > 0.0:
+        root, step = root * (1.0 - step), 4.0 * step
+    return root
+
+
+def _figures_at(problem: Problem, arm: Arm, mass: float, limits: Sequence[Limit]) -> list[tuple[Limit, float]]:
+    """The figures that limits are on, of an arm that carries a payload (kg): of all that an evaluation looks at, these
+    alone where the worst error and figures through poses are limited."""
+    followed = [limit.figure.follows for limit in limits if limit.poses is None and limit.demands is None]
+    plain = len(followed) == len(limits) and all(isinstance(item, WorstError | ThroughPoses) for item in followed)
+    if not plain or of_unknown_mass(arm):
+        evaluation = evaluated_at(problem, arm, mass)
+        return [(limit, limit.of(evaluation)) for limit in limits]
+    cases = with_payload(problem.load_cases, mass)
+    p, search = beam_values(beams_of(arm, cases)), worst_search(error_model(arm, cases), problem.workspace)
+    try:
+        worst = search.worst(p, certify=False)
+    except Unreachable as error:
+        raise NoAnswer(f"workspace: {error}") from None
+    design = DesignValues(arm, cases, search, p, _SCAN, tuple(pose.q for pose in worst.poses))
+    by_family = {item.family.name: item.family.evaluate(design) for item in followed if isinstance(item, ThroughPoses)}
+    figures: list[tuple[Limit, float]] = []
+    for limit, follows in zip(limits, followed, strict=True):
+        value: float | None = worst.error
+        if isinstance(follows, ThroughPoses):
+            result = by_family[follows.family.name]
+            value = None if result is None else follows.family.values(result)[limit.name]
+        figures.append((limit, math.nan if value is None else value))
+    return figures
+
+
+def _where_kept(problem: Problem, beyond: Callable[[float], float], start: float) -> float | None:
+    """The largest payload (kg) at which a figure is not beyond its limit; None where it is without any. Raises
+    `InputError` where it never is."""
     low, high = 0.0, start
     while beyond(high) <= 0.0:
         low, high = high, 4.0 * high
@@ -87,10 +143,28 @@ def largest_payload_of(problem: Problem, arm: Arm, start: float = _FIRST) -> flo
     if low == 0.0 and beyond(0.0) > 0.0:
         return None
     root: Any = brentq(beyond, low, high, xtol=1e-6 * high)
-    root = float(root)
-    while beyond(root) > 0.0 and root > low:
-        root *= 1.0 - 1e-7
-    return root
+    return float(root)
+
+
+def _beyond_error(problem: Problem, arm: Arm, limits: Sequence[Limit]) -> Callable[[float], float] | None:
+    """How far the worst error is beyond the limits on it, by payload, with one model for all payloads; None where none
+    is on it, or weights are not known."""
+    errors = [limit for limit in limits if isinstance(limit.figure.follows, WorstError) and limit.poses is None]
+    if not errors or of_unknown_mass(arm):
+        return None
+    cases = with_payload(problem.load_cases, 1.0)
+    model = error_model(arm, cases, drives=True, varied=frozenset({"payload"}))
+    search = worst_search(model, problem.workspace)
+    p = np.concatenate([beam_values(beams_of(arm, cases)), as_it_is(arm.size)])
+    place = p.size - AFTER_PAYLOAD
+
+    def beyond(mass: float) -> float:
+        row = p.copy()
+        row[place] = mass
+        error = search.worst(row, certify=False).error
+        return max(excess(limit, error) for limit in errors)
+
+    return beyond
 
 
 def _is_sum(limit: Limit) -> bool:

@@ -21,6 +21,9 @@ VARIED = ("link_length", "payload", "temperature", "force_direction")
 """What each link is too long by (m), the factor of all payloads, by how much all is warmer (K), and the two angles
 (rad) by which forces at the tip are turned."""
 
+AFTER_PAYLOAD = 4
+"""Where, from a row's end, the factor of all payloads stands."""
+
 
 def as_it_is(size: int) -> Array:
     """The end of a row p of an arm of so many joints that is as its file says: factors of stiffnesses and backlashes,
