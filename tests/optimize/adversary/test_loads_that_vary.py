@@ -126,13 +126,9 @@ def test_no_choice_of_shapes_is_better_for_all_that_may_vary(seed: int, tmp_path
     off = f"payload: {random.uniform(5, 30):.0f} %, link_length: {random.uniform(0.01, 0.1):.2f} mm, "
     off += f"temperature: {random.uniform(1, 10):.0f} K, force_direction: {random.uniform(2, 20):.0f} deg"
     sizes = "section_size: [50 mm, 50 mm], thickness: [3 mm, 3 mm], local_buckling: off"
-    chosen = (
-        f"choose: {{section: [circle, tube, rectangular_tube], material: [{', '.join(METALS)}], same: [section]}}\n"
-    )
-    text = (
-        f"minimize: max_error\nrobust: worst\nuncertain: {{{off}}}\nsubject_to: {{{sizes}, mass: '<= 12 kg'}}\n{chosen}"
-    )
-    problem = problem_of(tmp_path, arm_text(random), text)
+    chosen = f"choose: {{section: [circle, tube, rectangular_tube], material: [{', '.join(METALS)}], same: [section]}}"
+    text = f"minimize: max_error\nrobust: worst\nuncertain: {{{off}}}\nsubject_to: {{{sizes}, mass: '<= 12 kg'}}\n"
+    problem = problem_of(tmp_path, arm_text(random), f"{text}{chosen}\n")
     result = optimise(problem)
     best = math.inf
     for shape, *metals in itertools.product(problem.shapes_of(0), *[problem.materials_of(k) for k in range(2)]):
