@@ -138,6 +138,11 @@ class Problem:
         return any(link_ranges.link_length is not None for link_ranges in self.ranges)
 
     @property
+    def stepped(self) -> bool:
+        """Whether any link's walls are sold in steps."""
+        return any(link_ranges.steps for link_ranges in self.ranges)
+
+    @property
     def length_spans(self) -> tuple[Span, ...]:
         """The least and the greatest length (m) of each link, one and the same where it stays."""
         return tuple(

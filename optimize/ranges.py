@@ -13,12 +13,14 @@ Span = tuple[float, float]
 @dataclass(frozen=True)
 class Ranges:
     """The ranges of one link (m) as a problem says them, None where it does not: a length then stays, and so does a
-    `taper` (the size of the far end over that at the joint); dimensions have a range by default."""
+    `taper` (the size of the far end over that at the joint); dimensions have a range by default. `steps` are the
+    thicknesses that walls are sold in, least first; none where any will do."""
 
     section_size: Span | None = None
     thickness: Span | None = None
     link_length: Span | None = None
     taper: Span | None = None
+    steps: tuple[float, ...] = ()
 
     @property
     def sizes(self) -> tuple[Span, Span]:

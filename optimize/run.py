@@ -21,6 +21,7 @@ from .result import Dropped, OptimizationResult
 from .robust.run import robust_structures
 from .sizes.options import without_stock
 from .sizes.run import listed_structures
+from .sizes.wall_steps import on_wall_steps
 
 
 def optimise(
@@ -57,7 +58,9 @@ def _optimised(problem: Problem, options: Options) -> OptimizationResult:
     left_out = (*problem.left_out, *without_stock(problem))
     for item in left_out:
         options.tell(f"{item.material} is not looked at: {item.why}")
-    result = over_whole_cycles(problem, lambda asked: _of_structures(asked, options), options.tell)
+    result = over_whole_cycles(
+        problem, lambda asked: on_wall_steps(asked, lambda part: _of_structures(part, options)), options.tell
+    )
     dropped = tuple(Dropped("material", item.material, (), item.why) for item in left_out)
     result = replace(result, dropped=(*dropped, *result.dropped))
     return result if start is None else replace(result, start=f'{start.why}, and "before" is that arm')

@@ -123,6 +123,9 @@ def _check_objective(mapping: Mapping, body: Mapping, problem: Problem) -> None:
 
 def _check_choices(mapping: Mapping, problem: Problem) -> None:
     """Choices that do not go together."""
+    if problem.stepped and (problem.sizes is not None or problem.free_tapers):
+        other = "choose.sizes" if problem.sizes is not None else "taper"
+        raise mapping.error("subject_to.thickness", f"steps go with sizes that are free, and without {other}")
     if (problem.balances or problem.motors) and problem.sizes is not None:
         would_do = "write what the arm has of them into its file, and leave them out here"
         raise mapping.error("choose", f"balancer, counterweight and motor go without sizes; {would_do}")

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from functools import partial
+from typing import Any
 
 from linkwright.core.arm.chain.chain import Arm
 from linkwright.core.arm.figures import RANGES
@@ -21,14 +23,29 @@ _SMALLEST, _LARGEST = 1e-6, 1e4
 def read_ranges(body: Mapping, arm: Arm) -> tuple[Ranges, ...]:
     """The ranges of each link; a rigid one has neither a length nor a taper to choose. Raises `InputError`."""
     by_name = {
-        name: by_link(body, name, arm, lambda item, key, default=default: _range(item, key, default)).each
+        name: by_link(body, name, arm, partial(_walls if name == "thickness" else _range, default=default)).each
         for name, default in RANGES.items()
     }
     by_name["taper"] = by_link(body, "taper", arm, _taper).each
     return tuple(
-        Ranges() if link.section is None else Ranges(**{name: item[number] for name, item in by_name.items()})
+        Ranges() if link.section is None else _with_steps({name: item[number] for name, item in by_name.items()})
         for number, link in enumerate(arm.links)
     )
+
+
+def _with_steps(entries: dict[str, tuple[float, ...] | None]) -> Ranges:
+    """The ranges of a link, of walls in steps from the least to the greatest of those."""
+    spans: dict[str, Any] = dict(entries)
+    walls = entries["thickness"]
+    if isinstance(walls, _Steps):
+        spans |= {"thickness": (walls[0], walls[-1]), "steps": tuple(walls)}
+    return Ranges(**spans)
+
+
+class _Steps(tuple[float, ...]):
+    """Thicknesses that walls are sold in, least first."""
+
+    __slots__ = ()
 
 
 def shared_ranges(mapping: Mapping, ranges: Sequence[Ranges]) -> tuple[Ranges, ...]:
@@ -60,6 +77,17 @@ def _range(body: Mapping, name: str, default: Span) -> Span:
         ends = f"{format_quantity(_SMALLEST, 'length')} and {format_quantity(_LARGEST, 'length')}"
         raise body.error(name, f"must lie between {ends}, not {shown(body.content[name])}")
     return low, high
+
+
+def _walls(body: Mapping, name: str, default: Span) -> Any:
+    """The range of walls, or the steps that they are sold in."""
+    if not isinstance(body.content[name], dict):
+        return _range(body, name, default)
+    with body.mapping(name).reading() as keys:
+        steps = sorted(set(keys.vector("steps", "length")))
+    if len(steps) < 2 or steps[0] < _SMALLEST:
+        raise body.error(name, "needs two thicknesses or more, e.g. {steps: [2 mm, 3 mm, 4 mm]}")
+    return _Steps(steps)
 
 
 def _taper(body: Mapping, name: str) -> Span:

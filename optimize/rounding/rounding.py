@@ -80,6 +80,8 @@ def optimise_rounded(
     if problem.free_tapers:
         would_do = "workshops' sizes are those of uniform links; leave one of the two out"
         raise InputError(problem.file, "subject_to.taper", f"goes without --round; {would_do}")
+    if problem.stepped:
+        raise InputError(problem.file, "subject_to.thickness", "in steps goes without --round; leave one of them out")
     if problem.sizes is not None:
         would_do = "they are sizes to be had already, so leave --round out"
         raise InputError(problem.file, "choose.sizes", f"goes without --round; {would_do}")

@@ -183,6 +183,8 @@ def _check(problem: Problem, x: str, y: str, known: Mapping[str, Axis], by: By |
     if problem.uncertain is not None:
         message = "goes with `optimize` and `evaluate`; leave it and robust out for a trade-off"
         raise InputError(problem.file, "uncertain", message)
+    if problem.stepped:
+        raise InputError(problem.file, "subject_to.thickness", "takes a range for a trade-off, no steps")
     if problem.balances:
         message = "is settled by `optimize` alone: balance can bring the error to nothing, where a front has no end"
         raise InputError(problem.file, "choose", f"balancer or counterweight {message}; write it into the arm file")

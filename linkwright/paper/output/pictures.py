@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from linkwright.core.sections.numeric import Array
 from linkwright.report.page import figure_place, side_by_side
 from linkwright.report.pictures.svg import element, text
 from linkwright.results.document import Description, Drawn, Paragraph, Picture, section
@@ -80,6 +81,8 @@ def _map(figure: Figure, column: str, unit: str) -> Plot:
         "y": y.tolist(),
         "z": field.tolist(),
         "zmin": 0.0,
+        "zsmooth": "best",
+        "connectgaps": False,
         "colorscale": "Viridis",
         "colorbar": {"title": {"text": unit}, "thickness": 12, "outlinewidth": 0},
         "hovertemplate": f"x %{{x:.0f}} mm<br>y %{{y:.0f}} mm<br>%{{z:.4g}} {unit}<extra></extra>",
@@ -102,10 +105,13 @@ def _curves(figure: Figure, across: str, title: str, *, logarithmic: bool = Fals
             for name, words in _NAMES
             if name.startswith(prefix) and name in figure.columns
         ]
-        ticks = {"zeroline": False, "type": kind, "exponentformat": "none", **({"dtick": 1} if logarithmic else {})}
-        up = {"title": {"text": unit}, **ticks}
+        # Curves that lie on each other are both seen where the later one is dashed.
+        for later in data[1:]:
+            later["line"] = {"dash": "dash", "width": 3}
+        ticks = {"zeroline": False, "type": kind, "exponentformat": "none"}
+        up = {"title": {"text": unit}, **ticks, **({"dtick": 1} if logarithmic else {})}
         layout = {
-            "xaxis": {"title": {"text": title}, **ticks},
+            "xaxis": {"title": {"text": title}, **ticks, **_spaced(figure.column(across), logarithmic=logarithmic)},
             "yaxis": up if logarithmic else {**up, "rangemode": "tozero"},
             "margin": {"l": 70, "r": 10, "t": 10, "b": 50},
             "legend": {"orientation": "h", "y": 1.12},
@@ -114,6 +120,13 @@ def _curves(figure: Figure, across: str, title: str, *, logarithmic: bool = Fals
         return {"data": data, "layout": layout}
 
     return half("corrected_", "worst error in mm"), half("paper_", "“PE” in mm²")
+
+
+def _spaced(values: Array, *, logarithmic: bool) -> dict[str, object]:
+    """Ticks of a logarithmic axis: at 1, 2 and 5 times powers of ten where it holds but two of those or fewer."""
+    if not logarithmic:
+        return {}
+    return {"dtick": "D2" if values.max() < 100.0 * values.min() else 1}
 
 
 def _line(figure: Figure, across: str, up: str, words: str) -> Plot:
