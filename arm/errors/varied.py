@@ -65,8 +65,8 @@ def varied_case(
 def _turned(force: tuple[float, float, float], flat: bool, one: Any, other: Any) -> Vector:
     """A force turned by an angle (rad) to either of two sides; within the plane where the arm moves in one."""
     along, least = unit(force), min(range(3), key=lambda k: abs(force[k]))
-    hint = (0.0, 0.0, 1.0) if flat else tuple(float(k == least) for k in range(3))
-    side = unit(cross(hint, along))
+    hint = (float(least == 0), float(least == 1), float(least == 2))
+    side = unit(cross((0.0, 0.0, 1.0) if flat else hint, along))
     across = cross(along, side)
     turned = add(scale(times(cos(one), 1.0 if flat else cos(other)), along), scale(sin(one), side))
     if not flat:

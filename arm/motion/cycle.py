@@ -155,7 +155,8 @@ def errors_along(arm: Arm, cycle: Cycle, state: PoseState | None = None) -> Arra
 
 def _state(arm: Arm, cycle: Cycle) -> PoseState:
     """The arm at all instants at once."""
-    moving = Moving(*(tuple(rows.T) for rows in (cycle.q, cycle.velocity, cycle.acceleration)), cycle.time, cycle)
+    q, velocity, acceleration = (tuple(rows.T) for rows in (cycle.q, cycle.velocity, cycle.acceleration))
+    moving = Moving(q, velocity, acceleration, cycle.time, cycle)
     case = replace(cycle.load, moving=moving)
     beams = beams_of(arm, (cycle.load,))
     return solve(arm, list(cycle.q.T), beams, case, payload_mass=cycle.payload)
