@@ -119,7 +119,6 @@ class Catalogue:
 
 
 def _priced(material: Material, price: Price) -> Material:
-    """A material with another price."""
     key = f"price of {material.name}"
     cost = Property(Constant(price.value), source=key, spread=price.spread, note=price.note, date=price.date)
     references = {**material.references, key: price.source}

@@ -378,7 +378,6 @@ def _tolerance(point_keys: Mapping, number: int) -> Limit:
 
 
 def _check_points(points: Sequence[tuple[float, ...]], body: Mapping, kind: str, arm: Arm) -> None:
-    """Refuse points that are too few or too many, or not where the arm moves."""
     if kind == "box" and len(points) != 2:
         raise body.error("box", f"needs two corners, [[x, y], [x, y]], not {len(points)}")
     if not points:
@@ -591,7 +590,6 @@ def _all(by_link: ByLink[tuple[Item, ...]]) -> tuple[Item, ...] | None:
 
 
 def _shapes(body: Mapping, key: str) -> tuple[str, ...]:
-    """The shapes to choose from, by name."""
     names = _names(body, key)
     free = {name: kind for name, kind in SHAPES.items() if can_be_chosen(name)}
     for number, name in enumerate(names, start=1):

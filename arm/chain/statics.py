@@ -56,11 +56,6 @@ class LinkState:
     warming: Scalar
     base_moment: Vector
 
-    @property
-    def base_force(self) -> Vector:
-        """The force that the rest of the arm carries at this link's joint, N."""
-        return add(self.force, self.weight)
-
 
 @dataclass(frozen=True)
 class JointState:

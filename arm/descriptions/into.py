@@ -67,7 +67,6 @@ def into_file(arm: Arm, path: Path | str) -> Exported:
 
 
 def _names(arm: Arm, top: Element, form: str) -> tuple[str, ...]:
-    """What the file calls the arm's joints."""
     there = [item.attributes.get("name", "") for item in _all(top, "joint")]
     named = [joint.name for joint in arm.joints]
     if not any(named) and form == "urdf":

@@ -348,7 +348,6 @@ class Way:
 
 
 def _moved(joint: TreeJoint, value: float) -> Frame:
-    """The step of a joint at a coordinate."""
     if value == 0.0 or not joint.moves:
         return NO_STEP
     if joint.kind == "prismatic":

@@ -83,7 +83,6 @@ def _quaternion(turn: Vector) -> Quaternion:
 
 
 def _of_quaternion(turn: Quaternion) -> Rotation:
-    """A quaternion's rotation."""
     w, (x, y, z) = turn
     if is_zero((x, y, z)):
         return IDENTITY

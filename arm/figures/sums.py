@@ -54,7 +54,6 @@ PAYLOAD = Figure(
 
 
 def _cost_title(arm: Arm) -> str:
-    """What the cost of an arm is that of."""
     priced = any(joint.cost is not None for joint in (*arm.joints, *arm.links)) or works(arm)
     driven = any(joint.actuator is not None for joint in arm.joints)
     return "cost" if priced else "cost of material and actuators" if driven else "material cost"

@@ -96,7 +96,6 @@ def arm_to_yaml(arm: Arm) -> str:
 
 
 def _entries(arm: Arm, indices: range, motors: Mapping[int | None, tuple[float, int]]) -> list[str]:
-    """The entries of a chain with these joints (from 0) and their links."""
     lines: list[str] = []
     for index in indices:
         number, joint, link = index + 1, arm.joints[index], arm.links[index]

@@ -76,7 +76,6 @@ def _drive(arm: Arm, index: int) -> list[dict[str, Any]]:
 
 
 def _link(arm: Arm, index: int) -> dict[str, Any]:
-    """The row of a link."""
     joint, link = arm.joints[index], arm.links[index]
     pointing = heights(arm)[index]
     height, width = section_directions(link, joint)

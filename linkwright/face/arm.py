@@ -217,7 +217,6 @@ def links_table(arm: Model) -> pd.DataFrame:
 
 
 def _read(content: dict[str, Any], catalogue: File | None, tip: str | None = None) -> Model:
-    """The arm that content describes."""
     return arm_from(Reader(content, file="Arm"), catalogue_of(catalogue), tip=tip)
 
 

@@ -422,7 +422,6 @@ def _not_rounded(result: OptimizationResult, missing: NotRounded) -> dict[str, A
 
 
 def _limits(limits: Sequence[KeptLimit]) -> list[dict[str, Any]]:
-    """Limits with what the optimum and another design have of them."""
     return [
         {
             **fields(limit, "name", "limit=text"),

@@ -184,7 +184,6 @@ def _objective(result: OptimizationResult, value: float | None, digits: int = 5,
 
 
 def _candidates(result: OptimizationResult) -> Table | None:
-    """The combinations tried, best first."""
     if len(result.candidates) < 2:
         return None
     ranked = result.candidates
@@ -208,7 +207,6 @@ def _candidates(result: OptimizationResult) -> Table | None:
 
 
 def _near_ties(result: OptimizationResult) -> list[Section]:
-    """The combinations that come within a few per cent of the best."""
     if not result.near_ties and not result.near_ties_left:
         return []
     rows = [
@@ -255,7 +253,6 @@ def _failed(result: OptimizationResult) -> str:
 
 
 def _balance(result: OptimizationResult) -> list[Section]:
-    """What was chosen of counterweights and counterbalances."""
     if not result.balance:
         return []
     rows = [
@@ -271,7 +268,6 @@ def _balance(result: OptimizationResult) -> list[Section]:
 
 
 def _motors(result: OptimizationResult) -> list[Section]:
-    """The combinations of places for motors, best first."""
     if not result.motor_places:
         return []
     rows = [
@@ -303,7 +299,6 @@ def _drives(result: OptimizationResult) -> list[Section]:
 
 
 def _search(result: OptimizationResult) -> Section:
-    """The log of the exchange, and the combinations tried."""
     rows: list[tuple[Cell, ...]] = [
         (
             count(iteration.number),

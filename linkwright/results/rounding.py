@@ -32,7 +32,6 @@ def warnings(result: OptimizationResult) -> list[Paragraph]:
 
 
 def _made(result: OptimizationResult, rounded: Rounded) -> Section:
-    """The design of sizes that can be had, and what rounding cost."""
     words = rounding_words(rounded)
     limits = [
         (limit.text, limit_figure(limit, limit.before), limit_figure(limit, limit.after), share(limit.room, 3), "kept")

@@ -406,7 +406,6 @@ def _pushed(context: Context, number: int, slack: float) -> Context:
 
 
 def _change(space: DesignSpace, old: Array, new: Array) -> float:
-    """The largest relative change of a design quantity."""
     before, after = np.array(space.values(list(old)), dtype=float), np.array(space.values(list(new)), dtype=float)
     sizes = np.maximum(
         np.abs(before), [1e-6 * max(abs(variable.lower), abs(variable.upper)) for variable in space.variables]

@@ -461,7 +461,6 @@ class Program:
         return pool
 
     def _limit_prices(self, multipliers: Array) -> list[float]:
-        """A multiplier for each limit: the sum over its rows, or over the poses through which it holds."""
         prices = [0.0] * len(self.space.problem.limits)
         slopes = {family.name: family.slope for family in self.pose_families}
         for name in ("design", *slopes):

@@ -187,7 +187,6 @@ _IDEALS = MappingProxyType(
 
 
 def _bounded(limit: Limit) -> bool:
-    """Whether stiff and light links bound the figure that a limit is on."""
     follows = limit.figure.follows
     return isinstance(follows, WorstError) or (isinstance(follows, ThroughPoses) and follows.family.stiffer_is_better)
 

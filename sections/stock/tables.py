@@ -249,7 +249,6 @@ def _read_content(content: Any, file: str) -> tuple[StockSize, ...]:
 
 
 def _wrong(where: str, message: str) -> InputError:
-    """The error in a file or in one of its tables (`sections.yaml: tables[2]`)."""
     return InputError(where, "", message)
 
 
@@ -339,7 +338,6 @@ _Columns = Mapping[str, np.ndarray[Any, np.dtype[np.float64]]]
 
 
 def _check_buildable(sizes: list[StockSize], shape: str, columns: _Columns, where: str) -> None:
-    """Refuse a row whose dimensions do not go together."""
     try:
         build(shape, columns)
     except SectionError:

@@ -66,8 +66,6 @@ def _included(element: Element, folder: Path, read: frozenset[Path]) -> Element:
 
 @dataclass
 class _Reading:
-    """The work of reading one file."""
-
     top: Element
     links: dict[str, TreeLink] = field(default_factory=dict[str, TreeLink])
     joints: dict[str, TreeJoint] = field(default_factory=dict[str, TreeJoint])

@@ -77,13 +77,11 @@ def _where(worst_case: WorstCase) -> tuple[float, ...]:
 
 
 def _length(name: str, title: str, key: str, family: PartOfError, **more: Any) -> Figure:
-    """A figure in mm."""
     limit: dict[str, Any] = {"kind": "length", "unit": "mm", "factor": 1e3, "senses": ("<=",), "everywhere": False}
     return Figure(name=name, title=title, key=key, follows=ThroughPoses(family), **limit, **more)
 
 
 def _angle(name: str, title: str, key: str, family: PartOfError, **more: Any) -> Figure:
-    """A figure in mrad."""
     limit: dict[str, Any] = {"kind": "angle", "unit": "mrad", "factor": 1e3, "senses": ("<=",), "everywhere": False}
     return Figure(name=name, title=title, key=key, follows=ThroughPoses(family), **limit, **more)
 

@@ -49,7 +49,6 @@ def stiffness_rows(compliance: Matrix) -> list[list[float]]:
 
 
 def _table(path: Path) -> list[list[str]]:
-    """The rows of numbers, without a heading and names of rows."""
     try:
         reader = csv.reader(io.StringIO(read_text(path), newline=""), skipinitialspace=True, strict=True)
         rows = [[cell.strip() for cell in row] for row in reader if any(cell.strip() for cell in row)]

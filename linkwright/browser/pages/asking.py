@@ -46,7 +46,6 @@ class Asking(ABC):
         """Open the text that an answer is of."""
 
     def _answers(self) -> None:
-        """Where the work is seen, and what it found."""
         self._runs = Runs(self._desk.jobs, self._kind, self._ended)
         with row().classes("lw-of").props("role=status") as self._other:
             self._why = ui.label().classes("grow")
@@ -88,7 +87,6 @@ class Asking(ABC):
         self._clear()
 
     def _clear(self) -> None:
-        """Take the answer away."""
         self._result.clear()
         self._shown = None
         self._other.visible = False

@@ -123,7 +123,6 @@ class ProblemPage(EditedPage):
             self._settings()
 
     def _settings(self) -> None:
-        """The question's settings and its button."""
         rounded = {"": "as computed", "stock": "to stock sizes", "1 mm": "to whole mm"}
         self._chosen = {"round_to": _choice(rounded, "", "Sizes")}
         self._button("Optimise")

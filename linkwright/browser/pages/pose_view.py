@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import asyncio
 import math
-from collections.abc import Sequence
 
 from nicegui import ui
 
@@ -48,13 +47,6 @@ class PoseView:
             self._ranges, self._pose = ranges, list(middle(arm))
             self._show_sliders(arm)
         await self._draw()
-
-    async def go_to(self, pose: Sequence[float]) -> None:
-        """Show another pose (rad, m)."""
-        if self._posed is not None and len(pose) == len(self._pose):
-            self._pose = list(pose)
-            self._show_sliders(self._posed.arm)
-            await self._draw()
 
     def _show_sliders(self, arm: Arm) -> None:
         self._sliders.clear()

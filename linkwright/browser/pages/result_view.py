@@ -152,7 +152,6 @@ class Naming:
 
 
 def _named(desk: Desk, result: Kept) -> None:
-    """How a result is called, and a button to say otherwise."""
 
     def show(kept: Kept) -> None:
         place.clear()

@@ -217,7 +217,6 @@ def _has(headers: list[tuple[bytes, bytes]], name: bytes) -> bool:
 
 
 def _one(headers: list[tuple[bytes, bytes]], name: bytes) -> str | None:
-    """A header that stands there once."""
     values = [value for item, value in headers if item == name]
     return values[0].decode("latin-1") if len(values) == 1 else None
 

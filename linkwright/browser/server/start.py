@@ -75,7 +75,6 @@ def serve(
 
 
 def _application(desk: Desk) -> FastAPI:
-    """The pages and the files behind them."""
 
     @asynccontextmanager
     async def until_the_end(_: FastAPI) -> AsyncGenerator[None]:

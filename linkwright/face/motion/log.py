@@ -63,7 +63,6 @@ def read_log(log: File | pd.DataFrame, arm: Arm | File, *, settings: File | None
 
 
 def _read(pairs: Sequence[tuple[object, File | None]], arm: Arm) -> list[Log]:
-    """The logs that files or data frames hold, each under its settings."""
     tables: list[tuple[Table, ReadingSettings]] = []
     for given, settings in pairs:
         held = None if settings is None else Path(settings)

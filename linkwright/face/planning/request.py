@@ -278,7 +278,6 @@ def _refuse_unknown_weights(torques: Sequence[float], arm: Arm) -> None:
 
 
 def _of_angles(instrument: str) -> bool:
-    """Whether an instrument reads angles."""
     return instrument in INSTRUMENTS and INSTRUMENTS[instrument].numbers[0].quantity == "angle"
 
 

@@ -204,7 +204,6 @@ def _enough(recordings: Sequence[object]) -> None:
 
 
 def _read(one: Read | MotionLog) -> Array:
-    """What an instrument read."""
     return one.torque if isinstance(one, MotionLog) else one.tip
 
 

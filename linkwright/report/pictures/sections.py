@@ -51,7 +51,6 @@ def _card(number: int, arms: Sequence[tuple[str, Arm]], row: Sequence[_Drawn | N
 
 
 def _largest(arms: Sequence[tuple[str, Arm]]) -> float:
-    """The largest extent of any section as it stands, mm."""
     sizes = [
         1e3 * float(np.ptp(side.section(np.asarray(link.section.outline()[0])), axis=0).max())
         for _, arm in arms

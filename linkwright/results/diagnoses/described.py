@@ -122,7 +122,6 @@ def _brief(diagnosis: Diagnosis) -> str:
 
 
 def _next_steps(diagnosis: Diagnosis) -> Lines | None:
-    """What to do, on the first screen."""
     steps = to_do(diagnosis)
     return Lines(steps) if steps else None
 
@@ -139,7 +138,6 @@ _NOISE = MappingProxyType(
 
 
 def _facts(diagnosis: Diagnosis) -> Facts:
-    """The verdict and the sizes of mismatch and noise."""
     gate = f"any mismatch at all: p {probability(diagnosis.gate_p).text}"
     verdict = verdict_words(diagnosis.verdict, short=True)
     if diagnosis.verdict == "none" and diagnosis.unexplained:
@@ -198,7 +196,6 @@ def _lack_of_fit(lack_of_fit: LackOfFit) -> tuple[Value, str]:
 
 
 def _origins(diagnosis: Diagnosis) -> Section:
-    """The fixed transforms that the arm file leaves free, as they were found."""
     rows = [
         (f"joint {origin.joint}", about_of(parameter))
         for origin in diagnosis.origins
@@ -218,7 +215,6 @@ def _origins(diagnosis: Diagnosis) -> Section:
 
 
 def _findings(diagnosis: Diagnosis) -> Section:
-    """What is missing, each parameter with its interval, and what the data cannot tell from it."""
     readings = [
         Paragraph(spoken(finding.reading), "statement", True) for finding in diagnosis.findings if finding.reading
     ]
@@ -334,7 +330,6 @@ def _to_do(diagnosis: Diagnosis) -> tuple[str, ...]:
 
 
 def _set_aside(diagnosis: Diagnosis) -> Section:
-    """The rows that were not used, and why."""
     return set_aside([(row_words(diagnosis.recording, row.row), row.reason) for row in diagnosis.rejected_rows])
 
 

@@ -111,7 +111,6 @@ def brief(diagnosis: MotionDiagnosis) -> str:
 
 
 def _facts(diagnosis: MotionDiagnosis) -> Facts:
-    """The verdict and the sizes of mismatch and noise, of all joints together."""
     gate = f"any mismatch at all: p {probability(diagnosis.gate_p).text}"
     facts = [
         Fact("verdict", verdict_words(diagnosis.verdict, short=True), gate),
@@ -137,7 +136,6 @@ def _facts(diagnosis: MotionDiagnosis) -> Facts:
 
 
 def _joints(diagnosis: MotionDiagnosis) -> Section:
-    """What is left of each joint's torque."""
     rows: list[list[Cell]] = []
     for item in diagnosis.per_joint:
         unit = torque_unit(diagnosis.arm, item.joint)
@@ -164,7 +162,6 @@ def _shares(item: OfJoint) -> tuple[float, float, float]:
 
 
 def _logs(diagnosis: MotionDiagnosis) -> Section:
-    """What comes of each of several logs."""
     dated = any(log.date for log in diagnosis.of_logs)
     rows: list[list[Cell]] = [
         [
@@ -182,7 +179,6 @@ def _logs(diagnosis: MotionDiagnosis) -> Section:
 
 
 def _findings(diagnosis: MotionDiagnosis) -> Section:
-    """What is missing, each parameter with its interval, and what the logs cannot tell from it."""
     few = diagnosis.findings if len(diagnosis.findings) <= MOST_READINGS else ()
     readings = [Paragraph(spoken(item.reading), "statement", True) for item in few if item.reading]
     rows: list[list[Cell]] = []
@@ -251,7 +247,6 @@ def _pictures(diagnosis: MotionDiagnosis) -> Section:
 
 
 def _set_aside(diagnosis: MotionDiagnosis) -> Section:
-    """The rows that were not used, and why."""
     several = len(diagnosis.logs) > 1
     return set_aside(
         [
