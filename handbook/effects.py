@@ -65,7 +65,7 @@ def _parameters(effect: Effect) -> Iterator[str]:
             yield f"`{numbered[0].name}` to `{numbered[-1].name}`: {numbered[0].meaning}, and so on"
             continue
         for each in numbered:
-            name = f"(`{each.name}`)" if each.role == "shape" else f"`{each.name}`"
+            name = f"(`{each.name}`)" if each.role in ("shape", "torque_shape") else f"`{each.name}`"
             low, high = (format_quantity(value, each.kind, None, 3) for value in each.typical)
             yield f"{name}: {each.meaning}; usually {low} to {high}"
 

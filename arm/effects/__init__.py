@@ -16,7 +16,6 @@ from linkwright.core.arm.effects.angles.latency import LATENCY
 from linkwright.core.arm.effects.angles.stale_reading import STALE_READING
 from linkwright.core.arm.effects.drives.armature import ARMATURE
 from linkwright.core.arm.effects.drives.gear_ripple import GEAR_RIPPLE
-from linkwright.core.arm.effects.drives.joint_resonance import JOINT_RESONANCE
 from linkwright.core.arm.effects.drives.spring import SPRING
 from linkwright.core.arm.effects.drives.torque_constant import TORQUE_CONSTANT
 from linkwright.core.arm.effects.drives.torque_delay import TORQUE_DELAY
@@ -136,7 +135,6 @@ EFFECTS.ship(
     TORQUE_DELAY,
     GEAR_RIPPLE,
     SPRING,
-    JOINT_RESONANCE,
 )
 
 __all__ = [

@@ -30,10 +30,10 @@ Condition = Literal["time", "warming", "sides", "velocities", "accelerations", "
 Only = Literal["joints that turn", "joints that slide", "joints after the first"]
 """Which joints an effect can move, where not all."""
 
-Role = Literal["size", "shape", "given", "torque"]
+Role = Literal["size", "shape", "given", "torque", "torque_shape"]
 """How a parameter enters: the displacement grows from nothing with a `size`; a `shape` (a lag, a threshold, an order)
 changes its pattern and is searched on a grid; what is `given` comes with the arm and is not fitted. With a `torque` the
-torque that a motion takes grows from nothing, and no tip moves."""
+torque that a motion takes grows from nothing, and no tip moves; a `torque_shape` changes that torque's pattern alone."""
 
 
 Cause = Literal[
@@ -154,6 +154,13 @@ def torque(name: str, kind: str, lower: float, upper: float, typical: tuple[floa
     return Parameter(name, kind, "", lower, upper, typical, "", role="torque", **how)
 
 
+def torque_shape(
+    name: str, kind: str, lower: float, upper: float, typical: tuple[float, float], **how: Any
+) -> Parameter:
+    """A parameter that changes the pattern of a motion's torque, and moves no tip; `means` is to follow."""
+    return Parameter(name, kind, "", lower, upper, typical, "", role="torque_shape", **how)
+
+
 def given(name: str, kind: str, lower: float, upper: float, typical: tuple[float, float], **how: Any) -> Parameter:
     """A parameter that comes with the arm and is not fitted; `means` is to follow."""
     return Parameter(name, kind, "", lower, upper, typical, "", **how)
@@ -222,7 +229,8 @@ class Effect:
     `effects` names it. `needs` says what a recording must hold to show it, `aliases` what it cannot be distinguished
     from. `twists` gives what it does at a pose. `torques` gives what a motion takes of the drives beyond the rigid
     arm's torque: by joint (from 0) an array (N,), N*m (N for slides), positive where the drive must push towards
-    increasing q; joints that it leaves alone are absent. They are linear in the sizes (`torque_sizes`) at fixed shapes.
+    increasing q; joints that it leaves alone are absent. They are linear in the sizes (`torque_sizes`) at fixed shapes, or have a
+    `slope` by them (`arm.effects.torques.Bent`).
     `together` marks physics that all links or joints usually share (one material, one air): a diagnosis then also
     tries one parameter for all of them. `requires` names the conditions without which it moves nothing, `enough` the
     sets of parameters of which an entry must hold one to say anything (none named: any one parameter that is a size),
@@ -309,6 +317,11 @@ class Effect:
     def shapes(self) -> tuple[Parameter, ...]:
         """The parameters that change the pattern, and are searched on their grids."""
         return tuple(parameter for parameter in self.parameters if parameter.role == "shape")
+
+    @property
+    def torque_shapes(self) -> tuple[Parameter, ...]:
+        """The parameters that change the pattern of a motion's torque, and are searched on their grids."""
+        return tuple(parameter for parameter in self.parameters if parameter.role in ("shape", "torque_shape"))
 
     def lacking(self, given: Collection[str]) -> str | None:
         """What parameters named `given` lack for the effect to move anything, as words; None where they do."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Protocol, runtime_checkable
 
 import numpy as np
 
@@ -21,6 +21,19 @@ AT_REST = 0.01
 def direction(velocity: Array) -> Array:
     """Which way a joint moves at velocities (rad/s, m/s): 1, -1, and in between where it hardly does."""
     return np.tanh(velocity / AT_REST)
+
+
+@runtime_checkable
+class Bent(Protocol):
+    """Torques that are not in proportion to the one size of an effect."""
+
+    def __call__(self, motion: Motion, settings: Settings) -> Mapping[int, Array]:
+        """The torques (N,) by joint."""
+        ...
+
+    def slope(self, motion: Motion, settings: Settings) -> Mapping[int, Array]:
+        """How they change with the size at its value in the settings, per unit of it."""
+        ...
 
 
 @dataclass(frozen=True)

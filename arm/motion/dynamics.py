@@ -55,8 +55,11 @@ class Stages:
 
 def torque_stages(motion: Motion) -> Stages:
     """The torques of `model_torque` with what they are made of."""
-    instrument = [entry for entry in motion.arm.effects if EFFECTS[entry.effect].recording.of_instrument]
-    others = [entry for entry in motion.arm.effects if entry not in instrument]
+    arm = motion.arm
+    given = (e.id for e in EFFECTS.values() if e.automatic and e.torques is not None and e.id not in arm.leave_out)
+    entries = [*(EffectEntry(effect) for effect in given), *arm.effects]
+    instrument = [entry for entry in entries if EFFECTS[entry.effect].recording.of_instrument]
+    others = [entry for entry in entries if entry not in instrument]
     loads = [entry for entry in others if EFFECTS[entry.effect].place != "joint"]
     rigid = inverse_dynamics(motion)
     load = rigid + torque_of(replace(motion, torque=rigid), loads)

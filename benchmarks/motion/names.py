@@ -17,7 +17,7 @@ ALIKE: tuple[frozenset[str], ...] = (
     frozenset({"friction_stribeck", "friction_reversal", "friction_coulomb", "friction_viscous", "friction_quadratic"}),
     frozenset({"friction_load", "friction_place", "friction_coulomb"}),
     frozenset({"torque_offset", "spring", "base_tilt", "link_inertial", "payload", "encoder_offset"}),
-    frozenset({"torque_delay", "joint_resonance", "armature", "friction_viscous"}),
+    frozenset({"torque_delay", "joint_compliance", "armature", "friction_viscous"}),
     frozenset({"torque_constant", "link_inertial", "payload", "armature", "friction_load"}),
     frozenset({"joint_coupling", "friction_viscous"}),
 )

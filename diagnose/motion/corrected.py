@@ -18,7 +18,7 @@ from .model.ripple import Ripple
 def entry_of(effect: Effect, ripple: Ripple) -> EffectEntry:
     """The entry of an order that stands out beyond the low-pass."""
     sine, cosine = (size.name for size in effect.torque_sizes)
-    values = {sine: ripple.sine, cosine: ripple.cosine, effect.shapes[0].name: ripple.order}
+    values = {sine: ripple.sine, cosine: ripple.cosine, effect.torque_shapes[0].name: ripple.order}
     return EffectEntry(effect.id, (ripple.joint + 1,), values)
 
 
@@ -34,7 +34,7 @@ def completed(arm: Arm, groups: Sequence[Group], numbers: Sequence[Array], more:
 def _readable(entry: EffectEntry) -> EffectEntry:
     """An entry whose sizes a file may hold."""
     effect = EFFECTS[entry.effect]
-    limits = {size.name: (size.lower, size.upper) for size in (*effect.torque_sizes, *effect.shapes)}
+    limits = {size.name: (size.lower, size.upper) for size in (*effect.torque_sizes, *effect.torque_shapes)}
     held = {
         name: min(max(value, limits[name][0]), limits[name][1]) if name in limits else value
         for name, value in entry.parameters.items()

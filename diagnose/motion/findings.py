@@ -77,7 +77,7 @@ def finding_of(effect: Effect, ripple: Ripple, held: Array) -> MotionFinding:
         )
         for size, value in zip(effect.torque_sizes, (ripple.sine, ripple.cosine), strict=True)
     ]
-    shape = effect.shapes[0]
+    shape = effect.torque_shapes[0]
     order = FittedParameter(
         f"{shape.name}_{at[0]}", shape.name, at, shape.kind, ripple.order, (ripple.order, ripple.order)
     )
@@ -114,7 +114,7 @@ def parameters_of(
             kind = kind_at(size, slides=slides)
             interval = (value - below, value + above)
             parameters.append(FittedParameter(size.name + suffix, size.name, group.at, kind, value, interval))
-    for shape in group.effect.shapes:
+    for shape in group.effect.torque_shapes:
         value = group.shapes[shape.name]
         others = [value, *(variant.shapes[shape.name] for variant in variants)]
         interval = (min(others), max(others))

@@ -109,8 +109,9 @@ def _parameter(parameter: Parameter) -> Iterator[str]:
         yield f"role {parameter.role!r} is not one of {', '.join(get_args(Role))}"
     if parameter.role in ("size", "torque") and not parameter.lower <= 0.0 < parameter.upper:
         yield "the bounds of a size must hold 0 and something above it"
-    if bool(parameter.grid) != (parameter.role == "shape"):
-        yield "a shape needs a grid" if parameter.role == "shape" else "only a shape has a grid"
+    shaped = parameter.role in ("shape", "torque_shape")
+    if bool(parameter.grid) != shaped:
+        yield "a shape needs a grid" if shaped else "only a shape has a grid"
     if list(parameter.grid) != sorted(set(parameter.grid)):
         yield "the grid must rise"
     inside = all(parameter.lower <= value <= parameter.upper for value in parameter.grid)

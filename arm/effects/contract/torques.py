@@ -11,6 +11,7 @@ import numpy as np
 
 from linkwright.core.arm.chain.chain import Arm
 from linkwright.core.arm.effects.effect import Effect, Settings
+from linkwright.core.arm.effects.torques import Bent
 from linkwright.core.arm.motion.motion import Motion
 from linkwright.core.sections.numeric import Array
 
@@ -87,7 +88,8 @@ def _faults(effect: Effect, motion: Motion) -> Iterator[str]:
     if not np.isfinite(whole).all():
         yield "gives torques that are not finite"
         return
-    yield from _unlike(tried, whole)
+    if not isinstance(effect.torques, Bent):
+        yield from _unlike(tried, whole)
     for index, joint in enumerate(motion.arm.joints if effect.place in ("joint", "link") else ()):
         if not effect.can_act(index, revolute=joint.revolute) and tried.table(usual, (index,)).any():
             yield f"takes torque where it cannot act ({effect.only})"
@@ -114,7 +116,7 @@ def _unlike(tried: _Tried, whole: Array) -> Iterator[str]:
     if np.abs(added - whole).max() > scale:
         yield "has torques that do not add up, size by size"
     sizes = {name: tried.usual[name] for name in names}
-    named = {shape.name: shape.default for shape in tried.effect.shapes}
+    named = {shape.name: shape.default for shape in tried.effect.torque_shapes}
     if not np.array_equal(tried.table(sizes), tried.table({**sizes, **named})):
         yield "takes another torque where a shape is not named than at its default"
 
@@ -123,6 +125,6 @@ def _idle_sizes(effect: Effect, tried: Iterable[Motion]) -> Iterator[str]:
     trials = [_Tried(effect, motion) for motion in tried]
     for size in effect.parameters:
         if size.role == "torque":
-            others = {other.name: other.typical[1] for other in effect.shapes}
+            others = {other.name: other.typical[1] for other in effect.torque_shapes}
             if not any(one.table({**others, size.name: size.typical[1]}).any() for one in trials):
                 yield f"the size {size.name} takes no torque, on no chain"

@@ -336,7 +336,7 @@ KINDS: Mapping[str, Kind] = MappingProxyType(
         "torque_delay": Kind(_draw_delay, _delay_columns, _of_world("delay"), 0.04),
         "gear_ripple": _pushing(_draw_ripple, *_WAVES),
         "spring": Kind(_drawn("stiffness"), _at_joint(lambda m, j, c: m.q[:, j]), _install_spring),
-        "joint_resonance": Kind(_draw_resonance, _resonance_columns, _install_resonance),
+        "joint_compliance": Kind(_draw_resonance, _resonance_columns, _install_resonance),
         "encoder_offset": Kind(_drawn("offset", sign=True, turning=True), _zero_columns, _install_zero, 0.15),
     }
 )

@@ -67,7 +67,7 @@ def _most(cause: Cause, arm: Arm) -> float:
         return arm.drives[0, cause.joint]
     if cause.effect == "friction_quadratic" and cause.sizes["coefficient"] < 0.0:
         return 0.8 * arm.drives[1, cause.joint] / arm.axes[cause.joint].speed
-    if cause.effect == "joint_resonance":
+    if cause.effect == "joint_compliance":
         return 1.0 / (inertia_at(arm, cause.joint) * (2.0 * math.pi * SLOWEST) ** 2)
     return KINDS[cause.effect].most
 

@@ -14,10 +14,11 @@ from linkwright.core.arm.effects import EFFECTS
 from linkwright.core.arm.effects.drives.armature import ARMATURE
 from linkwright.core.arm.effects.drives.torque_offset import TORQUE_OFFSET
 from linkwright.core.arm.effects.effect import Effect, Parameter, Settings
+from linkwright.core.arm.effects.elastic.joint_compliance import drive_compliance
 from linkwright.core.arm.effects.friction.friction_coulomb import FRICTION_COULOMB
 from linkwright.core.arm.effects.friction.friction_viscous import FRICTION_VISCOUS
 from linkwright.core.arm.effects.loads.inertial import OfInertia
-from linkwright.core.arm.effects.torques import OfEachDrive, direction
+from linkwright.core.arm.effects.torques import Bent, OfEachDrive, direction
 from linkwright.core.arm.motion.motion import Motion
 from linkwright.core.arm.motion.rigid import PARAMETERS, regressor
 from linkwright.core.diagnose.rules.rules import Rules
@@ -27,7 +28,7 @@ _MOST_VARIANTS = 12
 """Values of an effect's shapes up to which all are candidates; of more, a scan proposes some."""
 _BETWEEN = 4
 """Parts into which the steps on both sides of a shape that was taken are cut."""
-_OF_ALL_ROBOTS = ("dimensionless", "time", "time_squared")
+_OF_ALL_ROBOTS = ("dimensionless", "time")
 """Kinds of quantity that do not grow with the robot."""
 PLAIN = (FRICTION_COULOMB, FRICTION_VISCOUS, TORQUE_OFFSET, ARMATURE)
 """What every drive has: W. Khalil & E. Dombre, Modeling, Identification and Control of Robots (2002), ch. 12."""
@@ -80,10 +81,20 @@ class Source:
         """Its columns in the whole model."""
         return np.arange(self.start, self.start + len(self.sizes))
 
-    def torques(self, motion: Motion, by_parameter: Array | None = None) -> dict[int, Array]:
+    @property
+    def bent(self) -> bool:
+        """Whether its torque is not in proportion to its size."""
+        return isinstance(self.effect.torques, Bent)
+
+    def torques(self, motion: Motion, by_parameter: Array | None = None, about: float = 0.0) -> dict[int, Array]:
         """What one unit of each size takes of the drives: by joint (N, d). `by_parameter` is the motion's regressor (N,
-        n, 10 n) where it is at hand, for what changes the links' inertial parameters."""
+        n, 10 n) where it is at hand, for what changes the links' inertial parameters. What is not in proportion to its
+        size is taken as it is at the size `about`, by its slope where that is nothing."""
         assert self.effect.torques is not None
+        if isinstance(self.effect.torques, Bent):
+            settings = Settings(self.at, {**self.shapes, self.sizes[0].name: about})
+            each = self.effect.torques(motion, settings) if about else self.effect.torques.slope(motion, settings)
+            return {joint: column[:, None] / (about or 1.0) for joint, column in each.items()}
         if by_parameter is not None and isinstance(self.effect.torques, OfInertia):
             units = [Settings(self.at, {**self.shapes, size.name: 1.0}) for size in self.sizes]
             each = [self.effect.torques.parameters(motion.arm, unit).reshape(-1) for unit in units]
@@ -186,7 +197,8 @@ def candidates(
             continue
         for at in _places(arm, effect):
             for shapes in variants:
-                source = Source(effect, at, shapes, effect.torque_sizes, at_column, False)
+                sizes = effect.torque_sizes[:1] if isinstance(effect.torques, Bent) else effect.torque_sizes
+                source = Source(effect, at, shapes, sizes, at_column, False)
                 if isinstance(effect.torques, OfInertia):
                     first = second = replace(source, joints=tuple(range(arm.size))).torques(probe[0], slopes)
                     first = {joint: columns for joint, columns in first.items() if columns.any()}
@@ -209,9 +221,9 @@ def candidates(
 def scanned(effects: Sequence[Effect]) -> list[tuple[Effect, tuple[float, ...]]]:
     """Effects of one shape with too many values to be candidates all, with those values."""
     return [
-        (effect, effect.shapes[0].grid)
+        (effect, effect.torque_shapes[0].grid)
         for effect in effects
-        if effect.torques is not None and len(effect.shapes) == 1 and len(effect.shapes[0].grid) > _MOST_VARIANTS
+        if effect.torques is not None and len(effect.torque_shapes) == 1 and len(effect.torque_shapes[0].grid) > _MOST_VARIANTS
     ]
 
 
@@ -222,7 +234,7 @@ def with_variants(
     sources = list(pool.sources)
     width = pool.width
     for effect, joint, value in more:
-        shapes = {effect.shapes[0].name: value}
+        shapes = {effect.torque_shapes[0].name: value}
         sources.append(Source(effect, (joint,), shapes, effect.torque_sizes, width, False, (joint,)))
         width += len(effect.torque_sizes)
     return Candidates(tuple(sources), tuple(_groups(sources, arm, masses, pool.clock, rules)), width, pool.clock)
@@ -284,9 +296,9 @@ def _places(arm: Arm, effect: Effect) -> list[tuple[int, ...]]:
 
 
 def _grid(effect: Effect, slow: float) -> list[Mapping[str, float]]:
-    names = [shape.name for shape in effect.shapes]
+    names = [shape.name for shape in effect.torque_shapes]
     # What depends on speeds whose sign is uncertain is not distinguished from a sign that is sharper or blurred.
-    grids = [[v for v in s.grid if s.kind != "angular_speed" or v > slow] for s in effect.shapes]
+    grids = [[v for v in s.grid if s.kind != "angular_speed" or v > slow] for s in effect.torque_shapes]
     return [dict(zip(names, values, strict=True)) for values in itertools.product(*grids)]
 
 
@@ -434,7 +446,10 @@ def _bounds(source: Source, arm: Arm, most_usual: float, *, alone: bool = False)
     limits: list[tuple[float, float]] = []
     for size, present in zip(source.sizes, had, strict=True):
         most = most_usual * max(map(abs, size.typical)) if size.kind in _OF_ALL_ROBOTS else np.inf
-        limits.append((max(size.lower - present, -most), min(size.upper - present, most)))
+        if source.effect.drive.gives:  # with what the file has anyway no drive gives less than nothing
+            present = drive_compliance(arm, source.at[0])
+        least = 0.0 if source.effect.drive.gives else size.lower
+        limits.append((max(least - present, -most), min(size.upper - present, most)))
     bounds = np.array(limits, dtype=float).reshape(-1, 2).T
     if alone and source.delays:
         # Encoders of one arm are read alike: no single drive's torque is logged before it is given.

@@ -16,7 +16,7 @@ def with_entries(arm: Arm, more: Sequence[EffectEntry]) -> Arm:
     """The arm with entries joined to what it has of the same effect, place and shapes, whatever a file may hold."""
     entries = list(arm.effects)
     for entry in more:
-        _join(entries, entry, {shape.name for shape in EFFECTS[entry.effect].shapes}, arm.size)
+        _join(entries, entry, {shape.name for shape in EFFECTS[entry.effect].torque_shapes}, arm.size)
     return replace(arm, effects=tuple(entries))
 
 

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from types import MappingProxyType
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,6 +23,8 @@ from linkwright.core.sections.numeric import Array
 from .candidates import Candidates, Source, of_arm
 from .entries import with_entries
 from .products import JointRows
+
+_NOTHING: Mapping[tuple[str, tuple[int, ...]], float] = MappingProxyType({})
 
 
 @dataclass(frozen=True)
@@ -94,13 +97,16 @@ def with_loads(rows: LogRows, pool: Candidates, sizes: Array) -> LogRows:
     prepared = rows.prepared
     place = [{int(c): k for k, c in enumerate(at)} for at in rows.columns]
     design = [item.copy() for item in rows.design]
-    kept_at, every = prepared.motion.time[prepared.kept], prepared.motion.time
     more = rows.explained(np.where(of_arm(pool), sizes, 0.0))
+    taken: dict[tuple[str, tuple[int, ...]], float] = {}
+    for source in pool.sources:
+        if source.bent:
+            taken[source.effect.id, source.at] = taken.get((source.effect.id, source.at), 0.0) + sizes[source.start]
     for instrument, base in ((False, rows.rigid), (True, rows.nominal)):
         chosen = [s for s in pool.sources if s.by_load and s.effect.recording.of_instrument == instrument]
-        torque = base + np.column_stack([np.interp(every, kept_at, column) for column in more.T])
+        torque = base + _on_clock(rows, more)
         for part, numbers, within in prepared.pieces():
-            _fill(design, place, prepared, chosen, prepared.piece(part, torque), numbers, within)
+            _fill(design, place, prepared, chosen, prepared.piece(part, torque), numbers, within, taken)
     late = delays(pool, sizes, rows.target.shape[1])
     target = _on_time(rows, late) - rows.given
     for source in pool.sources:
@@ -108,6 +114,12 @@ def with_loads(rows: LogRows, pool: Candidates, sizes: Array) -> LogRows:
             joint = source.joints[0]
             target[:, joint] += late[joint] * design[joint][:, place[joint][source.start]]
     return replace(rows, design=tuple(design), target=target)
+
+
+def _on_clock(rows: LogRows, kept: Array) -> Array:
+    """Values (N, n) at all samples by those (M, n) at the kept ones."""
+    every = rows.prepared.motion.time
+    return np.column_stack([np.interp(every, every[rows.prepared.kept], column) for column in kept.T])
 
 
 def about(rows: LogRows, pool: Candidates, arm: Arm, sizes: Array) -> LogRows:
@@ -126,9 +138,15 @@ def about(rows: LogRows, pool: Candidates, arm: Arm, sizes: Array) -> LogRows:
     place = [{int(c): k for k, c in enumerate(at)} for at in rows.columns]
     design = [item.copy() for item in rows.design]
     for instrument, torque in ((False, load), (True, drive)):
-        chosen = [s for s in pool.sources if s.by_load and s.effect.recording.of_instrument == instrument]
-        for part, numbers, within in prepared.pieces():
-            _fill(design, place, prepared, chosen, prepared.piece(part, torque), numbers, within)
+        chosen = [
+            source
+            for source in pool.sources
+            if source.by_load
+            and source.effect.recording.of_instrument == instrument
+            and (sizes[source.columns].any() or not source.bent)
+        ]
+        for part, numbers, within in renewed.pieces():
+            _fill(design, place, renewed, chosen, renewed.piece(part, torque), numbers, within)
     gains = gains_of(renewed)
     for source in pool.sources:
         for joint in () if source.effect.recording.of_instrument else source.joints:
@@ -191,14 +209,16 @@ def _fill(
     motion: Motion,
     numbers: NDArray[np.int64],
     within: NDArray[np.int64],
+    taken: Mapping[tuple[str, tuple[int, ...]], float] = _NOTHING,
 ) -> None:
-    """Enter the filtered columns of some sources in a piece."""
+    """Enter the filtered columns of some sources in a piece; what is not linear about the sizes that are `taken`, by
+    effect and place."""
     inertial = any(isinstance(source.effect.torques, OfInertia) for source in sources)
     slopes = regressor(motion.arm, motion.q, motion.velocity, motion.acceleration) if inertial else None
     raw: list[list[Array]] = [[] for _ in design]
     at: list[list[int]] = [[] for _ in design]
     for source in sources:
-        for joint, values in source.torques(motion, slopes).items():
+        for joint, values in source.torques(motion, slopes, taken.get((source.effect.id, source.at), 0.0)).items():
             raw[joint].append(values)
             at[joint] += [place[joint][int(c)] for c in source.columns]
     for joint, parts in enumerate(raw):

@@ -106,7 +106,7 @@ def _parameters(
         group = identified.pool.groups[member.group]
         part = slice(start, start + group.rank)
         start += group.rank
-        shapes = {shape.name for shape in group.effect.shapes}
+        shapes = {shape.name for shape in group.effect.torque_shapes}
         parameters = parameters_of(group, arm, sizes.numbers[part], sizes.half[:, part], shown[part])
         made += [(group.effect.id, parameter) for parameter in parameters if parameter.parameter not in shapes]
     return made

@@ -23,6 +23,7 @@ _ROLES: Mapping[str, str] = MappingProxyType(
         "shape": "a shape: it changes the pattern, and a diagnosis searches it",
         "given": "given, not fitted",
         "torque": "a size of the torque: no tip shows it, a motion does",
+        "torque_shape": "a shape of the torque: it changes the pattern in motion, and a diagnosis searches it",
     }
 )
 

@@ -61,7 +61,7 @@ def test_every_entry_is_whole(effect: Effect) -> None:
         assert kind_at(item, slides=True) in kinds()
         assert item.lower <= item.typical[0] <= item.typical[1] <= item.upper
         assert item.source
-        assert bool(item.grid) == (item.role == "shape")
+        assert bool(item.grid) == (item.role in ("shape", "torque_shape"))
         assert list(item.grid) == sorted(set(item.grid))
         if not item.relative_to_load:
             assert all(item.lower <= value <= item.upper for value in item.grid)
@@ -83,7 +83,7 @@ def test_the_whole_table_is_there() -> None:
     screw_expansion column_bending lateral_compliance unknown_weight flange_compliance link_stiffness guide_bending
     friction_coulomb friction_viscous friction_stribeck friction_load friction_asymmetry friction_warmup
     friction_reversal friction_quadratic friction_place armature torque_constant torque_offset torque_delay
-    link_inertial gear_ripple spring joint_resonance"""
+    link_inertial gear_ripple spring"""
     assert set(EFFECTS) == set(table.split())
 
 

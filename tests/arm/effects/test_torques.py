@@ -96,19 +96,6 @@ def test_a_late_torque_is_the_torque_of_before():
     assert np.abs(late - shifted)[10:].max() < 2e-3 * np.abs(torque[:, 1]).max()
 
 
-def test_an_elastic_joint_swings_at_its_frequency():
-    """A motor that turns as sin(w t) under a load J q'' behind a spring K: J and K tell by J w^2/(1 - w^2 J/K)."""
-    inertia, stiffness, rate = 2.0, 2.0e4, 5.0
-    time = np.linspace(0.0, 4.0, 8001)
-    q = 0.3 * np.sin(rate * time)[:, None]
-    arm = Arm("rod", (Joint(),), (Link(0.5, mass=0.0),))
-    rigid = -inertia * rate**2 * q
-    motion = Motion(arm, time, q, np.zeros(q.shape), np.zeros(q.shape), torque=rigid)
-    result = rigid[:, 0] + of("joint_resonance", motion, at=(0,), time_squared=inertia / stiffness)[0]
-    exact = rigid[:, 0] / (1.0 - rate**2 * inertia / stiffness)
-    assert np.abs(result - exact)[5:-5].max() < 1e-5 * np.abs(exact).max()
-
-
 def test_a_motor_that_two_joints_turn_rubs_by_the_sum_or_the_difference_of_their_speeds():
     """As a wrist's last motor does: its friction times its speed is the power that the two drives lose."""
     one, two = MOTION.velocity[:, 0], MOTION.velocity[:, 1]

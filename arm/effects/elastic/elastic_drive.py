@@ -1,0 +1,181 @@
+"""What a motion takes of a drive that gives between its encoder and its link: the link lags, and swings.
+
+The encoder sits on the motor's side and reads theta. The link stands behind it by d, and the gear passes on the torque
+that its spring and damper hold: tau_load(theta - d) = K d + D d'. With compliance c = 1/K and retardation T = D/K that is
+
+    d = c x,  x + T x' = tau_load(theta - c x, theta' - c x', theta'' - c x'')
+
+The motor gives its own rotor's torque and friction by theta, and tau_load beside them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.interpolate import CubicSpline
+from scipy.linalg import solve_banded
+
+from linkwright.core.arm.chain.chain import Arm
+from linkwright.core.arm.effects.effect import Settings
+from linkwright.core.arm.effects.loads.inertial import OfInertia
+from linkwright.core.arm.effects.registry import EFFECTS
+from linkwright.core.arm.motion.motion import Motion
+from linkwright.core.arm.motion.rigid import link_parameters, load_torque, rigid_torque
+from linkwright.core.sections.numeric import Array
+
+_ROUNDS = 2
+"""Times that the arm's torque is worked out where its link stands; gravity changes little over so small an angle."""
+_STEP = 1e-3
+"""Of a compliance, or of the least that counts, by which its slope is taken."""
+_LEAST = 1e-6
+"""rad/(N*m), m/N."""
+RETARDATION = 5e-3
+"""s, by which a drive's angle lags its torque where nobody says."""
+
+
+@dataclass(frozen=True)
+class OfElasticDrive:
+    """The torques of drives that give: not linear in the compliance where the link swings near its eigenfrequency.
+
+    `file` gives the compliance (rad/(N*m), m/N) that an arm file has of a drive (from 0) by its joint, `whole` that
+    with its effects. What settings name comes on top of the one in a torque, of the other in a slope.
+    """
+
+    file: Callable[[Arm, int], float]
+    whole: Callable[[Arm, int], float]
+
+    def __call__(self, motion: Motion, settings: Settings) -> Mapping[int, Array]:
+        """The torques by joint."""
+        torque = np.zeros(motion.q.shape)
+        for joint in self._joints(motion, settings):
+            had, more = self.file(motion.arm, joint), _named(settings)
+            after = had if more is None else had + more
+            before = 0.0 if more is None else had
+            torque += _elastic(motion, joint, after, settings) - _elastic(motion, joint, before, settings)
+        return _by_joint(motion.arm, torque)
+
+    def slope(self, motion: Motion, settings: Settings) -> Mapping[int, Array]:
+        """How the torques by joint change with the compliance that settings name, per unit of it."""
+        torque = np.zeros(motion.q.shape)
+        for joint in self._joints(motion, settings):
+            whole = self.whole(motion.arm, joint) + (_named(settings) or 0.0)
+            step = _STEP * max(whole, _LEAST)
+            torque += _elastic(motion, joint, whole + step, settings) / step
+            torque -= _elastic(motion, joint, whole, settings) / step
+        return _by_joint(motion.arm, torque)
+
+    def _joints(self, motion: Motion, settings: Settings) -> list[int]:
+        return [index for index in range(motion.arm.size) if settings.acts_at(index) and _has_drive(motion.arm, index)]
+
+
+def _has_drive(arm: Arm, joint: int) -> bool:
+    return arm.joints[joint].driven and not arm.joints[joint].passive
+
+
+def _by_joint(arm: Arm, torque: Array) -> dict[int, Array]:
+    """The columns of torques (N, n) that are those of drives, and not zero."""
+    return {joint: column for joint, column in enumerate(torque.T) if column.any() and _has_drive(arm, joint)}
+
+
+def _named(settings: Settings) -> float | None:
+    """The compliance that settings name; None where they leave it to the file."""
+    values = settings.values
+    if "compliance" in values or "unit_sag" in values:  # a product with a weight that nobody knows is of tips alone
+        return values.get("compliance", 0.0)
+    return 1.0 / values["stiffness"] if "stiffness" in values else None
+
+
+def _elastic(motion: Motion, joint: int, compliance: float, settings: Settings) -> Array:
+    """What a drive that gives takes of all drives (N, n) beyond a rigid one."""
+    if compliance == 0.0 or motion.size < 4:
+        return np.zeros(motion.q.shape)
+    late = settings.values.get("retardation", RETARDATION)
+    unit = np.zeros(motion.arm.size)
+    unit[joint] = compliance
+    parameters = _parameters(motion.arm)
+
+    def rigid(q: Array, velocity: Array, acceleration: Array) -> Array:
+        return rigid_torque(motion.arm, parameters, q, velocity, acceleration, payload_mass=motion.payload_mass)
+
+    given, load = rigid(motion.q, motion.velocity, motion.acceleration), load_torque(motion)[:, joint]
+    inertia = max(compliance, 0.0) * inertia_about(motion.arm, motion.q, joint, parameters)
+    behind, left, moved = np.zeros(motion.size), load, given
+    for _ in range(_ROUNDS):
+        behind = behind + _swing(motion, inertia, late, left)
+        rate, rate_of_rate = _rates(motion, behind)
+        moved = rigid(
+            motion.q - behind[:, None] * unit,
+            motion.velocity - rate[:, None] * unit,
+            motion.acceleration - rate_of_rate[:, None] * unit,
+        )
+        left = load + (moved - given)[:, joint] - behind - late * rate
+    return moved - given
+
+
+def inertia_about(arm: Arm, q: Array, joint: int, parameters: Array | None = None) -> Array:
+    """The inertia (N,) that a joint (from 0) feels of all beyond it at coordinates (N, n): kg*m^2, kg for slides."""
+    weighs = _parameters(arm) if parameters is None else parameters
+    still, unit = np.zeros_like(q), np.zeros_like(q)
+    unit[:, joint] = 1.0
+    return np.asarray((rigid_torque(arm, weighs, q, still, unit) - rigid_torque(arm, weighs, q, still, still))[:, joint])
+
+
+def eigenfrequencies(arm: Arm, q: Array, joint: int, compliance: float) -> tuple[float, float]:
+    """The lowest and the highest frequency (Hz) at which the arm swings on a drive (from 0) that gives by `compliance`
+    (rad/(N*m), m/N), at coordinates (N, n), its motor held.
+
+    >>> from linkwright.core.arm.chain.chain import Arm, Joint, Link
+    >>> arm = Arm("rod", (Joint(),), (Link(0.5, mass=3.0, center_of_mass=0.25),))
+    >>> [round(each, 3) for each in eigenfrequencies(arm, np.zeros((1, 1)), 0, 1e-3)]
+    [10.066, 10.066]
+    """
+    inertia = inertia_about(arm, q, joint)
+    low, high = (float(1.0 / np.sqrt(compliance * each) / (2.0 * np.pi)) for each in (inertia.max(), inertia.min()))
+    return low, high
+
+
+def _parameters(arm: Arm) -> Array:
+    """The inertial parameters (n, 10) of an arm's links by its file and its effects."""
+    whole = link_parameters(arm)
+    for entry in arm.effects:
+        torques = EFFECTS[entry.effect].torques
+        if isinstance(torques, OfInertia):
+            whole = whole + torques.parameters(arm, Settings.of(entry))
+    return whole
+
+
+def _rates(motion: Motion, values: Array) -> tuple[Array, Array]:
+    """The rate of change (N,) of values (N,) along a motion, and that rate's own."""
+    if motion.sampled < 1.0:
+        once = motion.rate(values)
+        return once, motion.rate(once)
+    curve = CubicSpline(motion.time, values)
+    return np.asarray(curve(motion.time, 1)), np.asarray(curve(motion.time, 2))
+
+
+def _swing(motion: Motion, inertia: Array, late: float, load: Array) -> Array:
+    """x (N,) of m x'' + T x' + x = load (N,), with m (N,) s^2 and T s, begun as if the motion had begun slowly.
+
+    Newmark's method with constant mean acceleration, stable at any step (N. M. Newmark, ASCE J. Eng. Mech. Div. 85
+    (1959) 67-94). Where samples do not tell rates of change, x is the load.
+    """
+    if motion.sampled < 1.0:
+        return load
+    clock = np.linspace(motion.time[0], motion.time[-1], motion.size)
+    step = clock[1] - clock[0]
+    even, mass = (np.interp(clock, motion.time, values) for values in (load, inertia / step**2))
+    drag = 0.5 * late / step
+    bands = np.zeros((3, motion.size))
+    bands[0, :2], bands[0, 2:] = 1.0, mass[1:-1] + drag + 0.25
+    bands[1, 1:-1] = 0.5 - 2.0 * mass[1:-1]
+    bands[2, :-2] = mass[1:-1] - drag + 0.25
+    bands[1, 0] = 0.0
+    once = np.gradient(even, step)
+    slow = even - late * once - mass * step**2 * np.gradient(once, step)
+    right = np.concatenate((slow[:2], 0.25 * (even[2:] + 2.0 * even[1:-1] + even[:-2])))
+    x = np.asarray(solve_banded((2, 0), bands, right), dtype=float)
+    # What alternates from sample to sample is of the method.
+    x[2:-2] = (10.0 * x[2:-2] + 4.0 * (x[1:-3] + x[3:-1]) - x[:-4] - x[4:]) / 16.0
+    return np.interp(motion.time, clock, x)
