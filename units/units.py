@@ -179,7 +179,6 @@ def kinds() -> dict[str, Kind]:
         _kind("linear_quadratic_friction", "N*s^2/m^2", "50 N*s^2/m^2"),
         _kind("torque_per_temperature", "N*m/K", "-0.1 N*m/K"),
         _kind("force_per_temperature", "N/K", "-2 N/K"),
-        _kind("time_squared", "s^2", "4e-4 s^2"),
         _kind("angle_per_temperature", "rad/K", "8 urad/K", (0.0, "urad/K"), (1e-3, "mrad/K")),
         _kind("angle_per_length", "rad/m", "0.1 mrad/m", (0.0, "mrad/m"), (1.0, "rad/m")),
         _kind("length_per_temperature", "m/K", "5 um/K", (0.0, "um/K"), (1e-3, "mm/K")),

@@ -8,7 +8,11 @@ from pathlib import Path
 import numpy as np
 
 from linkwright.core.arm.chain.chain import Arm
-from linkwright.core.arm.effects.elastic.joint_compliance import JOINT_COMPLIANCE, drive_compliance
+from linkwright.core.arm.effects.elastic.joint_compliance import (
+    JOINT_COMPLIANCE,
+    drive_compliance,
+    drive_retardation,
+)
 from linkwright.core.units.files import read_bytes
 from linkwright.core.units.quantities import InputError, shown
 from linkwright.core.units.reading import nearest
@@ -111,6 +115,8 @@ def _servos(arm: Arm, names: Sequence[str], top: Element, editor: Editor) -> tup
         elastic = any(e.effect == JOINT_COMPLIANCE.id and index + 1 in (e.at or (index + 1,)) for e in arm.effects)
         if elastic and name in positions:
             editor.number(name, positions[name], "kp", 1.0 / drive_compliance(arm, index))
+            if (late := drive_retardation(arm, index)) is not None:
+                editor.number(name, positions[name], "kv", late / drive_compliance(arm, index))
         elif elastic:
             lost.append(f"stiffness of the drive of joint {index + 1}: {name} has no position servo")
     return tuple(lost)

@@ -33,7 +33,7 @@ Only = Literal["joints that turn", "joints that slide", "joints after the first"
 Role = Literal["size", "shape", "given", "torque", "torque_shape"]
 """How a parameter enters: the displacement grows from nothing with a `size`; a `shape` (a lag, a threshold, an order)
 changes its pattern and is searched on a grid; what is `given` comes with the arm and is not fitted. With a `torque` the
-torque that a motion takes grows from nothing, and no tip moves; a `torque_shape` changes that torque's pattern alone."""
+torque that a motion takes grows from nothing, and no tip moves; a `torque_shape` changes its pattern alone."""
 
 
 Cause = Literal[
@@ -229,8 +229,8 @@ class Effect:
     `effects` names it. `needs` says what a recording must hold to show it, `aliases` what it cannot be distinguished
     from. `twists` gives what it does at a pose. `torques` gives what a motion takes of the drives beyond the rigid
     arm's torque: by joint (from 0) an array (N,), N*m (N for slides), positive where the drive must push towards
-    increasing q; joints that it leaves alone are absent. They are linear in the sizes (`torque_sizes`) at fixed shapes, or have a
-    `slope` by them (`arm.effects.torques.Bent`).
+    increasing q; joints that it leaves alone are absent. They are linear in the sizes (`torque_sizes`) at fixed shapes,
+    or have a `slope` by their one size (`arm.effects.torques.Bent`).
     `together` marks physics that all links or joints usually share (one material, one air): a diagnosis then also
     tries one parameter for all of them. `requires` names the conditions without which it moves nothing, `enough` the
     sets of parameters of which an entry must hold one to say anything (none named: any one parameter that is a size),

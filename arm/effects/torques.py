@@ -35,6 +35,10 @@ class Bent(Protocol):
         """How they change with the size at its value in the settings, per unit of it."""
         ...
 
+    def usual(self, motion: Motion, joint: int) -> float:
+        """The size that is common at a joint (from 0) of an arm of these masses."""
+        ...
+
 
 @dataclass(frozen=True)
 class OfEachDrive:

@@ -35,6 +35,7 @@ from .model.rows import LogRows, joint_rows, log_rows, with_sources
 from .preparation import PreparedLog, prepare
 from .result import MotionDiagnosis, OfJoint, OfLog, Traces
 from .sentences import answer, verdict_of
+from .swinging import eigenfrequency_notes
 from .unknown import Structure, since, structure, unknown_of, variables
 from .weighed import weighed
 
@@ -291,6 +292,7 @@ def _result(
             _HELD_OUT,
             *([_ALONE] if different.differences else []),
             *_sparse(prepared),
+            *eigenfrequency_notes(written.arm, named, [item.motion for item in prepared]),
         ),
         rivals=judge.rivals,
         beyond=different.beyond,

@@ -1,7 +1,7 @@
 """What a motion takes of a drive that gives between its encoder and its link: the link lags, and swings.
 
 The encoder sits on the motor's side and reads theta. The link stands behind it by d, and the gear passes on the torque
-that its spring and damper hold: tau_load(theta - d) = K d + D d'. With compliance c = 1/K and retardation T = D/K that is
+that its spring and damper hold: tau_load(theta - d) = K d + D d'. With compliance c = 1/K and retardation T = D/K:
 
     d = c x,  x + T x' = tau_load(theta - c x, theta' - c x', theta'' - c x'')
 
@@ -12,17 +12,19 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from scipy.interpolate import CubicSpline
 from scipy.linalg import solve_banded
 
 from linkwright.core.arm.chain.chain import Arm
+from linkwright.core.arm.chain.vectors import ZERO
 from linkwright.core.arm.effects.effect import Settings
 from linkwright.core.arm.effects.loads.inertial import OfInertia
 from linkwright.core.arm.effects.registry import EFFECTS
 from linkwright.core.arm.motion.motion import Motion
-from linkwright.core.arm.motion.rigid import link_parameters, load_torque, rigid_torque
+from linkwright.core.arm.motion.rigid import link_parameters, load_torque, rigid_torque, without_tip_load
 from linkwright.core.sections.numeric import Array
 
 _ROUNDS = 2
@@ -30,7 +32,9 @@ _ROUNDS = 2
 _STEP = 1e-3
 """Of a compliance, or of the least that counts, by which its slope is taken."""
 _LEAST = 1e-6
-"""rad/(N*m), m/N."""
+"""rad/(N*m), m/N: on a thousandth of it nothing swings that a log shows."""
+_USUAL = 10.0
+"""Hz, at which robots under load swing: 5 to 20."""
 RETARDATION = 5e-3
 """s, by which a drive's angle lags its torque where nobody says."""
 
@@ -53,7 +57,8 @@ class OfElasticDrive:
             had, more = self.file(motion.arm, joint), _named(settings)
             after = had if more is None else had + more
             before = 0.0 if more is None else had
-            torque += _elastic(motion, joint, after, settings) - _elastic(motion, joint, before, settings)
+            drive = _Drive(motion, joint, settings.values.get("retardation", RETARDATION))
+            torque += drive.beyond(after) - drive.beyond(before)
         return _by_joint(motion.arm, torque)
 
     def slope(self, motion: Motion, settings: Settings) -> Mapping[int, Array]:
@@ -62,9 +67,14 @@ class OfElasticDrive:
         for joint in self._joints(motion, settings):
             whole = self.whole(motion.arm, joint) + (_named(settings) or 0.0)
             step = _STEP * max(whole, _LEAST)
-            torque += _elastic(motion, joint, whole + step, settings) / step
-            torque -= _elastic(motion, joint, whole, settings) / step
+            drive = _Drive(motion, joint, settings.values.get("retardation", RETARDATION))
+            torque += (drive.beyond(whole + step) - drive.beyond(whole)) / step
         return _by_joint(motion.arm, torque)
+
+    def usual(self, motion: Motion, joint: int) -> float:
+        """The compliance on which the arm swings at 10 Hz in the midst of a motion."""
+        here = motion.q[motion.size // 2 : motion.size // 2 + 1]
+        return float(1.0 / (inertia_about(motion.arm, here, joint)[0] * (2.0 * np.pi * _USUAL) ** 2))
 
     def _joints(self, motion: Motion, settings: Settings) -> list[int]:
         return [index for index in range(motion.arm.size) if settings.acts_at(index) and _has_drive(motion.arm, index)]
@@ -87,31 +97,53 @@ def _named(settings: Settings) -> float | None:
     return 1.0 / values["stiffness"] if "stiffness" in values else None
 
 
-def _elastic(motion: Motion, joint: int, compliance: float, settings: Settings) -> Array:
-    """What a drive that gives takes of all drives (N, n) beyond a rigid one."""
-    if compliance == 0.0 or motion.size < 4:
-        return np.zeros(motion.q.shape)
-    late = settings.values.get("retardation", RETARDATION)
-    unit = np.zeros(motion.arm.size)
-    unit[joint] = compliance
-    parameters = _parameters(motion.arm)
+@dataclass(frozen=True)
+class _Drive:
+    """A drive (from 0) in a motion, whose angle lags its torque by `late` s."""
 
-    def rigid(q: Array, velocity: Array, acceleration: Array) -> Array:
-        return rigid_torque(motion.arm, parameters, q, velocity, acceleration, payload_mass=motion.payload_mass)
+    motion: Motion
+    joint: int
+    late: float
 
-    given, load = rigid(motion.q, motion.velocity, motion.acceleration), load_torque(motion)[:, joint]
-    inertia = max(compliance, 0.0) * inertia_about(motion.arm, motion.q, joint, parameters)
-    behind, left, moved = np.zeros(motion.size), load, given
-    for _ in range(_ROUNDS):
-        behind = behind + _swing(motion, inertia, late, left)
-        rate, rate_of_rate = _rates(motion, behind)
-        moved = rigid(
-            motion.q - behind[:, None] * unit,
-            motion.velocity - rate[:, None] * unit,
-            motion.acceleration - rate_of_rate[:, None] * unit,
+    @cached_property
+    def parameters(self) -> Array:
+        """The inertial parameters (n, 10) of the arm's links."""
+        return _parameters(self.motion.arm)
+
+    @cached_property
+    def given(self) -> Array:
+        """The torques (N, n) of a rigid drive."""
+        return self.rigid(np.zeros(self.motion.size), np.zeros(self.motion.size), np.zeros(self.motion.size))
+
+    @cached_property
+    def inertia(self) -> Array:
+        """What the joint feels of all beyond it (N,)."""
+        return inertia_about(self.motion.arm, self.motion.q, self.joint, self.parameters)
+
+    def rigid(self, behind: Array, rate: Array, rate_of_rate: Array) -> Array:
+        """The torques (N, n) where the joint stands behind by so much (N,)."""
+        motion = self.motion
+        unit = np.eye(motion.arm.size)[self.joint]
+        moved = (
+            values - less[:, None] * unit
+            for values, less in ((motion.q, behind), (motion.velocity, rate), (motion.acceleration, rate_of_rate))
         )
-        left = load + (moved - given)[:, joint] - behind - late * rate
-    return moved - given
+        return rigid_torque(motion.arm, self.parameters, *moved, payload_mass=motion.payload_mass)
+
+    def beyond(self, compliance: float) -> Array:
+        """What all drives (N, n) take more where this one gives by a compliance."""
+        if compliance == 0.0 or self.motion.size < 6:
+            return np.zeros(self.motion.q.shape)
+        load = load_torque(self.motion)[:, self.joint]
+        swings = compliance > _STEP * _LEAST
+        inertia = compliance * self.inertia if swings else np.zeros(self.motion.size)
+        behind, left, moved = np.zeros(self.motion.size), load, self.given
+        for _ in range(_ROUNDS if swings else 1):
+            behind = behind + _swing(self.motion, inertia, self.late, left)
+            rate, rate_of_rate = _rates(self.motion, behind)
+            moved = self.rigid(compliance * behind, compliance * rate, compliance * rate_of_rate)
+            left = load + (moved - self.given)[:, self.joint] - behind - self.late * rate
+        return moved - self.given
 
 
 def inertia_about(arm: Arm, q: Array, joint: int, parameters: Array | None = None) -> Array:
@@ -119,7 +151,7 @@ def inertia_about(arm: Arm, q: Array, joint: int, parameters: Array | None = Non
     weighs = _parameters(arm) if parameters is None else parameters
     still, unit = np.zeros_like(q), np.zeros_like(q)
     unit[:, joint] = 1.0
-    return np.asarray((rigid_torque(arm, weighs, q, still, unit) - rigid_torque(arm, weighs, q, still, still))[:, joint])
+    return np.asarray(rigid_torque(without_tip_load(arm), weighs, q, still, unit, gravity=ZERO)[:, joint])
 
 
 def eigenfrequencies(arm: Arm, q: Array, joint: int, compliance: float) -> tuple[float, float]:

@@ -72,6 +72,12 @@ def drive_compliance(arm: Arm, joint: int) -> float:
     return total
 
 
+def drive_retardation(arm: Arm, joint: int) -> float | None:
+    """The damping of a drive (from 0) over its stiffness, s; None where nobody says."""
+    entries = (e for e in arm.effects if e.effect == JOINT_COMPLIANCE.id and joint + 1 in (e.at or (joint + 1,)))
+    return next((e.parameters["retardation"] for e in entries if "retardation" in e.parameters), None)
+
+
 def with_compliance(arm: Arm, joint: int, more: float) -> Arm:
     """The arm with a drive (from 0) that gives by `more` (rad/(N*m), m/N) beyond what it does."""
     values = MappingProxyType({"compliance": more})
@@ -99,9 +105,7 @@ JOINT_COMPLIANCE = Effect(
             "compliance of the drive beyond what the arm file gives it", "the reciprocal of the same stiffnesses"
         ),
         unit_sag("the drive"),
-        torque_shape(
-            "retardation", "time", 0.0, 1.0, (1e-3, 2e-2), grid=(2e-3, 1e-2, 5e-2), default=RETARDATION
-        ).means(
+        torque_shape("retardation", "time", 0.0, 1.0, (1e-3, 2e-2), grid=(2e-3, 1e-2, 5e-2), default=RETARDATION).means(
             "damping between encoder and link over the stiffness there, D/K: how far its angle lags its torque",
             "gears swing at 5 to 20 Hz with 5 to 20 % of critical damping",
         ),

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -61,7 +61,8 @@ SHARPER = Effect(
 class Source:
     """What makes columns: an effect at a place (joints or links from 0; empty: base or tip) with values of its shapes.
     Its `sizes` are the columns `start` and following of the whole model. `by_load`: it acts in proportion to the torque
-    that a drive gives, and changes with the model. `joints` (from 0) are those whose torque it changes."""
+    that a drive gives, and changes with the model. `joints` (from 0) are those whose torque it changes. Sizes `usual`
+    (d,) are common."""
 
     effect: Effect
     at: tuple[int, ...]
@@ -70,6 +71,7 @@ class Source:
     start: int
     by_load: bool
     joints: tuple[int, ...] = ()
+    usual: Array = field(default_factory=lambda: np.zeros(0))
 
     @property
     def delays(self) -> bool:
@@ -80,6 +82,11 @@ class Source:
     def columns(self) -> NDArray[np.int64]:
         """Its columns in the whole model."""
         return np.arange(self.start, self.start + len(self.sizes))
+
+    @property
+    def place(self) -> tuple[str, tuple[int, ...]]:
+        """Its effect and where it acts, whatever its shapes."""
+        return self.effect.id, self.at
 
     @property
     def bent(self) -> bool:
@@ -213,7 +220,10 @@ def candidates(
                     continue
                 by_load = any(not np.allclose(first[j], second[j], rtol=1e-6, atol=1e-12) for j in first)
                 sizes = tuple(source.sizes[number] for number in seen)
-                sources.append(Source(effect, at, shapes, sizes, at_column, by_load, tuple(sorted(first))))
+                usual = np.array([max(map(abs, size.typical)) for size in sizes])
+                if isinstance(effect.torques, Bent):
+                    usual[0] = effect.torques.usual(probe[0], at[0])
+                sources.append(Source(effect, at, shapes, sizes, at_column, by_load, tuple(sorted(first)), usual))
                 at_column += len(sizes)
     return Candidates(tuple(sources), tuple(_groups(sources, arm, masses, clock, rules)), at_column, clock)
 
@@ -221,9 +231,9 @@ def candidates(
 def scanned(effects: Sequence[Effect]) -> list[tuple[Effect, tuple[float, ...]]]:
     """Effects of one shape with too many values to be candidates all, with those values."""
     return [
-        (effect, effect.torque_shapes[0].grid)
+        (effect, effect.shapes[0].grid)
         for effect in effects
-        if effect.torques is not None and len(effect.torque_shapes) == 1 and len(effect.torque_shapes[0].grid) > _MOST_VARIANTS
+        if effect.torques is not None and len(effect.shapes) == 1 and len(effect.shapes[0].grid) > _MOST_VARIANTS
     ]
 
 
@@ -235,7 +245,8 @@ def with_variants(
     width = pool.width
     for effect, joint, value in more:
         shapes = {effect.torque_shapes[0].name: value}
-        sources.append(Source(effect, (joint,), shapes, effect.torque_sizes, width, False, (joint,)))
+        usual = np.array([max(map(abs, size.typical)) for size in effect.torque_sizes])
+        sources.append(Source(effect, (joint,), shapes, effect.torque_sizes, width, False, (joint,), usual))
         width += len(effect.torque_sizes)
     return Candidates(tuple(sources), tuple(_groups(sources, arm, masses, pool.clock, rules)), width, pool.clock)
 
@@ -247,7 +258,7 @@ def refined(pool: Candidates, chosen: Sequence[int], *, rules: Rules) -> Candida
     by_start = {source.start: source for source in pool.sources}
     for group in (pool.groups[number] for number in chosen):
         source = by_start[int(group.columns[0])]
-        shapes_ = () if group.tied or source.by_load else source.effect.shapes
+        shapes_ = () if group.tied or source.by_load else source.effect.torque_shapes
         for shape in (item for item in shapes_ if not item.whole and group.variants > 1):
             value = group.shapes[shape.name]
             tried = sorted(other.shapes[shape.name] for other in groups if other.family == group.family)
@@ -275,6 +286,15 @@ def at_estimates(pool: Candidates, sizes: Array) -> Candidates:
         for group in pool.groups
     ]
     return replace(pool, groups=tuple(groups))
+
+
+def bent_sizes(pool: Candidates, sizes: Array) -> dict[tuple[str, tuple[int, ...]], float]:
+    """The sizes, by effect and place, of what is not in proportion to them, by those (W,) of the model's columns."""
+    made: dict[tuple[str, tuple[int, ...]], float] = {}
+    for source in pool.sources:
+        if source.bent and sizes[source.start]:
+            made[source.place] = made.get(source.place, 0.0) + float(sizes[source.start])
+    return made
 
 
 def _shown(effect: Effect, motion: Motion) -> bool:
@@ -339,8 +359,7 @@ def _groups(sources: Sequence[Source], arm: Arm, masses: Array, clock: float, ru
         key = (source.effect.id, source.at)
         variants[key] = variants.get(key, 0) + 1
     for source in sources:
-        usual = np.array([max(map(abs, size.typical)) for size in source.sizes])
-        key = (source.effect.id, source.at)
+        key = source.place
         at = tuple(index + 1 for index in source.at)
         groups.append(
             Group(
@@ -349,7 +368,7 @@ def _groups(sources: Sequence[Source], arm: Arm, masses: Array, clock: float, ru
                 source.shapes,
                 source.columns,
                 np.eye(len(source.sizes)),
-                usual,
+                source.usual,
                 _bounds(source, arm, rules.fitting.usual, alone=True),
                 source.sizes,
                 tuple((at, size.name) for size in source.sizes),
@@ -390,7 +409,7 @@ def _groups(sources: Sequence[Source], arm: Arm, masses: Array, clock: float, ru
         shared = variants[(effect.id, alike[0].at)]
         bounds = _bounds(alike[0], arm, rules.fitting.usual)
         if effect.together or (effect.recording.of_instrument and alike[0].by_load):
-            usual = np.array([max(map(abs, size.typical)) for size in alike[0].sizes])
+            usual = alike[0].usual
             mixing = np.tile(np.eye(len(alike[0].sizes)), (len(alike), 1))
             shapes, many, sizes = alike[0].shapes, shared, alike[0].sizes
         elif isinstance(effect.torques, OfInertia) and effect.place == "link":

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from linkwright.core.diagnose.rules.rules import Rules
 from linkwright.core.sections.numeric import Array
 
-from .candidates import Candidates, at_estimates, refined
+from .candidates import Candidates, at_estimates, bent_sizes, refined
 from .chance import Chance, chance
 from .evidence import Member, System, discrepancies, system, unnamed
 from .feasible import lost
@@ -23,6 +23,10 @@ from .search import HeldOut, pruned, searched
 
 _ROUNDS = 3
 """Times that shapes, and what goes by the drives' torque, are worked out anew for the model found."""
+_MOST_ROUNDS = 8
+"""The same where a size is not in proportion to its torque, which is then worked out about the size until it stands."""
+_SETTLED = 0.02
+"""Of such sizes, by how much they may still change."""
 _FOLDS = 5
 """Parts into which one log is cut to hold motion out."""
 
@@ -108,12 +112,21 @@ def identify(
     steady = _fit(pool, products(joint_rows(current), pool.width, near=False), certain, seed)
     members = searched(steady.system, rules=rules)
     given = pool
-    for turn in range(1, _ROUNDS):
-        progress("naming what is missing", 0.4 + 0.15 * turn)
+    turn, about = 0, dict[tuple[str, tuple[int, ...]], float]()
+    while True:
+        turn += 1
         sizes = steady.system.solved([*steady.system.nuisances, *members])
-        finer = refined(given, [member.group for member in members], rules=rules)
+        bent = bent_sizes(pool, sizes)
+        settled = all(abs(size - about.get(place, 0.0)) <= _SETTLED * abs(size) for place, size in bent.items())
+        if turn >= _ROUNDS and (settled or turn >= _MOST_ROUNDS):
+            break
+        # Half way: what grows faster than its size would swing to and fro about where it settles.
+        about = {place: 0.5 * (size + about.get(place, size)) for place, size in bent.items()}
+        progress("naming what is missing", 0.4 + 0.15 * min(turn, _ROUNDS - 1))
+        chosen = [member.group for member in members] if turn < _ROUNDS else []
+        finer = refined(given, chosen, rules=rules)
         more = finer.sources[len(given.sources) :]
-        current = [with_sources(with_loads(item, pool, sizes), more) for item in current]
+        current = [with_sources(with_loads(item, pool, sizes, about), more) for item in current]
         given, pool = finer, at_estimates(finer, _apart(steady.system, members))
         steady = _fit(pool, products(joint_rows(current), pool.width, near=False), certain, seed)
         members = searched(steady.system, initial=members, exchange=True, rules=rules)

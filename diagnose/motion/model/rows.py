@@ -24,7 +24,9 @@ from .candidates import Candidates, Source, of_arm
 from .entries import with_entries
 from .products import JointRows
 
-_NOTHING: Mapping[tuple[str, tuple[int, ...]], float] = MappingProxyType({})
+About = Mapping[tuple[str, tuple[int, ...]], float]
+"""Sizes by effect and place about which torques are worked out that are not in proportion to them."""
+NOTHING: About = MappingProxyType({})
 
 
 @dataclass(frozen=True)
@@ -88,25 +90,27 @@ def with_sources(rows: LogRows, sources: Sequence[Source]) -> LogRows:
     )
 
 
-def with_loads(rows: LogRows, pool: Candidates, sizes: Array) -> LogRows:
+def with_loads(rows: LogRows, pool: Candidates, sizes: Array, about: About = NOTHING) -> LogRows:
     """The rows with what acts in proportion to the drives' torque worked out for the model with sizes (W,):
     friction by what the drives pass on to the arm, what is of the instrument by that and what the arm file has beside.
     What is named at joints does not count there: a torque constant would stand for all of it. Delays are taken at their
-    whole length, not by the slope of the torque.
+    whole length, not by the slope of the torque; what is not linear is taken `about` some sizes.
     """
     prepared = rows.prepared
     place = [{int(c): k for k, c in enumerate(at)} for at in rows.columns]
     design = [item.copy() for item in rows.design]
     more = rows.explained(np.where(of_arm(pool), sizes, 0.0))
-    taken: dict[tuple[str, tuple[int, ...]], float] = {}
-    for source in pool.sources:
-        if source.bent:
-            taken[source.effect.id, source.at] = taken.get((source.effect.id, source.at), 0.0) + sizes[source.start]
     for instrument, base in ((False, rows.rigid), (True, rows.nominal)):
-        chosen = [s for s in pool.sources if s.by_load and s.effect.recording.of_instrument == instrument]
+        chosen = [
+            source
+            for source in pool.sources
+            if source.by_load
+            and source.effect.recording.of_instrument == instrument
+            and (not source.bent or about.get(source.place))
+        ]
         torque = base + _on_clock(rows, more)
         for part, numbers, within in prepared.pieces():
-            _fill(design, place, prepared, chosen, prepared.piece(part, torque), numbers, within, taken)
+            _fill(design, place, prepared, chosen, prepared.piece(part, torque), numbers, within, about)
     late = delays(pool, sizes, rows.target.shape[1])
     target = _on_time(rows, late) - rows.given
     for source in pool.sources:
@@ -209,16 +213,15 @@ def _fill(
     motion: Motion,
     numbers: NDArray[np.int64],
     within: NDArray[np.int64],
-    taken: Mapping[tuple[str, tuple[int, ...]], float] = _NOTHING,
+    about: About = NOTHING,
 ) -> None:
-    """Enter the filtered columns of some sources in a piece; what is not linear about the sizes that are `taken`, by
-    effect and place."""
+    """Enter the filtered columns of some sources in a piece; what is not linear `about` some sizes."""
     inertial = any(isinstance(source.effect.torques, OfInertia) for source in sources)
     slopes = regressor(motion.arm, motion.q, motion.velocity, motion.acceleration) if inertial else None
     raw: list[list[Array]] = [[] for _ in design]
     at: list[list[int]] = [[] for _ in design]
     for source in sources:
-        for joint, values in source.torques(motion, slopes, taken.get((source.effect.id, source.at), 0.0)).items():
+        for joint, values in source.torques(motion, slopes, about.get(source.place, 0.0)).items():
             raw[joint].append(values)
             at[joint] += [place[joint][int(c)] for c in source.columns]
     for joint, parts in enumerate(raw):
