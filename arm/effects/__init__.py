@@ -18,6 +18,7 @@ from linkwright.core.arm.effects.drives.armature import ARMATURE
 from linkwright.core.arm.effects.drives.gear_ripple import GEAR_RIPPLE
 from linkwright.core.arm.effects.drives.spring import SPRING
 from linkwright.core.arm.effects.drives.torque_constant import TORQUE_CONSTANT
+from linkwright.core.arm.effects.drives.torque_curve import TORQUE_CURVE
 from linkwright.core.arm.effects.drives.torque_delay import TORQUE_DELAY
 from linkwright.core.arm.effects.drives.torque_offset import TORQUE_OFFSET
 from linkwright.core.arm.effects.elastic.axial import AXIAL
@@ -135,6 +136,7 @@ EFFECTS.ship(
     TORQUE_DELAY,
     GEAR_RIPPLE,
     SPRING,
+    TORQUE_CURVE,
 )
 
 __all__ = [

@@ -21,6 +21,7 @@ from linkwright.core.units.quantities import InputError
 
 from .changed import change_of
 from .corrected import entry_of
+from .curves import curves_left
 from .differing import Differing, differing, differing_findings, squares_of
 from .findings import finding_of, findings
 from .judged import Judged, as_written, judged, rms_together
@@ -109,11 +110,20 @@ def diagnosed(
     slow = [(effect, item) for effect, item in _ripples(rows, heard, scans, request, fast=False)]
     if slow:
         known = pool
-        more = [(effect, item.joint, item.order) for effect, item in slow]
+        more = [(effect, item.joint, {effect.shapes[0].name: item.order}) for effect, item in slow]
         pool = with_variants(pool, arm, masses, more, rules=rules)
         rows = [with_sources(row, pool.sources[len(known.sources) :]) for row in rows]
     given, different = rows, differing(arm, pool, rows, rules=rules)
     identified = identify(pool, different.rows, request.seed, tell, rules=rules)
+    seen = [_structure(identified, joint, request) for joint in range(arm.size)]
+    loud = _beyond_noise(identified.noise.sigma, identified.torque, _heard(prepared), rules)
+    if curves := curves_left(arm, seen, loud, _effects(request), rules=rules):
+        wider = with_variants(pool, arm, masses, curves, rules=rules)
+        new = wider.sources[len(pool.sources) :]
+        identified = identify(
+            wider, [with_sources(row, new) for row in different.rows], request.seed, tell, rules=rules
+        )
+        seen = [_structure(identified, joint, request) for joint in range(arm.size)]
     swift = [
         (effect, item)
         for effect, item in _ripples(identified.rows, identified.noise.sizes, scans, request, fast=True)
@@ -128,7 +138,6 @@ def diagnosed(
         rules=rules,
     )
     tell("testing what is left", 0.95)
-    seen = [_structure(identified, joint, request) for joint in range(arm.size)]
     judge = judged(arm, identified, sizes.numbers, [entry_of(effect, item) for effect, item in swift], rules=rules)
     sizes = as_written(sizes, identified, judge.named)
     rests_on = RestsOn(identified, sizes, different)
@@ -236,14 +245,8 @@ def _result(
         )
         for joint in range(arm.size)
     )
-    share = floor / identified.torque
-    beyond = (share > rules.motion.unexplained) & (
-        share > np.minimum(rules.motion.uneven * np.nanmedian(share), rules.motion.never_noise)
-    )
-    # What depends on something is no noise where it is as loud as the noise that the sensors are heard to have.
-    heard = np.sqrt(np.mean([np.square(log.noise()) for log in prepared], axis=0))
-    above = np.maximum(rules.motion.above_noise * heard, rules.motion.filters * identified.torque)
-    beyond |= floor > above  # well above what the sensors are heard to have, it is physics, if small
+    heard = _heard(prepared)
+    beyond = _beyond_noise(floor, identified.torque, heard, rules)
     least = np.minimum(rules.motion.unexplained * identified.torque, heard)
     open_joints = [
         item.joint
@@ -299,6 +302,22 @@ def _result(
         rms_with_own=None if with_own is None else (rms_together(written.beside[0], counts), with_own),
         seconds=time.perf_counter() - begun,
     )
+
+
+def _heard(prepared: Sequence[PreparedLog]) -> Array:
+    """The noise (n,) N*m that the sensors are heard to have."""
+    return np.asarray(np.sqrt(np.mean([np.square(log.noise()) for log in prepared], axis=0)))
+
+
+def _beyond_noise(floor: Array, torque: Array, heard: Array, rules: Rules) -> Array:
+    """At which joints (n,) so much is left that it is no noise."""
+    share = floor / torque
+    beyond = (share > rules.motion.unexplained) & (
+        share > np.minimum(rules.motion.uneven * np.nanmedian(share), rules.motion.never_noise)
+    )
+    # What depends on something is no noise where it is as loud as the noise that the sensors are heard to have.
+    above = np.maximum(rules.motion.above_noise * heard, rules.motion.filters * torque)
+    return beyond | (floor > above)  # well above what the sensors are heard to have, it is physics, if small
 
 
 def _contradictions(arm: Arm, split: str, after: Array, held: Array, heard: Array, rules: Rules) -> tuple[str, ...]:

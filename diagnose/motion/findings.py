@@ -114,6 +114,8 @@ def parameters_of(
             kind = kind_at(size, slides=slides)
             interval = (value - below, value + above)
             parameters.append(FittedParameter(size.name + suffix, size.name, group.at, kind, value, interval))
+    if group.effect.recording.last_resort:
+        parameters.sort(key=lambda item: -abs(item.value))
     for shape in group.effect.torque_shapes:
         value = group.shapes[shape.name]
         others = [value, *(variant.shapes[shape.name] for variant in variants)]

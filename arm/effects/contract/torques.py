@@ -122,7 +122,9 @@ def _unlike(tried: _Tried, whole: Array) -> Iterator[str]:
 
 
 def _idle_sizes(effect: Effect, tried: Iterable[Motion]) -> Iterator[str]:
-    trials = [_Tried(effect, motion) for motion in tried]
+    turn = np.linspace(0.0, 2.0 * np.pi, _INSTANTS)[:, None]
+    motions = [item for motion in tried for item in (motion, replace(motion, q=0.0 * motion.q + turn))]
+    trials = [_Tried(effect, motion) for motion in motions]
     for size in effect.parameters:
         if size.role == "torque":
             others = {other.name: other.typical[1] for other in effect.torque_shapes}

@@ -200,7 +200,8 @@ def candidates(
     at_column = 0
     for effect in (*effects, SHARPER):
         variants = _grid(effect, rules.motion.slow)
-        if effect.torques is None or not _shown(effect, motion) or len(variants) > _MOST_VARIANTS:
+        late = len(variants) > _MOST_VARIANTS or effect.recording.last_resort
+        if effect.torques is None or not _shown(effect, motion) or late:
             continue
         for at in _places(arm, effect):
             for shapes in variants:
@@ -238,13 +239,17 @@ def scanned(effects: Sequence[Effect]) -> list[tuple[Effect, tuple[float, ...]]]
 
 
 def with_variants(
-    pool: Candidates, arm: Arm, masses: Array, more: Sequence[tuple[Effect, int, float]], *, rules: Rules
+    pool: Candidates,
+    arm: Arm,
+    masses: Array,
+    more: Sequence[tuple[Effect, int, Mapping[str, float]]],
+    *,
+    rules: Rules,
 ) -> Candidates:
-    """The candidates with some values of the shape of scanned effects at joints (from 0)."""
+    """The candidates with more effects at joints (from 0), of these shapes."""
     sources = list(pool.sources)
     width = pool.width
-    for effect, joint, value in more:
-        shapes = {effect.torque_shapes[0].name: value}
+    for effect, joint, shapes in more:
         usual = np.array([max(map(abs, size.typical)) for size in effect.torque_sizes])
         sources.append(Source(effect, (joint,), shapes, effect.torque_sizes, width, False, (joint,), usual))
         width += len(effect.torque_sizes)

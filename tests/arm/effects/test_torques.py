@@ -55,6 +55,11 @@ def of(effect, motion=MOTION, at=(1,), **values):
         ("torque_offset", {"torque": 0.4}, np.full(200, 0.4)),
         ("gear_ripple", {"order": 202, "sine": 1.0, "cosine": -0.5}, np.sin(202 * Q) - 0.5 * np.cos(202 * Q)),
         ("spring", {"stiffness": 12.0, "rest": 0.1}, 12.0 * (Q - 0.1)),
+        (
+            "torque_curve",
+            {f"torque_{angle}": float(np.sin(np.radians(angle))) for angle in range(0, 360, 5)},
+            np.interp(np.degrees(Q), np.arange(-180.0, 181.0, 5.0), np.sin(np.radians(np.arange(-180.0, 181.0, 5.0)))),
+        ),
     ],
 )
 def test_what_goes_by_one_joint_is_its_formula_and_acts_there_alone(effect, values, expected):

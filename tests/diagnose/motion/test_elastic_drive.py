@@ -25,8 +25,9 @@ THREE = """<mujoco model="three"><compiler angle="radian"/><option timestep="0.0
 NAMES = ("j1", "j2", "j3")
 
 
-def log_of(gear, seed=3):
-    """25 s at 100 Hz under a controller: coordinates of the motors, torques with a noise of 0.05 N*m."""
+def log_of(gear, seed=3, push=None):
+    """25 s at 100 Hz under a controller: coordinates of the motors, torques with a noise of 0.05 N*m. What `push` says
+    at the coordinates pushes the joints."""
     rng = np.random.default_rng(seed)
     text = THREE.format(gear=GEAR if gear else "", end="</body>" if gear else "")
     model = mujoco.MjModel.from_xml_string(text)
@@ -53,7 +54,7 @@ def log_of(gear, seed=3):
         torque = 900.0 * rotors * (q - data.qpos[at]) + 60.0 * rotors * (v - data.qvel[at])
         if step % 20 == 0:
             rows.append((data.time, *data.qpos[at], *data.qvel[at], *torque))
-        data.qfrc_applied[at] = torque
+        data.qfrc_applied[at] = torque if push is None else torque + push(data.qpos[at])
         mujoco.mj_step(model, data)
     table = np.array(rows)[300:]
     noisy = table[:, 7:] + 0.05 * rng.standard_normal((len(table), 3))
