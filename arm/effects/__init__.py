@@ -37,12 +37,14 @@ from linkwright.core.arm.effects.elastic.torsion import TORSION
 from linkwright.core.arm.effects.friction.friction_asymmetry import FRICTION_ASYMMETRY
 from linkwright.core.arm.effects.friction.friction_coulomb import FRICTION_COULOMB
 from linkwright.core.arm.effects.friction.friction_load import FRICTION_LOAD
+from linkwright.core.arm.effects.friction.friction_load_stribeck import FRICTION_LOAD_STRIBECK
 from linkwright.core.arm.effects.friction.friction_place import FRICTION_PLACE
 from linkwright.core.arm.effects.friction.friction_quadratic import FRICTION_QUADRATIC
 from linkwright.core.arm.effects.friction.friction_reversal import FRICTION_REVERSAL
 from linkwright.core.arm.effects.friction.friction_stribeck import FRICTION_STRIBECK
 from linkwright.core.arm.effects.friction.friction_viscous import FRICTION_VISCOUS
 from linkwright.core.arm.effects.friction.friction_warmup import FRICTION_WARMUP
+from linkwright.core.arm.effects.friction.gear_efficiency import GEAR_EFFICIENCY
 from linkwright.core.arm.effects.geometry.axis_misalignment import AXIS_MISALIGNMENT
 from linkwright.core.arm.effects.geometry.frame_drift import FRAME_DRIFT
 from linkwright.core.arm.effects.geometry.frame_misalignment import FRAME_MISALIGNMENT
@@ -125,6 +127,8 @@ EFFECTS.ship(
     FRICTION_VISCOUS,
     FRICTION_STRIBECK,
     FRICTION_LOAD,
+    FRICTION_LOAD_STRIBECK,
+    GEAR_EFFICIENCY,
     FRICTION_ASYMMETRY,
     FRICTION_WARMUP,
     FRICTION_REVERSAL,

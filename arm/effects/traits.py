@@ -145,7 +145,8 @@ class RecordingTraits:
     moments about where it is alone: of links that nobody has weighed it shows the masses beside the first moments.
     `weights_named` marks what could be almost anything under unknown weights of its own, and is sought only under those
     that an arm file names. `last_resort` marks what could be any torque over its joint's coordinate, and is sought only
-    where all else leaves one. `told_as` is a sum of its sizes by which it is reported where they do not show one by one.
+    where all else leaves something. `told_as` is a sum of its sizes by which it is reported where they do not show one
+    by one.
     `sizes_at` names which of its sizes a joint or link (from 0) of an arm has, where not all have the same.
     `against_plumb` is how the whole arm is turned against the plumb line (rad, about the base's axes), of which levels
     see what the tip does not.

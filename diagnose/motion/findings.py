@@ -15,6 +15,7 @@ from linkwright.core.diagnose.rules.rules import Rules
 from linkwright.core.sections.numeric import Array
 from linkwright.core.units.quantities import format_quantity
 
+from .directions import instead_of_losses
 from .judged import Judged
 from .model.candidates import Group
 from .model.evidence import Member
@@ -56,7 +57,10 @@ def findings(
                 (sizes.gain * sizes.numbers)[part],
                 identified.products,
                 parameters_of(group, arm, sizes.numbers[part], sizes.half[:, part], sizes.shown[part], variants),
-                alternatives(identified, number, identified.system.offers(others).evidence, beside, rules),
+                (
+                    *alternatives(identified, number, identified.system.offers(others).evidence, beside, rules),
+                    *instead_of_losses(identified, number, rules),
+                ),
                 judge.without(member.group),
                 evidence,
                 identified.chance.p_value(

@@ -97,7 +97,7 @@ NO_RULES = {
     # half of chi-squared; what is tried; no prior; Akaike's nat
     "motion/model/evidence.py": {"LIKELY", "SCALES", "_FREE", "_MULTIPLES", "_SPARING"},
     "motion/model/feasible.py": {"_ENOUGH", "_GAP", "_INSIDE", "_SETTLED", "_SHORT", "_SHRINKS", "_STEPS", "_UNSEEN"},
-    "motion/model/identify.py": {"_FOLDS", "_ROUNDS"},
+    "motion/model/identify.py": {"_FOLDS", "_MOST_ROUNDS", "_ROUNDS", "_SETTLED"},
     "motion/model/noise.py": {"_PASSES"},
     "motion/model/ripple.py": {"_DRAWS", "_EACH"},
     "motion/model/search.py": {"_MOST", "_MOST_FOR_ONE", "_PROMISING"},  # how far a search looks
@@ -105,6 +105,7 @@ NO_RULES = {
     "motion/reading/read.py": {"_HEAD"},
     "motion/sentences.py": {"_SAID"},
     "motion/simulate.py": {"_NOISE"},
+    "motion/swinging.py": {"_POSTURES"},
     "motion/unknown.py": {"_BINS", "_DRAWS"},
     "motion/uses/plan.py": {"_CLOCK", "_NOISE", "_RATE, _WRITTEN", "_STARTS, _STEPS"},
     "motion/uses/trajectory.py": {

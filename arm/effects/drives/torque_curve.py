@@ -30,7 +30,7 @@ TORQUE_CURVE = drive_effect(
     only="joints that turn",
     needs="slow motion through the whole range, several times",
     aliases=("spring", "torque_offset", "counterbalance", "gear_ripple", "link_inertial"),
-    source="C. de Boor, A Practical Guide to Splines (Springer, 1978), ch. 3; cable packages: Y. Wang, R. Gondokaryono, "
+    source="C. de Boor, A Practical Guide to Splines (Springer, 1978), ch. 3; cables: Y. Wang, R. Gondokaryono, "
     "A. Munawar & G. S. Fischer, IEEE Robotics and Automation Letters 4 (2019) 3657-3664, "
     "doi:10.1109/LRA.2019.2927947",
     parameters=tuple(

@@ -83,7 +83,8 @@ def test_the_whole_table_is_there() -> None:
     screw_expansion column_bending lateral_compliance unknown_weight flange_compliance link_stiffness guide_bending
     friction_coulomb friction_viscous friction_stribeck friction_load friction_asymmetry friction_warmup
     friction_reversal friction_quadratic friction_place armature torque_constant torque_offset torque_delay
-    link_inertial gear_ripple spring torque_curve"""
+    link_inertial gear_ripple spring torque_curve friction_load_stribeck
+    gear_efficiency"""
     assert set(EFFECTS) == set(table.split())
 
 

@@ -46,6 +46,11 @@ def of(effect, motion=MOTION, at=(1,), **values):
         ("friction_viscous", {"coefficient": 3.0}, 3.0 * V),
         ("friction_stribeck", {"torque": 2.0, "speed": 0.3}, 2.0 * SIGN * np.exp(-np.abs(V) / 0.3)),
         ("friction_load", {"share": 0.1}, 0.1 * np.abs(LOAD[:, 1]) * SIGN),
+        (
+            "friction_load_stribeck",
+            {"share": 0.1, "speed": 0.3},
+            0.1 * np.abs(LOAD[:, 1]) * SIGN * np.exp(-np.abs(V) / 0.3),
+        ),
         ("friction_asymmetry", {"torque": 2.0}, 1.0 + SIGN),
         ("friction_warmup", {"torque": -2.0, "time": 5.0}, -2.0 * SIGN * (1.0 - np.exp(-T / 5.0))),
         ("friction_quadratic", {"coefficient": -2.0}, -2.0 * V * np.abs(V)),
@@ -67,6 +72,17 @@ def test_what_goes_by_one_joint_is_its_formula_and_acts_there_alone(effect, valu
     assert set(result) == {1}
     np.testing.assert_allclose(result[1], expected, rtol=1e-12, atol=1e-12)
     assert set(of(effect, at=(), **values)) == {0, 1, 2}
+
+
+def test_a_gears_drive_gives_what_its_efficiency_takes_each_way():
+    """Power in times the efficiency is power out: 85 % where the drive lifts, 70 % where the load does the work."""
+    losses = {"forward": 1.0 / 0.85 - 1.0, "backward": 1.0 - 0.7}
+    drive = LOAD[:, 1] + of("gear_efficiency", **losses)[1]
+    lifts, sure = LOAD[:, 1] * V > 0.0, np.abs(V) > 0.1
+    np.testing.assert_allclose((drive * V * 0.85)[lifts & sure], (LOAD[:, 1] * V)[lifts & sure], rtol=1e-7)
+    np.testing.assert_allclose((drive * V)[~lifts & sure], (LOAD[:, 1] * V * 0.7)[~lifts & sure], rtol=1e-7)
+    even = of("gear_efficiency", forward=0.2, backward=0.2)[1]
+    np.testing.assert_allclose(even, of("friction_load", share=0.2)[1], rtol=1e-12, atol=1e-12)
 
 
 def test_friction_falls_by_the_temperature_that_was_logged():
