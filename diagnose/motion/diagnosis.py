@@ -19,9 +19,10 @@ from linkwright.core.diagnose.rules.rules import Rules
 from linkwright.core.sections.numeric import Array
 from linkwright.core.units.quantities import InputError
 
+from .causes.curves import curves_left
+from .causes.swinging import eigenfrequency_notes
 from .changed import change_of
 from .corrected import entry_of
-from .curves import curves_left
 from .differing import Differing, differing, differing_findings, squares_of
 from .findings import finding_of, findings
 from .judged import Judged, as_written, judged, rms_together
@@ -36,7 +37,6 @@ from .model.rows import LogRows, joint_rows, log_rows, with_sources
 from .preparation import PreparedLog, prepare
 from .result import MotionDiagnosis, OfJoint, OfLog, Traces
 from .sentences import answer, verdict_of
-from .swinging import eigenfrequency_notes
 from .unknown import Structure, since, structure, unknown_of, variables
 from .weighed import weighed
 

@@ -15,7 +15,7 @@ from linkwright.core.diagnose.rules.rules import Rules
 from linkwright.core.sections.numeric import Array
 from linkwright.core.units.quantities import format_quantity
 
-from .directions import instead_of_losses
+from .causes.directions import instead_of_losses
 from .judged import Judged
 from .model.candidates import Group
 from .model.evidence import Member

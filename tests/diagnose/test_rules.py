@@ -89,6 +89,7 @@ NO_RULES = {
     "instruments/view.py": {"_STEPS, _START_STEPS, _START_ROWS", "_BETTER", "_FOUND"},
     "mistakes/row_lists.py": {"_MOST"},
     "judge/for_file.py": {"_USUAL"},  # the width of a prior
+    "motion/causes/swinging.py": {"_POSTURES"},
     "motion/changed.py": {"SURE", "_PARTS", "_ROUNDS"},  # how an instant is looked for, and 95 %
     "motion/diagnosis.py": {"_DRAWN"},
     "motion/judged.py": {"_SETTLED", "_STEPS"},
@@ -105,7 +106,6 @@ NO_RULES = {
     "motion/reading/read.py": {"_HEAD"},
     "motion/sentences.py": {"_SAID"},
     "motion/simulate.py": {"_NOISE"},
-    "motion/swinging.py": {"_POSTURES"},
     "motion/unknown.py": {"_BINS", "_DRAWS"},
     "motion/uses/plan.py": {"_CLOCK", "_NOISE", "_RATE, _WRITTEN", "_STARTS, _STEPS"},
     "motion/uses/trajectory.py": {

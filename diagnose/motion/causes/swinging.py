@@ -10,8 +10,7 @@ from linkwright.core.arm.chain.chain import Arm
 from linkwright.core.arm.effects.elastic.elastic_drive import eigenfrequencies
 from linkwright.core.arm.effects.elastic.joint_compliance import JOINT_COMPLIANCE, file_compliance
 from linkwright.core.arm.motion.motion import Motion
-
-from .result import MotionFinding
+from linkwright.core.diagnose.motion.result import MotionFinding
 
 _POSTURES = 500
 """Samples whose postures are looked at."""

@@ -6,10 +6,9 @@ from collections.abc import Mapping, Sequence
 
 from linkwright.core.arm.chain.chain import Arm
 from linkwright.core.arm.effects.effect import Effect
+from linkwright.core.diagnose.motion.unknown import Structure
 from linkwright.core.diagnose.rules.rules import Rules
 from linkwright.core.sections.numeric import Array
-
-from .unknown import Structure
 
 
 def curves_left(

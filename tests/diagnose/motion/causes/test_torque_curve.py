@@ -4,7 +4,7 @@ import numpy as np
 
 from linkwright.core.diagnose.motion.diagnosis import diagnose_motion
 from linkwright.core.diagnose.motion.predict import predict_motion
-from tests.diagnose.motion.test_elastic_drive import arm, log_of
+from tests.diagnose.motion.causes.test_elastic_drive import arm, log_of
 
 __all__ = ["arm"]
 
