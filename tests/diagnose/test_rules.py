@@ -97,7 +97,17 @@ NO_RULES = {
     "motion/model/chance.py": {"_DRAWS"},
     # half of chi-squared; what is tried; no prior; Akaike's nat
     "motion/model/evidence.py": {"LIKELY", "SCALES", "_FREE", "_MULTIPLES", "_SPARING"},
-    "motion/model/feasible.py": {"_ENOUGH", "_GAP", "_INSIDE", "_SETTLED", "_SHORT", "_SHRINKS", "_STEPS", "_UNSEEN"},
+    "motion/model/feasible.py": {
+        "_ENOUGH",
+        "_GAP",
+        "_INSIDE",
+        "_ROUNDING",
+        "_SETTLED",
+        "_SHORT",
+        "_SHRINKS",
+        "_STEPS",
+        "_UNSEEN",
+    },
     "motion/model/identify.py": {"_FOLDS", "_MOST_ROUNDS", "_ROUNDS", "_SETTLED"},
     "motion/model/noise.py": {"_PASSES"},
     "motion/model/ripple.py": {"_DRAWS", "_EACH"},

@@ -29,6 +29,8 @@ _UNSEEN = 1e6
 """Precision, by usual sizes, of what no motion shows of a link: it stays what the file has, which is read back."""
 _SHRINKS = 0.05
 """How much less the barrier counts from one step along the path to the next."""
+_ROUNDING = 1e-11
+"""Of a curvature, what rounding may take off it; it shortens a step and moves no end."""
 _STEPS = 40
 """Newton's steps at most for each of those."""
 _SETTLED = 1e-3
@@ -155,7 +157,9 @@ def _nearest(inner: Array, best: Array, bounds: tuple[Array, Array], links: Sequ
             curved = np.einsum("ukij,ulji->ukl", turned, turned) @ by.reshape(len(links), 10, width)
             bend = whole + weight * (by.T @ curved.reshape(by.shape) + np.diag(below**2 + above**2))
             scale = 1.0 / np.sqrt(np.diagonal(bend))
-            step = -scale * cho_solve(cho_factor(bend * scale[:, None] * scale), scale * slope)
+            step = -scale * cho_solve(
+                cho_factor(bend * scale[:, None] * scale + _ROUNDING * np.eye(len(bend))), scale * slope
+            )
             falls, length = float(-slope @ step), 1.0
             while (tried := barrier(numbers + length * step)) > value - _ENOUGH * length * falls and length > _SHORT:
                 length *= 0.5
