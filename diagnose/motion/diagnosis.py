@@ -119,11 +119,12 @@ def diagnosed(
     loud = _beyond_noise(identified.noise.sigma, identified.torque, _heard(prepared), rules)
     if curves := curves_left(arm, seen, loud, _effects(request), rules=rules):
         wider = with_variants(pool, arm, masses, curves, rules=rules)
-        new = wider.sources[len(pool.sources) :]
-        identified = identify(
-            wider, [with_sources(row, new) for row in different.rows], request.seed, tell, rules=rules
-        )
-        seen = [_structure(identified, joint, request) for joint in range(arm.size)]
+        rows = [with_sources(row, wider.sources[len(pool.sources) :]) for row in different.rows]
+        again = identify(wider, rows, request.seed, tell, rules=rules)
+        # A curve that is not named would only hide what is left.
+        if any(wider.groups[member.group].effect.recording.last_resort for member in again.members):
+            identified = again
+            seen = [_structure(identified, joint, request) for joint in range(arm.size)]
     swift = [
         (effect, item)
         for effect, item in _ripples(identified.rows, identified.noise.sizes, scans, request, fast=True)
