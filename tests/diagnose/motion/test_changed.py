@@ -34,13 +34,10 @@ def test_a_load_that_is_taken_on_the_way(tmp_path, seed):
 
 
 def test_a_bump_over_the_angle_is_no_change(tmp_path):
-    """Torque that goes with the angle is there from the beginning; nor is it noise, small as it is."""
+    """Torque that goes with the angle is there from the beginning, and is named as that, small as it is."""
     result = diagnosed(tmp_path, 3, lambda t: np.full_like(t, HAND), lambda q: 0.5 * np.exp(-(((q - 0.3) / 0.2) ** 2)))
-    assert result.verdict == "unknown"
-    assert result.unknown is not None
-    assert result.unknown.joints == (2,)
-    assert "q2" in result.unknown.depends_on
-    assert result.unknown.change is None
+    assert [(item.effect, item.at) for item in result.findings] == [("torque_curve", (2,))]
+    assert (result.verdict, result.unknown) == ("named", None)
 
 
 def test_noise_is_no_structure(tmp_path):
