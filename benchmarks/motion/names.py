@@ -15,10 +15,10 @@ BODIES = frozenset({"payload", "link_inertial", "base_tilt"})
 ALIKE: tuple[frozenset[str], ...] = (
     frozenset({"friction_coulomb", "friction_asymmetry", "torque_offset", "friction_warmup"}),
     frozenset({"friction_stribeck", "friction_reversal", "friction_coulomb", "friction_viscous", "friction_quadratic"}),
-    frozenset({"friction_load", "friction_place", "friction_coulomb"}),
+    frozenset({"friction_load", "friction_place", "friction_coulomb", "gear_efficiency"}),
     frozenset({"torque_offset", "spring", "base_tilt", "link_inertial", "payload", "encoder_offset"}),
     frozenset({"torque_delay", "joint_compliance", "armature", "friction_viscous"}),
-    frozenset({"torque_constant", "link_inertial", "payload", "armature", "friction_load"}),
+    frozenset({"torque_constant", "link_inertial", "payload", "armature", "friction_load", "gear_efficiency"}),
     frozenset({"joint_coupling", "friction_viscous"}),
 )
 """Effects that take much the same of a drive on many motions, at one joint or where one of the two is of bodies."""

@@ -183,6 +183,12 @@ def _install_tilt(cause: Cause, world: World) -> None:
     world.gravity = _tilted(cause.sizes["about_x"], cause.sizes["about_y"])
 
 
+def _draw_losses(arm: Arm, rng: np.random.Generator) -> Drawn:
+    """What a gear loses where it drives and where the load does: both of them losses."""
+    at, sizes, shapes = _drawn("forward", "backward")(arm, rng)
+    return at, {name: abs(size) for name, size in sizes.items()}, shapes
+
+
 # Friction with a memory, and of two joints
 
 
@@ -316,6 +322,12 @@ KINDS: Mapping[str, Kind] = MappingProxyType(
             _drawn("torque", speed=(0.03, 0.3)), lambda h, c: np.exp(-np.abs(h.velocity) / c["speed"])
         ),
         "friction_load": _rubbing(_drawn("share"), lambda h, c: np.abs(h.load), most=0.3, weight=2.0),
+        "gear_efficiency": _rubbing(
+            _draw_losses,
+            lambda h, c: np.abs(h.load) * (h.load * h.velocity > 0.0),
+            lambda h, c: np.abs(h.load) * (h.load * h.velocity < 0.0),
+            most=0.5,
+        ),
         "friction_asymmetry": _rubbing(_drawn("torque"), lambda h, c: h.velocity > 0.0),
         "friction_warmup": _rubbing(
             _drawn("torque", sign=True, time=(8.0, 60.0)), lambda h, c: 1.0 - np.exp(-h.time / c["time"])
