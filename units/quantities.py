@@ -211,7 +211,7 @@ def read_quantity(value: object, kind: str, *, file: object, key: str) -> float:
     if isinstance(value, bool) or value is None or not isinstance(value, str | int | float):
         raise InputError(file, key, f"needs a quantity with its unit, {would_do}, not {shown(value)}")
     if isinstance(value, int | float) or _PURE.fullmatch(value.strip()):
-        number = _finite(value if isinstance(value, int | float) else float(value), file, key)
+        number = _finite(value if isinstance(value, int | float) else float(value.strip()), file, key)
         if number == 0.0 and due.name != "temperature":
             return 0.0
         raise InputError(file, key, f"needs a unit, {would_do}, not the bare number {shown(value)}")

@@ -91,6 +91,14 @@ class Polygon(Section):
             tuple(tuple((y * factor, z * factor) for y, z in hole) for hole in self.holes),
         )
 
+    def rotated(self, angle: float) -> Self:
+        """The polygon turned anticlockwise about the origin of its points, angle in rad."""
+        c, s = float(np.cos(angle)), float(np.sin(angle))
+        return type(self)(
+            tuple((c * y - s * z, s * y + c * z) for y, z in self.points),
+            tuple(tuple((c * y - s * z, s * y + c * z) for y, z in hole) for hole in self.holes),
+        )
+
     @classmethod
     def contradiction(cls, outer: tuple[float, float], wall: tuple[float, float]) -> str | None:
         """A polygon is fixed: it cannot be chosen within bounds."""

@@ -15,8 +15,6 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from scipy.interpolate import CubicSpline
-from scipy.linalg import solve_banded
 
 from linkwright.core.arm.chain.chain import Arm
 from linkwright.core.arm.chain.vectors import ZERO
@@ -180,6 +178,8 @@ def _parameters(arm: Arm) -> Array:
 
 def _rates(motion: Motion, values: Array) -> tuple[Array, Array]:
     """The rate of change (N,) of values (N,) along a motion, and that rate's own."""
+    from scipy.interpolate import CubicSpline  # here, for a list of effects needs none of it
+
     if motion.sampled < 1.0:
         once = motion.rate(values)
         return once, motion.rate(once)
@@ -193,6 +193,8 @@ def _swing(motion: Motion, inertia: Array, late: float, load: Array) -> Array:
     Newmark's method with constant mean acceleration, stable at any step (N. M. Newmark, ASCE J. Eng. Mech. Div. 85
     (1959) 67-94). Where samples do not tell rates of change, x is the load.
     """
+    from scipy.linalg import solve_banded  # here, as above
+
     if motion.sampled < 1.0:
         return load
     clock = np.linspace(motion.time[0], motion.time[-1], motion.size)

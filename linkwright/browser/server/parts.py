@@ -114,7 +114,7 @@ def _pure(word: str) -> Any:
 
 def section_like(chosen: str, before: object) -> Any:
     """What stands for a section in a file once another shape or stock size was chosen: dimensions of the same name are
-    kept, others are about as large."""
+    kept, others are about as large; of a shape that more than sizes and walls describe as in its nearest stock size."""
     if chosen not in lw.shapes:
         return chosen
     old = cast("dict[str, Any]", before) if isinstance(before, dict) else {}
@@ -123,6 +123,8 @@ def section_like(chosen: str, before: object) -> Any:
         outer = [_stock_size(before)]
     size = outer[0] if outer else _USUAL_SIZE
     wall = next((value for name in old if "thickness" in name and (value := _metres(old[name])) is not None), None)
+    if any(item.kind == "radius" and not item.optional for item in lw.shapes[chosen].dimensions):
+        return _like_stock(chosen, size)
     made: dict[str, Any] = {"shape": chosen}
     for dimension in lw.shapes[chosen].dimensions:
         if dimension.name in old:
@@ -131,6 +133,15 @@ def section_like(chosen: str, before: object) -> Any:
             metres = size if dimension.kind == "outer" else wall or _WALL_SHARE * size
             made[dimension.name] = f"{round(1e3 * metres, 1):g} mm"
     return made
+
+
+def _like_stock(shape: str, size: float) -> dict[str, Any]:
+    """The dimensions of a shape as high (m) as that, and otherwise as the stock size that is nearest to it."""
+    sections = (lw.sections[name].section for name in lw.sections)
+    known = (section.given() for section in sections if section.shape == shape)
+    near = min(known, key=lambda given: abs(float(given["height"]) - size))
+    share = 1e3 * size / float(near["height"])
+    return {"shape": shape, **{name: f"{share * float(value):.4g} mm" for name, value in near.items()}}
 
 
 def _metres(value: object) -> float | None:

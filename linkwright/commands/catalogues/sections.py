@@ -258,8 +258,9 @@ def list_sections(
     with as_options():
         sizes = QUERY.chosen(known.of_family(*family) if family else known.values(), where, sort)
     every = not (family or where or sort or columns)
-    shapes = [_shape_json(kind) for kind in SHAPES.values()] if every else []
-    write_content(json, "sections", {"shapes": shapes, "stock": [_stock_json(size) for size in sizes]})
+    if json is not None:
+        shapes = [_shape_json(kind) for kind in SHAPES.values()] if every else []
+        write_content(json, "sections", {"shapes": shapes, "stock": [_stock_json(size) for size in sizes]})
     if every:
         _print_shapes()
         _print_families(known.stock)
@@ -312,7 +313,8 @@ def compare_sections(
         raise InputError("", "NAME", "needs two sizes or more to compare")
     known = lw.sections.with_file(catalogue)
     sizes = [known[name] for name in names]
-    write_content(json, "sections", {"stock": [_stock_json(size) for size in sizes]})
+    if json is not None:
+        write_content(json, "sections", {"stock": [_stock_json(size) for size in sizes]})
     marked = (size.name + (" ?" if size.unconfirmed else "") for size in sizes)
     shown = table("what", *marked, numbers=tuple(range(1, len(sizes) + 1)))
     shown.add_row("shape", *(size.shape.replace("_", " ") for size in sizes))

@@ -39,13 +39,19 @@ def test_the_arm_file_is_written_once(linkwright, empty):
     assert "arm.yaml: is there already" in err
 
 
-def test_several_tips_are_one_line(linkwright, empty):
-    """With the names to choose from; nothing is written."""
+def test_of_several_tips_of_the_same_joints_one_is_taken(linkwright, empty):
+    """The others are named, with how to take one of them; where ends have other joints nothing is written."""
     status, out, err = linkwright("import", str(EXAMPLE))
+    assert (status, err) == (0, "")
+    assert "The tip is tip. With it move finger" in out
+    assert "--tip names another" in out
+    text = EXAMPLE.read_text(encoding="utf-8").replace('name="pointer" type="fixed"', 'name="pointer" type="continuous"')
+    Path("other.urdf").write_text(text, encoding="utf-8")
+    status, out, err = linkwright("import", "other.urdf", "--out", "other.yaml")
     assert (status, out) == (2, "")
     assert err.count("\n") == 1
-    assert "finger (3 joints), tip (3 joints)" in err
-    assert not (empty / "arm.yaml").exists()
+    assert "tip (4 joints), finger (3 joints)" in err
+    assert not Path("other.yaml").exists()
     status, _, err = linkwright("import", "nothing.urdf")
     assert status == 2
     assert "nothing.urdf: there is no such file" in err
