@@ -159,7 +159,8 @@ def tradeoff(
 
     Any two figures: max_error, average_error, mass, total_mass, cost, reach, safety_factor, first_frequency,
     wall_slenderness, aspect, section_height, section_width, tip_stiffness, sideways_stiffness, orientation_error,
-    repeatability, peak_torque, rms_torque. Where the problem names a direction, error_along and tip_stiffness_along too.
+    repeatability, peak_torque, rms_torque. Where the problem names a direction, error_along and
+    tip_stiffness_along too.
 
     Example: linkwright tradeoff problem.yaml --x mass --y max_error --by material --out front
 

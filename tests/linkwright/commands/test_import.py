@@ -39,13 +39,16 @@ def test_the_arm_file_is_written_once(linkwright, empty):
     assert "arm.yaml: is there already" in err
 
 
-def test_of_several_tips_of_the_same_joints_one_is_taken(linkwright, empty):
+@pytest.mark.usefixtures("empty")
+def test_of_several_tips_of_the_same_joints_one_is_taken(linkwright):
     """The others are named, with how to take one of them; where ends have other joints nothing is written."""
     status, out, err = linkwright("import", str(EXAMPLE))
     assert (status, err) == (0, "")
     assert "The tip is tip. With it move finger" in out
     assert "--tip names another" in out
-    text = EXAMPLE.read_text(encoding="utf-8").replace('name="pointer" type="fixed"', 'name="pointer" type="continuous"')
+    text = EXAMPLE.read_text(encoding="utf-8").replace(
+        'name="pointer" type="fixed"', 'name="pointer" type="continuous"'
+    )
     Path("other.urdf").write_text(text, encoding="utf-8")
     status, out, err = linkwright("import", "other.urdf", "--out", "other.yaml")
     assert (status, out) == (2, "")
