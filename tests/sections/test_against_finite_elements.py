@@ -149,7 +149,7 @@ OPEN = [
 ]
 
 
-@pytest.mark.parametrize("section", OPEN, ids=lambda section: section.shape)
+@pytest.mark.parametrize("section", slow_but(OPEN, *OPEN[::4]), ids=lambda section: section.shape)
 def test_shear_centres_and_warping_constants(section: Section) -> None:
     expected, result = reference(section, 0.3, 2500), section.properties(0.3)
     centre = tuple(float(value) for value in result.shear_centre)

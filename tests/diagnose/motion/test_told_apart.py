@@ -15,6 +15,7 @@ from linkwright.core.diagnose.motion.diagnosis import diagnose_motion
 from linkwright.core.diagnose.motion.reading.read import read_log
 from linkwright.core.diagnose.motion.result import MotionDiagnosis, MotionFinding
 from linkwright.core.diagnose.rules.rules import RULES
+from tests.costs import slow_but
 
 SIX = """<mujoco model="six"><compiler angle="radian"/><option gravity="0 0 -9.81"/><worldbody>
 <body pos="0 0 .3"><joint name="j1" axis="0 0 1" range="-2.9 2.9"/>
@@ -72,7 +73,7 @@ def names_of_mass(folder: Path, text: str) -> tuple[MotionDiagnosis, MotionFindi
     return found, mass, {(mass.effect, mass.at), *(one for other in mass.alternatives for one in other.effects)}
 
 
-@pytest.mark.parametrize("seed", [0, 2])
+@pytest.mark.parametrize("seed", slow_but([0, 2], 2))
 def test_a_load_on_the_last_axis_is_as_well_mass_of_the_link_before(tmp_path: Path, seed: int) -> None:
     found, mass, names = names_of_mass(tmp_path, log_of_six(seed, tip=MORE.format("0 0 .12")))
     assert mass.parameters[0].value == pytest.approx(1.5, rel=0.05)

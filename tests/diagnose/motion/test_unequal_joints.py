@@ -10,6 +10,7 @@ import pytest
 from linkwright.core.arm.descriptions.imported import import_robot
 from linkwright.core.diagnose.motion.diagnosis import diagnose_motion
 from linkwright.core.diagnose.motion.reading.read import read_log
+from tests.costs import slow_but
 
 SCARA = """<mujoco model="scara"><compiler angle="radian"/><option gravity="0 0 -9.81"/><worldbody>
 <body pos="0 0 .4"><joint name="j1" axis="0 0 1" range="-2.3 2.3"/>
@@ -59,7 +60,7 @@ def log_of_a_scara(seed: int) -> str:
 
 
 # Of seeds 2, 103, 106 and 110 the slide's friction and the load look like one asymmetric friction of twice the size.
-@pytest.mark.parametrize("seed", [2, 101, 102, 103, 106, 110])
+@pytest.mark.parametrize("seed", slow_but([2, 101, 102, 103, 106, 110], 2, 103))
 def test_a_wrist_without_noise_does_not_drown_the_arm(tmp_path, seed):
     (tmp_path / "scara.xml").write_text(SCARA.format(""), encoding="utf-8")
     (tmp_path / "log.csv").write_text(log_of_a_scara(seed), encoding="utf-8")

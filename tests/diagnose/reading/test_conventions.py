@@ -18,6 +18,7 @@ from linkwright.core.diagnose.reading.read import read_recording
 from linkwright.core.diagnose.recording import Recording
 from linkwright.core.sections.numeric import Array
 from linkwright.core.units.quantities import InputError
+from tests.costs import slow_but
 from tests.diagnose.recorded import planar_arm, planar_tip, poses, table, written
 
 Spoil = Callable[[Array, Array], tuple[Array, Array]]
@@ -186,7 +187,7 @@ def test_a_zero_at_an_odd_angle(tmp_path: Path) -> None:
         read(tmp_path, q, tip)
 
 
-@pytest.mark.parametrize("degree", [0.0, 1.0])
+@pytest.mark.parametrize("degree", slow_but([0.0, 1.0], 1.0))
 def test_another_zero_of_the_last_joint_is_no_longer_tool(tmp_path: Path, degree: float) -> None:
     """In the plane a tool of 424 mm would do as well as a quarter turn of the last link; one that was forgotten is told
     as a tool, be it a little longer than the link or shorter."""

@@ -9,6 +9,7 @@ import pytest
 
 from linkwright.core.arm.evaluation import evaluate
 from linkwright.core.optimize.run import optimise
+from tests.costs import slow_but
 from tests.optimize.builders import best_value, problem_of, taken_for_many
 
 MATERIALS = ("aluminium-6061-t6", "steel-s355")
@@ -43,7 +44,7 @@ def asked(shapes: tuple[str, ...], materials: tuple[str, ...]) -> str:
     return f"subject_to: {{{limits}}}\nchoose: {{{chosen}}}\n"
 
 
-@pytest.mark.parametrize("arm", [HOUSED, SLIDING], ids=["housing", "slide"])
+@pytest.mark.parametrize("arm", slow_but([HOUSED, SLIDING], HOUSED), ids=["housing", "slide"])
 def test_the_best_is_that_of_each_combination(arm: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     singly = min(
         best_value(problem_of(tmp_path, arm, asked((shape,), (material,))))

@@ -112,7 +112,7 @@ def test_safety_by_link(tmp_path: Path) -> None:
     assert (first, second) == (pytest.approx(6.0, rel=2e-3), pytest.approx(3.0, rel=2e-3))
 
 
-@pytest.mark.parametrize("many", [False, True])
+@pytest.mark.parametrize("many", slow_but([False, True], True))
 def test_safety_by_material(many: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """A choice of materials with a factor for each is the better of the two alone, each with its own factor."""
     if many:

@@ -56,7 +56,7 @@ def test_one_limited_point_is_as_if_it_were_the_only_one(tmp_path: Path) -> None
 
 def test_listed_sizes_keep_each_points_tolerance(tmp_path: Path) -> None:
     points = f"{{at: {NEAR}, max_error: '<= 0.4 mm'}}, {{at: {FAR}, max_error: '<= 0.7 mm'}}"
-    sizes = ", sizes: {diameter: [40 mm, 60 mm, 80 mm], thickness: [2 mm, 4 mm]}"
+    sizes = ", sizes: {diameter: [40 mm, 60 mm, 80 mm], thickness: [3 mm]}"
     problem = asked(tmp_path, points, choose=sizes)
     assert problem.sizes is not None
     masses: list[float] = []
@@ -67,7 +67,7 @@ def test_listed_sizes_keep_each_points_tolerance(tmp_path: Path) -> None:
             whole = evaluate(arm, problem.workspace, problem.load_cases)
             assert whole.mass is not None
             masses.append(whole.mass)
-    assert 0 < len(masses) < 36
+    assert 0 < len(masses) < 9
     assert optimise(problem).objective == pytest.approx(min(masses), rel=1e-9)
 
 

@@ -15,6 +15,7 @@ from linkwright.core.optimize.problem import Problem
 from linkwright.core.optimize.run import optimise
 from linkwright.core.sections import Section
 from linkwright.core.units.quantities import InputError
+from tests.costs import slow_but
 from tests.optimize.builders import problem_of
 
 E, RHO, GRAVITY, LENGTH = 70e9, 2700.0, 9.81, 0.5
@@ -74,7 +75,7 @@ def best_of_all(problem: Problem) -> float:
     return best
 
 
-@pytest.mark.parametrize("error", [0.64, 0.75])
+@pytest.mark.parametrize("error", slow_but([0.64, 0.75], 0.75))
 def test_no_combination_of_steps_is_lighter(error: float, tmp_path: Path) -> None:
     text = (
         f"minimize: mass\nsubject_to: {{max_error: '<= {error} mm', section_size: [20 mm, 60 mm], "
