@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from linkwright.api.design import budget, evaluate, inverse, optimize, tradeoff
     from linkwright.api.diagnosis import compare, compensate, diagnose, predict, redesign, watch
     from linkwright.api.exchange import export_arm, import_arm
-    from linkwright.api.paper import figures, seam, tables
+    from linkwright.api.paper import paper_figures, paper_tables, seam
     from linkwright.api.recording import columns, plan, simulate
     from linkwright.core.arm.chain.statics import PoseState
     from linkwright.core.arm.effects import Effect, Parameter, Settings, Twist, traits
@@ -48,7 +48,7 @@ HOMES = MappingProxyType(
         "linkwright.api.design": ("budget", "evaluate", "inverse", "optimize", "tradeoff"),
         "linkwright.api.diagnosis": ("compare", "compensate", "diagnose", "predict", "redesign", "watch"),
         "linkwright.api.exchange": ("export_arm", "import_arm"),
-        "linkwright.api.paper": ("figures", "seam", "tables"),
+        "linkwright.api.paper": ("paper_figures", "paper_tables", "seam"),
         "linkwright.api.recording": ("columns", "plan", "simulate"),
         "linkwright.core.arm.chain.statics": ("PoseState",),
         "linkwright.core.arm.effects": ("Effect", "Parameter", "Settings", "Twist", "traits"),
@@ -109,7 +109,6 @@ __all__ = [
     "effects",
     "evaluate",
     "export_arm",
-    "figures",
     "import_arm",
     "instruments",
     "inverse",
@@ -117,6 +116,8 @@ __all__ = [
     "materials",
     "numeric",
     "optimize",
+    "paper_figures",
+    "paper_tables",
     "plan",
     "predict",
     "read_arm",
@@ -131,7 +132,6 @@ __all__ = [
     "show",
     "simulate",
     "sweep",
-    "tables",
     "tradeoff",
     "traits",
     "watch",

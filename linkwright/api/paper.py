@@ -12,7 +12,7 @@ if TYPE_CHECKING:
 Point = Sequence[Quantity]
 
 
-def tables(*, quick: Annotated[bool, Option()] = False, progress: Progress | None = None) -> "Tables":
+def paper_tables(*, quick: Annotated[bool, Option()] = False, progress: Progress | None = None) -> "Tables":
     """The paper's Tables III to VII: printed, reproduced by its conventions, as its equations read, and corrected.
 
     JSON has also two that the paper lacks: shapes at their best proportions, and materials at equal size and mass.
@@ -25,7 +25,7 @@ def tables(*, quick: Annotated[bool, Option()] = False, progress: Progress | Non
         progress: Hears of it; a bar by default, where somebody looks.
 
     >>> import linkwright as lw
-    >>> paper = lw.tables(quick=True)
+    >>> paper = lw.paper_tables(quick=True)
     >>> list(paper["clearance"].columns)[:3]
     ['label', 'paper_1', 'paper_2']
     """
@@ -41,13 +41,13 @@ def tables(*, quick: Annotated[bool, Option()] = False, progress: Progress | Non
     return Tables(book, verdicts(book), proofs(book), further)
 
 
-def figures() -> "Figures":
+def paper_figures() -> "Figures":
     """The paper's Figures 5 to 9: what it plots by its own conventions, and the truth beside it.
 
     Example: linkwright figures --out figures
 
     >>> import linkwright as lw
-    >>> drawn = lw.figures()
+    >>> drawn = lw.paper_figures()
     >>> list(drawn[7].columns)[:2]
     ['clearance_mm', 'corrected_clearance_mm']
     """

@@ -391,8 +391,8 @@ def commands() -> Mapping[str, Made]:
         Written("import", "import_arm", out=read, catalogue=False),
         Made("columns", out=settings, catalogue=False, tip=True),
         Export("export", "export_arm", out=exported),
-        Tables("tables", also=TABLES, **plain),
-        Made("figures", **drawing, **plain),
+        Tables("tables", "paper_tables", also=TABLES, **plain),
+        Made("figures", "paper_figures", **drawing, **plain),
         Made("seam", doing="following the seam", tip=True),
     )
     return {item.name: item for item in made}
