@@ -257,8 +257,8 @@ def with_variants(
 
 
 def refined(pool: Candidates, chosen: Sequence[int], *, rules: Rules) -> Candidates:
-    """The candidates with shapes of some groups (their numbers) between those that were tried and these groups' own;
-    beyond the grid, where a group's own is at its end."""
+    """The candidates with shapes of some groups (their numbers) between those that were tried and these groups' own,
+    within the grid: beyond it, a form that other physics takes on would pass for the effect."""
     sources, groups, width = list(pool.sources), list(pool.groups), pool.width
     by_start = {source.start: source for source in pool.sources}
     for group in (pool.groups[number] for number in chosen):
@@ -270,9 +270,9 @@ def refined(pool: Candidates, chosen: Sequence[int], *, rules: Rules) -> Candida
             at = tried.index(value)
             below = tried[at - 1] if at else value**2 / tried[at + 1]
             above = tried[at + 1] if at + 1 < len(tried) else value**2 / below
-            least = max(shape.lower, rules.motion.slow if shape.kind == "angular_speed" else 0.0)
+            least = max(shape.grid[0], rules.motion.slow if shape.kind == "angular_speed" else 0.0)
             for between in np.geomspace(below, above, 2 * _BETWEEN + 1).tolist():
-                if between <= least or between >= shape.upper or np.isclose(between, tried).any():
+                if not least < between < shape.grid[-1] or np.isclose(between, tried).any():
                     continue
                 shapes = {**group.shapes, shape.name: between}
                 sources.append(replace(source, shapes=shapes, start=width))
