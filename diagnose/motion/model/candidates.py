@@ -27,7 +27,7 @@ from linkwright.core.sections.numeric import Array
 _MOST_VARIANTS = 12
 """Values of an effect's shapes up to which all are candidates; of more, a scan proposes some."""
 _BETWEEN = 4
-"""Parts into which the steps on both sides of a shape that was taken are cut."""
+"""Parts into which the step on either side of a shape that was taken is cut."""
 _OF_ALL_ROBOTS = ("dimensionless", "time")
 """Kinds of quantity that do not grow with the robot."""
 PLAIN = (FRICTION_COULOMB, FRICTION_VISCOUS, TORQUE_OFFSET, ARMATURE)
@@ -204,26 +204,26 @@ def candidates(
         if effect.torques is None or not _shown(effect, motion) or late:
             continue
         for at in _places(arm, effect):
+            sizes, bent = effect.torque_sizes, isinstance(effect.torques, Bent)
+            source = Source(effect, at, variants[0], sizes[:1] if bent else sizes, at_column, False)
+            if isinstance(effect.torques, OfInertia):
+                first = second = replace(source, joints=tuple(range(arm.size))).torques(probe[0], slopes)
+                first = {joint: columns for joint, columns in first.items() if columns.any()}
+            else:
+                first, second = (source.torques(item) for item in probe)
+            seen = [
+                number
+                for number in range(len(source.sizes))
+                if any(np.abs(columns[:, number]).max() > 0.0 for columns in first.values())
+            ]
+            if not seen:
+                continue
+            by_load = any(not np.allclose(first[j], second[j], rtol=1e-6, atol=1e-12) for j in first)
+            sizes = tuple(source.sizes[number] for number in seen)
+            usual = np.array([max(map(abs, size.typical)) for size in sizes])
+            if isinstance(effect.torques, Bent):
+                usual[0] = effect.torques.usual(probe[0], at[0])
             for shapes in variants:
-                sizes = effect.torque_sizes[:1] if isinstance(effect.torques, Bent) else effect.torque_sizes
-                source = Source(effect, at, shapes, sizes, at_column, False)
-                if isinstance(effect.torques, OfInertia):
-                    first = second = replace(source, joints=tuple(range(arm.size))).torques(probe[0], slopes)
-                    first = {joint: columns for joint, columns in first.items() if columns.any()}
-                else:
-                    first, second = (source.torques(item) for item in probe)
-                seen = [
-                    number
-                    for number in range(len(source.sizes))
-                    if any(np.abs(columns[:, number]).max() > 0.0 for columns in first.values())
-                ]
-                if not seen:
-                    continue
-                by_load = any(not np.allclose(first[j], second[j], rtol=1e-6, atol=1e-12) for j in first)
-                sizes = tuple(source.sizes[number] for number in seen)
-                usual = np.array([max(map(abs, size.typical)) for size in sizes])
-                if isinstance(effect.torques, Bent):
-                    usual[0] = effect.torques.usual(probe[0], at[0])
                 sources.append(Source(effect, at, shapes, sizes, at_column, by_load, tuple(sorted(first)), usual))
                 at_column += len(sizes)
     return Candidates(tuple(sources), tuple(_groups(sources, arm, masses, clock, rules)), at_column, clock)
