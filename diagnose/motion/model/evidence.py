@@ -8,6 +8,7 @@ I. Williams, Gaussian Processes for Machine Learning, MIT Press 2006, sec. 2.3 a
 from __future__ import annotations
 
 import math
+from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -248,9 +249,10 @@ def discrepancies(pool: Candidates, products: Products, torque: Array) -> Array:
     doi:10.1111/1467-9868.00294: a model's discrepancy is a separate term beside noise.)
     """
     shown = (products.rms / torque[:, None]).max(axis=0)
+    tried = Counter(source.place for source in pool.sources)
     factors = np.ones(pool.width)
-    for group in pool.groups:
-        factors[group.columns] = np.maximum(factors[group.columns], group.variants)
+    for source in pool.sources:
+        factors[source.columns] = tried[source.place]
     return np.where(shown > 0.0, 1.0 / np.maximum(shown, 1e-300) / np.sqrt(factors), 0.0)
 
 

@@ -14,7 +14,12 @@ POOL = SimpleNamespace(
     width=OWN.size,
     groups=(),
     sources=[
-        SimpleNamespace(effect=SimpleNamespace(id=str(number)), at=(joint,), columns=OWN[joint, number])
+        SimpleNamespace(
+            effect=SimpleNamespace(id=str(number)),
+            at=(joint,),
+            place=(str(number), (joint,)),
+            columns=OWN[joint, number],
+        )
         for joint in range(2)
         for number in range(FAMILIES)
     ],
