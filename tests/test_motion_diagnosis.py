@@ -169,9 +169,9 @@ def test_what_was_learned_holds_on_another_log() -> None:
 
 
 def test_what_no_effect_does_is_unknown_and_told_by_what_it_depends_on() -> None:
-    _, q, _, _ = swings(11, 40.0)
+    _, q, v, _ = swings(11, 40.0)
     more = np.zeros_like(q)
-    more[:, 1] = 3.0 * np.sign(np.sin(6.0 * q[:, 1]))
+    more[:, 1] = 3.0 * np.sign(v[:, 1]) * np.sign(np.sin(6.0 * q[:, 1]))
     result = diagnose_motion(two_links(), [log_of(11, more)])
     assert result.verdict == "unknown"
     assert result.unknown is not None

@@ -165,8 +165,14 @@ FIELD: dict[str, tuple[str, str, str, int, dict[str, Any]]] = {
         _refused("stiffness: 20.0"),
     ),
     "bare-in-phase": ("torques", "bare_in_phase_chirp", "log.csv", 1, _named(*_FRICTION, kind="bare")),
-    "bump-of-torque": ("torques", "bump_2", "log.csv", 1, _unknown([2], ["q2"])),
-    "elastic-drive": ("torques", "elastic_soft_2", "log.csv", 1, _unknown([2], [])),
+    "bump-of-torque": ("torques", "bump_2", "log.csv", 1, _named(("torque_curve", [2], {}), kind="one")),
+    "elastic-drive": (
+        "torques",
+        "elastic_soft_2",
+        "log.csv",
+        1,
+        _named(("joint_compliance", [2], {"compliance_2": 1.0 / 600.0}), kind="one"),
+    ),
     "payload-half-way": ("torques", "payload_half_way", "log.csv", 1, _unknown([], ["time"])),
     "clipped-torques": (
         "torques",
@@ -183,7 +189,17 @@ FIELD: dict[str, tuple[str, str, str, int, dict[str, Any]]] = {
         1,
         _named(("friction_load", [1], {}), ("friction_load", [2], {})),
     ),
-    "stribeck-under-load": ("torques", "stribeck-under-load", "recording.csv", 1, _unknown([1], ["speed", "load"])),
+    "stribeck-under-load": (
+        "torques",
+        "stribeck-under-load",
+        "recording.csv",
+        1,
+        _named(
+            ("friction_coulomb", [1], {"torque_1": 0.65}),
+            ("friction_coulomb", [2], {"torque_2": 0.4}),
+            ("friction_load_stribeck", [1], {"share_1": 0.25, "speed_1": 0.1}),
+        ),
+    ),
     "loaded-log": ("torques", "two-logs-one-loaded", "load.csv", 1, _named(("payload", [], {"mass": 1.2}), kind="one")),
     "unloaded-log": ("torques", "two-logs-one-loaded", "free.csv", 1, {"kind": "null", "effects": [], "unknown": None}),
 }

@@ -117,14 +117,21 @@ def diagnosed(
     identified = identify(pool, different.rows, request.seed, tell, rules=rules)
     seen = [_structure(identified, joint, request) for joint in range(arm.size)]
     loud = _beyond_noise(identified.noise.sigma, identified.torque, _heard(prepared), rules)
-    if curves := curves_left(arm, seen, loud, _effects(request), rules=rules):
+    loud &= identified.noise.sigma > _heard(prepared)
+    curves = curves_left(arm, pool, seen, loud, _effects(request), rules=rules)
+    while curves:
         wider = with_variants(pool, arm, masses, curves, rules=rules)
         rows = [with_sources(row, wider.sources[len(pool.sources) :]) for row in different.rows]
         again = identify(wider, rows, request.seed, tell, rules=rules)
-        # A curve that is not named would only hide what is left.
-        if any(wider.groups[member.group].effect.recording.last_resort for member in again.members):
-            identified = again
-            seen = [_structure(identified, joint, request) for joint in range(arm.size)]
+        groups = [again.pool.groups[member.group] for member in again.members]
+        new = [group for group in groups if pool.width <= group.columns[0] < wider.width]
+        twice = {group.at for group in new if group.effect.recording.last_resort}
+        curves = [each for each in curves if each[0].recording.last_resort or (each[1] + 1,) not in twice]
+        # A curve that is not named would only hide what is left, and one that is named holds its waves.
+        if all(group.effect.recording.last_resort or group.at not in twice for group in new):
+            if new:
+                identified, seen = again, [_structure(again, joint, request) for joint in range(arm.size)]
+            break
     swift = [
         (effect, item)
         for effect, item in _ripples(identified.rows, identified.noise.sizes, scans, request, fast=True)
