@@ -89,7 +89,7 @@ def test_the_file_leaves_what_was_promised_and_can_be_diagnosed_again(seed, shar
 
 
 def test_gears_that_lose_power_by_direction_keep_their_promise():
-    """Gears pass 85 % forwards and hold back with 70 %: load friction, and less torque, of one load."""
+    """Gears pass 85 % forwards and hold back with 70 %."""
     forwards, backwards = 1.0 / 0.85, 0.7
     arm = two_links()
     motion = motion_of(arm, 4)
@@ -102,5 +102,5 @@ def test_gears_that_lose_power_by_direction_keep_their_promise():
     left = predict_motion(read_back(result.corrected), log)
     np.testing.assert_allclose(left.rms, [joint.after for joint in result.per_joint], rtol=1e-6)
     assert max(left.rms) < 0.03
-    shares = [f.parameters[0].value for f in result.findings if f.effect == "friction_load"]
-    assert shares == pytest.approx([0.5 * (forwards - backwards)] * 2, abs=0.02)
+    losses = [size.value for f in result.findings if f.effect == "gear_efficiency" for size in f.parameters]
+    assert losses == pytest.approx([forwards - 1.0, 1.0 - backwards] * 2, abs=0.02)

@@ -143,9 +143,10 @@ def test_compare_says_what_changed(months, capsys):
     """The friction that rose, with sizes in both; what was there before is the same."""
     assert run(["compare", URDF, months[0], months[-1]]) == 0
     said = capsys.readouterr().out
-    fitted = re.match(r"Changed: dry \(Coulomb\) friction \(joint 3\), torque from (\S+) N·m to (\S+) N·m\.", said)
-    assert fitted
-    assert [float(size) for size in fitted.groups()] == pytest.approx([4.0, 5.2], abs=0.03)
+    (rose,) = lw.compare(URDF, months[0], months[-1]).found.changes
+    assert [rose.first.value, rose.second.value] == pytest.approx([4.0, 5.2], abs=0.03)
+    sizes = f"torque from {rose.first.value:.2f} N·m to {rose.second.value:.2f} N·m."
+    assert said.startswith(f"Changed: dry (Coulomb) friction (joint 3), {sizes}")
     assert "Nothing else differs between the logs by more than" in said
     same = lw.compare(URDF, months[0], months[1])
     assert "Nothing that was fitted changed beyond doubt." in same.sentence
