@@ -25,3 +25,13 @@ def test_a_bump_is_named_with_its_curve_and_its_file_predicts_another_motion(arm
     other = log_of(gear=False, push=bump, seed=4)
     before, after = (np.array(predict_motion(model, other).rms) for model in (arm, result.corrected))
     assert after[1] < 0.3 * before[1]
+
+
+def test_a_wave_that_a_curve_would_hold_is_named_as_ripple(arm):
+    """Four periods a turn, of 4 N*m."""
+    result = diagnose_motion(arm, [log_of(gear=False, push=lambda q: np.array([0.0, -4.0 * np.sin(4.0 * q[1]), 0.0]))])
+    (found,) = result.findings
+    assert (found.effect, found.at) == ("gear_ripple", (2,))
+    sine, _, order = found.parameters
+    assert order.value == 4.0
+    assert sine.interval[0] <= 4.0 <= sine.interval[1]
