@@ -117,7 +117,7 @@ def diagnosed(
     identified = identify(pool, different.rows, request.seed, tell, rules=rules)
     seen = [_structure(identified, joint, request) for joint in range(arm.size)]
     loud = _beyond_noise(identified.noise.sigma, identified.torque, _heard(prepared), rules)
-    loud &= identified.noise.sigma > _heard(prepared)
+    loud = np.logical_and(loud, identified.noise.sigma > _heard(prepared))
     curves = curves_left(arm, pool, seen, loud, _effects(request), rules=rules)
     while curves:
         wider = with_variants(pool, arm, masses, curves, rules=rules)

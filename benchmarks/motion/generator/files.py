@@ -31,6 +31,7 @@ OF_JOINT = {
 OTHER = {
     "mass": "kg", "centre_x": "m", "centre_y": "m", "centre_z": "m", "x": "m", "y": "m", "z": "m",
     "time": "s", "about_x": "rad", "about_y": "rad", "order": "", "share": "", "excess": "",
+    "forward": "", "backward": "",
 }  # fmt: skip
 
 
