@@ -19,6 +19,7 @@ from linkwright.core.arm.figures import FIGURES, limit_on
 from linkwright.core.arm.worst.search import WorstSearch
 from linkwright.core.optimize.choice.combinations import combinations
 from linkwright.core.optimize.exchange.design import arm_of, design_space, numeric_beams
+from linkwright.core.optimize.result import OptimizationResult
 from linkwright.core.optimize.run import optimise
 from linkwright.core.optimize.tradeoff.front import Tradeoff
 from linkwright.core.optimize.tradeoff.point import Search
@@ -60,12 +61,17 @@ def traced(folder: Path) -> Tradeoff:
     return trade_off(asked_of(folder, TWO, "mass", "max_error"), accuracy=0.01)
 
 
-def test_end_at_the_limit_is_what_optimise_finds(traced: Tradeoff) -> None:
-    problem = replace(traced.asked.given, minimize="max_error")
+@pytest.fixture(scope="module")
+def at_the_limit(traced: Tradeoff) -> OptimizationResult:
+    """What the optimiser finds where the front ends."""
+    return optimise(replace(traced.asked.given, minimize="max_error"))
+
+
+def test_end_at_the_limit_is_what_optimise_finds(traced: Tradeoff, at_the_limit: OptimizationResult) -> None:
     last = traced.of(traced.envelope)[-1]
     assert traced.envelope.capped
     assert last.x == pytest.approx(2.0, rel=1e-6)
-    assert last.y == pytest.approx(optimise(problem).objective, rel=1e-4)
+    assert last.y == pytest.approx(at_the_limit.objective, rel=1e-4)
 
 
 def test_other_end_is_the_least_mass(traced: Tradeoff, tmp_path: Path) -> None:
@@ -141,10 +147,10 @@ def test_no_random_design_lies_below_the_front(traced: Tradeoff) -> None:
 @pytest.mark.parametrize(
     ("x", "y", "extra"),
     [
-        ("mass", "max_error", ""),
+        pytest.param("mass", "max_error", "", marks=pytest.mark.slow),
         ("max_error", "mass", ""),
-        ("mass", "first_frequency", ""),
-        ("first_frequency", "mass", ""),
+        pytest.param("mass", "first_frequency", "", marks=pytest.mark.slow),
+        pytest.param("first_frequency", "mass", "", marks=pytest.mark.slow),
         ("reach", "max_error", ", link_length: [300 mm, 600 mm], mass: '<= 4 kg'"),
     ],
 )
@@ -175,10 +181,10 @@ def test_slope_from_the_multiplier_is_that_of_finite_differences(x: str, y: str,
     assert here.elasticity == pytest.approx(measured, rel=0.01)
 
 
-def test_price_along_the_front_is_that_of_the_optimiser(traced: Tradeoff) -> None:
+def test_price_along_the_front_is_that_of_the_optimiser(traced: Tradeoff, at_the_limit: OptimizationResult) -> None:
     """mm/kg at the limit of the problem, where `optimise` tells it too, and by its own finite differences."""
     problem = replace(traced.asked.given, minimize="max_error")
-    (limit,) = [limit for limit in optimise(problem).binding if limit.name == "mass"]
+    (limit,) = [limit for limit in at_the_limit.binding if limit.name == "mass"]
     slope = traced.of(traced.envelope)[-1].slope
     assert slope is not None
     assert 1e3 * slope == pytest.approx(limit.price, rel=1e-3)

@@ -144,7 +144,7 @@ def with_diameter(arm: str, diameter: float) -> str:
     return arm.replace("diameter: 60 mm", f"diameter: {1e3 * diameter:.9f} mm")
 
 
-@pytest.mark.parametrize("limit", slow_but(LIMITS, LIMITS[0], LIMITS[3]))
+@pytest.mark.parametrize("limit", slow_but(LIMITS, LIMITS[0]))
 def test_the_lightest_design_is_that_of_bisection(tmp_path: Path, limit: str) -> None:
     """Of circles that are all alike there is one number to choose: bisect it by evaluations alone."""
     text = f"minimize: mass\nsubject_to: {{{limit}, section_size: [10 mm, 200 mm]}}\n"
@@ -172,7 +172,7 @@ def test_a_direction_is_minimised_and_traded(tmp_path: Path) -> None:
     assert question(problem, "mass", "error_along").y.name == problem.minimize
     result = optimise(problem)
     assert result.objective == pytest.approx(problem.objective.value(result.after), rel=1e-6)
-    texts = [with_diameter(PLANAR, diameter) for diameter in np.linspace(0.04, 0.073, 24).tolist()]  # up to 8 kg
+    texts = [with_diameter(PLANAR, diameter) for diameter in np.linspace(0.04, 0.073, 12).tolist()]  # up to 8 kg
     values = [problem.objective.value(evaluate(arm_of(text, tmp_path))) for text in texts]
     least = min(value for value in values if value is not None)
     assert least * (1.0 - 3e-3) <= result.objective <= least * (1.0 + 1e-6)
