@@ -59,7 +59,7 @@ def test_every_effect_with_a_size_is_tried_somewhere():
     )
 
 
-@pytest.mark.parametrize("effect", ["joint_compliance", "encoder_offset", "backlash"])
+@pytest.mark.parametrize("effect", slow_but(["joint_compliance", "encoder_offset", "backlash"], "backlash"))
 def test_a_single_is_named(effect):
     """Three that no noise has taken for something else."""
     assert named_alone(effect)
@@ -224,7 +224,7 @@ def test_q_and_tip_are_enough(space):
     ("effect", "at", "size"),
     [
         pytest.param("joint_compliance", (1,), 6e-6, marks=pytest.mark.slow),
-        ("base_compliance", (), 3e-6),
+        pytest.param("base_compliance", (), 3e-6, marks=pytest.mark.slow),
         ("servo_droop", (1,), 6e-6),
     ],
 )

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from linkwright.core.diagnose.diagnosis import diagnose
+from tests.costs import slow_but
 from tests.diagnose.by_cosines import SIGMA, file, noise, poses, recording, tips
 
 
@@ -43,7 +44,7 @@ def test_the_same_is_scatter_where_poses_were_come_back_to(seed):
     assert not any(note.startswith("No pose was visited again") for note in result.notes)
 
 
-@pytest.mark.parametrize("seed", range(2, 5))
+@pytest.mark.parametrize("seed", slow_but(range(2, 5), 3))
 def test_scatter_beside_a_name_of_its_own_size_is_told_as_that_too(seed):
     """The zero moves the tip by little more than visits scatter: what is left may be either."""
     result = found_of(seed, 1.8, offset=1.2e-4)

@@ -203,6 +203,15 @@ def test_another_zero_of_the_last_joint_is_no_longer_tool(tmp_path: Path, degree
 
 
 def test_what_belongs_to_another_arm_is_refused(tmp_path: Path) -> None:
+    q = poses(60)
+    anywhere = np.random.default_rng(2).uniform(-1.0, 1.0, (len(q), 2))
+    (tmp_path / "recording.yaml").write_text("frame: known\n")
+    with pytest.raises(InputError, match="belong together"):
+        read_recording(written(tmp_path / "r.csv", table(q, anywhere)), planar_arm())
+
+
+@pytest.mark.slow
+def test_what_belongs_to_another_arm_in_space_is_refused(tmp_path: Path) -> None:
     q, _ = clean()
     anywhere = np.random.default_rng(2).uniform(-1.0, 1.0, (len(q), 3))
     with pytest.raises(InputError, match="belong together"):

@@ -10,6 +10,7 @@ from linkwright.core.diagnose.diagnosis import diagnose
 from linkwright.core.diagnose.recording import since_the_reading_before
 from linkwright.core.diagnose.residual.observe import observe
 from linkwright.core.diagnose.residual.visits import looks_quieter
+from tests.costs import slow_but
 from tests.diagnose.core_cases import SIGMA, recorded
 from tests.diagnose.made_diagnosis import made_arm
 
@@ -60,7 +61,7 @@ def remembering(rng, shape, share):
     return noise
 
 
-@pytest.mark.parametrize("seed", [0, 8, 9])
+@pytest.mark.parametrize("seed", slow_but([0, 8, 9], 8))
 def test_noise_with_a_long_memory_is_noise(seed):
     """Repeats of three look half as noisy as they are, and whatever is smooth in time fits."""
     arm = made_arm()

@@ -45,8 +45,8 @@ def named(rows, off, tmp_path, seed):
 @pytest.mark.parametrize(
     ("rows", "off", "expected"),
     [
-        (SHOULDER, [(0, 0, 1e-3)], {("link_length", 1, "x"): 1e-3}),
-        (OFFSET_WRIST, [(1, 1, -1.5e-3)], {("link_length", 2, "z"): -1.5e-3}),
+        pytest.param(SHOULDER, [(0, 0, 1e-3)], {("link_length", 1, "x"): 1e-3}, marks=pytest.mark.slow),
+        pytest.param(OFFSET_WRIST, [(1, 1, -1.5e-3)], {("link_length", 2, "z"): -1.5e-3}, marks=pytest.mark.slow),
         (
             OFFSET_WRIST,
             [(1, 0, 1.5e-3), (1, 1, -1e-3), (2, 3, math.radians(-1.0))],

@@ -13,6 +13,7 @@ from linkwright.core.diagnose.options import Options
 from linkwright.core.diagnose.residual.observe import observe
 from linkwright.core.diagnose.search.exchanges import _leaving, better
 from linkwright.core.diagnose.search.naming import Namer
+from tests.costs import slow_but
 from tests.diagnose.arm_of_drives import SIGMA, arm_of_drives, given_way, read, turned_by
 from tests.diagnose.core_cases import prepared_null
 from tests.diagnose.recorded import LENGTHS
@@ -36,7 +37,7 @@ def test_a_tool_that_is_off_both_ways_is_a_length_and_a_zero(along: float, acros
     assert sum("These readings do not tell" in note for note in result.notes) == len(result.exchanges)
 
 
-@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("seed", slow_but(range(3), 1))
 def test_what_readings_tell_has_no_set_in_its_place(seed: int) -> None:
     """A zero off by far more than the noise, and a push that bends the drives as no two other things do."""
     rng = np.random.default_rng(seed)

@@ -185,7 +185,10 @@ def lifted(said: float, *, softens: float = 0.0) -> Diagnosis:
 
 @pytest.mark.parametrize(
     ("said", "unit"),
-    [(1.0 / 0.45359237, "payload_kg holds lb"), (0.45359237, "payload_kg was taken for lb and converted")],
+    [
+        (1.0 / 0.45359237, "payload_kg holds lb"),
+        pytest.param(0.45359237, "payload_kg was taken for lb and converted", marks=pytest.mark.slow),
+    ],
 )
 def test_payloads_in_another_unit_are_told(said: float, unit: str) -> None:
     result = lifted(said)
