@@ -165,16 +165,18 @@ def test_pose_is_read_in_degrees(linkwright, bench):
     assert content["compliance"]["q_deg"] == pytest.approx([-10.0, 20.5])
 
 
-def test_output_that_is_no_terminal_is_plain(process):
+def test_output_that_is_no_terminal_is_plain(process, linkwright, monkeypatch):
     """No colour codes, tables of at most 100 columns, each sentence one line; COLUMNS fits sentences too."""
-    done, fitted = (process(f'{asked} "$PYTHON" -m linkwright evaluate arm.yaml') for asked in ("", "COLUMNS=100"))
+    done = process('"$PYTHON" -m linkwright evaluate arm.yaml')
+    monkeypatch.setenv("COLUMNS", "100")
+    _, fitted, _ = linkwright("evaluate", "arm.yaml")
     assert done.returncode == 0, done.stderr
     assert done.stderr == ""
     assert "\x1b" not in done.stdout
     wider = [line.strip() for line in done.stdout.splitlines() if len(line) > PLAIN_WIDTH]
     assert not any("  " in line or "──" in line for line in wider), "a table"
-    assert max(len(line) for line in fitted.stdout.splitlines()) <= PLAIN_WIDTH
-    assert fitted.stdout.split() == done.stdout.split()
+    assert max(len(line) for line in fitted.splitlines()) <= PLAIN_WIDTH
+    assert fitted.split() == done.stdout.split()
     assert "Worst position error" in done.stdout
 
 

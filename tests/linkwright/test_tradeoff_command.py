@@ -141,7 +141,7 @@ main(sys.argv[2:])
 """A run that gets Ctrl-C as it has solved so many points."""
 
 
-@pytest.mark.parametrize(("points", "kept"), [(1, 0), (4, 3)])
+@pytest.mark.parametrize(("points", "kept"), [pytest.param(1, 0, marks=pytest.mark.slow), (4, 3)])
 def test_ctrl_c_leaves_the_points_solved_so_far(two, points, kept):
     environment = {**os.environ, "PYTHONPATH": str(ROOT)}
     asked = ["tradeoff", "one.yaml", "--accuracy", "0.05", "--out", "front"]

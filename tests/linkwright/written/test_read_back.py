@@ -135,7 +135,7 @@ def _last_digit_up(text: str) -> str:
 
 def test_settings_of_a_recording_are_read_back_too(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     made = lw.simulate(WELDING / "arm.yaml", poses=6, frame_free=True)
-    altered("linkwright.face.recording", "settings_text", lambda text: text.replace("free", "known"), monkeypatch)
+    altered("linkwright.face.recording", "settings_text", lambda text: f"{text}tool: free\n", monkeypatch)
     with pytest.raises(NotAsWritten, match="settings"):
         made.save(tmp_path / "rec.csv")
 
