@@ -97,10 +97,13 @@ def test_the_worst_place_of_a_carriage_is_certified_or_searched(tmp_path: Path) 
     arm = arm_of(tmp_path, box(), link="length: 250 mm")
     whole = evaluate(arm)
     assert not any("makes the tip err" in line for line in whole.warnings)
-    places = np.linspace(0.0, 0.6, 2001)
+    places = np.linspace(0.0, 0.6, 121)
     errors = [error.error for error in errors_at(arm, (arm.payload,), places[:, None])]
+    near = int(np.argmax(errors))
+    places = np.linspace(places[near - 1], places[near + 1], 41)
+    errors = [*errors, *(error.error for error in errors_at(arm, (arm.payload,), places[:, None]))]
     assert whole.max_error == pytest.approx(max(errors), rel=1e-5)
-    assert abs(places[int(np.argmax(errors))] - 0.3) > 0.02
+    assert abs(places[int(np.argmax(errors[121:]))] - 0.3) > 0.02
     if whole.worst.certified:
         assert whole.upper_bound is not None
         assert whole.upper_bound >= max(errors) * (1.0 - 1e-9)

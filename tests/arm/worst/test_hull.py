@@ -180,7 +180,7 @@ def leaning(joints: int, clearance: float = 0.0, backlash: float = 0.0) -> Arm:
     ("arm", "gap"),
     [
         (leaning(5), 1.01e-4),
-        (leaning(6), 1.01e-4),
+        pytest.param(leaning(6), 1.01e-4, marks=pytest.mark.slow),
         (leaning(3, clearance=5e-5), 1.01e-4),
         pytest.param(leaning(4, clearance=5e-3, backlash=3e-3), 1.01e-4, marks=pytest.mark.slow),
     ],
