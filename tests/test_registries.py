@@ -165,10 +165,12 @@ def test_packages_are_loaded_only_when_asked_for(tmp_path):
     ("module", "entry", "said"),
     [
         ("import no_such_module", "MINE", "cannot be loaded: ModuleNotFoundError: No module named 'no_such_module'"),
-        ("def broken(:\n", "MINE", "cannot be loaded: SyntaxError"),
-        ("1 / 0", "MINE", "cannot be loaded: ZeroDivisionError"),
-        (GOOD, "THEIRS", "cannot be loaded: AttributeError"),
-        ("MINE = 'backlash'", "MINE", "an effect must be an Effect, not 'backlash'"),
+        pytest.param("def broken(:\n", "MINE", "cannot be loaded: SyntaxError", marks=pytest.mark.slow),
+        pytest.param("1 / 0", "MINE", "cannot be loaded: ZeroDivisionError", marks=pytest.mark.slow),
+        pytest.param(GOOD, "THEIRS", "cannot be loaded: AttributeError", marks=pytest.mark.slow),
+        pytest.param(
+            "MINE = 'backlash'", "MINE", "an effect must be an Effect, not 'backlash'", marks=pytest.mark.slow
+        ),
         (GOOD.replace("installed_offset", "backlash"), "MINE", "there is an effect 'backlash' already"),
     ],
 )

@@ -23,7 +23,13 @@ def examples(name):
     return [test for test in doctest.DocTestFinder().find(importlib.import_module(name)) if test.examples]
 
 
-DEAR = ("linkwright.face.design", "linkwright.face.diagnosis", "linkwright.face.tradeoff", "linkwright.paper.face")
+DEAR = (
+    "linkwright.api.design.tradeoff",
+    "linkwright.api.diagnosis.compare",
+    "linkwright.api.diagnosis.redesign",
+    "linkwright.api.paper",
+)
+"""Examples that are slow: each of them has tests of its own."""
 EXAMPLES = [test for name in MODULES for test in examples(name)]
 
 

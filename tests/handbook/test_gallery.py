@@ -13,7 +13,7 @@ from tests.costs import slow_but
 from tests.handbook.pages import told
 
 ALL = {f"{script.parent.name}/{script.stem}": script for script in scripts()}
-QUICK = ("arms/follower", "arms/own_effect", "arms/sweep", "design/show")
+QUICK = ("arms/own_effect", "design/show")
 
 
 def numbers(drawn):
