@@ -10,6 +10,7 @@ from linkwright.core.diagnose.diagnosis import diagnose
 from linkwright.core.diagnose.fitting.geometry import about_geometry
 from linkwright.core.diagnose.recording import Recording
 from linkwright.core.diagnose.residual.observe import observe
+from tests.costs import slow_but
 
 TABLE = [(0, 160, 90), (-425, 0, 0), (-392, 0, 0), (0, 109, 90), (0, 95, -90), (0, 82, 0)]
 """a, d (mm) and alpha (deg), standard: the tip is on the last axis, whose zero moves it by rounding alone."""
@@ -58,7 +59,7 @@ def test_a_zero_that_no_reading_shows_does_not_hold_the_others(tmp_path):
     np.testing.assert_allclose([offsets[k + 1] for k in range(5)], ZEROS[:5], atol=2e-4)
 
 
-@pytest.mark.parametrize("seed", [1, 3])
+@pytest.mark.parametrize("seed", slow_but([1, 3], 1))
 def test_zeros_are_allowed_for_beside_a_tool_that_is_off_by_more(seed, tmp_path):
     """The tool leaves 20 mm that no zero or length explains; what the zeros do beyond first order is small beside that,
     and far above the noise. The last zero turns the tool alone."""
@@ -85,7 +86,7 @@ chain:
 """
 
 
-@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("seed", slow_but(range(3), 1))
 def test_a_zero_at_the_wrist_is_not_told_as_two_lengths(seed, tmp_path):
     """To first order the zero is both numbers of the crooked last link, whose usual sizes are nearer; beyond it, a
     single number does as well as those two."""

@@ -85,7 +85,7 @@ def walk(time, rng):
     return np.cumsum(0.15 * SIGMA * rng.standard_normal((len(time), 2)), axis=0)
 
 
-@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("seed", slow_but(range(4), 1))
 def test_a_tracker_that_wanders_is_no_physics(seed):
     """0.15 of the noise a reading: 0.03 mm at the end, which had physics named at p = 1e-14."""
     result = diagnose(file(), read(seed, walk))
