@@ -17,6 +17,7 @@ from linkwright.core.diagnose.residual.noise import noise_floor
 from linkwright.core.diagnose.residual.observe import observe
 from linkwright.core.diagnose.several.recordings import together
 from linkwright.core.units.quantities import InputError
+from tests.costs import slow_but
 from tests.diagnose.instruments.six_joint_arm import Hand, seen_by_camera, session, six_joint_arm, transform
 
 NOISE = (30e-6, 150e-6, 100e-6)
@@ -25,7 +26,7 @@ BOTH = pytest.mark.parametrize("on_tool", [False, True])
 
 
 @BOTH
-@pytest.mark.parametrize("seed", [1, 2, 3, 4])
+@pytest.mark.parametrize("seed", slow_but([1, 2, 3, 4], 1))
 def test_both_frames_are_found_however_they_are_turned(on_tool, seed):
     """Without noise, whatever the rotations, with depths that are 1 % too long: exactly."""
     hand = Hand(fixed=transform(seed), carried=transform(seed + 10, reach=0.1))

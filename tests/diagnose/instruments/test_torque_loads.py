@@ -19,6 +19,7 @@ from linkwright.core.diagnose.recording import Recording
 from linkwright.core.diagnose.result import Diagnosis
 from linkwright.core.diagnose.rules.rules import RULES
 from linkwright.core.sections.numeric import Array
+from tests.costs import slow_but
 
 LENGTHS, MASSES, GRAVITY = np.array([0.5, 0.45, 0.3]), np.array([9.0, 6.0, 2.5]), 9.80665
 PIECES = (np.arange(40) + 0.5) / 40
@@ -192,7 +193,7 @@ def test_a_force_that_nobody_recorded_is_found_at_each_visit() -> None:
     assert np.median(np.abs(found.recording.force[:, :2] - force)) < 0.05 * real.force
 
 
-@pytest.mark.parametrize("seed", range(5))
+@pytest.mark.parametrize("seed", slow_but(range(5), 2))
 def test_friction_of_unknown_side_is_no_load(seed: int) -> None:
     """It turns each drive as it likes; what hangs or pushes turns all of them together."""
     recording = replace(recorded(Real(friction=6.0), seed), sides=None)

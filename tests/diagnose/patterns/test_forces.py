@@ -10,6 +10,7 @@ from linkwright.core.diagnose.fitting.prepare import prepare
 from linkwright.core.diagnose.options import Options
 from linkwright.core.diagnose.patterns.forces import fitted_pull
 from linkwright.core.diagnose.residual.observe import observe
+from tests.costs import slow_but
 from tests.diagnose.arm_of_drives import arm_of_drives, given_way, read, turned_by, visited
 from tests.diagnose.core_cases import group_of
 from tests.diagnose.recorded import planar_arm, planar_tip
@@ -116,7 +117,7 @@ def test_a_stiff_arm_is_pulled_nowhere():
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("seed", slow_but(range(3), 1))
 def test_a_force_that_wanders_with_time(seed):
     """A hose that is dragged along: 3 N that keep nine tenths of themselves from visit to visit, at random poses."""
     rng = np.random.default_rng(seed)

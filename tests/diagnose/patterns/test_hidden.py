@@ -86,7 +86,7 @@ def test_a_pull_moves_off_a_point_whose_coordinate_is_next_to_nought(monkeypatch
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("seed", [0, 4, 7])
+@pytest.mark.parametrize("seed", slow_but([0, 4, 7], 4))
 def test_a_true_finding_is_not_left_out_because_of_a_form(seed):
     """Encoder 2 is off by 0.3 mrad; beside it something bends that no reading held out predicts. The library's
     names for that fit better than any form; readings held out refute them, and then a form takes their place."""

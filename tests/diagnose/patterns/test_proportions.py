@@ -8,6 +8,7 @@ from linkwright.core.arm.effects import Settings
 from linkwright.core.diagnose.diagnosis import diagnose
 from linkwright.core.diagnose.recording import Recording
 from linkwright.core.diagnose.residual.observe import observe
+from tests.costs import slow_but
 
 SIGMA = 15e-6
 COLUMN, UPPER, LOWER = 0.35, 0.42, 0.3
@@ -60,7 +61,7 @@ def test_a_stretch_of_one_link_is_its_length_alone():
     assert observed.signature("link_length", Settings((0,), {"stretch": 1e-3})) == pytest.approx(expected, rel=1e-9)
 
 
-@pytest.mark.parametrize("seed", [2, 3])
+@pytest.mark.parametrize("seed", slow_but([2, 3], 2))
 def test_nobody_can_tell_a_stretch_from_the_scale(seed):
     """0.3 in a thousand, by whichever of the two: one class with both names, that of one thing first, and its size."""
     result = diagnose(arm_on_a_rail(), recording_of(np.random.default_rng(seed), scale=1.0 + 3e-4))

@@ -75,7 +75,7 @@ def test_what_is_left_beside_the_others_is_as_if_they_were_taken_at_once(count: 
         assert beside.gains() == pytest.approx(at_once.gains(), abs=1e-6 * at_once.gains().max())
 
 
-@pytest.mark.parametrize("seed", [3, 4])
+@pytest.mark.parametrize("seed", slow_but([3, 4], 3))
 def test_one_for_two_is_looked_for_only_where_it_could_explain_more(seed: int, monkeypatch: pytest.MonkeyPatch) -> None:
     """The same end as where every pair is looked at, by far fewer of them."""
     rng = np.random.default_rng(seed)

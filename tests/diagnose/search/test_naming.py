@@ -11,6 +11,7 @@ from linkwright.core.diagnose.options import Options
 from linkwright.core.diagnose.residual.noise import noise_floor
 from linkwright.core.diagnose.residual.observe import observe
 from linkwright.core.diagnose.search.naming import Named, Namer, _pruned
+from tests.costs import slow_but
 from tests.diagnose.arm_of_drives import arm_of_drives, read, turned_by
 from tests.diagnose.core_cases import group_of
 
@@ -53,7 +54,7 @@ def test_what_lasts_is_named_where_poses_are_come_back_to(seed):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("seed", slow_but(range(3), 1))
 def test_what_leaves_most_explains_nothing_where_no_pose_is_seen_again(seed):
     """The same arm, each pose visited once: the rest may be there for good, and what was named is small beside it. That
     it may be scatter is said, and how to tell."""

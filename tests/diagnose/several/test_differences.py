@@ -9,6 +9,7 @@ from linkwright.core.diagnose.diagnosis import diagnose
 from linkwright.core.diagnose.several.recordings import together
 from linkwright.json.diagnosis import diagnosis_json
 from linkwright.results.diagnoses.answer import answer, to_do
+from tests.costs import slow_but
 from tests.diagnose.recorded import LENGTHS
 from tests.diagnose.several.days import arm, day
 
@@ -53,7 +54,7 @@ def test_a_zero_that_moved_and_nothing_else():
     assert not result.corrected.effects
 
 
-@pytest.mark.parametrize("seed", [1, 5])
+@pytest.mark.parametrize("seed", slow_but([1, 5], 1))
 def test_nothing_differs_where_nothing_does(seed):
     result = _diagnosed(day(seed), day(seed + 1, sigma=30e-6))
     assert result.verdict == "none"

@@ -24,6 +24,7 @@ from linkwright.core.arm.motion.inertia import Moving
 from linkwright.core.optimize.run import optimise
 from linkwright.core.units.quantities import InputError
 from tests.arm.motion.test_rigid import by_mujoco, random_arm, random_states
+from tests.costs import slow_but
 from tests.optimize.builders import problem_of
 
 E, RHO = 70e9, 2700.0
@@ -52,7 +53,7 @@ def swing(folder: Path, *swings: tuple[float, float, float], count: int = 80, mo
     (folder / "cycle.csv").write_text("\n".join(lines) + "\n", encoding="utf-8")
 
 
-@pytest.mark.parametrize("seed", range(12))
+@pytest.mark.parametrize("seed", slow_but(range(12), *range(4)))
 def test_random_arms_in_motion_load_their_drives_as_in_mujoco(seed: int) -> None:
     arm = random_arm(seed)
     states = random_states(arm, seed)
