@@ -144,6 +144,16 @@ def _cogging(at: Place, fixed: Random, chance: Random) -> Generator[tuple[float,
         push = 1.4 * at.amount / at.torque * float(state.drive[at.joint]) * wave
 
 
+def _hose(at: Place, fixed: Random, chance: Random) -> Generator[tuple[float, float], State]:
+    """A hose that is led over two joints and pulls by how far both have bent it."""
+    phase, share, push = float(fixed.uniform(0.0, 6.0)), float(fixed.uniform(0.6, 1.2)), 0.0
+    while True:
+        state = yield 0.0, push
+        other = at.joint - 1 if at.joint else 1
+        bent = float(state.q[at.joint]) / at.reach + share * math.sin(2.0 * float(state.q[other]))
+        push = 1.4 * at.amount * math.sin(2.5 * bent + phase)
+
+
 def _sag(at: Place, fixed: Random, chance: Random) -> Generator[tuple[float, float], State]:
     """A supply that gives way when all joints draw."""
     push, usual = 0.0, 0.0
@@ -268,22 +278,23 @@ CLASSES: Mapping[str, Class] = MappingProxyType(
         "step_in_time": Class(_remembered(_step)),
         "cable_hysteresis": Class(_remembered(_hysteresis)),
         "cogging_with_current": Class(_remembered(_cogging), turning=True),
+        "hose_over_two_joints": Class(_remembered(_hose)),
         "sagging_supply": Class(_remembered(_sag)),
         "soft_contact": Class(_contact, of_joint=False),
     }
 )
 
 
-KNOWN_SINCE = ("worm_gear",)
-"""Classes that the library has got an effect for since they were drawn."""
+SINCE: Mapping[str, str] = MappingProxyType({"worm_gear": "hose_over_two_joints"})
+"""Classes that the library has got an effect for since they were drawn, and which ones stand in their place."""
 
 
 def drawn_split() -> tuple[tuple[str, ...], tuple[str, ...]]:
-    """The classes of the development and of the proof half, which stay as they were where one has left."""
-    names = sorted([*CLASSES, *KNOWN_SINCE])
+    """The classes of the development and of the proof half; one that came for another is of that one's half."""
+    names = sorted(set(CLASSES) - set(SINCE.values()) | set(SINCE))
     random.Random(SPLIT).shuffle(names)
-    halves = (sorted(set(half) - set(KNOWN_SINCE)) for half in (names[::2], names[1::2]))
-    return tuple(next(halves)), tuple(next(halves))
+    names = [SINCE.get(name, name) for name in names]
+    return tuple(sorted(names[::2])), tuple(sorted(names[1::2]))
 
 
 DEVELOPMENT, PROOF = drawn_split()

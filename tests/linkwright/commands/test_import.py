@@ -42,7 +42,7 @@ def test_the_arm_file_is_written_once(linkwright, empty):
 @pytest.mark.usefixtures("empty")
 def test_of_several_tips_of_the_same_joints_one_is_taken(linkwright):
     """The others are named, with how to take one of them; where ends have other joints nothing is written."""
-    status, out, err = linkwright("import", str(EXAMPLE))
+    status, out, err = linkwright("import", str(EXAMPLE), "--out", "one.yaml")
     assert (status, err) == (0, "")
     assert "The tip is tip. With it move finger" in out
     assert "--tip names another" in out
@@ -55,7 +55,7 @@ def test_of_several_tips_of_the_same_joints_one_is_taken(linkwright):
     assert err.count("\n") == 1
     assert "tip (4 joints), finger (3 joints)" in err
     assert not Path("other.yaml").exists()
-    status, _, err = linkwright("import", "nothing.urdf")
+    status, _, err = linkwright("import", "nothing.urdf", "--out", "other.yaml")
     assert status == 2
     assert "nothing.urdf: there is no such file" in err
 
