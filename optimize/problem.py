@@ -232,12 +232,7 @@ def problem_from(mapping: Mapping, arm: Arm, known: Catalogue, figures: MappingL
         if "size" in same:
             ranges = shared_ranges(mapping, ranges)
         uncertain = read_uncertain(mapping, _as_driven(arm, actuators), cases, materials or ())
-        balances: tuple[Balance, ...] = ()
-        motors: tuple[MotorChoice, ...] = ()
-        if mapping.has("choose"):
-            arm, balances = read_balances(mapping.mapping("choose"), arm)
-            motors = read_motor_places(mapping.mapping("choose"), arm)
-            check_balances(mapping.mapping("choose"), balances, frozenset(limit.name for limit in limits))
+        arm, balances, motors = _balanced(mapping, arm, frozenset(limit.name for limit in limits))
     problem = Problem(
         file=str(mapping.file),
         arm=arm,
@@ -262,6 +257,19 @@ def problem_from(mapping: Mapping, arm: Arm, known: Catalogue, figures: MappingL
     problem = without_lacking(mapping, replace(problem, limits=(*limits, *_assumed(problem, off))))
     check_problem(mapping, problem)
     return problem
+
+
+def _balanced(
+    mapping: Mapping, arm: Arm, limited: frozenset[str]
+) -> tuple[Arm, tuple[Balance, ...], tuple[MotorChoice, ...]]:
+    """The arm with what may balance it, and where its motors may sit."""
+    if not mapping.has("choose"):
+        return arm, (), ()
+    choose = mapping.mapping("choose")
+    arm, balances = read_balances(choose, arm)
+    motors = read_motor_places(choose, arm)
+    check_balances(choose, balances, limited)
+    return arm, balances, motors
 
 
 def _objective(mapping: Mapping, figures: MappingLike[str, Figure]) -> tuple[str, MappingLike[str, Figure]]:

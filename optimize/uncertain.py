@@ -193,13 +193,16 @@ def _read_varied(body: Mapping, name: str, arm: Arm, cases: Sequence[LoadCase]) 
         raise body.error(name, f"is how far off it may be, either way, not {shown(raw)}")
     if name == "payload" and not any(case.mass > 0.0 for case in cases):
         raise body.error(name, "needs a payload; give the arm or a load case one")
-    if name != "force_direction":
-        return tuple(widths)
+    return _turned(body, widths[0], arm, cases) if name == "force_direction" else tuple(widths)
+
+
+def _turned(body: Mapping, width: float, arm: Arm, cases: Sequence[LoadCase]) -> tuple[float, float]:
+    """By how much forces may be turned in the arm's plane and out of it."""
     if not any(any(case.force) for case in cases):
-        raise body.error(name, "needs a force at the tip; give the arm or a load case one")
+        raise body.error("force_direction", "needs a force at the tip; give the arm or a load case one")
     if arm.flat and any(case.force[2] for case in cases):
-        raise body.error(name, "of an arm in a plane goes with forces in that plane")
-    return (widths[0], 0.0 if arm.flat else widths[0])
+        raise body.error("force_direction", "of an arm in a plane goes with forces in that plane")
+    return (width, 0.0 if arm.flat else width)
 
 
 def _check_expansion(body: Mapping, arm: Arm, materials: Sequence[Material]) -> None:

@@ -162,19 +162,14 @@ def solve(
     if arm.branches:
         acting.insert(0, Branches(arm, _hanging(arm, placed, q, beams, pull)))
     warm = [rise] * arm.size if held.warming is None else held.warming
-    felt = [(pull, pull)] * arm.size
-    at_tip = pull
+    felt, at_tip = [(pull, pull)] * arm.size, pull
     if case.moving is not None:
         inertia = Inertia(arm, placed, beams, case.moving, carried)
         acting.append(inertia)
-        pairs = zip(inertia.links, inertia.joints, strict=True)
-        felt = [(subtract(pull, of_link), subtract(pull, of_joint)) for of_link, of_joint in pairs]
-        at_tip = subtract(pull, inertia.tip)
+        felt, at_tip = _felt(pull, inertia)
     at = Load(moment=case.moment).pushed(add(pushed, scale(carried, at_tip)), placed.tool)
     links, joints = _inward(arm, placed, beams, acting, felt, at, warm, coordinates(arm, q))
-    for index in [index for index in range(arm.size) if not _never(arm.away(index))]:
-        here = minus(1.0, arm.away(index))
-        links[index], joints[index] = _only(here, links[index]), _only_drive(here, joints[index])
+    _leave_out(arm, links, joints)
     return PoseState(
         tuple(joints),
         tuple(links),
@@ -190,6 +185,13 @@ def solve(
         carried,
         pushed,
     )
+
+
+def _felt(pull: Vector, inertia: Inertia) -> tuple[list[tuple[Vector, Vector]], Vector]:
+    """Gravity less the acceleration of each link and joint, and that at the tip."""
+    pairs = zip(inertia.links, inertia.joints, strict=True)
+    felt = [(subtract(pull, of_link), subtract(pull, of_joint)) for of_link, of_joint in pairs]
+    return felt, subtract(pull, inertia.tip)
 
 
 def _inward(
@@ -313,6 +315,13 @@ def _hanging(
 
 def _never(away: Scalar) -> bool:
     return isinstance(away, float) and away == 0.0
+
+
+def _leave_out(arm: Arm, links: list[LinkState], joints: list[JointState]) -> None:
+    """Take away, in place, what parts carry at readings of which they are not on the way to the tip."""
+    for index in [index for index in range(arm.size) if not _never(arm.away(index))]:
+        here = minus(1.0, arm.away(index))
+        links[index], joints[index] = _only(here, links[index]), _only_drive(here, joints[index])
 
 
 def _only(here: Scalar, link: LinkState) -> LinkState:

@@ -179,7 +179,7 @@ def _along(known: Mapping[str, Axis], name: str) -> str:
 
 
 def _check(problem: Problem, x: str, y: str, known: Mapping[str, Axis], by: By | None) -> None:
-    """What a trade-off does not go with, and names of figures that are none."""
+    """What a trade-off does not go with."""
     if problem.uncertain is not None:
         message = "goes with `optimize` and `evaluate`; leave it and robust out for a trade-off"
         raise InputError(problem.file, "uncertain", message)
@@ -190,6 +190,17 @@ def _check(problem: Problem, x: str, y: str, known: Mapping[str, Axis], by: By |
         raise InputError(problem.file, "choose", f"balancer or counterweight {message}; write it into the arm file")
     if problem.sizes is not None:
         _check_listed(problem, (x, y))
+    _check_names(problem, x, y, known)
+    if by is not None and problem.lists is not None:
+        raise InputError(problem.file, "choose", f"says what each link may be; --by {by} needs one list for all links")
+    if by == "material" and problem.materials is None:
+        raise InputError(problem.file, "choose", "names no materials for --by material, e.g. {material: [...]}")
+    if by == "shape" and problem.shapes is None:
+        raise InputError(problem.file, "choose", "names no shapes for --by shape, e.g. {section: [circle, tube]}")
+
+
+def _check_names(problem: Problem, x: str, y: str, known: Mapping[str, Axis]) -> None:
+    """Names of figures that are none, and pairs between which nothing is to be traded."""
     for option, name in (("--x", x), ("--y", y)):
         if name not in known:
             figures = {key: axis.figure for key, axis in known.items()}
@@ -203,12 +214,6 @@ def _check(problem: Problem, x: str, y: str, known: Mapping[str, Axis], by: By |
         raise InputError("", "--y", f"is the same as --x ({x}); name two figures")
     if {x, y} == {"mass", "total_mass"}:
         raise InputError("", "--y", "total_mass is mass and a constant, so there is nothing to trade between them")
-    if by is not None and problem.lists is not None:
-        raise InputError(problem.file, "choose", f"says what each link may be; --by {by} needs one list for all links")
-    if by == "material" and problem.materials is None:
-        raise InputError(problem.file, "choose", "names no materials for --by material, e.g. {material: [...]}")
-    if by == "shape" and problem.shapes is None:
-        raise InputError(problem.file, "choose", "names no shapes for --by shape, e.g. {section: [circle, tube]}")
 
 
 def _check_listed(problem: Problem, names: tuple[str, str]) -> None:
