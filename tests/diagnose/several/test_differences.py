@@ -71,7 +71,7 @@ def test_what_lasts_as_long_as_an_arm_differs_between_units_alone():
     assert "of different arms" in days.sentence
     assert "--units" in days.sentence
     # That is what is said first, and what to do about it.
-    text = "All links weigh 0 kg here; the recordings look as if they were of different arms: lasting sizes"
+    text = "All links weigh 0 kg here. The recordings look as if they were of different arms: lasting sizes"
     assert answer(days).startswith(text)
     (line,) = to_do(days)
     assert "by itself" in line
