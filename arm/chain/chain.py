@@ -22,7 +22,7 @@ from .vectors import IDENTITY, ZERO, Rotation, Scalar
 if TYPE_CHECKING:
     from linkwright.core.arm.actuators import Actuator
     from linkwright.core.arm.avoid.regions import Region
-    from linkwright.core.arm.motion.inertia import Moving
+    from linkwright.core.arm.bodies.inertia import Moving
     from linkwright.core.materials.material import Material
     from linkwright.core.sections.section import Section
 

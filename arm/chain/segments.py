@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-from linkwright.core.arm.motion.inertia import Moving
+from linkwright.core.arm.bodies.inertia import Moving
 
 from .balance import PointMass
 from .beam import Beam

@@ -10,7 +10,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
-from linkwright.core.arm.motion.inertia import Inertia
+from linkwright.core.arm.bodies.inertia import Inertia
 from linkwright.core.units.temperature import REFERENCE_TEMPERATURE
 
 from .acting import Acting, Branches, Counterbalances, Couplings, Load, PointLoads, masses_on

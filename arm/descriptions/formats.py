@@ -16,6 +16,7 @@ from linkwright.core.arm.bodies.bodies import Mass, ball
 from linkwright.core.arm.chain.chain import Arm, FloatVector, Joint
 from linkwright.core.arm.chain.following import turn_range
 from linkwright.core.arm.chain.vectors import IDENTITY, ZERO, Rotation, cross, norm, to_roll_pitch_yaw, unit
+from linkwright.core.arm.effects.elastic.elastic_drive import RETARDATION
 from linkwright.core.arm.effects.elastic.joint_compliance import drive_retardation
 from linkwright.core.arm.errors.model import beams_of
 from linkwright.core.units.quantities import InputError, format_quantity, shown
@@ -274,8 +275,8 @@ def _mujoco_actuators(root: Element, pieces: Structure) -> None:
     rigid = _rigid(pieces.arm)
     for index, stiffness in enumerate(pieces.stiffness):
         gain = rigid if stiffness is None else stiffness
-        late = drive_retardation(pieces.arm, index)
-        gains = {"kp": _numbers([gain]), "kv": _numbers([(DAMPING_TIME if late is None else late) * gain])}
+        late = DAMPING_TIME if stiffness is None else drive_retardation(pieces.arm, index) or RETARDATION
+        gains = {"kp": _numbers([gain]), "kv": _numbers([late * gain])}
         control = {"ctrlrange": _numbers(turn_range(pieces.arm, index)), "ctrllimited": "true"}
         joint = {"joint": pieces.names.joints[index]}
         SubElement(actuators, "position", {"name": f"drive{index + 1}", **joint, **gains, **control})
@@ -292,8 +293,8 @@ def _mujoco_words(pieces: Structure) -> tuple[tuple[str, ...], tuple[str, ...]]:
         carried.append("stiffness of the drives, as position servos: what is asked of a joint goes to `ctrl`")
     if any(piece.springs for piece in pieces.pieces):
         carried.append("flexibility of the links, as springs at their middles")
-    damped = f"springs and drives are damped by {DAMPING_TIME:g} s times their stiffness"
-    assumed = [*pieces.assumed, f"{damped}, where no retardation is known"]
+    damped = f"springs and rigid drives are damped by {DAMPING_TIME:g} s times their stiffness"
+    assumed = [*pieces.assumed, f"{damped}, drives that give by {RETARDATION:g} s where no retardation is known"]
     both = zip(pieces.names.joints, moving, pieces.stiffness, strict=True)
     if behind := [name for name, item, stiffness in both if stiffness is not None and "armature" in item]:
         assumed.append(f"rotors and friction of {', '.join(behind)} turn with the link, behind the drive's spring")

@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from linkwright.core.arm.bodies.inertia import Moving
 from linkwright.core.arm.chain.arrays import columns
 from linkwright.core.arm.chain.chain import Arm, LoadCase
 from linkwright.core.arm.chain.statics import PoseState, solve
@@ -17,7 +18,6 @@ from linkwright.core.arm.errors.lost_motion import played
 from linkwright.core.arm.errors.model import PoseArrays, beams_of
 from linkwright.core.arm.errors.tip import active_effects, tip_error
 from linkwright.core.arm.files.poses import numbers, pose_columns, poses_of
-from linkwright.core.arm.motion.inertia import Moving
 from linkwright.core.sections.numeric import Array
 from linkwright.core.units.quantities import InputError
 

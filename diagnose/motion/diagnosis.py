@@ -27,7 +27,7 @@ from .differing import Differing, differing, differing_findings, squares_of
 from .findings import finding_of, findings
 from .judged import Judged, as_written, judged, rms_together
 from .log import MotionLog
-from .model.candidates import candidates, scanned, with_variants
+from .model.candidates import Candidates, candidates, scanned, with_variants
 from .model.identify import Identified, identify
 from .model.intervals import Estimates, estimates
 from .model.noise import noise
@@ -115,23 +115,8 @@ def diagnosed(
         rows = [with_sources(row, pool.sources[len(known.sources) :]) for row in rows]
     given, different = rows, differing(arm, pool, rows, rules=rules)
     identified = identify(pool, different.rows, request.seed, tell, rules=rules)
+    identified = _with_curves(arm, pool, identified, different.rows, prepared, request, tell)
     seen = [_structure(identified, joint, request) for joint in range(arm.size)]
-    loud = _beyond_noise(identified.noise.sigma, identified.torque, _heard(prepared), rules)
-    loud = np.logical_and(loud, identified.noise.sigma > _heard(prepared))
-    curves = curves_left(arm, pool, seen, loud, _effects(request), rules=rules)
-    while curves:
-        wider = with_variants(pool, arm, masses, curves, rules=rules)
-        rows = [with_sources(row, wider.sources[len(pool.sources) :]) for row in different.rows]
-        again = identify(wider, rows, request.seed, tell, rules=rules)
-        groups = [again.pool.groups[member.group] for member in again.members]
-        new = [group for group in groups if pool.width <= group.columns[0] < wider.width]
-        twice = {group.at for group in new if group.effect.recording.last_resort}
-        curves = [each for each in curves if each[0].recording.last_resort or (each[1] + 1,) not in twice]
-        # A curve that is not named would only hide what is left, and one that is named holds its waves.
-        if all(group.effect.recording.last_resort or group.at not in twice for group in new):
-            if new:
-                identified, seen = again, [_structure(again, joint, request) for joint in range(arm.size)]
-            break
     swift = [
         (effect, item)
         for effect, item in _ripples(identified.rows, identified.noise.sizes, scans, request, fast=True)
@@ -150,6 +135,35 @@ def diagnosed(
     sizes = as_written(sizes, identified, judge.named)
     rests_on = RestsOn(identified, sizes, different)
     return _result(arm, logs, given, rests_on, judge, seen, swift, rules, begun), rests_on
+
+
+def _with_curves(
+    arm: Arm,
+    pool: Candidates,
+    identified: Identified,
+    rows: Sequence[LogRows],
+    prepared: Sequence[PreparedLog],
+    request: Options,
+    tell: Progress,
+) -> Identified:
+    """What was identified, or what is with torques of any shape where these explain what nothing else does."""
+    heard, rules = _heard(prepared), request.rules
+    seen = [_structure(identified, joint, request) for joint in range(arm.size)]
+    beyond = _beyond_noise(identified.noise.sigma, identified.torque, heard, rules)
+    loud = np.logical_and(beyond, identified.noise.sigma > heard)
+    curves = curves_left(arm, pool, seen, loud, _effects(request), rules=rules)
+    while curves:
+        wider = with_variants(pool, arm, link_parameters(arm), curves, rules=rules)
+        more = [with_sources(row, wider.sources[len(pool.sources) :]) for row in rows]
+        again = identify(wider, more, request.seed, tell, rules=rules)
+        groups = [again.pool.groups[member.group] for member in again.members]
+        new = [group for group in groups if pool.width <= group.columns[0] < wider.width]
+        twice = {group.at for group in new if group.effect.recording.last_resort}
+        # A curve that is not named would only hide what is left, and one that is named holds its waves.
+        if all(group.effect.recording.last_resort or group.at not in twice for group in new):
+            return again if new else identified
+        curves = [each for each in curves if each[0].recording.last_resort or (each[1] + 1,) not in twice]
+    return identified
 
 
 def _ripples(

@@ -21,8 +21,6 @@ if TYPE_CHECKING:
     from linkwright.core.optimize.problem import Problem
     from linkwright.core.optimize.result import OptimizationResult
 
-_ROUNDS = 4
-
 
 def moving_cases(body: Mapping, arm: Arm, load: LoadCase) -> list[LoadCase]:
     """The load cases of a cycle that an entry of `load_cases` names: the instants that count for an arm."""
@@ -53,15 +51,13 @@ def check_cycles(mapping: Mapping, problem: Problem) -> None:
 
 
 def over_whole_cycles(
-    problem: Problem, optimised: Callable[[Problem], OptimizationResult], interrupted: Callable[[str], None]
+    problem: Problem, optimised: Callable[[Problem], OptimizationResult], tell: Callable[[str], None]
 ) -> OptimizationResult:
-    """The best design over all instants of a problem's cycles."""
+    """The best design over all instants of a problem's cycles: none at which it is worst is left out, but where it was
+    interrupted."""
     result = optimised(problem)
-    for _ in range(_ROUNDS):
-        missed = _missed(problem, result)
-        if not missed or result.interrupted:
-            break
-        interrupted(f"{len(missed)} more instants of the motion count for this design")
+    while not result.interrupted and (missed := _missed(problem, result)):
+        tell(f"{len(missed)} more instants of the motion count for this design")
         cases = (*problem.load_cases, *missed)
         whole = problem.workspace.kind == "poses" and all(case.moving is not None for case in problem.load_cases)
         problem = replace(problem, load_cases=cases, workspace=space_of_cycles(cases) if whole else problem.workspace)

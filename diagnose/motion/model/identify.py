@@ -96,22 +96,19 @@ def _fit(pool: Candidates, made: Products, uncertain: Array, seed: int) -> _Fit:
     return _Fit(made, noise_, discrepancy, system(pool, made, noise_.weights, discrepancy), seed)
 
 
-def identify(
+def _in_steady_motion(
     pool: Candidates,
     rows: Sequence[LogRows],
+    certain: Array,
     seed: int,
     progress: Callable[[str, float], None],
-    *,
     rules: Rules,
-) -> Identified:
-    """The causes that logs name among candidates."""
-    progress("naming what is missing", 0.4)
-    current = list(rows)
-    torque = _torque(current)
-    certain, uncertain = (0.25 * share * torque for share in (rules.motion.filters, rules.motion.turning))
+) -> tuple[Candidates, list[LogRows], _Fit, list[Member]]:
+    """What motion away from reversals names, its shapes refined, and what goes by the drives' torque or is not linear
+    worked out about the model found: the candidates and rows by then, the fit, and the members."""
+    current, given = list(rows), pool
     steady = _fit(pool, products(joint_rows(current), pool.width, near=False), certain, seed)
     members = searched(steady.system, rules=rules)
-    given = pool
     turn, about = 0, dict[tuple[str, tuple[int, ...]], float]()
     while True:
         turn += 1
@@ -119,7 +116,7 @@ def identify(
         bent = bent_sizes(pool, sizes)
         settled = all(abs(size - about.get(place, 0.0)) <= _SETTLED * abs(size) for place, size in bent.items())
         if turn >= _ROUNDS and (settled or turn >= _MOST_ROUNDS):
-            break
+            return pool, current, steady, members
         # Half way: what grows faster than its size would swing to and fro about where it settles.
         about = {place: 0.5 * (size + about.get(place, size)) for place, size in bent.items()}
         progress("naming what is missing", 0.4 + 0.15 * min(turn, _ROUNDS - 1))
@@ -130,6 +127,21 @@ def identify(
         given, pool = finer, at_estimates(finer, _apart(steady.system, members))
         steady = _fit(pool, products(joint_rows(current), pool.width, near=False), certain, seed)
         members = searched(steady.system, initial=members, exchange=True, rules=rules)
+
+
+def identify(
+    pool: Candidates,
+    rows: Sequence[LogRows],
+    seed: int,
+    progress: Callable[[str, float], None],
+    *,
+    rules: Rules,
+) -> Identified:
+    """The causes that logs name among candidates."""
+    progress("naming what is missing", 0.4)
+    torque = _torque(rows)
+    certain, uncertain = (0.25 * share * torque for share in (rules.motion.filters, rules.motion.turning))
+    pool, current, steady, members = _in_steady_motion(pool, rows, certain, seed, progress, rules)
     progress("testing reversals", 0.85)
     near = _fit(pool, products(joint_rows(current), pool.width, near=True), uncertain, seed)
     gate_p = min(1.0, 2.0 * min(item.gate() for item in (steady, near)))

@@ -120,7 +120,7 @@ def test_a_servo_needs_beside_it_what_nobody_publishes(linkwright, bench):
 
 def test_what_is_not_known_is_a_dash(linkwright):
     (row,) = (line for line in linkwright("actuators", "list")[1].splitlines() if line.startswith("STS3215"))
-    assert row.split()[1:] == ["servo", "–", "2.94", "0.027", "52.2", "0.055", "–"]
+    assert row.split()[1:] == ["servo", "–", "2.94", "0.027", "52.2", "0.055", "?", "–"]
     out = linkwright("actuators", "show", "STS3215-C018")[1]
     assert "not known" in out
     assert "SO-ARM100, issue 134" in out

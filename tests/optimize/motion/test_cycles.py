@@ -13,6 +13,7 @@ import pytest
 from scipy.optimize import brentq
 
 from linkwright.core.arm.actuators import load_actuators
+from linkwright.core.arm.bodies.inertia import Moving
 from linkwright.core.arm.chain.chain import Arm, LoadCase
 from linkwright.core.arm.chain.statics import solve
 from linkwright.core.arm.descriptions.formats import export_arm
@@ -20,7 +21,6 @@ from linkwright.core.arm.errors.model import beams_of
 from linkwright.core.arm.evaluation import evaluate
 from linkwright.core.arm.figures import FIGURES
 from linkwright.core.arm.motion.cycle import cycles_of, drive_torques, errors_along
-from linkwright.core.arm.motion.inertia import Moving
 from linkwright.core.optimize.run import optimise
 from linkwright.core.units.quantities import InputError
 from tests.arm.motion.test_rigid import by_mujoco, random_arm, random_states

@@ -13,8 +13,9 @@ from scipy.optimize import brentq
 from linkwright.core.optimize.infeasible.answer import Infeasible
 from linkwright.core.optimize.problem import Problem
 from linkwright.core.optimize.run import optimise
+from linkwright.core.optimize.sizes.wall_steps import on_wall_steps
 from linkwright.core.sections import Section
-from linkwright.core.units.quantities import InputError
+from linkwright.core.units.quantities import InputError, NoAnswer
 from tests.costs import slow_but
 from tests.optimize.builders import problem_of
 
@@ -60,6 +61,23 @@ def test_a_tube_of_bounded_diameter_has_the_least_step_that_bends_little_enough(
     diameter = brentq(lambda d: tube_error(d, 2e-3) - most, 0.02, 0.045)
     assert float(section.properties(0.3).height) == pytest.approx(diameter, rel=1e-4)
     assert result.lower_bound < result.objective
+
+
+def test_an_interrupt_never_leaves_walls_between_steps(tmp_path: Path) -> None:
+    """Nothing is answered where none on the steps was found; the best one on them where one was."""
+    text = (
+        f"minimize: mass\nsubject_to: {{max_error: '<= {1e3 * tube_error(0.045, 1.6e-3):.9f} mm', "
+        "section_size: [20 mm, 45 mm], thickness: {steps: [1 mm, 2 mm, 3 mm]}, local_buckling: off}\n"
+    )
+    problem = problem_of(tmp_path, TUBE, text)
+    between = optimise(replace(problem, ranges=tuple(replace(item, steps=()) for item in problem.ranges)))
+    assert walls_of(between.arm.links[0].section)[0] == pytest.approx(1.6e-3, rel=1e-3)
+    with pytest.raises(NoAnswer, match="interrupted before a design with walls on the steps"):
+        on_wall_steps(problem, lambda _: replace(between, interrupted=True))
+    best = optimise(problem)
+    answers = iter([between, best, replace(between, interrupted=True)])
+    stopped = on_wall_steps(problem, lambda _: next(answers))
+    assert stopped.arm == best.arm
 
 
 def best_of_all(problem: Problem) -> float:
