@@ -12,8 +12,7 @@ from typing import Any, TypeVar
 from linkwright.core.units.names import nearest
 from linkwright.core.units.quantities import InputError
 from linkwright.core.units.reading import read_text
-from linkwright.core.units.spreadsheet import defused, fused
-from linkwright.core.units.workbook import is_workbook, workbook_text
+from linkwright.core.units.workbook import defused, fused, is_workbook, workbook_text
 
 T = TypeVar("T")
 

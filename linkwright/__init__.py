@@ -29,12 +29,10 @@ if TYPE_CHECKING:
     from linkwright.core.sections.section import Dimension
     from linkwright.core.units.quantities import InputError, NoAnswer
     from linkwright.face.arm import Arm, Joint, Link, read_arm
-    from linkwright.face.catalogues.actuators import actuators
+    from linkwright.face.catalogues.catalogues import actuators, materials, sections
     from linkwright.face.catalogues.effects import effects
     from linkwright.face.catalogues.instruments import instruments
     from linkwright.face.catalogues.limits import limits
-    from linkwright.face.catalogues.materials import materials
-    from linkwright.face.catalogues.sections import sections
     from linkwright.face.catalogues.shapes import Shape, shapes
     from linkwright.face.motion.log import read_log
     from linkwright.face.planning.sweep import sweep
@@ -60,12 +58,10 @@ HOMES = MappingProxyType(
         "linkwright.core.sections.section": ("Dimension",),
         "linkwright.core.units.quantities": ("InputError", "NoAnswer"),
         "linkwright.face.arm": ("Arm", "Joint", "Link", "read_arm"),
-        "linkwright.face.catalogues.actuators": ("actuators",),
         "linkwright.face.catalogues.effects": ("effects",),
         "linkwright.face.catalogues.instruments": ("instruments",),
         "linkwright.face.catalogues.limits": ("limits",),
-        "linkwright.face.catalogues.materials": ("materials",),
-        "linkwright.face.catalogues.sections": ("sections",),
+        "linkwright.face.catalogues.catalogues": ("actuators", "materials", "sections"),
         "linkwright.face.catalogues.shapes": ("Shape", "shapes"),
         "linkwright.face.motion.log": ("read_log",),
         "linkwright.face.planning.sweep": ("sweep",),

@@ -30,11 +30,11 @@ from pathlib import Path
 from types import MappingProxyType
 
 from linkwright.core.materials.material import Constant, Material, Property
+from linkwright.core.units.files import UserFile
 from linkwright.core.units.names import nearest
 from linkwright.core.units.prices import Price, read_prices
 from linkwright.core.units.quantities import InputError
 from linkwright.core.units.reading import Mapping, load_yaml, shipped_files
-from linkwright.core.units.user_file import UserFile
 
 from .catalogue_entry import read_entry, read_inline
 

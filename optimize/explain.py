@@ -1,22 +1,24 @@
-"""The limits and ranges that bind at the optimum, and their prices (multipliers)."""
+"""The limits and ranges that bind at the optimum, their prices (multipliers), and what is in no feasible design."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from types import MappingProxyType
+from typing import Literal
 
 from linkwright.core.arm.evaluation import Evaluation
+from linkwright.core.materials.material import Material
 from linkwright.core.optimize.balance.balance import FIELDS
-from linkwright.core.optimize.choice.combinations import Choice
-from linkwright.core.optimize.exchange.design import TAPER, design_space
+from linkwright.core.optimize.choice.combinations import Choice, Combination
+from linkwright.core.optimize.exchange.design import TAPER, design_space, material_row, starting_points
+from linkwright.core.optimize.exchange.exchange import Context, Exchange
 from linkwright.core.optimize.exchange.far_ends import far_constraints
-from linkwright.core.optimize.exchange.program import Solution
+from linkwright.core.optimize.exchange.program import Ask, Solution
+from linkwright.core.optimize.problem import Problem
+from linkwright.core.optimize.ranges import Ranges
+from linkwright.core.optimize.result import BindingLimit, Candidate, Dropped
 from linkwright.core.units.quantities import format_quantity
-
-from .problem import Problem
-from .ranges import Ranges
-from .result import BindingLimit
 
 _FELT = 1e-6
 """A multiplier below this (per cent of objective per per cent of limit) is a limit that does not hold anything back."""
@@ -160,3 +162,50 @@ def _balance_bounds(problem: Problem, choice: Choice, solution: Solution, worth:
         price = -multiplier / variable.scale * worth / factor
         value = bound * factor
         yield BindingLimit(variable.name, text, value, value, unit, price, price_unit(problem, unit))
+
+
+_GIVES = 1e-6
+"""A limit that has to give way by less than this (in its logarithm) is kept."""
+
+
+def dropped_of(context: Context, choice: Choice) -> tuple[Dropped, ...]:
+    """What dropped out of a choice, and by which limits; nothing of what the poses of the best design do not tell."""
+    problem = context.problem
+    materials = [link.material for link in problem.arm.links if link.material is not None]
+    known = {material.name: material for material in (*materials, *(problem.materials or ()))}
+    dropped: list[Dropped] = []
+    chosen: dict[Literal["material", "section"], Sequence[str]] = {
+        "material": [material.name for material in problem.materials or ()],
+        "section": problem.shapes or (),
+    }
+    for kind, names in chosen.items():
+        for name in names:
+            tried = [candidate for candidate in choice.candidates if name in _of(candidate, kind)]
+            if not tried or any(item.outcome != "infeasible" for item in tried):
+                continue
+            # Of one that has it everywhere, where there is one.
+            purest = max(tried, key=lambda item, name=name, kind=kind: _of(item, kind).count(name))
+            limits = _broken(context, choice, purest, known)
+            if limits:
+                dropped.append(Dropped(kind, name, limits))
+    return tuple(dropped)
+
+
+def _of(candidate: Candidate, kind: str) -> tuple[str | None, ...]:
+    return candidate.materials if kind == "material" else candidate.shapes
+
+
+def _broken(context: Context, choice: Choice, candidate: Candidate, known: dict[str, Material]) -> tuple[str, ...]:
+    """The limits that give way in the least relaxation of all of them."""
+    problem = context.problem
+    materials = tuple(None if name is None else known[name] for name in candidate.materials)
+    pick = Combination(candidate.shapes, materials)
+    space = design_space(problem, pick.shapes)
+    row = material_row(pick.materials, problem)
+    program = Exchange(context, space).program(choice.exchanged.pool, spare=False)
+    for start in starting_points(space, row, 1):
+        solution = program.solve(start, row, choice.exchanged.pool, Ask(problem.limits, relax=True))
+        if solution.solved:
+            gives = zip(problem.limits, solution.slacks, strict=True)
+            return tuple(limit.text for limit, slack in gives if abs(slack) > _GIVES)
+    return ()

@@ -23,9 +23,9 @@ from linkwright.core.optimize.choice.picks import options as materials_of
 from linkwright.core.optimize.choice.solution_cache import Solutions
 from linkwright.core.optimize.exchange.design import arm_of, material_row, numeric_beams
 from linkwright.core.optimize.exchange.exchange import Context, context_of
+from linkwright.core.optimize.explain import dropped_of
 from linkwright.core.units.quantities import NoAnswer
 
-from .dropped import dropped_of
 from .explain import binding_limits
 from .infeasible.answer import Infeasible
 from .infeasible.needed import explained

@@ -14,10 +14,10 @@ from dataclasses import dataclass, replace
 from typing import Generic, Literal, TypeVar
 
 from linkwright.core.arm.actuators import Actuator
+from linkwright.core.optimize.balance.motors import reaches_less, with_places
 from linkwright.core.units.quantities import InputError, NoAnswer
 
 from .balance.motor_places import MotorPlace
-from .balance.motors import reaches_less, with_places
 from .choice.actuators import Assignment, assignments, few, hopeless, least_error, names_of, with_actuators
 from .choice.chooser import Progress
 from .problem import Problem

@@ -1,4 +1,7 @@
-"""Files read within bounds, written whole or not at all, and locks for those that several programs change at once."""
+"""Files read within bounds, written whole or not at all, and locks for those that several programs change at once.
+
+A file of the user's is read over what is shipped: where an environment variable says, or in the configuration folder.
+"""
 
 from __future__ import annotations
 
@@ -7,9 +10,12 @@ import re
 import select
 import stat
 import sys
-from collections.abc import Generator
+from collections.abc import Generator, Sequence
 from contextlib import contextmanager
+from dataclasses import dataclass
 from pathlib import Path
+
+from platformdirs import user_config_dir
 
 from linkwright.core.units.quantities import InputError
 
@@ -129,3 +135,26 @@ def locked(target: Path, *, wait: bool = True) -> Generator[None]:
 def lock_path(target: Path) -> Path:
     """The file whose lock stands for that of `target`."""
     return target.with_name(f".{target.name}.lock")
+
+
+@dataclass(frozen=True)
+class UserFile:
+    """A kind of file that users may have: the environment `variable` that names it, and its `name` otherwise."""
+
+    variable: str
+    name: str
+
+    @property
+    def _named(self) -> str:
+        return os.environ.get(self.variable, "").strip()
+
+    def path(self) -> Path:
+        """Where it is, or would be."""
+        named = self._named
+        return Path(os.path.expanduser(named)) if named else Path(user_config_dir("linkwright")) / self.name
+
+    def over(self, paths: Sequence[Path | str], *, user: bool) -> list[Path | str]:
+        """The files to read over what is shipped, in order: the user's own (where it exists or is named, and `user` is
+        true), then `paths`."""
+        user_path = self.path()
+        return [*([user_path] if user and (os.path.exists(user_path) or self._named) else []), *paths]

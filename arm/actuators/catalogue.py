@@ -42,12 +42,12 @@ from functools import lru_cache
 from pathlib import Path
 from types import MappingProxyType
 
+from linkwright.core.units.files import UserFile
 from linkwright.core.units.names import nearest
 from linkwright.core.units.prices import read_prices
 from linkwright.core.units.quantities import InputError
 from linkwright.core.units.reading import Mapping as Keys
 from linkwright.core.units.reading import load_yaml, shipped_files
-from linkwright.core.units.user_file import UserFile
 
 FORMAT_VERSION = 1
 """The version of the format that this code reads."""

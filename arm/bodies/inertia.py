@@ -13,8 +13,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from linkwright.core.arm.bodies.bodies import Mass, ball, known_body, rod, together
-from linkwright.core.arm.bodies.on_links import link_axes
+from linkwright.core.arm.bodies.bodies import Mass, ball, known_body, link_axes, rod, together
 from linkwright.core.arm.chain.acting import Acting, Load, masses_on
 from linkwright.core.arm.chain.beam import Beam, Taper
 from linkwright.core.arm.chain.chain import Arm

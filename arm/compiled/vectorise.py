@@ -8,16 +8,18 @@ source that works through the rows in blocks.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
 from threading import Lock
+from typing import Any
 
 import casadi as ca
 import numpy as np
 from numpy.typing import ArrayLike
 
+from linkwright.core.arm.compiled.numpy_code import NumpyProgram, numpy_program
+from linkwright.core.arm.compiled.tape import Tape, read_tape
 from linkwright.core.sections.numeric import Array
-
-from .numpy_code import NumpyProgram, numpy_program
-from .tape import Tape, read_tape
 
 Pattern = tuple[bool, ...]
 
@@ -82,3 +84,21 @@ def vectorise(inputs: Sequence[ca.SX], outputs: Sequence[ca.SX]) -> VectorFuncti
     operation without a vectorised form, named in the message.
     """
     return VectorFunction(read_tape(inputs, outputs))
+
+
+@dataclass(frozen=True)
+class Expressions:
+    """`outputs` (columns) for symbols: `inputs` are a pose q, a design p and what else they depend on."""
+
+    inputs: tuple[Any, ...]
+    outputs: tuple[Any, ...]
+
+    @cached_property
+    def function(self) -> Any:
+        """The CasADi function from inputs to outputs."""
+        return ca.Function("expressions", list(self.inputs), list(self.outputs))
+
+    @cached_property
+    def vectorised(self) -> VectorFunction:
+        """The same for many poses or designs."""
+        return vectorise(self.inputs, self.outputs)

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from types import MappingProxyType
 from typing import Any
 
+from linkwright.core.arm.figures.proportions import WALL_SLENDERNESS
 from linkwright.core.registries import Registry
 from linkwright.core.units.quantities import Relation
 from linkwright.core.units.units import kinds
@@ -40,7 +41,6 @@ from .strength import BUCKLING, SAFETY_FACTOR
 from .sums import COST, MASS, MATERIALS, PARTS, PAYLOAD, REACH, TOTAL_MASS
 from .tip_stiffness import TIP_STIFFNESS
 from .torque import TORQUE_USE
-from .walls import WALL_SLENDERNESS
 
 RANGES: Mapping[str, tuple[float, float]] = MappingProxyType(
     {"link_length": (1e-3, 100.0), "section_size": (5e-3, 0.5), "thickness": (1e-3, 50e-3)}

@@ -16,8 +16,7 @@ import casadi as ca
 import numpy as np
 
 from linkwright.core.arm.bodies.beams import beam_of
-from linkwright.core.arm.bodies.bodies import rod
-from linkwright.core.arm.bodies.on_links import link_axes
+from linkwright.core.arm.bodies.bodies import link_axes, rod
 from linkwright.core.arm.chain.chain import Arm, Joint
 from linkwright.core.arm.motion.cycle import Cycle, cycles_of, drive_torques
 from linkwright.core.arm.motion.rigid import parameters_of, rigid_torque, without_tip_load

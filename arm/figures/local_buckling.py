@@ -15,7 +15,7 @@ from linkwright.core.arm.chain.kinematics import parts
 from linkwright.core.arm.chain.similar_taper import similar_station
 from linkwright.core.arm.chain.statics import LinkState, solve
 from linkwright.core.arm.chain.vectors import dot
-from linkwright.core.arm.compiled.expressions import Expressions
+from linkwright.core.arm.compiled.vectorise import Expressions
 from linkwright.core.arm.errors.model import beam_symbols, symbolic_beams
 from linkwright.core.arm.errors.structure import by_structure
 from linkwright.core.arm.limits.wall_modes import Mode, WallLoads, modes_of

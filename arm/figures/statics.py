@@ -13,7 +13,7 @@ import numpy as np
 from linkwright.core.arm.chain.chain import Arm, LoadCase
 from linkwright.core.arm.chain.kinematics import parts
 from linkwright.core.arm.chain.statics import PoseState, solve
-from linkwright.core.arm.compiled.expressions import Expressions
+from linkwright.core.arm.compiled.vectorise import Expressions
 from linkwright.core.arm.errors.model import beam_symbols, symbolic_beams
 from linkwright.core.arm.errors.structure import by_structure
 from linkwright.core.arm.limits.weakest_poses import climbed

@@ -27,7 +27,7 @@ from linkwright.core.arm.chain.chain import Arm, LoadCase
 from linkwright.core.arm.chain.kinematics import parts
 from linkwright.core.arm.chain.statics import LinkState, PoseState, solve
 from linkwright.core.arm.chain.vectors import Scalar, Vector, add, cross, dot, plus, scale, times
-from linkwright.core.arm.compiled.expressions import Expressions
+from linkwright.core.arm.compiled.vectorise import Expressions
 from linkwright.core.arm.effects.elastic.link_bending import bent_end, in_both_planes
 from linkwright.core.arm.errors.model import beam_symbols, symbolic_beams
 from linkwright.core.arm.errors.structure import by_structure

@@ -19,7 +19,7 @@ import casadi as ca
 import numpy as np
 
 from linkwright.core.arm.chain.chain import Arm, LoadCase
-from linkwright.core.arm.compiled.expressions import Expressions
+from linkwright.core.arm.compiled.vectorise import Expressions
 from linkwright.core.arm.errors.model import beam_symbols, beam_values, beams_of, error_model
 from linkwright.core.arm.errors.structure import by_structure
 from linkwright.core.arm.limits.weakest_poses import climbed, plainest

@@ -14,7 +14,7 @@ import numpy as np
 from linkwright.core.arm.chain.chain import Arm, Joint, LoadCase
 from linkwright.core.arm.chain.statics import PoseState
 from linkwright.core.arm.chain.vectors import Scalar
-from linkwright.core.arm.compiled.expressions import Expressions
+from linkwright.core.arm.compiled.vectorise import Expressions
 from linkwright.core.sections.numeric import Array
 
 from .design import DesignValues

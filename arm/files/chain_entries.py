@@ -11,6 +11,7 @@ from linkwright.core.arm.actuators import Actuator, load_actuators
 from linkwright.core.arm.chain.balance import PointMass
 from linkwright.core.arm.chain.chain import FloatVector, Joint, JointType, Link, Zones
 from linkwright.core.arm.chain.vectors import ZERO, Rotation, compose, from_roll_pitch_yaw, norm, snap_vector, unit
+from linkwright.core.arm.files.structures import read_flange, read_guide, running_out
 from linkwright.core.materials.catalogue import Catalogue
 from linkwright.core.sections import SHAPES, SectionError, load_stock
 from linkwright.core.sections.section import Section
@@ -25,10 +26,7 @@ from .following import read_following
 from .heights import UP
 from .origin import read_origin, read_vector
 from .prices import read_cost
-from .running_out import running_out
-from .structures.flange import read_flange
-from .structures.guide import read_guide
-from .structures.stiffness import read_stiffness
+from .structures import read_stiffness
 
 _AXES = MappingProxyType({"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)})
 

@@ -24,7 +24,7 @@ from .heights import height_to_value
 from .origin import origin_given, origin_to_value
 from .prices import cost_to_value, machining_to_mapping
 from .read import acts_on_slides
-from .structures.stiffness import stiffness_rows
+from .structures import stiffness_rows
 
 _COUNTERBALANCES = MappingProxyType(
     {

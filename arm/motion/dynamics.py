@@ -1,4 +1,4 @@
-"""Joint torques and power of a motion by the whole model of an arm: rigid dynamics and effects."""
+"""Joint torques and power of a motion by the whole model of an arm, and the load of each drive over it."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from linkwright.core.arm.chain.chain import EffectEntry
+from linkwright.core.arm.chain.chain import EffectEntry, Joint
 from linkwright.core.arm.effects import EFFECTS, Settings
 from linkwright.core.arm.effects.loads.inertial import OfInertia, torque_of_more
 from linkwright.core.arm.motion.motion import Motion
@@ -87,3 +87,46 @@ def drive_power(motion: Motion, torque: Array) -> Array:
     """The power of each drive (N, n) W under these torques (N, n): positive where it drives, negative where it
     brakes."""
     return torque * motion.velocity
+
+
+@dataclass(frozen=True)
+class OfDrive:
+    """What a motion asks of one drive, by the arm's whole model: the greatest `torque` (N*m; N for a slide) to either
+    side and its root mean square `rms_torque` over time, the greatest `speed` (rad/s, m/s) and `power` (W), the
+    `energy` (J) that the drive puts in and what it brakes off again (`braked`)."""
+
+    torque: float
+    rms_torque: float
+    speed: float
+    power: float
+    energy: float
+    braked: float
+
+    def uses(self, joint: Joint) -> tuple[float | None, float | None]:
+        """What share of its joint's peak torque the greatest torque takes, and of its rated one the root mean square;
+        None where nobody knows those."""
+        rated, peak = joint.rating
+        return None if peak is None else self.torque / peak, None if rated is None else self.rms_torque / rated
+
+
+def loads_of(motion: Motion) -> tuple[OfDrive, ...]:
+    """What a motion asks of each of an arm's drives, by the rigid arm and its `effects`; integrals by trapezoids.
+
+    Raises `PropertyNeeded` for a link of unknown mass, `InputError` for an arm with branches or links that run out.
+    """
+    torque = model_torque(motion)
+    power = drive_power(motion, torque)
+    span = float(motion.time[-1] - motion.time[0])
+    loads: list[OfDrive] = []
+    for item, speed, work in zip(torque.T, motion.velocity.T, power.T, strict=True):
+        loads.append(
+            OfDrive(
+                torque=float(np.abs(item).max()),
+                rms_torque=float(np.sqrt(np.trapezoid(item**2, motion.time) / span)),
+                speed=float(np.abs(speed).max()),
+                power=float(work.max()),
+                energy=float(np.trapezoid(np.maximum(work, 0.0), motion.time)),
+                braked=float(-np.trapezoid(np.minimum(work, 0.0), motion.time)),
+            )
+        )
+    return tuple(loads)

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from linkwright.core.arm.bodies.on_links import link_axes
+from linkwright.core.arm.bodies.bodies import link_axes
 from linkwright.core.arm.chain.chain import Arm, FloatVector
 from linkwright.core.arm.chain.kinematics import place, turns_by_drives
 from linkwright.core.arm.chain.vectors import Vector

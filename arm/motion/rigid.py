@@ -17,8 +17,7 @@ from dataclasses import replace
 import numpy as np
 
 from linkwright.core.arm.bodies.beams import beam_of
-from linkwright.core.arm.bodies.bodies import Mass, ball
-from linkwright.core.arm.bodies.on_links import masses_on_link
+from linkwright.core.arm.bodies.bodies import Mass, ball, masses_on_link
 from linkwright.core.arm.chain.chain import Arm, FloatVector
 from linkwright.core.arm.chain.following import turns, turns_by_coordinates
 from linkwright.core.arm.chain.kinematics import turns_by_drives

@@ -10,10 +10,10 @@ import numpy as np
 from linkwright.core.arm.chain.chain import Arm, FloatVector
 from linkwright.core.arm.chain.kinematics import section_directions
 from linkwright.core.arm.chain.vectors import snap_vector
+from linkwright.core.arm.placed.views import Stand, stands
 from linkwright.core.sections.numeric import Array
 from linkwright.core.sections.section import Section
 
-from .link_frames import Stand, stands
 from .views import upwards
 
 _UPRIGHT = 1e-6

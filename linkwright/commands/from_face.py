@@ -70,8 +70,7 @@ def _heard(problem: lw.Problem, steps: Any) -> dict[str, Any]:
     from linkwright.results.design import rigid_links_words
     from linkwright.results.figures_in_words import mm
     from linkwright.results.optimization import iteration_line
-    from linkwright.screen.console import console
-    from linkwright.screen.loudness import loudness
+    from linkwright.screen.console import console, loudness
 
     screen = console()
 
@@ -109,8 +108,7 @@ def _tell_infeasible(infeasibility: Any, problem: Path, targets: Targets) -> Non
 
 
 def _apart() -> None:
-    from linkwright.screen.console import console
-    from linkwright.screen.loudness import loudness
+    from linkwright.screen.console import console, loudness
 
     if loudness() != "answer":
         console().print()

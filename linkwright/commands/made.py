@@ -147,7 +147,7 @@ class Made:
             )
 
         def command(**words: Any) -> None:
-            from linkwright.screen.loudness import showing
+            from linkwright.screen.console import showing
 
             with showing(quiet=words.pop("quiet", False), verbose=words.pop("verbose", False)):
                 self.run(words)

@@ -98,8 +98,7 @@ def check_pdf(path: Path | None) -> None:
 
 def tell_written(written: Sequence[Path], unwritten: str = "") -> None:
     """List the files that were written, or say that there are none, but for whoever wants the answer alone."""
-    from linkwright.screen.console import console
-    from linkwright.screen.loudness import loudness
+    from linkwright.screen.console import console, loudness
 
     if loudness() != "answer":
         for line in [f"written: {path}" for path in written] or ([unwritten] if unwritten else []):

@@ -16,7 +16,7 @@ from linkwright.core.arm.descriptions.formats import Exported
 from linkwright.core.arm.errors.model import beams_of
 from linkwright.core.arm.placed.heights import heights
 from linkwright.core.sections.taper import Tapered
-from linkwright.core.units.spreadsheet import defused
+from linkwright.core.units.workbook import defused
 from linkwright.results.figures_in_words import shape_words
 
 _DIGITS = 9

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from linkwright.core.arm.chain.chain import Arm
 from linkwright.core.arm.descriptions.formats import Exported
-from linkwright.core.arm.placed.link_frames import Stand, stands
+from linkwright.core.arm.placed.views import Stand, stands
 from linkwright.core.sections.section import Section
 from linkwright.core.sections.taper import Tapered
 from linkwright.core.units.extras import not_installed

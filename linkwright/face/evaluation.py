@@ -22,7 +22,7 @@ from linkwright.core.arm.figures import FIGURES, Figure
 from linkwright.core.arm.figures.error import MAX_ERROR
 from linkwright.core.arm.figures.frequency import FIRST_FREQUENCY
 from linkwright.core.arm.files.poses import read_poses
-from linkwright.core.arm.motion.loads import OfDrive, loads_of
+from linkwright.core.arm.motion.dynamics import OfDrive, loads_of
 from linkwright.core.diagnose.motion.uses.trajectory import read_motion
 from linkwright.core.optimize.robust.result import RobustFigure
 from linkwright.core.sections.numeric import Array

@@ -13,10 +13,10 @@ from linkwright.core.arm.chain.chain import Arm as Model
 from linkwright.core.arm.chain.chain import Link
 from linkwright.core.arm.chain.kinematics import place
 from linkwright.core.arm.corrections import CORRECTIONS
+from linkwright.core.arm.descriptions.exported import unlike
 from linkwright.core.arm.descriptions.formats import Exported
 from linkwright.core.arm.descriptions.formats import export_arm as exported
 from linkwright.core.arm.descriptions.imported_arm import Imported as ImportedResult
-from linkwright.core.arm.descriptions.urdf_check import unlike
 from linkwright.core.materials.catalogue import load_catalogue
 from linkwright.core.units.extras import not_installed
 from linkwright.core.units.quantities import InputError, shown

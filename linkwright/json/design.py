@@ -23,7 +23,7 @@ from linkwright.json.fields import fields, fields_if, in_mm
 if TYPE_CHECKING:
     from linkwright.core.arm.errors.at_pose import PoseError
     from linkwright.core.arm.evaluation import Compliance, Evaluation
-    from linkwright.core.arm.motion.loads import OfDrive
+    from linkwright.core.arm.motion.dynamics import OfDrive
     from linkwright.core.optimize.result import KeptLimit, NotRounded, OptimizationResult, Rounded
     from linkwright.core.optimize.robust.result import Robust, RobustFigure
 

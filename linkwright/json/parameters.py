@@ -1,15 +1,17 @@
-"""Fitted parameters in the units of files for machines."""
+"""Fitted parameters and the rivals of a diagnosis in the units of files for machines."""
 
 from __future__ import annotations
 
 import math
 from types import MappingProxyType
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from linkwright.core.diagnose.result import FittedParameter
 from linkwright.core.units.quantities import format_quantity, kind_of
+from linkwright.json.fields import fields
 
-from .fields import fields
+if TYPE_CHECKING:
+    from linkwright.core.diagnose.judge.rivals import Rivals
 
 _UNITS = MappingProxyType(
     {
@@ -56,3 +58,15 @@ def parameter_row(fitted: FittedParameter) -> dict[str, Any]:
     """A fitted parameter as columns: value and 95 % interval in `unit`."""
     value, low, high = (in_unit(item, fitted.kind) for item in (fitted.value, *fitted.alone))
     return {"parameter": fitted.name, "value": value, "low": low, "high": high, "unit": unit_of(fitted.kind)}
+
+
+def rivals_json(rivals: Rivals | None, *figures: str, by_joint: bool = False) -> dict[str, Any]:
+    """The models that were tried on held-out readings with some `figures` (see `fields`), and which of them the file
+    holds and why; `by_joint` of which branch."""
+    if rivals is None:
+        return {"rivals": [], "written": None, "written_because": None}
+    table = [fields(item, "name", "parameters", *figures) for item in rivals.table]
+    if by_joint:
+        for entry, item in zip(table, rivals.table, strict=True):
+            entry["by_joint"] = [value if math.isfinite(value) else None for value in item.rms().tolist()]
+    return {"rivals": table, "written": rivals.written, "written_because": rivals.why}

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 from linkwright.core.units.extras import not_installed
 from linkwright.core.units.quantities import InputError
-from linkwright.core.units.spreadsheet import defused
+from linkwright.core.units.workbook import defused
 
 from .files import write_file
 

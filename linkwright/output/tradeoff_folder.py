@@ -10,7 +10,7 @@ from typing import Any
 from linkwright.core.materials.catalogue import Catalogue
 from linkwright.core.optimize.tradeoff.front import Front, Point, Tradeoff
 from linkwright.core.optimize.tradeoff.question import Axis
-from linkwright.core.units.spreadsheet import defused
+from linkwright.core.units.workbook import defused
 from linkwright.json.design import links_json
 from linkwright.json.fields import fields
 from linkwright.output.arm_file import arm_file

@@ -1,20 +1,25 @@
-"""The console that everything is printed to."""
+"""The console that everything is printed to, and how much it shows.
+
+`LINKWRIGHT_SHOW` says how much; `--quiet` and `--verbose` set it for one command.
+"""
 
 from __future__ import annotations
 
 import os
 import sys
+from collections.abc import Generator
+from contextlib import contextmanager
 from textwrap import TextWrapper
-from typing import Any, NoReturn
+from typing import Any, Literal, NoReturn
 
 from rich.box import SIMPLE_HEAD
 from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
+from linkwright.core.units.quantities import InputError
 from linkwright.output.stream import OutputClosed, asked_measure, drop_output, printable
-
-from .narrow import FittingTable
+from linkwright.screen.narrow import FittingTable
 
 PLAIN_WIDTH = 100
 """Columns where the output is not a terminal, unless COLUMNS says otherwise."""
@@ -74,3 +79,35 @@ def table(*headings: str, numbers: tuple[int, ...] = (), title: str | None = Non
     for index, heading in enumerate(headings):
         made.add_column(heading, justify="right" if index in numbers else "left", overflow="fold")
     return made
+
+
+SHOW = "LINKWRIGHT_SHOW"
+Loudness = Literal["answer", "usual", "all"]
+
+
+def loudness() -> Loudness:
+    """`answer`: the answer and warnings alone; `usual`; `all`: what is else left to the report too. Raises `InputError`
+    where the environment says something else."""
+    level = os.environ.get(SHOW) or "usual"
+    for known in ("answer", "usual", "all"):
+        if level == known:
+            return known
+    raise InputError("", SHOW, f"is 'answer', 'usual' or 'all', not {level!r}; or leave it unset")
+
+
+@contextmanager
+def showing(*, quiet: bool, verbose: bool) -> Generator[None]:
+    """For the length of a command. Raises `InputError` for both at once."""
+    if quiet and verbose:
+        raise InputError("", "--quiet", "goes without --verbose; leave one out")
+    before = os.environ.get(SHOW)
+    if quiet or verbose:
+        os.environ[SHOW] = "answer" if quiet else "all"
+    try:
+        loudness()
+        yield
+    finally:
+        if before is None:
+            os.environ.pop(SHOW, None)
+        else:
+            os.environ[SHOW] = before

@@ -21,9 +21,9 @@ from linkwright.results.document import (
     plain,
     words,
 )
+from linkwright.screen.console import Loudness, loudness
 
 from .console import table as empty_table
-from .loudness import Loudness, loudness
 
 _BAR = 24
 _WIDE = 80
@@ -31,7 +31,7 @@ _STYLES = (("strong", "bold"), ("warning", "bold red"))
 
 
 def show(out: Console, description: Description) -> None:
-    """Print a result, as much of it as `linkwright.screen.loudness` says."""
+    """Print a result, as much of it as `linkwright.screen.console` says."""
     how = loudness()
     _say(out, f"{description.subject}{description.headline}", "bold")
     _Shown(out, how).show(_warnings(description.items) if how == "answer" else description.items)

@@ -14,8 +14,7 @@ from rich.table import Column
 from rich.text import Text
 
 from linkwright.output.stream import printable
-from linkwright.screen.console import console
-from linkwright.screen.loudness import loudness
+from linkwright.screen.console import console, loudness
 
 _PATIENCE = 1.0
 """Seconds of silence; what is done by then needs no bar."""

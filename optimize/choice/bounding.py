@@ -1,4 +1,9 @@
-"""Combinations bounded on one pool of poses by an executor's workers, each with compiled programs of its own."""
+"""Combinations bounded on one pool of poses by an executor's workers, each with compiled programs of its own.
+
+The multipliers of a solved combination, those of its relaxation about its solution (`at_once.relaxation`), make one
+sum of its objective, its binding poses and its limits that no design of any combination can have above its objective
+(Lagrange). Its least over the cells of each link's options bounds each combination by a sum of one number a link.
+"""
 
 from __future__ import annotations
 
@@ -7,15 +12,69 @@ from dataclasses import dataclass
 from functools import partial
 from typing import TYPE_CHECKING, TypeAlias
 
-from linkwright.core.executors import Executor, Work
-from linkwright.core.optimize.exchange.binding_poses import Pool
-from linkwright.core.optimize.exchange.exchange import context_of
-from linkwright.core.optimize.problem import Problem
+import numpy as np
+from numpy.typing import NDArray
 
-from .picks import Combination
+from linkwright.core.executors import Executor, Work
+from linkwright.core.optimize.choice.agreement import table
+from linkwright.core.optimize.choice.at_once.feasibility import Feasibility
+from linkwright.core.optimize.choice.picks import Combination, OptionTable, agreeing, option_table
+from linkwright.core.optimize.exchange.binding_poses import Pool
+from linkwright.core.optimize.exchange.exchange import Exchange, context_of
+from linkwright.core.optimize.exchange.program import Solution
+from linkwright.core.optimize.problem import Problem
+from linkwright.core.sections.numeric import Array
 
 if TYPE_CHECKING:
-    from .chooser import Chooser
+    from linkwright.core.optimize.choice.chooser import Chooser
+
+
+@dataclass
+class CombinationBounds:
+    """A bound from below (SI) for every combination: `bounds` has an axis for each elastic link, with its options."""
+
+    options: OptionTable
+    bounds: Array
+    impossible: NDArray[np.bool_]
+    closed: NDArray[np.bool_]
+    """Those that were solved or cannot be: nothing more is to be learnt about them."""
+    unsolved: NDArray[np.bool_]
+    """Those on which the solver failed: nothing is known of them but what bounds others."""
+    feasibility: Feasibility
+    """What relaxes the problem, and rules out others where one cannot keep the limits."""
+
+    def rule_out(self, exchange: Exchange, solution: Solution, pick: Combination, pool: Pool) -> None:
+        """Tell what cannot keep the limits from a combination that cannot, and the solution in which they give way as
+        little as they can."""
+        self.impossible[self.options.place(pick)] = True
+        self.feasibility.learn(exchange, solution, pick, pool)
+        self.impossible |= self.feasibility.impossible
+        self.closed |= self.impossible
+
+    def learn(
+        self, exchange: Exchange, solution: Solution, pick: Combination, objective: float, enough: float = np.inf
+    ) -> bool:
+        """Raise the bounds by a solution, of those that are below `enough` (SI); `objective` (SI) is its own. False
+        where the model is no sum of products."""
+        bounds = self.feasibility.bounds_by(exchange, solution, pick, objective, enough)
+        if bounds is None:
+            return False
+        np.maximum(self.bounds, bounds, out=self.bounds)
+        return True
+
+
+def combination_bounds(problem: Problem, feasibility: Feasibility | None) -> CombinationBounds | None:
+    """Bounds for all combinations of a problem, none known yet; None where nothing relaxes it: too many combinations,
+    lengths to be chosen, scenarios, or play that depends on the design."""
+    if feasibility is None:
+        return None
+    options = option_table(problem)
+    out = feasibility.impossible.copy()
+    for codes, most in agreeing(problem, options):
+        out |= ~table(codes, most)
+    least, unsolved = np.full(options.shape, -np.inf), np.zeros(options.shape, dtype=bool)
+    return CombinationBounds(options, least, out, out.copy(), unsolved, feasibility)
+
 
 _TOGETHER = 4
 """Combinations of the same shapes, which share a program, that are sent together at most."""

@@ -18,6 +18,7 @@ from linkwright.core.arm.figures import OfDesign, Totals, excess
 from linkwright.core.arm.files.write import arm_to_yaml
 from linkwright.core.arm.worst.workspace import Unreachable
 from linkwright.core.executors import Executor
+from linkwright.core.optimize.choice.signs import one_signed
 from linkwright.core.optimize.exchange.binding_poses import Pool
 from linkwright.core.optimize.exchange.design import (
     LENGTH,
@@ -39,7 +40,6 @@ from linkwright.core.optimize.result import Candidate, Iteration
 from .at_once.feasibility import Feasibility, feasibility_of
 from .bounding import Bounded, bound_all, bounding
 from .picks import Combination, one_link_changed, uniform
-from .signs import one_signed
 from .solution_cache import Answer, Ended, Solutions, key_of
 
 Array = NDArray[np.float64]

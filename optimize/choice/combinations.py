@@ -36,7 +36,7 @@ _FEW = 24
 class Choice:
     """The best combination, its finished exchange and objective (SI), and what became of the others.
 
-    `one_signed`: no terms of the error cancel at the poses that designs were held against (`optimize.choice.signs`).
+    `one_signed`: no terms of the error cancel at the poses that designs were held against (`optimize.choice.products`).
     """
 
     combination: Combination

@@ -1,7 +1,7 @@
 """The best of many combinations: those that their bounds do not exclude are solved, the most promising first.
 
-Every combination solved raises the bounds of the others (`optimize.choice.bounds`); those whose bound is no better than
-the best design are out without a separate solution. Where there are too many for a bound each, all are bounded at
+Every combination solved raises the bounds of the others (`optimize.choice.bounding`); those whose bound is no better
+than the best design are out without a separate solution. Where there are too many for a bound each, all are bounded at
 once (`at_once.branching`), and so they are where lengths are chosen. Where the model is no sum of products, play
 depends on the design, or poses of a place in space turn with the lengths, nothing bounds them: they are then searched
 link by link; and so they are where tapers or counterweights are chosen.
@@ -14,9 +14,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from linkwright.core.optimize.choice.bounding import CombinationBounds, combination_bounds
+
 from .at_once.branching import Branching, Proof
 from .at_once.feasibility import MOST_AT_ONCE, feasibility_of
-from .bounds import CombinationBounds, combination_bounds
 from .chooser import Chooser, Solved
 from .picks import Combination, count, uniform
 

@@ -10,9 +10,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from linkwright.core.arm.chain.chain import Arm
+from linkwright.core.optimize.choice.bounding import CombinationBounds
 from linkwright.core.optimize.exchange.design import arm_of
 
-from .bounds import CombinationBounds
 from .chooser import Chooser
 from .large_choice import NEAR, Among, learn_from
 from .picks import Combination

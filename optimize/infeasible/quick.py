@@ -3,7 +3,7 @@
 Each rests on an arm that no design can be better than: links as light as the lightest section and as stiff as the
 stiffest (or weightless and rigid), with the stiffest, lightest and closest drives that may be chosen. By Rayleigh's
 principle no frequency is above that of an arm that is stiffer and lighter; compliances and, where no two terms cancel
-(`optimize.choice.signs`), errors add up term by term.
+(`optimize.choice.products`), errors add up term by term.
 """
 
 from __future__ import annotations

@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from linkwright.core.optimize.choice.agreement import number_of
-from linkwright.core.optimize.choice.at_once.cells import LENGTH
+from linkwright.core.optimize.choice.at_once.cells import LENGTH, Cells
 from linkwright.core.optimize.choice.at_once.lengths import log_spans
 from linkwright.core.optimize.choice.at_once.parts import BranchAndBound
 from linkwright.core.optimize.choice.at_once.relaxation import Node, Relaxation, Relaxed
@@ -18,13 +18,32 @@ from linkwright.core.optimize.choice.at_once.splitting import split
 from linkwright.core.optimize.exchange.binding_poses import Pool
 from linkwright.core.optimize.exchange.exchange import Context
 from linkwright.core.optimize.result import Iteration
+from linkwright.core.optimize.sizes.designs_at_once import Table
+from linkwright.core.optimize.sizes.judge import Judge
+from linkwright.core.optimize.sizes.options import LinkList
+from linkwright.core.optimize.sizes.rows import Integers
 from linkwright.core.sections.numeric import Array
 
-from .designs_at_once import Table
-from .judge import Judge
-from .options import LinkList
-from .points import Points
-from .rows import Integers
+
+class Points(Cells):
+    """The options of a link: each is a cell that is never split, with the number that the list gives it."""
+
+    def __init__(self, link_list: LinkList) -> None:
+        count = len(link_list.options)
+        self.count = count
+        self.option = np.arange(count)
+        self.roots = np.arange(count)
+        self.corners = np.repeat(link_list.columns[:, None], 2, axis=1)
+        self.kept = np.ones((count, 2), dtype=bool)
+        self.bends = np.zeros((count, 0, link_list.columns.shape[1]))
+        self.held, self.held_bends = np.zeros((count, 1, 0)), np.zeros((count, 0, 0))
+        self.across = np.zeros(count, dtype=bool)
+
+    @property
+    def spent(self) -> bool:
+        """A point has no parts."""
+        return True
+
 
 Progress = Callable[[int, int, str], None]
 _AGREE = 1e-6

@@ -48,11 +48,11 @@ import numpy as np
 from linkwright.core.sections.build import build
 from linkwright.core.sections.section import Section, SectionError
 from linkwright.core.sections.shapes import SHAPES
+from linkwright.core.units.files import UserFile
 from linkwright.core.units.names import meant, nearest
 from linkwright.core.units.quantities import InputError, shown
 from linkwright.core.units.reading import parse_bundled_yaml, parse_yaml
 from linkwright.core.units.reading import read_text as file_text
-from linkwright.core.units.user_file import UserFile
 
 FORMAT_VERSION = 1
 """The version of the table format that this code reads."""

@@ -30,7 +30,7 @@ def sections(tmp_path, tmp_path_factory, monkeypatch, capsys):
     for name in ("LINKWRIGHT_SECTIONS", "VISUAL", "EDITOR"):
         monkeypatch.delenv(name, raising=False)
     monkeypatch.setattr(
-        "linkwright.core.units.user_file.user_config_dir", lambda name: str(tmp_path / "configuration" / name)
+        "linkwright.core.units.files.user_config_dir", lambda name: str(tmp_path / "configuration" / name)
     )
 
     def command(*arguments):

@@ -17,19 +17,19 @@ from pathlib import Path
 from types import FrameType
 from typing import Any
 
-from linkwright.core.catalogues import store
+from linkwright.core.catalogues import editor
 from linkwright.core.materials.catalogue import load_layer
 from linkwright.core.units import files
 from linkwright.core.units.files import locked
 
-WATCHED = {store.__file__, files.__file__}
+WATCHED = {editor.__file__, files.__file__}
 
 
 def edit(path: Path, density: int) -> None:
     def change(text: str | None) -> tuple[str, str]:
         return re.sub(r"density: \d+ ", f"density: {density} ", text or ""), f"density {density}"
 
-    store.edit_text(path, change)
+    editor.edit_text(path, change)
 
 
 def density_in(path: Path) -> float:

@@ -369,7 +369,7 @@ def test_own_catalogue_is_read_from_the_environment_and_must_then_exist(tmp_path
 
 
 def test_own_catalogue_in_the_configuration_folder_may_be_absent(tmp_path, monkeypatch):
-    monkeypatch.setattr("linkwright.core.units.user_file.user_config_dir", lambda name: str(tmp_path / name))
+    monkeypatch.setattr("linkwright.core.units.files.user_config_dir", lambda name: str(tmp_path / name))
     assert "my-alloy" not in load_catalogue()
     write(tmp_path / "linkwright" / "materials.yaml", GOOD)
     assert "my-alloy" in load_catalogue()

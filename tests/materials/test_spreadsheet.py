@@ -11,8 +11,7 @@ from hypothesis import strategies as st
 from benchmarks.fuzz.kinds import RELATIONS, TYPES
 from linkwright.core.catalogues.csv_table import read_rows, table_text
 from linkwright.core.units.quantities import InputError
-from linkwright.core.units.spreadsheet import defused, fused
-from linkwright.core.units.workbook import workbook_text
+from linkwright.core.units.workbook import defused, fused, workbook_text
 
 # From OWASP's page on the attack.
 ATTACKS = [

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from linkwright.core.catalogues import store
+from linkwright.core.catalogues import editor
 from linkwright.core.catalogues.materials import MATERIALS
 from linkwright.core.materials.catalogue import load_layer
 from linkwright.core.units.quantities import InputError
@@ -68,7 +68,7 @@ def test_links_and_permissions_stay(tmp_path):
     real.write_text("a")
     real.chmod(0o640)
     link.symlink_to(real)
-    store.edit_text(link, lambda _: ("b", "wrote b"))
+    editor.edit_text(link, lambda _: ("b", "wrote b"))
     assert link.is_symlink()
     assert real.read_text() == "b"
     assert real.stat().st_mode & 0o777 == 0o640
@@ -77,7 +77,7 @@ def test_links_and_permissions_stay(tmp_path):
 def test_a_folder_in_the_way_is_wrong_input(tmp_path):
     (tmp_path / "c.yaml").mkdir()
     with pytest.raises(InputError, match="directory"):
-        store.edit_text(tmp_path / "c.yaml", lambda _: ("a", "x"))
+        editor.edit_text(tmp_path / "c.yaml", lambda _: ("a", "x"))
     (tmp_path / "file").write_text("")
     with pytest.raises(InputError, match="cannot be"):
-        store.edit_text(tmp_path / "file" / "c.yaml", lambda _: ("a", "x"))
+        editor.edit_text(tmp_path / "file" / "c.yaml", lambda _: ("a", "x"))

@@ -10,7 +10,7 @@ from typing import Any
 import pytest
 
 from linkwright.core.optimize.choice import combinations as chooser
-from linkwright.core.optimize.choice.bounds import CombinationBounds
+from linkwright.core.optimize.choice.bounding import CombinationBounds
 from linkwright.core.optimize.choice.chooser import Chooser
 from linkwright.core.optimize.choice.large_choice import Among
 from linkwright.core.optimize.choice.picks import Combination, combinations

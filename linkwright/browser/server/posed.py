@@ -17,8 +17,7 @@ from linkwright.core.arm.chain.kinematics import place, tip_position
 from linkwright.core.arm.chain.statics import solve
 from linkwright.core.arm.errors.model import beam_values, beams_of, error_model
 from linkwright.core.arm.errors.unknown_mass import unknown_taken_out
-from linkwright.core.arm.placed.link_frames import stands
-from linkwright.core.arm.placed.views import upwards
+from linkwright.core.arm.placed.views import stands, upwards
 from linkwright.core.arm.worst.parts import worst_search
 from linkwright.core.arm.worst.search import WorstPose, WorstSearch
 from linkwright.core.arm.worst.workspace import Workspace, joint_box, spread

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path, PurePath
 from typing import TYPE_CHECKING, Any, cast
+
+import numpy as np
 
 from linkwright.core.diagnose.motion.log import MotionLog
 from linkwright.core.diagnose.motion.reading.read import holds_motion, is_motion_log, logs_from, table_of_log
@@ -112,3 +114,16 @@ def _is_motion(given: object, arm: Arm, settings: File | None) -> bool:
 
 def _is_frame(given: object) -> bool:
     return not isinstance(given, str) and hasattr(given, "columns")
+
+
+_ROUNDED = 1e-5
+"""The share of the largest figure by which one may differ that is read back: files of motions hold seven digits."""
+
+
+def unlike_arrays(meant: object, back: object, *names: str) -> Iterator[str]:
+    """The attributes (arrays of any shape, SI) in which what was read back is not what was meant."""
+    for name in names:
+        ours, theirs = (np.asarray(getattr(item, name), dtype=float) for item in (meant, back))
+        bound = _ROUNDED * max(1.0, float(np.abs(ours).max(initial=0.0)))
+        if ours.shape != theirs.shape or not np.allclose(ours, theirs, rtol=0.0, atol=bound):
+            yield f"another {name}"

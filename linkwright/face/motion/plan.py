@@ -17,6 +17,7 @@ from linkwright.core.diagnose.motion.uses.trajectory import motion_columns, read
 from linkwright.core.diagnose.motion.written import table_text
 from linkwright.core.units.quantities import InputError, NoAnswer
 from linkwright.face.arm import Arm
+from linkwright.face.motion.log import unlike_arrays
 from linkwright.face.plain_input import File
 from linkwright.face.planning.request import place_of, regions_of
 from linkwright.face.progress import Progress, reporting
@@ -32,7 +33,6 @@ from linkwright.results.motion.words import torque
 
 from .diagnosis import MotionDiagnosis, diagnosed_motion
 from .log import logs_of
-from .read_back import unlike_arrays
 
 if TYPE_CHECKING:
     import pandas as pd

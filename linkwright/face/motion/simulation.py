@@ -16,6 +16,7 @@ from linkwright.core.diagnose.motion.uses.trajectory import read_motion
 from linkwright.core.diagnose.motion.written import log_text, settings_text
 from linkwright.core.units.quantities import InputError
 from linkwright.face.arm import Arm
+from linkwright.face.motion.log import unlike_arrays
 from linkwright.face.plain_input import File, Quantity, in_si
 from linkwright.face.recording import saved, torque_noise
 from linkwright.json.fields import fields
@@ -26,7 +27,6 @@ from linkwright.results.figures_in_words import with_unit
 from linkwright.results.motion.words import of_all_joints, torque
 
 from .log import Log
-from .read_back import unlike_arrays
 
 if TYPE_CHECKING:
     from linkwright.core.diagnose.motion.log import MotionLog

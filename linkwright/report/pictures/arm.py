@@ -13,8 +13,7 @@ from linkwright.core.arm.chain.branches import ways
 from linkwright.core.arm.chain.chain import Arm, Joint
 from linkwright.core.arm.chain.kinematics import place
 from linkwright.core.arm.evaluation import Evaluation
-from linkwright.core.arm.placed.link_frames import Stand, stands
-from linkwright.core.arm.placed.views import View, from_above, view_of
+from linkwright.core.arm.placed.views import Stand, View, from_above, stands, view_of
 from linkwright.core.arm.worst.search import WorstPose
 from linkwright.core.sections.section import Section
 from linkwright.core.sections.taper import Tapered

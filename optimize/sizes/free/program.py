@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -128,3 +128,23 @@ class _Values:
         length = np.where(self.scalar, vectors[:, 0], np.sqrt(np.einsum("rd,rd->r", vectors, vectors)))
         along = np.einsum("rd,rdn->rn", vectors, slopes) / np.where(length == 0.0, 1.0, length)[:, None]
         return self.shifts + length, np.where(self.scalar[:, None], slopes[:, 0], along)
+
+
+class SettledRow:
+    """A row that is asked for at one set of lengths after another; what they share is prepared."""
+
+    def __init__(self, row: PoseRow) -> None:
+        self.row = row
+        self._places = np.arange(LENGTH, row.powers.shape[1], _WIDTH)
+        plain = row.powers.copy()
+        plain[:, self._places] = 0.0
+        self._powers, index = np.unique(plain, axis=0, return_inverse=True)
+        self._inverse = index.ravel()
+        self._lengths = row.powers[:, self._places]
+
+    def at(self, logarithms: Array) -> PoseRow:
+        """The row at logarithms of the lengths of all links (n)."""
+        terms = np.exp(self._lengths @ logarithms)[:, None] * self.row.coefficients
+        size = len(self._powers)
+        columns = [np.bincount(self._inverse, terms[:, k], minlength=size) for k in range(terms.shape[1])]
+        return replace(self.row, coefficients=np.stack(columns, axis=1), powers=self._powers)

@@ -10,7 +10,7 @@ import pytest
 import linkwright as lw
 from linkwright.cli import run
 from linkwright.core.arm.chain.chain import Arm, EffectEntry, Joint, Link
-from linkwright.core.arm.motion.loads import loads_of
+from linkwright.core.arm.motion.dynamics import loads_of
 from linkwright.core.arm.motion.motion import Motion
 from tests.arm.builders import rod_lines
 

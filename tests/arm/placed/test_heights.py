@@ -10,7 +10,7 @@ from linkwright.core.arm.evaluation import evaluate
 from linkwright.core.arm.files.read import read_arm
 from linkwright.core.arm.files.write import arm_to_yaml
 from linkwright.core.arm.placed.heights import heights
-from linkwright.core.arm.placed.link_frames import stands
+from linkwright.core.arm.placed.views import stands
 from linkwright.core.units.quantities import InputError
 
 TUBE = "{shape: rectangular_tube, width: 30 mm, height: 90 mm, thickness: 3 mm}"

@@ -3,7 +3,7 @@
 import pytest
 
 from linkwright.cli import run
-from linkwright.screen.loudness import SHOW
+from linkwright.screen.console import SHOW
 
 ARM = """
 name: hook

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from linkwright.face.motion.read_back import unlike_arrays
+from linkwright.face.motion.log import unlike_arrays
 from linkwright.json.motion import motion_json
 from linkwright.markdown.described import markdown
 from linkwright.output.files import json_text

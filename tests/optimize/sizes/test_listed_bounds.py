@@ -12,8 +12,8 @@ from linkwright.core.optimize.choice.at_once.pose_rows import PoseRow, row_of
 from linkwright.core.optimize.choice.at_once.relaxation import Relaxation
 from linkwright.core.optimize.choice.products import Power
 from linkwright.core.optimize.rounding.options import Option
+from linkwright.core.optimize.sizes.listed_search import Points
 from linkwright.core.optimize.sizes.options import LinkList
-from linkwright.core.optimize.sizes.points import Points
 from linkwright.core.optimize.sizes.rows import greatest, table_row
 from linkwright.core.optimize.sizes.search import combined
 from linkwright.core.sections.numeric import Array

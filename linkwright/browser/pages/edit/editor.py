@@ -9,6 +9,7 @@ from contextlib import suppress
 
 from nicegui import ui
 
+from linkwright.browser.pages.edit.fields import place_of
 from linkwright.browser.pages.frame import Problem
 from linkwright.browser.server.folder import Kind
 from linkwright.browser.server.keys import Place
@@ -17,7 +18,6 @@ from linkwright.core.catalogues.yaml_edit import YamlText
 from linkwright.core.units.quantities import InputError
 
 from .form import Form
-from .values import place_of
 
 _PAUSE = 0.35
 """Seconds without a further change after which a text is checked."""

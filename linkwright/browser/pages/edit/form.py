@@ -11,6 +11,7 @@ from typing import Any, TypeAlias, cast
 from nicegui import ui
 
 import linkwright as lw
+from linkwright.browser.pages.edit.fields import meant, place_of, shown
 from linkwright.browser.pages.frame import heading, picture, row, stack
 from linkwright.browser.server.folder import Kind
 from linkwright.browser.server.keys import Place, known_keys, meaning, to_choose
@@ -21,7 +22,6 @@ from linkwright.core.units.quantities import InputError
 from linkwright.report.pictures.sections import section_picture
 
 from .fields import Field, QuantityField, names_field, select_of, words_field
-from .values import meant, place_of, shown
 
 _VALUE = "Value (leave empty to remove)"
 _LONG = 20

@@ -7,19 +7,59 @@ moves the tip (ISO 9283, 7.2.2 asks for its spread).
 
 from __future__ import annotations
 
-from dataclasses import replace
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from types import MappingProxyType
 from typing import Any
 
-from linkwright.core.arm.errors.model import ErrorModel, error_model
+import casadi as ca
+
+from linkwright.core.arm.chain.chain import Arm, LoadCase
+from linkwright.core.arm.errors.model import ErrorModel, error_model, needs_shear_modulus
 from linkwright.core.arm.errors.parts import onto, part_of
 from linkwright.core.arm.errors.tip import Counted
 from linkwright.core.arm.figures.design import DesignValues
 from linkwright.core.arm.figures.error import SearchedError
 from linkwright.core.arm.figures.figure import Asked, Figure, ThroughPoses
+from linkwright.core.arm.figures.tip_stiffness import (
+    Stiffness,
+    TipCompliance,
+    compliance_along,
+    stiffness_figure,
+    tips_of,
+)
 from linkwright.core.arm.worst.search import WorstCase, WorstSearch
 from linkwright.core.units.quantities import InputError
 
-from .direction import Directed, Direction, direction_key, direction_words
+Direction = tuple[float, float, float]
+"""A unit vector in the base frame."""
+
+
+@dataclass(frozen=True)
+class Directed:
+    """A figure that takes a direction.
+
+    Attributes:
+        name: its key in problem files.
+        word: the key of its direction.
+        figure: the figure along a direction.
+        synonyms: what people call it as well.
+    """
+
+    name: str
+    word: str
+    figure: Callable[[Direction], Figure]
+    synonyms: tuple[str, ...] = ()
+
+
+def direction_words(direction: Direction) -> str:
+    """A direction as people read it: `(0, 0, 1)`."""
+    return f"({', '.join(f'{x + 0.0:.6g}' for x in direction)})"
+
+
+def direction_key(direction: Direction) -> str:
+    """A direction as part of a key in JSON: `0_0_1`."""
+    return "_".join(f"{x + 0.0:.6g}" for x in direction)
 
 
 class PartOfError(SearchedError):
@@ -120,3 +160,60 @@ REPEATABILITY = _length(
     note="farthest that play and friction alone move the tip",
     synonyms=("pose_repeatability", "lost_motion"),
 )
+
+
+class StiffnessAlong(Stiffness):
+    """The compliance along a direction."""
+
+    def __init__(self, name: str, direction: Direction) -> None:
+        """`name`: that of the figure."""
+        self.name = self.called = name
+        self.direction, self.forces = direction, (LoadCase(force=direction),)
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, StiffnessAlong) and (self.name, self.direction) == (other.name, other.direction)
+
+    def __hash__(self) -> int:
+        return hash((self.name, self.direction))
+
+    def of_arm(self, arm: Arm, cases: Sequence[LoadCase]) -> TipCompliance:
+        """d C d of the tip, or of each tip that load cases name."""
+        tips = tips_of(cases)
+        parts = [compliance_along(arm, (0, 1, 2), (tip,)) for tip in tips]
+        q, p = parts[0].inputs
+        d = ca.SX(ca.DM(self.direction))
+        entries = [ca.mtimes([d.T, ca.reshape(part.function(q, p), 3, 3), d]) for part in parts]
+        matrix = ca.vec(ca.densify(ca.diagcat(*entries)))
+        return TipCompliance((q, p), (matrix,), len(parts))
+
+    def compliance(self, problem: Asked) -> TipCompliance:
+        """The compliance along the direction; raises `InputError` where the model does without what it needs."""
+        if needs_shear_modulus(problem.arm, self.forces) and not needs_shear_modulus(problem.arm, problem.load_cases):
+            message = "is out of the arm's plane, and needs links that shear: do not leave out shear_deformation"
+            raise InputError("", f"subject_to.{self.called}", message)
+        return super().compliance(problem)
+
+
+def stiffness_along(direction: Direction) -> Figure:
+    """The least stiffness along a direction."""
+    name = f"tip_stiffness_along {direction_words(direction)}"
+    family = StiffnessAlong(name, direction)
+    return stiffness_figure(
+        name,
+        family,
+        f"tip_stiffness_along_{direction_key(direction)}",
+        title=f"tip stiffness along {direction_words(direction)}",
+        note="least",
+        at_poses=family.at_poses,
+        everywhere=False,
+    )
+
+
+STIFFNESS_ALONG = Directed(
+    "tip_stiffness_along", "direction", stiffness_along, ("stiffness_along", "directional_stiffness")
+)
+
+DIRECTED: Mapping[str, Directed] = MappingProxyType(
+    {directed.name: directed for directed in (ERROR_ALONG, ORIENTATION_ABOUT, STIFFNESS_ALONG)}
+)
+"""The figures that take a direction, by the key of a problem file."""

@@ -1,1 +1,0 @@
-"""What arm files say of flanges, and of links whose stiffness is given as such."""
