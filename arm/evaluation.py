@@ -18,9 +18,8 @@ from linkwright.core.arm.chain.prices import fixed_price, price_by_length, price
 from linkwright.core.arm.chain.vectors import is_zero
 from linkwright.core.arm.errors.first_order import BeyondFirstOrder, beyond_first_order
 from linkwright.core.arm.errors.lost_motion import played
-from linkwright.core.arm.errors.model import beam_values, beams_of, error_model
+from linkwright.core.arm.errors.model import beam_values, beams_of, error_model, rigid, values_of_rigid
 from linkwright.core.arm.errors.parts import part_of
-from linkwright.core.arm.errors.rigid_links import rigid, values_of_rigid
 from linkwright.core.arm.errors.structure import Identity
 from linkwright.core.arm.errors.tip import active_effects
 from linkwright.core.arm.errors.unknown_mass import gives_unknown, of_unknown_mass, unknown_taken_out

@@ -14,11 +14,11 @@ from concurrent.futures import CancelledError, Future
 from contextlib import ExitStack, contextmanager, suppress
 from typing import TYPE_CHECKING, Any
 
+from linkwright.core.executors.shared import packed
 from linkwright.core.units.extras import not_installed
 from linkwright.core.units.quantities import InputError
 
 from .executor import Work, WorkersLost
-from .packing import packed
 from .shared import BEAT, Begin, Shared
 
 if TYPE_CHECKING:

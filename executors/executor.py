@@ -36,7 +36,7 @@ class Work(Generic[Kept, Item, Result]):
     the steps are done.
 
     Both are functions of importable modules (or `functools.partial` of them); what they and the items hold can be sent
-    (`executors.packing`).
+    (`executors.shared`).
     """
 
     prepare: Callable[[], Kept]

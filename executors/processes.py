@@ -19,10 +19,10 @@ from contextvars import ContextVar
 from multiprocessing import get_context, parent_process
 from typing import Any
 
+from linkwright.core.executors.shared import packed, unpacked
 from linkwright.core.units.quantities import InputError
 
 from .executor import Here, Item, Kept, Pulse, Result, Work, WorkersLost, no_pulse
-from .packing import packed, unpacked
 from .shared import Begin, Shared
 from .threads import one_thread_for_children
 

@@ -1,15 +1,47 @@
-"""Steps of work shared out over executors of `concurrent.futures`: one loop for processes and for a cluster."""
+"""Steps of work shared out over executors of `concurrent.futures`: one loop for processes and for a cluster.
+
+Work crosses between processes as `pickle` sends it, but for read-only mappings, which that refuses.
+"""
 
 from __future__ import annotations
 
+import io
+import pickle
 from abc import abstractmethod
 from collections import deque
-from collections.abc import Callable, Generator, Sequence
+from collections.abc import Callable, Generator, Mapping, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, wait
+from types import MappingProxyType
 from typing import Any
 
-from .executor import Executor, Item, Kept, Pulse, Result, Work, WorkersLost, no_pulse
-from .packing import packed, unpacked
+from linkwright.core.executors.executor import Executor, Item, Kept, Pulse, Result, Work, WorkersLost, no_pulse
+
+
+class _Packer(pickle.Pickler):
+    """Sends a read-only mapping as a separate copy."""
+
+    def reducer_override(self, obj: Any) -> Any:
+        if isinstance(obj, MappingProxyType):
+            return read_only, (dict(obj),)
+        return NotImplemented
+
+
+def read_only(content: Mapping[Any, Any]) -> Mapping[Any, Any]:
+    """A read-only mapping of what was sent."""
+    return MappingProxyType(dict(content))
+
+
+def packed(content: object) -> bytes:
+    """An object as bytes. Raises what `pickle` raises where something in it cannot be sent."""
+    stream = io.BytesIO()
+    _Packer(stream, protocol=pickle.HIGHEST_PROTOCOL).dump(content)
+    return stream.getvalue()
+
+
+def unpacked(content: bytes) -> Any:
+    """The object that bytes hold; only ever of bytes that this program's processes sent."""
+    return pickle.loads(content)
+
 
 BEAT = 0.1
 """Seconds between two calls of a pulse while results are waited for."""

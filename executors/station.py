@@ -8,8 +8,9 @@ from typing import Any
 
 from distributed import WorkerPlugin, get_worker
 
+from linkwright.core.executors.shared import packed, unpacked
+
 from .executor import Here, Work
-from .packing import packed, unpacked
 
 PROGRAM = "linkwright"
 

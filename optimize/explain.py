@@ -13,8 +13,8 @@ from linkwright.core.optimize.balance.balance import FIELDS
 from linkwright.core.optimize.choice.combinations import Choice, Combination
 from linkwright.core.optimize.exchange.design import TAPER, design_space, material_row, starting_points
 from linkwright.core.optimize.exchange.exchange import Context, Exchange
-from linkwright.core.optimize.exchange.far_ends import far_constraints
 from linkwright.core.optimize.exchange.program import Ask, Solution
+from linkwright.core.optimize.exchange.rows import far_constraints
 from linkwright.core.optimize.problem import Problem
 from linkwright.core.optimize.ranges import Ranges
 from linkwright.core.optimize.result import BindingLimit, Candidate, Dropped

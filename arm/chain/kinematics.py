@@ -12,8 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from linkwright.core.sections.numeric import Array, cos, sin
-from linkwright.core.sections.symbols import column_of_symbols
+from linkwright.core.sections.numeric import Array, column_of_symbols, cos, sin
 
 from .chain import Arm, FloatVector, Joint, Link
 from .following import turns, turns_by_coordinates

@@ -8,12 +8,12 @@ from pathlib import Path
 
 import numpy as np
 
+from linkwright.core.arm.descriptions.reading.tree import about_line, transform
 from linkwright.core.sections.numeric import Array
 from linkwright.core.units.quantities import InputError
 
 from .reading.elements import Element
 from .reading.mjcf_words import Mjcf, direction, numbers
-from .reading.transforms import about_line, transform
 from .reading.urdf import read_urdf
 from .way import way_to
 

@@ -9,12 +9,12 @@ from pathlib import Path
 import numpy as np
 
 from linkwright.core.arm.chain.chain import Arm
+from linkwright.core.arm.descriptions.reading.tree import transform
 from linkwright.core.sections.numeric import Array
 from linkwright.core.units.quantities import InputError, shown
 
 from .exported import identified_geometry, standing
 from .file_frames import FileFrames
-from .reading.transforms import transform
 from .reading.tree import NO_STEP, onward
 
 SAME = 1e-6

@@ -23,14 +23,12 @@ from linkwright.core.arm.chain.statics import PoseState, solve
 from linkwright.core.arm.chain.vectors import scale
 from linkwright.core.arm.compiled.vectorise import VectorFunction, vectorise
 from linkwright.core.arm.effects import BACKLASH, JOINT_COMPLIANCE, Settings
-from linkwright.core.sections.numeric import Array
-from linkwright.core.sections.symbols import column_of_symbols
+from linkwright.core.arm.errors.calibrated import calibrated_temperature, error_since_calibrated, planar_in
+from linkwright.core.arm.errors.structure import by_structure
+from linkwright.core.arm.errors.tip import ActiveEffect, Counted, TipError, TipInterval, active_effects, tip_error
+from linkwright.core.arm.errors.varied import as_it_is, varied_case
+from linkwright.core.sections.numeric import Array, column_of_symbols
 from linkwright.core.sections.taper import FreeTaper, Tapered
-
-from .calibrated import calibrated_temperature, error_since_calibrated, planar_in
-from .structure import by_structure
-from .tip import ActiveEffect, Counted, TipError, TipInterval, active_effects, tip_error
-from .varied import as_it_is, varied_case
 
 BEAM_FIELDS = (
     "length",
@@ -350,3 +348,29 @@ def _load_scale(state: PoseState) -> Any:
 
 def _column(entries: Sequence[Any]) -> Any:
     return ca.vertcat(*[ca.SX(entry) for entry in entries]) if entries else ca.SX(0, 1)
+
+
+_RIGID = 1e30
+"""N, N*m^2: a rigidity under which nothing gives."""
+
+
+def rigid(beam: Beam) -> Beam:
+    """A beam of the same length that neither gives nor weighs, and grows as it did when it warms; what balances the arm
+    stays."""
+    return Beam(
+        length=beam.length,
+        thermal_expansion=beam.thermal_expansion,
+        balancer=beam.balancer,
+        counterweight=beam.counterweight,
+        counterweight_at=beam.counterweight_at,
+    )
+
+
+def values_of_rigid(beams: Sequence[Beam]) -> Array:
+    """As `beam_values`, for an error model whose links are elastic: rigidities that a beam lacks are so large that
+    nothing gives."""
+    values = beam_values(beams).reshape(len(beams), -1)
+    for k, name in enumerate(BEAM_FIELDS):
+        if "rigidity" in name and "coupling" not in name:
+            values[:, k] = np.where(values[:, k] == 0.0, _RIGID, values[:, k])
+    return values.ravel()

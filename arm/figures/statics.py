@@ -17,8 +17,7 @@ from linkwright.core.arm.compiled.vectorise import Expressions
 from linkwright.core.arm.errors.model import beam_symbols, symbolic_beams
 from linkwright.core.arm.errors.structure import by_structure
 from linkwright.core.arm.limits.weakest_poses import climbed
-from linkwright.core.sections.numeric import Array
-from linkwright.core.sections.symbols import column_of_symbols
+from linkwright.core.sections.numeric import Array, column_of_symbols
 
 from .design import DesignExpressions, Designs, DesignValues
 from .figure import Asked, Cut, FigureResult, Held, PoseFamily, ThroughPoses, Worst

@@ -32,8 +32,7 @@ from linkwright.core.arm.effects.elastic.link_bending import bent_end, in_both_p
 from linkwright.core.arm.errors.model import beam_symbols, symbolic_beams
 from linkwright.core.arm.errors.structure import by_structure
 from linkwright.core.arm.limits.weakest_poses import climbed
-from linkwright.core.sections.numeric import Array
-from linkwright.core.sections.symbols import column_of_symbols
+from linkwright.core.sections.numeric import Array, column_of_symbols
 
 from .design import DesignExpressions, Designs, DesignValues
 from .figure import Asked, Cut, Figure, Held, PoseFamily, ThroughPoses, Worst

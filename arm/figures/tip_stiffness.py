@@ -23,8 +23,7 @@ from linkwright.core.arm.compiled.vectorise import Expressions
 from linkwright.core.arm.errors.model import beam_symbols, beam_values, beams_of, error_model
 from linkwright.core.arm.errors.structure import by_structure
 from linkwright.core.arm.limits.weakest_poses import climbed, plainest
-from linkwright.core.sections.numeric import Array
-from linkwright.core.sections.symbols import column_of_symbols
+from linkwright.core.sections.numeric import Array, column_of_symbols
 
 from .design import DesignExpressions, Designs, DesignValues
 from .figure import Asked, Cut, Figure, Held, Limit, PoseFamily, ThroughPoses, Worst

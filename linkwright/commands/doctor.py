@@ -76,7 +76,7 @@ def _checks() -> Iterator[Check]:
     from linkwright.core.arm.actuators.catalogue import load_actuators
     from linkwright.core.materials.catalogue import load_catalogue
     from linkwright.core.sections.stock.tables import load_stock
-    from linkwright.report.pdf import need_browser
+    from linkwright.report.page import need_browser
 
     looks: tuple[tuple[str, Callable[[], str], str, str], ...] = (
         ("solver (IPOPT)", _solver, "wrong", _REINSTALL),

@@ -89,7 +89,7 @@ def check_pdf(path: Path | None) -> None:
     """Refuse, before any work is done, a PDF that could not be made. Raises `InputError`."""
     if path is not None:
         from linkwright.output.files import OUTPUT
-        from linkwright.report.pdf import need_browser
+        from linkwright.report.page import need_browser
 
         if path == OUTPUT:
             raise InputError("", "--pdf", "needs the name of a file; a PDF is nothing for standard output")
@@ -109,7 +109,7 @@ def tell_written(written: Sequence[Path], unwritten: str = "") -> None:
 def not_lost(answer: Callable[[], None]) -> Generator[None]:
     """While an answer is written: where that fails (a full disk), or what was written does not read back as it, it is
     shown before the error is told."""
-    from linkwright.output.read_back import NotAsWritten
+    from linkwright.output.files import NotAsWritten
 
     try:
         yield

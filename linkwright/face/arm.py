@@ -18,8 +18,7 @@ from linkwright.core.units.quantities import InputError
 from linkwright.core.units.reading import Mapping as Reader
 from linkwright.core.units.reading import load_yaml, parse_yaml
 from linkwright.output.arm_file import arm_file
-from linkwright.output.files import write_file
-from linkwright.output.read_back import ReadBack
+from linkwright.output.files import ReadBack, write_file
 from linkwright.results.figures_in_words import mm, section_words
 
 from .plain_input import File, edited, path_of, plain

@@ -18,8 +18,7 @@ from linkwright.core.units.quantities import InputError, format_quantity
 from linkwright.face.evaluation import LOWER, ROBUST, Figured, Values, values_of
 from linkwright.json.design import objective_unit, optimization_json
 from linkwright.json.fields import fields, in_mm
-from linkwright.output.files import DESIGN
-from linkwright.output.read_back import ReadBack
+from linkwright.output.files import DESIGN, ReadBack
 from linkwright.output.table_file import frame
 from linkwright.redesigning import Redesign as RedesignResult
 from linkwright.redesigning import describe, redesign_json, redesign_sentences

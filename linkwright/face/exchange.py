@@ -27,8 +27,7 @@ from linkwright.face.progress import Progress, reporting
 from linkwright.face.result import Field, Result, figure_of
 from linkwright.json.fields import fields, in_joint_unit, joint_unit
 from linkwright.output.arm_file import arm_file
-from linkwright.output.files import write_file
-from linkwright.output.read_back import ReadBack
+from linkwright.output.files import ReadBack, write_file
 from linkwright.output.table_file import WAYS, frame, write_table
 from linkwright.results.document import Description, Item, Lines, Paragraph, Value, amount, count, length, table
 from linkwright.results.document import table as shown_table

@@ -34,8 +34,7 @@ from linkwright.core.units.quantities import InputError, format_quantity, shown
 from linkwright.core.units.reading import Mapping as Reader
 from linkwright.core.units.reading import load_yaml, parse_yaml
 from linkwright.json.fields import fields
-from linkwright.output.files import json_text, write_file
-from linkwright.output.read_back import ReadBack
+from linkwright.output.files import ReadBack, json_text, write_file
 from linkwright.output.table_file import frame
 from linkwright.results.document import Description, Item, Lines, Paragraph
 from linkwright.results.document import table as shown_table

@@ -10,8 +10,17 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Generic, TypeVar, cast
 
 from linkwright.core.units.quantities import InputError
-from linkwright.output.files import DESIGN, OUTPUT, REPORT, RESULT, claim_folder, json_text, write_file, write_folder
-from linkwright.output.read_back import ReadBack
+from linkwright.output.files import (
+    DESIGN,
+    OUTPUT,
+    REPORT,
+    RESULT,
+    ReadBack,
+    claim_folder,
+    json_text,
+    write_file,
+    write_folder,
+)
 from linkwright.report.described import origin_of, page_of, signed
 from linkwright.results.document import Description
 from linkwright.results.document import plain as plain_words
@@ -137,7 +146,7 @@ class Reported(Result):
         of them is installed or the file cannot be written."""
         if Path(file) == OUTPUT:
             raise InputError("", "save_pdf", "needs the name of a file; a PDF is nothing for standard output")
-        from linkwright.report.pdf import pdf_of
+        from linkwright.report.page import pdf_of
 
         write_file(Path(file), pdf_of(self._page(made_from, author, comment)))
 

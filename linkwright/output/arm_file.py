@@ -20,7 +20,7 @@ from linkwright.core.arm.files.write import arm_to_yaml
 from linkwright.core.arm.worst.parts import projections_at, worst_search
 from linkwright.core.materials.catalogue import Catalogue
 from linkwright.core.units.quantities import format_quantity
-from linkwright.output.read_back import ReadBack
+from linkwright.output.files import ReadBack
 
 if TYPE_CHECKING:
     from linkwright.core.arm.evaluation import Evaluation

@@ -28,8 +28,7 @@ from linkwright.core.units.reading import Mapping as Reader
 from linkwright.core.units.reading import load_json, parse_yaml, read_text
 from linkwright.json.fields import joint_columns
 from linkwright.output.arm_file import arm_file
-from linkwright.output.files import DESIGN, REPORT, claim_folder, made_by, write_each
-from linkwright.output.read_back import ReadBack
+from linkwright.output.files import DESIGN, REPORT, ReadBack, claim_folder, made_by, write_each
 from linkwright.output.table_file import frame
 from linkwright.results.diagnoses.evidence import unit_files
 

@@ -14,8 +14,7 @@ from linkwright.core.units.workbook import defused
 from linkwright.json.design import links_json
 from linkwright.json.fields import fields
 from linkwright.output.arm_file import arm_file
-from linkwright.output.files import REPORT, RESULT, claim_folder, made_folder, refuse_strangers, write_each
-from linkwright.output.read_back import ReadBack
+from linkwright.output.files import REPORT, RESULT, ReadBack, claim_folder, made_folder, refuse_strangers, write_each
 from linkwright.report.charts.fronts import slope_factor, tradeoff_picture
 from linkwright.results.figures_in_words import section_words
 from linkwright.version import program_version

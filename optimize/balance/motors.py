@@ -10,11 +10,11 @@ from linkwright.core.arm.chain.chain import Arm
 from linkwright.core.arm.errors.model import error_model
 from linkwright.core.arm.worst.coverage import unreached
 from linkwright.core.arm.worst.search import WorstSearch
+from linkwright.core.optimize.balance.motor_places import with_parallelogram
 from linkwright.core.optimize.exchange.design import numeric_beams
 from linkwright.core.optimize.problem import Problem
 
 from .motor_places import MotorPlace
-from .parallelogram import with_parallelogram
 
 
 def with_places(arm: Arm, places: tuple[tuple[int, MotorPlace], ...]) -> Arm:

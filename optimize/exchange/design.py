@@ -30,10 +30,9 @@ from linkwright.core.optimize.balance.balance import FIELDS, balance_values, bal
 from linkwright.core.optimize.problem import Problem
 from linkwright.core.optimize.reading.lacking import needed_figures
 from linkwright.core.sections import SHAPES
-from linkwright.core.sections.numeric import Array
+from linkwright.core.sections.numeric import Array, column_of_symbols
 from linkwright.core.sections.properties import SectionProperties
 from linkwright.core.sections.section import DesignVariable, Section
-from linkwright.core.sections.symbols import column_of_symbols
 from linkwright.core.sections.taper import FreeTaper, Tapered, similar, size_ratio
 
 MATERIAL_FIELDS = (

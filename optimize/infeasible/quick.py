@@ -17,9 +17,8 @@ import numpy as np
 
 from linkwright.core.arm.chain.beam import Beam
 from linkwright.core.arm.chain.chain import Arm
-from linkwright.core.arm.errors.model import beam_values, beams_of, error_model
-from linkwright.core.arm.errors.rigid_links import rigid as rigid_beam
-from linkwright.core.arm.errors.rigid_links import values_of_rigid
+from linkwright.core.arm.errors.model import beam_values, beams_of, error_model, values_of_rigid
+from linkwright.core.arm.errors.model import rigid as rigid_beam
 from linkwright.core.arm.figures import KEPT_WITHIN, Limit, ThroughPoses, WorstError, excess
 from linkwright.core.arm.figures.design import DesignValues
 from linkwright.core.arm.worst.parts import worst_search

@@ -12,9 +12,8 @@ import numpy as np
 from linkwright.core.optimize.choice.agreement import number_of
 from linkwright.core.optimize.choice.at_once.cells import LENGTH, Cells
 from linkwright.core.optimize.choice.at_once.lengths import log_spans
-from linkwright.core.optimize.choice.at_once.parts import BranchAndBound
 from linkwright.core.optimize.choice.at_once.relaxation import Node, Relaxation, Relaxed
-from linkwright.core.optimize.choice.at_once.splitting import split
+from linkwright.core.optimize.choice.at_once.splitting import BranchAndBound, split
 from linkwright.core.optimize.exchange.binding_poses import Pool
 from linkwright.core.optimize.exchange.exchange import Context
 from linkwright.core.optimize.result import Iteration

@@ -12,7 +12,7 @@ import pytest
 
 from linkwright.core.arm.figures import FIGURES
 from linkwright.core.executors import Processes
-from linkwright.core.executors.packing import packed, unpacked
+from linkwright.core.executors.shared import packed, unpacked
 from linkwright.core.optimize.problem import Problem
 from linkwright.core.optimize.result import OptimizationResult
 from linkwright.core.optimize.run import optimise

@@ -13,7 +13,7 @@ import pytest
 from threadpoolctl import threadpool_limits
 
 from linkwright.core.executors import Here, Processes, Work, WorkersLost, plain
-from linkwright.core.executors.packing import packed, unpacked
+from linkwright.core.executors.shared import packed, unpacked
 from linkwright.core.executors.threads import threads
 from linkwright.core.units.quantities import InputError, NoAnswer
 from linkwright.face.progress import at_work

@@ -9,8 +9,7 @@ import typer
 import linkwright as lw
 from linkwright.api.signature import Argument
 from linkwright.command_line import COMMANDS, command_line
-from linkwright.commands.made import Made, Targets
-from linkwright.commands.parameters import help_of
+from linkwright.commands.made import Made, Targets, help_of
 
 SHARED = {*Targets.__dataclass_fields__, "tip", "catalogue", "workers", "dask", "quiet", "verbose"}
 """What commands ask for beside what their functions do: files to read and write, who works, how much is shown."""

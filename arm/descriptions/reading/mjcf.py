@@ -14,13 +14,13 @@ import numpy as np
 from linkwright.core.arm.bodies.bodies import Mass, together
 from linkwright.core.arm.chain.chain import FloatVector
 from linkwright.core.arm.chain.vectors import ZERO
+from linkwright.core.arm.descriptions.reading.tree import transform, turned
 from linkwright.core.sections.numeric import Array
 from linkwright.core.units.quantities import InputError, shown
 
 from .elements import Element, read_elements
 from .meshes import solid
 from .mjcf_words import Mjcf, direction, numbers
-from .transforms import transform, turned
 from .tree import NO_STEP, Frame, Inertial, Kind, Limits, Mimic, Robot, Shape, TreeJoint, TreeLink
 
 _WORLD = "world"

@@ -9,11 +9,11 @@ from types import MappingProxyType
 
 import numpy as np
 
+from linkwright.core.arm.descriptions.reading.tree import transform, turned
 from linkwright.core.sections.numeric import Array
 from linkwright.core.units.quantities import shown
 
 from .elements import Element
-from .transforms import transform, turned
 
 _AXES = MappingProxyType({"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)})
 _OF_OTHERS = ("attach", "replicate", "composite", "flexcomp")

@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, Any
 
 import linkwright as lw
 from linkwright.cli import end_as_by_ctrl_c
-from linkwright.commands.parameters import parameters_of, paths_in
+from linkwright.commands.made import parameters_of, paths_in
 from linkwright.core.executors import WorkersLost
 from linkwright.core.units.quantities import InputError, NoAnswer
 from linkwright.face.design import Optimization

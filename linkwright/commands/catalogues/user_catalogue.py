@@ -20,8 +20,7 @@ from linkwright.core.catalogues.editor import Editor
 from linkwright.core.catalogues.keyed import KeyedEditor
 from linkwright.core.units.quantities import InputError
 from linkwright.core.units.reading import parse_yaml
-from linkwright.output.files import check_target, write_file
-from linkwright.output.read_back import ReadBack
+from linkwright.output.files import ReadBack, check_target, write_file
 from linkwright.output.table_file import WAYS, rows_of
 
 if TYPE_CHECKING:

@@ -17,6 +17,7 @@ import numpy as np
 
 from linkwright.core.arm.chain.chain import Arm
 from linkwright.core.optimize.choice.agreement import agreements, parts
+from linkwright.core.optimize.choice.at_once.splitting import BranchAndBound
 from linkwright.core.optimize.choice.chooser import Chooser
 from linkwright.core.optimize.choice.picks import Combination, agreeing, option_table, uniform
 from linkwright.core.optimize.exchange.binding_poses import Pool
@@ -27,7 +28,6 @@ from linkwright.core.sections.numeric import Array
 
 from .cells import link_cells
 from .lengths import LengthRows, log_spans
-from .parts import BranchAndBound
 from .pose_rows import PoseRow, rows_of
 from .relaxation import LOOSE, Node, Relaxation, Relaxed
 from .splitting import split

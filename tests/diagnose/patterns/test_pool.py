@@ -13,7 +13,7 @@ from linkwright.core.diagnose.patterns.pool import (
     with_group,
 )
 from linkwright.core.diagnose.search.subsets import products
-from linkwright.core.executors.packing import packed, unpacked
+from linkwright.core.executors.shared import packed, unpacked
 from tests.diagnose.core_cases import pattern, random_pool
 
 

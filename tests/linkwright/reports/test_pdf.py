@@ -45,7 +45,7 @@ def test_the_settings_of_a_recording_are_an_input_too(linkwright, bench):
 
 
 def test_without_a_browser_one_line_says_so_before_any_work(linkwright, monkeypatch):
-    monkeypatch.setattr("linkwright.report.pdf.shutil.which", lambda _: None)
+    monkeypatch.setattr("linkwright.report.page.shutil.which", lambda _: None)
     status, out, err = linkwright("optimize", "problem.yaml", "--pdf", "a.pdf")
     assert (status, out, err.count("\n")) == (2, "", 1)
     assert "--pdf: a PDF needs Chromium, Chrome or Edge" in err

@@ -14,8 +14,7 @@ import linkwright as lw
 from linkwright.cli import run
 from linkwright.core.arm.files.read_back import differences
 from linkwright.core.arm.files.write import arm_to_yaml
-from linkwright.output.files import write_each
-from linkwright.output.read_back import NotAsWritten, ReadBack
+from linkwright.output.files import NotAsWritten, ReadBack, write_each
 from tests.arm.builders import arm_of
 from tests.arm.test_files import FULL_FILE
 from tests.test_house import ROOT
