@@ -29,6 +29,7 @@ from linkwright.core.arm.figures.tip_stiffness import (
     tips_of,
 )
 from linkwright.core.arm.worst.search import WorstCase, WorstSearch
+from linkwright.core.arm.worst.workspace import Workspace
 from linkwright.core.units.quantities import InputError
 
 Direction = tuple[float, float, float]
@@ -71,41 +72,34 @@ class PartOfError(SearchedError):
         self.counted: Counted = counted
         self.needs = frozenset({"masses"}) if counted == "orientation" else frozenset[str]()
 
-    def __eq__(self, other: object) -> bool:
-        return isinstance(other, PartOfError) and self._key == other._key
+    def search(self, arm: Arm, cases: Sequence[LoadCase], workspace: Workspace) -> WorstSearch:
+        """What is counted, along the direction or all of it."""
+        return WorstSearch(self._model(arm, cases), workspace)
 
-    def __hash__(self) -> int:
-        return hash(self._key)
-
-    @property
-    def _key(self) -> tuple[object, ...]:
-        return self.name, self.counted, self.direction
-
-    def _model(self, asked: Asked | DesignValues) -> ErrorModel:
-        model = error_model(asked.arm, asked.load_cases, counted=self.counted)
+    def _model(self, arm: Arm, cases: Sequence[LoadCase]) -> ErrorModel:
+        model = error_model(arm, cases, counted=self.counted)
         if self.direction is None:
             return model
         in_plane = model.planar and self.direction[2] == 0.0
         return part_of(_planar(model, planar=in_plane), [onto(self.direction, "along", planar=in_plane)])
 
+    def _is_none(self, asked: Asked | DesignValues) -> bool:
+        """Whether nothing of the arm can make it any."""
+        if self.counted != "lost_motion":
+            return False
+        cases = self._model(asked.arm, asked.load_cases).cases
+        return not any(case.error.intervals or case.error.discs for case in cases)
+
     def prepare(self, problem: Asked) -> WorstSearch:
         """The search for the worst of it; raises `InputError` where nothing of the arm can make it any."""
-        model = self._model(problem)
-        if self.counted == "lost_motion" and not _has_play(model):
+        if self._is_none(problem):
             message = "needs an arm with play: no joint has backlash, clearance or friction wind-up (friction_windup)"
             raise InputError("", f"subject_to.{self.name}", message)
-        return WorstSearch(model, problem.workspace)
+        return super().prepare(problem)
 
     def evaluate(self, design: DesignValues) -> WorstCase | None:
         """The worst of it; None where nothing of the arm can make it any."""
-        model = self._model(design)
-        if self.counted == "lost_motion" and not _has_play(model):
-            return None
-        return WorstSearch(model, design.search.workspace).worst(design.p, certify=False)
-
-
-def _has_play(model: ErrorModel) -> bool:
-    return any(case.error.intervals or case.error.discs for case in model.cases)
+        return None if self._is_none(design) else super().evaluate(design)
 
 
 def _planar(model: ErrorModel, *, planar: bool) -> ErrorModel:
@@ -116,45 +110,42 @@ def _where(worst_case: WorstCase) -> tuple[float, ...]:
     return worst_case.poses[0].q
 
 
-def _length(name: str, title: str, key: str, family: PartOfError, **more: Any) -> Figure:
-    limit: dict[str, Any] = {"kind": "length", "unit": "mm", "factor": 1e3, "senses": ("<=",), "everywhere": False}
-    return Figure(name=name, title=title, key=key, follows=ThroughPoses(family), **limit, **more)
-
-
-def _angle(name: str, title: str, key: str, family: PartOfError, **more: Any) -> Figure:
-    limit: dict[str, Any] = {"kind": "angle", "unit": "mrad", "factor": 1e3, "senses": ("<=",), "everywhere": False}
-    return Figure(name=name, title=title, key=key, follows=ThroughPoses(family), **limit, **more)
+def _part(name: str, title: str, key: str, family: PartOfError, **more: Any) -> Figure:
+    """A figure of a part of the error: a rotation in mrad, all others in mm."""
+    kind, unit = ("angle", "mrad") if family.counted == "orientation" else ("length", "mm")
+    limit: dict[str, Any] = {"kind": kind, "unit": unit, "factor": 1e3, "senses": ("<=",), "everywhere": False}
+    return Figure(name=name, title=title, key=f"{key}_{unit}", follows=ThroughPoses(family), **limit, **more)
 
 
 def error_along(direction: Direction) -> Figure:
     """The worst error along a direction."""
     name = f"error_along {direction_words(direction)}"
-    title, key = f"worst error along {direction_words(direction)}", f"error_along_{direction_key(direction)}_mm"
-    return _length(name, title, key, PartOfError(name, "position", direction))
+    title, key = f"worst error along {direction_words(direction)}", f"error_along_{direction_key(direction)}"
+    return _part(name, title, key, PartOfError(name, "position", direction))
 
 
 def orientation_about(axis: Direction) -> Figure:
     """The worst rotation of the tip about an axis."""
     name = f"orientation_error {direction_words(axis)}"
-    title, key = f"worst rotation about {direction_words(axis)}", f"orientation_error_{direction_key(axis)}_mrad"
-    return _angle(name, title, key, PartOfError(name, "orientation", axis))
+    title, key = f"worst rotation about {direction_words(axis)}", f"orientation_error_{direction_key(axis)}"
+    return _part(name, title, key, PartOfError(name, "orientation", axis))
 
 
 ERROR_ALONG = Directed("error_along", "direction", error_along, ("deflection_along", "sag_along", "directional_error"))
 ORIENTATION_ABOUT = Directed("orientation_error", "axis", orientation_about)
-ORIENTATION_ERROR = _angle(
+ORIENTATION_ERROR = _part(
     "orientation_error",
     "worst rotation of the tip",
-    "orientation_error_mrad",
+    "orientation_error",
     PartOfError("orientation_error", "orientation"),
     where=_where,
     note="greatest",
     synonyms=("angle_error", "rotation", "tilt", "angular_error"),
 )
-REPEATABILITY = _length(
+REPEATABILITY = _part(
     "repeatability",
     "repeatability",
-    "repeatability_mm",
+    "repeatability",
     PartOfError("repeatability", "lost_motion"),
     where=_where,
     note="farthest that play and friction alone move the tip",
@@ -169,12 +160,6 @@ class StiffnessAlong(Stiffness):
         """`name`: that of the figure."""
         self.name = self.called = name
         self.direction, self.forces = direction, (LoadCase(force=direction),)
-
-    def __eq__(self, other: object) -> bool:
-        return isinstance(other, StiffnessAlong) and (self.name, self.direction) == (other.name, other.direction)
-
-    def __hash__(self) -> int:
-        return hash((self.name, self.direction))
 
     def of_arm(self, arm: Arm, cases: Sequence[LoadCase]) -> TipCompliance:
         """d C d of the tip, or of each tip that load cases name."""

@@ -157,8 +157,16 @@ class SearchedError(PoseFamily[WorstCase]):
     is_error: ClassVar[bool] = True
 
     @abstractmethod
+    def search(self, arm: Arm, cases: Sequence[LoadCase], workspace: Workspace) -> WorstSearch:
+        """What counts of the error of an arm under load cases, over a workspace."""
+
     def prepare(self, problem: Asked) -> WorstSearch:
         """The search."""
+        return self.search(problem.arm, problem.load_cases, problem.workspace)
+
+    def evaluate(self, design: DesignValues) -> WorstCase | None:
+        """The worst of it."""
+        return self.search(design.arm, design.load_cases, design.search.workspace).worst(design.p, certify=False)
 
     def case(self, group: int) -> int | None:
         """Which of the model's cases tells of a load case; None where none does."""
@@ -230,17 +238,8 @@ class CaseError(SearchedError):
     def __init__(self, case: int) -> None:
         self.number, self.name = case, f"max_error of load case {case + 1}"
 
-    def __eq__(self, other: object) -> bool:
-        return isinstance(other, CaseError) and other.number == self.number
-
-    def __hash__(self) -> int:
-        return hash((CaseError, self.number))
-
-    def prepare(self, problem: Asked) -> WorstSearch:
+    def search(self, arm: Arm, cases: Sequence[LoadCase], workspace: Workspace) -> WorstSearch:
         """The error under this load case."""
-        return self._search(problem.arm, problem.load_cases, problem.workspace)
-
-    def _search(self, arm: Arm, cases: Sequence[LoadCase], workspace: Workspace) -> WorstSearch:
         return worst_search(error_model(arm, (cases[self.number],)), workspace)
 
     def case(self, group: int) -> int | None:
@@ -251,10 +250,6 @@ class CaseError(SearchedError):
         """This one."""
         del case
         return self.number
-
-    def evaluate(self, design: DesignValues) -> WorstCase:
-        """The worst error under the load case."""
-        return self._search(design.arm, design.load_cases, design.search.workspace).worst(design.p, certify=False)
 
 
 def error_of_case(case: int) -> Figure:
@@ -283,17 +278,8 @@ class PointError(SearchedError):
     def __init__(self, number: int) -> None:
         self.number, self.name = number, f"max_error at point {number + 1}"
 
-    def __eq__(self, other: object) -> bool:
-        return isinstance(other, PointError) and other.number == self.number
-
-    def __hash__(self) -> int:
-        return hash((PointError, self.number))
-
-    def prepare(self, problem: Asked) -> WorstSearch:
+    def search(self, arm: Arm, cases: Sequence[LoadCase], workspace: Workspace) -> WorstSearch:
         """The error at this point."""
-        return self._search(problem.arm, problem.load_cases, problem.workspace)
-
-    def _search(self, arm: Arm, cases: Sequence[LoadCase], workspace: Workspace) -> WorstSearch:
         return worst_search(error_model(arm, cases), replace(workspace, points=(workspace.points[self.number],)))
 
     def at_pose(self, prepared: WorstSearch, group: int, q: Array, designs: Designs) -> Mapping[str, Array]:
@@ -306,8 +292,7 @@ class PointError(SearchedError):
     def evaluate(self, design: DesignValues) -> WorstCase | None:
         """The worst error there; None where no pose reaches it."""
         try:
-            search = self._search(design.arm, design.load_cases, design.search.workspace)
-            return search.worst(design.p, certify=False)
+            return super().evaluate(design)
         except Unreachable:
             return None
 

@@ -110,6 +110,12 @@ class PoseFamily(ABC, Generic[FigureResult]):
     slope: ClassVar[float] = 1.0
     """By how many per cent a row gives way for one per cent of its limit."""
 
+    def __eq__(self, other: object) -> bool:
+        return type(self) is type(other) and vars(self) == vars(other)
+
+    def __hash__(self) -> int:
+        return hash((type(self), self.name))
+
     @abstractmethod
     def prepare(self, problem: Asked) -> Any:
         """What is set up once for a problem; the other methods get it back."""

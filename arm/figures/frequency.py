@@ -13,7 +13,7 @@ import itertools
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import Any, ClassVar
 
 import casadi as ca
 import numpy as np
@@ -40,10 +40,6 @@ from linkwright.core.sections.numeric import Array
 
 from .design import DesignExpressions, DesignValues
 from .figure import Asked, Cut, Figure, Held, PoseFamily, ThroughPoses, Worst
-
-if TYPE_CHECKING:
-    from linkwright.core.arm.chain.chain import Arm
-    from linkwright.core.arm.worst.search import WorstSearch
 
 _POSES = 1024
 _SLOWEST, _APART = 3, 5

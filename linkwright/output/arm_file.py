@@ -6,7 +6,6 @@ import math
 from collections.abc import Iterator
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -21,9 +20,6 @@ from linkwright.core.arm.worst.parts import projections_at, worst_search
 from linkwright.core.materials.catalogue import Catalogue
 from linkwright.core.units.quantities import format_quantity
 from linkwright.output.files import ReadBack
-
-if TYPE_CHECKING:
-    from linkwright.core.arm.evaluation import Evaluation
 
 
 def arm_file(arm: Arm, catalogue: Catalogue, promised: Evaluation | None = None, *, text: str = "") -> ReadBack:
