@@ -45,6 +45,14 @@ def write_content(json: Path | None, command: str, content: Mapping[str, Any]) -
     write_json(json, {"made_by": f"linkwright {command} {program_version()}", **content})
 
 
+def answer(json: Path | None, command: str, content: Mapping[str, Any], *parts: Any, title: str = "") -> None:
+    """Write what a command found as `write_content` does, then print it (`screen.console.tell`)."""
+    from linkwright.screen.console import tell
+
+    write_content(json, command, content)
+    tell(*parts, title=title)
+
+
 JsonFile = Annotated[
     Path | None, typer.Option("--json", metavar="FILE", help="Write the result for machines (- for standard output).")
 ]

@@ -85,6 +85,16 @@ def table(*headings: str, numbers: tuple[int, ...] = (), title: str | None = Non
     return made
 
 
+def tell(*parts: str | Table, title: str = "") -> None:
+    """Print a title, then tables and lines, each of these whole, so that it can be searched for; no empty line."""
+    out = console()
+    if title:
+        out.print(title, style="bold")
+    for part in parts:
+        if part != "":
+            out.print(part, soft_wrap=isinstance(part, str))
+
+
 SHOW = "LINKWRIGHT_SHOW"
 Loudness = Literal["answer", "usual", "all"]
 

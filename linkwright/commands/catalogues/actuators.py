@@ -13,7 +13,7 @@ import typer
 
 import linkwright as lw
 from linkwright.commands.catalogues.user_catalogue import Names, TableFile, UserCatalogue, value_of_text
-from linkwright.commands.options import Commands, JsonFile, write_content
+from linkwright.commands.options import Commands, JsonFile, answer
 from linkwright.core.arm.actuators import CONFIRMABLE, USER_ACTUATORS, read_actuators, shipped_actuators
 from linkwright.core.catalogues.csv_table import marks_text, table_text
 from linkwright.core.catalogues.keyed import Column, Entry, KeyedEditor, Schema
@@ -22,6 +22,7 @@ from linkwright.core.units.reading import load_yaml, shipped_files
 from linkwright.json.fields import fields
 from linkwright.output.files import check_target
 from linkwright.results.figures_in_words import figure, with_unit
+from linkwright.screen.console import table
 
 if TYPE_CHECKING:
     from linkwright.core.arm.actuators import Actuator
@@ -183,14 +184,13 @@ def list_actuators(
     Example: linkwright actuators list --least-torque '100 N*m'
     """
     from linkwright.core.units.quantities import read_quantity
-    from linkwright.screen.console import console, table
 
     check_target(json, catalogue)
     least = 0.0 if least_torque is None else read_quantity(least_torque, "torque", file="", key="--least-torque")
     actuators = [item for item in lw.actuators.with_file(catalogue).values() if (item.rated_torque or 0.0) >= least]
-    write_content(json, "actuators", {"actuators": [_as_json(actuator) for actuator in actuators]})
+    content = {"actuators": [_as_json(actuator) for actuator in actuators]}
     if not actuators:
-        console().print("no actuator is rated for that")
+        answer(json, "actuators", content, "no actuator is rated for that")
         return
     units = ("rated N·m", "peak N·m", "stiffness kN·m/rad", "backlash arcmin", "mass kg", "cost EUR")
     shown = table("actuator", "gear", *units, numbers=(2, 3, 4, 5, 6, 7))
@@ -206,12 +206,11 @@ def list_actuators(
         }
         marked = (figure(value, 5) + _mark(each, name) for name, value in figures.items())
         shown.add_row(each.name, each.gear, *marked)
-    console().print(shown)
     makers = ", ".join(dict.fromkeys(actuator.maker for actuator in actuators))
-    note = "stiffness: of the softest zone; a dash: not known"
-    console().print(f"{makers}: figures of the makers' catalogues; {note}", soft_wrap=True)
-    if any(actuator.unconfirmed for actuator in actuators):
-        console().print("?: could not be found in its source; `actuators show NAME` says more", soft_wrap=True)
+    note = f"{makers}: figures of the makers' catalogues; stiffness: of the softest zone; a dash: not known"
+    doubtful = any(actuator.unconfirmed for actuator in actuators)
+    more = "?: could not be found in its source; `actuators show NAME` says more" if doubtful else ""
+    answer(json, "actuators", content, shown, note, more)
 
 
 def show_actuator(
@@ -223,13 +222,8 @@ def show_actuator(
 
     Example: linkwright actuators show RV-20E
     """
-    from linkwright.screen.console import console, table
-
     check_target(json, catalogue)
     actuator = lw.actuators.with_file(catalogue)[name]
-    write_content(json, "actuators", _as_json(actuator))
-    screen = console()
-    screen.print(f"{actuator.name}: {actuator.maker}, {actuator.gear}", style="bold")
     shown = table("what", "value", numbers=(1,))
     if actuator.ratio is not None:
         shown.add_row("ratio", figure(actuator.ratio, 5))
@@ -252,13 +246,11 @@ def show_actuator(
         tilting = with_unit(actuator.tilting_stiffness / 1e3, "kN·m/rad", 5) + _mark(actuator, "tilting_stiffness")
     shown.add_row("tilting stiffness of its bearing", tilting)
     shown.add_row("cost", _cost_words(actuator))
-    screen.print(shown)
     note = f"{actuator.note}; " if actuator.note else ""
-    screen.print(f"{note}{actuator.source}; from {actuator.file}", soft_wrap=True)
-    if actuator.found_in:
-        screen.print(f"found in: {actuator.found_in}", soft_wrap=True)
-    for key, text in actuator.unconfirmed:
-        screen.print(f"? {key.replace('_', ' ')}, not confirmed: {text}", soft_wrap=True)
+    lines = [f"{note}{actuator.source}; from {actuator.file}", actuator.found_in and f"found in: {actuator.found_in}"]
+    lines += [f"? {key.replace('_', ' ')}, not confirmed: {text}" for key, text in actuator.unconfirmed]
+    title = f"{actuator.name}: {actuator.maker}, {actuator.gear}"
+    answer(json, "actuators", _as_json(actuator), shown, *lines, title=title)
 
 
 def _mark(actuator: Actuator, name: str) -> str:

@@ -9,10 +9,11 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 import linkwright as lw
-from linkwright.commands.options import Commands, JsonFile, write_content
+from linkwright.commands.options import Commands, JsonFile, answer
 from linkwright.core.units.quantities import format_quantity
 from linkwright.json.fields import fields
 from linkwright.output.files import check_target
+from linkwright.screen.console import table
 
 if TYPE_CHECKING:
     from linkwright.core.arm.effects import Effect, Parameter
@@ -33,15 +34,12 @@ def list_effects(json: JsonFile = None) -> None:
 
     Example: linkwright effects list
     """
-    from linkwright.screen.console import console, table
-
     check_target(json)
-    write_content(json, "effects", {"effects": [_as_json(effect) for effect in lw.effects.values()]})
     shown = table("effect", "what", "acts at", "sizes (shapes)", "in the model")
     shown.columns[0].no_wrap = True
     for effect in lw.effects.values():
         shown.add_row(effect.id, effect.title, effect.place, _fitted(effect), _when(effect))
-    console().print(shown)
+    answer(json, "effects", {"effects": [_as_json(effect) for effect in lw.effects.values()]}, shown)
 
 
 def show_effect(
@@ -51,13 +49,8 @@ def show_effect(
 
     Example: linkwright effects show backlash
     """
-    from linkwright.screen.console import console, table
-
     check_target(json)
     effect = lw.effects[name]
-    write_content(json, "effects", _as_json(effect))
-    screen = console()
-    screen.print(f"{effect.id}: {effect.title}", style="bold")
     shown = table("", "")
     shown.show_header = False
     shown.add_row("moves the tip by" if effect.moves_tip else "adds to the torque", effect.formula)
@@ -75,7 +68,7 @@ def show_effect(
     shown.add_row("source", effect.source)
     for parameter in effect.parameters:
         shown.add_row(f"parameter {parameter.name}", _described(parameter))
-    screen.print(shown)
+    answer(json, "effects", _as_json(effect), shown, title=f"{effect.id}: {effect.title}")
 
 
 def _described(parameter: Parameter) -> str:

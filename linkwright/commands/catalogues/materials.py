@@ -14,7 +14,7 @@ import typer
 import linkwright as lw
 from linkwright.commands.catalogues.query import Query
 from linkwright.commands.catalogues.user_catalogue import Names, UserCatalogue, value_of_text
-from linkwright.commands.options import CatalogueFile, Commands, JsonFile, write_content
+from linkwright.commands.options import CatalogueFile, Commands, JsonFile, answer
 from linkwright.core.catalogues.freecad_cards import read_card, write_card
 from linkwright.core.catalogues.keyed import Entry
 from linkwright.core.catalogues.materials import MATERIALS, find_entry, write_table
@@ -26,6 +26,7 @@ from linkwright.core.units.quantities import InputError, format_quantity
 from linkwright.core.units.temperature import REFERENCE_TEMPERATURE, ZERO_CELSIUS
 from linkwright.json.fields import fields
 from linkwright.output.files import check_target, write_file
+from linkwright.screen.console import console, table, tell
 
 Asked = PropertyName | Literal["magnetic"]
 """What a material can be listed, chosen and compared by."""
@@ -197,8 +198,6 @@ def list_materials(
     Example: linkwright materials list --family aluminium --where 'density < 3 g/cm^3' --sort=-yield
     --columns E,yield,cost
     """
-    from linkwright.screen.console import console, table
-
     check_target(json, catalogue)
     names = QUERY.columns(columns)
     known = lw.materials.with_file(catalogue).catalogue
@@ -207,17 +206,16 @@ def list_materials(
         if each not in families:
             raise InputError("", "--family", f"there is no family '{each}'{nearest(each, families)}")
     materials = QUERY.chosen((item for item in known if not family or item.family in family), where, sort)
-    write_content(json, "materials", {"materials": [_as_json(known, material) for material in materials]})
+    content = {"materials": [_as_json(known, material) for material in materials]}
     if not materials:
-        console().print("no material of the catalogue is so")
+        answer(json, "materials", content, "no material of the catalogue is so")
         return
     headings = (SHORT.get(name, name.replace("_", " ")) for name in names)
     shown = table("material", "family", *headings, numbers=tuple(range(2, 2 + len(names))))
     for material in materials:
         shown.add_row(material.name, material.family, *(marked(material, name) for name in names))
-    console().print(shown)
-    if any(is_unconfirmed(material, name) for material in materials for name in names):
-        console().print(_UNCONFIRMED, soft_wrap=True)
+    doubtful = any(is_unconfirmed(material, name) for material in materials for name in names)
+    answer(json, "materials", content, shown, _UNCONFIRMED if doubtful else "")
 
 
 def show_material(
@@ -233,32 +231,30 @@ def show_material(
 
     Example: linkwright materials show aluminium-6061-t6 --plot aluminium.html
     """
-    from linkwright.screen.console import console, table
-
     check_target(json, catalogue)
     check_target(plot, catalogue)
     known = lw.materials.with_file(catalogue).catalogue
     material = known.find(name)
-    write_content(json, "materials", _as_json(known, material))
     if plot is not None:
         write_file(plot, _plot(material))
-    screen = console()
-    screen.print(f"{material.name}: {material.title or material.family}", style="bold")
     shown = table("property", "at 20 degC", "valid", "spread", "source", numbers=(1,))
     for row in _property_rows(material):
         shown.add_row(*row)
-    screen.print(shown)
+    answer(
+        json,
+        "materials",
+        _as_json(known, material),
+        shown,
+        title=f"{material.name}: {material.title or material.family}",
+    )
     modulus = material.properties.get("elastic_modulus")
     if modulus is not None and _varies(modulus):
-        screen.print("elastic modulus over temperature", style="bold")
-        for line in _bars(modulus):
-            screen.print(line)
-        screen.print()
+        tell(*_bars(modulus), title="elastic modulus over temperature")
+        console().print()
     for key, text in material.references.items():
-        screen.print(f"{key}: {text}")
-    for text in dict.fromkeys(item.found_in for item in material.properties.values() if item.found_in):
-        screen.print(f"found in: {text}", soft_wrap=True)
-    screen.print(f"from {', then '.join(known.where(material.name))}", soft_wrap=True)
+        console().print(f"{key}: {text}")
+    places = dict.fromkeys(item.found_in for item in material.properties.values() if item.found_in)
+    tell(*(f"found in: {text}" for text in places), f"from {', then '.join(known.where(material.name))}")
 
 
 def _property_rows(material: Material) -> Iterator[tuple[str, ...]]:
@@ -292,14 +288,12 @@ def compare_materials(
 
     Example: linkwright materials compare steel-s355 aluminium-6061-t6 cfrp-quasi-isotropic
     """
-    from linkwright.screen.console import console, table
-
     check_target(json, catalogue)
     if len(names) < 2:
         raise InputError("", "NAME", "needs two materials or more to compare")
     known = lw.materials.with_file(catalogue).catalogue
     materials = [known.find(name) for name in names]
-    write_content(json, "materials", {"materials": [_as_json(known, material) for material in materials]})
+    content = {"materials": [_as_json(known, material) for material in materials]}
     shown = table("property", *names, numbers=tuple(range(1, len(names) + 1)))
     for name in property_kinds():
         if any(material.has(name) for material in materials):
@@ -309,9 +303,8 @@ def compare_materials(
     if all(material.has("elastic_modulus") and material.has("density") for material in materials):
         ratios = (material.need("elastic_modulus") / material.need("density") / 1e6 for material in materials)
         shown.add_row("E / density", *(f"{ratio:.4g} MN*m/kg" for ratio in ratios))
-    console().print(shown)
-    if any(is_unconfirmed(material, name) for material in materials for name in QUERY.every):
-        console().print(_UNCONFIRMED, soft_wrap=True)
+    doubtful = any(is_unconfirmed(material, name) for material in materials for name in QUERY.every)
+    answer(json, "materials", content, shown, _UNCONFIRMED if doubtful else "")
 
 
 def _varies(item: Property) -> bool:

@@ -9,6 +9,7 @@ from types import MappingProxyType
 from typing import Annotated, Any
 
 import typer
+from rich.table import Table
 
 import linkwright as lw
 from linkwright.commands.catalogues.query import Query
@@ -23,7 +24,7 @@ from linkwright.commands.catalogues.user_catalogue import (
     changes_of,
     say,
 )
-from linkwright.commands.options import Commands, JsonFile, as_options, write_content
+from linkwright.commands.options import Commands, JsonFile, answer, as_options, write_content
 from linkwright.core.catalogues.stock_csv import read_table, write_table
 from linkwright.core.catalogues.stock_editor import STOCK, Row, cell, columns_of, row_of, rows_text
 from linkwright.core.sections import SHAPES, Section, SectionProperties, Stock, StockSize
@@ -34,6 +35,7 @@ from linkwright.core.units.reading import read_text
 from linkwright.json.fields import fields
 from linkwright.output.files import check_target
 from linkwright.results.figures_in_words import figure
+from linkwright.screen.console import table, tell
 
 POISSON_RATIO = 0.3
 """With which shear areas are listed; it changes them by some per cent at most."""
@@ -250,8 +252,6 @@ def list_sections(
 
     Example: linkwright sections list --family IPE --where 'I_y > 500 cm^4' --sort=-area --columns height,area,W_y
     """
-    from linkwright.screen.console import console
-
     check_target(json, catalogue)
     names = QUERY.columns(columns)
     known = lw.sections.with_file(catalogue)
@@ -264,11 +264,11 @@ def list_sections(
     if every:
         _print_shapes()
         _print_families(known.stock)
-        console().print("`linkwright sections list --family NAME` lists a family's sizes")
+        tell("`linkwright sections list --family NAME` lists a family's sizes")
     elif sizes:
         _print_sizes(sizes, names, dimensions=not columns)
     else:
-        console().print("no stock size is so")
+        tell("no stock size is so")
 
 
 def show_section(
@@ -282,8 +282,11 @@ def show_section(
     """
     check_target(json, catalogue)
     if name in SHAPES:
-        write_content(json, "sections", _shape_json(SHAPES[name]))
-        _print_shape(SHAPES[name])
+        kind = SHAPES[name]
+        shown = table("dimension", "what", "")
+        for dimension in kind.dimensions:
+            shown.add_row(dimension.name, dimension.meaning, "optional" if dimension.optional else "")
+        answer(json, "sections", _shape_json(kind), shown, title=kind.shape)
         return
     try:
         size = lw.sections.with_file(catalogue)[name]
@@ -293,8 +296,9 @@ def show_section(
         near = meant(name, SHAPES, 0.7)
         message = error.message if near is None else f"there is no shape or stock size {name!r}; did you mean '{near}'?"
         raise InputError("", "section", message) from None
-    write_content(json, "sections", _stock_json(size))
-    _print_size(size)
+    answer(
+        json, "sections", _stock_json(size), *_size_shown(size), title=f"{size.name}: {size.shape.replace('_', ' ')}"
+    )
 
 
 def compare_sections(
@@ -306,15 +310,11 @@ def compare_sections(
 
     Example: linkwright sections compare "IPE 80" "RHS 80x40x3" "CHS 60.3x4"
     """
-    from linkwright.screen.console import console, table
-
     check_target(json, catalogue)
     if len(names) < 2:
         raise InputError("", "NAME", "needs two sizes or more to compare")
     known = lw.sections.with_file(catalogue)
     sizes = [known[name] for name in names]
-    if json is not None:
-        write_content(json, "sections", {"stock": [_stock_json(size) for size in sizes]})
     marked = (size.name + (" ?" if size.unconfirmed else "") for size in sizes)
     shown = table("what", *marked, numbers=tuple(range(1, len(sizes) + 1)))
     shown.add_row("shape", *(size.shape.replace("_", " ") for size in sizes))
@@ -325,23 +325,18 @@ def compare_sections(
         ratios = ((value_of(size, name) or 0.0) / (value_of(size, "area") or 1.0) for size in sizes)
         label = "I_y" if name.endswith("y") else "I_z"
         shown.add_row(f"{label} / A, cm²", *(figure(1e4 * ratio, 4) for ratio in ratios))
-    console().print(shown)
-    if any(size.unconfirmed for size in sizes):
-        console().print(UNCONFIRMED, soft_wrap=True)
+    content = {"stock": [_stock_json(size) for size in sizes]}
+    answer(json, "sections", content, shown, UNCONFIRMED if any(size.unconfirmed for size in sizes) else "")
 
 
 def _print_shapes() -> None:
-    from linkwright.screen.console import console, table
-
     shown = table("shape", "dimensions")
     for name, kind in SHAPES.items():
         shown.add_row(name, ", ".join(_dimension_words(kind)))
-    console().print(shown)
+    tell(shown)
 
 
 def _print_families(stock: Stock) -> None:
-    from linkwright.screen.console import console, table
-
     shown = table("family", "sizes", "from", "to", "source", numbers=(1,))
     for family in stock.families:
         sizes = stock.of_family(family)
@@ -349,47 +344,36 @@ def _print_families(stock: Stock) -> None:
         marked = any(size.unconfirmed for size in sizes)
         name = family + (" ?" if marked else "")
         shown.add_row(name, str(len(sizes)), sizes[0].name, sizes[-1].name, ", ".join(sources))
-    console().print(shown)
-    if any(size.unconfirmed for size in stock):
-        console().print(UNCONFIRMED, soft_wrap=True)
+    tell(shown, UNCONFIRMED if any(size.unconfirmed for size in stock) else "")
 
 
 def _print_sizes(sizes: list[StockSize], names: tuple[str, ...], *, dimensions: bool) -> None:
-    from linkwright.screen.console import console, table
-
     leading = ("size", "dimensions in mm") if dimensions else ("size",)
     numbers = tuple(range(len(leading), len(leading) + len(names)))
     shown = table(*leading, *(heading(name) for name in names), numbers=numbers)
     for size in sizes:
         values = [", ".join(figure(1e3 * value, 5) for value in size.dimensions.values())] if dimensions else []
         shown.add_row(size.name + (" ?" if size.unconfirmed else ""), *values, *(written(size, name) for name in names))
-    console().print(shown)
+    note = f"sources: {'; '.join(dict.fromkeys(size.source for size in sizes))}"
     if len({(size.source, tuple(size.dimensions)) for size in sizes}) == 1:
-        words = ", ".join(name.replace("_", " ") for name in sizes[0].dimensions)
-        console().print(f"dimensions: {words}; {sizes[0].source}", soft_wrap=True)
-    else:
-        console().print(f"sources: {'; '.join(dict.fromkeys(size.source for size in sizes))}", soft_wrap=True)
-    if any(size.unconfirmed for size in sizes):
-        console().print(UNCONFIRMED, soft_wrap=True)
+        note = f"dimensions: {', '.join(name.replace('_', ' ') for name in sizes[0].dimensions)}; {sizes[0].source}"
+    tell(shown, note, UNCONFIRMED if any(size.unconfirmed for size in sizes) else "")
 
 
-def _print_size(size: StockSize) -> None:
-    from linkwright.screen.console import console, table
-
-    screen = console()
-    screen.print(f"{size.name}: {size.shape.replace('_', ' ')}", style="bold")
+def _size_shown(size: StockSize) -> tuple[Table | str, ...]:
     shown = table("what", "value", "printed", numbers=(1, 2))
     for name, value in size.dimensions.items():
         shown.add_row(name.replace("_", " "), f"{figure(1e3 * value, 5)} mm", "")
     for name, (label, power) in FIGURES.items():
         shown.add_row(label, f"{written(size, name)} {unit_of(name)}", _printed(size, name, power))
-    screen.print(shown)
     figures = "printed figures checked against the dimensions" if size.printed else "figures computed"
-    screen.print(f"{size.source}; {figures}; from {size.file}", soft_wrap=True)
-    if size.found_in:
-        screen.print(f"found in: {size.found_in}", soft_wrap=True)
-    if size.unconfirmed:
-        screen.print(f"not confirmed: {size.unconfirmed}", soft_wrap=True)
+    unconfirmed = f"not confirmed: {size.unconfirmed}" if size.unconfirmed else ""
+    return (
+        shown,
+        f"{size.source}; {figures}; from {size.file}",
+        size.found_in and f"found in: {size.found_in}",
+        unconfirmed,
+    )
 
 
 def _printed(size: StockSize, name: str, power: int) -> str:
@@ -398,16 +382,6 @@ def _printed(size: StockSize, name: str, power: int) -> str:
         return f"{metric:g}"
     inches = size.printed.get(f"{name}_in{power}")
     return "" if inches is None else f"{inches:g} in{_POWERS[power - 2]}"
-
-
-def _print_shape(kind: type[Section]) -> None:
-    from linkwright.screen.console import console, table
-
-    shown = table("dimension", "what", "")
-    for dimension in kind.dimensions:
-        shown.add_row(dimension.name, dimension.meaning, "optional" if dimension.optional else "")
-    console().print(kind.shape, style="bold")
-    console().print(shown)
 
 
 def _stock_json(size: StockSize) -> dict[str, Any]:
