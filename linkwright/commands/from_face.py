@@ -59,11 +59,6 @@ class Optimize(Made):
         finally:
             steps.close()
 
-    def answer(self, result: Any) -> None:
-        """Apart from the rounds."""
-        _apart()
-        super().answer(result)
-
 
 def _heard(problem: lw.Problem, steps: Any) -> dict[str, Any]:
     """What `optimize` tells of on the way, shown beside its bar."""
@@ -107,23 +102,8 @@ def _tell_infeasible(infeasibility: Any, problem: Path, targets: Targets) -> Non
     show(console(), described)
 
 
-def _apart() -> None:
-    from linkwright.screen.console import console, loudness
-
-    if loudness() != "answer":
-        console().print()
-
-
 class Tradeoff(Made):
     """`tradeoff`: a table of its points, and a folder of its own files."""
-
-    def checked(self, targets: Targets, words: dict[str, Any], inputs: Sequence[Path]) -> Targets:
-        """The table too is written."""
-        from linkwright.output.table_file import check_table
-
-        checked_targets = super().checked(targets, words, inputs)
-        check_table(targets.csv)
-        return checked_targets
 
     def claim(self, folder: Path) -> None:
         """As a trade-off claims it."""
@@ -144,11 +124,6 @@ class Tradeoff(Made):
             result.save_table(targets.csv)
         return super().write(result, targets, read) + ([] if targets.csv is None else [targets.csv])
 
-    def answer(self, result: Any) -> None:
-        """Apart from what was told on the way."""
-        _apart()
-        super().answer(result)
-
 
 CsvFile = Annotated[Path | None, typer.Option("--csv", metavar="FILE", help="Write the points: .csv, .parquet or .md.")]
 
@@ -161,18 +136,6 @@ class Diagnose(Made):
         from linkwright.output.diagnosis_folder import claim_diagnosis
 
         claim_diagnosis(folder)
-
-
-class Compensate(Made):
-    """`compensate`: a table of any kind."""
-
-    def checked(self, targets: Targets, words: dict[str, Any], inputs: Sequence[Path]) -> Targets:
-        """Parquet too can be written."""
-        from linkwright.output.table_file import check_table
-
-        checked_targets = super().checked(targets, words, inputs)
-        check_table(targets.out)
-        return checked_targets
 
 
 class Plan(Made):
@@ -368,7 +331,7 @@ def commands() -> Mapping[str, Made]:
     drawing: Any = {"doing": "computing the paper's figures", "out": figures, "unwritten": NOTHING}
     made = (
         Made("evaluate", doing="evaluating", out=Out(), pdf=True, tip=True),
-        Optimize("optimize", out=Out(), pdf=True, kept="this is the best design so far"),
+        Optimize("optimize", out=Out(), pdf=True, kept="this is the best design so far", apart=True),
         Tradeoff(
             "tradeoff",
             doing="setting up the trade-off",
@@ -376,13 +339,14 @@ def commands() -> Mapping[str, Made]:
             pdf=True,
             kept="these are the points solved so far",
             also={"csv": CsvFile},
+            apart=True,
         ),
         Made("inverse", doing="looking for poses", tip=True, negative=True),
         Made("budget", out=watched, pdf=True, tip=True),
         Diagnose("diagnose", doing="preparing", out=Out(), pdf=True, tip=True),
         Made("compare", doing="preparing", tip=True),
         Made("predict", doing="predicting", tip=True),
-        Compensate("compensate", doing="computing the table", out=table, tip=True),
+        Made("compensate", doing="computing the table", out=table, tip=True),
         Plan("plan", out=plan, tip=True, kept="this is the best plan so far"),
         Made("watch", doing="preparing", out=watched, pdf=True, tip=True),
         Simulate("simulate", doing="simulating", out=recording, tip=True),

@@ -33,6 +33,7 @@ from linkwright.output.files import (
     write_file,
     write_markdown,
 )
+from linkwright.output.table_file import check_table
 
 if TYPE_CHECKING:
     from linkwright.core.executors import Executor
@@ -184,6 +185,7 @@ class Made:
         unwritten: what is said where no file was asked for.
         negative: an argument may begin with a minus.
         also: options of its own for files to write, by name.
+        apart: an empty line stands before the answer, after what was told on the way.
     """
 
     name: str
@@ -198,6 +200,7 @@ class Made:
     unwritten: str = ""
     negative: bool = False
     also: Mapping[str, Any] = field(default_factory=dict[str, Any])
+    apart: bool = False
 
     @property
     def called(self) -> str:
@@ -289,8 +292,10 @@ class Made:
             raise InputError("", "--out", "needs the name of a file; the settings are written beside it")
         if self.out is not None and not self.out.files:
             check_target(targets.out, *inputs)
+            check_table(targets.out)
         for target in (targets.json, targets.markdown, targets.pdf, targets.csv):
             check_target(target, *inputs)
+        check_table(targets.csv)
         options.check_pdf(targets.pdf)
         return targets
 
@@ -347,9 +352,11 @@ class Made:
 
     def answer(self, result: Any) -> None:
         """Show the result."""
-        from linkwright.screen.console import console
+        from linkwright.screen.console import console, loudness
         from linkwright.screen.described import show
 
+        if self.apart and loudness() != "answer":
+            console().print()
         show(console(), result.description)
 
     @contextmanager
