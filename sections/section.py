@@ -144,6 +144,8 @@ class Section(ABC):
     """What an optimiser chooses; empty where the shape is fixed. By default the dimensions that have to be given."""
     solid: ClassVar[bool] = False
     """Whether it has no walls that could buckle."""
+    open: ClassVar[bool] = False
+    """Whether no wall closes on itself, so that there is no hollow."""
     most_wall: ClassVar[float] = 0.5
     """The wall at which nothing is left open, as a fraction of the outer size where all outer sizes are equal."""
 
@@ -206,7 +208,7 @@ class Section(ABC):
     def inner_diameter(self) -> Number | None:
         """Diameter of the thickest round cable that fits through the closed hollow, m: 0 where there is none; None
         where the shape has walls and does not say."""
-        return None if any(dimension.kind == "wall" for dimension in self.dimensions) else 0.0
+        return None if not self.open and any(dimension.kind == "wall" for dimension in self.dimensions) else 0.0
 
     @property
     def inner_widths(self) -> tuple[Number, ...] | None:

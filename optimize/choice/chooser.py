@@ -18,7 +18,7 @@ from linkwright.core.arm.figures import OfDesign, Totals, excess
 from linkwright.core.arm.files.write import arm_to_yaml
 from linkwright.core.arm.worst.workspace import Unreachable
 from linkwright.core.executors import Executor
-from linkwright.core.optimize.choice.signs import one_signed
+from linkwright.core.optimize.choice.pose_products import one_signed
 from linkwright.core.optimize.exchange.binding_poses import Pool
 from linkwright.core.optimize.exchange.design import (
     LENGTH,

@@ -1,7 +1,7 @@
 """Sums of products of what a design gives its links.
 
 At a pose the error is a sum of terms, each a coefficient times a product of links' weights and flexibilities (see
-`optimize.choice.signs`); stress, compression and a trial shape's inertia are sums of the same kind.
+`optimize.choice.pose_products`); stress, compression and a trial shape's inertia are sums of the same kind.
 """
 
 from __future__ import annotations

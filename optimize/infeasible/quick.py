@@ -27,7 +27,7 @@ from linkwright.core.arm.worst.workspace import Unreachable
 from linkwright.core.materials.material import Material
 from linkwright.core.optimize.balance.balance import with_least_counterweights
 from linkwright.core.optimize.choice.picks import options
-from linkwright.core.optimize.choice.signs import one_signed
+from linkwright.core.optimize.choice.pose_products import one_signed
 from linkwright.core.optimize.exchange.design import with_chosen_links
 from linkwright.core.optimize.exchange.program import cut_of, fixed_error
 from linkwright.core.optimize.problem import Problem

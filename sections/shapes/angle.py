@@ -44,6 +44,7 @@ class Angle(Section):
     thickness: Number
 
     shape: ClassVar[str] = "angle"
+    open: ClassVar[bool] = True
     synonyms: ClassVar[tuple[str, ...]] = ("l_section", "l_profile")
     most_wall: ClassVar[float] = 1.0
     dimensions: ClassVar[tuple[Dimension, ...]] = (
@@ -51,11 +52,6 @@ class Angle(Section):
         Dimension("height", "length of the leg in the bending plane", "outer"),
         Dimension("thickness", "thickness of both legs", "wall"),
     )
-
-    @property
-    def inner_diameter(self) -> Number:
-        """None is closed: 0."""
-        return 0.0
 
     def properties(self, poisson_ratio: Number) -> SectionProperties:
         """Properties (SI), exact but for J, shear areas, shear centre and warping constant.

@@ -43,6 +43,7 @@ class Channel(Section):
     web_thickness: Number
 
     shape: ClassVar[str] = "channel"
+    open: ClassVar[bool] = True
     synonyms: ClassVar[tuple[str, ...]] = ("u_section", "u_profile", "c_section", "c_profile")
     dimensions: ClassVar[tuple[Dimension, ...]] = (
         Dimension("width", "width of both flanges, with the web", "outer"),
@@ -50,11 +51,6 @@ class Channel(Section):
         Dimension("flange_thickness", "thickness of both flanges", "wall"),
         Dimension("web_thickness", "thickness of the web", "wall"),
     )
-
-    @property
-    def inner_diameter(self) -> Number:
-        """None is closed: 0."""
-        return 0.0
 
     def properties(self, poisson_ratio: Number) -> SectionProperties:
         """Properties (SI), exact but for J, shear areas, shear centre and warping constant.

@@ -61,6 +61,7 @@ class ISection(Section):
     root_radius: Number | None = None
 
     shape: ClassVar[str] = "i_section"
+    open: ClassVar[bool] = True
     synonyms: ClassVar[tuple[str, ...]] = ("i_beam", "h_beam", "ibeam", "i", "i_profile", "double_t", "wide_flange")
     dimensions: ClassVar[tuple[Dimension, ...]] = (
         Dimension("width", "width of both flanges", "outer", unless=("top_flange_width", "bottom_flange_width")),
@@ -120,11 +121,6 @@ class ISection(Section):
             self.bottom_flange_thickness,
         )
         return all(value is None for value in entries)
-
-    @property
-    def inner_diameter(self) -> Number:
-        """None is closed: 0."""
-        return 0.0
 
     def properties(self, poisson_ratio: Number) -> SectionProperties:
         """Properties (SI); J and shear areas are fits, see `sections.formulas.thin_walls` for their range and error.

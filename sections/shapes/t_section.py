@@ -43,6 +43,7 @@ class TSection(Section):
     web_thickness: Number
 
     shape: ClassVar[str] = "t_section"
+    open: ClassVar[bool] = True
     synonyms: ClassVar[tuple[str, ...]] = ("t_beam", "tee", "t_profile")
     most_wall: ClassVar[float] = 1.0
     dimensions: ClassVar[tuple[Dimension, ...]] = (
@@ -51,11 +52,6 @@ class TSection(Section):
         Dimension("flange_thickness", "thickness of the flange", "wall"),
         Dimension("web_thickness", "thickness of the web", "wall"),
     )
-
-    @property
-    def inner_diameter(self) -> Number:
-        """None is closed: 0."""
-        return 0.0
 
     def properties(self, poisson_ratio: Number) -> SectionProperties:
         """Properties (SI), exact but for J, shear areas, shear centre and warping constant.

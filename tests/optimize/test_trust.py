@@ -12,7 +12,7 @@ from linkwright.core.arm.chain.chain import Arm
 from linkwright.core.arm.errors.model import beam_values, beams_of, error_model
 from linkwright.core.arm.evaluation import evaluate
 from linkwright.core.optimize.choice.picks import combinations
-from linkwright.core.optimize.choice.signs import one_signed
+from linkwright.core.optimize.choice.pose_products import one_signed
 from linkwright.core.optimize.exchange.binding_poses import ErrorCut
 from linkwright.core.optimize.exchange.design import design_space, material_row, starting_points
 from linkwright.core.optimize.exchange.exchange import Exchange, context_of, first_pool

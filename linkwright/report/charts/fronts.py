@@ -98,7 +98,7 @@ def tradeoff_picture(result: Tradeoff) -> str:
     parts = [label(left, 26.0, 17.0, title, "start", "figures"), label(left, 46.0, 12.5, f"better: {better}", "start")]
     drawn = [(front, COLOURS[k % len(COLOURS)], 2.0) for k, front in enumerate(result.fronts)]
     for number, (front, colour, wide) in enumerate([(result.envelope, _GREY, 7.0), *drawn] if several else drawn):
-        at = [_curve_place(plot, result, *place) for place in _steps(result, front)]
+        at = [_curve_place(plot, result, x_, y_) for x_, y_, _ in _steps(result, front)]
         course = "M" + "L".join(f"{u:.2f},{v:.2f}" for u, v in at)
         parts.append(element("path", d=course, class_="front", stroke=colour, stroke_width=wide))
         if front is not result.envelope or not several:
@@ -123,13 +123,13 @@ def _curve_place(plot: Plot, result: Tradeoff, x: float, y: float) -> tuple[floa
     return float(plot.x(np.array(factors[0] * x))), float(plot.y(np.array(factors[1] * y)))
 
 
-def _steps(result: Tradeoff, front: Front) -> list[tuple[float, float]]:
-    """Where a front runs (SI): straight from point to point, at a step level first, then down."""
+def _steps(result: Tradeoff, front: Front) -> list[tuple[float, float, Point | None]]:
+    """Where a front runs (SI): straight from point to point, at a step (None) level first, then down."""
     points, steps = result.of(front), set(front.steps)
-    places = [(points[0].x, points[0].y)]
+    places: list[tuple[float, float, Point | None]] = [(points[0].x, points[0].y, points[0])]
     for before, point in pairwise(points):
-        places += [(point.x, before.y)] if (before.number, point.number) in steps else []
-        places.append((point.x, point.y))
+        places += [(point.x, before.y, None)] if (before.number, point.number) in steps else []
+        places.append((point.x, point.y, point))
     return places
 
 
@@ -183,34 +183,19 @@ def _hover(result: Tradeoff, point: Point, *, brief: bool) -> str:
 
 def _trace(result: Tradeoff, front: Front, colour: str, wide: float, *, dots: bool, brief: bool) -> Figure:
     x, y = result.asked.x, result.asked.y
-    across: list[float] = []
-    up: list[float] = []
-    words: list[str] = []
-    sizes: list[int] = []
-    steps = set(front.steps)
-    points = result.of(front)
-    for before, point in zip((None, *points), points, strict=False):
-        if before is not None and (before.number, point.number) in steps:
-            across.append(x.factor * point.x)
-            up.append(y.factor * before.y)
-            words.append("a step")
-            sizes.append(0)
-        across.append(x.factor * point.x)
-        up.append(y.factor * point.y)
-        words.append(_hover(result, point, brief=brief))
-        sizes.append(7)
+    places = _steps(result, front)
     trace: dict[str, Any] = {
         "type": "scatter",
         "mode": "lines+markers" if dots else "lines",
         "name": front.name,
-        "x": across,
-        "y": up,
+        "x": [x.factor * at for at, _, _ in places],
+        "y": [y.factor * at for _, at, _ in places],
         "line": {"color": colour, "width": wide},
-        "hovertext": words,
+        "hovertext": ["a step" if point is None else _hover(result, point, brief=brief) for _, _, point in places],
         "hoverinfo": "text" if dots else "skip",
     }
     if dots:
-        trace["marker"] = {"color": colour, "size": sizes}
+        trace["marker"] = {"color": colour, "size": [0 if point is None else 7 for _, _, point in places]}
     return trace
 
 

@@ -24,14 +24,13 @@ from linkwright.core.optimize.exchange.design import numeric_beams
 from linkwright.core.optimize.exchange.exchange import Context, context_of
 from linkwright.core.optimize.exchange.program import cut_of
 from linkwright.core.optimize.result import Iteration
-from linkwright.core.optimize.sizes.free.program import SettledRow
+from linkwright.core.optimize.sizes.free.program import SettledRow, fitted, moved
 from linkwright.core.optimize.sizes.listed_search import ListedSearch, Progress, SearchOutcome
 from linkwright.core.optimize.sizes.options import LinkList, agreeing_parts
 from linkwright.core.optimize.sizes.rows import greatest, product, table_row
 from linkwright.core.optimize.sizes.search import ListSearch
 from linkwright.core.sections.numeric import Array
 
-from .fitting import fitted, moved
 from .program import LengthProgram, Lengths
 
 WANTED = 1e-2

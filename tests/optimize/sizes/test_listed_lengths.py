@@ -17,7 +17,7 @@ from linkwright.core.optimize.exchange.exchange import context_of
 from linkwright.core.optimize.problem import Problem
 from linkwright.core.optimize.run import optimise
 from linkwright.core.optimize.sizes.free import search
-from linkwright.core.optimize.sizes.free.fitting import fitted
+from linkwright.core.optimize.sizes.free.program import fitted
 from linkwright.core.optimize.sizes.options import link_lists
 from linkwright.core.optimize.sizes.search import CLOSE
 from linkwright.core.units.quantities import InputError
