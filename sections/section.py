@@ -189,6 +189,11 @@ class Section(ABC):
     def outline(self) -> Outline:
         """Polylines for drawing to scale, in metres about the centroid (y right, z up); plain floats only."""
 
+    @property
+    def ends(self) -> tuple[Section, ...]:
+        """The section at both ends of a link; one alone where it is the same all along."""
+        return (self,)
+
     def wall_parts(self, web: WallKind) -> tuple[Wall, ...] | None:
         """Its walls, their places counted from the left and lower edge of its bounding box; `web` says how a wall along
         the height counts that may be bent about its middle. None where they are not known."""

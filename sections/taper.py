@@ -39,6 +39,11 @@ class Tapered(Section):
         """The shape of every cut."""
         return self.near.shape
 
+    @property
+    def ends(self) -> tuple[Section, ...]:
+        """The section at the joint, and that at the far end."""
+        return self.near, self.far
+
     def properties(self, poisson_ratio: Number) -> SectionProperties:
         """Properties (SI) at the joint."""
         return self.near.properties(poisson_ratio)

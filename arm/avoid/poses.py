@@ -15,7 +15,6 @@ from linkwright.core.arm.chain.following import completed
 from linkwright.core.arm.chain.kinematics import place
 from linkwright.core.sections.numeric import Array
 from linkwright.core.sections.section import Section
-from linkwright.core.sections.taper import Tapered
 
 from .regions import Region, around
 
@@ -138,10 +137,7 @@ def _pieces(arm: Arm, q: Array, *, everything: bool = False) -> Iterator[tuple[b
 
 def half_size(link: Link) -> float:
     """How far a link's section reaches from its axis at most, m; 0 where the section is not known."""
-    if link.section is None:
-        return 0.0
-    ends = (link.section.near, link.section.far) if isinstance(link.section, Tapered) else (link.section,)
-    return max(map(_farthest, ends))
+    return 0.0 if link.section is None else max(map(_farthest, link.section.ends))
 
 
 def _farthest(section: Section) -> float:

@@ -15,7 +15,6 @@ from dataclasses import dataclass, fields, replace
 from typing import TYPE_CHECKING, Any, ClassVar, Generic, Protocol, TypeAlias, TypeVar
 
 from linkwright.core.sections.numeric import Array
-from linkwright.core.sections.taper import Tapered
 from linkwright.core.units.quantities import InputError, Relation, format_quantity
 
 from .design import DesignExpressions, Designs, DesignValues, Totals
@@ -250,8 +249,7 @@ def _ends(arm: Arm) -> Iterator[tuple[int, Section, MaterialValues]]:
     for number, link in enumerate(arm.links, start=1):
         if link.section is not None and link.material is not None:
             material = link.material.at(arm.temperature)
-            ends = (link.section.near, link.section.far) if isinstance(link.section, Tapered) else (link.section,)
-            yield from ((number, section, material) for section in ends)
+            yield from ((number, section, material) for section in link.section.ends)
 
 
 @dataclass(frozen=True)

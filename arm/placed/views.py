@@ -90,10 +90,14 @@ def sides(arm: Arm) -> tuple[Side, ...]:
 
 @dataclass(frozen=True)
 class Stand:
-    """Where a link stands: its joint (m), and the unit vectors along it and along its section's width and height, in
-    the base frame; its length (m), of one that runs out of a sleeve what has run out."""
+    """Where a link stands (m, unit vectors, in the base frame): where what is `before` its joint ends, the joint with
+    its `axis`, and where the link ends; along it and along its section's width and height; its length, of one that
+    runs out of a sleeve what has run out."""
 
+    before: Array
     joint: Array
+    axis: Array
+    end: Array
     along: Array
     width: Array
     height: Array
@@ -111,15 +115,21 @@ class Stand:
 def stands(arm: Arm, q: Sequence[float] | None = None) -> tuple[Stand, ...]:
     """Where each link stands at joint coordinates (rad, m; None: all at zero); of several arms on one torso each link
     on the way to its tip."""
-    coordinates = [0.0] * arm.size if q is None else list(q)
+    return walked(arm, [0.0] * arm.size if q is None else q)[0]
+
+
+def walked(arm: Arm, q: Sequence[float]) -> tuple[tuple[Stand, ...], list[tuple[Array, Array]]]:
+    """Where each link stands at joint coordinates (rad, m), and from where to where (m) each tool runs."""
     stands_by_link: dict[int, Stand] = {}
+    tools: list[tuple[Array, Array]] = []
     for way in ways(arm):
-        frames, here = place(way.arm, [coordinates[joint] for joint in way.joints]), np.zeros(3)
+        frames, here = place(way.arm, [q[joint] for joint in way.joints]), np.zeros(3)
         for number, joint, link in zip(way.joints, frames.joints, frames.links, strict=True):
-            here = here + np.array(joint.lead, dtype=float)
-            vector, along, width, height = (
-                np.array(item, dtype=float) for item in (link.vector, link.along, link.width, link.height)
+            lead, axis, vector, along, width, height = (
+                np.array(item, dtype=float)
+                for item in (joint.lead, joint.axis, link.vector, link.along, link.width, link.height)
             )
-            stands_by_link[number] = Stand(here, along, width, height, float(vector @ along))
-            here = here + vector
-    return tuple(stands_by_link[number] for number in range(arm.size))
+            before, start, here = here, here + lead, here + lead + vector
+            stands_by_link[number] = Stand(before, start, axis, here, along, width, height, float(vector @ along))
+        tools.append((here, here + np.array(frames.tool, dtype=float)))
+    return tuple(stands_by_link[number] for number in range(arm.size)), tools

@@ -23,7 +23,6 @@ from linkwright.core.arm.placed.views import Side, sides
 from linkwright.core.sections.section import Section
 from linkwright.core.sections.shapes.circle import Circle
 from linkwright.core.sections.shapes.tube import Tube
-from linkwright.core.sections.taper import Tapered
 from linkwright.results.figures_in_words import figure, material_words, section_words
 
 if TYPE_CHECKING:
@@ -145,10 +144,7 @@ class _Seen:
 
 
 def _seen(link: Link, side: Side) -> _Seen:
-    if link.section is None:
-        return _Seen(())
-    ends = (link.section.near, link.section.far) if isinstance(link.section, Tapered) else (link.section,)
-    return _Seen(tuple(_Cut(end, side) for end in ends))
+    return _Seen(() if link.section is None else tuple(_Cut(end, side) for end in link.section.ends))
 
 
 def _link(sheet: _Sheet, link: Link, seen: _Seen, words: str, at: float) -> None:

@@ -189,7 +189,7 @@ def with_chosen_links(problem: Problem) -> Problem:
         return problem
     links = list(problem.arm.links)
     for index, link in enumerate(links):
-        section = link.section.near if isinstance(link.section, Tapered) else link.section
+        section = link.section and link.section.ends[0]
         lacking = link.may_lack
         if section is not None:
             candidates = _candidates(problem, index)
@@ -464,6 +464,5 @@ def as_given(space: DesignSpace) -> Array | None:
         ratio = size_ratio(item.section)
         if ratio is None:
             return None
-        near = item.section.near if isinstance(item.section, Tapered) else item.section
-        x += _section_values(space, link, near, lengths[link], ratio)
+        x += _section_values(space, link, item.section.ends[0], lengths[link], ratio)
     return np.array([*x, *_given_balance(space)])

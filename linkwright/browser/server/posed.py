@@ -11,13 +11,12 @@ from typing import TypeAlias
 
 import numpy as np
 
-from linkwright.core.arm.chain.branches import ways
 from linkwright.core.arm.chain.chain import Arm
 from linkwright.core.arm.chain.kinematics import place, tip_position
 from linkwright.core.arm.chain.statics import solve
 from linkwright.core.arm.errors.model import beam_values, beams_of, error_model
 from linkwright.core.arm.errors.unknown_mass import unknown_taken_out
-from linkwright.core.arm.placed.views import stands, upwards
+from linkwright.core.arm.placed.views import upwards, walked
 from linkwright.core.arm.worst.parts import worst_search
 from linkwright.core.arm.worst.search import WorstPose, WorstSearch
 from linkwright.core.arm.worst.workspace import Workspace, joint_box, spread
@@ -87,26 +86,16 @@ class Posed:
 
     def at(self, q: Sequence[float]) -> Look:
         """The arm at a pose (rad, m)."""
+        bodies, leads = walked(self.arm, q)
         links = tuple(
-            Placed(body.joint, np.column_stack((-body.width, body.height, body.along)), body.length)
-            for body in stands(self.arm, q)
+            Placed(body.joint, np.column_stack((-body.width, body.height, body.along)), body.length) for body in bodies
         )
-        joints: list[tuple[Array, Array]] = []
-        leads: list[tuple[Array, Array]] = []
-        for number, way in enumerate(ways(self.arm)):
-            frames, here = place(way.arm, [q[joint] for joint in way.joints]), np.zeros(3)
-            for k, (lead, frame) in enumerate(zip(frames.joints, frames.links, strict=True)):
-                before, here = here, here + np.array(lead.lead, dtype=float)
-                if not (number and k < way.shared):
-                    leads.append((before, here))
-                    joints.append((here, np.array(lead.axis, dtype=float)))
-                    if way.arm.links[k].section is None:
-                        leads.append((here, here + np.array(frame.vector, dtype=float)))
-                here = here + np.array(frame.vector, dtype=float)
-            leads.append((here, here + np.array(frames.tool, dtype=float)))
+        joints = tuple((body.joint, body.axis) for body in bodies)
+        for body, link in zip(bodies, self.arm.links, strict=True):
+            leads += [(body.before, body.joint), *([] if link.section is not None else [(body.joint, body.end)])]
         tip = np.array(place(self.arm, list(q)).tip(), dtype=float)
         seen = tuple((a, b) for a, b in leads if float(np.linalg.norm(b - a)) > 1e-6 * self.size)
-        return Look(links, tuple(joints), seen, tip, self._bent(q), self._worst(q))
+        return Look(links, joints, seen, tip, self._bent(q), self._worst(q))
 
     def scale(self, look: Look) -> float:
         """By how much errors and displacements of a pose are drawn larger: a round number."""

@@ -9,14 +9,12 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.spatial import ConvexHull
 
-from linkwright.core.arm.chain.branches import ways
 from linkwright.core.arm.chain.chain import Arm, Joint
 from linkwright.core.arm.chain.kinematics import place
 from linkwright.core.arm.evaluation import Evaluation
-from linkwright.core.arm.placed.views import Stand, View, from_above, stands, view_of
+from linkwright.core.arm.placed.views import Stand, View, from_above, view_of, walked
 from linkwright.core.arm.worst.search import WorstPose
 from linkwright.core.sections.section import Section
-from linkwright.core.sections.taper import Tapered
 from linkwright.results.figures_in_words import figure, mm, pose
 
 from .svg import drawing, element, label, line, nice_below, path, scale_bar
@@ -94,32 +92,20 @@ def skeleton_at(arm: Arm, worst: WorstPose, *, above: bool = False) -> Skeleton:
     down along gravity."""
     tip = np.array(place(arm, worst.q).tip(), dtype=float)
     project = page_of(arm, tip, from_above if above else view_of)
-    bodies = stands(arm, worst.q)
+    bodies, tools = walked(arm, worst.q)
     leads: list[tuple[Point, Point]] = []
     links: list[Silhouette] = []
     joints: list[tuple[Point, Joint]] = []
-    for number, way in enumerate(ways(arm)):
-        serial = way.arm
-        frames = place(serial, [worst.q[joint] for joint in way.joints])
-        here = np.zeros(3)
-        for k, (number_, joint, link, lead, frame) in enumerate(
-            zip(way.joints, serial.joints, serial.links, frames.joints, frames.links, strict=True)
-        ):
-            start = here + np.array(lead.lead, dtype=float)
-            end = start + np.array(frame.vector, dtype=float)
-            before, here = here, end
-            if number and k < way.shared:
-                continue  # the torso is drawn once
-            if np.abs(start - before).max() > 1e-9:
-                leads.append((project(before), project(start)))
-            joints.append((project(start), joint))
-            if link.section is None:
-                leads.append((project(start), project(end)))
-            else:
-                corners = _corners(link.section, bodies[number_], project)
-                links.append(Silhouette(project(start), project(end), corners))
-        if any(serial.tool):
-            leads.append((project(here), project(here + np.array(frames.tool, dtype=float))))
+    for body, joint, link in zip(bodies, arm.joints, arm.links, strict=True):
+        start, end = project(body.joint), project(body.end)
+        if np.abs(body.joint - body.before).max() > 1e-9:
+            leads.append((project(body.before), start))
+        joints.append((start, joint))
+        if link.section is None:
+            leads.append((start, end))
+        else:
+            links.append(Silhouette(start, end, _corners(link.section, body, project)))
+    leads += [(project(start), project(end)) for start, end in tools if (start != end).any()]
     error = project(np.array(worst.vector, dtype=float))
     return Skeleton(tuple(leads), tuple(links), tuple(joints), project(tip), error, worst)
 
@@ -139,8 +125,7 @@ def page_of(
 
 def _corners(section: Section, body: Stand, project: Callable[[np.ndarray], Point]) -> tuple[Point, ...]:
     """The corners of what a link covers of the page: the hull of the edges at its ends."""
-    ends = (section.near, section.far) if isinstance(section, Tapered) else (section, section)
-    edges = [body.at(share, end.outline()[0]) for share, end in zip((0.0, 1.0), ends, strict=True)]
+    edges = [body.at(share, section.ends[-share].outline()[0]) for share in (0, 1)]
     places = np.array([project(point) for point in np.vstack(edges)])
     return tuple((float(x), float(y)) for x, y in places[ConvexHull(places).vertices])
 

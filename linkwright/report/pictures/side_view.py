@@ -16,8 +16,6 @@ from linkwright.core.arm.chain.kinematics import place
 from linkwright.core.arm.placed.heights import HeightPoints, heights
 from linkwright.core.arm.placed.views import Side, sides
 from linkwright.core.sections.numeric import Array
-from linkwright.core.sections.section import Section
-from linkwright.core.sections.taper import Tapered
 from linkwright.report.pictures.svg import Levels, width_of
 from linkwright.results.figures_in_words import figure, with_unit
 
@@ -96,7 +94,7 @@ class _Seen:
 def _seen(side: Side, link: Link) -> _Seen:
     if link.section is None:
         return _Seen((), ())
-    near, *far = _ends(link.section)
+    near, *far = link.section.ends
     rings = [1e3 * side.section(np.asarray(ring))[:, 1] for ring in near.outline()]
     ends = [(float(rings[0].min()), float(rings[0].max()))]
     for section in far:
@@ -195,7 +193,7 @@ def _words(number: int, link: Link, height: HeightPoints | None) -> list[str]:
     given = section.given()
     walls = [_figures(value) for name, value in given.items() if "thickness" in name]
     sizes = [item for item in (_figures(value) for name, value in given.items() if name == "diameter") if item]
-    near = 1e3 * np.asarray(_ends(section)[0].outline()[0])
+    near = 1e3 * np.asarray(section.ends[0].outline()[0])
     across, high = (figure(float(np.ptp(near[:, k])), 4) for k in (0, 1))
     outer = f"⌀ {sizes[0]}" if sizes else f"{high} × {across}"
     lines = [f"link {number}", outer, *([] if height is None else [f"height {height.words}"])]
@@ -205,10 +203,6 @@ def _words(number: int, link: Link, height: HeightPoints | None) -> list[str]:
 def _figures(value: object) -> str:
     ends = value if isinstance(value, tuple) else (value,)
     return " to ".join(figure(1e3 * float(end), 4) for end in ends if isinstance(end, float | int))
-
-
-def _ends(section: Section) -> tuple[Section, ...]:
-    return (section.near, section.far) if isinstance(section, Tapered) else (section,)
 
 
 def _edges(rings: Sequence[Array]) -> list[float]:
