@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from linkwright.core.arm.chain.chain import PlayMode
 from linkwright.core.arm.effects.functions import wound_up
-from linkwright.core.arm.errors.drive_zones import Way, ways
+from linkwright.core.arm.errors.drive_zones import ZoneCombination, zone_combinations
 from linkwright.core.arm.errors.lost_motion import played, pushed_discs, sign_vertices
 from linkwright.core.arm.errors.model import CaseModel
 from linkwright.core.sections.numeric import Array
@@ -127,7 +127,7 @@ def error_polynomials(
     greatest = np.zeros(0)
     if seating_terms is not None and zones:
         greatest = size * (np.abs(seating_terms.amplitude).sum(axis=1) + seating_terms.neglected)[-len(zones) :]
-    regions = ways(zones, greatest, size, _MOST_FUNCTIONS // 2**count)
+    regions = zone_combinations(zones, greatest, size, _MOST_FUNCTIONS // 2**count)
     weights, least, most = _standings(count, regions, loaded=loaded)
     functions = _squares(shapes, weights)
     # Of a pin that nothing pushed a calibration took the middle.
@@ -148,7 +148,7 @@ def error_polynomials(
     )
 
 
-def _standings(count: int, regions: Sequence[Way], *, loaded: bool) -> tuple[Array, Array, Array]:
+def _standings(count: int, regions: Sequence[ZoneCombination], *, loaded: bool) -> tuple[Array, Array, Array]:
     """The weights of each function, and the least and most of the loads between which it counts."""
     signs = sign_vertices(count)
     weights = np.array([[*item, *region.weights] for item, region in _pairs(signs, regions)])
@@ -191,7 +191,7 @@ def _columns(
     return columns
 
 
-def _pairs(signs: Array, regions: Sequence[Way]) -> list[tuple[Array, Way]]:
+def _pairs(signs: Array, regions: Sequence[ZoneCombination]) -> list[tuple[Array, ZoneCombination]]:
     return list(itertools.product(signs, regions))
 
 

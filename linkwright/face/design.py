@@ -78,7 +78,7 @@ class Optimization(Figured, Reported):
             designs["rounded"] = values_of(result.rounded.evaluation, {LOWER: bound}, known)
         return designs
 
-    def _figured(self) -> tuple[Model, Mapping[str, Figure]]:
+    def _arm_and_figures(self) -> tuple[Model, Mapping[str, Figure]]:
         return self.found.built, self.found.figures
 
     interrupted = Field[bool]("Whether Ctrl-C ended the search.")
@@ -199,7 +199,7 @@ class Redesign(Figured, Result):
         new = self.new._designs()  # pyright: ignore[reportPrivateUsage] - the same of one of the designs
         return {"old": values_of(self.found.old.after, known=self.found.old.figures), "new": [*new.values()][-1]}
 
-    def _figured(self) -> tuple[Model, Mapping[str, Figure]]:
+    def _arm_and_figures(self) -> tuple[Model, Mapping[str, Figure]]:
         return self.found.new.built, self.found.new.figures
 
     @property

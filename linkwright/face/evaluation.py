@@ -77,7 +77,7 @@ class Figured(ABC):
         """The figures of the design by what its column is called, last; those that it is compared with before it."""
 
     @abstractmethod
-    def _figured(self) -> tuple[Model, Mapping[str, Figure]]:
+    def _arm_and_figures(self) -> tuple[Model, Mapping[str, Figure]]:
         """The design's arm, and the figures that are known."""
 
     def _value(self, name: str, factor: float = 1.0) -> float | None:
@@ -114,7 +114,7 @@ class Figured(ABC):
         import pandas as pd
 
         designs = self._designs()
-        arm, known = self._figured()
+        arm, known = self._arm_and_figures()
         rows = [Row(item.name, item.title_for(arm), item) for item in known.values()]
         rows = [*rows[:1], *(item for item in _BESIDE if item.like is MAX_ERROR), *rows[1:], _BESIDE[-1]]
         shown = [row for row in rows if any(values.get(row.name) is not None for values in designs.values())]
@@ -228,7 +228,7 @@ class Evaluation(Figured, Reported):
         robust = None if self.robust is None else self.robust.value
         return {"value": values_of(self.found, {ROBUST: robust}, self.known)}
 
-    def _figured(self) -> tuple[Model, Mapping[str, Figure]]:
+    def _arm_and_figures(self) -> tuple[Model, Mapping[str, Figure]]:
         return self.found.arm, self.known
 
     def _content(self) -> Mapping[str, Any]:

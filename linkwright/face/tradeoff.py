@@ -47,7 +47,7 @@ class TradeoffDesign(Figured):
     def _designs(self) -> Mapping[str, Values]:
         return {"value": self.values}
 
-    def _figured(self) -> tuple[Model, Mapping[str, Figure]]:
+    def _arm_and_figures(self) -> tuple[Model, Mapping[str, Figure]]:
         return self.arm.model, self.known
 
 

@@ -178,7 +178,7 @@ def with_written_motion(result: MotionDiagnosis, catalogue: Catalogue) -> Motion
 def with_written(result: Diagnosis, catalogue: Catalogue) -> Diagnosis:
     """The diagnosis with what its `arm.yaml` is worth on its recording, as `linkwright predict` says it: frame and
     tool as the recording declares them, nothing else fitted; of several arms, what each one's file is worth too."""
-    rms = _left(result.corrected, result.recording, catalogue)
+    rms = _written_rms(result.corrected, result.recording, catalogue)
     result = replace(result, written=WrittenArm(rms, result.rms_promised, _lacks(result, result.corrected)))
     parts = zip(result.recordings, result.recording.parts(), strict=False)  # of a recording alone there are none
     return replace(result, recordings=tuple(_with_written_part(result, one, part, catalogue) for one, part in parts))
@@ -190,11 +190,11 @@ def _with_written_part(
     """A recording with what the file of its arm is worth on it."""
     if one.corrected is None:
         return one
-    rms = _left(one.corrected, recording, catalogue)
+    rms = _written_rms(one.corrected, recording, catalogue)
     return replace(one, written=WrittenArm(rms, one.rms_promised, _lacks(diagnosis, one.corrected, one.name)))
 
 
-def _left(arm: Arm, recording: Recording, catalogue: Catalogue) -> float:
+def _written_rms(arm: Arm, recording: Recording, catalogue: Catalogue) -> float:
     """The RMS (m) that an arm leaves of a recording once it has been written and read back."""
     return rms_length(residual_under(_read_back(arm, catalogue), recording))
 

@@ -55,7 +55,7 @@ def _axis(axis: Axis, *, log: bool) -> dict[str, Any]:
     return {"name": axis.name, "unit": axis.unit, "better": better, "scale": "log" if log else "linear"}
 
 
-def _front(result: Tradeoff, front: Front) -> dict[str, Any]:
+def _front_as_json(result: Tradeoff, front: Front) -> dict[str, Any]:
     x, y = result.asked.x, result.asked.y
     points = result.of(front)
     best_x, best_y = (
@@ -83,8 +83,8 @@ def tradeoff_json(result: Tradeoff) -> dict[str, Any]:
         "subject_to": [limit.text for limit in result.asked.given.limits],
         "price_unit": slope_factor(result)[1],
         "knee_is": "the point farthest from the chord between the ends, axes scaled from 0 to 1 as drawn (Das 1999)",
-        "envelope": _front(result, result.envelope),
-        "fronts": [_front(result, front) for front in result.fronts],
+        "envelope": _front_as_json(result, result.envelope),
+        "fronts": [_front_as_json(result, front) for front in result.fronts],
         "without": [{"name": name, "reason": reason} for name, reason in result.without],
         "points": [
             {

@@ -10,7 +10,7 @@ import pytest
 
 from linkwright.core.arm.actuators import load_actuators
 from linkwright.core.arm.chain.chain import Arm, Calibrated, EffectEntry, Joint, Link, LoadCase
-from linkwright.core.arm.errors.drive_zones import ways
+from linkwright.core.arm.errors.drive_zones import zone_combinations
 from linkwright.core.arm.evaluation import evaluate
 from linkwright.core.arm.files.read import read_arm
 from linkwright.core.arm.files.write import write_arm
@@ -73,7 +73,7 @@ def test_too_many_ways_leave_a_bound_that_holds_and_says_its_gap() -> None:
 
 def test_a_band_holds_the_whole_curve() -> None:
     greatest = 87.0
-    one, other = ways([CSG.zones], np.array([greatest]), 1.0, 2)
+    one, other = zone_combinations([CSG.zones], np.array([greatest]), 1.0, 2)
     first_end, first = CSG.zones[0]
     for load in np.linspace(0.0, greatest, 500):
         low, high = (item.weights[0] * load / first + item.weights[1] * first_end / first for item in (one, other))
