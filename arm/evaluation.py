@@ -26,9 +26,8 @@ from linkwright.core.arm.errors.unknown_mass import gives_unknown, of_unknown_ma
 from linkwright.core.arm.figures import FIGURES, DesignValues, FigureResult, OfLinks, PoseFamily, Totals, families_of
 from linkwright.core.arm.figures.frequency import MODES, Frequency, frequency_of_drives
 from linkwright.core.arm.figures.local_buckling import WALLS, LocalBuckling
-from linkwright.core.arm.figures.sideways import ACROSS
 from linkwright.core.arm.figures.strength import STRENGTHS, StrengthResult
-from linkwright.core.arm.figures.tip_stiffness import STIFFNESS, TipStiffness, tip_compliance, tips_of
+from linkwright.core.arm.figures.tip_stiffness import ACROSS, STIFFNESS, TipStiffness, tip_compliance, tips_of
 from linkwright.core.arm.figures.torque import TORQUES, DriveLoads
 from linkwright.core.arm.limits.joint_loads import JointLoad, joint_loads
 from linkwright.core.arm.worst.coverage import Unreached, unreached

@@ -19,7 +19,7 @@ from typing import Any
 import numpy as np
 
 from linkwright.core.sections import SHAPES, Section
-from linkwright.core.sections.formulas import shear_centre as closed
+from linkwright.core.sections.formulas import open_walls as closed
 from linkwright.core.sections.formulas.saint_venant import SaintVenant, moments, solve
 from linkwright.core.sections.numeric import Array, polynomial
 

@@ -17,7 +17,7 @@ elastic_modulus:
 `found_in: {density: where}` tells in which text others were found; a file tells it of all that have a source, with
 `found_in: {en-1993-1-1: where}` beside its `references`.
 
-A laminate says what it is made of in place of the moduli, which follow from that (`materials.laminate`):
+A laminate says what it is made of in place of the moduli, which follow from that (`materials.walls`):
 
 ```yaml
 laminate: {ply: cfrp-unidirectional, angles: [0 deg, 45 deg, -45 deg, 0 deg], source: own}
@@ -36,7 +36,6 @@ from types import MappingProxyType
 from typing import TypeAlias, cast, get_args
 
 from linkwright.core.materials.in_place import with_units
-from linkwright.core.materials.laminate import Ply, Unbalanced, Wall, wall_of
 from linkwright.core.materials.material import (
     Constant,
     Law,
@@ -47,7 +46,7 @@ from linkwright.core.materials.material import (
     Table,
     property_kinds,
 )
-from linkwright.core.materials.walls import Orthotropic
+from linkwright.core.materials.walls import Orthotropic, Ply, Unbalanced, Wall, wall_of
 from linkwright.core.units.quantities import InputError, format_quantity, read_quantity, shown
 from linkwright.core.units.reading import Mapping
 from linkwright.core.units.temperature import REFERENCE_TEMPERATURE, ZERO_CELSIUS

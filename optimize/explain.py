@@ -16,7 +16,7 @@ from linkwright.core.optimize.exchange.exchange import Context, Exchange
 from linkwright.core.optimize.exchange.program import Ask, Solution
 from linkwright.core.optimize.exchange.rows import far_constraints
 from linkwright.core.optimize.problem import Problem
-from linkwright.core.optimize.ranges import Ranges
+from linkwright.core.optimize.reading.ranges import Ranges
 from linkwright.core.optimize.result import BindingLimit, Candidate, Dropped
 from linkwright.core.units.quantities import format_quantity
 

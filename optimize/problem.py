@@ -35,6 +35,8 @@ from linkwright.core.arm.files.read import read_arm, read_load
 from linkwright.core.arm.worst.workspace import Workspace
 from linkwright.core.materials.catalogue import Catalogue, load_catalogue
 from linkwright.core.materials.material import Material
+from linkwright.core.optimize.reading.conditions import LeftOut, without_lacking
+from linkwright.core.optimize.reading.ranges import Ranges, Span
 from linkwright.core.sections import SHAPES
 from linkwright.core.units.names import nearest
 from linkwright.core.units.quantities import read_quantity, shown
@@ -44,13 +46,11 @@ from .balance.balance import Balance
 from .balance.motor_places import MotorChoice, read_motor_places
 from .balance.read import check_balances, read_balances
 from .exchange.cycles import check_cycles, moving_cases, space_of_cycles
-from .ranges import Ranges, Span
 from .reading.by_link import ByLink
 from .reading.by_link import by_link as _by_link
 from .reading.called import CHOICES_CALLED, PROBLEM_CALLED
 from .reading.conditions import materials_where
 from .reading.contradictions import can_be_chosen, check_problem
-from .reading.lacking import LeftOut, without_lacking
 from .reading.limits import directed_figure, names_direction, read_coordinates, read_directed, read_limit
 from .reading.ranges import read_ranges, shared_ranges
 from .sizes.listed import Listed, read_sizes

@@ -9,10 +9,10 @@ from linkwright.core.arm.errors.model import error_model
 from linkwright.core.arm.worst.search import WorstSearch
 from linkwright.core.optimize.exchange.design import numeric_beams
 from linkwright.core.optimize.exchange.exchange import Context
+from linkwright.core.optimize.reading.ranges import Span
 from linkwright.core.units.quantities import format_quantity
 
 from .problem import Problem
-from .ranges import Span
 
 
 def map_of_given(given: Problem, context: Context, poses: int) -> ErrorMap:

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 from linkwright.core.arm.evaluation import Evaluation
 from linkwright.core.arm.figures import Figure, OfKinds
-from linkwright.core.arm.figures.sideways import sideways_rigidities
+from linkwright.core.arm.figures.tip_stiffness import sideways_rigidities
 
 UNCHANGED = 5e-4
 """Figures that differ by less (relative) count as the same: what four digits still show."""

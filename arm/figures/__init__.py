@@ -7,6 +7,7 @@ from types import MappingProxyType
 from typing import Any
 
 from linkwright.core.arm.figures.proportions import WALL_SLENDERNESS
+from linkwright.core.arm.figures.tip_stiffness import SIDEWAYS_STIFFNESS
 from linkwright.core.registries import Registry
 from linkwright.core.units.quantities import Relation
 from linkwright.core.units.units import kinds
@@ -35,7 +36,6 @@ from .frequency import FIRST_FREQUENCY
 from .limit import KEPT_WITHIN, broken, excess, figures_of, shortfall
 from .local_buckling import LOCAL_BUCKLING
 from .proportions import ASPECT, INNER_SIZE, SECTION_HEIGHT, SECTION_WIDTH
-from .sideways import SIDEWAYS_STIFFNESS
 from .statics import OfStatics, at_poses
 from .strength import BUCKLING, SAFETY_FACTOR
 from .sums import COST, MASS, MATERIALS, PARTS, PAYLOAD, REACH, TOTAL_MASS

@@ -1,8 +1,10 @@
 """How stiff an arm is at its tip: the least force over the displacement that it brings, whatever its direction.
 
 The compliance matrix C (m/N) holds the tip's displacements under unit forces through the arm's model; the stiffness
-at a pose is one over its largest singular value. Of a planar arm C is that of its plane; what it gives out of it, which
-a planar model does not count, is told by `arm.figures.sideways`.
+at a pose is one over its largest singular value. Of a planar arm C is that of its plane. What it gives out of its
+plane, which a planar model does not count, is told beside it (`Sideways`): links bend about their other axis and, where
+the arm is bent, twist; joints give in their motion and, where they have a `tilting_stiffness`, in their bearings. To
+first order, by unit forces across the plane through the arm's model in space.
 
 A limit holds through cuts, each a pose with a direction u of the force: |C u| is at most the largest singular value
 of the compliance C, whatever u, and equals it where u is its direction. So every cut is valid for every design,
@@ -20,13 +22,13 @@ import numpy as np
 
 from linkwright.core.arm.chain.chain import Arm, LoadCase
 from linkwright.core.arm.compiled.vectorise import Expressions
-from linkwright.core.arm.errors.model import beam_symbols, beam_values, beams_of, error_model
+from linkwright.core.arm.errors.model import beam_symbols, beam_values, beams_of, error_model, needs_shear_modulus
 from linkwright.core.arm.errors.structure import by_structure
+from linkwright.core.arm.figures.design import DesignExpressions, Designs, DesignValues
+from linkwright.core.arm.figures.figure import Asked, Cut, Figure, Held, Limit, PoseFamily, ThroughPoses, Worst
 from linkwright.core.arm.limits.weakest_poses import climbed, plainest
 from linkwright.core.sections.numeric import Array, column_of_symbols
-
-from .design import DesignExpressions, Designs, DesignValues
-from .figure import Asked, Cut, Figure, Held, Limit, PoseFamily, ThroughPoses, Worst
+from linkwright.core.units.quantities import InputError
 
 if TYPE_CHECKING:
     from linkwright.core.arm.evaluation import Evaluation
@@ -260,4 +262,68 @@ TIP_STIFFNESS = stiffness_figure(
     note="least",
     where=softest_pose,
     at_poses=STIFFNESS.at_poses,
+)
+
+
+SIDEWAYS = LoadCase(force=(0.0, 0.0, 1.0))
+"""One newton across the plane."""
+
+
+def sideways_compliance(arm: Arm, tips: Sequence[str] = ()) -> TipCompliance:
+    """A planar arm's compliance at its tip across its plane, as a function of poses and designs; `tips` are as for
+    `compliance_along`."""
+    return compliance_along(arm, (2,), tuple(tips))
+
+
+def sideways_rigidities(arm: Arm) -> tuple[float | None, ...]:
+    """Each link's flexural rigidity about its other axis (N*m^2), E I_z; None where it is rigid."""
+    beams = beams_of(arm)
+    rigidities = (beam.flexural_rigidity_width for beam in beams)
+    return tuple(None if value is None else float(value) for value in rigidities)
+
+
+class Sideways(Stiffness):
+    """The compliance under a force across the plane: the same rows as in the plane, with one direction alone."""
+
+    name: str = "sideways"
+    needs: frozenset[str] = frozenset()
+    called: str = "sideways_stiffness"
+
+    forces: tuple[LoadCase, ...] = (SIDEWAYS,)
+
+    def of_arm(self, arm: Arm, cases: Sequence[LoadCase]) -> TipCompliance:
+        """The compliance across the plane."""
+        return sideways_compliance(arm, tips_of(cases))
+
+    def evaluate(self, design: DesignValues) -> TipStiffness | None:
+        """The softest pose of the workspace; None in space, or where nothing gives.
+
+        Raises `MissingProperty` for what a planar model does without: a shear modulus, say, for links that twist.
+        """
+        return super().evaluate(design) if design.search.model.planar else None
+
+    def compliance(self, problem: Asked) -> TipCompliance:
+        """The compliance across the plane; raises `InputError` where there is none to limit."""
+        arm, cases = problem.arm, problem.load_cases
+        if not all(arm.planar(load) for load in cases):
+            message = "is for arms that stay in the x-y plane; this one moves in space: use tip_stiffness"
+            raise InputError("", f"subject_to.{self.called}", message)
+        if needs_shear_modulus(arm, [SIDEWAYS]) and not needs_shear_modulus(arm, cases):
+            message = "needs links that shear: leave out torsion too, or do not leave out shear_deformation"
+            raise InputError("", f"subject_to.{self.called}", message)
+        return self.of_arm(arm, cases)
+
+
+ACROSS = Sideways()
+"""What the tip of a planar arm gives across its plane."""
+
+SIDEWAYS_STIFFNESS = stiffness_figure(
+    "sideways_stiffness",
+    ACROSS,
+    "sideways_stiffness",
+    synonyms=("lateral_stiffness", "out_of_plane_stiffness"),
+    title="sideways stiffness",
+    note="least, across the arm's plane",
+    where=softest_pose,
+    everywhere=False,
 )

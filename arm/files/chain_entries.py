@@ -11,6 +11,7 @@ from linkwright.core.arm.actuators import Actuator, load_actuators
 from linkwright.core.arm.chain.balance import PointMass
 from linkwright.core.arm.chain.chain import FloatVector, Joint, JointType, Link, Zones
 from linkwright.core.arm.chain.vectors import ZERO, Rotation, compose, from_roll_pitch_yaw, norm, snap_vector, unit
+from linkwright.core.arm.files.origin import along, is_modified, modified_dh, read_dh, standard_dh
 from linkwright.core.arm.files.structures import read_flange, read_guide, running_out
 from linkwright.core.materials.catalogue import Catalogue
 from linkwright.core.sections import SHAPES, SectionError, load_stock
@@ -21,7 +22,6 @@ from linkwright.core.units.quantities import InputError, read_number, read_quant
 from linkwright.core.units.reading import Mapping
 
 from .balance import Motor, read_counterbalance, read_masses, read_motor
-from .denavit_hartenberg import along, is_modified, modified_dh, read_dh, standard_dh
 from .following import read_following
 from .heights import UP
 from .origin import read_origin, read_vector

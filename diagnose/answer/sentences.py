@@ -9,7 +9,7 @@ import numpy as np
 from linkwright.core.arm.chain.chain import Arm
 from linkwright.core.arm.effects import EFFECTS
 from linkwright.core.arm.errors.unknown_mass import weighs_nothing
-from linkwright.core.arm.files.denavit_hartenberg import key_of_offset
+from linkwright.core.arm.files.origin import key_of_offset
 from linkwright.core.diagnose.fitting.prepare import Prepared
 from linkwright.core.diagnose.patterns.library import Candidate, of_single_numbers
 from linkwright.core.diagnose.recording import Recording

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from linkwright.core.arm.chain.chain import Arm
-from linkwright.core.arm.files.denavit_hartenberg import of_the_other_convention
+from linkwright.core.arm.files.origin import of_the_other_convention
 from linkwright.core.sections.numeric import Array
 
 from .transformation import Transformation, as_read

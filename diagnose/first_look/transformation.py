@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from linkwright.core.arm.chain.chain import Arm, FloatVector
-from linkwright.core.arm.files.denavit_hartenberg import of_the_other_convention
+from linkwright.core.arm.files.origin import of_the_other_convention
 from linkwright.core.diagnose.reading.columns import formulas
 from linkwright.core.sections.numeric import Array
 

@@ -66,7 +66,7 @@ def evaluate(
     from linkwright.core.arm.evaluation import evaluate as evaluated
     from linkwright.core.arm.figures import FIGURES, PAYLOAD
     from linkwright.core.optimize.payload import largest_payload_of, with_payload
-    from linkwright.core.optimize.robust.figure import robust_figure
+    from linkwright.core.optimize.robust.search import robust_figure
     from linkwright.face.arm import arm_of
     from linkwright.face.evaluation import Evaluation, along, poses_of
     from linkwright.face.problem import cases_at, for_joints_of, problem_of

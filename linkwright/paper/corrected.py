@@ -20,7 +20,7 @@ from linkwright.core.materials.catalogue import load_catalogue
 from linkwright.core.materials.catalogue_entry import read_inline
 from linkwright.core.materials.material import Material
 from linkwright.core.optimize.problem import Problem
-from linkwright.core.optimize.ranges import Ranges
+from linkwright.core.optimize.reading.ranges import Ranges
 from linkwright.core.optimize.run import optimise
 from linkwright.core.sections import build
 from linkwright.core.sections.numeric import Array

@@ -13,7 +13,7 @@ from linkwright.core.arm.evaluation import Evaluation
 from linkwright.core.arm.figures import FIGURES, Figure
 from linkwright.core.arm.figures.frequency import FIRST_FREQUENCY
 from linkwright.core.arm.figures.local_buckling import LinkBuckling
-from linkwright.core.arm.figures.sideways import SIDEWAYS_STIFFNESS
+from linkwright.core.arm.figures.tip_stiffness import SIDEWAYS_STIFFNESS
 from linkwright.core.arm.placed.heights import heights
 from linkwright.core.arm.worst.search import WorstPose
 from linkwright.core.optimize.worse import MUCH_LESS, Worse, softened_links

@@ -14,7 +14,7 @@ from linkwright.core.arm.chain.chain import Arm, LoadCase
 from linkwright.core.arm.errors.model import beam_values, beams_of, error_model
 from linkwright.core.arm.worst.search import WorstSearch
 from linkwright.core.arm.worst.workspace import Workspace
-from linkwright.core.optimize.robust.figure import upper_rank
+from linkwright.core.optimize.robust.search import upper_rank
 from linkwright.core.sections.numeric import Array
 from linkwright.core.units.quantities import InputError
 

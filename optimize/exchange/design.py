@@ -28,7 +28,7 @@ from linkwright.core.materials.material import Material
 from linkwright.core.materials.walls import WallCompliance
 from linkwright.core.optimize.balance.balance import FIELDS, balance_values, balanced
 from linkwright.core.optimize.problem import Problem
-from linkwright.core.optimize.reading.lacking import needed_figures
+from linkwright.core.optimize.reading.conditions import needed_figures
 from linkwright.core.sections import SHAPES
 from linkwright.core.sections.numeric import Array, column_of_symbols
 from linkwright.core.sections.properties import SectionProperties

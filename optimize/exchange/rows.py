@@ -25,7 +25,7 @@ from linkwright.core.arm.figures import (
 )
 from linkwright.core.optimize.exchange.binding_poses import ErrorCut
 from linkwright.core.optimize.exchange.design import DesignSpace
-from linkwright.core.optimize.ranges import Ranges
+from linkwright.core.optimize.reading.ranges import Ranges
 from linkwright.core.sections import Section
 from linkwright.core.sections.numeric import column_of_symbols
 from linkwright.core.sections.section import Constraint

@@ -3,18 +3,51 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any
 
 from linkwright.core.arm.chain.chain import Arm
 from linkwright.core.arm.figures import RANGES
-from linkwright.core.optimize.ranges import Ranges, Span
+from linkwright.core.optimize.reading.by_link import by_link
 from linkwright.core.sections.taper import MOST_TAPER
 from linkwright.core.units.quantities import format_quantity, shown
 from linkwright.core.units.reading import Mapping
 
-from .by_link import by_link
+Span = tuple[float, float]
+"""The least and the greatest value."""
+
+
+@dataclass(frozen=True)
+class Ranges:
+    """The ranges of one link (m) as a problem says them, None where it does not: a length then stays, and so does a
+    `taper` (the size of the far end over that at the joint); dimensions have a range by default. `steps` are the
+    thicknesses that walls are sold in, least first; none where any will do."""
+
+    section_size: Span | None = None
+    thickness: Span | None = None
+    link_length: Span | None = None
+    taper: Span | None = None
+    steps: tuple[float, ...] = ()
+
+    @property
+    def sizes(self) -> tuple[Span, Span]:
+        """Of every outer dimension and of every wall, m."""
+        return self.section_size or RANGES["section_size"], self.thickness or RANGES["thickness"]
+
+    @property
+    def by_kind(self) -> dict[str, Span]:
+        """The same, by the kind of dimension."""
+        outer, wall = self.sizes
+        return {"outer": outer, "wall": wall}
+
+    @property
+    def spans(self) -> dict[str, Span]:
+        """All that holds, by its key in problem files."""
+        outer, walls = self.sizes
+        every = {"section_size": outer, "thickness": walls, "link_length": self.link_length, "taper": self.taper}
+        return {name: span for name, span in every.items() if span is not None}
+
 
 _SMALLEST, _LARGEST = 1e-6, 1e4
 """What a link or a wall can measure at all, m; beyond it, the powers in a search are not finite."""

@@ -21,6 +21,7 @@ from linkwright.core.optimize.infeasible.needed import explained
 from linkwright.core.optimize.nominal import Options, nominal_optimum
 from linkwright.core.optimize.problem import Problem
 from linkwright.core.optimize.result import DriveCandidate, NearTie, OptimizationResult, Status, in_figure
+from linkwright.core.optimize.robust.search import robust_figure
 from linkwright.core.optimize.structures import Answer, StructureSearch
 from linkwright.core.optimize.ties import near_ties_of
 from linkwright.core.optimize.trust import GAP
@@ -28,7 +29,6 @@ from linkwright.core.units.quantities import NoAnswer, format_quantity
 
 from .exchange import SAMPLES, RobustExchange
 from .exchange import RobustDesign as Design
-from .figure import robust_figure
 from .result import Robust, RobustFigure
 from .search import ScenarioSearch
 

@@ -12,6 +12,7 @@ import itertools
 from collections.abc import Sequence
 
 import numpy as np
+from scipy.special import bdtr
 
 from linkwright.core.arm.chain.chain import Arm
 from linkwright.core.arm.errors.model import beam_values, beams_of, error_model
@@ -21,6 +22,7 @@ from linkwright.core.optimize.exchange.design import with_chosen_links
 from linkwright.core.optimize.exchange.exchange import CERTIFICATE_GAP
 from linkwright.core.optimize.exchange.scenarios import scenario_values
 from linkwright.core.optimize.problem import Problem
+from linkwright.core.optimize.robust.result import RobustFigure
 from linkwright.core.optimize.uncertain import Uncertain
 from linkwright.core.sections.numeric import Array
 from linkwright.core.units.quantities import InputError
@@ -153,3 +155,46 @@ class ScenarioSearch:
 def rank(share: float, count: int) -> int:
     """Which of so many values, from the smallest (1), the share of them does not exceed."""
     return min(count, max(1, int(np.ceil(share * count - 1e-9))))
+
+
+FRESH = 1000
+"""Samples of a share's check, none of them used for the design."""
+_SEED = 20_011
+_CONFIDENCE = 0.95
+
+
+def robust_figure(arm: Arm, problem: Problem, search: ScenarioSearch | None = None) -> RobustFigure:
+    """The error of an arm over what a problem calls uncertain: its worst, or that of a share of fresh samples.
+
+    Raises `Unreachable` where the workspace holds points that the arm cannot reach.
+    """
+    scenarios = ScenarioSearch(problem, arm) if search is None else search
+    uncertain = scenarios.uncertain
+    nominal = scenarios.nominal(arm)
+    if uncertain.worst:
+        shares, case, compared = scenarios.worst(arm, _SEED)
+        value = max(case.error, nominal)
+        return RobustFigure(1.0, value, nominal, uncertain.scenario(shares), compared, None, uncertain.widths)
+    samples = scenarios.samples(FRESH, _SEED)
+    errors = scenarios.sampled(arm, samples, _SEED)
+    order = np.argsort(errors, kind="stable")
+    place = rank(uncertain.share, FRESH)
+    upper = upper_rank(uncertain.share, FRESH)
+    return RobustFigure(
+        uncertain.share,
+        float(errors[order[place - 1]]),
+        nominal,
+        uncertain.scenario(samples[order[place - 1]]),
+        FRESH,
+        None if upper is None else float(errors[order[upper - 1]]),
+        uncertain.widths,
+    )
+
+
+def upper_rank(share: float, count: int) -> int | None:
+    """Which of so many sorted samples, from the smallest (1), is above the quantile of a share with 95 % confidence
+    (order statistics: W. J. Conover, Practical Nonparametric Statistics, 3rd ed., 1999, ch. 3.2); None where none is.
+    """
+    # The r-th value is above the quantile where at most r - 1 samples are below it.
+    below = int(np.searchsorted(bdtr(np.arange(count), count, share), _CONFIDENCE))
+    return below + 1 if below < count else None

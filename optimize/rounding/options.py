@@ -15,7 +15,7 @@ from linkwright.core.materials.catalogue import shipped_layers
 from linkwright.core.materials.material import Material
 from linkwright.core.optimize.exchange.other_lengths import allowed, free_links
 from linkwright.core.optimize.problem import Problem
-from linkwright.core.optimize.ranges import Ranges
+from linkwright.core.optimize.reading.ranges import Ranges
 from linkwright.core.sections import SHAPES, StockSize, load_stock
 from linkwright.core.sections.section import Section
 from linkwright.core.units.quantities import InputError, NoAnswer, format_quantity, read_quantity

@@ -14,8 +14,8 @@ from dataclasses import dataclass
 from typing import cast
 
 from linkwright.core.arm.chain.chain import Arm
-from linkwright.core.optimize.ranges import Ranges
 from linkwright.core.optimize.reading.by_link import by_link
+from linkwright.core.optimize.reading.ranges import Ranges
 from linkwright.core.sections import SHAPES, SectionError, Stock, StockSize, load_stock
 from linkwright.core.sections.section import Section
 from linkwright.core.sections.stock.tables import plain_name

@@ -14,7 +14,7 @@ from linkwright.core.optimize.choice.at_once.cells import COLUMNS, twisted
 from linkwright.core.optimize.choice.at_once.cells import columns_of as columns_of_sections
 from linkwright.core.optimize.exchange.design import material_row, material_values
 from linkwright.core.optimize.problem import Problem
-from linkwright.core.optimize.reading.lacking import LeftOut
+from linkwright.core.optimize.reading.conditions import LeftOut
 from linkwright.core.optimize.rounding.options import Option, comes_in
 from linkwright.core.sections.numeric import Array
 from linkwright.core.units.quantities import NoAnswer

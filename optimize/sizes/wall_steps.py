@@ -14,7 +14,7 @@ from dataclasses import dataclass, field, replace
 from linkwright.core.arm.chain.chain import Arm
 from linkwright.core.optimize.infeasible.answer import Infeasible
 from linkwright.core.optimize.problem import Problem
-from linkwright.core.optimize.ranges import Ranges
+from linkwright.core.optimize.reading.ranges import Ranges
 from linkwright.core.optimize.result import OptimizationResult
 from linkwright.core.units.quantities import NoAnswer
 

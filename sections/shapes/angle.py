@@ -7,8 +7,8 @@ from typing import ClassVar
 
 from linkwright.core.sections.fits.fit import fitted
 from linkwright.core.sections.formulas.closed_forms import rectangle_torsion_constant
+from linkwright.core.sections.formulas.open_walls import angle_shear_centre, angle_warping_constant
 from linkwright.core.sections.formulas.plastic import layered_modulus
-from linkwright.core.sections.formulas.shear_centre import angle_shear_centre, angle_warping_constant
 from linkwright.core.sections.numeric import Number, exp, maximum, sqrt
 from linkwright.core.sections.properties import SectionProperties
 from linkwright.core.sections.section import (

@@ -5,9 +5,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar
 
-from linkwright.core.sections.formulas.open_walls import channel_shear_factors, channel_torsion_constant
+from linkwright.core.sections.formulas.open_walls import (
+    channel_shear_centre,
+    channel_shear_factors,
+    channel_torsion_constant,
+    channel_warping_constant,
+)
 from linkwright.core.sections.formulas.plastic import layered_modulus
-from linkwright.core.sections.formulas.shear_centre import channel_shear_centre, channel_warping_constant
 from linkwright.core.sections.numeric import Number, maximum
 from linkwright.core.sections.properties import SectionProperties
 from linkwright.core.sections.section import (

@@ -9,8 +9,8 @@ from typing import ClassVar
 import numpy as np
 
 from linkwright.core.sections.formulas.fillets import ARC_CHORDS, fillet_factors, fillet_torsion, spandrel
+from linkwright.core.sections.formulas.open_walls import i_section_warping
 from linkwright.core.sections.formulas.plastic import layered_modulus
-from linkwright.core.sections.formulas.shear_centre import i_section_warping
 from linkwright.core.sections.formulas.thin_walls import Flange, i_section_shear_factors, i_section_torsion_constant
 from linkwright.core.sections.numeric import Number, maximum
 from linkwright.core.sections.properties import SectionProperties

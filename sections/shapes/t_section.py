@@ -5,9 +5,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar
 
-from linkwright.core.sections.formulas.open_walls import t_shear_factors, t_torsion_constant
+from linkwright.core.sections.formulas.open_walls import (
+    t_shear_centre,
+    t_shear_factors,
+    t_torsion_constant,
+    t_warping_constant,
+)
 from linkwright.core.sections.formulas.plastic import layered_modulus
-from linkwright.core.sections.formulas.shear_centre import t_shear_centre, t_warping_constant
 from linkwright.core.sections.numeric import Number, maximum
 from linkwright.core.sections.properties import SectionProperties
 from linkwright.core.sections.section import (

@@ -11,7 +11,7 @@ from linkwright.core.sections.formulas.closed_forms import (
     triangle_torsion_constant,
     triangle_torsion_modulus,
 )
-from linkwright.core.sections.formulas.shear_centre import triangle_shear_centre
+from linkwright.core.sections.formulas.open_walls import triangle_shear_centre
 from linkwright.core.sections.numeric import Number
 from linkwright.core.sections.properties import SectionProperties
 from linkwright.core.sections.section import Dimension, Outline, Section, closed, common_properties

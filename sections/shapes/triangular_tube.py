@@ -8,7 +8,7 @@ from typing import ClassVar
 
 from linkwright.core.sections.fits.fit import fitted
 from linkwright.core.sections.formulas.closed_forms import triangle_torsion_constant
-from linkwright.core.sections.formulas.shear_centre import triangular_tube_shear_centre
+from linkwright.core.sections.formulas.open_walls import triangular_tube_shear_centre
 from linkwright.core.sections.numeric import Number, absolute, exp, maximum, minimum, sqrt
 from linkwright.core.sections.properties import SectionProperties
 from linkwright.core.sections.section import (

@@ -15,7 +15,7 @@ from linkwright.core.arm.figures import FIGURES
 from linkwright.core.arm.files.read import read_arm
 from linkwright.core.arm.files.write import arm_to_yaml
 from linkwright.core.materials.catalogue import Catalogue, load_catalogue, load_layer
-from linkwright.core.materials.laminate import Ply, wall_of
+from linkwright.core.materials.walls import Ply, wall_of
 from linkwright.core.units.quantities import InputError
 
 T300 = Ply(along=181e9, across=10.3e9, shear=7.17e9, poisson_ratio=0.28, expansion_along=2e-8, expansion_across=22.5e-6)

@@ -14,7 +14,7 @@ from linkwright.core.arm.chain.chain import Arm, Joint, Link, LoadCase
 from linkwright.core.arm.errors.model import beam_values, beams_of
 from linkwright.core.arm.evaluation import evaluate
 from linkwright.core.arm.figures import FIGURES, Figure, OfLinks
-from linkwright.core.arm.figures.sideways import SIDEWAYS, sideways_compliance
+from linkwright.core.arm.figures.tip_stiffness import SIDEWAYS, sideways_compliance
 from linkwright.core.materials.catalogue import load_catalogue
 from linkwright.core.materials.material import Constant, Material, MissingProperty, Property
 from linkwright.core.optimize.problem import read_problem

@@ -26,7 +26,7 @@ from linkwright.core.optimize.choice.picks import option_table
 from linkwright.core.optimize.choice.products import FEATURES
 from linkwright.core.optimize.exchange.design import MATERIAL_FIELDS, material_row, material_values
 from linkwright.core.optimize.problem import Problem
-from linkwright.core.optimize.ranges import Ranges
+from linkwright.core.optimize.reading.ranges import Ranges
 from linkwright.core.sections import SHAPES
 from linkwright.core.sections.numeric import Array
 from linkwright.core.sections.properties import SectionProperties

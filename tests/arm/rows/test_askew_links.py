@@ -11,7 +11,7 @@ from linkwright.core.arm.chain.chain import EffectEntry
 from linkwright.core.arm.chain.kinematics import tip_position
 from linkwright.core.arm.descriptions.exported import identified_geometry
 from linkwright.core.arm.errors.model import beams_of
-from linkwright.core.arm.files.denavit_hartenberg import key_of_offset
+from linkwright.core.arm.files.origin import key_of_offset
 from tests.arm.effects.effect_states import Posed, conditions, moved
 from tests.arm.rows.matrices import QUARTER, arm_of, tip_by_matrices
 

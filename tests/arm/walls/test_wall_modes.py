@@ -16,8 +16,7 @@ from hypothesis import strategies as st
 
 from linkwright.core.arm.limits.wall_modes import Mode, WallLoads, modes_of
 from linkwright.core.materials.catalogue import load_catalogue
-from linkwright.core.materials.laminate import Ply, wall_of
-from linkwright.core.materials.walls import Orthotropic, WallCompliance, orthotropic, wall_compliance
+from linkwright.core.materials.walls import Orthotropic, Ply, WallCompliance, orthotropic, wall_compliance, wall_of
 from linkwright.core.sections import (
     Angle,
     Channel,

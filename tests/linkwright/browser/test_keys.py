@@ -2,7 +2,7 @@
 
 import linkwright as lw
 from linkwright.browser.server.folder import arm_from_text, templates
-from linkwright.browser.server.keys import known_keys, meaning, to_choose
+from linkwright.browser.server.parts import known_keys, meaning, to_choose
 
 
 def test_keys_are_those_of_the_page_on_files():

@@ -12,7 +12,7 @@ from scipy.optimize import minimize_scalar
 
 from linkwright.core.optimize.exchange.design import arm_of, design_space, expressions, material_row, starting_points
 from linkwright.core.optimize.exchange.scenarios import scenario_column, scenario_values
-from linkwright.core.optimize.robust.figure import robust_figure
+from linkwright.core.optimize.robust.search import robust_figure
 from linkwright.core.optimize.run import optimise
 from linkwright.core.optimize.uncertain import Scenario
 from tests.optimize.builders import jointed, problem_of, ranged

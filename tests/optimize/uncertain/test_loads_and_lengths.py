@@ -13,8 +13,7 @@ from scipy.optimize import brentq
 
 from linkwright.core.arm.chain.chain import Arm, EffectEntry
 from linkwright.core.arm.evaluation import evaluate
-from linkwright.core.optimize.robust.figure import robust_figure
-from linkwright.core.optimize.robust.search import ScenarioSearch
+from linkwright.core.optimize.robust.search import ScenarioSearch, robust_figure
 from linkwright.core.optimize.run import optimise
 from linkwright.core.optimize.uncertain import Scenario
 from linkwright.core.units.quantities import InputError

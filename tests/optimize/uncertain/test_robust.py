@@ -22,9 +22,8 @@ from linkwright.core.optimize.exchange.design import arm_of, design_space, expre
 from linkwright.core.optimize.exchange.scenarios import resized, scenario_column, scenario_values
 from linkwright.core.optimize.problem import Problem
 from linkwright.core.optimize.result import OptimizationResult
-from linkwright.core.optimize.robust.figure import robust_figure, upper_rank
 from linkwright.core.optimize.robust.result import Robust
-from linkwright.core.optimize.robust.search import ScenarioSearch
+from linkwright.core.optimize.robust.search import ScenarioSearch, robust_figure, upper_rank
 from linkwright.core.optimize.run import optimise
 from linkwright.core.optimize.tradeoff.question import question
 from linkwright.core.optimize.uncertain import Scenario

@@ -12,7 +12,7 @@ from nicegui import ui
 from linkwright.browser.pages.edit.fields import place_of
 from linkwright.browser.pages.frame import Problem
 from linkwright.browser.server.folder import Kind
-from linkwright.browser.server.keys import Place
+from linkwright.browser.server.parts import Place
 from linkwright.core.arm.chain.chain import Arm
 from linkwright.core.catalogues.yaml_edit import YamlText
 from linkwright.core.units.quantities import InputError

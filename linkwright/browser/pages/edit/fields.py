@@ -8,8 +8,7 @@ from typing import Any, TypeAlias, cast
 
 from nicegui import ui
 
-from linkwright.browser.server.keys import Place
-from linkwright.browser.server.parts import Parts
+from linkwright.browser.server.parts import Parts, Place
 from linkwright.core.units.quantities import InputError
 from linkwright.core.units.reading import parse_yaml, yaml_line
 from linkwright.face.plain_input import steps_of

@@ -14,8 +14,7 @@ import linkwright as lw
 from linkwright.browser.pages.edit.fields import meant, place_of, shown
 from linkwright.browser.pages.frame import heading, picture, row, stack
 from linkwright.browser.server.folder import Kind
-from linkwright.browser.server.keys import Place, known_keys, meaning, to_choose
-from linkwright.browser.server.parts import parts_of, section_like
+from linkwright.browser.server.parts import Place, known_keys, meaning, parts_of, section_like, to_choose
 from linkwright.core.arm.chain.chain import Arm
 from linkwright.core.catalogues.yaml_edit import YamlText
 from linkwright.core.units.quantities import InputError
