@@ -14,10 +14,10 @@ from linkwright.core.arm.avoid.regions import Region
 from linkwright.core.arm.chain.chain import Arm
 from linkwright.core.diagnose.rules.residual_rules import ResidualRules
 from linkwright.core.sections.numeric import Array
+from linkwright.core.units.lists import rows_text
 
 from .instruments.instrument import Instrument, Slots
 from .instruments.registry import kind_at
-from .mistakes.row_lists import rows_text
 
 
 @dataclass(frozen=True)

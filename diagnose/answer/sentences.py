@@ -30,6 +30,7 @@ from linkwright.core.diagnose.result import (
 )
 from linkwright.core.diagnose.rules.mistake_rules import MistakeRules
 from linkwright.core.diagnose.rules.rules import RULES
+from linkwright.core.units.lists import listed
 from linkwright.core.units.quantities import format_quantity
 
 _MANY_PARAMETERS = 8
@@ -55,7 +56,7 @@ def place_of(effect: str, at: Sequence[int]) -> str:
     if not at:
         return ""
     kind = "link" if effect in EFFECTS and EFFECTS[effect].place == "link" else "joint"
-    return f" at {kind}{'s' if len(at) > 1 else ''} {_and([str(number) for number in at])}"
+    return f" at {kind}{'s' if len(at) > 1 else ''} {listed([str(number) for number in at])}"
 
 
 def name_of(effect: str, at: Sequence[int], recording: str = "") -> str:
@@ -151,24 +152,24 @@ def reading_of(
         if min(other.worse for other in others) <= RULES.search.tied:
             text += " That it goes first rests on what is simpler and more usual, not on this recording."
     if together:
-        text += f" Singly it means nothing: only together with {listed(together)}."
+        text += f" Singly it means nothing: only together with {names_of(together)}."
     elif nothing:
         text += " With room for what is not named, its sizes may be zero."
     return text[0].upper() + text[1:]
 
 
-def listed(places: Sequence[tuple[str, tuple[int, ...]]]) -> str:
+def names_of(places: Sequence[tuple[str, tuple[int, ...]]]) -> str:
     """Effects and where they act, in words."""
-    return _and([name_of(effect, at) for effect, at in places])
+    return listed([name_of(effect, at) for effect, at in places])
 
 
 def nothing_singly(places: Sequence[tuple[str, tuple[int, ...]]], moved: float) -> str:
     """What is said of findings that mean nothing singly and move the tip by `moved` (m) as one."""
     if len(places) == 1:
-        return f"Singly the {listed(places)} means nothing: others that are named would take its place."
+        return f"Singly the {names_of(places)} means nothing: others that are named would take its place."
     return (
         f"These {len(places)} together move the tip by {mm(moved)} RMS. Singly they mean nothing, as others that are "
-        f"named would take their place: {listed(places)}."
+        f"named would take their place: {names_of(places)}."
     )
 
 
@@ -240,7 +241,7 @@ def put_in_first(findings: Sequence[Finding], arm: Arm) -> str:
     for (what, kind), pairs in off.items():
         unit = "deg" if kind == "angle" else "mm"
         sizes = [format_quantity(value, kind, unit, digits=2).partition(" ")[0] for _, value in sorted(pairs)]
-        summary = f"{_and([str(at) for at, _ in sorted(pairs)])} are off by {_and(sizes)} {unit}"
+        summary = f"{listed([str(at) for at, _ in sorted(pairs)])} are off by {listed(sizes)} {unit}"
         noun, _, place = what.partition(" of ")
         sentences.append(
             f"{noun}s of {place}s {summary}" if len(pairs) > 1 else f"{what} {summary.replace(' are ', ' is ')}"
@@ -258,10 +259,6 @@ def _offset_in_file(arm: Arm, link: int, parameter: FittedParameter) -> str:
     key = key_of_offset(arm, link - 1, parameter.parameter)
     name, factor = (f"{parameter.parameter} of link {link}", 1.0) if key is None else key
     return f"{name} is off by {format_quantity(factor * parameter.value, 'length', 'mm', digits=2)}"
-
-
-def _and(words: Sequence[str]) -> str:
-    return words[0] if len(words) == 1 else f"{', '.join(words[:-1])} and {words[-1]}"
 
 
 def what_differs(
@@ -308,7 +305,7 @@ def _values(difference: Difference, recordings: Sequence[OfRecording]) -> str:
     ]
     sizes[-1] = f"{sizes[-1]} {unit}".strip()
     values = [f"{size} in {recording.name}" for size, recording in zip(sizes, recordings, strict=True)]
-    return f"{largest.parameter} {', '.join(values[:-1])} and {values[-1]}"
+    return f"{largest.parameter} {listed(values)}"
 
 
 def refutation(test: LackOfFit) -> str:
@@ -366,9 +363,9 @@ def _summed_up(findings: Sequence[Finding], causes: Sequence[tuple[str, float]])
 def _undecided(finding: Finding, *, alone: bool) -> str:
     """What else a finding could be; in place of what, where it is not the only one."""
     names = [name_of(other.effect, other.at, other.recording) for other in finding.alternatives[:3]]
-    either = names[0] if len(names) == 1 else f"{', '.join(names[:-1])} or {names[-1]}"
     more = f" ({len(finding.alternatives) - 3} more in the report)" if len(finding.alternatives) > 3 else ""
-    return f"The data fit equally well: {either}{more}{'' if alone else f', in place of the {_finding_name(finding)}'}."
+    instead = "" if alone else f", in place of the {_finding_name(finding)}"
+    return f"The data fit equally well: {listed(names, 'or')}{more}{instead}."
 
 
 def of_exchange(exchange: Exchange) -> str:

@@ -11,6 +11,7 @@ from linkwright.core.diagnose.instruments.view import rigid_motions
 from linkwright.core.diagnose.residual.observed import rms_length
 from linkwright.core.diagnose.residual.placement import UNDETERMINED
 from linkwright.core.sections.numeric import Array
+from linkwright.core.units.lists import listed
 
 
 def unseen(prepared: Prepared) -> tuple[str, ...]:
@@ -31,7 +32,7 @@ def unseen(prepared: Prepared) -> tuple[str, ...]:
         if rms_length(observed.drive_moved(index)[:, : observed.components]) <= least * size[index]
     ]
     if blind:
-        joints = f"joint{'s' if len(blind) > 1 else ''} {_listed(blind, 'and')}"
+        joints = f"joint{'s' if len(blind) > 1 else ''} {listed(blind)}"
         sentences.append(f"The instrument does not see {joints} move: nothing that goes wrong there shows.")
     flat = observed.space == 2
     at = observed.view.at
@@ -46,8 +47,8 @@ def unseen(prepared: Prepared) -> tuple[str, ...]:
     if lost:
         single = [way for k, way in enumerate(ways) if np.linalg.norm(shown[:, k]) <= least * np.sqrt(len(at))]
         shifts, turns = (["xyz"[w % 3] for w in single if (w < 3) == shift] for shift in (True, False))
-        parts = [f"shifted along {_listed(shifts, 'or')}"] if shifts else []
-        parts += [f"turned about {_listed(turns, 'or')}"] if turns else []
+        parts = [f"shifted along {listed(shifts, 'or')}"] if shifts else []
+        parts += [f"turned about {listed(turns, 'or')}"] if turns else []
         which = f" (whether it is {' or '.join(parts)}, for one)" if parts and lost > len(single) else ""
         which = f": whether it is {' or '.join(parts)}" if parts and lost == len(single) else which
         sentences.append(
@@ -65,7 +66,3 @@ def _left(prepared: Prepared, moved: Array, turned: Array) -> Array:
     if observed.sight is not None and observed.has_turns:
         columns[:, observed.turn_columns] = observed.turns(turned)
     return beyond_nuisances(prepared, columns).reshape(-1)
-
-
-def _listed(names: list[str], word: str) -> str:
-    return names[0] if len(names) == 1 else f"{', '.join(names[:-1])} {word} {names[-1]}"

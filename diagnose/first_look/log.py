@@ -15,10 +15,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from linkwright.core.arm.chain.chain import Arm
-from linkwright.core.diagnose.mistakes.row_lists import rows_text
 from linkwright.core.diagnose.motion.log import MotionLog
 from linkwright.core.diagnose.rules.rules import Rules
 from linkwright.core.sections.numeric import Array
+from linkwright.core.units.lists import rows_text
 from linkwright.core.units.quantities import InputError
 from linkwright.core.units.reading import refusal
 

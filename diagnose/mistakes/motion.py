@@ -21,8 +21,7 @@ from linkwright.core.diagnose.recording import Recording, RejectedRow
 from linkwright.core.diagnose.residual.placement import Placement, placed
 from linkwright.core.diagnose.rules.rules import RULES, Rules
 from linkwright.core.sections.numeric import Array
-
-from .row_lists import rows_text
+from linkwright.core.units.lists import rows_text
 
 Mask = NDArray[np.bool_]
 

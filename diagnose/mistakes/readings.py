@@ -19,10 +19,10 @@ from linkwright.core.diagnose.recording import Recording, RejectedRow
 from linkwright.core.diagnose.residual.robust_scale import resolution
 from linkwright.core.diagnose.rules.rules import RULES, Rules
 from linkwright.core.sections.numeric import Array
+from linkwright.core.units.lists import rows_text
 from linkwright.core.units.quantities import InputError, format_quantity
 
 from .motion import motion_checked
-from .row_lists import rows_text
 
 
 def checked(recording: Recording, arm: Arm, headers: Mapping[str, str], *, rules: Rules = RULES) -> Recording:

@@ -19,9 +19,9 @@ from linkwright.core.diagnose.instruments.checks import sights_checked
 from linkwright.core.diagnose.instruments.registry import INSTRUMENTS, labels
 from linkwright.core.diagnose.instruments.split import laid_out
 from linkwright.core.diagnose.mistakes.readings import checked
-from linkwright.core.diagnose.mistakes.row_lists import rows_text
 from linkwright.core.diagnose.recording import Recording, RejectedRow
 from linkwright.core.diagnose.rules.rules import RULES, Rules
+from linkwright.core.units.lists import rows_text
 from linkwright.core.units.quantities import InputError
 from linkwright.core.units.reading import refusal
 

@@ -10,9 +10,9 @@ import numpy as np
 from linkwright.core.arm.chain.chain import Arm
 from linkwright.core.diagnose.instruments.instrument import Instrument, Slots
 from linkwright.core.diagnose.instruments.registry import INSTRUMENTS, kind_at, labels, slots_of
-from linkwright.core.diagnose.mistakes.row_lists import rows_text
 from linkwright.core.diagnose.recording import RejectedRow
 from linkwright.core.sections.numeric import Array
+from linkwright.core.units.lists import rows_text
 from linkwright.core.units.quantities import InputError
 
 from .columns import example_headers

@@ -19,11 +19,11 @@ from linkwright.core.arm.chain.chain import Arm
 from linkwright.core.diagnose.instruments.level import stand_of
 from linkwright.core.diagnose.instruments.registry import kind_at
 from linkwright.core.diagnose.instruments.view import viewed
-from linkwright.core.diagnose.mistakes.row_lists import rows_text
 from linkwright.core.diagnose.recording import Recording, RejectedRow
 from linkwright.core.diagnose.rules.residual_rules import ResidualRules
 from linkwright.core.diagnose.rules.rules import RULES
 from linkwright.core.sections.numeric import Array
+from linkwright.core.units.lists import rows_text
 from linkwright.core.units.quantities import format_quantity
 
 from .placement import placed

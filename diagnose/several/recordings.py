@@ -15,12 +15,12 @@ from linkwright.core.arm.chain.chain import Arm
 from linkwright.core.arm.chain.kinematics import tip_position
 from linkwright.core.diagnose.instruments.registry import kinds_of
 from linkwright.core.diagnose.instruments.split import as_scalars
-from linkwright.core.diagnose.mistakes.row_lists import rows_text
 from linkwright.core.diagnose.motion.log import MotionLog
 from linkwright.core.diagnose.recording import Earlier, Recording, RejectedRow
 from linkwright.core.diagnose.rules.residual_rules import ResidualRules
 from linkwright.core.diagnose.rules.rules import RULES
 from linkwright.core.sections.numeric import Array
+from linkwright.core.units.lists import rows_text
 from linkwright.core.units.quantities import InputError
 
 from .sessions import earlier, gone_on_from

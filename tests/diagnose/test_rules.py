@@ -87,7 +87,6 @@ NO_RULES = {
     "instruments/touching.py": {"_ABOUT, _AROUND", "_INNER", "_LONGEST, _MISSED", "_NEAR, _EXACT", "_POSTURES"},
     "residual/torque.py": {"_TOLD"},
     "instruments/view.py": {"_STEPS, _START_STEPS, _START_ROWS", "_BETTER", "_FOUND"},
-    "mistakes/row_lists.py": {"_MOST"},
     "judge/for_file.py": {"_USUAL"},  # the width of a prior
     "motion/causes/swinging.py": {"_POSTURES"},
     "motion/changed.py": {"SURE", "_PARTS", "_ROUNDS"},  # how an instant is looked for, and 95 %

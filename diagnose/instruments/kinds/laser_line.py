@@ -31,8 +31,8 @@ from linkwright.core.diagnose.instruments.kind import (
 from linkwright.core.diagnose.instruments.look import Look
 from linkwright.core.diagnose.instruments.settings import read_direction, unit_along
 from linkwright.core.diagnose.instruments.touched import touched_planes
-from linkwright.core.diagnose.mistakes.row_lists import rows_text
 from linkwright.core.sections.numeric import Array
+from linkwright.core.units.lists import rows_text
 from linkwright.core.units.quantities import InputError
 from linkwright.core.units.reading import Mapping as Reader
 

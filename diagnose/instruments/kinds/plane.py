@@ -9,8 +9,8 @@ import numpy as np
 from linkwright.core.diagnose.instruments.kind import Frame, InstrumentKind, Modelled, Number, Part, Scene, Seen
 from linkwright.core.diagnose.instruments.look import Look
 from linkwright.core.diagnose.instruments.touched import touched_planes
-from linkwright.core.diagnose.mistakes.row_lists import rows_text
 from linkwright.core.sections.numeric import Array
+from linkwright.core.units.lists import rows_text
 from linkwright.core.units.quantities import InputError
 
 from .same_point import TouchPart

@@ -11,12 +11,12 @@ from numpy.typing import NDArray
 
 from linkwright.core.arm.chain.chain import Arm
 from linkwright.core.diagnose.mistakes.readings import longest_run
-from linkwright.core.diagnose.mistakes.row_lists import rows_text
 from linkwright.core.diagnose.motion.log import MotionLog
 from linkwright.core.diagnose.reading.read_column import ReadColumn
 from linkwright.core.diagnose.recording import RejectedRow
 from linkwright.core.diagnose.rules.rules import RULES, Rules
 from linkwright.core.sections.numeric import Array
+from linkwright.core.units.lists import rows_text
 from linkwright.core.units.quantities import InputError
 from linkwright.core.units.reading import refusal
 

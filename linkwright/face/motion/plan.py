@@ -15,6 +15,7 @@ from linkwright.core.diagnose.motion.uses.plan import Apart, NothingToTell, plan
 from linkwright.core.diagnose.motion.uses.plan import MotionPlan as MotionPlanResult
 from linkwright.core.diagnose.motion.uses.trajectory import motion_columns, read_motion
 from linkwright.core.diagnose.motion.written import table_text
+from linkwright.core.units.lists import listed
 from linkwright.core.units.quantities import InputError, NoAnswer
 from linkwright.face.arm import Arm
 from linkwright.face.motion.log import unlike_arrays
@@ -26,7 +27,7 @@ from linkwright.face.result import Field, Result, drawn
 from linkwright.json.fields import fields
 from linkwright.json.motion import OBSERVES
 from linkwright.output.table_file import frame
-from linkwright.results.diagnoses.words import effect_words, listed
+from linkwright.results.diagnoses.words import effect_words
 from linkwright.results.document import Description, Item, Lines, Value, count, share, table
 from linkwright.results.figures_in_words import coordinate, figure, percent, with_unit
 from linkwright.results.motion.words import torque

@@ -13,6 +13,7 @@ from linkwright.core.diagnose.compare.places import Region
 from linkwright.core.diagnose.diagnosis import diagnose as diagnosed
 from linkwright.core.diagnose.options import Options
 from linkwright.core.diagnose.result import Diagnosis
+from linkwright.core.units.lists import listed
 from linkwright.core.units.quantities import InputError
 from linkwright.face.arm import Arm
 from linkwright.face.progress import Progress
@@ -24,7 +25,6 @@ from linkwright.output.table_file import frame
 from linkwright.results.diagnoses.words import (
     covered,
     effect_words,
-    listed,
     measured,
     probability,
     quantity,

@@ -10,9 +10,10 @@ from linkwright.core.arm.effects.effect import Condition
 from linkwright.core.diagnose.answer.sentences import WEIGHTLESS, chief, put_right, said_of_no_weight
 from linkwright.core.diagnose.recording import Recording
 from linkwright.core.diagnose.result import Diagnosis, Finding, FittedParameter, Left
+from linkwright.core.units.lists import listed
 from linkwright.results.figures_in_words import figure, from_to, mm
 
-from .words import covariate_words, listed, name_words, portion, value
+from .words import covariate_words, name_words, portion, value
 
 MOST_WORDS = 30
 """A longer answer is not read on a first screen."""

@@ -10,6 +10,7 @@ from linkwright.core.arm.effects import EFFECTS
 from linkwright.core.diagnose.answer.sentences import about_of, name_of
 from linkwright.core.diagnose.result import Diagnosis, Finding, LackOfFit, Unknown
 from linkwright.core.diagnose.rules.rules import RULES
+from linkwright.core.units.lists import listed
 from linkwright.redesigning import Redesign, redesign_section
 from linkwright.report.charts.covariates import joint_curves, small_multiples
 from linkwright.report.charts.designs import arm_at_mismatch
@@ -52,7 +53,6 @@ from .words import (
     alias_sentence,
     covariate_words,
     explained_share,
-    listed,
     name_words,
     parameter_rows,
     place_words,

@@ -9,13 +9,13 @@ from collections.abc import Sequence
 
 from linkwright.core.diagnose.result import Detectable, Diagnosis, OfRecording, RejectedForm
 from linkwright.core.diagnose.rules.rules import RULES
+from linkwright.core.units.lists import listed
 from linkwright.results.diagnoses.words import (
     covariate_words,
     covered,
     detectable_words,
     effect_words,
     least_visible,
-    listed,
     measured,
     next_pose_words,
     place_words,

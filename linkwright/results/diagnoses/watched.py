@@ -9,6 +9,7 @@ from types import MappingProxyType
 from linkwright.core.diagnose.answer.detectable import POWER
 from linkwright.core.diagnose.watch.watch import LEFT, SOON, Moved, Watched
 from linkwright.core.diagnose.watch.watch import Watch as WatchResult
+from linkwright.core.units.lists import listed
 from linkwright.report.charts.control import chart
 from linkwright.report.pictures.svg import element
 from linkwright.results.document import (
@@ -28,7 +29,7 @@ from linkwright.results.document import (
 from linkwright.results.figures_in_words import effect_title, percent
 from linkwright.results.motion.words import torque
 
-from .words import effect_words, listed, probability, quantity
+from .words import effect_words, probability, quantity
 
 _WEEK, _YEAR = 7.0, 365.25
 _LONG = 2.0 * _YEAR

@@ -21,6 +21,7 @@ from linkwright.core.diagnose.result import (
     NextPose,
     WrittenArm,
 )
+from linkwright.core.units.lists import listed
 from linkwright.core.units.quantities import format_quantity
 from linkwright.results.document import Cell, Value, amount, share
 from linkwright.results.figures_in_words import effect_title, figure, percent, with_unit
@@ -68,11 +69,6 @@ _SAME = 1e-3
 def written_differs(written: WrittenArm | None) -> bool:
     """Whether a written arm is not what the fit promises, so that a reader must know both."""
     return written is not None and (bool(written.lacks) or not written.keeps(_SAME))
-
-
-def listed(words: Sequence[str], last: str = "and") -> str:
-    """`a, b and c`."""
-    return words[0] if len(words) == 1 else f"{', '.join(words[:-1])} {last} {words[-1]}" if words else ""
 
 
 def place_words(effect: str, at: Sequence[int]) -> str:

@@ -7,11 +7,11 @@ from pathlib import PurePath
 
 from linkwright.core.diagnose.motion.result import MotionDiagnosis, MotionFinding, MotionUnknown, OfJoint
 from linkwright.core.diagnose.motion.sentences import since_words
+from linkwright.core.units.lists import listed
 from linkwright.report.charts.motion import left_against, torque_against_time
 from linkwright.results.design import settings
 from linkwright.results.diagnoses.evidence import set_aside
 from linkwright.results.diagnoses.words import (
-    listed,
     parameter_rows,
     place_words,
     portion,

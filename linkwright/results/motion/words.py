@@ -9,7 +9,8 @@ from pathlib import PurePath
 from linkwright.core.arm.chain.chain import Arm
 from linkwright.core.diagnose.motion.log import MotionLog
 from linkwright.core.diagnose.motion.result import Alternative, MotionDiagnosis, MotionFinding
-from linkwright.results.diagnoses.words import covariate_words, effect_words, listed
+from linkwright.core.units.lists import listed
+from linkwright.results.diagnoses.words import covariate_words, effect_words
 from linkwright.results.document import Value
 from linkwright.results.figures_in_words import figure, with_unit
 

@@ -14,10 +14,10 @@ from scipy.spatial.transform import Rotation
 
 from linkwright.core.arm.chain.chain import Arm, Joint, Link
 from linkwright.core.diagnose.first_look.units import unit_changes
-from linkwright.core.diagnose.mistakes.row_lists import rows_text
 from linkwright.core.diagnose.reading.read import read_recording
 from linkwright.core.diagnose.recording import Recording
 from linkwright.core.sections.numeric import Array
+from linkwright.core.units.lists import rows_text
 from linkwright.core.units.quantities import InputError
 from tests.diagnose.recorded import planar_arm, planar_tip, poses, table, written
 

@@ -1,10 +1,15 @@
-"""Rows of a file in a sentence: `rows 4, 7 to 12 and 30`."""
+"""Lists in sentences: `a, b and c`, `rows 4, 7 to 12 and 30`."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 
 _MOST = 6
+
+
+def listed(words: Sequence[str], last: str = "and") -> str:
+    """`a, b and c`; nothing of none."""
+    return f"{', '.join(words[:-1])} {last} {words[-1]}" if len(words) > 1 else "".join(words)
 
 
 def rows_text(rows: Iterable[int]) -> str:
@@ -20,5 +25,4 @@ def rows_text(rows: Iterable[int]) -> str:
     more = sum(last - first + 1 for first, last in runs[_MOST:])
     if more:
         parts.append(f"{more} more")
-    text = parts[0] if len(parts) == 1 else f"{', '.join(parts[:-1])} and {parts[-1]}"
-    return f"row{'s' if len(numbers) > 1 else ''} {text}"
+    return f"row{'s' if len(numbers) > 1 else ''} {listed(parts)}"
