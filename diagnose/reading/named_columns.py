@@ -45,70 +45,93 @@ def named_columns(
     table: Table, held: ReadingSettings, arm: Arm
 ) -> tuple[dict[str, ReadColumn], dict[str, Array], list[str]]:
     """Our columns by name (`q1`, `x`), the numbers of strangers, and sentences about what is not used."""
-    warnings: list[str] = []
-    columns: dict[str, ReadColumn] = {}
-    used: set[str] = set(held.ignore)
     for name in held.ignore:
         if name not in table.columns:
             raise InputError(held.file, "ignore", f"there is no column {shown(name)}{nearest(name, table.names)}")
+    naming, labels = _Naming(table, held, arm), _labels_of(held)
     for header, text in held.columns.items():
-        if header in _labels_of(held):
-            used.add(text)
-            continue
-        meaning = _meaning(header, arm, held, held.file)
-        if meaning is None:
-            hint = nearest(header, _known_headers(arm))
-            raise InputError(held.file, f"columns.{header}", f"is no column of a recording{hint}")
-        formula = read_formula(text, table.names, file=f"{held.file} (for {table.file})", key=f"columns.{header}")
-        if meaning.name in columns:
-            raise InputError(held.file, f"columns.{header}", f"is given twice; {columns[meaning.name].header} gives it")
-        used.update(formula.columns)
-        columns[meaning.name] = _by_formula(table, header, meaning, formula, held)
-    strangers: dict[str, Array] = {}
-    asked = {
-        header: f"{what}_{unit}" for what, (header, unit) in alone_in_unit(table.names).items() if what not in columns
-    }
-    spelled = {header: ours for header, ours in _spelled(table, held, arm).items() if header not in used}
+        if header in labels:
+            naming.used.add(text)
+        else:
+            naming.by_formula(header, text)
+    asked = alone_in_unit(table.names)
+    naming.asked = {header: f"{what}_{unit}" for what, (header, unit) in asked.items() if what not in naming.columns}
+    spelled = {header: ours for header, ours in _spelled(table, held, arm).items() if header not in naming.used}
     if spelled:
         pairs = ", ".join(f"{shown(header)} as {ours}" for header, ours in spelled.items())
-        warnings.append(f"Headers that are written otherwise are read as ours: {pairs}.")
+        naming.warnings.append(f"Headers that are written otherwise are read as ours: {pairs}.")
     for header in table.names:
-        if header in held.ignore or header in _labels_of(held):
-            continue
-        try:
-            meaning = _meaning(spelled.get(header, header), arm, held, table.file)
-        except UnitMissing as error:
-            if not held.columns and not error.stranger:
-                raise UnitMissing(error.file, error.key, error.message + PROPOSES, *error.remedies) from None
-            meaning = None
-            if header not in used:
-                warnings.append(f"{header} is not used: {error.message}.")
-        if meaning is None:
-            if header in used:
-                continue  # what a column of ours is made of tells nothing further
-            strangers[header] = measurable(table.numbers(header))
-            if not held.columns or header in asked:
-                hint = nearest(header, _known_headers(arm))
-                meant = hint if hint.startswith("; did") else ". It is kept as it is."
-                if header in asked and not hint.startswith("; did"):
-                    meant = f". Is it the {asked[header].partition('_')[0]}? Write {asked[header]} in its place."
-                warnings.append(f"{header} is no column that is known here{meant}")
-            continue
-        if meaning.name in columns:
-            if not held.columns or columns[meaning.name].header not in held.columns:
-                raise InputError(table.file, header, f"says the same as {columns[meaning.name].header}; drop one")
-            if header not in used:
-                warnings.append(f"{header} gives way to {meaning.name} of {Path(held.file).name}.")
-            continue
-        form = _time_format(table, header, held) if meaning.base == "time" else None
-        if form is not None:
-            columns[meaning.name] = _stamps(table, header, header, meaning, form, held)
-        else:
-            columns[meaning.name] = _plain(table, header, meaning)
-    aside = [header for header in strangers if held.columns and header not in asked]
+        if header not in held.ignore and header not in labels:
+            naming.by_header(header, spelled.get(header, header))
+    aside = [header for header in naming.strangers if held.columns and header not in naming.asked]
     if aside:
-        warnings.append(f"No columns that are known here: {', '.join(aside)}. They are kept as they are.")
-    return columns, {name: values for name, values in strangers.items() if np.isfinite(values).any()}, warnings
+        naming.warnings.append(f"No columns that are known here: {', '.join(aside)}. They are kept as they are.")
+    strangers = {name: values for name, values in naming.strangers.items() if np.isfinite(values).any()}
+    return naming.columns, strangers, naming.warnings
+
+
+class _Naming:
+    """Our columns as they are named, one after the other; of `used` columns of the file nothing is said, and `asked`
+    says what a stranger may be by its unit."""
+
+    def __init__(self, table: Table, held: ReadingSettings, arm: Arm) -> None:
+        self.table, self.held, self.arm = table, held, arm
+        self.columns: dict[str, ReadColumn] = {}
+        self.strangers: dict[str, Array] = {}
+        self.warnings: list[str] = []
+        self.used, self.asked = set(held.ignore), dict[str, str]()
+
+    def by_formula(self, header: str, text: str) -> None:
+        """A column of ours that the settings give. Raises `InputError`."""
+        held, key = self.held, f"columns.{header}"
+        meaning = _meaning(header, self.arm, held, held.file)
+        if meaning is None:
+            hint = nearest(header, _known_headers(self.arm))
+            raise InputError(held.file, key, f"is no column of a recording{hint}")
+        formula = read_formula(text, self.table.names, file=f"{held.file} (for {self.table.file})", key=key)
+        if meaning.name in self.columns:
+            raise InputError(held.file, key, f"is given twice; {self.columns[meaning.name].header} gives it")
+        self.used.update(formula.columns)
+        self.columns[meaning.name] = _by_formula(self.table, header, meaning, formula, held)
+
+    def by_header(self, header: str, ours: str) -> None:
+        """A column by its header, which is `ours` where it was written otherwise. Raises `InputError`."""
+        table, held = self.table, self.held
+        meaning = self._meaning(header, ours)
+        if meaning is None:
+            if header not in self.used:  # what a column of ours is made of tells nothing further
+                self._stranger(header)
+        elif meaning.name in self.columns:
+            given = self.columns[meaning.name].header
+            if given not in held.columns:
+                raise InputError(table.file, header, f"says the same as {given}; drop one")
+            if header not in self.used:
+                self.warnings.append(f"{header} gives way to {meaning.name} of {Path(held.file).name}.")
+        else:
+            form = _time_format(table, header, held) if meaning.base == "time" else None
+            self.columns[meaning.name] = (
+                _plain(table, header, meaning) if form is None else _stamps(table, header, header, meaning, form, held)
+            )
+
+    def _meaning(self, header: str, ours: str) -> ColumnMeaning | None:
+        try:
+            return _meaning(ours, self.arm, self.held, self.table.file)
+        except UnitMissing as error:
+            if not self.held.columns and not error.stranger:
+                raise UnitMissing(error.file, error.key, error.message + PROPOSES, *error.remedies) from None
+            if header not in self.used:
+                self.warnings.append(f"{header} is not used: {error.message}.")
+            return None
+
+    def _stranger(self, header: str) -> None:
+        self.strangers[header] = measurable(self.table.numbers(header))
+        if self.held.columns and header not in self.asked:
+            return
+        hint = nearest(header, _known_headers(self.arm))
+        meant = hint if hint.startswith("; did") else ". It is kept as it is."
+        if header in self.asked and not hint.startswith("; did"):
+            meant = f". Is it the {self.asked[header].partition('_')[0]}? Write {self.asked[header]} in its place."
+        self.warnings.append(f"{header} is no column that is known here{meant}")
 
 
 def _meaning(header: str, arm: Arm, held: ReadingSettings, file: object) -> ColumnMeaning | None:

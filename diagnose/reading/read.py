@@ -168,11 +168,7 @@ def _require(
 
 
 def _missing(
-    missing: Sequence[tuple[str, str]],
-    columns: Mapping[str, ReadColumn],
-    table: Table,
-    arm: Arm,
-    held: ReadingSettings,
+    missing: Sequence[tuple[str, str]], columns: Mapping[str, ReadColumn], table: Table, arm: Arm, held: ReadingSettings
 ) -> InputError:
     """That columns, each with headers that would do, are missing, what there is, and what to write."""
     names = ", ".join(table.names)

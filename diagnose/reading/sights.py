@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -66,15 +66,10 @@ def sights_of(
     every = {name for kind in INSTRUMENTS.values() for name in kind.columns}
     rest = {name: column for name, column in columns.items() if name not in every | {_ALONG_BAR}}
     numbers, reasons, sentences = _numbers(columns, table, instrument, flat=flat)
-    touches, names = np.full(total, -1), list[str]()
-    for name in instrument.kinds:
-        if INSTRUMENTS[name].label:
-            labelled_rows, slots = _labelled(table, held, name, touches, names, flat=flat)
-            numbers += [(slot, np.where(labelled_rows, 0.0, np.nan)) for slot in slots]
+    touches, names, touched = _touches(table, held, instrument, flat=flat)
+    numbers += touched
     bar_at = _along_bars(columns, table, touches, reasons, arm) if "bar" in instrument.kinds else None
     _all_there(instrument, {slot for slot, _ in numbers}, table, held, arm)
-    if not numbers:
-        raise InputError(table.file, "", f"holds nothing that is observed; write {example_headers('x', arm)}, say")
     values = np.stack([item for _, item in numbers], axis=1)
     there = np.isfinite(values)
     if instrument.kinds == ("position",) and there.all() and len(numbers) == (2 if flat else 3):
@@ -82,7 +77,6 @@ def sights_of(
     slots = np.where(there, np.array([slot for slot, _ in numbers]), -1)
     for index in np.flatnonzero(~there.any(axis=1)).tolist():
         reasons.setdefault(index, []).append("nothing that is observed is filled in")
-    rejected = [RejectedRow(int(table.row[index]), "; ".join(reasons[index])) for index in sorted(reasons)]
     sound = np.array([index not in reasons for index in range(total)], dtype=bool)
     _enough_touches(table, touches, names, slots, sound, flat=flat)
     if bar_at is not None:
@@ -91,7 +85,12 @@ def sights_of(
         some = table.row[~there.all(axis=1)]
         sentences.append(f"Only what was measured counts: cells are blank in {rows_text(some)}.")
     sights = Sights(np.where(there, values, 0.0), slots, touches, bar_at, replace(instrument, labels=tuple(names)))
-    return sights, rest, rejected, sentences
+    return sights, rest, _rejected(table, reasons), sentences
+
+
+def _rejected(table: Table, reasons: Mapping[int, Sequence[str]]) -> list[RejectedRow]:
+    """Rows (from 0) with what is wrong in each."""
+    return [RejectedRow(int(table.row[index]), "; ".join(reasons[index])) for index in sorted(reasons)]
 
 
 def _numbers(
@@ -144,16 +143,24 @@ def _of_camera(
     total, instrument = len(values), held.instrument or Instrument()
     slots = np.tile(slots_of("camera"), (total, 1))
     rest = {name: column for name, column in columns.items() if name not in ("x", "y", "z")}
-    rejected = [RejectedRow(int(table.row[index]), "; ".join(reasons[index])) for index in sorted(reasons)]
     sights = Sights(np.nan_to_num(values), slots, np.full(total, -1), None, instrument)
-    return sights, rest, rejected, []
+    return sights, rest, _rejected(table, reasons), []
 
 
-def _labelled(
-    table: Table, held: ReadingSettings, kind: str, touches: Slots, names: list[str], *, flat: bool
-) -> tuple[Array, tuple[int, ...]]:
-    """Which rows touched something of a kind, and in what slots; `touches` and `names` get theirs."""
-    name = INSTRUMENTS[kind].label
+def _touches(
+    table: Table, held: ReadingSettings, instrument: Instrument, *, flat: bool
+) -> tuple[Slots, list[str], list[tuple[int, Array]]]:
+    """The label that each row touches (N,), -1 none; the labels; and the numbers of touches, which are zero."""
+    touches, names, numbers = np.full(len(table.row), -1), list[str](), list[tuple[int, Array]]()
+    for kind in instrument.kinds:
+        if INSTRUMENTS[kind].label:
+            rows = _labelled(table, held, INSTRUMENTS[kind].label, touches, names)
+            numbers += [(slot, np.where(rows, 0.0, np.nan)) for slot in slots_of(kind, flat=flat)]
+    return touches, names, numbers
+
+
+def _labelled(table: Table, held: ReadingSettings, name: str, touches: Slots, names: list[str]) -> Array:
+    """Which rows touched something of a kind, whose column of labels is `name`; `touches` and `names` get theirs."""
     header = held.columns.get(name, name)
     if header not in table.columns:
         where = held.file if name in held.columns else table.file
@@ -171,7 +178,7 @@ def _labelled(
     number = {label: first + k for k, label in enumerate(names[first:])}
     for index in np.flatnonzero(labelled).tolist():
         touches[index] = number[text[index]]
-    return labelled, slots_of(kind, flat=flat)
+    return labelled
 
 
 def _along_bars(

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import io
 import json
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 
@@ -105,49 +105,43 @@ def cell(value: float, digits: int) -> str:
 
 def recording_columns(recording: Recording, arm: Arm) -> Iterator[tuple[str, Array, int]]:
     """Name, values in the unit of the name, and decimals of each column."""
-    if recording.time is not None:
-        yield "time_s", recording.time, 3
+    of_links = [f"{arm.column('temperature_link', index)}_degC" for index in range(arm.size)]
+    torques = [f"{arm.column('tau', k)}_{'Nm' if joint.revolute else 'N'}" for k, joint in enumerate(arm.joints)]
+    yield from _columns(recording.time, ["time_s"], 3)
     yield from _joints("q", recording.q, arm)
-    if recording.sides is not None:
-        for index in range(arm.size):
-            yield arm.column("dir", index), recording.sides[:, index], 0
-    for base, values in (("c", recording.commanded), ("j", recording.joint_side)):
-        if values is not None:
-            yield from _joints(base, values, arm)
-    for base, values, suffix in (("v", recording.velocity, "_s"), ("a", recording.acceleration, "_s2")):
-        if values is not None:
-            yield from _joints(base, values, arm, suffix)
-    if recording.torque is not None:
-        for index, joint in enumerate(arm.joints):
-            yield f"{arm.column('tau', index)}_{'Nm' if joint.revolute else 'N'}", recording.torque[:, index], 6
-    if recording.payload_mass is not None:
-        yield "payload_kg", recording.payload_mass, 6
-    if recording.force is not None:
-        for axis, name in enumerate("xyz"):
-            yield f"f{name}_N", recording.force[:, axis], 6
-    if recording.temperature is not None:
-        yield "temperature_degC", recording.temperature - ZERO_CELSIUS, 4
-    if recording.link_temperature is not None:
-        for index in range(arm.size):
-            name = arm.column("temperature_link", index)
-            yield f"{name}_degC", recording.link_temperature[:, index] - ZERO_CELSIUS, 4
-    if recording.slots is not None:
+    yield from _columns(recording.sides, [arm.column("dir", index) for index in range(arm.size)], 0)
+    yield from _joints("c", recording.commanded, arm)
+    yield from _joints("j", recording.joint_side, arm)
+    yield from _joints("v", recording.velocity, arm, "_s")
+    yield from _joints("a", recording.acceleration, arm, "_s2")
+    yield from _columns(recording.torque, torques, 6)
+    yield from _columns(recording.payload_mass, ["payload_kg"], 6)
+    yield from _columns(recording.force, ["fx_N", "fy_N", "fz_N"], 6)
+    yield from _columns(recording.temperature, ["temperature_degC"], 4, nothing=ZERO_CELSIUS)
+    yield from _columns(recording.link_temperature, of_links, 4, nothing=ZERO_CELSIUS)
+    if recording.slots is None:
+        yield from _columns(recording.tip, ["x_mm", "y_mm", "z_mm"], 5, factor=1e3)
+    else:
         yield from _read_in_part(recording, recording.slots)
-    for axis in range(recording.tip.shape[1] if recording.slots is None else 0):
-        yield f"{'xyz'[axis]}_mm", 1e3 * recording.tip[:, axis], 5
-    if recording.base_target is not None:
-        for axis in range(3):
-            yield f"base{'xyz'[axis]}_mm", 1e3 * recording.base_target[:, axis], 5
+    yield from _columns(recording.base_target, ["basex_mm", "basey_mm", "basez_mm"], 5, factor=1e3)
     if recording.orientation is not None:
         from scipy.spatial.transform import Rotation
 
         quaternion = Rotation.from_matrix(recording.orientation).as_quat(canonical=True)
-        for name, index in (("qw", 3), ("qx", 0), ("qy", 1), ("qz", 2)):
-            yield name, quaternion[:, index], 9
+        yield from _columns(quaternion[:, [3, 0, 1, 2]], ["qw", "qx", "qy", "qz"], 9)
 
 
-def _joints(base: str, values: Array, arm: Arm, suffix: str = "") -> Iterator[tuple[str, Array, int]]:
-    for index, joint in enumerate(arm.joints):
+def _columns(
+    values: Array | None, names: Sequence[str], digits: int, *, factor: float = 1.0, nothing: float = 0.0
+) -> Iterator[tuple[str, Array, int]]:
+    """Columns of values (N,) or (N, k), SI, by name: `factor` times what is there, less `nothing`; none for None."""
+    for name, column in zip(names, () if values is None else values.reshape(len(values), -1).T, strict=False):
+        yield name, factor * column - nothing, digits
+
+
+def _joints(base: str, values: Array | None, arm: Arm, suffix: str = "") -> Iterator[tuple[str, Array, int]]:
+    for index, joint in enumerate(arm.joints if values is not None else ()):
+        assert values is not None
         if joint.revolute:
             yield f"{arm.column(base, index)}_deg{suffix}", np.degrees(values[:, index]), 6
         else:

@@ -114,30 +114,36 @@ def proposed(table: Table, arm: Arm) -> tuple[Meaning, ...]:
     left = {header: plain[header] for header in table.names if not by_header[header].named}
     by_header |= _of_joints(left, table, arm, {item.what for item in by_header.values()})
     by_header |= _places_left(by_header, arm)
-    known = {item.what for item in by_header.values()}
-    for what, (header, unit) in alone_in_unit(table.names).items():
-        if what not in known and by_header[header] == Meaning(header, OTHER) and not commanded(header):
-            by_header[header] = Meaning(header, what, unit, guessed=True, said=f"by its unit, the only one in {unit}")
+    by_header |= _alone_in_unit(by_header, table.names)
     if not any(item.what == "time" for item in by_header.values()):
         by_header |= {item.header: item for item in _clock(table, by_header)}
-    taken: set[str] = set()
-    meanings: list[Meaning] = []
-    for header in table.names:
-        meaning = by_header[header]
-        if meaning.what in taken:
-            meaning = Meaning(header, OTHER)
-        if meaning.named:
-            taken.add(meaning.what)
-        meanings.append(meaning)
-    if any(item.what in _PLACES for item in meanings):
+    return _none_twice([by_header[header] for header in table.names])
+
+
+def _alone_in_unit(meanings: Mapping[str, Meaning], names: Sequence[str]) -> dict[str, Meaning]:
+    """Columns that nothing but their unit says, which no other has."""
+    known = {item.what for item in meanings.values()}
+    return {
+        header: Meaning(header, what, unit, guessed=True, said=f"by its unit, the only one in {unit}")
+        for what, (header, unit) in alone_in_unit(names).items()
+        if what not in known and meanings[header] == Meaning(header, OTHER) and not commanded(header)
+    }
+
+
+def _none_twice(meanings: Sequence[Meaning]) -> tuple[Meaning, ...]:
+    """The same with the first of each kind alone, and what goes together in one file."""
+    firsts: dict[str, Meaning] = {}
+    for item in meanings:
+        if item.named:
+            firsts.setdefault(item.what, item)
+    once = [item if not item.named or firsts[item.what] is item else Meaning(item.header, OTHER) for item in meanings]
+    if any(item.what in _PLACES for item in once):
         # Currents are of motion logs alone.
-        meanings = [
-            replace(item, what=OTHER, unit="") if item.what.startswith("current") else item for item in meanings
-        ]
-    if not any(re.fullmatch(r"q[0-9]+", item.what) for item in meanings):
+        once = [replace(item, what=OTHER, unit="") if item.what.startswith("current") else item for item in once]
+    if not any(re.fullmatch(r"q[0-9]+", item.what) for item in once):
         # Encoders on the joints themselves (J1) are what a file without others tells the coordinates by.
-        meanings = [replace(item, what=re.sub(r"^j(?=[0-9])", "q", item.what)) for item in meanings]
-    return tuple(meanings)
+        once = [replace(item, what=re.sub(r"^j(?=[0-9])", "q", item.what)) for item in once]
+    return tuple(once)
 
 
 def is_motion(meanings: Sequence[Meaning]) -> bool:
@@ -204,40 +210,58 @@ def _named(name: str, arm: Arm) -> str:
 def _of_joints(headers: Mapping[str, str], table: Table, arm: Arm, taken: set[str]) -> dict[str, Meaning]:
     """What headers, each with itself less a joint's name, say of joints: of all that tell of the same, those that
     tell of most joints, plainest."""
+    ranked = sorted(_groups(headers, table, arm), key=lambda group: group.rank, reverse=True)
+    meanings: dict[str, Meaning] = {}
+    home = next((group.of for group in ranked if group.base == "q"), "")
+    for base in _OF_JOINTS:
+        same_base = [group for group in ranked if group.base == base]
+        same_base.sort(key=lambda group: (group.of == home, group.rank), reverse=True)
+        first, *others = same_base or [None]
+        if first is None:
+            continue
+        if not first.of or first.of == home or "/" in first.of:  # else somebody's words before it, and no joint's
+            free = {joint: header for joint, header in first.at.items() if f"{base}{joint + 1}" not in taken}
+            meanings |= _in_units(first, free, table, arm)
+        if base == "q" and others and others[0].rank[:2] == first.rank[:2]:
+            for joint, header in others[0].at.items():
+                rival = first.at.get(joint, next(iter(first.at.values())))
+                meaning = f"tells of the same joint as {rival}: two robots in one file?"
+                meanings[header] = Meaning(header, OTHER, said=meaning, rival=rival)
+    return meanings
+
+
+@dataclass(frozen=True)
+class _Group:
+    """Headers that tell of one thing (`base`) of joints in one way (`of`): `said` by each and its unit, and which is of
+    which joint (`at`, from 0)."""
+
+    base: str
+    of: str
+    rank: tuple[int, int, int]
+    at: dict[int, str]
+    said: dict[str, Said]
+    units: dict[str, str]
+
+
+def _groups(headers: Mapping[str, str], table: Table, arm: Arm) -> list[_Group]:
+    """The headers that say something of joints, by what and how; rank goes by how many joints, how plainly, and
+    which came first."""
     names = [joint.name for joint in arm.joints]
-    groups: dict[tuple[str, str, int], dict[str, Said]] = defaultdict(dict)
-    units: dict[str, str] = {}
     labels = {key: table.text(item, 0) for item in table.names if (key := message_name(item)) is not None}
+    groups: dict[tuple[str, str, int], dict[str, Said]] = defaultdict(dict)
     for header, plain in headers.items():
-        name, unit = name_and_unit(plain)
-        meaning = said_by(name, names) if not computed(header) else None
+        meaning = said_by(name_and_unit(plain)[0], names) if not computed(header) else None
         if meaning is not None:
             if meaning.number is not None and (meaning.of, meaning.number) in labels:
                 meaning = replace(meaning, label=labels[meaning.of, meaning.number], number=None)
             groups[meaning.base, meaning.of, meaning.rank][header] = meaning
-            units[header] = unit
     zero_based = {of for (_, of, _), group in groups.items() if any(item.number == 0 for item in group.values())}
-    ranked: list[tuple[tuple[int, int, int], str, str, dict[int, str], dict[str, Said]]] = []
-    for (base, of, rank), group in groups.items():
-        at = _numbered(group, arm, zero=of in zero_based)
-        ranked.append(((len(at), rank, -len(ranked)), base, of, at, group))
-    ranked.sort(key=lambda item: item[0], reverse=True)
-    meanings: dict[str, Meaning] = {}
-    home = next((of for _, base, of, _, _ in ranked if base == "q"), "")
-    for base in _OF_JOINTS:
-        same_base = [item for item in ranked if item[1] == base]
-        same_base.sort(key=lambda item: (item[2] == home, item[0]), reverse=True)
-        for _, _, of, at, group in same_base[:1]:
-            if of and of != home and "/" not in of:
-                continue  # somebody's words before it, and no joint's
-            free = {joint: header for joint, header in at.items() if f"{base}{joint + 1}" not in taken}
-            meanings |= _in_units(base, free, group, units, table, arm)
-        if base == "q" and len(same_base) > 1 and same_base[1][0][:2] == same_base[0][0][:2]:
-            for joint, header in same_base[1][3].items():
-                rival = same_base[0][3].get(joint, next(iter(same_base[0][3].values())))
-                meaning = f"tells of the same joint as {rival}: two robots in one file?"
-                meanings[header] = Meaning(header, OTHER, said=meaning, rival=rival)
-    return meanings
+    made: list[_Group] = []
+    for (base, of, rank), said in groups.items():
+        at = _numbered(said, arm, zero=of in zero_based)
+        units = {header: name_and_unit(headers[header])[1] for header in said}
+        made.append(_Group(base, of, (len(at), rank, -len(made)), at, said, units))
+    return made
 
 
 def _numbered(group: Mapping[str, Said], arm: Arm, *, zero: bool) -> dict[int, str]:
@@ -264,18 +288,16 @@ def _numbered(group: Mapping[str, Said], arm: Arm, *, zero: bool) -> dict[int, s
     return headers
 
 
-def _in_units(
-    base: str, at: Mapping[int, str], group: Mapping[str, Said], units: Mapping[str, str], table: Table, arm: Arm
-) -> dict[str, Meaning]:
+def _in_units(group: _Group, at: Mapping[int, str], table: Table, arm: Arm) -> dict[str, Meaning]:
     """The columns of one kind with their units: as the header has it, as its program writes it, or by the numbers."""
-    meanings: dict[str, Meaning] = {}
+    base, meanings = group.base, dict[str, Meaning]()
     guess = _by_ranges(base, at, table, arm)
     unnamed = [joint.name for joint in arm.joints if joint.name]
     for joint, header in at.items():
         what = f"{base}{joint + 1}"
         can_be = units_for(base, arm, joint)
-        unit_known = unit_of(what, units[header])
-        meaning = group[header]
+        unit_known = unit_of(what, group.units[header])
+        meaning = group.said[header]
         strange = bool(meaning.label) and not any(
             item.casefold() in meaning.label.casefold() or meaning.label.casefold() in item.casefold()
             for item in unnamed
