@@ -5,7 +5,7 @@ from __future__ import annotations
 import functools
 import itertools
 import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -47,6 +47,10 @@ class Library:
         """Nothing wrong."""
         return as_read(self.arm.size, self.width or 3)
 
+    def _made(self, said: str, acts_on: Iterable[str], **changed: Any) -> Transformation:
+        """What is wrong, what it changes, and how."""
+        return replace(self.none, said=(said,), acts_on=frozenset(acts_on), **changed)
+
     def name(self, base: str, k: int) -> str:
         """The header of a joint's (from 0) column; empty in a motion log that lacks it."""
         return self.headers.get(f"{base}{k + 1}", "" if self.base else f"{base}{k + 1}")
@@ -72,10 +76,8 @@ class Library:
     def units(self) -> Iterator[Transformation]:
         """Columns that are in another unit than their headers say."""
         for change in unit_changes(self.arm, self.width, self.headers):
-            acts = frozenset(f"q{k}" for k in np.flatnonzero(change.q != 1.0).tolist())
-            acts |= {f"tip{k}" for k in np.flatnonzero(change.tip != 1.0).tolist()}
-            none = self.none
-            yield replace(none, matrix=np.diag(change.q), tip=np.diag(change.tip), said=(change.said(),), acts_on=acts)
+            acts = [f"{of}{k}" for of in ("q", "tip") for k in np.flatnonzero(getattr(change, of) != 1.0).tolist()]
+            yield self._made(change.said(), acts, matrix=np.diag(change.q), tip=np.diag(change.tip))
 
     def turned(self, joints: Sequence[int]) -> tuple[Transformation, Transformation, Transformation]:
         """Joints that count the other way, their torques, and both; all of them are said as what they are."""
@@ -85,12 +87,9 @@ class Library:
         force = "all torques count" if whole else f"{self.name(self.base, joints[0])} counts"
 
         def made(said: str, *kinds: str) -> Transformation:
-            acts = frozenset(f"{kind}{k}" for k in joints for kind in (("q", "tau") if whole else kinds))
-            moves, pushes = ("q" in kinds, "tau" in kinds)
-            one = np.eye(self.arm.size)
-            return replace(
-                self.none, matrix=flip if moves else one, torques=flip if pushes else one, said=(said,), acts_on=acts
-            )
+            acts = [f"{kind}{k}" for k in joints for kind in (("q", "tau") if whole else kinds)]
+            turned = {{"q": "matrix", "tau": "torques"}[kind]: flip for kind in kinds}
+            return self._made(said, acts, **turned)
 
         way = "the other way"
         return (
@@ -104,15 +103,8 @@ class Library:
         offset = np.zeros(self.arm.size)
         offset[k] = angle
         sentence = f"{self.name('q', k)} counts from another zero, {math.degrees(angle):.4g} deg away"
-        acts = frozenset({f"zero{k}" if self.width else f"q{k}"})
         size = _sized(functools.partial(self.zero, k, fitted=True), angle) if fitted else {}
-        return replace(
-            self.none,
-            offset=offset,
-            said=(sentence,),
-            acts_on=acts,
-            **size,
-        )
+        return self._made(sentence, [f"zero{k}" if self.width else f"q{k}"], offset=offset, **size)
 
     def ratio(self, k: int, by: float) -> Transformation:
         """A joint that goes `by` times what its column says."""
@@ -120,26 +112,14 @@ class Library:
         matrix[k, k] = float(f"{by:.5g}")
         goes = "turns" if self.arm.joints[k].revolute else "moves"
         said = f"joint {k + 1} {goes} {by:.4g} times what {self.name('q', k)} says (steps per unit, or a gear's ratio)"
-        return replace(
-            self.none,
-            matrix=matrix,
-            said=(said,),
-            acts_on=frozenset({f"q{k}"}),
-            **_sized(functools.partial(self.ratio, k), by),
-        )
+        return self._made(said, [f"q{k}"], matrix=matrix, **_sized(functools.partial(self.ratio, k), by))
 
     def coupled(self, k: int, other: int, by: float) -> Transformation:
         """A joint that turns by a part of another one's coordinate as well."""
         matrix = np.eye(self.arm.size)
         matrix[k, other] = float(f"{by:.5g}")
         said = f"joint {k + 1} turns by {by:.4g} of {self.name('q', other)} as well as by {self.name('q', k)}"
-        return replace(
-            self.none,
-            matrix=matrix,
-            said=(said,),
-            acts_on=frozenset({f"q{k}"}),
-            **_sized(functools.partial(self.coupled, k, other), by),
-        )
+        return self._made(said, [f"q{k}"], matrix=matrix, **_sized(functools.partial(self.coupled, k, other), by))
 
     def droop(self, k: int, by: float) -> Transformation:
         """A joint that gives way by so much (rad/(N*m); m/N) under its load."""
@@ -153,14 +133,8 @@ class Library:
             f"{self.name('q', k)} was then commanded, so log the position read back"
         )
         written = (f"`stiffness: {stiffness} {stiff}` at joint {k + 1} in the arm file",)
-        return replace(
-            self.none,
-            droop=droop,
-            said=(said,),
-            acts_on=frozenset({f"q{k}"}),
-            written=written,
-            **_sized(functools.partial(self.droop, k), by),
-        )
+        sized = _sized(functools.partial(self.droop, k), by)
+        return self._made(said, [f"q{k}"], droop=droop, written=written, **sized)
 
     def _dh(self) -> Iterator[Transformation]:
         if of_the_other_convention(self.arm) is None:
@@ -168,20 +142,17 @@ class Library:
         first = self.arm.joints[0].dh
         meant = "standard" if first is not None and first.modified else "modified"
         said = f"the arm file's dh are meant with `convention: {meant}` in each"
-        yield replace(self.none, said=(said,), acts_on=frozenset({"arm"}), other_dh=True)
+        yield self._made(said, ["arm"], other_dh=True)
 
     def _signs(self, sizes: Sequence[int] | range) -> Iterator[Transformation]:
         for size in sizes:
             for joints in itertools.combinations(range(self.arm.size), size):
                 signs = np.ones(self.arm.size)
                 signs[list(joints)] = -1.0
-                text = f"{', '.join(self.name('q', k) for k in joints)} {'count' if size > 1 else 'counts'} "
-                yield replace(
-                    self.none,
-                    matrix=np.diag(signs),
-                    said=(f"{text}the other way",),
-                    acts_on=frozenset(f"q{k}" for k in joints),
+                said = (
+                    f"{', '.join(self.name('q', k) for k in joints)} {'count' if size > 1 else 'counts'} the other way"
                 )
+                yield self._made(said, [f"q{k}" for k in joints], matrix=np.diag(signs))
 
     def _zeros(self) -> Iterator[Transformation]:
         for k, joint in enumerate(self.arm.joints):
@@ -199,12 +170,7 @@ class Library:
                 matrix[k, other] = sign
                 plain, also = self.name("q", k), self.name("q", other)
                 said = f"{plain} holds {also} as well" if sign < 0.0 else f"{plain} is less {also}"
-                yield replace(
-                    self.none,
-                    matrix=matrix,
-                    said=(said,),
-                    acts_on=frozenset({f"q{k}"} | ({"coupled"} if self.base else set())),
-                )
+                yield self._made(said, [f"q{k}", *(["coupled"] if self.base else [])], matrix=matrix)
 
     def _swapped(self) -> Iterator[Transformation]:
         """Two joints that changed places, with their torques or without, and torques alone."""
@@ -220,38 +186,35 @@ class Library:
                 pairs = [(a, b) for a, b in pairs if a and b]
                 if not pairs or not all(pairs[0]):
                     continue  # neither of them was logged
-                acts = frozenset(f"{kind}{k}" for k in (first, second) for kind in ("q", "tau")[: 1 + bool(self.base)])
+                acts = [f"{kind}{k}" for k in (first, second) for kind in ("q", "tau")[: 1 + bool(self.base)]]
                 also = ", their torques too" if matrix is torques else ""
-                said = (f"{' and '.join(pairs[0])} have changed places{also}",)
-                yield replace(self.none, matrix=matrix, torques=torques, said=said, acts_on=acts)
+                said = f"{' and '.join(pairs[0])} have changed places{also}"
+                yield self._made(said, acts, matrix=matrix, torques=torques)
 
     def _reversed(self) -> Iterator[Transformation]:
         if self.arm.size < 3:  # two have changed places
             return
         reverse = np.eye(self.arm.size)[::-1]
-        said = ("the joints stand in the opposite order",)
-        acts = frozenset(f"{kind}{k}" for k in range(self.arm.size) for kind in ("q", "tau"))
-        yield replace(self.none, matrix=reverse, torques=reverse, said=said, acts_on=acts)
+        acts = [f"{kind}{k}" for k in range(self.arm.size) for kind in ("q", "tau")]
+        yield self._made("the joints stand in the opposite order", acts, matrix=reverse, torques=reverse)
 
     def _degrees(self) -> Iterator[Transformation]:
         turning = [k for k, joint in enumerate(self.arm.joints) if joint.revolute]
         for factor, unit in ((math.radians(1.0), "deg"), (math.degrees(1.0), "rad")) if turning else ():
             scale = np.eye(self.arm.size)
             scale[turning, turning] = factor
-            said = (f"{', '.join(self.name('q', k) for k in turning)} seem to be in {unit}",)
-            yield replace(self.none, matrix=scale, said=said, acts_on=frozenset(f"q{k}" for k in range(self.arm.size)))
+            said = f"{', '.join(self.name('q', k) for k in turning)} seem to be in {unit}"
+            yield self._made(said, [f"q{k}" for k in range(self.arm.size)], matrix=scale)
 
     def _gravity(self) -> Iterator[Transformation]:
         size = math.hypot(*self.arm.gravity)
         for axis, sign in _SIDES if size else ():
-            side = tuple(sign * float(axis == k) for k in range(3))
+            side = (sign * float(axis == 0), sign * float(axis == 1), sign * float(axis == 2))
             if math.dist(side, [item / size for item in self.arm.gravity]) > 0.5:
                 vector = ", ".join(f"{size * item:.4g} m/s^2" if item else "0 m/s^2" for item in side)
                 said = f"gravity acts along {'-' if sign < 0.0 else ''}{'xyz'[axis]} of the base frame (write "
                 said += f"`gravity: [{vector}]` in the arm file)"
-                yield replace(
-                    self.none, gravity=(side[0], side[1], side[2]), said=(said,), acts_on=frozenset({"gravity"})
-                )
+                yield self._made(said, ["gravity"], gravity=side)
 
     def _axes(self) -> Iterator[Transformation]:
         """Axes of the tip that changed places or point the other way. Where the frame is free only handedness matters;
@@ -264,9 +227,9 @@ class Library:
                 axes[straight, order] = signs
                 if _turns(axes) or (self.frame and (order != straight or not _last_axis_alone(signs))):
                     continue
-                said = (f"{', '.join(names)} are left-handed (mirrored)",)
-                acts = frozenset(f"tip{k}" for k in straight)
-                yield replace(self.none, tip=axes, said=said, acts_on=acts)
+                yield self._made(
+                    f"{', '.join(names)} are left-handed (mirrored)", [f"tip{k}" for k in straight], tip=axes
+                )
 
 
 def _sized(make: Callable[[float], Transformation], size: float) -> dict[str, Any]:

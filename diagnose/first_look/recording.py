@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,115 +27,121 @@ from .search import Judged, likeliest
 from .tips import TipEvidence
 from .transformation import Transformation
 
-Mask = NDArray[np.bool_]
 _LATE = 5
 """Rows by which tips may stand beside their joints, at most."""
 
 
-def contradictions(
-    recording: Recording, arm: Arm, place: Placement, reach: float, headers: Mapping[str, str], rules: Rules
-) -> list[str]:
-    """Sentences about the recording as a whole; `place` sets it against the arm as declared, `reach` is the arm's, m.
+@dataclass(frozen=True)
+class Tips:
+    """A recording of the tip set against the arm as declared (`place`). `reach` is the arm's, m; `headers` are those of
+    the columns by name (`q1`: `q1_deg`)."""
+
+    recording: Recording
+    arm: Arm
+    place: Placement
+    reach: float
+    headers: Mapping[str, str]
+    rules: Rules
+
+    @property
+    def much(self) -> float:
+        """How far off the middle reading must be before the recording as a whole contradicts the arm, m."""
+        mistakes = self.rules.mistakes
+        return max(mistakes.whole * _spread(self.place.modelled), mistakes.gross * self.reach)
+
+    def header(self, joint: int) -> str:
+        """What the file calls a joint's (from 0) coordinate."""
+        return self.headers.get(f"q{joint + 1}", f"q{joint + 1}")
+
+    def placed(self, *, frame: bool, tool: bool) -> Placement:
+        """The same with frame and tool as free as asked."""
+        return placed(self.arm, self.recording.q, self.recording.tip, frame=frame, tool=tool)
+
+    def off_with_joint_free(self, joint: int, rows: NDArray[np.bool_] | None = None) -> Array:
+        """How far the measured tips (of some rows) are from what the arm can reach by moving one joint alone, m."""
+        return _off_with_joint_free(self, joint, np.ones(self.recording.size, dtype=bool) if rows is None else rows)
+
+
+def contradictions(seen: Tips) -> list[str]:
+    """Sentences about the recording as a whole.
 
     Raises `InputError` where another unit, frame, tool or convention is needed, or nothing that is known would do.
     """
-    gross = place.misfit > _much(place, reach, rules)
+    gross = seen.place.misfit > seen.much
     if gross:
-        _refuse_still_joint(recording, arm, place, reach, headers, rules)
-    _refuse_transformed(recording, arm, place, reach, headers, rules, gross=gross)
-    return _frame_sentences(recording, arm, place, reach, headers, rules)
-
-
-def _much(place: Placement, reach: float, rules: Rules) -> float:
-    """How far off the middle reading must be before the recording as a whole contradicts the arm, m."""
-    return max(rules.mistakes.whole * _spread(place.modelled), rules.mistakes.gross * reach)
+        _refuse_still_joint(seen)
+    _refuse_transformed(seen, gross=gross)
+    return _frame_sentences(seen)
 
 
 def _spread(points: Array) -> float:
     return float(np.median(np.linalg.norm(points - np.median(points, axis=0), axis=1)))
 
 
-def _refuse_still_joint(
-    recording: Recording, arm: Arm, place: Placement, reach: float, headers: Mapping[str, str], rules: Rules
-) -> None:
+def _refuse_still_joint(seen: Tips) -> None:
     """Raise where a joint that never changes would have to move for the tip to be where it is."""
-    for index in range(arm.size):
-        if (
-            np.ptp(recording.q[:, index]) > rules.residual.coarsest_count(arm.joints[index].revolute)
-            or recording.frame == "free"
-        ):
+    recording, joints, rules = seen.recording, seen.arm.joints, seen.rules
+    for index in range(seen.arm.size if recording.frame != "free" else 0):
+        if np.ptp(recording.q[:, index]) > rules.residual.coarsest_count(joints[index].revolute):
             continue
-        left = distance_with_joint_free(recording, arm, place, np.ones(recording.size, dtype=bool), index)
-        if np.median(left) < rules.mistakes.better * place.misfit and np.median(left) < _much(place, reach, rules):
-            name = headers.get(f"q{index + 1}", f"q{index + 1}")
+        left = float(np.median(seen.off_with_joint_free(index)))
+        if left < rules.mistakes.better * seen.place.misfit and left < seen.much:
             message = "never changes, but the tip moves as if the joint did: its encoder stands still or was not logged"
-            raise InputError(recording.file, name, message)
+            raise InputError(recording.file, seen.header(index), message)
 
 
-def _refuse_transformed(
-    recording: Recording,
-    arm: Arm,
-    place: Placement,
-    reach: float,
-    headers: Mapping[str, str],
-    rules: Rules,
-    *,
-    gross: bool,
-) -> None:
+def _refuse_transformed(seen: Tips, *, gross: bool) -> None:
     """Raise where another unit, a joint that counts the other way or goes by another ratio, mirrored axes and the like
     make joints and tip agree."""
-    if place.misfit < rules.mistakes.noticed * reach:
+    recording, misfit, rules = seen.recording, seen.place.misfit, seen.rules.mistakes
+    if misfit < rules.noticed * seen.reach:
         return
     frame, tool = recording.frame == "free", recording.tool == "free"
-    limit = rules.mistakes.better * place.misfit
 
     def explained(*, frame: bool, tool: bool) -> Judged | None:
-        library = Library(arm, headers, recording.tip.shape[1], frame=frame)
-        look = TipEvidence(library, recording.q, recording.tip, frame, tool, reach, limit, gross, rules)
+        library, limit = Library(seen.arm, seen.headers, recording.tip.shape[1], frame=frame), rules.better * misfit
+        look = TipEvidence(library, recording.q, recording.tip, frame, tool, seen.reach, limit, gross, seen.rules)
         # Readings taken on the move lag by a row or two as well; what they are off by is small beside the motion.
-        return _explained(look, place.misfit)
+        return _explained(look, misfit)
 
     cause, further = explained(frame=frame, tool=tool), dict[str, str]()
     if not (frame and tool):
-        both = placed(arm, recording.q, recording.tip, frame=True, tool=True)
-        free = both.misfit
-        turned = placed(arm, recording.q, recording.tip, frame=True, tool=tool).misfit
-        if cause is None and gross and free >= rules.mistakes.better * place.misfit:
+        both = seen.placed(frame=True, tool=True)
+        if cause is None and gross and both.misfit >= rules.better * misfit:
             cause, further = explained(frame=True, tool=True), {"frame": "free", "tool": "free"}
-        elif cause is not None and turned <= rules.mistakes.simpler * cause.left:
-            return  # a frame that was turned says as much, and is commoner
-        elif cause is not None and free <= rules.mistakes.simpler * cause.left:
-            # A tool says as much: what is commoner with both free beside the convention too, the smaller tool says.
-            beside = placed(
-                cause.transformation.read(arm),
-                *cause.transformation.applied(recording.q, recording.tip),
-                frame=True,
-                tool=True,
-            )
-            smaller = np.linalg.norm(beside.tool) < rules.mistakes.better * np.linalg.norm(both.tool)
-            if beside.misfit > rules.mistakes.simpler * free or not smaller:
-                return
+        elif cause is not None and _as_well(seen, cause, both, tool=tool):
+            return
     if cause is not None:
         whole = cause.transformation
         said = whole.sentence()
-        change = f"{shown_length(cause.left)} from the nominal tip, and not {shown_length(place.misfit)}"
+        change = f"{shown_length(cause.left)} from the nominal tip, and not {shown_length(misfit)}"
         message = f"{said}{'' if 'seem' in said else ', it seems'}: then the middle reading is {change}"
-        columns = whole.columns(arm, headers)
+        columns = whole.columns(seen.arm, seen.headers)
         remedy = {**({"columns": columns} if columns else {}), **further}
         raise refusal(recording.file, "", message, *([remedy] if remedy else []))
+
+
+def _as_well(seen: Tips, cause: Judged, both: Placement, *, tool: bool) -> bool:
+    """Whether a frame that was turned says as much as a cause, and is commoner, or a tool does (`both` are free): with
+    both free beside the cause too, the smaller tool is the commoner."""
+    rules, whole = seen.rules.mistakes, cause.transformation
+    if seen.placed(frame=True, tool=tool).misfit <= rules.simpler * cause.left:
+        return True
+    if both.misfit > rules.simpler * cause.left:
+        return False
+    meant = whole.applied(seen.recording.q, seen.recording.tip)
+    beside = placed(whole.read(seen.arm), *meant, frame=True, tool=True)
+    smaller = np.linalg.norm(beside.tool) < rules.better * np.linalg.norm(both.tool)
+    return bool(beside.misfit > rules.simpler * both.misfit or not smaller)
 
 
 def _explained(look: TipEvidence, misfit: float) -> Judged | None:
     """The likeliest transformation that explains why the middle reading is off by `misfit`, None where none does."""
     if look.gross and (late := _other_rows(look)) is not None:
         return late
-    # Frame, tool and a wrong convention together fit a few points by chance.
-    poses = len(np.unique(np.round(look.q, 3), axis=0))
-    few = poses < look.rules.search.least_observations
-    if few and (look.frame or look.tool or poses < look.rules.residual.enough_freedom):
+    if (told := _told(look)) is None:
         return None
-    singles = [] if few else look.library.of_tips()
-    units = [] if few else list(look.library.units())
+    singles, units = told
     # A frame that is free takes up much; beside another mistake, nobody gets a single column's unit wrong.
     kinds = [each for each in units if len(each.acts_on) in (look.tip.shape[1], look.arm.size)]
     again = [*singles, *([] if look.frame else kinds)] if look.gross else []
@@ -146,6 +152,16 @@ def _explained(look: TipEvidence, misfit: float) -> Judged | None:
         further = _explained(replace(look, tip=look.tip @ unit.tip.T), misfit)
         return further and replace(further, transformation=further.transformation.beside(unit))
     return explained
+
+
+def _told(look: TipEvidence) -> tuple[list[Transformation], list[Transformation]] | None:
+    """Single transformations and units of which the poses tell; none but numbers of joints where they are few, and None
+    where frame, tool and a wrong convention together fit them by chance."""
+    poses = len(np.unique(np.round(look.q, 3), axis=0))
+    if poses >= look.rules.search.least_observations:
+        return look.library.of_tips(), list(look.library.units())
+    by_chance = look.frame or look.tool or poses < look.rules.residual.enough_freedom
+    return None if by_chance else ([], [])
 
 
 def _unit_by_size(look: TipEvidence, units: Sequence[Transformation]) -> Transformation | None:
@@ -186,72 +202,67 @@ def _other_rows(look: TipEvidence) -> Judged | None:
     return None
 
 
-def _frame_sentences(
-    recording: Recording, arm: Arm, place: Placement, reach: float, headers: Mapping[str, str], rules: Rules
-) -> list[str]:
+def _frame_sentences(seen: Tips) -> list[str]:
     """Say, or raise where the error is no small one, that another frame or tool makes joints and tip agree."""
-    if place.misfit < rules.mistakes.gross * reach or recording.size < 2 * rules.residual.enough_freedom:
+    recording, place, rules = seen.recording, seen.place, seen.rules
+    if place.misfit < rules.mistakes.gross * seen.reach or recording.size < 2 * rules.residual.enough_freedom:
         return []
-    tries = _other_placements(recording, arm)
-    limit = min(rules.mistakes.better * place.misfit, _left_by_geometry(recording, arm, place))
-    good = [(remedy, free) for remedy, free in tries if free.misfit < limit]
+    limit = min(rules.mistakes.better * place.misfit, _left_by_geometry(seen))
+    good = [(remedy, free) for remedy, free in _other_placements(seen) if free.misfit < limit]
     if not good:
-        return _unexplained(recording, arm, place, reach, headers, rules)
+        return _unexplained(seen)
     least = min(free.misfit for _, free in good)
     remedy, free = next((remedy, free) for remedy, free in good if free.misfit <= rules.mistakes.simpler * least + 1e-6)
     turn = turn_of(free.rotation)
     falls = f"from {shown_length(place.misfit)} to {shown_length(free.misfit)}"
     change = f"{_moved(remedy, free, turn)} would bring the middle reading {falls}"
-    large = turn > rules.residual.turned or place.misfit > rules.mistakes.whole * reach
-    if large:
-        message = (
+    if turn > rules.residual.turned or place.misfit > rules.mistakes.whole * seen.reach:
+        wrong = (
             "is measured in another frame than the arm's" if "frame" in remedy else "does not hold the arm file's tip"
         )
-        raise refusal(recording.file, "", f"{message}: {change}", remedy)
+        raise refusal(recording.file, "", f"{wrong}: {change}", remedy)
     return [f"{change[0].upper()}{change[1:]}: where nobody knows better, write {written(remedy)} in recording.yaml."]
 
 
-def _left_by_geometry(recording: Recording, arm: Arm, place: Placement) -> float:
+def _left_by_geometry(seen: Tips) -> float:
     """What the middle reading is off by (m) where joints count from zeros and links have lengths of their own."""
-    step, width = 1e-6, recording.tip.shape[1]
-    tips, axes = nominal(arm, recording.q, width)
-    moved = [nominal(arm, recording.q + step * each, width) for each in np.eye(arm.size)]
+    arm, q, place, step = seen.arm, seen.recording.q, seen.place, 1e-6
+    width = seen.recording.tip.shape[1]
+    tips, axes = nominal(arm, q, width)
+    moved = [nominal(arm, q + step * each, width) for each in np.eye(arm.size)]
     for k, link in enumerate(arm.links):
         links = (*arm.links[:k], replace(link, length=link.length + step), *arm.links[k + 1 :])
-        moved.append(nominal(replace(arm, links=links), recording.q, width))
+        moved.append(nominal(replace(arm, links=links), q, width))
     slopes = np.stack([(t + a @ place.tool - tips - axes @ place.tool).ravel() / step for t, a in moved], axis=1)
     goal = place.residual.ravel()
     left = goal - slopes @ np.linalg.lstsq(slopes, goal, rcond=None)[0]
     return float(np.median(np.linalg.norm(left.reshape(-1, width), axis=1)))
 
 
-def _other_placements(recording: Recording, arm: Arm) -> list[tuple[dict[str, str], Placement]]:
+def _other_placements(seen: Tips) -> list[tuple[dict[str, str], Placement]]:
     """The recording with its frame, its tool or both free where they are known, and the settings that say so."""
-    known_frame, known_tool = recording.frame == "known", recording.tool == "known"
+    known = {"frame": seen.recording.frame == "known", "tool": seen.recording.tool == "known"}
     tries: list[tuple[dict[str, str], Placement]] = []
-    for frame, tool in ((True, False), (False, True), (True, True)):
-        if (frame and not known_frame) or (tool and not known_tool):
-            continue
-        free = placed(arm, recording.q, recording.tip, frame=frame or not known_frame, tool=tool or not known_tool)
-        tries.append(({name: "free" for name, is_free in (("frame", frame), ("tool", tool)) if is_free}, free))
+    for names in (("frame",), ("tool",), ("frame", "tool")):
+        if all(known[name] for name in names):
+            free = {name: name in names or not is_known for name, is_known in known.items()}
+            tries.append((dict.fromkeys(names, "free"), seen.placed(frame=free["frame"], tool=free["tool"])))
     return tries
 
 
-def _unexplained(
-    recording: Recording, arm: Arm, place: Placement, reach: float, headers: Mapping[str, str], rules: Rules
-) -> list[str]:
+def _unexplained(seen: Tips) -> list[str]:
     """Say, or raise where the error is twice as much, that nothing makes joints and tip agree."""
-    much = _much(place, reach, rules)
-    if place.misfit <= much:
+    recording, misfit = seen.recording, seen.place.misfit
+    if misfit <= seen.much:
         return []
-    text = f"the middle reading is {shown_length(place.misfit)} away from the nominal tip"
+    text = f"the middle reading is {shown_length(misfit)} away from the nominal tip"
     ask = "do the arm file and the recording belong together?"
-    still = [headers.get(f"q{k + 1}", f"q{k + 1}") for k in range(arm.size) if np.ptp(recording.q[:, k]) == 0.0]
+    still = [seen.header(k) for k in range(seen.arm.size) if np.ptp(recording.q[:, k]) == 0.0]
     if still:
         ask += f" {', '.join(still)} never changes: was it logged?"
     text += f", and no other unit, frame, tool, zero, sign or order that was tried explains it: {ask}"
     # No small displacements explain what is twice as far off.
-    if place.misfit > 2.0 * much or still:
+    if misfit > 2.0 * seen.much or still:
         raise InputError(recording.file, "", text)
     return [f"{text[0].upper()}{text[1:]}"]
 
@@ -268,16 +279,15 @@ def _moved(remedy: Mapping[str, str], free: Placement, turn: float) -> str:
     return " and ".join(parts)
 
 
-def distance_with_joint_free(recording: Recording, arm: Arm, place: Placement, rows: Mask, index: int) -> Array:
-    """How far the measured tips of some rows are from what the arm can reach by moving one joint alone, m."""
-    q = recording.q[rows]
+def _off_with_joint_free(seen: Tips, index: int, rows: NDArray[np.bool_]) -> Array:
+    arm, place, q = seen.arm, seen.place, seen.recording.q[rows]
     goal = (place.modelled + place.residual)[rows]
     joint = arm.joints[index]
     low, high = (-math.pi, math.pi) if joint.revolute else joint.range
     step = (high - low) / 180.0
     best = np.full(len(q), np.inf)
     at = q[:, index].copy()
-    width = recording.tip.shape[1]
+    width = goal.shape[1]
 
     def distance(values: Array) -> Array:
         moved = q.copy()

@@ -72,24 +72,26 @@ def look_at_weights(
             given = evidence.given()
             seen[number] = _Look(_of_little_torque(evidence, log, headers, rules), headers, evidence, given)
     for number, look in seen.items():
-        no_weights = _without_weights(look, rules)
-        if look.given.total < rules.log.conventions_gain or (no_weights and look.given.explains):
-            seen[number] = replace(look, log=look.log.saying(no_weights))
-            continue
-        # Speeds decide on the unit of angles, and so do torques that they explain; what no constant fits, no side of
-        # gravity explains.
-        units, free = look.log.velocity is None and not look.given.explains, look.log.torque_constants_free
-        singles = look.evidence.library.of_torques(units=units, gravity=not free)
-        tried = likeliest(look.evidence, look.given, singles, [each for each in singles if each.common])
-        meant = tuple(each for each in tried if each.explains and each.transformation.said)
-        if not meant or (look.given.explains and meant[0].total >= look.given.total):
-            seen[number] = replace(look, log=look.log.saying(no_weights))
-            continue
-        seen[number] = replace(look, meant=meant)
-        if not look.given.explains or seen[number].gain >= rules.log.conventions_gain:
+        seen[number] = _as_meant(look, rules)
+        if seen[number].meant and (not look.given.explains or seen[number].gain >= rules.log.conventions_gain):
             _refuse(seen[number], [other for other in seen.values() if other is not seen[number]], arm, rules)
     _doubt(seen, arm, rules)
     return tuple(seen[number].log if number in seen else log for number, (log, _) in enumerate(logs))
+
+
+def _as_meant(look: _Look, rules: Rules) -> _Look:
+    """A log with what it may be meant as; as it stands where that is likelier, with what is to be said of it."""
+    given, no_weights = look.given, _without_weights(look, rules)
+    if given.total >= rules.log.conventions_gain and not (no_weights and given.explains):
+        # Speeds decide on the unit of angles, and so do torques that they explain; what no constant fits, no side of
+        # gravity explains.
+        units, free = look.log.velocity is None and not given.explains, look.log.torque_constants_free
+        singles = look.evidence.library.of_torques(units=units, gravity=not free)
+        tried = likeliest(look.evidence, given, singles, [each for each in singles if each.common])
+        meant = tuple(each for each in tried if each.explains and each.transformation.said)
+        if meant and not (given.explains and meant[0].total >= given.total):
+            return replace(look, meant=meant)
+    return replace(look, log=look.log.saying(no_weights))
 
 
 def _refuse(look: _Look, others: Sequence[_Look], arm: Arm, rules: Rules) -> None:

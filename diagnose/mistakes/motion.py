@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from linkwright.core.arm.chain.arrays import nominal
 from linkwright.core.arm.chain.chain import Arm
-from linkwright.core.diagnose.first_look.recording import contradictions, distance_with_joint_free, shown_length
+from linkwright.core.diagnose.first_look.recording import Tips, contradictions, shown_length
 from linkwright.core.diagnose.first_look.units import IN_A_ROW, unit_changes, widest
 from linkwright.core.diagnose.recording import Recording, RejectedRow
 from linkwright.core.diagnose.residual.placement import Placement, placed
@@ -36,19 +36,12 @@ def motion_checked(recording: Recording, arm: Arm, headers: Mapping[str, str], *
     reach += sum(joint.range[1] - joint.range[0] for joint in arm.joints if not joint.revolute)
     if reach <= 0.0:
         return recording
-    place = _placed(recording, arm)
-    warnings = contradictions(recording, arm, place, reach, headers, rules)
-    limit = max(rules.mistakes.far * place.misfit, rules.mistakes.gross * reach)
-    gross = place.distance > limit
-    rejected: dict[int, str] = {}
-    for reasons in (
-        _frozen_tip(recording, arm, reach, rules),
-        _stuck(recording, arm, place, gross, limit, headers, rules),
-        _slipped(recording, arm, place, gross, limit, reach, headers, rules),
-    ):
-        for index, reason in reasons.items():
-            rejected.setdefault(index, reason)
-    left = gross.copy()
+    frame, tool = recording.frame == "free", recording.tool == "free"
+    place = placed(arm, recording.q, recording.tip, frame=frame, tool=tool)
+    rows = _Rows(Tips(recording, arm, place, reach, headers, rules))
+    warnings = contradictions(rows.seen)
+    rejected = {**rows.slipped(), **rows.stuck(), **rows.frozen_tip()}
+    left = rows.gross.copy()
     left[list(rejected)] = False
     jumps, said = _jumps(recording, place, left, rules)
     rejected |= jumps
@@ -56,60 +49,77 @@ def motion_checked(recording: Recording, arm: Arm, headers: Mapping[str, str], *
     return recording.without([RejectedRow(int(recording.row[k]), reason) for k, reason in sorted(rejected.items())])
 
 
-def _placed(recording: Recording, arm: Arm) -> Placement:
-    free, tool = recording.frame == "free", recording.tool == "free"
-    return placed(arm, recording.q, recording.tip, frame=free, tool=tool)
+class _Rows:
+    """Rows that contradict the arm grossly, further off than `limit` (m), by what is wrong with them."""
 
+    def __init__(self, seen: Tips) -> None:
+        self.seen, self.recording, self.place = seen, seen.recording, seen.place
+        self.rules = seen.rules.mistakes
+        self.limit = max(self.rules.far * self.place.misfit, self.rules.gross * seen.reach)
+        self.gross: Mask = self.place.distance > self.limit
 
-def _frozen_tip(recording: Recording, arm: Arm, reach: float, rules: Rules) -> dict[int, str]:
-    """Rows that hold the same tip as the row before, to the last digit, although the joints moved."""
-    tips, _ = nominal(arm, recording.q, recording.tip.shape[1])
-    still = (np.diff(recording.tip, axis=0) == 0.0).all(axis=1)
-    reasons: dict[int, str] = {}
-    if still.mean() > rules.mistakes.few_rows:
-        return reasons  # an instrument that is this coarse repeats itself anyway
-    source = 0
-    for index in range(1, recording.size):
-        if not still[index - 1]:
-            source = index
-        elif float(np.linalg.norm(tips[index] - tips[source])) > rules.mistakes.still * reach:
-            reasons[index] = (
-                f"the tip is that of row {recording.row[source]} to the last digit although the joints moved"
-            )
-    return reasons
+    def frozen_tip(self) -> dict[int, str]:
+        """Rows that hold the same tip as the row before, to the last digit, although the joints moved."""
+        recording = self.recording
+        tips, _ = nominal(self.seen.arm, recording.q, recording.tip.shape[1])
+        still = (np.diff(recording.tip, axis=0) == 0.0).all(axis=1)
+        reasons: dict[int, str] = {}
+        if still.mean() > self.rules.few_rows:
+            return reasons  # an instrument that is this coarse repeats itself anyway
+        source = 0
+        for index in range(1, recording.size):
+            if not still[index - 1]:
+                source = index
+            elif float(np.linalg.norm(tips[index] - tips[source])) > self.rules.still * self.seen.reach:
+                same = f"the tip is that of row {recording.row[source]} to the last digit"
+                reasons[index] = f"{same} although the joints moved"
+        return reasons
 
+    def stuck(self) -> dict[int, str]:
+        """Rows in which a joint's reading stands still while the tip moves as if the joint did."""
+        recording, reasons = self.recording, dict[int, str]()
+        for index in range(self.seen.arm.size if self.gross.any() else 0):
+            for rows in _runs_of_one_value(recording.q[:, index]):
+                bad = rows[self.gross[rows]]
+                if len(bad) < 2 or not _moves(recording, bad, index, self.limit) or not self._explained(bad, index):
+                    continue
+                first, last = recording.row[bad[0]], recording.row[bad[-1]]
+                reason = f"{self.seen.header(index)} stands still while the tip moves (rows {first} to {last})"
+                # Between them, poses happen to lie near where it stuck.
+                for row in rows[(rows >= bad[0]) & (rows <= bad[-1])].tolist():
+                    reasons.setdefault(row, reason)
+        return reasons
 
-def _stuck(
-    recording: Recording,
-    arm: Arm,
-    place: Placement,
-    gross: Mask,
-    limit: float,
-    headers: Mapping[str, str],
-    rules: Rules,
-) -> dict[int, str]:
-    """Rows in which a joint's reading stands still while the tip moves as if the joint did."""
-    reasons: dict[int, str] = {}
-    for index in range(arm.size if gross.any() else 0):
-        name = headers.get(f"q{index + 1}", f"q{index + 1}")
-        for rows in _runs_of_one_value(recording.q[:, index]):
-            bad = rows[gross[rows]]
-            if len(bad) < 2 or not _moves(recording, bad, index, limit):
+    def _explained(self, bad: NDArray[np.int64], joint: int) -> bool:
+        """Whether most of some rows fit where one joint (from 0) may stand anywhere."""
+        mask = np.zeros(self.recording.size, dtype=bool)
+        mask[bad] = True
+        left = self.seen.off_with_joint_free(joint, mask)
+        near = np.maximum(self.rules.better * self.place.distance[bad], 2.0 * self.place.misfit)
+        return bool(np.mean(left < near) >= self.rules.stuck)
+
+    def slipped(self) -> dict[int, str]:
+        """Rows that fit as soon as a column is read in another unit."""
+        recording, place, arm = self.recording, self.place, self.seen.arm
+        reasons: dict[int, str] = {}
+        bad = np.flatnonzero(self.gross)
+        if not len(bad):
+            return reasons
+        q, tip, width = recording.q[bad], recording.tip[bad], recording.tip.shape[1]
+        closest = np.minimum(max(0.5 * self.limit, 3.0 * place.misfit), self.rules.better * place.distance[bad])
+        for change in unit_changes(arm, width, self.seen.headers):
+            if not all(factor in IN_A_ROW for factor in change.factors):
                 continue
-            mask = np.zeros(recording.size, dtype=bool)
-            mask[bad] = True
-            left = distance_with_joint_free(recording, arm, place, mask, index)
-            if (
-                np.mean(left < np.maximum(rules.mistakes.better * place.distance[bad], 2.0 * place.misfit))
-                < rules.mistakes.stuck
-            ):
-                continue
-            first, last = recording.row[bad[0]], recording.row[bad[-1]]
-            reason = f"{name} stands still while the tip moves (rows {first} to {last})"
-            # Between them, poses happen to lie near where it stuck.
-            for row in rows[(rows >= bad[0]) & (rows <= bad[-1])].tolist():
-                reasons.setdefault(row, reason)
-    return reasons
+            # Small numbers fit much: a column is only made smaller where it is too large for any arm.
+            beyond = np.where(change.q < 1.0, np.abs(q) > widest(arm), True).all(axis=1)
+            beyond &= np.where(change.tip < 1.0, np.abs(tip) > 2.0 * self.seen.reach, True).all(axis=1)
+            tips, axes = nominal(arm, q * change.q, width)
+            measured = (tip * change.tip) @ place.rotation.T + place.translation
+            apart = np.linalg.norm(measured - tips - axes @ place.tool, axis=1)
+            fits = beyond & (apart < closest)
+            closest = np.where(fits, apart, closest)
+            reasons |= dict.fromkeys(bad[fits].tolist(), change.said())
+        return reasons
 
 
 def _runs_of_one_value(values: Array) -> list[NDArray[np.int64]]:
@@ -122,40 +132,6 @@ def _moves(recording: Recording, rows: NDArray[np.int64], index: int, limit: flo
     others = np.delete(recording.q[rows], index, axis=1)
     elsewhere = bool(others.size) and bool((np.ptp(others, axis=0) > 1e-3).any())
     return elsewhere or bool((np.ptp(recording.tip[rows], axis=0) > limit).any())
-
-
-def _slipped(
-    recording: Recording,
-    arm: Arm,
-    place: Placement,
-    gross: Mask,
-    limit: float,
-    reach: float,
-    headers: Mapping[str, str],
-    rules: Rules,
-) -> dict[int, str]:
-    """Rows that fit as soon as a column is read in another unit."""
-    reasons: dict[int, str] = {}
-    bad = np.flatnonzero(gross)
-    if not len(bad):
-        return reasons
-    near = max(0.5 * limit, 3.0 * place.misfit)
-    closest = np.minimum(near, rules.mistakes.better * place.distance[bad])
-    for change in unit_changes(arm, recording.tip.shape[1], headers):
-        if not all(factor in IN_A_ROW for factor in change.factors):
-            continue
-        # Small numbers fit much: a column is only made smaller where it is too large for any arm.
-        smaller_q, smaller_tip = change.q < 1.0, change.tip < 1.0
-        beyond = np.where(smaller_q, np.abs(recording.q[bad]) > widest(arm), True).all(axis=1)
-        beyond &= np.where(smaller_tip, np.abs(recording.tip[bad]) > 2.0 * reach, True).all(axis=1)
-        tips, axes = nominal(arm, recording.q[bad] * change.q, recording.tip.shape[1])
-        measured = (recording.tip[bad] * change.tip) @ place.rotation.T + place.translation
-        apart = np.linalg.norm(measured - tips - axes @ place.tool, axis=1)
-        fits = beyond & (apart < closest)
-        closest = np.where(fits, apart, closest)
-        for index in bad[fits].tolist():
-            reasons[index] = change.said()
-    return reasons
 
 
 def _jumps(recording: Recording, place: Placement, gross: Mask, rules: Rules) -> tuple[dict[int, str], list[str]]:
