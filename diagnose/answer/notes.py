@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import numpy as np
 from scipy.special import chdtri
 
@@ -17,78 +19,89 @@ from .sentences import mm, nothing_singly, of_small_causes, refutation
 
 def notes(names: Confirmed, rest: Remainder) -> tuple[str, ...]:
     """The sentences."""
-    results: list[str] = []
-    if names.observed.recording.orientation is not None and names.observed.recording.seat == "unused":
-        results.append("Orientations are not fitted. `orientation: free` in recording.yaml has them fitted too.")
-    if names.observed.wander > 0.0:
-        timed = names.observed.recording.time is not None
-        scale = rms_length(names.observed.scale[None, : names.observed.components])
-        speed = mm(scale * float(np.sqrt(names.observed.wander * (60.0 if timed else 1.0))))
-        walk = (
-            f"a random walk of {speed} {'a minute' if timed else 'a reading'}, {mm(names.wandered())} RMS over the "
-            "recording"
-        )
-        shown = seen_to_wander(names.observed, names.after())
-        results.append(
-            f"The instrument wanders, as {shown} shows. Allowed for: {walk}. This is no physics of the arm."
-            if shown
-            else f"The instrument may wander. Allowed for: {walk}. The remainder changes with time rather than with "
-            "the pose. Changes of the arm with time look the same. To separate the two, visit some poses again during "
-            "the recording, or read a fixed target as well."
-        )
+    return (*_of_noise(names, rest), *_of_names(names, rest), *_of_what_remains(names, rest))
+
+
+def _of_noise(names: Confirmed, rest: Remainder) -> Iterator[str]:
+    """What is said of orientations that are not fitted, and of noise with a memory."""
+    observed = names.observed
+    if observed.recording.orientation is not None and observed.recording.seat == "unused":
+        yield "Orientations are not fitted. `orientation: free` in recording.yaml has them fitted too."
+    if observed.wander > 0.0:
+        yield _of_wander(names)
     if names.prepared.together > 1:
-        results.append(
+        yield (
             f"The remainder changes with time and with the arm's path, {names.prepared.together} visits at a time. "
             "Poses lie near the ones before, and too few are visited again. A wandering instrument cannot be told "
             "apart from the arm. No p-value of a finding holds then, and none is given. Visit some poses again during "
             "the recording."
         )
-    if names.observed.correlation > 0.0:
-        shared = f"correlation {names.observed.correlation:.2f}"
+    if observed.correlation > 0.0:
         by = "are off alike, by noise or by what is not explained" if rest.unexplained else "share noise"
-        results.append(f"Neighbouring readings {by} ({shared}), which was allowed for.")
+        yield f"Neighbouring readings {by} (correlation {observed.correlation:.2f}), which was allowed for."
+
+
+def _of_wander(names: Confirmed) -> str:
+    """What is said of a walk that was allowed for."""
+    observed, timed = names.observed, names.observed.recording.time is not None
+    scale = rms_length(observed.scale[None, : observed.components])
+    speed = mm(scale * float(np.sqrt(observed.wander * (60.0 if timed else 1.0))))
+    walk = f"a random walk of {speed} {'a minute' if timed else 'a reading'}"
+    walk += f", {mm(names.wandered())} RMS over the recording"
+    if shown := seen_to_wander(observed, names.after()):
+        return f"The instrument wanders, as {shown} shows. Allowed for: {walk}. This is no physics of the arm."
+    return (
+        f"The instrument may wander. Allowed for: {walk}. The remainder changes with time rather than with the pose. "
+        "Changes of the arm with time look the same. To separate the two, visit some poses again during the "
+        "recording, or read a fixed target as well."
+    )
+
+
+def _of_names(names: Confirmed, rest: Remainder) -> Iterator[str]:
+    """What is said of names that are refuted, set aside, or nothing singly."""
     if rest.left_over and names.members and rest.lack_of_fit is not None and rest.does_not_fit():
-        results.append(refutation(rest.lack_of_fit))
+        yield refutation(rest.lack_of_fit)
     if rest.small is not None and rest.lack_of_fit is not None:
-        results.append(of_small_causes(rest.small, rest.lack_of_fit))
-    results += [
-        f"Set aside: {item}, beyond chance on the readings fitted. Held-out readings fit as well without this finding."
-        for item in names.unconfirmed
-    ]
-    results += [f"Set aside, as impossible under its name: {item}." for item in names.impossible]
-    results += [f"Set aside, as it moves the tip by next to nothing: {item}." for item in names.too_little]
+        yield of_small_causes(rest.small, rest.lack_of_fit)
+    held_out = "Held-out readings fit as well without this finding."
+    yield from (f"Set aside: {item}, beyond chance on the readings fitted. {held_out}" for item in names.unconfirmed)
+    yield from (f"Set aside, as impossible under its name: {item}." for item in names.impossible)
+    yield from (f"Set aside, as it moves the tip by next to nothing: {item}." for item in names.too_little)
     if names.together:
-        results.append(nothing_singly([names.place(k) for k in names.together], names.moved(list(names.together))))
-    further = beyond_first_order_of(names)
-    if further:
-        results.append(
+        yield nothing_singly([names.place(k) for k in names.together], names.moved(list(names.together)))
+    if further := beyond_first_order_of(names):
+        yield (
             f"The offsets are large ({1e3 * further:.2g} mm RMS of them lie beyond first order). The fit is exact, not "
             "linearised. Designs and worst cases (optimize, evaluate) are linearised, and evaluate gives the error of "
             "that. Put such a zero, length or tool into the arm file itself."
         )
+
+
+def _of_what_remains(names: Confirmed, rest: Remainder) -> Iterator[str]:
+    """What is said of scatter, of rows set aside, and of what is beyond chance."""
     if rest.may_scatter:
-        results.append(
-            f"{'No pose was' if names.noise.drift_m is None else 'Too few poses were'} visited again. The "
-            "remainder may also be the arm's repeatability."
+        yield (
+            f"{'No pose was' if names.noise.drift_m is None else 'Too few poses were'} visited again. The remainder "
+            "may also be the arm's repeatability."
         )
     if rest.scatter() is not None:
-        results.append(
+        yield (
             "The remainder is more than readings of one visit differ by. This remainder does not recur when a pose is "
             "visited again, or nothing recorded predicts it from pose to pose. The arm does not return more exactly, "
             "or the cause changes faster than these readings can follow. Visit some poses three times or more, with "
             "others between."
         )
-    aside = set_aside(names)
-    results += [] if aside is None else _of_aside(names, aside)
-    results += _stray(names)
-    if names.named is not None and names.named.left is not None and not names.outside:
-        p = min(test.p_value for test in names.named.left)
-        if p <= names.rules.search.false_alarm:
-            left, floor = rms_length(names.after()), names.noise.rms_m
-            small = floor is not None and left <= floor
-            within = ", though within the noise floor: something too small to be named may be in it" if small else ""
-            results.append(f"What remains, {mm(left)} RMS, is more than chance (p = {p:.2g}){within}.")
-    return tuple(results)
+    if (aside := set_aside(names)) is not None:
+        yield _of_aside(names, aside)
+    yield from _stray(names)
+    if names.named is None or names.named.left is None or names.outside:
+        return
+    p = min(test.p_value for test in names.named.left)
+    if p <= names.rules.search.false_alarm:
+        left, floor = rms_length(names.after()), names.noise.rms_m
+        small = floor is not None and left <= floor
+        within = ", though within the noise floor: something too small to be named may be in it" if small else ""
+        yield f"What remains, {mm(left)} RMS, is more than chance (p = {p:.2g}){within}."
 
 
 def set_aside(names: Confirmed) -> SetAside | None:
@@ -102,7 +115,7 @@ def set_aside(names: Confirmed) -> SetAside | None:
     return SetAside(len(off), rms_length(np.concatenate([names.after(), off])), alike)
 
 
-def _of_aside(names: Confirmed, aside: SetAside) -> list[str]:
+def _of_aside(names: Confirmed, aside: SetAside) -> str:
     """What is said of them."""
     recording = names.observed.recording
     rows = recording.rows_of([item.row for item in names.prepared.rejected])
@@ -110,9 +123,9 @@ def _of_aside(names: Confirmed, aside: SetAside) -> list[str]:
     said = f"All figures are without readings that lie far off ({rows}). {left} RMS remain without these readings, "
     said += f"{mm(aside.rms_with)} with them."
     if aside.alike is None:
-        return [said]
+        return said
     alike = f"These rows are no chance blunders (p = {aside.alike.p_value:.1g}): {aside.alike.how}"
-    return [f"{said} {alike}, by something that is not named."]
+    return f"{said} {alike}, by something that is not named."
 
 
 def beyond_first_order_of(names: Confirmed) -> float:

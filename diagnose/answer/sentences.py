@@ -188,39 +188,45 @@ def verdict_sentence(
     noise floor scatter is that nothing explains (None: it is not more), `small` what causes too small to be named make
     of what remains, `causes` the kinds of physics found and the RMS length (m) of what each moves beyond the nuisances,
     the largest first."""
-    if not findings and unknown is None:
-        if scatter is not None or left.is_more:
-            return (
-                f"More than noise: {mm(rms_before)} RMS, {left.times:.1f} times the noise floor. Nothing explains the "
-                f"mismatch beyond chance (p = {p_value:.2g} for the best of all explanations). The noise floor may be "
-                "wrong, or sides, payloads or angles were logged wrongly. Or the arm does not return to a pose as "
-                "exactly as it stays there."
-            )
-        level = "scatter" if left.floor is None else "the noise floor" if left.fits else "chance"
-        times = "" if left.floor is None or left.fits else f", {left.times:.1f} times the noise floor"
-        return (
-            f"No mismatch beyond {level}: what remains, {mm(rms_before)} RMS{times}, is what chance leaves "
-            f"(p = {p_value:.2g} for the best of all explanations)."
-        )
-    named = _summed_up(findings, causes) if len(findings) > MANY_FINDINGS else "; ".join(_named(f) for f in findings)
+    many = len(findings) > MANY_FINDINGS
+    named = _summed_up(findings, causes) if many else "; ".join(_named(finding) for finding in findings)
+    if unknown is not None:
+        return _of_unknown(unknown) + (f" What describes part of it: {named}." if named else "")
+    if not findings:
+        return _of_nothing(rms_before, left, p_value, more=scatter is not None or left.is_more)
     share = 100.0 * max(0.0, 1.0 - (left.rms / rms_before) ** 2) if rms_before > 0.0 else 0.0
     after = remains(left)
-    if unknown is None:
-        if small is not None:
-            after += f": noise, and causes too small to be told one by one, {mm(small.moved)}"
-        after = f"{after[:1].upper()}{after[1:]}"
-        whose = "It explains" if len(findings) == 1 else "Together they explain"
-        text = f"Found: {named}. {whose} {share:.0f} % of the mismatch ({mm(rms_before)} RMS). {after}."
-        doubtful = [f for f in findings if f.alternatives] if len(findings) <= MANY_FINDINGS else []
-        if doubtful:
-            text += " " + " ".join(_undecided(f, alone=len(findings) == 1) for f in doubtful)
-        return text
+    if small is not None:
+        after += f": noise, and causes too small to be told one by one, {mm(small.moved)}"
+    whose = "It explains" if len(findings) == 1 else "Together they explain"
+    text = f"Found: {named}. {whose} {share:.0f} % of the mismatch ({mm(rms_before)} RMS). "
+    doubtful = [_undecided(f, alone=len(findings) == 1) for f in findings if f.alternatives and not many]
+    return " ".join((f"{text}{after[:1].upper()}{after[1:]}.", *doubtful))
+
+
+def _of_nothing(rms: float, left: Left, p_value: float, *, more: bool) -> str:
+    """The plain answer where nothing was found; `more` than noise is left."""
+    if more:
+        return (
+            f"More than noise: {mm(rms)} RMS, {left.times:.1f} times the noise floor. Nothing explains the "
+            f"mismatch beyond chance (p = {p_value:.2g} for the best of all explanations). The noise floor may be "
+            "wrong, or sides, payloads or angles were logged wrongly. Or the arm does not return to a pose as "
+            "exactly as it stays there."
+        )
+    level = "scatter" if left.floor is None else "the noise floor" if left.fits else "chance"
+    times = "" if left.floor is None or left.fits else f", {left.times:.1f} times the noise floor"
+    return (
+        f"No mismatch beyond {level}: what remains, {mm(rms)} RMS{times}, is what chance leaves "
+        f"(p = {p_value:.2g} for the best of all explanations)."
+    )
+
+
+def _of_unknown(unknown: Unknown) -> str:
+    """That something is there which nothing explains."""
     on = ", ".join(unknown.depends_on) or "nothing that was recorded"
-    text = f"Unknown: {unknown.shape}, {mm(unknown.amplitude)} RMS, depending on {on}"
-    if unknown.since is not None:
-        text += f", since {format_quantity(unknown.since, 'time', digits=4)}"
-    text += ". Nothing in the library explains it."
-    return text + (f" What describes part of it: {named}." if named else "")
+    since = "" if unknown.since is None else f", since {format_quantity(unknown.since, 'time', digits=4)}"
+    amount = f"{mm(unknown.amplitude)} RMS, depending on {on}{since}"
+    return f"Unknown: {unknown.shape}, {amount}. Nothing in the library explains it."
 
 
 def put_in_first(findings: Sequence[Finding], arm: Arm) -> str:
@@ -343,10 +349,6 @@ def _named(finding: Finding) -> str:
     return name_of(finding.effect, finding.at, finding.recording) + size
 
 
-def _finding_name(finding: Finding) -> str:
-    return name_of(finding.effect, finding.at, finding.recording)
-
-
 def _summed_up(findings: Sequence[Finding], causes: Sequence[tuple[str, float]]) -> str:
     """Many findings by their cause: what, where, and how much it moves the tip."""
     parts: list[str] = []
@@ -364,7 +366,7 @@ def _undecided(finding: Finding, *, alone: bool) -> str:
     """What else a finding could be; in place of what, where it is not the only one."""
     names = [name_of(other.effect, other.at, other.recording) for other in finding.alternatives[:3]]
     more = f" ({len(finding.alternatives) - 3} more in the report)" if len(finding.alternatives) > 3 else ""
-    instead = "" if alone else f", in place of the {_finding_name(finding)}"
+    instead = "" if alone else f", in place of the {name_of(finding.effect, finding.at, finding.recording)}"
     return f"The data fit equally well: {listed(names, 'or')}{more}{instead}."
 
 

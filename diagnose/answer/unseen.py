@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import numpy as np
 
 from linkwright.core.arm.chain.arrays import motion_directions
@@ -20,7 +22,7 @@ def unseen(prepared: Prepared) -> tuple[str, ...]:
     observed = prepared.observed
     if observed.view is None:
         return ()
-    sentences, least = list[str](), UNDETERMINED
+    sentences = list[str]()
     if observed.asked.levels is not None:
         sentences.append("A tilt counts as what the level rises by in a metre: 1 mm is 1 mrad.")
     directions = motion_directions(observed.arm, observed.recording.q)
@@ -29,32 +31,33 @@ def unseen(prepared: Prepared) -> tuple[str, ...]:
     blind = [
         str(index + 1)
         for index in range(observed.arm.size)
-        if rms_length(observed.drive_moved(index)[:, : observed.components]) <= least * size[index]
+        if rms_length(observed.drive_moved(index)[:, : observed.components]) <= UNDETERMINED * size[index]
     ]
     if blind:
         joints = f"joint{'s' if len(blind) > 1 else ''} {listed(blind)}"
         sentences.append(f"The instrument does not see {joints} move: nothing that goes wrong there shows.")
-    flat = observed.space == 2
-    at = observed.view.at
-    reach = max(rms_length(at), 1e-9)
+    return (*sentences, *_of_the_whole(prepared, observed.view.at, flat=observed.space == 2))
+
+
+def _of_the_whole(prepared: Prepared, at: Array, *, flat: bool) -> Iterator[str]:
+    """Which motions of the arm as a whole do not show, of tips `at` (N, 3), m."""
+    reach, least = max(rms_length(at), 1e-9), UNDETERMINED * np.sqrt(len(at))
     motions = rigid_motions(at) / np.array([1.0, 1.0, 1.0, reach, reach, reach])
     ways = (0, 1, 5) if flat else tuple(range(6))
     turns = np.zeros((len(at), 3, 6))
     turns[:, :, 3:] = np.eye(3)
     shown = np.stack([_left(prepared, motions[:, :, way], turns[:, :, way] / reach) for way in ways], axis=1)
-    size = np.linalg.svd(shown, compute_uv=False)
-    lost = len(ways) - int(np.sum(size > least * np.sqrt(len(at))))
-    if lost:
-        single = [way for k, way in enumerate(ways) if np.linalg.norm(shown[:, k]) <= least * np.sqrt(len(at))]
-        shifts, turns = (["xyz"[w % 3] for w in single if (w < 3) == shift] for shift in (True, False))
-        parts = [f"shifted along {listed(shifts, 'or')}"] if shifts else []
-        parts += [f"turned about {listed(turns, 'or')}"] if turns else []
-        which = f" (whether it is {' or '.join(parts)}, for one)" if parts and lost > len(single) else ""
-        which = f": whether it is {' or '.join(parts)}" if parts and lost == len(single) else which
-        sentences.append(
-            f"It does not show {lost} of the {len(ways)} ways in which the arm as a whole may stand otherwise{which}."
-        )
-    return tuple(sentences)
+    lost = len(ways) - int(np.sum(np.linalg.svd(shown, compute_uv=False) > least))
+    if not lost:
+        return
+    single = [way for k, way in enumerate(ways) if np.linalg.norm(shown[:, k]) <= least]
+    kinds = (("shifted along", [w for w in single if w < 3]), ("turned about", [w for w in single if w >= 3]))
+    which = " or ".join(
+        f"{what} {listed(['xyz'[w % 3] for w in some], 'or')}" for what, some in kinds if some and lost >= len(single)
+    )
+    if which:
+        which = f": whether it is {which}" if lost == len(single) else f" (whether it is {which}, for one)"
+    yield f"It does not show {lost} of the {len(ways)} ways in which the arm as a whole may stand otherwise{which}."
 
 
 def _left(prepared: Prepared, moved: Array, turned: Array) -> Array:

@@ -153,12 +153,7 @@ def fitted_pull(observed: Observed, pool: Pool, vector: Array, known: Sequence[i
         at = np.array([*(start[name] for name in names), math.log(start["core"])])
         # Half a step of the grid to begin with, whatever the coordinates are.
         simplex = at + np.vstack([np.zeros(len(at)), np.diag([*(0.5 * span / _GRID[observed.space]), 0.7])])
-        options = {
-            "maxiter": _STEPS,
-            "xatol": 1e-3,
-            "fatol": 1e-3 * float(left @ left),
-            "initial_simplex": simplex,
-        }
+        options = {"maxiter": _STEPS, "xatol": 1e-3, "fatol": 1e-3 * float(left @ left), "initial_simplex": simplex}
         minimum = minimize(missed, at, method="Nelder-Mead", bounds=bounds, options=options)
         if best is None or float(minimum.fun) < best[0]:
             best = float(minimum.fun), shapes(minimum.x)

@@ -215,35 +215,42 @@ def _of_effect(observed: Observed, effect: Effect) -> Iterator[Candidate]:
         yield Candidate(effect.id, acting, ("share",), MappingProxyType({}), share=True)
     if not any(_held(observed, parameter.requires) for parameter in effect.sizes):
         return
-    shaped = [parameter for parameter in effect.parameters if parameter.role == "shape" and parameter.grid]
-    joints = observed.arm.joints
-    everywhere = tuple(
-        i
-        for i in _places(observed, effect)
-        if effect.can_act(i, revolute=joints[i].revolute, passive=joints[i].passive)
-    )
-    places: list[tuple[tuple[int, ...], bool]] = [((index,), False) for index in everywhere]
-    if effect.place in ("base", "tip"):
-        places = [((), False)]
-    elif effect.together and len(everywhere) > 1:
-        places.append((everywhere, True))
-    for (at, shared), values in itertools.product(places, itertools.product(*[p.grid for p in shaped])):
-        shapes = {
+    for at, shapes in itertools.product(_where(observed, effect), _variants(effect)):
+        shapes_here = {
             parameter.name: value * _load_scale(observed, at) if parameter.relative_to_load else value
-            for parameter, value in zip(shaped, values, strict=True)
+            for parameter, value in shapes
         }
-        if not _needs_met(observed, effect, at, shapes):
+        if not _needs_met(observed, effect, at, shapes_here):
             continue
-        here = effect.sizes_here(observed.arm, at)
-        sizes = tuple(parameter.name for parameter in here if _held(observed, parameter.requires))
-        if only_products(observed, effect, at):
-            # About its z a base does not turn under weights.
-            sizes = sizes[:1]
-        yield Candidate(effect.id, at, sizes, MappingProxyType(shapes), shared=shared)
-        needed = tuple(name for name in sizes if not parameter_of(effect, name).optional)
-        less = [needed] if needed else [(name,) for name in sizes]
-        for fewer in (item for item in less if item != sizes):
-            yield Candidate(effect.id, at, fewer, MappingProxyType(shapes), shared=shared)
+        for sizes in _sizes(observed, effect, at):
+            yield Candidate(effect.id, at, sizes, MappingProxyType(shapes_here), shared=len(at) > 1)
+
+
+def _where(observed: Observed, effect: Effect) -> list[tuple[int, ...]]:
+    """The places of an effect: each by itself, and all together where one parameter may serve them all."""
+    if effect.place in ("base", "tip"):
+        return [()]
+    joints = enumerate(observed.arm.joints)
+    everywhere = [k for k, item in joints if effect.can_act(k, revolute=item.revolute, passive=item.passive)]
+    return [*((k,) for k in everywhere), *([tuple(everywhere)] if effect.together and len(everywhere) > 1 else [])]
+
+
+def _variants(effect: Effect) -> Iterator[tuple[tuple[Parameter, float], ...]]:
+    """The values that an effect's shapes may have together."""
+    shaped = [parameter for parameter in effect.parameters if parameter.role == "shape" and parameter.grid]
+    return itertools.product(*([(parameter, value) for value in parameter.grid] for parameter in shaped))
+
+
+def _sizes(observed: Observed, effect: Effect, at: tuple[int, ...]) -> Iterator[tuple[str, ...]]:
+    """The sizes that are fitted together: all that the recording shows, and those without which there is no effect."""
+    here = effect.sizes_here(observed.arm, at)
+    sizes = tuple(parameter.name for parameter in here if _held(observed, parameter.requires))
+    if only_products(observed, effect, at):
+        # About its z a base does not turn under weights.
+        sizes = sizes[:1]
+    needed = tuple(name for name in sizes if not parameter_of(effect, name).optional)
+    fewer = [needed] if needed else [(name,) for name in sizes]
+    return iter([sizes, *(item for item in fewer if item != sizes)])
 
 
 def _needs_met(observed: Observed, effect: Effect, at: tuple[int, ...], shapes: Mapping[str, float]) -> bool:

@@ -361,11 +361,7 @@ def _room_for(basis: Array, more: Array) -> tuple[Room, Array]:
 
 
 def make_pool(
-    nuisance: Array,
-    patterns: Iterable[Whitened],
-    *,
-    widest: int | None = None,
-    rules: Rules = RULES,
+    nuisance: Array, patterns: Iterable[Whitened], *, widest: int | None = None, rules: Rules = RULES
 ) -> Pool:
     """The pool of candidates with whitened columns (n, d) and limits of their sizes, beside nuisance columns (n, b).
 
