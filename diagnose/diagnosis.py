@@ -65,10 +65,7 @@ class _SoFar:
 
 
 def diagnose(
-    arm: Arm,
-    recording: Recording,
-    options: Options | None = None,
-    progress: Progress | None = None,
+    arm: Arm, recording: Recording, options: Options | None = None, progress: Progress | None = None
 ) -> Diagnosis:
     """What an arm's model leaves out, by a recording of the real arm, or by several of them (`Several`) at once.
 
@@ -204,12 +201,7 @@ def cleaned_of(
 
 
 def _with_labels(
-    diagnosis: Diagnosis,
-    logged: Observed,
-    recording: Recording,
-    options: Options,
-    known: float | None,
-    tell: Progress,
+    diagnosis: Diagnosis, logged: Observed, recording: Recording, options: Options, known: float | None, tell: Progress
 ) -> Diagnosis:
     """The result with what labels seem to be wrong, where it has no explanation of its own."""
     if known is None or (diagnosis.unknown is None and diagnosis.scatter is None):

@@ -39,8 +39,6 @@ _BETWEEN_READINGS, _BETWEEN_VISITS = 2.0, 20.0
 _OUTLIERS = (10.0, 50.0)
 """Standard deviations by which an outlier is off, from and to."""
 _BASE_TARGET = (0.1, 0.0, 0.0)
-_ASKEW = 5e-3
-"""rad; how far from straight a level sits, about each axis."""
 _DEEP, _TARGET = 5.0, 0.1
 """How many times worse a camera reads depth than what lies across, and how far apart (m) the marks of a target are by
 which it reads turns; where nobody says."""

@@ -42,11 +42,7 @@ class SmoothModel:
 
 
 def smooth_model(
-    inputs: Array,
-    residual: Array,
-    known: Sequence[Array],
-    seed: int = 1,
-    alike: SmoothModel | None = None,
+    inputs: Array, residual: Array, known: Sequence[Array], seed: int = 1, alike: SmoothModel | None = None
 ) -> SmoothModel:
     """Fit the process to residuals (N, D), m; `known` are displacements (N, D) per unit of what is known. Scales are
     those of the model `alike` where there is one."""

@@ -202,10 +202,7 @@ def fit_columns(observed: Observed, columns: Sequence[Array], target: Array) -> 
     freedom = max(len(flat) - int(good.sum()), 1)
     covariance = inverse * float(left @ left) / freedom
     determined = np.diag(vt[good].T @ vt[good]) > 1.0 - 1e-6
-    plain, clustered = (
-        np.diag(covariance),
-        _clustered(scaled, left, inverse, observed),
-    )
+    plain, clustered = (np.diag(covariance), _clustered(scaled, left, inverse, observed))
     variance = np.maximum(plain, clustered)
     if np.any(clustered > plain):
         # Errors that visits share are known from as many values as there are visits.

@@ -69,9 +69,7 @@ def placed(arm: Arm, q: Array, measured: Array, *, frame: bool, tool: bool) -> P
                 columns = [-axes] + ([np.broadcast_to(np.eye(width), axes.shape)] if frame else [])
                 matrix = np.concatenate(columns, axis=2) * weight[:, None, None]
                 step = np.linalg.lstsq(
-                    matrix.reshape(-1, matrix.shape[2]),
-                    -(residual * weight[:, None]).reshape(-1),
-                    rcond=UNDETERMINED,
+                    matrix.reshape(-1, matrix.shape[2]), -(residual * weight[:, None]).reshape(-1), rcond=UNDETERMINED
                 )[0]
                 offset = offset + step[:width]
             if frame:

@@ -55,22 +55,26 @@ class DistancePart(Part):
         self.own_names = ("anchor x", "anchor y", "anchor z") if self.free else ()
 
     def start(self) -> Any:
-        """The anchor that distances tell by their squares: linear in its place and one number more."""
-        if not self.free:
-            return None
+        """The anchor that distances tell by their squares."""
+        return self.by_squares()[0] if self.free else None
+
+    def by_squares(self, *beside: Array) -> tuple[Array, Array]:
+        """The anchor, which is linear in squares of readings but for one number, and the coefficients (k,) of columns
+        (R,) that stand beside it."""
         scene = self.scene
         read = scene.read[self.mask]
         middle = scene.tips[self.rows].mean(axis=0)
         at = scene.tips[self.rows] - middle
-        design = np.column_stack([-2.0 * at, np.ones(len(at))])
+        design = np.column_stack([-2.0 * at, *beside, np.ones(len(at))])
         size = np.maximum(np.linalg.norm(design, axis=0), 1e-12)
         values = np.linalg.lstsq(design / size, read**2 - np.sum(at**2, axis=1), rcond=1e-6)[0] / size
+        anchor, further = values[:3], values[3:-1]
         # What the places reached leave open (a plane of them) goes across it.
         across = np.linalg.svd(at, full_matrices=True)[2][-1]
-        missing = float(values[3] - values[:3] @ values[:3])
+        missing = float(values[-1] - anchor @ anchor) + float(further @ further)
         spread = np.linalg.svd(at, compute_uv=False)
         level = spread[-1] < scene.rules.level_places * spread[0]
-        return middle + values[:3] + (across * np.sqrt(max(missing, 0.0)) if level else 0.0)
+        return middle + anchor + (across * np.sqrt(max(missing, 0.0)) if level else 0.0), further
 
     def anchor(self, state: Any, frame: Frame) -> Array:
         """Where the anchor is in the base frame (3,), m."""

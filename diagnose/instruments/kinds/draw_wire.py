@@ -39,21 +39,10 @@ class _Part(DistancePart):
 
     def start(self) -> Any:
         """By squares: (read - zero)^2 is linear in anchor and zero but for one number."""
-        scene = self.scene
-        read = scene.read[self.mask]
         if not self.free:
             return None, 0.0
-        middle = scene.tips[self.rows].mean(axis=0)
-        at = scene.tips[self.rows] - middle
-        design = np.column_stack([-2.0 * at, 2.0 * read, np.ones(len(at))])
-        size = np.maximum(np.linalg.norm(design, axis=0), 1e-12)
-        values = np.linalg.lstsq(design / size, read**2 - np.sum(at**2, axis=1), rcond=1e-6)[0] / size
-        anchor, zero = values[:3], float(values[3])
-        missing = float(values[4] - anchor @ anchor) + zero**2
-        across = np.linalg.svd(at, full_matrices=True)[2][-1]
-        spread = np.linalg.svd(at, compute_uv=False)
-        level = spread[-1] < scene.rules.level_places * spread[0]
-        return middle + anchor + (across * np.sqrt(max(missing, 0.0)) if level else 0.0), zero
+        anchor, (zero,) = self.by_squares(2.0 * self.scene.read[self.mask])
+        return anchor, float(zero)
 
     def model(self, state: Any, at: Array, frame: Frame) -> Modelled:
         """The distance, and the counter's zero."""
