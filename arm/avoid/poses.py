@@ -26,6 +26,8 @@ class NoRoom(Exception):
 Draw = Callable[[Array, Array], Array]
 Allowed = Callable[[Array], Array]
 
+_RUN, _MOST_RUN = (0.0873, 0.01), 0.05
+"""From how far a joint comes (5 deg, a slide 10 mm), beyond any play, and at most of its range."""
 _DRAWS = 16
 """Of poses, where some must be kept clear of."""
 
@@ -91,6 +93,13 @@ def drawn(room: Room, box: tuple[Array, Array], draw: Draw, allowed: Allowed, co
         if sum(map(len, drawn_poses)) >= count:
             break
     return np.concatenate(drawn_poses)[:count]
+
+
+def approach(arm: Arm) -> Array:
+    """From how far before a pose each joint comes (n,), rad and m."""
+    far = np.array([_RUN[0 if joint.revolute else 1] for joint in arm.joints])
+    span = np.array([joint.range[1] - joint.range[0] for joint in arm.joints])
+    return np.minimum(far, _MOST_RUN * span)
 
 
 def meets(arm: Arm, q: Array, regions: Sequence[Region]) -> NDArray[np.bool_]:

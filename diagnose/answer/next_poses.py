@@ -13,13 +13,12 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from linkwright.core.arm.avoid.poses import Room, drawn, room_of
+from linkwright.core.arm.avoid.poses import Room, approach, drawn, room_of
 from linkwright.core.arm.chain.following import completed
 from linkwright.core.diagnose.fitting.fit import fit
 from linkwright.core.diagnose.fitting.prepare import nuisances
 from linkwright.core.diagnose.instruments.registry import kinds_of
 from linkwright.core.diagnose.patterns.library import columns_of
-from linkwright.core.diagnose.plan.tried import approach
 from linkwright.core.diagnose.recording import Recording, since_the_reading_before
 from linkwright.core.diagnose.residual.observe import observe
 from linkwright.core.diagnose.residual.observed import Observed

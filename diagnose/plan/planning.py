@@ -37,6 +37,12 @@ from .torques import promised_by_torques, torque_rows
 from .tried import Tried, tried_visits
 from .written import as_read, plan_text, read_plan, to_record
 
+_HELD = (
+    "file", "q", "tip", "row", "time", "sides", "payload_mass", "last_moves", "slots", "touches", "bar_at",
+    "instrument", "frame", "tool", "branch",
+)  # fmt: skip
+"""What a plan holds of a recording, beside a camera's orientations."""
+
 
 class NothingToSee(Exception):
     """Nothing of what was asked for moves anything that the instrument sees."""
@@ -170,25 +176,8 @@ def _as_plans(before: Recording) -> list[Recording]:
 
 
 def _as_plan(before: Recording) -> Recording:
-    return Recording(
-        file=before.file,
-        q=before.q,
-        tip=before.tip,
-        row=before.row,
-        time=before.time,
-        sides=before.sides,
-        payload_mass=before.payload_mass,
-        last_moves=before.last_moves,
-        slots=before.slots,
-        touches=before.touches,
-        bar_at=before.bar_at,
-        instrument=before.instrument,
-        frame=before.frame,
-        tool=before.tool,
-        branch=before.branch,
-        orientation=before.orientation if is_camera(before) else None,
-        seat=before.seat if is_camera(before) else "unused",
-    )
+    held = (*_HELD, *(("orientation", "seat") if is_camera(before) else ()))
+    return Recording(**{name: getattr(before, name) for name in held})
 
 
 def _patterns(arm: Arm, request: Asked, tried: Tried, axes: Sequence[str], after: Recording | None) -> Patterns:

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from linkwright.core.arm.avoid.poses import NoRoom, Room, drawn
+from linkwright.core.arm.avoid.poses import NoRoom, Room, approach, drawn
 from linkwright.core.arm.chain.arrays import nominal
 from linkwright.core.arm.chain.chain import Arm
 from linkwright.core.arm.chain.following import completed
@@ -24,8 +24,6 @@ _CORNERS = 64
 
 
 _WRITTEN_ANGLE, _WRITTEN_LENGTH = math.radians(1e-3), 1e-6
-_RUN, _MOST_RUN = (0.0873, 0.01), 0.05
-"""From how far a joint comes (5 deg, a slide 10 mm), beyond any play, and at most of its range."""
 _TOUCHES = 6
 """Visits for each point or place of a bar that is touched again, and half as many as for each plane."""
 
@@ -132,13 +130,6 @@ def _may_be_come_to(q: Array, run: Array, arm: Arm, request: Asked) -> NDArray[n
     for sign in () if request.room.everywhere else (0.0, 1.0, -1.0):
         inside &= request.room.allows(arm, completed(arm, q + sign * run))
     return inside
-
-
-def approach(arm: Arm) -> Array:
-    """From how far before a pose each joint comes (n,), rad and m."""
-    far = np.array([_RUN[0 if joint.revolute else 1] for joint in arm.joints])
-    span = np.array([joint.range[1] - joint.range[0] for joint in arm.joints])
-    return np.minimum(far, _MOST_RUN * span)
 
 
 def _clear(arm: Arm, q: Array, run: Array, room: Room) -> Array:

@@ -36,10 +36,6 @@ class Alignment:
     residual: Array
     undetermined: tuple[str, ...] = ()
 
-    def in_base(self, measured: Array) -> Array:
-        """Measured positions (N, D) in the base frame, m."""
-        return measured @ self.rotation.T + self.translation
-
 
 def aligned(
     recording: Recording, directions: Array, modelled: Array, *, rules: ResidualRules = RULES.residual

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from linkwright.core.arm.avoid.poses import NoRoom, Room, frames_and_tips, meets, room_of
+from linkwright.core.arm.avoid.poses import NoRoom, Room, approach, frames_and_tips, meets, room_of
 from linkwright.core.arm.avoid.regions import between
 from linkwright.core.arm.chain.chain import Link
 from linkwright.core.arm.chain.kinematics import tip_position
@@ -18,7 +18,7 @@ from linkwright.core.diagnose.plan.order import in_order, returns_of, with_time
 from linkwright.core.diagnose.plan.plan_request import Asked, seen_axes
 from linkwright.core.diagnose.plan.planning import NothingToSee, plan
 from linkwright.core.diagnose.plan.promise import _sound, promised, rivals_of
-from linkwright.core.diagnose.plan.tried import approach, tried_visits
+from linkwright.core.diagnose.plan.tried import tried_visits
 from linkwright.core.diagnose.plan.written import plan_text, read_plan, to_record
 from linkwright.core.diagnose.rules.rules import RULES
 from linkwright.core.diagnose.search.aliases import likenesses

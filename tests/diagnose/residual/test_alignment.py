@@ -51,7 +51,7 @@ def test_frame_and_tool_are_recovered(space, frame, tool):
     if frame:
         assert result.rotation == pytest.approx(turn, abs=1e-9)
         assert result.translation == pytest.approx(shift, abs=1e-9)
-    assert result.in_base(measured) == pytest.approx(truth, abs=1e-9)
+    assert measured @ result.rotation.T + result.translation == pytest.approx(truth, abs=1e-9)
     assert np.linalg.det(result.rotation) == pytest.approx(1.0)
 
 
