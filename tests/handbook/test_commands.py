@@ -55,12 +55,16 @@ def test_shown_command_parses(each):
 
 @pytest.mark.parametrize("name", COMMANDS)
 def test_examples_of_the_help_parse(name):
-    """They are what `--help` and the reference show."""
+    """They are what `--help` and the reference show: one at least of each command that is no group, and its own."""
     command = command_named(name)
-    for item in [command, *getattr(command, "commands", {}).values()]:
-        text = " ".join((item.help or "").split())
-        for example in text.split("Example: linkwright ")[1:]:
-            parsed(shlex.split(example))
+    for item in list(getattr(command, "commands", {}).values()) or [command]:
+        texts = " ".join((item.help or "").split()).split("Example: linkwright ")[1:]
+        examples = [shlex.split(text) for text in texts]
+        assert examples, item.name
+        assert {tuple(words[:2] if item is not command else words[:1]) for words in examples} == {
+            (name, item.name) if item is not command else (name,)
+        }
+        assert all(isinstance(parsed(words), dict) for words in examples)
 
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(ROOT)))

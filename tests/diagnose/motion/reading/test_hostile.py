@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 from linkwright.core.diagnose.motion.log import MotionLog
 from linkwright.core.diagnose.motion.reading.read import is_motion_log, logs_from, read_log
 from linkwright.core.diagnose.reading.files import table_of
-from linkwright.core.diagnose.reading.foreign.proposed_file import propose
+from linkwright.core.diagnose.reading.foreign.proposed_file import Proposal, propose
 from linkwright.core.diagnose.reading.settings import ReadingSettings
 from linkwright.core.units.quantities import InputError
 from tests.diagnose.motion.reading.test_conventions import arm, motion
@@ -36,8 +36,8 @@ HEADERS = st.one_of(
 
 
 def one_line(read) -> str:
-    """What is said of a file: nothing where it is read, and then every sample of a log is a number at its own time;
-    else one line."""
+    """What is said of a file: nothing where it is read, and then every sample of a log is a number at its own time, and
+    a proposal has a column for each of the file's, and one line where it could not be read with them; else one line."""
     try:
         result = read()
     except InputError as error:
@@ -46,9 +46,15 @@ def one_line(read) -> str:
         assert "\n" not in said
         return said
     if isinstance(result, MotionLog):
+        assert result.size > 0
         assert np.isfinite(result.q).all()
         assert (np.diff(result.time) > 0.0).all()
         assert not np.isinf(result.torque).any()
+    elif isinstance(result, Proposal):
+        assert result.meanings
+        assert "\n" not in result.wrong
+    else:
+        assert isinstance(result, bool)
     return ""
 
 
@@ -70,13 +76,16 @@ def test_tables(names, cells, rows):
 def test_logs_with_cells_of_anything(data):
     """A good log with some cells replaced, columns dropped or repeated in others."""
     columns = {name: values[:120].astype(object) for name, values in motion().items()}
-    for _ in range(data.draw(st.integers(0, 6))):
+    changes = data.draw(st.integers(0, 6))
+    for _ in range(changes):
         name, row = data.draw(st.sampled_from(list(columns))), data.draw(st.integers(0, 119))
         columns[name][row : row + data.draw(st.integers(1, 60))] = data.draw(CELLS)
-    for name in data.draw(st.lists(st.sampled_from(list(columns)), max_size=2, unique=True)):
-        del columns[name]
-    frame = pd.DataFrame(columns)
-    one_line(lambda: logs_from([(table_of(frame, "DataFrame"), ReadingSettings())], arm())[0])
+    dropped = data.draw(st.lists(st.sampled_from(list(columns)), max_size=2, unique=True))
+    frame = pd.DataFrame({name: values for name, values in columns.items() if name not in dropped})
+    said = one_line(lambda: logs_from([(table_of(frame, "DataFrame"), ReadingSettings())], arm())[0])
+    joints = [name for name in dropped if name.startswith("q")]
+    assert bool(said) >= bool(joints), "a joint that was not logged is no log of this arm"
+    assert not said or changes or dropped
 
 
 @pytest.mark.parametrize("apart", [0.0, 7.9e-158, 1e-9])
