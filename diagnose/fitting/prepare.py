@@ -95,37 +95,12 @@ def nuisances(observed: Observed, *, origins: bool = True) -> tuple[Array, tuple
     """What the user does not ask about, (N, C, b): the frame, the tool, the place of a target on the base, how that on
     the tool is turned, the places of an anchor, points and planes that were measured from, and last the arm's fixed
     transforms that its file leaves free (`origins`), which all recordings share."""
-    parts: list[Array] = []
-    names: list[str] = []
-    settings: list[str] = []
-    width = observed.space
-    for setting, left in (("frame", observed.recording.frame), ("tool", observed.recording.tool)):
-        for effect in EFFECTS.values() if left == "free" else ():
-            sizes = effect.sizes if effect.recording.free_with == setting else ()
-            for size in (size.name for size in sizes if width == 3 or not size.out_of_plane):
-                parts.append(observed.signature(effect.id, Settings((), {size: 1.0})))
-                names.append(f"{effect.id} {size}")
-                settings.append(setting)
-    if observed.recording.base_target is not None:
-        first = observed.components + (observed.arm.size if observed.asked.joint_side else 0)
-        for axis in range(3):
-            column = np.zeros(observed.residual.shape)
-            column[:, first + axis] = 1.0
-            parts.append(column)
-            names.append(f"base target {'xyz'[axis]}")
-    if observed.asked.turn:
-        turns = tool_turns(observed.recording, observed.state, width)
-        for k in range(turns.shape[2]):
-            column = np.zeros(observed.residual.shape)
-            if observed.has_turns:
-                column[:, observed.turn_columns] = observed.turns(turns[:, :, k])
-            if observed.reads_turns:
-                column[:, : observed.components] = observed.of_tip(np.zeros((observed.rows, 3)), turns[:, :, k])
-            parts.append(column)
-            names.append(f"seat of the target about {'xyz'[k - turns.shape[2]]}")
-    shape = (*observed.residual.shape, 0)
-    columns = np.stack(parts, axis=2) if parts else np.zeros(shape)
-    columns, placed_columns = of_each(observed, columns, tuple(names), settings)
+    free = list(_frame_and_tool(observed))
+    targets = [*_base_target(observed), *_seat(observed)]
+    parts = [*(column for _, _, column in free), *(column for _, column in targets)]
+    names = [*(name for _, name, _ in free), *(name for name, _ in targets)]
+    columns = np.stack(parts, axis=2) if parts else np.zeros((*observed.residual.shape, 0))
+    columns, placed_columns = of_each(observed, columns, tuple(names), [setting for setting, _, _ in free])
     if observed.view is not None and observed.view.names:
         placed = np.zeros((*observed.residual.shape, len(observed.view.names)))
         placed[:, : observed.components] = observed.view.beside
@@ -135,6 +110,38 @@ def nuisances(observed: Observed, *, origins: bool = True) -> tuple[Array, tuple
         return columns, placed_columns
     names = [f"origin of joint {way.joint + 1}, {way.part}" for way in ways]
     return np.concatenate([columns, origin_columns(observed, ways)], axis=2), (*placed_columns, *names)
+
+
+def _frame_and_tool(observed: Observed) -> Iterator[tuple[str, str, Array]]:
+    """What a free frame and a free tool do: the setting that leaves it free, its name and its column (N, C)."""
+    for setting, left in (("frame", observed.recording.frame), ("tool", observed.recording.tool)):
+        for effect in EFFECTS.values() if left == "free" else ():
+            sizes = effect.sizes if effect.recording.free_with == setting else ()
+            for size in (size.name for size in sizes if observed.space == 3 or not size.out_of_plane):
+                yield setting, f"{effect.id} {size}", observed.signature(effect.id, Settings((), {size: 1.0}))
+
+
+def _base_target(observed: Observed) -> Iterator[tuple[str, Array]]:
+    """Where a target on the base is, by name and column (N, C)."""
+    first = observed.components + (observed.arm.size if observed.asked.joint_side else 0)
+    for axis in range(3 if observed.recording.base_target is not None else 0):
+        column = np.zeros(observed.residual.shape)
+        column[:, first + axis] = 1.0
+        yield f"base target {'xyz'[axis]}", column
+
+
+def _seat(observed: Observed) -> Iterator[tuple[str, Array]]:
+    """How the target on the tool is turned, by name and column (N, C)."""
+    if not observed.asked.turn:
+        return
+    turns = tool_turns(observed.recording, observed.state, observed.space)
+    for k in range(turns.shape[2]):
+        column = np.zeros(observed.residual.shape)
+        if observed.has_turns:
+            column[:, observed.turn_columns] = observed.turns(turns[:, :, k])
+        if observed.reads_turns:
+            column[:, : observed.components] = observed.of_tip(np.zeros((observed.rows, 3)), turns[:, :, k])
+        yield f"seat of the target about {'xyz'[k - turns.shape[2]]}", column
 
 
 def limits(candidate: Candidate, columns: Array, *, rules: FittingRules = RULES.fitting) -> Array | None:

@@ -83,16 +83,9 @@ def refit(
         )
         residual, rss, freedom = left_by(prepared, terms)
         spread = spread_of(prepared, terms, rss / max(freedom, 1), unnamed)
-    still = [np.zeros(len(term.sizes), dtype=bool) for term in terms]
-    while True:
-        within = [_within_bounds(prepared, *item, bounded) for item in zip(terms, spread.errors, strict=True)]
-        beyond = [(one.sizes != other.sizes) & ~held for one, other, held in zip(within, terms, still, strict=True)]
-        if not any(np.any(sizes) for sizes in beyond):
-            break
-        # What made up for the rest of a size that stands at its bound now is fitted anew beside it, which may take that
-        # to a separate bound.
-        still = [held | sizes for held, sizes in zip(still, beyond, strict=True)]
-        prepared, terms = solved_together(initial, within, unit, still, bounded=bounded)
+    at_bounds = _at_bounds(initial, prepared, terms, unit, spread.errors, bounded=bounded)
+    if at_bounds is not None:
+        prepared, terms = at_bounds
         residual, rss, freedom = left_by(prepared, terms)
     parameters = tuple(
         parameters_of(prepared, terms, place, spread, residual, freedom, rss / max(freedom, 1), unnamed)
@@ -101,6 +94,21 @@ def refit(
         for place in range(len(terms))
     )
     return Refit(tuple(terms), parameters, residual, rss, freedom, weights)
+
+
+def _at_bounds(
+    initial: Prepared, prepared: Prepared, terms: list[Term], unit: float, errors: Sequence[Array], *, bounded: bool
+) -> tuple[Prepared, list[Term]] | None:
+    """The recording and the terms with sizes at the bounds beyond which they came out; None where none is beyond. What
+    made up for the rest of them is fitted anew, which may take that to a bound too."""
+    still, result = [np.zeros(len(term.sizes), dtype=bool) for term in terms], None
+    while True:
+        within = [_within_bounds(prepared, *item, bounded) for item in zip(terms, errors, strict=True)]
+        beyond = [(one.sizes != other.sizes) & ~held for one, other, held in zip(within, terms, still, strict=True)]
+        if not any(np.any(sizes) for sizes in beyond):
+            return result
+        still = [held | sizes for held, sizes in zip(still, beyond, strict=True)]
+        prepared, terms = result = solved_together(initial, within, unit, still, bounded=bounded)
 
 
 def _below_zero(prepared: Prepared, term: Term) -> tuple[str, ...]:

@@ -19,29 +19,25 @@ _ROUNDING = 1e-9
 def geometry_alone(namer: Namer) -> tuple[int, ...]:
     """The zeros and lengths that explain a recording best by the criterion: all of them, less one after the other
     whatever is not worth its number."""
+    groups = namer.pool.groups
     variants: dict[Family, list[int]] = {}
-    for number, group in enumerate(namer.pool.groups):
+    for number, group in enumerate(groups):
         if _single(group.candidate):
             variants.setdefault(group.candidate.family, []).append(number)
-    sizes = {
-        number: set(namer.pool.groups[number].candidate.sizes)
-        for members_here in variants.values()
-        for number in members_here
-    }
-    less = {
-        n: [m for m in members_here if sizes[m] < sizes[n]] for members_here in variants.values() for n in members_here
-    }
-    members_ = [max(members_here, key=lambda number: len(sizes[number])) for members_here in variants.values()]
-    value = namer.criterion_of(members_)
-    while members_:
-        fewer = [[m for m in members_ if m != member] for member in members_]
-        fewer += [[other if m == member else m for m in members_] for member in members_ for other in less[member]]
+    members = [max(family, key=lambda number: len(groups[number].candidate.sizes)) for family in variants.values()]
+    value = namer.criterion_of(members)
+    while members:
+        fewer = [[m for m in members if m != member] for member in members]
+        for member in members:
+            family, sizes = variants[groups[member].candidate.family], set(groups[member].candidate.sizes)
+            less = [other for other in family if set(groups[other].candidate.sizes) < sizes]
+            fewer += [[other if m == member else m for m in members] for other in less]
         values = [namer.criterion_of(item) for item in fewer]
         least = min(range(len(fewer)), key=values.__getitem__)
         if values[least] > value:
             break
-        members_, value = fewer[least], values[least]
-    return tuple(members_) if namer.possible(members_) else ()
+        members, value = fewer[least], values[least]
+    return tuple(members) if namer.possible(members) else ()
 
 
 def _single(candidate: Candidate) -> bool:

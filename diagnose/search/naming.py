@@ -398,16 +398,21 @@ def _against_forms(
         inside = tuple(m for m in best.members if namer.library[m])
         if namer.test_of_forms(inside).p_value <= namer.rules.false_alarm:
             return _still_there(namer, inside, outside)
+    form = _form_beside(namer, judged, members, criterion)
+    return (members, (), p_values) if form is None else _still_there(namer, members, (form,))
+
+
+def _form_beside(namer: Namer, judged: Namer, members: Sequence[int], criterion: float) -> int | None:
+    """A form that is worth it beside the members, whose criterion is given; None where none is."""
     tested = namer.test_of_forms(members)
-    if tested.p_value <= namer.rules.false_alarm and tested.best >= 0:
-        without, beside = fit(namer.prepared, members).rss, fit(namer.prepared, (*members, tested.best)).rss
-        whole = float(namer.prepared.vector @ namer.prepared.vector)
-        needed = criterion - (namer.rules.confident if members else 0.0)
-        material = without - beside > namer.rules.material**2 * (whole - beside)
-        wider = [*members, tested.best]
-        if material and judged.criterion_of(wider) < needed and namer.possible(wider):
-            return _still_there(namer, members, (tested.best,))
-    return members, (), p_values
+    if tested.p_value > namer.rules.false_alarm or tested.best < 0:
+        return None
+    wider = [*members, tested.best]
+    without, beside = fit(namer.prepared, members).rss, fit(namer.prepared, wider).rss
+    whole = float(namer.prepared.vector @ namer.prepared.vector)
+    needed = criterion - (namer.rules.confident if members else 0.0)
+    material = without - beside > namer.rules.material**2 * (whole - beside)
+    return tested.best if material and judged.criterion_of(wider) < needed and namer.possible(wider) else None
 
 
 def margin_of_forms(rules: SearchRules, findings: int) -> float:

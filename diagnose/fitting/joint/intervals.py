@@ -197,21 +197,28 @@ def _summed(
     name, at = effect.recording.told_as.name, candidate.numbers
     kind = kind_of(arm, candidate, name)
     total = FittedParameter(f"{name}_{at[0]}", name, at, kind, value, (value - reach, value + reach))
-    if white is None or moved is None or effect.recording.told_as.beside not in candidate.sizes:
+    beside = effect.recording.told_as.beside
+    if white is None or moved is None or beside not in candidate.sizes:
         return total, ""
-    others = orthonormal(design_of(prepared, [t for k, t in enumerate(terms) if k != place])[0])
-    alone = white - others @ (others.T @ white)
-    shown = np.linalg.norm(alone, axis=0) > 1e-9 * moved  # what others do as well leaves rounding
-    beside = whole.sizes.index(effect.recording.told_as.beside)
-    if not shown[beside]:
-        return total, ""
-    size, beside = float(np.linalg.norm(alone[:, beside])), int(np.sum(shown[:beside]))
+    others, number = [t for k, t in enumerate(terms) if k != place], whole.sizes.index(beside)
+    known = abs(float(term.sizes[candidate.sizes.index(beside)]))
+    unsure = factor * _error_beside(prepared, others, white, number, variance)
+    return total, beside if unsure <= prepared.observed.rules.fitting.telling * known else ""
+
+
+def _error_beside(prepared: Prepared, others: Sequence[Term], white: Array, place: int, variance: float) -> float:
+    """The standard error of the size of one of a finding's columns (n, d) beside the rest and `others`, whose residual
+    has this `variance`; infinite where these do all that it does."""
+    basis = orthonormal(design_of(prepared, others)[0])
+    alone = white - basis @ (basis.T @ white)
+    # What others do as well leaves rounding.
+    shown = np.linalg.norm(alone, axis=0) > 1e-9 * np.linalg.norm(white, axis=0)
+    if not shown[place]:
+        return np.inf
+    size, place = float(np.linalg.norm(alone[:, place])), int(np.sum(shown[:place]))
     alone = alone[:, shown]
     _, singular, vt = np.linalg.svd(alone / np.linalg.norm(alone, axis=0), full_matrices=False)
-    error = float(np.sqrt(variance * np.sum((vt[:, beside] / np.maximum(singular, 1e-9 * singular[0])) ** 2))) / size
-    known = float(term.sizes[candidate.sizes.index(effect.recording.told_as.beside)])
-    telling = factor * error <= prepared.observed.rules.fitting.telling * abs(known)
-    return total, effect.recording.told_as.beside if telling else ""
+    return float(np.sqrt(variance * np.sum((vt[:, place] / np.maximum(singular, 1e-9 * singular[0])) ** 2))) / size
 
 
 def _profile(

@@ -14,7 +14,7 @@ from linkwright.core.arm.chain.chain import EffectEntry
 from linkwright.core.arm.effects import EFFECTS
 from linkwright.core.diagnose.fitting.fit import beyond_nuisances, solved
 from linkwright.core.diagnose.fitting.prepare import Prepared, held_within
-from linkwright.core.diagnose.fitting.shared_masses import factors
+from linkwright.core.diagnose.fitting.shared_masses import Steps, factors
 from linkwright.core.diagnose.fitting.terms import DIFFERENCE, Term, linear, term_at
 from linkwright.core.diagnose.fitting.unknown_masses import entries_of, hold_of, steps_of
 from linkwright.core.diagnose.patterns.flexibility import entry, through_flexibility
@@ -139,13 +139,7 @@ def solved_together(
         if together is not None:
             held, asked = together.held(hold_of(prepared, terms, unit))
             design, white = np.vstack([design @ together.slopes, held]), np.concatenate([white, asked])
-        step, before = solved(design, white), value
-        below = set[int]()
-        while bounded and together is not None and (more := together.at_zero(step) - below):
-            below |= more
-            design[:, sorted(below)] = 0.0
-            step = solved(design, white)
-            step[sorted(below)] = 0.0
+        step, before = _step(design, white, together if bounded else None), value
         for share in _SHARES:
             moved = share * step if together is None else together.taken(step, share, bounded=bounded)
             moved[stand] = 0.0
@@ -169,6 +163,18 @@ def solved_together(
         if plain or value > before * (1.0 - _SETTLED):
             break
     return prepared, terms
+
+
+def _step(design: Array, white: Array, together: Steps | None) -> Array:
+    """A step by least squares; where steps go `together` under weights, those that would take a compliance below zero
+    stand, one after the other."""
+    step, below = solved(design, white), set[int]()
+    while together is not None and (more := together.at_zero(step) - below):
+        below |= more
+        design[:, sorted(below)] = 0.0
+        step = solved(design, white)
+        step[sorted(below)] = 0.0
+    return step
 
 
 def _to_be_least(prepared: Prepared, terms: Sequence[Term], unit: float) -> float:
