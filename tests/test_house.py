@@ -4,7 +4,7 @@ import ast
 import re
 import subprocess
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from functools import cache
 from pathlib import Path
 
@@ -312,6 +312,35 @@ def test_crowding_is_seen():
 def test_no_cycle_between_modules():
     """Among imports that run while a module loads; type-only ones cannot form a cycle."""
     assert a_cycle({name: imports_of(name, at_load=True) for name in MODULES}) is None
+
+
+MUTUAL = 8
+"""Pairs of rooms of the diagnosis that use each other. Lower it."""
+
+
+def mutual(graph: dict[str, set[str]], room: Callable[[str], str]) -> list[str]:
+    """Pairs of rooms of which modules use each other's."""
+    used = {(room(name), room(other)) for name, others in graph.items() for other in others}
+    return sorted(f"{one} and {other}" for one, other in used if one < other and (other, one) in used)
+
+
+def in_the_diagnosis(name: str) -> str:
+    """The room within `diagnose/` that a module stands in; its top for what stands in none."""
+    inside = MODULES[name].relative_to(ROOT / "diagnose").parts
+    return inside[0] if len(inside) > 1 else "the top"
+
+
+def test_few_rooms_of_the_diagnosis_use_each_other():
+    """What is asked first does not ask what comes after it."""
+    names = {name for name in MODULES if room_of(name) == "diagnose"}
+    pairs = mutual({name: imports_of(name, at_load=False) & names for name in names}, in_the_diagnosis)
+    assert len(pairs) <= MUTUAL, pairs
+
+
+def test_mutual_use_is_seen():
+    """Through any modules of two rooms, and once."""
+    graph = {"a.x": {"b.x", "a.y"}, "a.y": {"c.x"}, "b.y": {"a.y"}, "c.x": {"b.x"}}
+    assert mutual(graph, lambda name: name[0]) == ["a and b"]
 
 
 def test_package_code_imports_nothing_of_tests_or_benchmarks():

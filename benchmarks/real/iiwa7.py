@@ -15,12 +15,12 @@ from scipy.spatial.transform import Rotation
 from benchmarks.real.data import IIWA7, nominal, read, recording_file
 from benchmarks.real.model import Array, Part, fitted, geometry, loose, moved, rms_mm
 from benchmarks.real.written import written
-from linkwright.core.diagnose.diagnosis import diagnose
 from linkwright.core.diagnose.fitting.prepare import nuisances
 from linkwright.core.diagnose.recording import Recording
 from linkwright.core.diagnose.residual.observe import observe
 from linkwright.core.diagnose.residual.observed import Observed
 from linkwright.core.diagnose.result import Diagnosis
+from linkwright.core.diagnose.steps.diagnosis import diagnose
 
 RUNS = {0.0: "run1_0kg.csv", 1.25: "run2_1.25kg.csv", 2.5: "run3_2.5kg.csv"}
 """Files by payload, kg."""

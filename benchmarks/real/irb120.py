@@ -8,10 +8,10 @@ from dataclasses import dataclass
 from benchmarks.real.data import IRB120, nominal, read, recording_file
 from benchmarks.real.model import fitted, found, loose, moved, rms_mm
 from benchmarks.real.written import written
-from linkwright.core.diagnose.diagnosis import diagnose
-from linkwright.core.diagnose.predict import Prediction, predict
+from linkwright.core.diagnose.judge.predict import Prediction, predict
 from linkwright.core.diagnose.residual.observe import observe
 from linkwright.core.diagnose.result import Diagnosis
+from linkwright.core.diagnose.steps.diagnosis import diagnose
 
 LEARNED = 700
 """Rows of the file to learn from; the rest is foretold."""

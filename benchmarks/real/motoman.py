@@ -30,13 +30,13 @@ from benchmarks.real.model import (
 )
 from benchmarks.real.within import selected_within
 from benchmarks.real.written import written
-from linkwright.core.diagnose.diagnosis import diagnose
+from linkwright.core.diagnose.judge.predict import Prediction, predict
 from linkwright.core.diagnose.options import Options
-from linkwright.core.diagnose.predict import Prediction, predict
 from linkwright.core.diagnose.recording import Recording
 from linkwright.core.diagnose.residual.observe import observe
 from linkwright.core.diagnose.residual.observed import Observed
 from linkwright.core.diagnose.result import Diagnosis
+from linkwright.core.diagnose.steps.diagnosis import diagnose
 
 TARGETS = {"0516": 0.145, "0801": 0.168}
 WRITTEN = 0.17

@@ -6,9 +6,9 @@ from collections.abc import Callable
 
 from benchmarks.real.data import PRINTER, nominal, read, recording_file
 from linkwright.core.arm.effects import EFFECTS
-from linkwright.core.diagnose.diagnosis import diagnose
 from linkwright.core.diagnose.options import Options
 from linkwright.core.diagnose.result import Diagnosis
+from linkwright.core.diagnose.steps.diagnosis import diagnose
 
 FILES = {
     "2021-06-12": ("frame_exp_quant_v3_2021-06-12_12-54-36-mvieleers_V2.1253.csv", "recording"),

@@ -12,9 +12,9 @@ import pandas as pd
 
 from benchmarks.real.data import SERVO, nominal, read, recording_file
 from benchmarks.real.pulls import with_pulls
-from linkwright.core.diagnose.diagnosis import diagnose
 from linkwright.core.diagnose.options import Options
 from linkwright.core.diagnose.result import Diagnosis, Finding
+from linkwright.core.diagnose.steps.diagnosis import diagnose
 
 COUNT = 2.0 * np.pi / 4096.0
 PUBLISHED = {"loaded": 14.78, "unloaded": 7.03}

@@ -8,11 +8,11 @@ from dataclasses import replace
 from benchmarks.real.data import MOTOMAN, UR10, nominal, read, recording_file
 from benchmarks.real.written import written
 from linkwright.core.arm.chain.chain import Arm
-from linkwright.core.diagnose.diagnosis import diagnose
-from linkwright.core.diagnose.predict import predict
+from linkwright.core.diagnose.judge.predict import predict
 from linkwright.core.diagnose.recording import Recording
 from linkwright.core.diagnose.result import Diagnosis
 from linkwright.core.diagnose.several.recordings import together
+from linkwright.core.diagnose.steps.diagnosis import diagnose
 
 DAYS = ("0516", "0801")
 KINDS = ("grid", "line")

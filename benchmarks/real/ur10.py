@@ -26,13 +26,13 @@ from benchmarks.real.model import (
 )
 from benchmarks.real.within import selected_within
 from benchmarks.real.written import written
-from linkwright.core.diagnose.diagnosis import diagnose
+from linkwright.core.diagnose.judge.predict import Prediction, predict
 from linkwright.core.diagnose.options import Options
-from linkwright.core.diagnose.predict import Prediction, predict
 from linkwright.core.diagnose.recording import Recording
 from linkwright.core.diagnose.residual.observe import observe
 from linkwright.core.diagnose.residual.observed import Observed
 from linkwright.core.diagnose.result import Diagnosis
+from linkwright.core.diagnose.steps.diagnosis import diagnose
 
 CELL = 15.0
 WITH_TIME = ("thermal_expansion", "thermal_bending", "gearbox_thermal", "frame_drift", "creep")

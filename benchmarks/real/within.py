@@ -9,10 +9,10 @@ import numpy as np
 from benchmarks.real.model import Array, Part, fitted, found, loose, moved
 from benchmarks.real.splits import Folds
 from linkwright.core.arm.chain.chain import Arm
-from linkwright.core.diagnose.diagnosis import diagnose
 from linkwright.core.diagnose.options import Options
 from linkwright.core.diagnose.recording import Recording
 from linkwright.core.diagnose.residual.observed import Observed
+from linkwright.core.diagnose.steps.diagnosis import diagnose
 
 
 def selected_within(

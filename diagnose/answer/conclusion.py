@@ -20,7 +20,7 @@ from linkwright.core.diagnose.fitting.held_out import hardest, splits
 from linkwright.core.diagnose.fitting.identified_origins import identified_origins
 from linkwright.core.diagnose.judge.contradictions import contradictions
 from linkwright.core.diagnose.judge.for_file import ForFile, for_file
-from linkwright.core.diagnose.predict import residual_under
+from linkwright.core.diagnose.judge.predict import residual_under
 from linkwright.core.diagnose.recording import Recording, RejectedRow
 from linkwright.core.diagnose.residual.observed import rms_length
 from linkwright.core.diagnose.residual.visits import one_condition

@@ -9,9 +9,9 @@ import numpy as np
 from linkwright.core.arm.chain.arrays import motion_directions
 from linkwright.core.diagnose.fitting.fit import beyond_nuisances
 from linkwright.core.diagnose.fitting.prepare import Prepared
+from linkwright.core.diagnose.instruments.placement import UNDETERMINED
 from linkwright.core.diagnose.instruments.view import rigid_motions
 from linkwright.core.diagnose.residual.observed import rms_length
-from linkwright.core.diagnose.residual.placement import UNDETERMINED
 from linkwright.core.sections.numeric import Array
 from linkwright.core.units.lists import listed
 

@@ -14,7 +14,7 @@ from linkwright.core.arm.chain.arrays import nominal
 from linkwright.core.arm.chain.chain import Arm
 from linkwright.core.arm.motion.motion import Motion
 from linkwright.core.arm.motion.rigid import inverse_dynamics
-from linkwright.core.diagnose.residual.placement import placed
+from linkwright.core.diagnose.instruments.placement import placed
 from linkwright.core.diagnose.rules.rules import Rules
 from linkwright.core.materials.material import MissingProperty
 from linkwright.core.sections.numeric import Array

@@ -18,11 +18,11 @@ from scipy.spatial.transform import Rotation
 from linkwright.core.arm.chain.arrays import columns, matrices
 from linkwright.core.arm.chain.chain import Arm
 from linkwright.core.arm.chain.kinematics import place
+from linkwright.core.diagnose.instruments.placement import rigid
 from linkwright.core.diagnose.recording import Recording
 from linkwright.core.diagnose.residual.free_origins import moved, of_observed, origin_columns, turned_whole, with_origin
 from linkwright.core.diagnose.residual.observe import observe
 from linkwright.core.diagnose.residual.observed import Observed, rms_length
-from linkwright.core.diagnose.residual.placement import rigid
 from linkwright.core.diagnose.rules.rules import RULES, Rules
 from linkwright.core.sections.numeric import Array
 

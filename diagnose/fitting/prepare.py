@@ -23,6 +23,7 @@ from linkwright.core.diagnose.patterns.packed import Columns, Packed, packed
 from linkwright.core.diagnose.patterns.pool import Pool, exchanged, make_pool
 from linkwright.core.diagnose.recording import RejectedRow
 from linkwright.core.diagnose.residual.free_origins import of_observed, origin_columns
+from linkwright.core.diagnose.residual.nuisances import of_each
 from linkwright.core.diagnose.residual.observe import observe
 from linkwright.core.diagnose.residual.observed import Observed, rms_length
 from linkwright.core.diagnose.residual.orientation import tool_turns
@@ -32,7 +33,6 @@ from linkwright.core.diagnose.residual.wander import clock, remembered, still, w
 from linkwright.core.diagnose.rules.fitting_rules import FittingRules
 from linkwright.core.diagnose.rules.rules import RULES
 from linkwright.core.diagnose.search.subsets import Criterion, Products, criterion_for, products
-from linkwright.core.diagnose.several.nuisances import of_each
 from linkwright.core.sections.numeric import Array
 
 from .left_by_names import Variants, left_by_names

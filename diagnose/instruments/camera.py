@@ -19,10 +19,10 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from linkwright.core.diagnose.residual.placement import UNDETERMINED, rigid
 from linkwright.core.diagnose.rules.residual_rules import ResidualRules
 from linkwright.core.sections.numeric import Array
 
+from .placement import UNDETERMINED, rigid
 from .registry import kinds_of
 
 if TYPE_CHECKING:

@@ -1,7 +1,7 @@
 """What a kind of instrument is: its numbers, its settings, what it reads of an arm, and how its unknowns are fitted.
 
 A new kind is one file in `instruments/kinds` with a subclass of `InstrumentKind` and, where it models its numbers by
-itself, one of `Part`; `contract.check_instrument` holds both to what they say. Residuals are exact; what displacements,
+itself, one of `Part`; `steps.instrument_contract` holds both to what they say. Residuals are exact; what displacements,
 turns and unknowns show is to first order about where the arm stands.
 """
 

@@ -17,7 +17,6 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from linkwright.core.diagnose.recording import Recording
-from linkwright.core.diagnose.residual.placement import UNDETERMINED
 from linkwright.core.diagnose.rules.residual_rules import ResidualRules
 from linkwright.core.diagnose.rules.rules import RULES
 from linkwright.core.sections.numeric import Array
@@ -25,6 +24,7 @@ from linkwright.core.sections.numeric import Array
 from .camera import DEPTHS, Sight, is_camera, sighted
 from .kind import Change, Frame, Marked, Part, Scene, Seen
 from .level import Stand
+from .placement import UNDETERMINED
 from .registry import kinds_of, marked, slots_of
 
 _STEPS, _START_STEPS, _START_ROWS = 40, 6, 150

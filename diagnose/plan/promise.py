@@ -26,10 +26,10 @@ from linkwright.core.diagnose.result import Detectable
 from linkwright.core.diagnose.rules.rules import Rules
 from linkwright.core.diagnose.search.calibrate import Draws, one_more
 from linkwright.core.diagnose.several.recordings import Several, together
-from linkwright.core.diagnose.simulate import Plan, simulate
 from linkwright.core.sections.numeric import Array
 
 from .plan_request import Asked, Place, view
+from .simulate import Plan, simulate
 from .torques import TorquePromise
 from .written import weightless
 

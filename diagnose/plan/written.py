@@ -25,11 +25,11 @@ from linkwright.core.diagnose.reading.table import Layout, Table
 from linkwright.core.diagnose.reading.write import cell, recording_columns
 from linkwright.core.diagnose.recording import Recording, since_the_reading_before
 from linkwright.core.diagnose.rules.rules import RULES, Rules
-from linkwright.core.diagnose.simulate import Plan, simulate
 from linkwright.core.sections.numeric import Array
 from linkwright.core.units.quantities import InputError
 
 from .plan_request import TURNS, Asked
+from .simulate import Plan, simulate
 from .tried import Tried
 
 ALONG_BAR = "bar_mm"

@@ -13,12 +13,12 @@ import numpy as np
 
 from linkwright.core.arm.chain.arrays import nominal
 from linkwright.core.arm.chain.chain import Arm
+from linkwright.core.diagnose.first_look.readings import checked
 from linkwright.core.diagnose.first_look.torque_sign import refuse_torques_of_another_sign
 from linkwright.core.diagnose.fitting.origins import located
 from linkwright.core.diagnose.instruments.checks import sights_checked
 from linkwright.core.diagnose.instruments.registry import INSTRUMENTS, labels
 from linkwright.core.diagnose.instruments.split import laid_out
-from linkwright.core.diagnose.mistakes.readings import checked
 from linkwright.core.diagnose.recording import Recording, RejectedRow
 from linkwright.core.diagnose.rules.rules import RULES, Rules
 from linkwright.core.units.lists import rows_text

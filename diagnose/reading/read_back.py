@@ -7,8 +7,9 @@ from collections.abc import Collection, Iterator
 import numpy as np
 
 from linkwright.core.arm.chain.chain import Arm
-from linkwright.core.diagnose.reading.write import label_columns, recording_columns, settings_text
 from linkwright.core.diagnose.recording import Recording
+
+from .write import label_columns, recording_columns, settings_text
 
 _ROUNDED = 0.500001
 """How far a number may be from what it was, in units of the last decimal that is written."""

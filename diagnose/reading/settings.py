@@ -17,10 +17,10 @@ from linkwright.core.arm.files.avoid import read_avoid
 from linkwright.core.diagnose.instruments.instrument import Instrument
 from linkwright.core.diagnose.instruments.observes import read_instrument
 from linkwright.core.diagnose.instruments.registry import INSTRUMENTS
-from linkwright.core.diagnose.motion.reading.settings import MotionSettings, read_motion_settings
 from linkwright.core.units.quantities import InputError, shown
 from linkwright.core.units.reading import Mapping, load_yaml, read_text
 
+from .motion_settings import MotionSettings, read_motion_settings
 from .table import Layout
 
 _WHOSE = ("chain", "minimize")  # keys of an arm's or a problem's file that happens to have the recording's name

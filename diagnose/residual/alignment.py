@@ -14,12 +14,11 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
+from linkwright.core.diagnose.instruments.placement import UNDETERMINED, rigid
 from linkwright.core.diagnose.recording import Recording
 from linkwright.core.diagnose.rules.residual_rules import ResidualRules
 from linkwright.core.diagnose.rules.rules import RULES
 from linkwright.core.sections.numeric import Array
-
-from .placement import UNDETERMINED, rigid
 
 _STEPS = 30
 

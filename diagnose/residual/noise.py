@@ -17,6 +17,7 @@ from scipy.special import chdtr, chdtrc, fdtri
 from linkwright.core.arm.chain.arrays import nominal
 from linkwright.core.arm.chain.chain import Arm
 from linkwright.core.diagnose.instruments.level import stand_of
+from linkwright.core.diagnose.instruments.placement import placed
 from linkwright.core.diagnose.instruments.registry import kind_at
 from linkwright.core.diagnose.instruments.view import viewed
 from linkwright.core.diagnose.recording import Recording, RejectedRow
@@ -26,7 +27,6 @@ from linkwright.core.sections.numeric import Array
 from linkwright.core.units.lists import rows_text
 from linkwright.core.units.quantities import format_quantity
 
-from .placement import placed
 from .robust_scale import qn, resolution
 from .visits import differences_of_revisits, without_drift
 

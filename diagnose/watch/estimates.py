@@ -11,7 +11,6 @@ import numpy as np
 from linkwright.core.arm.chain.chain import Arm, EffectEntry
 from linkwright.core.arm.effects import EFFECTS
 from linkwright.core.diagnose.compare.compare import CommonFit, candidate_of, fit_columns
-from linkwright.core.diagnose.diagnosis import cleaned_of
 from linkwright.core.diagnose.fitting.corrected_arm import as_entry
 from linkwright.core.diagnose.fitting.prepare import nuisances
 from linkwright.core.diagnose.fitting.terms import Term, term_at
@@ -21,6 +20,7 @@ from linkwright.core.diagnose.residual.observe import observe
 from linkwright.core.diagnose.residual.observed import Observed, kept
 from linkwright.core.diagnose.result import Finding
 from linkwright.core.diagnose.rules.rules import RULES, Rules
+from linkwright.core.diagnose.steps.diagnosis import cleaned_of
 from linkwright.core.sections.numeric import Array
 
 _RIDGE = 1e-12

@@ -18,7 +18,6 @@ from scipy import stats
 from linkwright.core.arm.chain.chain import Arm
 from linkwright.core.arm.effects import EFFECTS
 from linkwright.core.diagnose.answer.detectable import POWER
-from linkwright.core.diagnose.diagnosis import diagnose
 from linkwright.core.diagnose.fitting.fit import t_quantile
 from linkwright.core.diagnose.motion.log import MotionLog
 from linkwright.core.diagnose.motion.result import MotionDiagnosis
@@ -27,6 +26,7 @@ from linkwright.core.diagnose.recording import Recording
 from linkwright.core.diagnose.result import Diagnosis
 from linkwright.core.diagnose.rules.watch_rules import WatchRules
 from linkwright.core.diagnose.several.recordings import names_of, together
+from linkwright.core.diagnose.steps.diagnosis import diagnose
 from linkwright.core.sections.numeric import Array
 
 from .course import FEWEST, Course, Kind, Measured, Series, course_of

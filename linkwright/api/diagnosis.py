@@ -101,7 +101,7 @@ def diagnose(
         of_tips_alone(units=units, problem=problem is not None)
         with reporting(progress) as tell:
             return diagnosed_motion(given, logs, options, tell)
-    from linkwright.core.diagnose.diagnosis import diagnose as diagnosed
+    from linkwright.core.diagnose.steps.diagnosis import diagnose as diagnosed
     from linkwright.face.diagnosis import Diagnosis, recordings_of
     from linkwright.face.problem import problem_of
     from linkwright.output.diagnosis_folder import with_written
@@ -236,7 +236,7 @@ def predict(
     """
     from dataclasses import replace
 
-    from linkwright.core.diagnose.predict import predict as predicted
+    from linkwright.core.diagnose.judge.predict import predict as predicted
     from linkwright.face.arm import arm_of
     from linkwright.face.diagnosis import recording_of
     from linkwright.face.motion.log import logs_of, of_tips_alone
@@ -352,7 +352,7 @@ def watch(
     given = arm_of(arm, tips="first")
     several = list(recordings)
     if logs := logs_of(several, given, settings):
-        from linkwright.core.diagnose.motion.uses.watch import watch_motion
+        from linkwright.core.diagnose.watch.motion import watch_motion
 
         of_tips_alone(for_=for_ is not None, search=not search)
         read_dated_logs(logs)

@@ -72,7 +72,7 @@ def columns(
     >>> print(found.settings.splitlines()[1])
     observes: motion
     """
-    from linkwright.core.diagnose.reading.foreign.proposed_file import propose
+    from linkwright.core.diagnose.columns.proposed_file import propose
     from linkwright.core.units.quantities import InputError
     from linkwright.face.arm import arm_of
     from linkwright.face.recording import Columns

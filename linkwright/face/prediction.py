@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 
 from linkwright.core.arm.errors.unknown_mass import payloads_left_out
-from linkwright.core.diagnose.predict import Leaving
-from linkwright.core.diagnose.predict import Prediction as PredictionResult
+from linkwright.core.diagnose.judge.predict import Leaving
+from linkwright.core.diagnose.judge.predict import Prediction as PredictionResult
 from linkwright.core.units.lists import rows_text
 from linkwright.json.fields import fields, in_joint_unit, joint_columns, joint_unit
 from linkwright.output.table_file import frame

@@ -13,12 +13,15 @@ from typing import TYPE_CHECKING, Any
 from linkwright.core.arm.avoid.poses import NoRoom
 from linkwright.core.arm.chain.chain import EffectEntry
 from linkwright.core.arm.files.read import arm_from
+from linkwright.core.diagnose.columns.proposed_file import SETTINGS, Proposal
 from linkwright.core.diagnose.instruments.observes import observed_by
 from linkwright.core.diagnose.instruments.registry import INSTRUMENTS, labels
+from linkwright.core.diagnose.plan.simulate import Plan
+from linkwright.core.diagnose.plan.simulate import Simulation as Made
+from linkwright.core.diagnose.plan.simulate import simulate as simulated
 from linkwright.core.diagnose.plan.written import read_plan
 from linkwright.core.diagnose.reading.files import table_of
 from linkwright.core.diagnose.reading.foreign.proposal import IGNORED, Meaning
-from linkwright.core.diagnose.reading.foreign.proposed_file import SETTINGS, Proposal
 from linkwright.core.diagnose.reading.read import read_recording as read_file
 from linkwright.core.diagnose.reading.read import recording_from
 from linkwright.core.diagnose.reading.read_back import unlike, unlike_settings
@@ -26,9 +29,6 @@ from linkwright.core.diagnose.reading.settings import find_settings, read_settin
 from linkwright.core.diagnose.reading.write import label_columns, recording_columns, recording_text, settings_text
 from linkwright.core.diagnose.recording import Recording as RecordingResult
 from linkwright.core.diagnose.residual.visits import visits
-from linkwright.core.diagnose.simulate import Plan
-from linkwright.core.diagnose.simulate import Simulation as Made
-from linkwright.core.diagnose.simulate import simulate as simulated
 from linkwright.core.units.names import nearest
 from linkwright.core.units.quantities import InputError, format_quantity, shown
 from linkwright.core.units.reading import Mapping as Reader

@@ -15,9 +15,9 @@ from linkwright.core.arm.effects.loads.unknown_weight import unit_weights
 from linkwright.core.arm.files.read import arm_from
 from linkwright.core.arm.files.write import arm_to_yaml
 from linkwright.core.diagnose.answer.sentences import name_of
+from linkwright.core.diagnose.judge.predict import residual_under
 from linkwright.core.diagnose.motion.predict import predict_motion
 from linkwright.core.diagnose.motion.result import MotionDiagnosis
-from linkwright.core.diagnose.predict import residual_under
 from linkwright.core.diagnose.recording import Recording
 from linkwright.core.diagnose.residual.observed import rms_length
 from linkwright.core.diagnose.result import Diagnosis, OfRecording, WrittenArm

@@ -22,8 +22,8 @@ from linkwright.core.arm.files.read import read_arm
 from linkwright.core.arm.files.write import arm_to_yaml
 from linkwright.core.arm.limits.modes import compliance_matrices, segmented
 from linkwright.core.arm.worst.inverse import inverse
+from linkwright.core.diagnose.plan.simulate import Plan, simulate
 from linkwright.core.diagnose.reading.read import read_recording
-from linkwright.core.diagnose.simulate import Plan, simulate
 from linkwright.core.sections.numeric import Array
 from linkwright.core.units.quantities import InputError
 from tests.arm.builders import arm_of

@@ -15,8 +15,8 @@ from linkwright.core.diagnose.fitting.prepare import prepare
 from linkwright.core.diagnose.options import Options
 from linkwright.core.diagnose.patterns.library import Candidate
 from linkwright.core.diagnose.patterns.pool import make_pool
+from linkwright.core.diagnose.plan.simulate import Plan, simulate
 from linkwright.core.diagnose.residual.observe import observe
-from linkwright.core.diagnose.simulate import Plan, simulate
 from tests.diagnose.made_diagnosis import made_arm
 
 SMALL = Plan(12, repeats=2, payloads=(0.0, 5.0), temperature=(293.15, 303.15))

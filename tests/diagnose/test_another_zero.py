@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from linkwright.core.arm.chain.chain import LoadCase
-from linkwright.core.diagnose.diagnosis import diagnose
+from linkwright.core.diagnose.steps.diagnosis import diagnose
 from linkwright.core.units.quantities import InputError
 
 from .by_cosines import GIVES, LENGTHS, file, noise, poses, recording

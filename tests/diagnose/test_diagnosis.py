@@ -9,8 +9,8 @@ import pytest
 
 from linkwright.core.arm.chain.chain import Joint
 from linkwright.core.arm.effects import EFFECTS
-from linkwright.core.diagnose.diagnosis import diagnose
 from linkwright.core.diagnose.options import Options
+from linkwright.core.diagnose.steps.diagnosis import diagnose
 from tests.costs import slow_but
 from tests.diagnose.core_cases import recorded, with_effects
 from tests.diagnose.made_diagnosis import made_arm

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from linkwright.core.diagnose.predict import predict
+from linkwright.core.diagnose.judge.predict import predict
 from linkwright.core.diagnose.residual.observe import observe, residual_in_pieces
 from tests.diagnose.core_cases import made_arm, recorded, with_effects
 

@@ -8,12 +8,12 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from linkwright.core.diagnose.diagnosis import diagnose
 from linkwright.core.diagnose.options import Options
 from linkwright.core.diagnose.rules.rule import rules_in
 from linkwright.core.diagnose.rules.rules import RULES, Rules
 from linkwright.core.diagnose.search.naming import _against_forms, margin_of_forms, worth_of_one_more
 from linkwright.core.diagnose.search.subsets import Subset
+from linkwright.core.diagnose.steps.diagnosis import diagnose
 from tests.diagnose.core_cases import made_arm, recorded, with_effects
 from tests.test_house import CORE
 
@@ -78,7 +78,7 @@ NO_RULES = {
     "fitting/terms.py": {"DIFFERENCE"},
     "fitting/loads/by_drives.py": {"CARRIED, PUSHED", "LEVEL", "_ROUNDING", "_TURNS, _SETTLED"},
     "fitting/thresholds.py": {"_ALIKE", "_AT_ONCE", "_REACH", "_LOOKED_AT", "_FURTHEST"},  # how a staircase is searched
-    "instruments/contract.py": {"_POSES", "_EXACT", "_STEP, _LINEAR, _SMALLEST"},  # what is asked of instruments
+    "steps/instrument_contract.py": {"_POSES", "_EXACT", "_STEP, _LINEAR, _SMALLEST"},  # what is asked of instruments
     "instruments/camera.py": {"_STEPS, _FOUND", "_LONGEST", "_EXACT"},
     "instruments/kinds/draw_wire.py": {"_ZERO"},  # what is simulated
     "instruments/kinds/laser_line.py": {"_GRAZING", "_NOWHERE", "_OFF, _ASKEW", "_STEPS"},
@@ -139,12 +139,12 @@ NO_RULES = {
     "plan/promise.py": {"NEVER"},
     "plan/tried.py": {"_TOUCHES", "_CORNERS", "_WRITTEN_ANGLE, _WRITTEN_LENGTH"},
     "plan/written.py": {"_CLOCK"},
-    "predict.py": {"_HAIR"},
+    "judge/predict.py": {"_HAIR"},
     "reading/columns.py": {"_SHORT"},  # how a number is written
     "reading/files.py": {"_LARGEST_PARQUET"},
     "reading/foreign/bags.py": {"_MOST"},  # of a picture
     "reading/foreign/clock.py": {"_UNITS", "_SINCE_1970", "_SHORTEST, _LONGEST"},  # sizes of units
-    "reading/foreign/doubts.py": {"_MOST"},  # how often a file is read
+    "columns/doubts.py": {"_MOST"},  # how often a file is read
     "reading/foreign/lerobot.py": {"_PAUSE"},
     "reading/foreign/proposal.py": {"_METRES", "_TURN"},  # sizes of units
     "reading/formula.py": {"_LONGEST, _DEEPEST"},
@@ -157,7 +157,7 @@ NO_RULES = {
     "residual/noise.py": {"_FINEST", "_STEPS, _EVEN"},
     "residual/observe.py": {"_AT_ONCE", "_TOOL_PASSES, _TOOL_FOUND"},
     "residual/orientation.py": {"_HALF_TURN"},
-    "residual/placement.py": {"UNDETERMINED", "_STEPS", "_TUKEY"},
+    "instruments/placement.py": {"UNDETERMINED", "_STEPS", "_TUKEY"},
     "residual/robust_scale.py": {"HUBER", "_MOST", "_QN", "_SMALL"},
     "residual/masses_from_torques.py": {"_ALIKE", "_NOTHING"},
     "search/calibrate.py": {"FEW_DRAWS", "_AT_ONCE", "_CHUNK", "_GONE", "_REACHED, _FAR", "_WORK"},
@@ -177,7 +177,7 @@ NO_RULES = {
     "watch/watch.py": {"SOON", "_POOLED"},
     "watch/evidence.py": {"TESTS", "_LEAST_SCALE", "_MEDIAN", "_NOTHING"},
     "result.py": {"HALF"},  # what "most" means in a sentence
-    "simulate.py": {
+    "plan/simulate.py": {
         "_BETWEEN_READINGS, _BETWEEN_VISITS",
         "_OUTLIERS",
         "_BASE_TARGET",
@@ -239,7 +239,7 @@ def test_bare_numbers_are_found(source, names):
 NOT_DECIDED = {
     "answer/sentences.py": {0.1},  # a nuisance's share of a direction that is not told: which names are listed
     "fitting/noise_left.py": {1e-3},  # a median of nought where most readings are alike
-    "mistakes/motion.py": {1e-3},  # a joint's coordinate that moves at all
+    "first_look/rows.py": {1e-3},  # a joint's coordinate that moves at all
     "patterns/forms.py": {0.01},  # points that coincide
     "reading/read_back.py": {10.0},  # the base of decimals
     "residual/robust_scale.py": {1e11, 1e-4},  # digits of a float
@@ -295,7 +295,7 @@ def left_to_default(sources: dict[str, str]) -> list[str]:
 
 def test_rules_reach_everything_that_asks_them():
     """Within the diagnosis nobody falls back to the rules as shipped; the simulator judges nothing."""
-    assert left_to_default({name: source for name, source in sources() if name != "simulate.py"}) == []
+    assert left_to_default({name: source for name, source in sources() if name != "plan/simulate.py"}) == []
 
 
 def test_rules_left_to_default_are_found():

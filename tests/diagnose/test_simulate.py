@@ -12,10 +12,10 @@ import pytest
 
 from linkwright.command_line import outcome
 from linkwright.core.arm.chain.chain import Arm, EffectEntry, LoadCase
+from linkwright.core.diagnose.plan.simulate import Plan, simulate
 from linkwright.core.diagnose.reading.read import read_recording
 from linkwright.core.diagnose.reading.write import recording_text, settings_text
 from linkwright.core.diagnose.residual.noise import noise_floor
-from linkwright.core.diagnose.simulate import Plan, simulate
 from tests.diagnose.recorded import LENGTHS, planar_arm, planar_tip
 
 ARM = planar_arm()

@@ -33,12 +33,12 @@ from benchmarks.real.textbook.chain import Array, Chain, from_arm_file
 from benchmarks.real.written import written
 from linkwright.core.arm.chain.chain import Arm
 from linkwright.core.arm.files.read import read_arm
-from linkwright.core.diagnose.diagnosis import diagnose
-from linkwright.core.diagnose.predict import Prediction, predict
+from linkwright.core.diagnose.judge.predict import Prediction, predict
 from linkwright.core.diagnose.reading.read import read_recording
 from linkwright.core.diagnose.recording import Recording
 from linkwright.core.diagnose.result import Diagnosis
 from linkwright.core.diagnose.several.recordings import together
+from linkwright.core.diagnose.steps.diagnosis import diagnose
 from linkwright.core.units.quantities import InputError
 
 POSES = 3000

@@ -25,7 +25,7 @@ from linkwright.core.diagnose.instruments.kind import (
     Stood,
 )
 from linkwright.core.diagnose.instruments.look import Look
-from linkwright.core.diagnose.residual.placement import UNDETERMINED
+from linkwright.core.diagnose.instruments.placement import UNDETERMINED
 from linkwright.core.sections.numeric import Array
 from linkwright.core.units.quantities import InputError, format_quantity, shown
 from linkwright.core.units.reading import Mapping as Reader

@@ -8,13 +8,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from linkwright.core.arm.chain.chain import Arm
+from linkwright.core.diagnose.reading.motion_settings import MotionSettings
 from linkwright.core.diagnose.reading.read_column import ReadColumn
 from linkwright.core.diagnose.reading.settings import ReadingSettings
 from linkwright.core.diagnose.reading.table import Table
 from linkwright.core.sections.numeric import Array
 from linkwright.core.units.quantities import InputError
-
-from .settings import MotionSettings
 
 
 @dataclass(frozen=True)

@@ -19,6 +19,7 @@ from linkwright.core.diagnose.motion.log import MotionLog
 from linkwright.core.diagnose.reading.columns import canonical, example_headers, of_kind
 from linkwright.core.diagnose.reading.files import read_table
 from linkwright.core.diagnose.reading.foreign.proposal import proposed
+from linkwright.core.diagnose.reading.motion_settings import MotionSettings
 from linkwright.core.diagnose.reading.named_columns import chosen_rows, named_columns
 from linkwright.core.diagnose.reading.read_column import ReadColumn
 from linkwright.core.diagnose.reading.settings import ReadingSettings, find_settings, read_settings
@@ -31,7 +32,6 @@ from linkwright.core.units.reading import refusal
 from .drives import Drives, drives_of
 from .mapped import with_foreign
 from .samples import checked_samples
-from .settings import MotionSettings
 
 _TIP = ("x", "y", "z", "along", "distance", "bar", "tilt")
 _HEAD = 400

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from linkwright.core.arm.chain.chain import Arm
-from linkwright.core.diagnose.mistakes.readings import longest_run
+from linkwright.core.diagnose.first_look.readings import longest_run
 from linkwright.core.diagnose.motion.log import MotionLog
 from linkwright.core.diagnose.reading.read_column import ReadColumn
 from linkwright.core.diagnose.recording import RejectedRow

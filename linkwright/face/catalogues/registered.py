@@ -54,7 +54,7 @@ class Instruments(Open[InstrumentKind]):
 
     def check(self, kind: InstrumentKind) -> None:
         """Hold a kind that is registered against the contract that every kind keeps. Raises `InputError`, one line."""
-        from linkwright.core.diagnose.instruments.contract import check_instrument
+        from linkwright.core.diagnose.steps.instrument_contract import check_instrument
 
         check_instrument(kind)
 

@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING, Any
 from linkwright.core.diagnose.compare.compare import Change, compare
 from linkwright.core.diagnose.compare.compare import Comparison as ComparisonResult
 from linkwright.core.diagnose.compare.places import Region
-from linkwright.core.diagnose.diagnosis import diagnose as diagnosed
 from linkwright.core.diagnose.options import Options
 from linkwright.core.diagnose.result import Diagnosis
+from linkwright.core.diagnose.steps.diagnosis import diagnose as diagnosed
 from linkwright.core.units.lists import listed
 from linkwright.core.units.quantities import InputError
 from linkwright.face.arm import Arm

@@ -21,11 +21,11 @@ from linkwright.core.diagnose.plan.plan_request import Asked, Place, instruments
 from linkwright.core.diagnose.plan.planned import Planned
 from linkwright.core.diagnose.plan.planning import NothingToSee
 from linkwright.core.diagnose.plan.planning import plan as planned
+from linkwright.core.diagnose.plan.simulate import Plan as Noise
 from linkwright.core.diagnose.plan.tried import TooFewPostures
 from linkwright.core.diagnose.recording import Recording as Readings
 from linkwright.core.diagnose.result import Diagnosis as DiagnosisResult
 from linkwright.core.diagnose.rules.rules import RULES
-from linkwright.core.diagnose.simulate import Plan as Noise
 from linkwright.core.units.names import nearest
 from linkwright.core.units.quantities import InputError, NoAnswer, shown
 from linkwright.core.units.reading import Mapping as Reader

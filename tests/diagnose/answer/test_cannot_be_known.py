@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from linkwright.core.arm.effects import EFFECTS
-from linkwright.core.diagnose.diagnosis import diagnose
 from linkwright.core.diagnose.options import Options
 from linkwright.core.diagnose.residual.observe import observe
+from linkwright.core.diagnose.steps.diagnosis import diagnose
 from tests.costs import slow_but
 from tests.diagnose.by_cosines import GIVES, SIGMA, file, noise, poses, recording, tips
 

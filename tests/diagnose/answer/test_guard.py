@@ -11,10 +11,10 @@ import pytest
 
 from linkwright.core.arm.chain.chain import Arm, EffectEntry, Joint, Link, LoadCase
 from linkwright.core.diagnose.answer.guard.lack_of_fit import lack_of_fit, memory_at_most, remembering, split
-from linkwright.core.diagnose.diagnosis import diagnose
 from linkwright.core.diagnose.options import Options
 from linkwright.core.diagnose.recording import Recording
 from linkwright.core.diagnose.rules.rules import RULES
+from linkwright.core.diagnose.steps.diagnosis import diagnose
 
 LENGTHS = np.array([0.7, 0.6])
 SIGMA = 10e-6

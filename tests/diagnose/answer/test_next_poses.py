@@ -16,13 +16,13 @@ from linkwright.core.diagnose.answer.next_poses import (  # pyright: ignore[repo
     _worth_taking,
     next_poses,
 )
-from linkwright.core.diagnose.diagnosis import diagnose
 from linkwright.core.diagnose.fitting.prepare import prepare
 from linkwright.core.diagnose.options import Options
 from linkwright.core.diagnose.residual.observe import observe
 from linkwright.core.diagnose.rules.rules import RULES
 from linkwright.core.diagnose.search.aliases import Rival
 from linkwright.core.diagnose.search.naming import Namer
+from linkwright.core.diagnose.steps.diagnosis import diagnose
 from tests.diagnose.core_cases import group_of, recorded, with_effects
 from tests.diagnose.made_diagnosis import made_arm
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from linkwright.core.diagnose.diagnosis import diagnose
+from linkwright.core.diagnose.steps.diagnosis import diagnose
 from tests.costs import slow_but
 from tests.diagnose.by_cosines import SIGMA, file, noise, poses, recording, tips
 

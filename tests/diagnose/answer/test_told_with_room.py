@@ -8,12 +8,12 @@ import linkwright as lw
 from benchmarks.multibody.cases import kind_of, make_case
 from benchmarks.multibody.files import write_case
 from linkwright.core.arm.effects import EFFECTS
-from linkwright.core.diagnose.diagnosis import diagnose
 from linkwright.core.diagnose.fitting.prepare import prepare
 from linkwright.core.diagnose.options import Options
 from linkwright.core.diagnose.residual.observe import observe
 from linkwright.core.diagnose.search.aliases import rivals
 from linkwright.core.diagnose.search.naming import Namer
+from linkwright.core.diagnose.steps.diagnosis import diagnose
 from linkwright.json.diagnosis import diagnosis_json
 from tests.diagnose.by_cosines import GIVES, LENGTHS, SIGMA, file, noise, poses, recording, tips
 

@@ -5,9 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from linkwright.core.diagnose.diagnosis import diagnose
 from linkwright.core.diagnose.options import Options
 from linkwright.core.diagnose.rules.rules import RULES
+from linkwright.core.diagnose.steps.diagnosis import diagnose
 from linkwright.output.diagnosis_folder import compensated
 from tests.diagnose.core_cases import SIGMA, pushed, recorded
 from tests.diagnose.made_diagnosis import made_arm

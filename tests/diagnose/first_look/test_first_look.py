@@ -12,10 +12,10 @@ import pytest
 from scipy.signal import butter, lfilter
 
 from linkwright.core.arm.chain.chain import Arm, Joint, Link
-from linkwright.core.diagnose.diagnosis import diagnose
+from linkwright.core.diagnose.columns.proposed_file import propose
 from linkwright.core.diagnose.motion.reading.read import read_log
-from linkwright.core.diagnose.reading.foreign.proposed_file import propose
 from linkwright.core.diagnose.reading.read import read_recording
+from linkwright.core.diagnose.steps.diagnosis import diagnose
 from linkwright.core.units.quantities import InputError
 from tests.diagnose.motion.reading import test_conventions as logs
 from tests.diagnose.recorded import planar_arm, planar_tip, poses, table, written

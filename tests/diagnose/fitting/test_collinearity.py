@@ -8,9 +8,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from linkwright.core.diagnose.diagnosis import diagnose
 from linkwright.core.diagnose.reading.read import read_recording
 from linkwright.core.diagnose.result import Finding, FittedParameter
+from linkwright.core.diagnose.steps.diagnosis import diagnose
 from tests.diagnose.arm_of_drives import COMPLIANCE, SIGMA, arm_of_drives
 from tests.diagnose.recorded import LENGTHS, sagging_tip, table, written
 

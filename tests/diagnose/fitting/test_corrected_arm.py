@@ -8,11 +8,11 @@ import pytest
 
 from linkwright.core.arm.files.read import read_arm
 from linkwright.core.arm.files.write import write_arm
-from linkwright.core.diagnose.diagnosis import diagnose
 from linkwright.core.diagnose.fitting.corrected_arm import corrected_arm
 from linkwright.core.diagnose.fitting.refit import Refit
 from linkwright.core.diagnose.fitting.terms import Term
 from linkwright.core.diagnose.patterns.library import Candidate
+from linkwright.core.diagnose.steps.diagnosis import diagnose
 from tests.costs import slow_but
 from tests.diagnose.core_cases import recorded, with_effects
 from tests.diagnose.made_diagnosis import made_arm

@@ -11,9 +11,9 @@ import pytest
 
 from linkwright.core.arm.evaluation import evaluate
 from linkwright.core.arm.files.read import read_arm
-from linkwright.core.diagnose.diagnosis import diagnose
-from linkwright.core.diagnose.predict import predict
+from linkwright.core.diagnose.judge.predict import predict
 from linkwright.core.diagnose.recording import Recording
+from linkwright.core.diagnose.steps.diagnosis import diagnose
 from linkwright.core.materials.catalogue import load_catalogue
 from linkwright.output.diagnosis_folder import with_written
 from tests.diagnose.arm_of_drives import COMPLIANCE, SIGMA, arm_of_drives, read

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from linkwright.core.arm.files.read import read_arm
-from linkwright.core.diagnose.diagnosis import diagnose
 from linkwright.core.diagnose.fitting.geometry import about_geometry
 from linkwright.core.diagnose.recording import Recording
 from linkwright.core.diagnose.residual.observe import observe
+from linkwright.core.diagnose.steps.diagnosis import diagnose
 from tests.costs import slow_but
 
 TABLE = [(0, 160, 90), (-425, 0, 0), (-392, 0, 0), (0, 109, 90), (0, 95, -90), (0, 82, 0)]

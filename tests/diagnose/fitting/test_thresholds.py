@@ -11,12 +11,12 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from linkwright.core.diagnose.diagnosis import diagnose
 from linkwright.core.diagnose.fitting.thresholds import least_of, no_worse_than
 from linkwright.core.diagnose.patterns.library import Candidate
 from linkwright.core.diagnose.reading.read import read_recording
 from linkwright.core.diagnose.recording import Recording
 from linkwright.core.diagnose.residual.observe import observe
+from linkwright.core.diagnose.steps.diagnosis import diagnose
 from linkwright.core.sections.numeric import Array
 from tests.diagnose.arm_of_drives import COMPLIANCE, SIGMA, arm_of_drives
 from tests.diagnose.recorded import LENGTHS, sagging_tip, table, written

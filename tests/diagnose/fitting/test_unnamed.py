@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 from scipy.stats import multivariate_normal
 
-from linkwright.core.diagnose.diagnosis import diagnose
 from linkwright.core.diagnose.fitting.fit import fit
 from linkwright.core.diagnose.fitting.refit import refit
 from linkwright.core.diagnose.fitting.room.unnamed import unnamed, variances
 from linkwright.core.diagnose.options import Options
 from linkwright.core.diagnose.rules.rules import RULES
 from linkwright.core.diagnose.search.subsets import products
+from linkwright.core.diagnose.steps.diagnosis import diagnose
 from tests.diagnose.by_cosines import file, noise, poses, recording, tips
 from tests.diagnose.core_cases import group_of, noise_of, prepared_null, with_residual
 from tests.diagnose.fitting.test_fit import within

@@ -6,13 +6,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from linkwright.core.diagnose.diagnosis import diagnose
 from linkwright.core.diagnose.residual.observe import observe
 from linkwright.core.diagnose.residual.time_vs_path import rather_with_time
 from linkwright.core.diagnose.residual.wander import growth, remembered, walks, wander_in, without_wander
 from linkwright.core.diagnose.residual.wander_seen import seen_to_wander
 from linkwright.core.diagnose.rules.rules import RULES
 from linkwright.core.diagnose.several.recordings import together
+from linkwright.core.diagnose.steps.diagnosis import diagnose
 from tests.costs import slow_but
 from tests.diagnose.by_cosines import GIVES, SIGMA, file, noise, poses, recording, tips
 

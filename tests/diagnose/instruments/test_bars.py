@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from linkwright.core.diagnose.diagnosis import diagnose
 from linkwright.core.diagnose.instruments.instrument import Instrument
 from linkwright.core.diagnose.recording import Recording
 from linkwright.core.diagnose.residual.observe import observe
+from linkwright.core.diagnose.steps.diagnosis import diagnose
 from tests.diagnose.instruments.test_touches import OFF, SIGMA, _gone
 from tests.diagnose.recorded import planar_arm, planar_tip
 

@@ -8,7 +8,6 @@ import pytest
 from linkwright.core.arm.effects import Settings
 from linkwright.core.arm.files.read import read_arm
 from linkwright.core.diagnose.answer.cameras import of_camera
-from linkwright.core.diagnose.diagnosis import diagnose
 from linkwright.core.diagnose.fitting.prepare import nuisances, prepare
 from linkwright.core.diagnose.options import Options
 from linkwright.core.diagnose.reading.read import read_recording
@@ -16,6 +15,7 @@ from linkwright.core.diagnose.reading.write import recording_text, settings_text
 from linkwright.core.diagnose.residual.noise import noise_floor
 from linkwright.core.diagnose.residual.observe import observe
 from linkwright.core.diagnose.several.recordings import together
+from linkwright.core.diagnose.steps.diagnosis import diagnose
 from linkwright.core.units.quantities import InputError
 from tests.costs import slow_but
 from tests.diagnose.instruments.six_joint_arm import Hand, seen_by_camera, session, six_joint_arm, transform

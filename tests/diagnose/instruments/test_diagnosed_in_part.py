@@ -3,12 +3,12 @@
 import numpy as np
 import pytest
 
-from linkwright.core.diagnose.diagnosis import diagnose
 from linkwright.core.diagnose.instruments.instrument import Instrument
 from linkwright.core.diagnose.instruments.registry import slots_of
 from linkwright.core.diagnose.instruments.split import laid_out
 from linkwright.core.diagnose.recording import Recording
 from linkwright.core.diagnose.several.recordings import together
+from linkwright.core.diagnose.steps.diagnosis import diagnose
 from tests.diagnose.arm_of_drives import turned_by, visited
 from tests.diagnose.recorded import planar_arm, planar_tip
 

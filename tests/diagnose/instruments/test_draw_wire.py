@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 
 import linkwright as lw
-from linkwright.core.diagnose.diagnosis import diagnose
 from linkwright.core.diagnose.instruments.instrument import Instrument
 from linkwright.core.diagnose.instruments.registry import slots_of
 from linkwright.core.diagnose.residual.observe import observe
+from linkwright.core.diagnose.steps.diagnosis import diagnose
 from tests.diagnose.instruments.spatial_arm import Truth, placed, read, session, spatial_arm, tips
 
 ANCHOR, ZERO, SIGMA = (0.7, -0.4, 0.9), 0.037, 20e-6

@@ -10,8 +10,8 @@ import linkwright as lw
 from handbook.instruments import PAGE, instrument_page
 from handbook.sources import ROOT
 from linkwright.core.diagnose.instruments import INSTRUMENTS, Frame, InstrumentKind, Modelled, Number, Part
-from linkwright.core.diagnose.instruments.contract import check_instrument
 from linkwright.core.diagnose.instruments.registry import kind_at, slots_of
+from linkwright.core.diagnose.steps.instrument_contract import check_instrument
 
 
 @pytest.mark.parametrize("name", list(INSTRUMENTS))

@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 
 import linkwright as lw
-from linkwright.core.diagnose.diagnosis import diagnose
 from linkwright.core.diagnose.instruments.checks import sights_checked
 from linkwright.core.diagnose.instruments.instrument import Instrument
 from linkwright.core.diagnose.instruments.registry import slots_of
 from linkwright.core.diagnose.recording import Recording
 from linkwright.core.diagnose.residual.observe import observe
+from linkwright.core.diagnose.steps.diagnosis import diagnose
 from tests.diagnose.instruments.six_joint_arm import RANGE, flange, six_joint_arm
 
 BEAM = (0.0, 0.6, 0.8)

@@ -5,10 +5,10 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from linkwright.core.arm.chain.chain import EffectEntry
-from linkwright.core.diagnose.diagnosis import diagnose
 from linkwright.core.diagnose.instruments.instrument import Instrument
 from linkwright.core.diagnose.instruments.registry import slots_of
 from linkwright.core.diagnose.residual.observe import beyond_first_order, observe
+from linkwright.core.diagnose.steps.diagnosis import diagnose
 from tests.diagnose.instruments.spatial_arm import AXES, Truth, read, session, spatial_arm, torques
 
 TILT_X, TILT_Y = slots_of("tilt")

@@ -13,11 +13,11 @@ import numpy as np
 import pytest
 
 from linkwright.core.arm.chain.chain import Arm, Joint, Link
-from linkwright.core.diagnose.diagnosis import diagnose
 from linkwright.core.diagnose.fitting.loads.torque_loads import TorqueLoads, loads_by_torque
 from linkwright.core.diagnose.recording import Recording
 from linkwright.core.diagnose.result import Diagnosis
 from linkwright.core.diagnose.rules.rules import RULES
+from linkwright.core.diagnose.steps.diagnosis import diagnose
 from linkwright.core.sections.numeric import Array
 from tests.costs import slow_but
 

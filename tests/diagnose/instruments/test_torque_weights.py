@@ -12,9 +12,9 @@ import numpy as np
 import pytest
 
 from linkwright.core.arm.chain.chain import Arm, Joint, Link
-from linkwright.core.diagnose.diagnosis import diagnose
-from linkwright.core.diagnose.predict import predict
+from linkwright.core.diagnose.judge.predict import predict
 from linkwright.core.diagnose.recording import Recording
+from linkwright.core.diagnose.steps.diagnosis import diagnose
 from linkwright.core.materials.catalogue import load_catalogue
 from linkwright.core.sections.numeric import Array
 from linkwright.output.diagnosis_folder import with_written

@@ -5,10 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from linkwright.core.diagnose.diagnosis import diagnose
 from linkwright.core.diagnose.reading.read import read_recording
 from linkwright.core.diagnose.reading.write import recording_text
 from linkwright.core.diagnose.recording import Recording
+from linkwright.core.diagnose.steps.diagnosis import diagnose
 from linkwright.core.units.quantities import InputError
 from tests.diagnose.instruments.spatial_arm import GRAVITY, SIGMA, placed, session, spatial_arm
 

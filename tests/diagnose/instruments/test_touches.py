@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from linkwright.core.diagnose.diagnosis import diagnose
 from linkwright.core.diagnose.instruments.instrument import Instrument
 from linkwright.core.diagnose.instruments.registry import slots_of
 from linkwright.core.diagnose.recording import Recording
+from linkwright.core.diagnose.steps.diagnosis import diagnose
 from tests.diagnose.arm_of_drives import jacobian
 from tests.diagnose.recorded import planar_arm, planar_tip
 

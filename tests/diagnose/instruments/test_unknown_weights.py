@@ -14,11 +14,11 @@ import pytest
 
 from linkwright.core.arm.chain.chain import Arm, Joint, Link
 from linkwright.core.arm.evaluation import evaluate
-from linkwright.core.diagnose.diagnosis import diagnose
 from linkwright.core.diagnose.first_look.torque_sign import refuse_torques_of_another_sign
-from linkwright.core.diagnose.predict import predict
+from linkwright.core.diagnose.judge.predict import predict
 from linkwright.core.diagnose.recording import Recording
 from linkwright.core.diagnose.rules.rules import RULES
+from linkwright.core.diagnose.steps.diagnosis import diagnose
 from linkwright.core.materials.catalogue import load_catalogue
 from linkwright.core.units.quantities import InputError
 from linkwright.output.diagnosis_folder import with_written

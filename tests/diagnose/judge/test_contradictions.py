@@ -5,12 +5,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from linkwright.core.diagnose.diagnosis import diagnose
 from linkwright.core.diagnose.judge.contradictions import contradictions
 from linkwright.core.diagnose.motion.diagnosis import diagnose_motion
 from linkwright.core.diagnose.options import Options
 from linkwright.core.diagnose.recording import Recording
 from linkwright.core.diagnose.rules.rules import RULES
+from linkwright.core.diagnose.steps.diagnosis import diagnose
 from tests.diagnose.judge.test_for_file import NOISE, arm, tips
 from tests.diagnose.motion.plumb_arm import HAND, logged, plumb_arm
 

@@ -5,11 +5,11 @@ import re
 import numpy as np
 import pytest
 
-from linkwright.core.diagnose.diagnosis import diagnose
 from linkwright.core.diagnose.fitting.prepare import prepare
 from linkwright.core.diagnose.options import Options
 from linkwright.core.diagnose.patterns.forces import fitted_pull
 from linkwright.core.diagnose.residual.observe import observe
+from linkwright.core.diagnose.steps.diagnosis import diagnose
 from tests.costs import slow_but
 from tests.diagnose.arm_of_drives import arm_of_drives, given_way, read, turned_by, visited
 from tests.diagnose.core_cases import group_of

@@ -5,9 +5,9 @@ import re
 import numpy as np
 import pytest
 
-from linkwright.core.diagnose.diagnosis import diagnose
 from linkwright.core.diagnose.patterns import forces
 from linkwright.core.diagnose.patterns.forces import fitted_pull
+from linkwright.core.diagnose.steps.diagnosis import diagnose
 from tests.costs import slow_but
 from tests.diagnose.arm_of_drives import arm_of_drives, given_way, read, turned_by, visited
 from tests.diagnose.patterns.test_forces import between, drawn, place_of, ready

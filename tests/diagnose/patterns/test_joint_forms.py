@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from linkwright.core.diagnose.diagnosis import diagnose
+from linkwright.core.diagnose.steps.diagnosis import diagnose
 from tests.diagnose.arm_of_drives import arm_of_drives, read, turned_by, visited
 
 ARM = arm_of_drives()

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from linkwright.core.arm.chain.chain import Arm, Joint, Link
-from linkwright.core.diagnose.diagnosis import diagnose
 from linkwright.core.diagnose.reading.read import read_recording
+from linkwright.core.diagnose.steps.diagnosis import diagnose
 from linkwright.core.sections.numeric import Array
 from tests.diagnose.recorded import written
 

@@ -5,9 +5,9 @@ import pytest
 
 from linkwright.core.arm.chain.chain import Arm, Joint, Link
 from linkwright.core.arm.effects import Settings
-from linkwright.core.diagnose.diagnosis import diagnose
 from linkwright.core.diagnose.recording import Recording
 from linkwright.core.diagnose.residual.observe import observe
+from linkwright.core.diagnose.steps.diagnosis import diagnose
 from tests.costs import slow_but
 
 SIGMA = 15e-6

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from linkwright.core.diagnose.diagnosis import diagnose
 from linkwright.core.diagnose.reading.read import read_recording
+from linkwright.core.diagnose.steps.diagnosis import diagnose
 from tests.costs import slow_but
 from tests.diagnose.arm_of_drives import SIGMA, arm_of_drives
 from tests.diagnose.recorded import planar_tip, table, written

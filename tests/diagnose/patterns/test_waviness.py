@@ -7,9 +7,9 @@ import pytest
 
 from linkwright.core.arm.chain.chain import Arm, Joint, Link
 from linkwright.core.arm.chain.kinematics import tip_position
-from linkwright.core.diagnose.diagnosis import diagnose
 from linkwright.core.diagnose.fitting.held_out import HeldOut, splits
 from linkwright.core.diagnose.recording import Recording
+from linkwright.core.diagnose.steps.diagnosis import diagnose
 from tests.diagnose.core_cases import SIGMA, prepared_null
 
 ORDERS = np.array([3, 8, 13, 17, 22, 27])

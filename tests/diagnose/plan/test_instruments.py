@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from linkwright.core.diagnose.diagnosis import diagnose
 from linkwright.core.diagnose.instruments.observes import observed_by
 from linkwright.core.diagnose.plan.plan_request import Asked
 from linkwright.core.diagnose.plan.planning import plan
 from linkwright.core.diagnose.plan.promise import _sound
 from linkwright.core.diagnose.rules.rules import RULES
+from linkwright.core.diagnose.steps.diagnosis import diagnose
 from tests.diagnose.instruments.six_joint_arm import Hand, flange, seen_by_camera, six_joint_arm
 from tests.diagnose.instruments.spatial_arm import RANGE, Truth, spatial_arm, tips
 from tests.diagnose.instruments.test_levels import recorded, tilted

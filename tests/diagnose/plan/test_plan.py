@@ -12,18 +12,18 @@ from linkwright.core.arm.avoid.poses import NoRoom, Room, approach, frames_and_t
 from linkwright.core.arm.avoid.regions import between
 from linkwright.core.arm.chain.chain import Link
 from linkwright.core.arm.chain.kinematics import tip_position
-from linkwright.core.diagnose.diagnosis import diagnose
 from linkwright.core.diagnose.plan.design import Patterns, _Score, chosen_visits
 from linkwright.core.diagnose.plan.order import in_order, returns_of, with_time
 from linkwright.core.diagnose.plan.plan_request import Asked, seen_axes
 from linkwright.core.diagnose.plan.planning import NothingToSee, plan
 from linkwright.core.diagnose.plan.promise import _sound, promised, rivals_of
+from linkwright.core.diagnose.plan.simulate import Plan, simulate
 from linkwright.core.diagnose.plan.tried import tried_visits
 from linkwright.core.diagnose.plan.written import plan_text, read_plan, to_record
 from linkwright.core.diagnose.rules.rules import RULES
 from linkwright.core.diagnose.search.aliases import likenesses
 from linkwright.core.diagnose.search.naming import Namer
-from linkwright.core.diagnose.simulate import Plan, simulate
+from linkwright.core.diagnose.steps.diagnosis import diagnose
 from tests.diagnose.core_cases import with_effects
 from tests.diagnose.made_diagnosis import made_arm
 

@@ -2,8 +2,8 @@
 
 import pytest
 
+from linkwright.core.diagnose.columns.proposed_file import propose
 from linkwright.core.diagnose.reading.columns import otherwise_spelled
-from linkwright.core.diagnose.reading.foreign.proposed_file import propose
 from linkwright.core.diagnose.reading.read import read_recording
 from linkwright.core.units.quantities import InputError
 from tests.diagnose.reading.test_foreign_files import ANGLES, ARM, TIPS, read, text

@@ -8,9 +8,9 @@ import pytest
 from linkwright.core.arm.chain.chain import Joint
 from linkwright.core.diagnose.instruments.instrument import Instrument
 from linkwright.core.diagnose.instruments.registry import slots_of
+from linkwright.core.diagnose.plan.simulate import Plan, simulate
 from linkwright.core.diagnose.reading.read import read_recording
 from linkwright.core.diagnose.reading.write import recording_text, settings_text
-from linkwright.core.diagnose.simulate import Plan, simulate
 from linkwright.core.units.quantities import InputError
 from tests.diagnose.instruments.spatial_arm import RANGE, placed, spatial_arm
 from tests.diagnose.recorded import planar_arm, planar_tip, poses, table, written

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from linkwright.core.diagnose.diagnosis import diagnose
 from linkwright.core.diagnose.residual.noise import noise_floor
+from linkwright.core.diagnose.steps.diagnosis import diagnose
 from tests.costs import slow_but
 from tests.diagnose.arm_of_drives import SIGMA, arm_of_drives
 from tests.diagnose.by_cosines import file, noise, poses, recording, tips

@@ -5,11 +5,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from linkwright.core.diagnose.diagnosis import diagnose
+from linkwright.core.diagnose.plan.simulate import Plan, simulate
 from linkwright.core.diagnose.reading.read import read_recording
 from linkwright.core.diagnose.residual.observe import observe
 from linkwright.core.diagnose.residual.orientation import with_sound_orientation
-from linkwright.core.diagnose.simulate import Plan, simulate
+from linkwright.core.diagnose.steps.diagnosis import diagnose
 from linkwright.core.units.quantities import InputError
 from tests.diagnose.core_cases import with_effects
 from tests.diagnose.made_diagnosis import made_arm

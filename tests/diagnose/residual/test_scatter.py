@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from linkwright.core.arm.effects import Settings
-from linkwright.core.diagnose.diagnosis import diagnose
 from linkwright.core.diagnose.recording import since_the_reading_before
 from linkwright.core.diagnose.residual.observe import observe
 from linkwright.core.diagnose.residual.visits import looks_quieter
+from linkwright.core.diagnose.steps.diagnosis import diagnose
 from tests.costs import slow_but
 from tests.diagnose.core_cases import SIGMA, recorded
 from tests.diagnose.made_diagnosis import made_arm

@@ -4,7 +4,7 @@ have in common is said."""
 import numpy as np
 import pytest
 
-from linkwright.core.diagnose.diagnosis import diagnose
+from linkwright.core.diagnose.steps.diagnosis import diagnose
 from tests.diagnose.by_cosines import GIVES, LENGTHS, MASS, SIGMA, file, noise, recording, tips
 
 PLAY = 1.4e-3

@@ -8,10 +8,10 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from linkwright.core.arm.effects import EFFECTS
-from linkwright.core.diagnose.diagnosis import diagnose
 from linkwright.core.diagnose.recording import Recording
 from linkwright.core.diagnose.residual.observe import observe
 from linkwright.core.diagnose.residual.observed import rms_length
+from linkwright.core.diagnose.steps.diagnosis import diagnose
 from tests.arm.rows.matrices import QUARTER, arm_of
 from tests.costs import slow_but
 

@@ -6,8 +6,8 @@ import math
 import numpy as np
 import pytest
 
-from linkwright.core.diagnose.diagnosis import diagnose
 from linkwright.core.diagnose.recording import Recording
+from linkwright.core.diagnose.steps.diagnosis import diagnose
 from tests.arm.rows.matrices import QUARTER, arm_of, tip_by_matrices
 
 OFFSET_WRIST = [

@@ -7,12 +7,12 @@ import pytest
 
 from linkwright.core.arm.chain.chain import EffectEntry, Link, LoadCase
 from linkwright.core.arm.effects import EFFECTS, Settings
-from linkwright.core.diagnose.diagnosis import diagnose
 from linkwright.core.diagnose.fitting.prepare import prepare
 from linkwright.core.diagnose.options import Options
 from linkwright.core.diagnose.residual.observe import observe
 from linkwright.core.diagnose.search.coupling import softened, through_what_is_named
 from linkwright.core.diagnose.search.naming import Named, Namer
+from linkwright.core.diagnose.steps.diagnosis import diagnose
 from tests.diagnose.core_cases import SIGMA, recorded, with_effects
 from tests.diagnose.made_diagnosis import made_arm, made_recording
 

@@ -7,12 +7,12 @@ import numpy as np
 import pytest
 
 from linkwright.core.arm.effects import EFFECTS
-from linkwright.core.diagnose.diagnosis import diagnose
 from linkwright.core.diagnose.fitting.prepare import prepare
 from linkwright.core.diagnose.options import Options
 from linkwright.core.diagnose.residual.observe import observe
 from linkwright.core.diagnose.search.exchanges import _leaving, better
 from linkwright.core.diagnose.search.naming import Namer
+from linkwright.core.diagnose.steps.diagnosis import diagnose
 from tests.costs import slow_but
 from tests.diagnose.arm_of_drives import SIGMA, arm_of_drives, given_way, read, turned_by
 from tests.diagnose.core_cases import prepared_null

@@ -5,13 +5,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from linkwright.core.diagnose.diagnosis import diagnose
 from linkwright.core.diagnose.fitting.prepare import prepare
 from linkwright.core.diagnose.options import Options
 from linkwright.core.diagnose.recording import Recording
 from linkwright.core.diagnose.residual.observe import observe
 from linkwright.core.diagnose.search.aliases import Rival, preferred
 from linkwright.core.diagnose.search.naming import Namer
+from linkwright.core.diagnose.steps.diagnosis import diagnose
 from tests.diagnose.core_cases import group_of, prepared_null, recorded, with_residual
 from tests.diagnose.made_diagnosis import made_arm
 from tests.diagnose.recorded import planar_arm

@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 
 from linkwright.core.arm.files.read import read_arm
-from linkwright.core.diagnose.diagnosis import diagnose
 from linkwright.core.diagnose.recording import Recording
 from linkwright.core.diagnose.residual.observe import observe
 from linkwright.core.diagnose.residual.observed import rms_length
+from linkwright.core.diagnose.steps.diagnosis import diagnose
 from tests.costs import slow_but
 from tests.diagnose.off_by_degrees import (
     arm_file,

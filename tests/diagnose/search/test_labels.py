@@ -8,7 +8,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from linkwright.core.diagnose.diagnosis import diagnose
 from linkwright.core.diagnose.fitting.prepare import prepare
 from linkwright.core.diagnose.options import Options
 from linkwright.core.diagnose.reading.read import read_recording
@@ -16,6 +15,7 @@ from linkwright.core.diagnose.recording import Recording
 from linkwright.core.diagnose.residual.observe import observe
 from linkwright.core.diagnose.result import Diagnosis
 from linkwright.core.diagnose.search.labels import mislabelled
+from linkwright.core.diagnose.steps.diagnosis import diagnose
 from linkwright.core.sections.numeric import Array
 from tests.diagnose.arm_of_drives import COMPLIANCE, SIGMA, arm_of_drives
 from tests.diagnose.recorded import LENGTHS, planar_tip, sagging_tip, table, written

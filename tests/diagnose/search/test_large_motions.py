@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 from linkwright.core.arm.chain.chain import Arm, Joint, Link
-from linkwright.core.diagnose.diagnosis import diagnose
 from linkwright.core.diagnose.reading.read import read_recording
 from linkwright.core.diagnose.recording import Recording
+from linkwright.core.diagnose.steps.diagnosis import diagnose
 from linkwright.core.materials.catalogue import load_catalogue
 from linkwright.core.sections import Tube
 from tests.cosserat_rod import rod_tip, rods_of

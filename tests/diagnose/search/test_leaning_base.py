@@ -8,7 +8,7 @@ import pytest
 from linkwright.core.arm.effects.loads.base_tilt import BASE_TILT
 from linkwright.core.arm.files.read import read_arm
 from linkwright.core.arm.files.write import write_arm
-from linkwright.core.diagnose.diagnosis import diagnose
+from linkwright.core.diagnose.steps.diagnosis import diagnose
 from linkwright.core.sections.numeric import Array
 from tests.diagnose.by_cosines import GIVES, LENGTHS, MASS, SIGMA, file, noise, poses, recording
 

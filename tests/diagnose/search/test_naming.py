@@ -5,12 +5,12 @@ import pytest
 
 from linkwright.core.diagnose.answer.conclusion import Conclusion
 from linkwright.core.diagnose.answer.confirmation import Confirmed
-from linkwright.core.diagnose.diagnosis import diagnose
 from linkwright.core.diagnose.fitting.prepare import prepare
 from linkwright.core.diagnose.options import Options
 from linkwright.core.diagnose.residual.noise import noise_floor
 from linkwright.core.diagnose.residual.observe import observe
 from linkwright.core.diagnose.search.naming import Named, Namer, _pruned
+from linkwright.core.diagnose.steps.diagnosis import diagnose
 from tests.costs import slow_but
 from tests.diagnose.arm_of_drives import arm_of_drives, read, turned_by
 from tests.diagnose.core_cases import group_of

@@ -4,9 +4,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from linkwright.core.diagnose.diagnosis import diagnose
 from linkwright.core.diagnose.options import Options
 from linkwright.core.diagnose.search.naming import Namer
+from linkwright.core.diagnose.steps.diagnosis import diagnose
 from tests.diagnose.core_cases import prepared_null, recorded
 from tests.diagnose.made_diagnosis import made_arm
 

@@ -5,8 +5,8 @@ from dataclasses import replace
 import pytest
 
 from linkwright.core.arm.effects import EFFECTS
-from linkwright.core.diagnose.diagnosis import diagnose
 from linkwright.core.diagnose.several.recordings import together
+from linkwright.core.diagnose.steps.diagnosis import diagnose
 from linkwright.json.diagnosis import diagnosis_json
 from linkwright.results.diagnoses.answer import answer, to_do
 from tests.costs import slow_but

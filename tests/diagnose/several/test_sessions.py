@@ -10,12 +10,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from linkwright.core.arm.chain.conditions import Conditions
-from linkwright.core.diagnose.diagnosis import diagnose
 from linkwright.core.diagnose.reading.read import read_recording
 from linkwright.core.diagnose.recording import Recording
 from linkwright.core.diagnose.residual.observe import observe
 from linkwright.core.diagnose.several.recordings import Several, together
 from linkwright.core.diagnose.several.sessions import gone_on_from
+from linkwright.core.diagnose.steps.diagnosis import diagnose
 from linkwright.core.sections.numeric import Array
 from tests.diagnose.recorded import LENGTHS, planar_tip, poses, table, written
 from tests.diagnose.several.days import arm, day

@@ -9,9 +9,9 @@ import pytest
 import linkwright as lw
 from linkwright.browser.server.folder import Folder
 from linkwright.cli import run
-from linkwright.core.diagnose.diagnosis import diagnose
 from linkwright.core.diagnose.reading.write import recording_text, settings_text
 from linkwright.core.diagnose.several.recordings import together
+from linkwright.core.diagnose.steps.diagnosis import diagnose
 from tests.diagnose.several.days import arm, day
 
 SOFT = {2: 40e-6}

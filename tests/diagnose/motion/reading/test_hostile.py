@@ -11,10 +11,10 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
+from linkwright.core.diagnose.columns.proposed_file import Proposal, propose
 from linkwright.core.diagnose.motion.log import MotionLog
 from linkwright.core.diagnose.motion.reading.read import is_motion_log, logs_from, read_log
 from linkwright.core.diagnose.reading.files import table_of
-from linkwright.core.diagnose.reading.foreign.proposed_file import Proposal, propose
 from linkwright.core.diagnose.reading.settings import ReadingSettings
 from linkwright.core.units.quantities import InputError
 from tests.diagnose.motion.reading.test_conventions import arm, motion

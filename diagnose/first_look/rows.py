@@ -15,13 +15,14 @@ from numpy.typing import NDArray
 
 from linkwright.core.arm.chain.arrays import nominal
 from linkwright.core.arm.chain.chain import Arm
-from linkwright.core.diagnose.first_look.recording import Tips, contradictions, shown_length
-from linkwright.core.diagnose.first_look.units import IN_A_ROW, unit_changes, widest
+from linkwright.core.diagnose.instruments.placement import Placement, placed
 from linkwright.core.diagnose.recording import Recording, RejectedRow
-from linkwright.core.diagnose.residual.placement import Placement, placed
 from linkwright.core.diagnose.rules.rules import RULES, Rules
 from linkwright.core.sections.numeric import Array
 from linkwright.core.units.lists import rows_text
+
+from .recording import Tips, contradictions, shown_length
+from .units import IN_A_ROW, unit_changes, widest
 
 Mask = NDArray[np.bool_]
 

@@ -13,6 +13,9 @@ from linkwright.core.arm.chain.chain import Arm, Joint, Link
 from linkwright.core.diagnose.motion.reading.read import is_motion_log, read_log
 from linkwright.core.diagnose.reading.columns import canonical
 from linkwright.core.diagnose.reading.files import read_table
+from linkwright.core.diagnose.reading.foreign.header_units import name_and_unit
+from linkwright.core.diagnose.reading.foreign.proposal import IGNORED, Meaning, is_motion, proposed, settings_text
+from linkwright.core.diagnose.reading.foreign.words import said_by
 from linkwright.core.diagnose.reading.formula import read_formula
 from linkwright.core.diagnose.reading.read import read_recording
 from linkwright.core.diagnose.reading.settings import ReadingSettings, content_of, find_settings, read_settings
@@ -21,9 +24,6 @@ from linkwright.core.diagnose.rules.rules import RULES, Rules
 from linkwright.core.units.quantities import InputError
 
 from .doubts import Doubt, doubts_of
-from .header_units import name_and_unit
-from .proposal import IGNORED, Meaning, is_motion, proposed, settings_text
-from .words import said_by
 
 SETTINGS = "recording.yaml"
 

@@ -6,8 +6,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from linkwright.core.diagnose.residual.observed import Observed
 from linkwright.core.sections.numeric import Array
+
+from .observed import Observed
 
 
 def of_each(

@@ -21,16 +21,15 @@ from linkwright.core.arm.chain.statics import PoseState, solve
 from linkwright.core.arm.errors.model import beams_of
 from linkwright.core.arm.errors.recorded import Asked, Channels, seen, seen_of_model
 from linkwright.core.arm.errors.tip import active_effects
+from linkwright.core.diagnose.instruments.instrument import Instrument
+from linkwright.core.diagnose.instruments.kind import InstrumentKind, Stood
+from linkwright.core.diagnose.instruments.level import stand_of
+from linkwright.core.diagnose.instruments.registry import kinds_of, slots_of
+from linkwright.core.diagnose.instruments.touching import touched
+from linkwright.core.diagnose.recording import Recording, since_the_reading_before
 from linkwright.core.diagnose.residual.recorded_conditions import conditions_of
 from linkwright.core.sections.numeric import Array
 from linkwright.core.units.temperature import ZERO_CELSIUS
-
-from .instruments.instrument import Instrument
-from .instruments.kind import InstrumentKind, Stood
-from .instruments.level import stand_of
-from .instruments.registry import kinds_of, slots_of
-from .instruments.touching import touched
-from .recording import Recording, since_the_reading_before
 
 Sides = Literal["both", "one", "random"]
 

@@ -11,17 +11,16 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from linkwright.core.arm.chain.chain import Arm, Joint, Link, LoadCase
+from linkwright.core.diagnose.instruments.instrument import Instrument
+from linkwright.core.diagnose.instruments.kind import Frame, InstrumentKind, Scene
+from linkwright.core.diagnose.instruments.observes import observed_by, read_instrument
+from linkwright.core.diagnose.instruments.registry import INSTRUMENTS, slots_of
+from linkwright.core.diagnose.plan.simulate import Plan, simulate
 from linkwright.core.diagnose.residual.observe import observe
 from linkwright.core.diagnose.rules.rules import RULES
-from linkwright.core.diagnose.simulate import Plan, simulate
 from linkwright.core.sections.numeric import Array
 from linkwright.core.units.quantities import InputError
 from linkwright.core.units.reading import Mapping, parse_yaml
-
-from .instrument import Instrument
-from .kind import Frame, InstrumentKind, Scene
-from .observes import observed_by, read_instrument
-from .registry import INSTRUMENTS, slots_of
 
 _POSES = 40
 _EXACT = MappingProxyType({"length": 1e-6, "angle": 1e-4})

@@ -19,7 +19,9 @@ from linkwright.core.diagnose.fitting.geometry import about_geometry
 from linkwright.core.diagnose.fitting.loads.torque_loads import loads_by_torque
 from linkwright.core.diagnose.fitting.origins import located
 from linkwright.core.diagnose.fitting.prepare import prepare
+from linkwright.core.diagnose.options import Options, Progress, silent
 from linkwright.core.diagnose.patterns.library import Candidate
+from linkwright.core.diagnose.recording import Recording
 from linkwright.core.diagnose.residual.free_origins import turned_by, with_origins_of
 from linkwright.core.diagnose.residual.masses_from_torques import weighed_by_torque
 from linkwright.core.diagnose.residual.noise import NoiseFloor, noise_floor
@@ -27,6 +29,7 @@ from linkwright.core.diagnose.residual.observe import observe
 from linkwright.core.diagnose.residual.observed import Observed
 from linkwright.core.diagnose.residual.orientation import with_sound_orientation
 from linkwright.core.diagnose.residual.visits import one_condition, visits
+from linkwright.core.diagnose.result import Diagnosis
 from linkwright.core.diagnose.rules.rules import Rules
 from linkwright.core.diagnose.search.coupling import coupled, may_couple, through_what_is_named
 from linkwright.core.diagnose.search.labels import mislabelled
@@ -35,12 +38,9 @@ from linkwright.core.diagnose.search.mass_consistency import under_one_set
 from linkwright.core.diagnose.search.naming import Named, Namer, name_missing
 from linkwright.core.diagnose.search.set_aside import alike, asked_again, with_figures
 from linkwright.core.diagnose.several.floors import floor_of_all
-from linkwright.core.diagnose.several.other_arms import of_different_arms, of_other_arms
 from linkwright.core.diagnose.several.recordings import Several
 
-from .options import Options, Progress, silent
-from .recording import Recording
-from .result import Diagnosis
+from .other_arms import of_different_arms, of_other_arms
 
 
 class _SoFar:

@@ -22,7 +22,7 @@ from linkwright.core.sections.numeric import Array
 from linkwright.core.units.lists import rows_text
 from linkwright.core.units.quantities import InputError, format_quantity
 
-from .motion import motion_checked
+from .rows import motion_checked
 
 
 def checked(recording: Recording, arm: Arm, headers: Mapping[str, str], *, rules: Rules = RULES) -> Recording:

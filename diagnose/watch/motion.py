@@ -8,12 +8,12 @@ import numpy as np
 
 from linkwright.core.arm.chain.chain import Arm
 from linkwright.core.diagnose.motion.log import MotionLog
+from linkwright.core.diagnose.motion.uses.by_log import by_log
 from linkwright.core.diagnose.options import Options, Progress
 from linkwright.core.diagnose.several.recordings import names_of
-from linkwright.core.diagnose.watch.estimates import Parameter
-from linkwright.core.diagnose.watch.watch import Dated, Watch, courses, dates_of
 
-from .by_log import by_log
+from .estimates import Parameter
+from .watch import Dated, Watch, courses, dates_of
 
 
 def watch_motion(arm: Arm, logs: Sequence[MotionLog], options: Options, progress: Progress) -> Watch:

@@ -1,1 +1,0 @@
-"""What is wrong with a recording before physics is asked: readings, units, conventions, contradictions."""
