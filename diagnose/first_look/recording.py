@@ -139,9 +139,9 @@ def _explained(look: TipEvidence, misfit: float) -> Judged | None:
     """The likeliest transformation that explains why the middle reading is off by `misfit`, None where none does."""
     if look.gross and (late := _other_rows(look)) is not None:
         return late
-    if (told := _told(look)) is None:
+    if (shown := _shown(look)) is None:
         return None
-    singles, units = told
+    singles, units = shown
     # A frame that is free takes up much; beside another mistake, nobody gets a single column's unit wrong.
     kinds = [each for each in units if len(each.acts_on) in (look.tip.shape[1], look.arm.size)]
     again = [*singles, *([] if look.frame else kinds)] if look.gross else []
@@ -154,7 +154,7 @@ def _explained(look: TipEvidence, misfit: float) -> Judged | None:
     return explained
 
 
-def _told(look: TipEvidence) -> tuple[list[Transformation], list[Transformation]] | None:
+def _shown(look: TipEvidence) -> tuple[list[Transformation], list[Transformation]] | None:
     """Single transformations and units of which the poses tell; none but numbers of joints where they are few, and None
     where frame, tool and a wrong convention together fit them by chance."""
     poses = len(np.unique(np.round(look.q, 3), axis=0))

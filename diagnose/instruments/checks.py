@@ -12,6 +12,7 @@ from linkwright.core.arm.chain.arrays import nominal
 from linkwright.core.arm.chain.chain import Arm
 from linkwright.core.diagnose.recording import Recording, RejectedRow
 from linkwright.core.diagnose.rules.rules import RULES, Rules
+from linkwright.core.sections.numeric import Array
 from linkwright.core.units.quantities import InputError, format_quantity
 
 from .kind import InstrumentKind
@@ -34,15 +35,18 @@ def sights_checked(recording: Recording, arm: Arm, *, rules: Rules = RULES) -> R
     def view(tried: Recording) -> View:
         return viewed(tried, tips, axes, stand, flat=arm.planar(), rules=rules.residual)
 
-    look = Look(recording, tips, axes, arm.planar(), view, None, rules)
-    for kind in kinds:
-        kind.refuse(look)
+    def refuse(off: Array | None) -> None:
+        framed = any(kind.framed for kind in kinds)
+        for kind in kinds:
+            numbers = marked(slots, (kind,))
+            kind.refuse(Look(recording, tips, axes, arm.planar(), view, off, rules, numbers, framed))
+
+    refuse(None)
     if recording.size < rules.residual.enough_freedom or not np.ptp(recording.q, axis=0).any():
         return recording
     off, extent = np.abs(view(recording).residual), float(np.linalg.norm(np.ptp(tips, axis=0)))
     numbers = marked(slots, [kind for kind in kinds if _lengths(kind)])
-    for kind in kinds:
-        kind.refuse(replace(look, off=off))
+    refuse(off)
     misfit = float(np.median(off[numbers])) if numbers.any() else 0.0
     if misfit > rules.reading.elsewhere * extent:
         _say_why(recording, view, numbers, misfit, extent, rules)

@@ -96,12 +96,8 @@ class Bar(InstrumentKind):
 
     def refuse(self, look: Look) -> None:
         """Bars of another length than the tips' places have."""
-        from linkwright.core.diagnose.instruments.registry import marked
-
-        recording = look.recording
-        assert recording.slots is not None
-        bars = marked(recording.slots, (self,))
-        if look.off is None or recording.bar_at is None or not bars.any():
+        recording, bars = look.recording, look.numbers
+        if look.off is None or recording.bar_at is None:
             return
         there = bars.any(axis=1)
         length = float(np.sqrt(np.mean((recording.bar_at[there] - recording.bar_at[there].mean()) ** 2)))

@@ -173,16 +173,10 @@ class Distance(InstrumentKind):
 
     def refuse(self, look: Look) -> None:
         """An anchor that nobody knows needs more distances than its place has numbers."""
-        from linkwright.core.diagnose.instruments.registry import kinds_of, marked
-
         recording = look.recording
-        assert recording.slots is not None
-        distances = marked(recording.slots, (self,)).any(axis=1)
-        alone = not any(kind.framed for kind in kinds_of(recording.slots))
-        free = recording.instrument.anchor is None or (recording.frame == "free" and alone)
-        if not distances.any() or not free:
+        if recording.instrument.anchor is not None and (recording.frame != "free" or look.framed):
             return
-        share, at = look.rules.residual.level_places, look.tips[distances]
+        share, at = look.rules.residual.level_places, look.tips[look.numbers.any(axis=1)]
         apart = max(share * float(np.linalg.norm(np.ptp(at, axis=0))), 1e-6)
         places = len(np.unique(np.round(at / apart), axis=0))
         least = (3 if look.flat else 4) + self._more

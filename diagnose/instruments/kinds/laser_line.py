@@ -204,13 +204,7 @@ class LaserLine(InstrumentKind):
 
     def refuse(self, look: Look) -> None:
         """A surface that was met on a line could be turned about it."""
-        from linkwright.core.diagnose.instruments.registry import marked
-
-        recording = look.recording
-        assert recording.slots is not None
-        rows = marked(recording.slots, (self,)).any(axis=1)
-        if not rows.any():
-            return
+        recording, rows = look.recording, look.numbers.any(axis=1)
         places = look.tips + np.where(rows, recording.tip[:, 0], 0.0)[:, None] * (
             look.axes @ np.array(recording.instrument.setting("beam"))
         )

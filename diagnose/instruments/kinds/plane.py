@@ -78,13 +78,10 @@ class Plane(InstrumentKind):
 
     def refuse(self, look: Look) -> None:
         """Planes that were touched on a line (in the plane: lines touched at a spot) could be turned about it."""
-        from linkwright.core.diagnose.instruments.registry import marked
-
         recording, tips = look.recording, look.tips
-        assert recording.slots is not None
-        if recording.touches is None or not (there := marked(recording.slots, (self,)).any(axis=1)).any():
+        if recording.touches is None:
             return
-        share, touched = look.rules.residual.level_places, np.where(there, recording.touches, -1)
+        share, touched = look.rules.residual.level_places, np.where(look.numbers.any(axis=1), recording.touches, -1)
         _, _, reach = touched_planes(tips, touched, len(recording.instrument.labels), flat=look.flat)
         size = float(np.linalg.norm(np.ptp(tips, axis=0)))
         for label, name in enumerate(recording.instrument.labels):

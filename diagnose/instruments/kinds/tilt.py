@@ -204,12 +204,8 @@ class Tilt(InstrumentKind):
 
     def refuse(self, look: Look) -> None:
         """Tilts that are not what the joints say, wherever the level sits."""
-        from linkwright.core.diagnose.instruments.registry import marked
-
-        recording = look.recording
-        assert recording.slots is not None
-        tilts = marked(recording.slots, (self,))
-        if look.off is None or not tilts.any() or float(np.median(look.off[tilts])) <= look.rules.reading.elsewhere:
+        recording, tilts = look.recording, look.numbers
+        if look.off is None or float(np.median(look.off[tilts])) <= look.rules.reading.elsewhere:
             return
         link = recording.instrument.tilt_link or "base"
         by = format_quantity(float(np.arcsin(min(1.0, float(np.median(look.off[tilts]))))), "angle", digits=2)

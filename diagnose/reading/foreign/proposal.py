@@ -232,14 +232,14 @@ def _of_joints(headers: Mapping[str, str], table: Table, arm: Arm, taken: set[st
 
 @dataclass(frozen=True)
 class _Group:
-    """Headers that tell of one thing (`base`) of joints in one way (`of`): `said` by each and its unit, and which is of
-    which joint (`at`, from 0)."""
+    """Headers that tell of one thing (`base`) of joints in one way (`of`): what each means and its unit, and which is
+    of which joint (`at`, from 0)."""
 
     base: str
     of: str
     rank: tuple[int, int, int]
     at: dict[int, str]
-    said: dict[str, Said]
+    meanings: dict[str, Said]
     units: dict[str, str]
 
 
@@ -257,10 +257,10 @@ def _groups(headers: Mapping[str, str], table: Table, arm: Arm) -> list[_Group]:
             groups[meaning.base, meaning.of, meaning.rank][header] = meaning
     zero_based = {of for (_, of, _), group in groups.items() if any(item.number == 0 for item in group.values())}
     made: list[_Group] = []
-    for (base, of, rank), said in groups.items():
-        at = _numbered(said, arm, zero=of in zero_based)
-        units = {header: name_and_unit(headers[header])[1] for header in said}
-        made.append(_Group(base, of, (len(at), rank, -len(made)), at, said, units))
+    for (base, of, rank), meanings in groups.items():
+        at = _numbered(meanings, arm, zero=of in zero_based)
+        units = {header: name_and_unit(headers[header])[1] for header in meanings}
+        made.append(_Group(base, of, (len(at), rank, -len(made)), at, meanings, units))
     return made
 
 
@@ -297,7 +297,7 @@ def _in_units(group: _Group, at: Mapping[int, str], table: Table, arm: Arm) -> d
         what = f"{base}{joint + 1}"
         can_be = units_for(base, arm, joint)
         unit_known = unit_of(what, group.units[header])
-        meaning = group.said[header]
+        meaning = group.meanings[header]
         strange = bool(meaning.label) and not any(
             item.casefold() in meaning.label.casefold() or meaning.label.casefold() in item.casefold()
             for item in unnamed
