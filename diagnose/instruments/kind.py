@@ -138,7 +138,6 @@ class Part(ABC):
 
     def refit(self, state: Any, at: Array) -> Any:
         """The state that fits tips `at` (N, 3) best, where it follows from them alone."""
-        del at
         return state
 
     @abstractmethod
@@ -151,36 +150,29 @@ class Part(ABC):
 
     def own_columns(self, state: Any, seen: Seen) -> Array:
         """How the residual falls with each of the unknowns that are stepped, (N, W, own)."""
-        del state
         return np.zeros((*seen.residual.shape, 0))
 
     def stepped(self, state: Any, step: Array) -> Any:
         """The state after a step (own,)."""
-        del step
         return state
 
     def beside(self, state: Any, seen: Seen) -> tuple[list[Array], list[str]]:
         """How readings move with the other unknowns, (N, W, k) each, and the names of these."""
-        del state, seen
         return [], []
 
     def also(self, state: Any, seen: Seen) -> tuple[list[Array], list[str]]:
         """The same for unknowns on which neither frame nor tool depends."""
-        del state, seen
         return [], []
 
     def settled(self, state: Any, at: Array, settled: Array) -> None:
         """Put tips `settled` (N, 3) where the readings say that they are, if they touch something."""
-        del state, at, settled
 
     def untold(self, shares: Array) -> tuple[str, ...]:
         """Sentences on the unknowns that the readings do not tell, by the share of each in that (own,)."""
-        del shares
         return ()
 
     def change(self, state: Any, seen: Seen, frame: Frame) -> Change | None:
         """What displacements and turns show exactly; None where that is what they show to first order."""
-        del state, seen, frame
         return None
 
 
@@ -239,33 +231,27 @@ class InstrumentKind(ABC):
 
     def read(self, mapping: Reader) -> Mapping[str, Any]:
         """Fields of `Instrument` by recording.yaml. Raises `InputError`."""
-        del mapping
         return {}
 
     def asked(self, words: Mapping[str, Any], arm: Arm) -> Mapping[str, Any]:
         """Fields of a simulation's plan by a caller's words: `instrument` and what goes with it. Raises
         `InputError`."""
-        del words, arm
         return {"instrument": Instrument((self.name,))}
 
     def words(self, instrument: Instrument) -> Mapping[str, Any]:
         """A caller's words for an instrument as recorded."""
-        del instrument
         return {}
 
     def lines(self, instrument: Instrument) -> tuple[str, ...]:
         """The lines of recording.yaml."""
-        del instrument
         return ()
 
     def said(self, instrument: Instrument, *, anchor_free: bool) -> str:
         """What is read, in a sentence of a plan; empty where the numbers say it."""
-        del instrument, anchor_free
         return ""
 
     def recorded(self, instrument: Instrument, *, anchor_free: bool) -> Instrument:
         """The instrument as a simulated recording tells of it."""
-        del anchor_free
         return instrument
 
     # ---- columns
@@ -291,9 +277,7 @@ class InstrumentKind(ABC):
     def simulated(self, stood: Stood, instrument: Instrument, random: np.random.Generator) -> Array:
         """What it reads of an arm without noise (N, k), what nobody knows of it drawn; nan where it reads nothing,
         as one that touches what it was led to."""
-        del instrument, random
         return np.full((len(stood.tips), len(self.numbers)), np.nan)
 
     def refuse(self, look: Look) -> None:
         """Raise `InputError` where its numbers contradict the joints as a whole."""
-        del look

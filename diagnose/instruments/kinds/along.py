@@ -21,7 +21,6 @@ from linkwright.core.units.reading import Mapping as Reader
 class _Part(Part):
     def model(self, state: Any, at: Array, frame: Frame) -> Modelled:
         """Along the direction, once turned into the measuring frame."""
-        del state
         direction = np.array(self.scene.instrument.direction or (0.0, 0.0, 0.0))
         values = ((at - frame.translation) @ frame.rotation) @ direction
         return Modelled.of_place(values[:, None], np.broadcast_to(frame.rotation @ direction, (len(at), 1, 3)))
@@ -79,13 +78,11 @@ class Along(InstrumentKind):
 
     def said(self, instrument: Instrument, *, anchor_free: bool) -> str:
         """Along what."""
-        del anchor_free
         assert instrument.direction is not None
         return f"Read is the tip's height along {', '.join(f'{value:.4g}' for value in instrument.direction)}."
 
     def simulated(self, stood: Stood, instrument: Instrument, random: np.random.Generator) -> Array:
         """The height itself."""
-        del random
         assert instrument.direction is not None, shown(instrument)
         return stood.tips @ np.array(instrument.direction)[:, None]
 

@@ -34,7 +34,6 @@ class _Part(TouchPart):
 
     def refit(self, state: Any, at: Array) -> Any:
         """The bars that fit the touches best."""
-        del state
         bars, there = np.zeros((len(self.scene.instrument.labels), 3)), self.scene.touches >= 0
         np.add.at(bars, self.scene.touches[there], (self.along[:, None] * at)[there])
         return self.middles(at), bars / np.maximum(np.linalg.norm(bars, axis=1, keepdims=True), 1e-12)
@@ -46,7 +45,6 @@ class _Part(TouchPart):
 
     def model(self, state: Any, at: Array, frame: Frame) -> Modelled:
         """How far from the place along the bar the tip is."""
-        del frame
         values = np.zeros((len(at), 3))
         values[self.rows] = at[self.rows] - self._there(state)
         return Modelled.of_place(values, np.broadcast_to(np.eye(3), (len(at), 3, 3)))
@@ -67,7 +65,6 @@ class _Part(TouchPart):
 
     def settled(self, state: Any, at: Array, settled: Array) -> None:
         """At its place along the bar."""
-        del at
         settled[self.rows] = self._there(state)
 
 
@@ -88,7 +85,6 @@ class Bar(InstrumentKind):
 
     def asked(self, words: Mapping[str, Any], arm: Arm) -> Mapping[str, Any]:
         """`bar`, the places along it, m."""
-        del arm
         bar = words["bar"]
         if bar is None or len(set(bar)) < 2:
             raise InputError("", "bar", "needs two places along the bar or more, e.g. 0 mm, 500 mm")

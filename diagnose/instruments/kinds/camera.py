@@ -35,7 +35,6 @@ class Camera(InstrumentKind):
 
     def part(self, first: int, scene: Scene) -> None:
         """None: both its frames are fitted at once."""
-        del first, scene
 
     def read(self, mapping: Reader) -> Mapping[str, Any]:
         """`camera`."""
@@ -65,7 +64,6 @@ class Camera(InstrumentKind):
 
     def said(self, instrument: Instrument, *, anchor_free: bool) -> str:
         """Where it is, and what is foreseen."""
-        del anchor_free
         on_tool = instrument.camera == "on_tool"
         where = "is on the tool and sees a fixed target" if on_tool else "is fixed and sees a target on the tool"
         still = "the target" if on_tool else "the camera (facing their middle)"

@@ -39,7 +39,6 @@ class ChangeOfDistance(Change):
 
     def exact(self, moved: Array, turned: Array) -> Array:
         """The change of the distance itself."""
-        del turned
         change = np.linalg.norm(self.away + moved, axis=1) - np.linalg.norm(self.away, axis=1)
         return np.where(self.mask, change[:, None], 0.0)
 
@@ -138,7 +137,6 @@ class Distance(InstrumentKind):
 
     def asked(self, words: Mapping[str, Any], arm: Arm) -> Mapping[str, Any]:
         """`anchor`, m, and whether recordings tell it."""
-        del arm
         anchor = words["anchor"]
         if anchor is None or len(anchor) not in (2, 3):
             would_do = "where distances are measured from, e.g. 1 m, 0 m, 0.3 m"
@@ -168,7 +166,6 @@ class Distance(InstrumentKind):
 
     def simulated(self, stood: Stood, instrument: Instrument, random: np.random.Generator) -> Array:
         """The distance itself."""
-        del random
         return np.linalg.norm(stood.tips - np.array(instrument.anchor), axis=1)[:, None]
 
     def refuse(self, look: Look) -> None:

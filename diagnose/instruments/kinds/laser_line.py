@@ -83,7 +83,6 @@ class _Part(Part):
         normals, offsets, _ = touched_planes(met, np.where(self.rows, 0, -1), 1, flat=scene.flat)
         ahead = 1.0 if float(np.median(self.beams[self.rows] @ normals[0])) >= 0.0 else -1.0
         normal, offset = ahead * normals[0], ahead * float(offsets[0])
-        del state
         for _ in range(_STEPS):
             rows = self.rows & (self.beams @ normal >= _GRAZING)
             if rows.sum() <= scene.width:
@@ -102,7 +101,6 @@ class _Part(Part):
 
     def model(self, state: Any, at: Array, frame: Frame) -> Modelled:
         """How far the beam goes; a beam that grazes shows nothing."""
-        del frame
         normal, offset = state
         sine = self.beams @ normal
         meets = self.rows & (sine >= _GRAZING)
@@ -179,7 +177,6 @@ class LaserLine(InstrumentKind):
 
     def said(self, instrument: Instrument, *, anchor_free: bool) -> str:
         """Along what."""
-        del anchor_free
         beam = ", ".join(f"{value:.4g}" for value in instrument.setting("beam"))
         return (
             f"Read is how far a beam along {beam} of the last link goes. A flat surface stands across most beams, some "

@@ -35,7 +35,6 @@ class _Part(TouchPart):
 
     def model(self, state: Any, at: Array, frame: Frame) -> Modelled:
         """How far from the plane the tip is."""
-        del frame
         normals, offsets = state
         values, shown = np.zeros((len(at), 1)), np.zeros((len(at), 1, 3))
         label = self.label()

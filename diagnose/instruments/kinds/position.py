@@ -16,7 +16,6 @@ from linkwright.core.sections.numeric import Array
 class _Part(Part):
     def model(self, state: Any, at: Array, frame: Frame) -> Modelled:
         """Turned and shifted into the measuring frame."""
-        del state
         shown = np.broadcast_to(frame.rotation.T, (len(at), 3, 3))
         return Modelled.of_place((at - frame.translation) @ frame.rotation, shown)
 
@@ -36,12 +35,10 @@ class Position(InstrumentKind):
 
     def asked(self, words: Mapping[str, Any], arm: Arm) -> Mapping[str, Any]:
         """The whole place needs no slots."""
-        del words, arm
         return {}
 
     def simulated(self, stood: Stood, instrument: Instrument, random: np.random.Generator) -> Array:
         """The place itself."""
-        del instrument, random
         return stood.tips
 
 

@@ -47,19 +47,16 @@ class _Part(TouchPart):
 
     def refit(self, state: Any, at: Array) -> Any:
         """The middle of the touches."""
-        del state
         return self.middles(at)
 
     def model(self, state: Any, at: Array, frame: Frame) -> Modelled:
         """How far from the point the tip is."""
-        del frame
         values = np.zeros((len(at), 3))
         values[self.rows] = at[self.rows] - state[self.label()]
         return Modelled.of_place(values, np.broadcast_to(np.eye(3), (len(at), 3, 3)))
 
     def beside(self, state: Any, seen: Seen) -> tuple[list[Array], list[str]]:
         """Each point's place."""
-        del state
         columns: list[Array] = []
         names: list[str] = []
         width = self.scene.width
@@ -70,7 +67,6 @@ class _Part(TouchPart):
 
     def settled(self, state: Any, at: Array, settled: Array) -> None:
         """At the point."""
-        del at
         settled[self.rows] = state[self.label()]
 
 

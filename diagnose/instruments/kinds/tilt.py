@@ -49,7 +49,6 @@ class ChangeOfTilt(Change):
 
     def exact(self, moved: Array, turned: Array) -> Array:
         """How much more or less the axes rise."""
-        del moved
         now = np.einsum("nab,nwb->nwa", Rotation.from_rotvec(turned).as_matrix(), self.rises)
         return (now - self.rises) @ self.up
 
@@ -112,7 +111,6 @@ class _Part(Part):
 
     def model(self, state: Any, at: Array, frame: Frame) -> Modelled:
         """How far the level's axes rise in a metre."""
-        del frame
         nothing = np.zeros((len(at), 2, 3))
         if self.scene.stand is None:
             return Modelled.of_place(nothing[:, :, 0], nothing)
@@ -121,14 +119,12 @@ class _Part(Part):
 
     def also(self, state: Any, seen: Seen) -> tuple[list[Array], list[str]]:
         """How the level sits."""
-        del seen
         if self.scene.stand is None:
             return [], []
         return [self._sits(state)], [f"level about {axis}" for axis in "xyz"]
 
     def change(self, state: Any, seen: Seen, frame: Frame) -> Change | None:
         """Tilts are not linear in turns."""
-        del seen, frame
         if self.scene.stand is None:
             return None
         return ChangeOfTilt(self.mask, self._of(self._rises(state)), self.scene.stand.up)
@@ -191,13 +187,11 @@ class Tilt(InstrumentKind):
 
     def said(self, instrument: Instrument, *, anchor_free: bool) -> str:
         """Where it stands."""
-        del anchor_free
         where = f"link {instrument.tilt_link}" if instrument.tilt_link else "the base"
         return f"Read is how a level on {where} is tilted. The recording shows how the level sits there."
 
     def simulated(self, stood: Stood, instrument: Instrument, random: np.random.Generator) -> Array:
         """What a level reads that sits a little askew."""
-        del instrument
         assert stood.stand is not None
         axes = stood.stand.axes @ (stood.stand.seat @ Rotation.from_rotvec(random.normal(0.0, _ASKEW, 3)).as_matrix())
         return np.stack([axes[:, :, 1] @ stood.stand.up, -axes[:, :, 0] @ stood.stand.up], axis=1)
