@@ -22,7 +22,7 @@ from linkwright.core.diagnose.reading.named_columns import measurable
 from linkwright.core.diagnose.reading.read import recording_from
 from linkwright.core.diagnose.reading.settings import ReadingSettings
 from linkwright.core.diagnose.reading.table import Layout, Table
-from linkwright.core.diagnose.reading.write import cell, recording_columns
+from linkwright.core.diagnose.reading.write import csv_text, recording_columns
 from linkwright.core.diagnose.recording import Recording, since_the_reading_before
 from linkwright.core.diagnose.rules.rules import RULES, Rules
 from linkwright.core.sections.numeric import Array
@@ -118,20 +118,12 @@ def plan_text(recording: Recording, arm: Arm, axes: Sequence[str], *, torques: b
     units = ["Nm" if joint.revolute else "N" for joint in arm.joints]
     held = [f"{arm.column('tau', index)}_{unit}" for index, unit in enumerate(units)] if torques else []
     left = [name for axis in axes for name in _headers(axis)]
-    touched = {} if recording.touches is None else {labels()[recording.instrument.kinds[0]]: recording.touches}
+    columns += [(name, np.full(recording.size, np.nan), 0) for name in (*held, *left)]
+    if recording.touches is None:
+        return csv_text(columns, [])
     names = recording.instrument.labels
-    lines = [",".join([*(name for name, _, _ in columns), *held, *left, *touched])]
-    blank = "," * len([*held, *left])
-    lines += [
-        ",".join(
-            [
-                ",".join(cell(values[row], digits) for _, values, digits in columns) + blank,
-                *(names[int(which[row])] for which in touched.values()),
-            ]
-        )
-        for row in range(recording.size)
-    ]
-    return "\n".join(lines) + "\n"
+    touched = [names[which] for which in recording.touches.tolist()]
+    return csv_text(columns, [(labels()[recording.instrument.kinds[0]], touched)])
 
 
 def read_plan(path: Path | str, arm: Arm, *, rules: Rules = RULES) -> Recording:

@@ -20,11 +20,14 @@ from linkwright.core.units.temperature import ZERO_CELSIUS
 
 def recording_text(recording: Recording, arm: Arm) -> str:
     """The recording as CSV: s, deg, mm, kg, degC, N, N*m. Lengths are written to 0.01 um, angles to 1e-6 deg."""
-    columns = list(recording_columns(recording, arm))
-    labels = list(label_columns(recording))
+    return csv_text(list(recording_columns(recording, arm)), list(label_columns(recording)))
+
+
+def csv_text(columns: Sequence[tuple[str, Array, int]], labels: Sequence[tuple[str, Sequence[str]]]) -> str:
+    """Columns of numbers (name, values, decimals; nan is blank) and of labels as CSV."""
     stream = io.StringIO()
     stream.write(",".join([*(name for name, _, _ in columns), *(name for name, _ in labels)]) + "\n")
-    for row in range(recording.size):
+    for row in range(len(columns[0][1])):
         cells = [cell(values[row], digits) for _, values, digits in columns]
         stream.write(",".join([*cells, *(_quoted(values[row]) for _, values in labels)]) + "\n")
     return stream.getvalue()

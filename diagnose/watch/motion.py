@@ -10,10 +10,9 @@ from linkwright.core.arm.chain.chain import Arm
 from linkwright.core.diagnose.motion.log import MotionLog
 from linkwright.core.diagnose.motion.uses.by_log import by_log
 from linkwright.core.diagnose.options import Options, Progress
-from linkwright.core.diagnose.several.recordings import names_of
 
-from .estimates import Parameter
-from .watch import Dated, Watch, courses, dates_of
+from .estimates import Estimates, Parameter
+from .watch import Watch, watched
 
 
 def watch_motion(arm: Arm, logs: Sequence[MotionLog], options: Options, progress: Progress) -> Watch:
@@ -21,8 +20,6 @@ def watch_motion(arm: Arm, logs: Sequence[MotionLog], options: Options, progress
     (N*m). Raises what `diagnose_motion` raises."""
     ordered = sorted(logs, key=lambda log: log.date)
     made = by_log(arm, ordered, options, progress)
-    days = dates_of(ordered)
-    when = np.array([float((day - days[0]).days) for day in days])
     parameters = [
         Parameter(effect, size.at, size.parameter, size.kind, identified=True)
         for effect, size in zip(made.effects, made.sizes[0], strict=True)
@@ -30,11 +27,7 @@ def watch_motion(arm: Arm, logs: Sequence[MotionLog], options: Options, progress
     shape = (len(ordered), len(parameters))
     values = np.array([[size.value for size in sizes] for sizes in made.sizes]).reshape(shape)
     errors = np.array([made.errors(log) for log in range(len(ordered))]).reshape(shape)
-    rms, freedom = np.array(made.left), np.array(made.freedom)
-    known, left = courses(parameters, "torque", values, errors, freedom, rms, when, options.rules.watch)
-    recordings = tuple(
-        Dated(day, name, log.file, log.size, len(log.rejected), float(size))
-        for day, name, log, size in zip(days, names_of(ordered), ordered, rms, strict=True)
-    )
+    rows, aside = tuple(log.size for log in ordered), tuple(len(log.rejected) for log in ordered)
+    estimates = Estimates(values, errors, np.array(made.freedom), np.array(made.left), rows, aside)
     searched = tuple(range(len(ordered)))
-    return Watch(arm, recordings, known, left, (), made.together, searched, options.rules.watch)
+    return watched(arm, ordered, parameters, estimates, made.together, searched, rules=options.rules.watch)

@@ -30,7 +30,7 @@ from linkwright.core.diagnose.steps.diagnosis import diagnose
 from linkwright.core.sections.numeric import Array
 
 from .course import FEWEST, Course, Kind, Measured, Series, course_of
-from .estimates import Chosen, Estimates, Parameter, Unwatched, choose, estimate, parameters_of
+from .estimates import Estimates, Parameter, Unwatched, choose, estimate, parameters_of
 from .evidence import TESTS, in_common, level, scatter
 
 SOON = 3
@@ -177,67 +177,41 @@ def watch(
     tell("fitting each recording", 0.8)
     estimates = estimate(arm, recordings, chosen, rules=rules)
     tell("searching for changes", 0.95)
-    return watched(arm, recordings, chosen, estimates, diagnosis, searched if search else (), rules=rules.watch)
+    known, unwatched = parameters_of(arm, chosen), chosen.left_out
+    searched = searched if search else ()
+    return watched(arm, recordings, known, estimates, diagnosis, searched, unwatched=unwatched, rules=rules.watch)
 
 
 def watched(
     arm: Arm,
-    recordings: Sequence[Recording],
-    chosen: Chosen,
+    recordings: Sequence[Recording | MotionLog],
+    parameters: Sequence[Parameter],
     estimates: Estimates,
-    diagnosis: Diagnosis | None,
+    diagnosis: Diagnosis | MotionDiagnosis | None,
     searched: tuple[int, ...],
     *,
+    unwatched: tuple[Unwatched, ...] = (),
     rules: WatchRules,
 ) -> Watch:
-    """The watch of recordings in the order of time whose parameters are estimated."""
+    """The watch of recordings or logs in the order of time whose parameters are estimated: the course of each, and of
+    what is left."""
     days = dates_of(recordings)
     when = np.array([float((day - days[0]).days) for day in days])
-    values_all = (estimates.values, estimates.errors, estimates.freedom, estimates.rms)
-    known, left = courses(parameters_of(arm, chosen), "length", *values_all, when, rules)
-    names = names_of(recordings)
+    kind = "torque" if isinstance(diagnosis, MotionDiagnosis) else "length"
+    known = (*parameters, Parameter(LEFT, (), LEFT, kind, identified=True))
+    values = np.column_stack([estimates.values, np.log(np.maximum(estimates.rms, 1e-12))])
+    # The standard deviation of the logarithm of a root mean square.
+    errors = np.column_stack([estimates.errors, np.sqrt(0.5 / estimates.freedom)])
+    of_each = zip(known, values.T, errors.T, courses_of(values, errors, when, rules), strict=True)
+    made = [_watched(*each, estimates.freedom, when, len(known), rules) for each in of_each]
+    figures = zip(estimates.rows, estimates.left_out, estimates.rms.tolist(), strict=True)
     dated = tuple(
-        Dated(day, name, recording.file, rows, aside, float(rms))
-        for day, name, recording, rows, aside, rms in zip(
-            days, names, recordings, estimates.rows, estimates.left_out, estimates.rms, strict=True
+        Dated(day, name, recording.file, rows, aside, rms)
+        for day, name, recording, (rows, aside, rms) in zip(
+            days, names_of(recordings), recordings, figures, strict=True
         )
     )
-    return Watch(arm, dated, known, left, chosen.left_out, diagnosis, searched, rules)
-
-
-def courses(
-    known: Sequence[Parameter],
-    kind: str,
-    values: Array,
-    errors: Array,
-    freedom: Array,
-    rms: Array,
-    when: Array,
-    rules: WatchRules,
-) -> tuple[tuple[Watched, ...], Watched]:
-    """The course of each of P parameters over N recordings, and of what is left in them.
-
-    Args:
-        known: The parameters.
-        kind: The quantity that what is left is.
-        values: (N, P) sizes with their standard `errors` (infinite where a recording does not show one).
-        errors: (N, P).
-        freedom: (N,) degrees of freedom.
-        rms: (N,) of what is left.
-        when: (N,) days since the first.
-        rules: When something moved.
-    """
-    remains = Parameter(LEFT, (), LEFT, kind, identified=True)
-    values = np.column_stack([values, np.log(np.maximum(rms, 1e-12))])
-    # The standard deviation of the logarithm of a root mean square.
-    errors = np.column_stack([errors, np.sqrt(0.5 / freedom)])
-    parameters = (*known, remains)
-    courses_ = courses_of(values, errors, when, rules)
-    made = [
-        _watched(parameter, values[:, k], errors[:, k], freedom, when, courses_[k], len(parameters), rules)
-        for k, parameter in enumerate(parameters)
-    ]
-    return tuple(made[:-1]), _as_sizes(made[-1])
+    return Watch(arm, dated, tuple(made[:-1]), _as_sizes(made[-1]), unwatched, diagnosis, searched, rules)
 
 
 def courses_of(values: Array, errors: Array, when: Array, rules: WatchRules) -> list[Course | None]:
@@ -264,9 +238,9 @@ def _watched(
     parameter: Parameter,
     values: Array,
     errors: Array,
+    course: Course | None,
     freedom: Array,
     when: Array,
-    course: Course | None,
     series: int,
     rules: WatchRules,
 ) -> Watched:
