@@ -58,10 +58,6 @@ def _rejecting(log: MotionLog, reasons: Mapping[int, str]) -> MotionLog:
     return replace(log, **chosen, other=other, rejected=(*log.rejected, *more))
 
 
-def _saying(log: MotionLog, sentence: str) -> MotionLog:
-    return replace(log, warnings=(*log.warnings, sentence))
-
-
 def _enough(log: MotionLog, rules: Rules) -> None:
     if log.size < rules.fitting.enough:
         why = f"; row {log.rejected[0].row}: {log.rejected[0].reason}" if log.rejected else ""
@@ -131,14 +127,13 @@ def _one_a_stamp(log: MotionLog, name: str, rules: Rules) -> MotionLog:
         return log
     first = np.maximum.accumulate(np.where(again, 0, np.arange(log.size)))
     if again.mean() > 0.5:
-        log = _saying(
-            log,
+        log = log.saying(
             f"{name} is coarser than the samples. {int(again.sum())} of {log.size} have the stamp of the one before "
             "and are set aside. Write the clock with more digits.",
         )
     else:
         rows = rows_text(log.row[again])
-        log = _saying(log, f"{name} has stamps that occur twice ({rows}). The first sample of each is kept.")
+        log = log.saying(f"{name} has stamps that occur twice ({rows}). The first sample of each is kept.")
     reasons = {k: f"{name} is that of row {log.row[first[k]]} again" for k in np.flatnonzero(again).tolist()}
     return _rejecting(log, reasons)
 
@@ -153,7 +148,7 @@ def _without_spikes(log: MotionLog, arm: Arm, headers: Mapping[str, str], rules:
             for index in np.flatnonzero(_spikes(values[:, k], share, rules)).tolist():
                 reasons.setdefault(index, f"{name} jumps for this one sample")
     if len(reasons) > max(1.0, rules.mistakes.few_stray * log.size):
-        return _saying(log, f"{len(reasons)} samples jump against those around them. These samples are kept.")
+        return log.saying(f"{len(reasons)} samples jump against those around them. These samples are kept.")
     return _rejecting(log, reasons)
 
 
@@ -180,15 +175,14 @@ def _clock_said(log: MotionLog, name: str, rules: Rules) -> MotionLog:
     gaps = np.flatnonzero(steps > rules.log.gap * interval)
     if len(gaps):
         longest = int(gaps[np.argmax(steps[gaps])])
-        log = _saying(
-            log,
+        log = log.saying(
             f"{name} has {len(gaps)} gap{'s' if len(gaps) > 1 else ''}, the longest of {steps[longest]:.3g} s after "
             f"row {log.row[longest]}. Nothing is made up for them.",
         )
     usual = steps[steps <= rules.log.gap * interval]
     scatter = float(np.quantile(usual, 0.84) - np.quantile(usual, 0.16)) / 2.0
     if scatter > rules.log.jitter * interval:
-        log = _saying(log, f"{name} jitters: samples come every {interval:.4g} s, give or take {scatter:.2g} s.")
+        log = log.saying(f"{name} jitters: samples come every {interval:.4g} s, give or take {scatter:.2g} s.")
     return log
 
 
