@@ -216,9 +216,9 @@ def _of_joints(headers: Mapping[str, str], table: Table, arm: Arm, taken: set[st
     for base in _OF_JOINTS:
         same_base = [group for group in ranked if group.base == base]
         same_base.sort(key=lambda group: (group.of == home, group.rank), reverse=True)
-        first, *others = same_base or [None]
-        if first is None:
+        if not same_base:
             continue
+        first, *others = same_base
         if not first.of or first.of == home or "/" in first.of:  # else somebody's words before it, and no joint's
             free = {joint: header for joint, header in first.at.items() if f"{base}{joint + 1}" not in taken}
             meanings |= _in_units(first, free, table, arm)
