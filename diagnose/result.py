@@ -114,7 +114,7 @@ class Finding:
     of what remains when it alone is left out and the rest is fitted again, `rms_without_held_out` the same on rows not
     fitted. `reading` is the plain sentence. `recording` names the one of several recordings in which it acts, beside
     what all have (empty: in all). `together` are the other findings, by effect and place, without which it means
-    nothing (empty: it does by itself).
+    nothing (empty: it does by itself). `small` says that held-out readings hardly need it (see `judge.needed`).
     """
 
     effect: str
@@ -130,6 +130,7 @@ class Finding:
     together: tuple[tuple[str, tuple[int, ...]], ...] = ()
     evidence: float = math.nan
     may_be_nothing: bool = False
+    small: bool = False
 
 
 @dataclass(frozen=True)
@@ -434,7 +435,8 @@ class Diagnosis:
     `noise_from` says whence the noise floor is known, `wandered` (RMS length, m) is what wanders with the instrument.
     `next_poses_enough` says whether the next poses, recorded once, tell the names that they help to tell; `exchanges`
     are sets of causes that the recording cannot tell from a set of findings. `set_aside` says what all figures leave
-    out where rows lie far off what was found (None: none do).
+    out where rows lie far off what was found (None: none do). `small_together` (RMS length, m) is how far the small
+    findings move the tip together.
     `shown` (N, W, D) is what of the tip's displacements the W numbers of a reading show, None where they are its place.
     """
 
@@ -483,6 +485,7 @@ class Diagnosis:
     exchanges: tuple[Exchange, ...] = ()
     set_aside: SetAside | None = None
     rivals: Rivals | None = None
+    small_together: float = 0.0
 
     def in_space(self, residual: Array) -> Array:
         """Residuals as displacements of the tip (N, D), m: along what was measured, where that is but a part."""

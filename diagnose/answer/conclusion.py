@@ -20,6 +20,7 @@ from linkwright.core.diagnose.fitting.held_out import hardest, splits
 from linkwright.core.diagnose.fitting.identified_origins import identified_origins
 from linkwright.core.diagnose.judge.contradictions import contradictions
 from linkwright.core.diagnose.judge.for_file import ForFile, for_file
+from linkwright.core.diagnose.judge.needed import Needed, needed
 from linkwright.core.diagnose.judge.predict import residual_under
 from linkwright.core.diagnose.recording import Recording, RejectedRow
 from linkwright.core.diagnose.residual.observed import rms_length
@@ -107,7 +108,8 @@ class Conclusion:
             )
             if self.rest.may_scatter:
                 unknown = replace(unknown, decide=_COME_BACK)
-        findings, exchanges = self._findings(), self._exchanges()
+        needed_, exchanges = self._needed(), self._exchanges()
+        findings = self._findings(needed_)
         apart = differences(self.prepared, self.names.refit, self.names.outside, self.names.p_values)
         file = for_file(self.names)
         corrected, of_arm = corrected_arm(arm, file.written.refit, rules=self.rules.fitting)
@@ -135,7 +137,7 @@ class Conclusion:
             recording=self.observed.recording,
             verdict=self._verdict(),
             sentence=said_of_no_weight(arm, self._verdict())
-            + self._sentence(findings, unknown, rms_before, p_value)
+            + self._sentence(findings, unknown, rms_before, p_value, needed_.small)
             + (put_in_first(findings, arm) if beyond_first_order_of(self.names) else "")
             + what_differs(apart, recordings, rules=self.rules.mistakes)
             + what_was_free(origins),
@@ -198,6 +200,7 @@ class Conclusion:
             exchanges=exchanges,
             set_aside=set_aside(self.names),
             rivals=file.rivals,
+            small_together=self.names.moved(needed_.small),
         )
 
     def _whole_places(self) -> bool:
@@ -270,9 +273,19 @@ class Conclusion:
             return 1.0
         return min(1.0, 2.0 * min(test.p_value for test in self.names.named.gate))
 
-    def _findings(self) -> tuple[Finding, ...]:
-        width = self.observed.components
-        findings: list[Finding] = []
+    def _needed(self) -> Needed:
+        """The places of the names, those that held-out readings need most first."""
+        members, mismatch = self.names.members, max(self.names.left(()), 1e-30)
+        moves = [self.names.moved([place]) / mismatch for place in range(len(members))]
+
+        def left(out: Sequence[int]) -> Array:
+            kept = [member for place, member in enumerate(members) if place not in out]
+            return np.array([self.names.rms_held_out([*kept, *self.names.outside])])
+
+        return needed(moves, left, rules=self.rules)
+
+    def _findings(self, needed_: Needed) -> tuple[Finding, ...]:
+        findings: dict[int, Finding] = {}
         # Where neighbours tell as much as one, signs drawn for each visit give no p-value.
         p_values = self.names.p_values if self.prepared.together == 1 else ()
         whole = [*self.names.members, *self.names.outside]
@@ -284,27 +297,25 @@ class Conclusion:
             rest = [m for m in whole if m != member]
             beside = tuple(self.names.place(other) for other in self.names.together.get(place, ()))
             nothing = may_be_nothing(parameters, self.names.refit.terms[place].candidate.sizes)
-            without = remaining(self.prepared, fit(self.prepared, rest))[:, :width]
-            findings.append(
-                Finding(
-                    effect=candidate.effect,
-                    at=candidate.numbers,
-                    alternatives=others,
-                    parameters=parameters,
-                    rms_explained=self.names.moved([place]),
-                    p_value=p_values[place] if place < len(p_values) else math.nan,
-                    rms_without=rms_length(without),
-                    rms_without_held_out=self.names.rms_held_out(rest),
-                    reading=reading_of(
-                        candidate.effect, candidate.numbers, parameters, others, recording, beside, nothing=nothing
-                    ),
-                    recording=recording,
-                    together=beside,
-                    evidence=self._evidence(place),
-                    may_be_nothing=nothing,
-                )
+            findings[place] = Finding(
+                effect=candidate.effect,
+                at=candidate.numbers,
+                alternatives=others,
+                parameters=parameters,
+                rms_explained=self.names.moved([place]),
+                p_value=p_values[place] if place < len(p_values) else math.nan,
+                rms_without=self.names.left(rest),
+                rms_without_held_out=float(needed_.without[place][0]),
+                reading=reading_of(
+                    candidate.effect, candidate.numbers, parameters, others, recording, beside, nothing=nothing
+                ),
+                recording=recording,
+                together=beside,
+                evidence=self._evidence(place),
+                may_be_nothing=nothing,
+                small=place in needed_.small,
             )
-        return tuple(sorted(findings, key=lambda finding: -finding.rms_explained))
+        return tuple(findings[place] for place in needed_.order)
 
     def _evidence(self, place: int) -> float:
         """How much likelier (nats) the readings that were searched are with a finding than without it."""
@@ -330,12 +341,11 @@ class Conclusion:
             for item in exchanged(namer, self.names.named_members, self.names.forms)
         )
 
-    def _causes(self) -> list[tuple[str, float]]:
-        """The kinds of physics found, with what each moves (m), the largest first."""
+    def _causes(self, small: Sequence[int]) -> list[tuple[str, float]]:
+        """The kinds of physics found, small findings aside, with what each moves (m), the largest first."""
         places: dict[str, list[int]] = {}
-        for place, member in enumerate(self.names.members):
-            cause = EFFECTS[self.prepared.pool.groups[member].candidate.effect].cause
-            places.setdefault(cause, []).append(place)
+        for place in sorted({*range(len(self.names.members))} - {*small}):
+            places.setdefault(EFFECTS[self.names.place(place)[0]].cause, []).append(place)
         return sorted(((cause, self.names.moved(at)) for cause, at in places.items()), key=lambda item: -item[1])
 
     def _alternative(self, rival: Rival) -> Alternative:
@@ -399,9 +409,7 @@ class Conclusion:
         swallowed = {c.family for c in self.search.pool.invisible if not c.outside} - shown
         invisible = {(effect, tuple(index + 1 for index in at)) for effect, at, *_ in swallowed}
         present = {effect for effect, *_ in shown} | {effect for effect, _ in invisible}
-        absent = [
-            name for name, effect in EFFECTS.items() if _fitted(name) and name not in present and not effect.automatic
-        ]
+        absent = [name for name, item in EFFECTS.items() if item.sizes and name not in present and not item.automatic]
         invisible |= {(name, ()) for name in absent if name not in self.names.options.without}
         return tuple(sorted(invisible))
 
@@ -411,6 +419,7 @@ class Conclusion:
         unknown: Unknown | None,
         rms_before: float,
         p_value: float,
+        small: Sequence[int],
     ) -> str:
         if self.names.named is None:
             return self._too_few(rms_before)
@@ -420,7 +429,8 @@ class Conclusion:
             rms_before,
             self.rest.what_remains(),
             p_value,
-            self._causes(),
+            self._causes(small),
+            self.names.moved(small),
             scatter=self.rest.scatter(),
             small=self.rest.small,
         )
@@ -433,7 +443,3 @@ class Conclusion:
             f"One pose, read {self.observed.rows} times: it is {mm(rms_before)} off there{floor}, and nothing tells "
             "why. What an arm lacks shows by how its error changes from pose to pose."
         )
-
-
-def _fitted(effect: str) -> bool:
-    return any(parameter.role == "size" for parameter in EFFECTS[effect].parameters)

@@ -11,6 +11,7 @@ from linkwright.core.arm.effects import EFFECTS
 from linkwright.core.arm.errors.unknown_mass import weighs_nothing
 from linkwright.core.arm.files.origin import key_of_offset
 from linkwright.core.diagnose.fitting.prepare import Prepared
+from linkwright.core.diagnose.judge.needed import small_words
 from linkwright.core.diagnose.patterns.library import Candidate, of_single_numbers
 from linkwright.core.diagnose.recording import Recording
 from linkwright.core.diagnose.result import (
@@ -180,6 +181,7 @@ def verdict_sentence(
     left: Left,
     p_value: float,
     causes: Sequence[tuple[str, float]] = (),
+    together: float = 0.0,
     *,
     scatter: float | None = None,
     small: SmallBeside | None = None,
@@ -187,9 +189,9 @@ def verdict_sentence(
     """The plain answer. `rms_before` (m) is that of the mismatch, `left` what remains, `scatter` how many times the
     noise floor scatter is that nothing explains (None: it is not more), `small` what causes too small to be named make
     of what remains, `causes` the kinds of physics found and the RMS length (m) of what each moves beyond the nuisances,
-    the largest first."""
+    the largest first, `together` (m) what the small findings move."""
     many = len(findings) > MANY_FINDINGS
-    named = _summed_up(findings, causes) if many else "; ".join(_named(finding) for finding in findings)
+    named = _summed_up(findings, causes, together) if many else "; ".join(_named(finding) for finding in findings)
     if unknown is not None:
         return _of_unknown(unknown) + (f" What describes part of it: {named}." if named else "")
     if not findings:
@@ -349,17 +351,22 @@ def _named(finding: Finding) -> str:
     return name_of(finding.effect, finding.at, finding.recording) + size
 
 
-def _summed_up(findings: Sequence[Finding], causes: Sequence[tuple[str, float]]) -> str:
-    """Many findings by their cause: what, where, and how much it moves the tip."""
+def _finding_name(finding: Finding) -> str:
+    return name_of(finding.effect, finding.at, finding.recording)
+
+
+def _summed_up(findings: Sequence[Finding], causes: Sequence[tuple[str, float]], together: float) -> str:
+    """Many findings by their cause: what, where, and how much it moves the tip; the small ones `together` (m)."""
     parts: list[str] = []
     for cause, rms in causes:
         places: dict[str, list[int]] = {}
         for finding in findings:
-            if EFFECTS[finding.effect].cause == cause:
+            if EFFECTS[finding.effect].cause == cause and not finding.small:
                 places.setdefault(finding.effect, []).extend(finding.at)
         names = [name_of(effect, sorted(set(at))) for effect, at in places.items()]
         parts.append(f"{cause}, {mm(rms)} RMS ({'; '.join(names)})")
-    return "; ".join(parts)
+    count = sum(finding.small for finding in findings)
+    return "; ".join([*parts, *([small_words(count, mm(together))] if count else [])])
 
 
 def _undecided(finding: Finding, *, alone: bool) -> str:

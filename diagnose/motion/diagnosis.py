@@ -275,11 +275,14 @@ def _result(
         for item, what, large in zip(per_joint, seen, beyond.tolist(), strict=True)
         if large or (item.depends_on and item.floor * max(what.shares) ** 0.5 > least[item.joint - 1])
     ]
-    named = (
+    every = (
         *differing_findings(different, identified.pool, rules=rules),
         *findings(identified, sizes, judge, arm, rules=rules),
         *(finding_of(effect, item, held) for effect, item in swift),
     )
+    named = tuple(sorted(every, key=lambda item: item.small))
+    small = {(item.effect, item.at) for item in named if item.small}
+    together = tuple(judge.added_by(small, identified.pool).tolist())
     # What is named at a joint and yet foretells no other motion of it is not what is there.
     claimed = np.sqrt(sum((np.square(item.rms_explained) for item in named), np.zeros(arm.size)))
     worse = [
@@ -297,7 +300,7 @@ def _result(
         arm=arm,
         logs=tuple(logs),
         verdict=verdict,
-        sentence=answer(verdict, named, unknown, per_joint, judge.rivals, different.beyond, with_own),
+        sentence=answer(verdict, named, unknown, per_joint, judge.rivals, different.beyond, with_own, together),
         per_joint=per_joint,
         findings=named,
         unknown=unknown,
@@ -321,6 +324,7 @@ def _result(
         ),
         rivals=judge.rivals,
         beyond=different.beyond,
+        small_together=together,
         rms_with_own=None if with_own is None else (rms_together(written.beside[0], counts), with_own),
         seconds=time.perf_counter() - begun,
     )

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -30,7 +31,7 @@ from .result import Alternative, MotionFinding
 def findings(
     identified: Identified, sizes: Estimates, judge: Judged, arm: Arm, *, rules: Rules
 ) -> tuple[MotionFinding, ...]:
-    """The findings, the one that explains most of the torque first.
+    """The findings, the one that motion held out needs most first, small ones last.
 
     Args:
         identified: What was identified.
@@ -40,6 +41,7 @@ def findings(
         rules: Which names are distinguished.
     """
     made: list[MotionFinding] = []
+    needed_ = judge.needed([member.group for member in identified.members], identified.pool, rules=rules)
     beside = identified.system.offers(identified.fitted).evidence
     start = 0
     for number, member in enumerate(identified.members):
@@ -61,14 +63,14 @@ def findings(
                     *alternatives(identified, number, identified.system.offers(others).evidence, beside, rules),
                     *instead_of_losses(identified, number, rules),
                 ),
-                judge.without(member.group),
+                needed_.without[number],
                 evidence,
                 identified.chance.p_value(
                     identified.system, plain, evidence, identified.system.beside_joints_of(member.group)
                 ),
             )
         )
-    return tuple(sorted(made, key=lambda item: -float(np.sum(np.square(item.rms_explained)))))
+    return tuple(replace(made[place], small=place in needed_.small) for place in needed_.order)
 
 
 def finding_of(effect: Effect, ripple: Ripple, held: Array) -> MotionFinding:

@@ -6,7 +6,7 @@ is told of a rival is what `predict` tells of its file, on the samples that coun
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -14,12 +14,13 @@ from numpy.typing import NDArray
 
 from linkwright.core.arm.chain.chain import Arm, EffectEntry
 from linkwright.core.arm.effects.loads.link_inertial import LINK_INERTIAL
+from linkwright.core.diagnose.judge.needed import Needed, needed
 from linkwright.core.diagnose.judge.rivals import Name, Rival, Rivals, chosen
 from linkwright.core.diagnose.rules.rules import Rules
 from linkwright.core.sections.numeric import Array
 
 from .corrected import completed
-from .model.candidates import PLAIN, Group
+from .model.candidates import PLAIN, Candidates, Group
 from .model.evidence import Member, System, system
 from .model.feasible import feasible
 from .model.identify import Identified, mixed
@@ -77,11 +78,27 @@ class Judged:
         """The arm with what was named."""
         return dict(self.filed)["named"]
 
-    def without(self, group: int) -> Array:
-        """RMS (n,) that held-out motion leaves where a name (its group's number) alone is left out and the rest fitted
-        again, N*m."""
-        others = [Member(k, m.scale) for k, m in enumerate(self.named.members) if m.group != group]
-        return rms(self.named.held.left(others), self.named.held.products)
+    def needed(self, names: Sequence[int], pool: Candidates, *, rules: Rules) -> Needed:
+        """Which of some names (numbers of groups) motion held out needs: RMS (n,), N*m."""
+        before = np.maximum(rms(self.given.left, self.named.held.products), 1e-30)
+        moves = [float(np.max(self.added_by([pool.groups[name].family], pool) / before)) for name in names]
+
+        def left(out: Sequence[int]) -> Array:
+            apart = {names[place] for place in out}
+            rest = [Member(k, m.scale) for k, m in enumerate(self.named.members) if m.group not in apart]
+            return rms(self.named.held.left(rest), self.named.held.products)
+
+        return needed(moves, left, rules=rules)
+
+    def added_by(self, names: Collection[tuple[str, tuple[int, ...]]], pool: Candidates) -> Array:
+        """RMS (n,) N*m of what some names, by effect and joints or links (from 1), add at each joint together."""
+        sizes, start = np.zeros(pool.width), 0
+        for member in self.named.members:
+            group = pool.groups[member.group]
+            if group.family in names:
+                sizes[group.columns] += group.values(self.named.numbers[start : start + group.rank])
+            start += group.rank
+        return self.named.held.products.explained(sizes)
 
 
 @dataclass(frozen=True)

@@ -35,6 +35,7 @@ class MotionFinding:
     with it than without, choice and sizes paid for; `rms_without_held_out` (n,) N*m what held-out motion leaves where
     it alone is left out and the rest fitted again. `p_value` is by circular shifts or sign flips of whole blocks (nan:
     none holds). `reading` is the plain sentence. `recording` names the logs in which alone it acts (empty: all).
+    `small` says that held-out motion hardly needs it (see `judge.needed`).
     """
 
     effect: str
@@ -47,6 +48,7 @@ class MotionFinding:
     p_value: float
     reading: str
     recording: str = ""
+    small: bool = False
 
 
 @dataclass(frozen=True)
@@ -141,7 +143,8 @@ class MotionDiagnosis:
     leaves of the same motion (N*m; None: not tried), `rivals` which models were tried on held-out motion, and which of
     them `corrected` holds. `beyond` (n,) N*m is the RMS by joint of what else may differ between several logs. Figures
     are of that file alone; where one log has something of its own, `rms_with_own` is what is left beside that: by the
-    file, and by what was named on motion that was not fitted.
+    file, and by what was named on motion that was not fitted. `small_together` (n,) N*m is the RMS of what the small
+    findings add at each joint together.
     """
 
     arm: Arm
@@ -168,3 +171,4 @@ class MotionDiagnosis:
     rivals: Rivals | None = None
     beyond: tuple[float, ...] = ()
     rms_with_own: tuple[float, float] | None = None
+    small_together: tuple[float, ...] = ()

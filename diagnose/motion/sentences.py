@@ -7,6 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from linkwright.core.arm.effects import EFFECTS
+from linkwright.core.diagnose.judge.needed import small_words
 from linkwright.core.diagnose.judge.rivals import Rivals
 
 from .findings import less, name_of, or_else, sized
@@ -33,20 +34,18 @@ def answer(
     rivals: Rivals | None = None,
     beyond: Sequence[float] = (),
     with_own: float | None = None,
+    together: Sequence[float] = (),
 ) -> str:
     """The plain answer; where the file holds another of the rivals than what was named, which and why. `beyond` (n,)
-    N*m is what else may differ between several logs, `with_own` N*m what is left beside what one log alone has."""
+    N*m is what else may differ between several logs, `with_own` N*m what is left beside what one log alone has,
+    `together` (n,) N*m what small names add."""
     if verdict == "insufficient_data":
         return "The logs hold too little motion: no joint moves for three seconds above 0.03 rad/s."
     if verdict == "none":
         return "Nothing is missing that these logs show: no cause is beyond chance and foretells other motion."
     sentences: list[str] = []
     if named:
-        of_effect: dict[tuple[str, str], list[MotionFinding]] = {}
-        for item in named:
-            of_effect.setdefault((item.effect, item.recording), []).append(item)
-        shown, more = list(of_effect.items())[:_SAID], sum(map(len, list(of_effect.values())[_SAID:]))
-        rest = f", and {more} smaller" if more else ""
+        shown, rest = _first(named, max(together, default=0.0))
         if _mostly_friction(named):
             rubs = [_short(each) for (effect, _), each in shown if _friction(effect)]
             beside = [_short(each) for (effect, _), each in shown if not _friction(effect)]
@@ -75,6 +74,21 @@ def answer(
     if shared and rivals is not None and rivals.written != "named":
         sentences.append(rivals.why)
     return " ".join(sentences)
+
+
+def _first(
+    named: Sequence[MotionFinding], together: float
+) -> tuple[list[tuple[tuple[str, str], list[MotionFinding]]], str]:
+    """The effects that are named, each with its findings, and the rest in words: small ones add so much (N*m)."""
+    small = [item for item in named if item.small] if len(named) > _SAID else []
+    of_effect: dict[tuple[str, str], list[MotionFinding]] = {}
+    for item in named:
+        if item not in small:
+            of_effect.setdefault((item.effect, item.recording), []).append(item)
+    every = list(of_effect.items())
+    more = sum(len(each) for _, each in every[_SAID:])
+    rest = f", and {more} more" if more else ""
+    return every[:_SAID], rest + (f"; {small_words(len(small), f'{together:.2g} N*m')}" if small else "")
 
 
 def nothing_else(beyond: Sequence[float]) -> str:

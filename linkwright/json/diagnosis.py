@@ -48,6 +48,7 @@ def _finding(finding: Finding) -> dict[str, Any]:
         "sentence": finding.reading,
         "recording": finding.recording or None,
         "together": [[effect, list(at)] for effect, at in finding.together],
+        "small": finding.small,
     }
 
 
@@ -203,6 +204,7 @@ def diagnosis_json(diagnosis: Diagnosis) -> dict[str, Any]:
         **_written(diagnosis.written),
         **rivals_json(diagnosis.rivals, "rms_mm=in_sample", "rms_held_out_mm=held_out"),
         "missing": [_finding(finding) for finding in diagnosis.findings],
+        **fields(diagnosis, "small_together_mm"),
         "exchanges": [_exchange(exchange) for exchange in diagnosis.exchanges],
         "origins": [_origin(origin) for origin in diagnosis.origins],
         "where": fields(where, "joint", "depends_on", "direction", "since_s=since", "joint_shares"),

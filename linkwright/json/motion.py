@@ -51,7 +51,7 @@ def _finding(finding: MotionFinding) -> dict[str, Any]:
         ],
         "parameters": {fitted.name: parameter_json(fitted) for fitted in finding.parameters},
         **fields(finding, "rms_explained", "rms_without_held_out", "evidence_nats=evidence", "p_value"),
-        "sentence": finding.reading,
+        **fields(finding, "sentence=reading", "small"),
     }
 
 
@@ -109,7 +109,7 @@ def motion_json(diagnosis: MotionDiagnosis) -> dict[str, Any]:
         "written_arm": fields_if(written, *_WRITTEN),
         **rivals_json(diagnosis.rivals, "rms=in_sample", "rms_held_out=held_out", by_joint=True),
         "missing": [_finding(finding) for finding in diagnosis.findings],
-        "differs_beyond": list(diagnosis.beyond),
+        **fields(diagnosis, "small_together", "differs_beyond=beyond"),
         "rms_with_own": None if diagnosis.rms_with_own is None else diagnosis.rms_with_own[0],
         "where": _where(diagnosis),
         "unknown": None if diagnosis.unknown is None else _unknown(diagnosis.unknown),

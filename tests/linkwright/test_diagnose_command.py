@@ -217,14 +217,16 @@ def test_what_would_tell_is_named_by_its_column(effect, other, has, asked):
 
 
 def test_small_findings_stand_below_by_their_cause():
-    """What moves the tip by less than a fifth of the largest is told in one line, and in a table of its own."""
+    """What held-out readings hardly need is told in one line, with what it moves together, and in a separate table."""
     made = made_diagnosis("named")
-    small = replace(
-        made.findings[0], effect="encoder_offset", at=(3,), rms_explained=0.1 * made.findings[0].rms_explained
-    )
-    page = Page(page_of(describe(replace(made, findings=(*made.findings, small))))).text
-    assert f"Small beside that: {EFFECTS[small.effect].cause}: " in page
-    assert "Small beside that" not in Page(page_of(describe(made))).text
+    small = replace(made.findings[0], effect="encoder_offset", at=(3,), small=True)
+    result = replace(made, findings=(*made.findings, small), small_together=2e-6)
+    page = Page(page_of(describe(result))).text
+    assert f"Small, together 2 µm: {EFFECTS[small.effect].cause}: " in page or "Small, together 0.002 mm: " in page
+    assert "Small, together" not in Page(page_of(describe(made))).text
+    content = diagnosis_json(result)
+    assert [item["small"] for item in content["missing"]] == [*([False] * len(made.findings)), True]
+    assert content["small_together_mm"] == pytest.approx(0.002)
 
 
 def test_that_there_is_another_cause_is_said_before_every_name_of_the_first():

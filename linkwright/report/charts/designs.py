@@ -25,7 +25,6 @@ from linkwright.report.pictures.plots import (
 )
 from linkwright.report.pictures.svg import element, nice_below, text
 from linkwright.results.design import Named
-from linkwright.results.diagnoses.answer import main_and_small
 from linkwright.results.diagnoses.words import listed, row_words
 from linkwright.results.document import Drawn
 from linkwright.results.figures_in_words import figure, mm, pose
@@ -84,7 +83,7 @@ def exchange(result: OptimizationResult, words: str) -> Drawn | str:
 
 def _joints_at_fault(diagnosis: Diagnosis) -> list[int]:
     """The joints of what is named and not small beside it; where nothing is, the one in which the mismatch sits."""
-    main, _ = main_and_small(diagnosis.findings)
+    main = (item for item in diagnosis.findings if not item.small)
     at_joints = [item for item in main if item.effect in EFFECTS and EFFECTS[item.effect].place == "joint"]
     named = sorted({joint for item in at_joints for joint in item.at})
     return named or ([] if diagnosis.where.joint is None else [diagnosis.where.joint])

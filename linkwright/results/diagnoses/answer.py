@@ -18,9 +18,6 @@ from .words import covariate_words, name_words, portion, value
 MOST_WORDS = 30
 """A longer answer is not read on a first screen."""
 
-SMALL = 0.2
-"""A finding that moves the tip by less than this share of the largest is small: it stands below, by its cause."""
-
 _COLUMNS: MappingProxyType[Condition, str] = MappingProxyType(
     {
         "time": "time_s",
@@ -149,13 +146,6 @@ def _share_of_first(diagnosis: Diagnosis) -> float | None:
     if len(diagnosis.ladder) < 2 or diagnosis.ladder[0].rms <= 0.0:
         return None
     return max(0.0, 1.0 - (diagnosis.ladder[1].rms / diagnosis.ladder[0].rms) ** 2)
-
-
-def main_and_small(findings: Sequence[Finding]) -> tuple[tuple[Finding, ...], tuple[Finding, ...]]:
-    """The findings that move the tip most, and those small beside the largest."""
-    largest = max((finding.rms_explained for finding in findings), default=0.0)
-    small = tuple(finding for finding in findings if finding.rms_explained < SMALL * largest)
-    return tuple(finding for finding in findings if finding not in small), small
 
 
 def to_do(diagnosis: Diagnosis) -> tuple[str, ...]:

@@ -37,7 +37,7 @@ from linkwright.results.document import (
 )
 from linkwright.results.figures_in_words import figure, lasted, mm
 
-from .answer import answer, main_and_small, to_do
+from .answer import answer, to_do
 from .evidence import (
     MOST_REJECTED,
     considered,
@@ -218,9 +218,11 @@ def _findings(diagnosis: Diagnosis) -> Section:
     readings = [
         Paragraph(spoken(finding.reading), "statement", True) for finding in diagnosis.findings if finding.reading
     ]
-    main, small = main_and_small(diagnosis.findings)
-    rows = [row for finding in main for row in _finding_rows(finding)]
-    small_rows = [row for finding in small for row in _finding_rows(finding)]
+    small = [finding for finding in diagnosis.findings if finding.small]
+    rows, small_rows = (
+        [row for finding in diagnosis.findings if finding.small is which for row in _finding_rows(finding)]
+        for which in (False, True)
+    )
     headings = (
         "found",
         "parameter",
@@ -247,7 +249,7 @@ def _findings(diagnosis: Diagnosis) -> Section:
         "What describes part of it" if diagnosis.describes_part else "What is missing",
         *readings,
         table(headings, rows),
-        Paragraph(_small_words(small)) if small else None,
+        Paragraph(_small_words(small, diagnosis.small_together)) if small else None,
         table(headings, small_rows, title="The small ones", detail=True, folded=len(small) > MOST_SMALL)
         if small
         else None,
@@ -261,14 +263,14 @@ MOST_SMALL = 4
 """Small findings up to which a page shows their table open."""
 
 
-def _small_words(small: Sequence[Finding]) -> str:
-    """What is small beside the largest, by its cause."""
+def _small_words(small: Sequence[Finding], together: float) -> str:
+    """What held-out readings hardly need, by its cause, and what it moves together (m)."""
     causes: dict[str, list[str]] = {}
     for item in small:
         cause = EFFECTS[item.effect].cause if item.effect in EFFECTS else "other"
         causes.setdefault(cause, []).append(f"{name_words(item)} {mm(item.rms_explained, 2)}")
     text = "; ".join(f"{cause}: {', '.join(names)}" for cause, names in causes.items())
-    return f"Small beside that: {text}."
+    return f"Small, together {mm(together, 2)}: {text}."
 
 
 def _finding_rows(finding: Finding) -> list[list[Cell]]:

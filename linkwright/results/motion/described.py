@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from pathlib import PurePath
 
 from linkwright.core.diagnose.motion.result import MotionDiagnosis, MotionFinding, MotionUnknown, OfJoint
@@ -182,14 +183,15 @@ def _findings(diagnosis: MotionDiagnosis) -> Section:
     few = diagnosis.findings if len(diagnosis.findings) <= MOST_READINGS else ()
     readings = [Paragraph(spoken(item.reading), "statement", True) for item in few if item.reading]
     rows: list[list[Cell]] = []
-    shown = 0
+    small, shown = [item for item in diagnosis.findings if item.small], 0
+    most = min(MOST_FINDINGS, len(diagnosis.findings) - len(small))
     for finding in diagnosis.findings:
         where = place_words(finding.effect, finding.at).replace(" ", "\u00a0", 1)  # a number stays with its joint
         where = "; ".join(item for item in (where, f"{finding.recording} alone" if finding.recording else "") if item)
         made = parameter_rows(finding, effect_title(finding.effect), _rest(diagnosis, finding))
         # An arm has many findings, of which what the parameters mean would take the room.
         rows += [[row[0], where if row[0] else "", row[1], *row[3:]] for row in made]
-        shown = len(rows) if finding in diagnosis.findings[:MOST_FINDINGS] else shown
+        shown = len(rows) if finding in diagnosis.findings[:most] else shown
     headings = (
         "found",
         "at",
@@ -200,14 +202,20 @@ def _findings(diagnosis: MotionDiagnosis) -> Section:
         Column("evidence in nats", detail=True),
         "p",
     )
-    left = len(diagnosis.findings) - MOST_FINDINGS
+    left = len(diagnosis.findings) - most
     more = f"and {left} more findings; the report and the JSON have them" if left > 0 else ""
     return section(
         "What describes part of it" if diagnosis.verdict == "unknown" else "What is missing",
         *readings,
         table(headings, rows, first=shown, rest=more),
+        Paragraph(_small_words(small, max(diagnosis.small_together))) if small else None,
         *(Paragraph(sentence) for item in diagnosis.findings if (sentence := alias_sentence(item))),
     )
+
+
+def _small_words(small: Sequence[MotionFinding], together: float) -> str:
+    """What motion held out hardly needs, and what it adds at a joint together (N*m)."""
+    return f"Small, together {torque(together, digits=2).text} at most: {listed([finding_words(i) for i in small])}."
 
 
 def _rest(diagnosis: MotionDiagnosis, finding: MotionFinding) -> list[Cell]:

@@ -77,6 +77,11 @@ def test_the_file_leaves_what_was_promised_and_can_be_diagnosed_again(seed, shar
     )
     logs = [log_of(truth, seed + number) for number in range(2 if several else 1)]
     result = diagnose_motion(given_, logs)
+    small = [item.small for item in result.findings]
+    assert small == sorted(small)
+    # What several add is at most what they add one by one (Minkowski), up to what linearising about the file changes.
+    singly = sum(max(item.rms_explained) for item in result.findings if item.small)
+    assert max(result.small_together) <= 1.05 * singly
     file = read_back(result.corrected)
     predictions = [predict_motion(file, log) for log in logs]
     counts = np.array([prediction.samples for prediction in predictions])

@@ -34,6 +34,20 @@ def test_what_is_said_to_be_friction_is_friction() -> None:
     )
 
 
+def test_of_many_names_small_ones_are_counted_as_one() -> None:
+    """Of five names two are small: they are no names in the answer; of four each is named."""
+    rubs = [finding("friction_coulomb", at, "torque", "torque", 5.0, 4.0) for at in (1, 2, 3)]
+    small = [
+        replace(finding(effect, 1, "torque", "torque", 0.1, 0.1), small=True)
+        for effect in ("torque_offset", "friction_asymmetry")
+    ]
+    joints = tuple(OfJoint(at, 5.0, 0.1, 0.1, 0.1, 0.01, (), 1.0) for at in (1, 2, 3))
+    said = answer("named", [*rubs, *small], None, joints, together=(0.125, 0.0, 0.0))
+    assert "(5 N*m, 5 N*m and 5 N*m); 2 small ones, together 0.12 N*m RMS. " in said
+    assert "offset" not in said
+    assert "offset" in answer("named", [*rubs, small[0]], None, joints, together=(0.1, 0.0, 0.0))
+
+
 def test_what_logs_cannot_tell_from_a_name_is_said_beside_it() -> None:
     link = finding("link_inertial", 3, "mass", "mass", 1.5, 4.5)
     both = Alternative((("torque_offset", (2,)), ("friction_asymmetry", (2,))), 2.0)
