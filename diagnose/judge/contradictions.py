@@ -12,9 +12,11 @@ _OTHER_TIMES = (
     "Diagnose each stretch by itself."
 )
 _OTHER_MOTION = "The fit describes the recorded motion alone. Record more varied motion before using the arm file."
+_OTHER_RECORDING = "Each recording shows motion that the others lack. Expect the larger figure in motion of neither."
 _PAIRS = (
     ("pose blocks", "random rows", "Held-out blocks of poses", "held-out single rows", _OTHER_PLACES),
     ("time blocks", "pose blocks", "Held-out stretches of time", "held-out blocks of poses", _OTHER_TIMES),
+    ("one recording at a time", "pose blocks", "Held-out recordings", "held-out blocks of poses", _OTHER_RECORDING),
     ("time blocks", "", "Held-out stretches of time", "the motion that was fitted", _OTHER_MOTION),
     ("logs", "", "Held-out logs", "the motion that was fitted", _OTHER_MOTION),
 )
@@ -29,7 +31,7 @@ def contradictions(
     Args:
         in_sample: RMS of what the fit leaves of the readings that it was fitted to.
         held_out: RMS of what it leaves of readings that it was not fitted to, by what is held out at a time:
-            `pose blocks`, `random rows`, `time blocks`, `logs`.
+            `pose blocks`, `random rows`, `time blocks`, `one recording at a time`, `logs`.
         shown: A figure with its unit.
         rules: From which ratio on figures contradict each other.
         noise: RMS of the noise (0: unknown); figures within it contradict nothing.

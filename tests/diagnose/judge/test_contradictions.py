@@ -48,6 +48,16 @@ def test_sound_recordings():
     assert said(recorded(60, 2, 3, field=0.0)) == []
 
 
+def test_recordings_that_foretell_each_other_badly():
+    """Grid and lines of the Motoman: blocks of poses of both 0.163 mm, a recording by the other 0.665 mm."""
+    figures = {"pose blocks": 0.163, "random rows": 0.133, "one recording at a time": 0.665}
+    (line,) = contradictions(0.131, figures, "{:.3g} mm".format, rules=RULES)
+    assert line.startswith(
+        "Held-out recordings leave 0.665 mm, held-out blocks of poses 0.163 mm. Each recording shows"
+    )
+    assert contradictions(0.131, {**figures, "one recording at a time": 0.3}, "{:.3g} mm".format, rules=RULES) == ()
+
+
 def loaded(rules=RULES, folder=None):
     log = logged(5, lambda time: np.full_like(time, HAND + 1.2), lambda _, v: np.zeros_like(v))
     result = diagnose_motion(plumb_arm(folder), [log], Options(rules=rules))
