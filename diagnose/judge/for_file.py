@@ -16,9 +16,10 @@ from numpy.typing import NDArray
 from linkwright.core.arm.effects import EFFECTS
 from linkwright.core.arm.effects.elastic.base_compliance import BASE_COMPLIANCE
 from linkwright.core.arm.effects.elastic.joint_compliance import JOINT_COMPLIANCE
+from linkwright.core.arm.effects.elastic.link_modulus import LINK_MODULUS
 from linkwright.core.arm.effects.thermal.thermal_expansion import THERMAL_EXPANSION
 from linkwright.core.diagnose.answer.confirmation import Confirmed
-from linkwright.core.diagnose.answer.sentences import mm
+from linkwright.core.diagnose.answer.sentences import label_of, mm
 from linkwright.core.diagnose.fitting.fit import fit, remaining
 from linkwright.core.diagnose.fitting.held_out import HeldOut, folds_of_rivals
 from linkwright.core.diagnose.fitting.joint.sizes import tether
@@ -36,6 +37,8 @@ from .rivals import Name, Rival, Rivals, chosen
 _GIVES = (JOINT_COMPLIANCE.id, BASE_COMPLIANCE.id, THERMAL_EXPANSION.id)
 """What everybody fits beside zeros and lengths: how far drives and base give, and links expand (B. W. Mooring, Z. S.
 Roth & M. R. Driels, Fundamentals of Manipulator Calibration, Wiley 1991, ch. 6)."""
+_PLAIN = (*_GIVES, LINK_MODULUS.id)
+"""What two plain sizes may be beside zeros and lengths."""
 _USUAL = 1.0
 """Of the largest usual size: one standard deviation of a number that nobody has named."""
 
@@ -69,7 +72,7 @@ class ForFile:
         given, best = self.rivals.of("nominal"), self.rivals.of(self.written.name)
         if given is None or best is None or not (self.holds or best.name == "textbook"):
             return None
-        if best.name == "nominal" or (best.name == "ridge" and self.as_said):
+        if best.name == "nominal" or (best.name in ("pair", "ridge") and self.as_said):
             return self.rivals.why
         if best.name == "named" and self.as_said:
             return None
@@ -88,6 +91,7 @@ def for_file(names: Confirmed) -> ForFile:
     parts = _parts(names, folds)
     best = _without_forms(names, folds)
     filed = [_nominal(best, folds), *([_named(best, folds)] if best.members else [])]
+    filed += _pair(names, filed[-1], folds)
     if _may_have_rivals(names):
         named = [term.candidate for term in best.refit.terms]
         textbook, families = _textbook(names), {candidate.family for candidate in named}
@@ -97,6 +101,8 @@ def for_file(names: Confirmed) -> ForFile:
     rivals = chosen([_rival(item, parts, names.observed.recording.tips) for item in filed])
     written = next(item for item in filed if item.name == rivals.written)
     labels = tuple(best.label(member) for member in best.members)
+    if rivals.written == "pair":
+        labels = tuple(label_of(term.candidate, names.observed.recording) for term in written.refit.terms)
     as_said = set(labels) == {names.label(member) for member in names.members}
     return ForFile(written, rivals, labels, as_said)
 
@@ -123,21 +129,41 @@ def _may_have_rivals(names: Confirmed) -> bool:
     return not free and moved and names.named is not None and bool(names.members or names.outside)
 
 
+def _pair(names: Confirmed, other: Filed, folds: NDArray[np.int64]) -> list[Filed]:
+    """The two plain sizes that fit best, as if neighbouring readings shared nothing: what they share may be what no
+    size explains. None where they predict readings held out no better than the `other`."""
+    recording, free = names.observed.recording, names.observed.arm_given.unknown_origins
+    if names.named is None or recording.units or free or not (names.members or names.outside):
+        return []
+    plain = np.array([_is_plain(group.candidate, _PLAIN) for group in names.search.pool.groups], dtype=bool)
+    best = names.namer.best(plain, 2).get(2)
+    if best is None:
+        return []
+    candidates = [names.search.pool.groups[member].candidate for member in best.members]
+    pair = _fitted(names, "pair", candidates, folds, memory=0.0)
+    return [item for item in pair if _held_out(item) < _held_out(other)]
+
+
 def _textbook(names: Confirmed) -> list[Candidate]:
     """What everybody fits, as far as these readings show it: of each number the variant with most sizes and without
     delay."""
     shown: dict[object, Candidate] = {}
     for group in names.search.pool.groups:
         candidate = group.candidate
-        if candidate.outside or candidate.share or candidate.only is not None or len(candidate.at) > 1:
-            continue
-        gives = candidate.effect in _GIVES and not any(candidate.shapes.values())
-        if not gives and not of_single_numbers(EFFECTS[candidate.effect]):
+        if not _is_plain(candidate, _GIVES):
             continue
         known = shown.get(candidate.family)
         if known is None or len(candidate.sizes) > len(known.sizes):
             shown[candidate.family] = candidate
     return list(shown.values())
+
+
+def _is_plain(candidate: Candidate, gives: Sequence[str]) -> bool:
+    """Whether a candidate is a zero or a length, or of the effects that give, at one place and without delay."""
+    if candidate.outside or candidate.share or candidate.only is not None or len(candidate.at) > 1:
+        return False
+    plain = candidate.effect in gives and not any(candidate.shapes.values())
+    return plain or of_single_numbers(EFFECTS[candidate.effect])
 
 
 def _nominal(names: Confirmed, folds: NDArray[np.int64]) -> Filed:
@@ -157,9 +183,17 @@ def _named(names: Confirmed, folds: NDArray[np.int64]) -> Filed:
     return Filed("named", names.prepared, names.refit, names.outside, names.after(), held_out)
 
 
-def _fitted(names: Confirmed, name: Name, candidates: Sequence[Candidate], folds: NDArray[np.int64]) -> list[Filed]:
-    """Causes fitted together, each held to what is usual; none where nothing of them shows."""
+def _fitted(
+    names: Confirmed,
+    name: Name,
+    candidates: Sequence[Candidate],
+    folds: NDArray[np.int64],
+    memory: float | None = None,
+) -> list[Filed]:
+    """Causes fitted together, each held to what is usual, neighbouring readings sharing as much noise as was found, or
+    so much (`memory`, a correlation); none where nothing of them shows."""
     observed = observed_about(names.observed, (), names.observed.softening)
+    observed = observed if memory is None else replace(observed, correlation=memory)
     patterns = [(candidate, columns_of(observed, candidate)) for candidate in candidates]
     packed = packed_up((candidate, columns) for candidate, columns in patterns if columns is not None)
     prepared = set_up(observed, packed, names.prepared.rejected)
@@ -182,11 +216,17 @@ def _parts(names: Confirmed, folds: NDArray[np.int64]) -> NDArray[np.int64]:
     return pose if names.prepared.together == 1 and pose.max() > folds.max() else folds
 
 
+def _held_out(item: Filed) -> float:
+    """RMS (m) of readings held out: those that were fitted are predicted no worse, or another fit was judged."""
+    return max(rms_length(item.held_out), rms_length(item.left))
+
+
 def _rival(item: Filed, parts: NDArray[np.int64], tips: NDArray[np.int64]) -> Rival:
     """A rival by sums of squares of each part, for each tip of the arm."""
     losses, rows = (np.zeros((int(parts.max()) + 1, int(tips.max()) + 1)) for _ in range(2))
-    np.add.at(losses, (parts, tips), np.sum(item.held_out**2, axis=1))
+    judged = item.held_out if rms_length(item.held_out) == _held_out(item) else item.left
+    np.add.at(losses, (parts, tips), np.sum(judged**2, axis=1))
     np.add.at(rows, (parts, tips), 1.0)
     terms, weights = item.refit.terms, len(item.refit.weights)
     count = weights + sum(1 if term.shared else term.columns.shape[2] for term in terms)
-    return Rival(item.name, count, rms_length(item.left), rms_length(item.held_out), losses, rows)
+    return Rival(item.name, count, rms_length(item.left), _held_out(item), losses, rows)

@@ -17,15 +17,16 @@ import numpy as np
 
 from linkwright.core.sections.numeric import Array
 
-Name = Literal["nominal", "textbook", "named", "ridge"]
+Name = Literal["nominal", "textbook", "named", "pair", "ridge"]
 
-_ORDER: tuple[Name, ...] = ("nominal", "named", "textbook", "ridge")
+_ORDER: tuple[Name, ...] = ("nominal", "named", "pair", "textbook", "ridge")
 """Of rivals with as many numbers the first is preferred."""
 _SUBJECT = MappingProxyType(
     {
         "nominal": "The arm as given",
         "textbook": "The textbook calibration",
         "named": "The arm with the named causes",
+        "pair": "The arm with two plain sizes",
         "ridge": "The arm with the named causes and a small share of the rest",
     }
 )
