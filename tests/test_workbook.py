@@ -61,6 +61,17 @@ def test_which_sheet(tmp_path: Path):
         workbook_text(path, "Jun")
 
 
+def test_the_sheet_with_numbers_counts_beside_one_of_words(tmp_path: Path):
+    """A cover sheet needs no setting; commas in text make all numbers of the sheet be written with commas."""
+    book = Workbook()
+    book.active.title = "Cover"
+    book.active.append(["Robot 12", "measured by us"])
+    book.create_sheet("Data").append(["a", "b"])
+    book["Data"].append(["1,25", 2.5])
+    book.save(tmp_path / "a.xlsx")
+    assert workbook_text(tmp_path / "a.xlsx") == 'a,b\n"1,25","2,5"\n'
+
+
 def test_a_catalogue_of_several_sheets_asks_for_no_setting(tmp_path: Path):
     path = saved(tmp_path / "m.xlsx", ["name"], ["our-alloy"], sheets=("May", "June"))
     with pytest.raises(InputError, match=r"has 2 sheets \('May', 'June'\); leave only the one to be read$"):

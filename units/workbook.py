@@ -28,6 +28,9 @@ WORKBOOKS = (".xlsx", ".xlsm")
 _LARGEST = 512 * 1024 * 1024
 """Bytes that a workbook may hold when unpacked: a small file can unpack to more than a machine's memory."""
 _MOST_CELLS = 10_000_000
+_COMMA, _POINT = re.compile(r"[+-]?\d+,(?:\d{1,2}|\d{4,})"), re.compile(r"[+-]?\d+\.\d+")
+"""Numbers with a decimal comma (three digits behind it may be thousands) and with a point."""
+_NUMBER = re.compile(r"[+-]?\d+(?:[.,]\d+)?(?:e[+-]?\d+)?", re.IGNORECASE)
 _BROKEN = (
     zipfile.BadZipFile,
     zlib.error,
@@ -54,9 +57,9 @@ def is_workbook(path: Path | str) -> bool:
 def workbook_text(path: Path | str, sheet: str | None = "", decimal: str = ".") -> str:
     """The cells of a sheet as comma-separated text, without the blank rows and columns after the last that is filled.
 
-    `sheet` names it; it may be left out where one sheet alone holds anything, and is None where nobody could name it:
-    a table without settings. Numbers are written with `decimal`, to the last digit; dates as ISO 8601; a formula counts
-    as what was last computed of it. Raises `InputError`, one line.
+    `sheet` names it; it may be missing where one sheet alone has rows of numbers (or is filled at all), and is None
+    where nobody could name it: a table without settings. Numbers are written with `decimal`, to the last digit; dates
+    as ISO 8601; a formula counts as what was last computed of it. Raises `InputError`, one line.
     """
     content = read_bytes(path)
     from openpyxl.utils.exceptions import InvalidFileException
@@ -84,6 +87,7 @@ def _text_of(path: Path | str, content: bytes, sheet: str | None, decimal: str) 
         raise InputError(path, "sheet", f"there is no sheet {shown(sheet)}{nearest(sheet, names)}")
     tables = {name: list(_rows(path, book[name])) for name in ([sheet] if sheet else names)}
     filled = [name for name, rows in tables.items() if rows]
+    filled = [name for name in filled if _has_numbers(tables[name])] or filled
     if len(filled) > 1:
         listed = ", ".join(shown(name, 30) for name in filled[:5])
         message = f"has {len(filled)} sheets ({listed})"
@@ -94,6 +98,8 @@ def _text_of(path: Path | str, content: bytes, sheet: str | None, decimal: str) 
         raise InputError(path, "", "has no filled cell")
     stream = io.StringIO(newline="")
     rows = tables[filled[0]]
+    if decimal == "." and _commas_in_text(rows):
+        decimal = ","
     width = max(len(row) for row in rows)
     writer = csv.writer(stream, lineterminator="\n")
     writer.writerows([_cell(cell, decimal) for cell in row] + [""] * (width - len(row)) for row in rows)
@@ -113,6 +119,17 @@ def _rows(path: Path | str, sheet: Any) -> Iterator[list[Any]]:
             cells.pop()
         if cells:
             yield cells
+
+
+def _commas_in_text(rows: list[list[Any]]) -> bool:
+    """Whether cells of text are numbers with decimal commas, so that those of numbers are written alike."""
+    texts = [cell.strip() for row in rows for cell in row if isinstance(cell, str)]
+    return any(map(_COMMA.fullmatch, texts)) and not any(map(_POINT.fullmatch, texts))
+
+
+def _has_numbers(rows: list[list[Any]]) -> bool:
+    """Whether a row holds two numbers or more, written as text or not."""
+    return any(sum(bool(_NUMBER.fullmatch(str(cell).strip())) for cell in row) > 1 for row in rows)
 
 
 def _cell(value: Any, decimal: str) -> str:

@@ -84,7 +84,7 @@ _UNITS = MappingProxyType(
         **dict.fromkeys(("°c", "ºc", "deg c", "celsius"), "degC"),
         **dict.fromkeys(("µm", "μm", "micron", "microns"), "um"),
         **dict.fromkeys(("sec", "second", "seconds"), "s"),
-        **dict.fromkeys(("n*m", "n·m", "n m"), "Nm"),
+        **dict.fromkeys(("n*m", "n·m", "n m", "n.m"), "Nm"),
     }
 )
 """How people write the units of headers, in small letters."""

@@ -18,6 +18,7 @@ from linkwright.core.diagnose.reading.table import Table
 from linkwright.core.sections.numeric import Array
 from linkwright.core.units.reading import yaml_line
 
+from .any_language import joint_columns
 from .clock import clock_of, counted_in
 from .header_units import alone_in_unit, name_and_unit, unit_of
 from .words import Said, commanded, computed, message_name, said_by, without_names
@@ -32,14 +33,17 @@ _OF_JOINTS = ("q", "dir", "tau", "current", "v", "c", "j")
 _PLACE = re.compile(
     r"^(?:tcp|tip|tool|ee|end[\s_-]?effector|pos(?:ition)?|meas(?:ured)?|tracker|laser|point|p)?[\s_.-]*([xyz])$"
 )
-_LETTER = re.compile(r"^(?:.*[\s_.-])?([xyz])(?:[\s_.-]+(?:ist|act|actual|meas|measured))?$", re.IGNORECASE)
+_LETTER = re.compile(
+    r"^(?:.*[\s_.-])?([xyz])(?:[\s_.-]+(?:ist|act|actual|meas|measured|mesur[ée]e?|r[ée]el|medid[oa]|misurat[oa]))?$",
+    re.IGNORECASE,
+)
 _OF_A_POSE = re.compile(r".*(?:pose|point|transform|target)[./](?:position|translation)?[./]?([xyz])$", re.IGNORECASE)
 _WORDS = MappingProxyType(
     {
-        "payload": re.compile(r"^(payload|load|mass|weight|last|masse|gewicht)([/.]data)?$"),
+        "payload": re.compile(r"^(payload|load|mass|weight|last|masse|gewicht|charge|carga|carico)([/.]data)?$"),
         "temperature": re.compile(r"^(temp|temperature|t[\s_-]?amb|ambient)([\s_/.].*)?$"),
-        "z": re.compile(r"^(height|höhe|hoehe)$"),
-        "time": re.compile(r"^(t|time|timestamp|elapsed|zeit|clock)$"),
+        "z": re.compile(r"^(height|höhe|hoehe|hauteur|altura|altezza)$"),
+        "time": re.compile(r"^(t|time|timestamp|elapsed|zeit|temps|tiempo|tempo|clock)$"),
     }
 )
 _SIDE = re.compile(
@@ -114,6 +118,7 @@ def proposed(table: Table, arm: Arm) -> tuple[Meaning, ...]:
     left = {header: plain[header] for header in table.names if not by_header[header].named}
     by_header |= _of_joints(left, table, arm, {item.what for item in by_header.values()})
     by_header |= _places_left(by_header, arm)
+    by_header |= _in_any_language(by_header, table, arm)
     by_header |= _alone_in_unit(by_header, table.names)
     if not any(item.what == "time" for item in by_header.values()):
         by_header |= {item.header: item for item in _clock(table, by_header)}
@@ -194,6 +199,19 @@ def _places_left(meanings: Mapping[str, Meaning], arm: Arm) -> dict[str, Meaning
         if what not in taken and unit_known in units_of(what, arm):
             of_letter[what].append(Meaning(header, what, unit_known, said=f"the only column of {what}"))
     return {items[0].header: items[0] for items in of_letter.values() if len(items) == 1}
+
+
+def _in_any_language(meanings: Mapping[str, Meaning], table: Table, arm: Arm) -> dict[str, Meaning]:
+    """Columns of joints whose words nobody knows, each a guess."""
+    headers = [key for key, item in meanings.items() if item == Meaning(key, OTHER) and not commanded(key)]
+    taken = {item.what for item in meanings.values()}
+    guesses: dict[str, Meaning] = {}
+    for header, (what, unit, why) in joint_columns(headers, table, arm, taken).items():
+        units = units_of(what, arm)
+        guesses[header] = Meaning(
+            header, what, unit or (_guessed(table, header, units) if units else ""), True, said=why
+        )
+    return guesses
 
 
 def _named(name: str, arm: Arm) -> str:

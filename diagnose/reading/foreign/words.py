@@ -50,7 +50,16 @@ _PLAIN = frozenset(
 )
 _FILLING = frozenset({"filtered", "value", "values", "data", "robot", "arm", "field", "j", "a", "as", "present"})
 _COMMANDS = frozenset(
-    {"target", "command", "commanded", "cmd", "desired", "reference", "ref", "setpoint", "soll", "goal", "action", "d"}
+    {
+        *("target", "command", "commanded", "cmd", "desired", "reference", "ref", "setpoint", "goal", "action", "d"),
+        *("soll", "consigne", "consigna", "comando", "objetivo", "obiettivo"),
+    }
+)
+_OF_SOMETHING_ELSE = frozenset(
+    {
+        *("error", "err", "lag", "deviation", "residual", "offset", "limit", "fehler", "abweichung", "grenze"),
+        *("erreur", "écart", "limite", "errore", "scarto", "desviación", "residuo"),
+    }
 )
 _WORD = re.compile(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+|[0-9]+|[^\W\d_]+")
 _BY_LABEL = re.compile(r"(?P<of>.+)/(?P<label>[^/]+)/(?P<what>position|velocity|effort)")
@@ -92,6 +101,18 @@ class Said:
     label: str = ""
     by: str = ""
     rank: int = 0
+
+
+def unknown_words(header: str) -> bool:
+    """Whether a header of a joint has none of our words for joints, which would have been understood, nor one for what
+    is neither a coordinate, a speed nor a torque."""
+    return not _words(header) & (_JOINT_WORDS | _OF_SOMETHING_ELSE)
+
+
+def without_number(name: str) -> tuple[str, int | None]:
+    """A header's words with a sign in the place of its number, and the number; None where there is none."""
+    parsed = _NUMBERED.fullmatch(name)
+    return (name, None) if parsed is None else (f"{parsed[1].strip()} # {parsed[3].strip()}".lower(), int(parsed[2]))
 
 
 def computed(header: str) -> bool:

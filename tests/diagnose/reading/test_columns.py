@@ -136,7 +136,7 @@ def test_what_the_settings_beside_a_file_say_stands(capsys):
     )
     with pd.ExcelWriter("log.xlsx") as book:
         table.to_excel(book, sheet_name="Messung", index=False)
-        pd.DataFrame({"remarks": ["none"]}).to_excel(book, sheet_name="Notes", index=False)
+        pd.DataFrame({"cell": [1], "hall": [2]}).to_excel(book, sheet_name="Notes", index=False)
     assert run(["columns", "log.xlsx", "--arm", "arm.yaml"]) == 2
     assert "write `sheet: Messung`" in capsys.readouterr().err
     told = "sheet: Messung\nframe: free\ncolumns: {q2_deg: '`Servo 2 [deg]` - 30'}\nignore: [Note]\n"
