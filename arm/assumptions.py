@@ -18,6 +18,7 @@ def notes_of(arm: Arm, cases: Sequence[LoadCase]) -> tuple[str, ...]:
     return (
         *default_gravity(arm),
         *payloads_left_off(cases),
+        *level_slides(arm),
         *rigid_bearings(arm),
         *twisted_links(arm, cases),
         *height_sentences(arm),
@@ -33,6 +34,16 @@ def default_gravity(arm: Arm) -> list[str]:
         f"no gravity is given: it acts along -y of the base frame ([{acts}]); where z is up, write "
         "gravity: [0 m/s^2, 0 m/s^2, -9.81 m/s^2]"
     ]
+
+
+def level_slides(arm: Arm) -> list[str]:
+    """One line for a slide behind two upright axes (a SCARA's spindle) that runs along the link before it."""
+    up = (0.0, 0.0, 1.0)
+    upright = [joint.revolute and joint.axis == up for joint in arm.joints[:2]]
+    if upright != [True, True] or arm.gravity[:2] != (0.0, 0.0) or arm.branches:
+        return []
+    level = [k for k, joint in enumerate(arm.joints) if not joint.revolute and joint.axis == (1.0, 0.0, 0.0)]
+    return [f"joint {k + 1} slides level, along link {k}; `axis: z` at the joint makes it upright" for k in level[:1]]
 
 
 def twisted_links(arm: Arm, cases: Sequence[LoadCase]) -> list[str]:

@@ -195,7 +195,7 @@ def _check_reach(body: Mapping, problem: Problem) -> None:
         required = format_quantity(limit.value, "length")
         if limit.relation in ("==", ">=") and limit.value > longest * (1.0 + 1e-9):
             longest_text = format_quantity(longest, "length", digits=6)
-            raise body.error("reach", f"{required} is beyond the longest the links can be together, {longest_text}")
+            raise body.error("reach", f"{required} is beyond the greatest sum of all link lengths, {longest_text}")
         if limit.relation in ("==", "<=") and limit.value < shortest * (1.0 - 1e-9):
             shortest_text = format_quantity(shortest, "length", digits=6)
-            raise body.error("reach", f"{required} is below the shortest the links can be together, {shortest_text}")
+            raise body.error("reach", f"{required} is below the least sum of all link lengths, {shortest_text}")

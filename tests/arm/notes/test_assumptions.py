@@ -150,3 +150,18 @@ def test_what_links_can_win_is_said_before_the_first_round(tmp_path):
     assert heard[0] == pytest.approx(1e3 * drive, rel=1e-6)
     assert heard[1:] == ["round"] * (len(heard) - 1) != []
     assert best.after.max_error_mm > heard[0]
+
+
+def test_a_spindle_that_runs_level_is_said(tmp_path):
+    """Behind two upright axes a slide without an axis runs along the link before it."""
+    spindle = {"type": "slide", "range": ["-150 mm", "0 mm"]}
+
+    def said(first, third):
+        joints = [{"axis": axis, "range": ["-9 deg", "9 deg"], "stiffness": "80 kN*m/rad"} for axis in (first, "z")]
+        chain = [{"joint": joint, "link": {"length": "99 mm", "rigid": True, "mass": "1 kg"}} for joint in joints]
+        chain.append({"joint": third, "link": {"length": "50 mm", "rigid": True, "mass": "1 kg"}})
+        return any("slides level" in note for note in notes(arm_file(tmp_path, chain=chain)))
+
+    assert said("z", spindle)
+    assert not said("z", spindle | {"axis": "z"})
+    assert not said("y", spindle)
