@@ -47,13 +47,15 @@ def text(content: str) -> str:
 
 def page_of(described: Description) -> str:
     """A result's page as one HTML file that loads nothing: what is not under a heading first, then tiles, then a part
-    for each section."""
+    for each section. A first section that begins with a picture goes before the tiles, so that a first page has one."""
     figures: dict[str, Figure] = {}
     tiles = [_tiles(item.facts) for item in described.items if isinstance(item, Facts)]
     rest = [item for item in described.items if not isinstance(item, Facts)]
     opening = _items([item for item in rest if not isinstance(item, Section)], figures, 3)
-    sections = [_section(item, figures, 2) for item in rest if isinstance(item, Section)]
-    parts = [*opening, *tiles, *sections]
+    sections = [item for item in rest if isinstance(item, Section)]
+    pictured = int(bool(sections) and isinstance(sections[0].items[0], Picture))
+    made = [_section(item, figures, 2) for item in sections]
+    parts = [*opening, *made[:pictured], *tiles, *made[pictured:]]
     return page(plain(described.title), plain(described.headline), parts, figures, described.without)
 
 

@@ -1,5 +1,5 @@
-// A drawing as a file in the colours that it has here: as SVG to be enlarged or printed, or as PNG on its page's ground
-// at three times its size.
+// A drawing as a file in the colours that it has here: as SVG to be enlarged or printed, as PNG on its page's ground at
+// three times its size, or as a page of its size that the browser prints or saves as PDF.
 function savePicture(svg, kind) {
   "use strict";
   var kept = ["fill", "stroke", "stroke-width", "stroke-dasharray", "stroke-linecap", "stroke-linejoin", "opacity",
@@ -17,6 +17,14 @@ function savePicture(svg, kind) {
   if (kind === "svg") {
     link.href = source;
     link.click();
+    return;
+  }
+  if (kind === "pdf") {
+    var frame = document.createElement("iframe"), size = box.width + "px " + box.height + "px";
+    frame.style.cssText = "position: fixed; width: 0; height: 0; border: 0";
+    frame.srcdoc = "<style>@page { size: " + size + "; margin: 0 } body { margin: 0 }</style>" + copy.outerHTML +
+      "<script>onload = function () { print(); }</" + "script>";
+    document.body.appendChild(frame);
     return;
   }
   image.onload = function () {

@@ -7,16 +7,23 @@
   }
   function dressed(layout) {
     var ink = colour("--ink"), line = colour("--line");
-    var axis = { gridcolor: line, linecolor: line, tickcolor: line, automargin: true };
-    return Object.assign({}, layout, {
+    var axis = { gridcolor: line, linecolor: line, tickcolor: line };
+    var axes = { automargin: true };
+    var space = layout.scene && { scene: Object.assign({}, layout.scene) };
+    (space ? ["x", "y", "z"] : []).forEach(function (name) {
+      space.scene[name + "axis"] = Object.assign({}, layout.scene[name + "axis"], axis);
+    });
+    var plane = space || {
+      xaxis: Object.assign({}, layout.xaxis, axis, axes),
+      yaxis: Object.assign({}, layout.yaxis, axis, axes)
+    };
+    return Object.assign({}, layout, plane, {
       autosize: true,
       paper_bgcolor: "rgba(0,0,0,0)",
       plot_bgcolor: "rgba(0,0,0,0)",
       modebar: { bgcolor: "rgba(0,0,0,0)", color: colour("--muted") },
       colorway: [colour("--error"), colour("--after")],
-      font: { color: ink, size: 12, family: getComputedStyle(document.body).fontFamily },
-      xaxis: Object.assign({}, layout.xaxis, axis),
-      yaxis: Object.assign({}, layout.yaxis, axis)
+      font: { color: ink, size: 12, family: getComputedStyle(document.body).fontFamily }
     });
   }
   // A figure that is like another one in other colours, for paper, where there is no button.
@@ -62,7 +69,7 @@
   document.querySelectorAll("svg").forEach(function (drawing) {
     var row = document.createElement("span");
     row.className = "save";
-    ["png", "svg"].forEach(function (kind) {
+    ["png", "svg", "pdf"].forEach(function (kind) {
       var button = document.createElement("button"), name = kind.toUpperCase();
       button.textContent = name;
       button.setAttribute("aria-label", name + " of " + (drawing.getAttribute("aria-label") || "this drawing"));

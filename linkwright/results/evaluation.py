@@ -12,6 +12,7 @@ from linkwright.core.arm.figures import FIGURES, Figure
 from linkwright.core.arm.motion.dynamics import OfDrive
 from linkwright.core.optimize.robust.result import RobustFigure
 from linkwright.report.charts import designs
+from linkwright.report.charts.space import beside
 from linkwright.report.pictures.loads import loads_picture
 from linkwright.report.pictures.plots import field_of
 from linkwright.report.pictures.sections import sections_grid
@@ -64,7 +65,7 @@ def describe(
     """All that is known of an arm as given; `robust`: over what is uncertain of it, `motion`: what one asks of its
     drives, `at`: the errors at poses that were asked for; `known` are the figures to tell."""
     arm, named = evaluation.arm, (("", evaluation),)
-    side = Picture(lambda: side_view(arm, evaluation.load_cases))
+    side = Picture(lambda: beside(side_view(arm, evaluation.load_cases), evaluation))
     over = Picture(lambda: designs.maps(named, (field_of(evaluation),)))
     loads = Picture(lambda: loads_picture(evaluation))
     links = Picture(lambda: sections_grid((("", arm),)))

@@ -11,6 +11,7 @@ from linkwright.core.optimize.result import BindingLimit, Iteration, Optimizatio
 from linkwright.core.units.quantities import format_quantity
 from linkwright.json.design import objective_unit
 from linkwright.report.charts import designs
+from linkwright.report.charts.space import beside
 from linkwright.report.pictures.loads import loads_picture
 from linkwright.report.pictures.sections import sections_grid
 from linkwright.report.pictures.side_view import side_view
@@ -52,7 +53,7 @@ def describe(result: OptimizationResult) -> Description:
     effects = design.effects(named, detail=True)
     alone = "Each effect alone. Together they add as vectors."
     arms = Picture(lambda: designs.arms(named))
-    side = Picture(lambda: side_view(result.after.arm, result.after.load_cases))
+    side = Picture(lambda: beside(side_view(result.after.arm, result.after.load_cases), result.after))
     loads = Picture(lambda: loads_picture(result.after))
     shapes = Picture(lambda: sections_grid((("before", result.before.arm), ("after", result.after.arm))))
     over = Picture(lambda: designs.maps(named, (result.before_map, result.after_map)))
@@ -356,9 +357,8 @@ def status_words(result: OptimizationResult) -> str:
     why = "bounded, not compared one by one" if bounded else "too many combinations to try every one"
     certified = result.after.worst.certified
     return {
-        "certified": design.bound_words(result.after) if certified else "certified: no pose is worse, within the gap",
-        "certified_where_reached": f"certified over the part reached{_reached(result)}: no pose there is worse, within "
-        "the gap",
+        "certified": design.bound_words(result.after) if certified else "certified: no pose is worse",
+        "certified_where_reached": f"certified over the part reached{_reached(result)}: no pose there is worse",
         "converged": "converged: no worse pose was found; there is no proof that none exists",
         "searched": f"searched: {why}; {_others(result)}",
         "stopped": "stopped at the limit of iterations: a better design may exist",

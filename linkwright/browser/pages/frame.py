@@ -90,12 +90,12 @@ def bring_into_view(element: ui.element) -> None:
 
 
 def picture(svg: str = "", *, save: bool = True) -> ui.html:
-    """A picture of the reports, with buttons that save it as PNG and as SVG unless `save` is false. Whatever could run
+    """A picture of the reports, with buttons that save it as PNG, SVG or PDF unless `save` is false. Whatever could run
     in it is taken out, for it may come from a file."""
     made = ui.html(svg, sanitize=True).classes("lw-picture")
     if save:
         with ui.row().classes("self-end gap-0"):
-            for name in ("PNG", "SVG"):
+            for name in ("PNG", "SVG", "PDF"):
                 saved = f"() => savePicture(getHtmlElement({made.id}).querySelector('svg'), '{name.lower()}')"
                 button = ui.button(name).props(f'flat dense no-caps size=sm aria-label="{name} of this drawing"')
                 button.on("click", js_handler=saved)

@@ -116,9 +116,9 @@ async def _show(desk: Desk, result: Kept, answer: Answer) -> None:
         _choices(answer, choices)
     if "report.html" in names:
         address = answer.address("report.html") + "?view=1"
-        ui.element("iframe").props(f'src="{address}" sandbox="allow-scripts allow-downloads" title="report"').classes(
-            "lw-report"
-        )
+        ui.element("iframe").props(
+            f'src="{address}" sandbox="allow-scripts allow-downloads allow-modals" title="report"'
+        ).classes("lw-report")
 
 
 class Naming:

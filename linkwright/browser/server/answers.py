@@ -83,10 +83,11 @@ def as_kept(job: Job) -> Kept:
 
 
 _SANDBOX = (
-    "sandbox allow-scripts allow-downloads; default-src 'none'; script-src 'unsafe-inline' blob:; "
+    "sandbox allow-scripts allow-downloads allow-modals; default-src 'none'; script-src 'unsafe-inline' blob:; "
     "style-src 'unsafe-inline'; img-src data: blob:"
 )
-"""A report runs its script and reaches nothing, neither these pages nor the network; it may hand pictures over."""
+"""A report runs its script and reaches nothing, neither these pages nor the network; it may hand over and print
+pictures."""
 
 
 def add_files(app: FastAPI, desk: Desk) -> None:

@@ -43,7 +43,8 @@ def side_view(arm: Arm, cases: Sequence[LoadCase]) -> str:
 
 
 class _Steps:
-    """Where links begin and end along the line, and where offsets run (mm)."""
+    """Where links begin and end along the line, and where offsets run (mm). Beside a slide, the sum of lengths is no
+    reach, and is not drawn (`in_line`)."""
 
     def __init__(self, arm: Arm) -> None:
         middle = [0.5 * (low + high) for low, high in (joint.range for joint in arm.joints)]
@@ -53,6 +54,7 @@ class _Steps:
             self.links.append((here, here + 1e3 * link.length))
             here += 1e3 * link.length
         self.end = self._offset(here, arm.tool)
+        self.in_line = all(joint.revolute for joint in arm.joints)
 
     def _offset(self, here: float, step: Sequence[object]) -> float:
         long = 1e3 * float(np.linalg.norm(np.array(step, dtype=float)))
@@ -166,7 +168,7 @@ def _sizes(
 def _lengths(steps: _Steps, scale: float, half: float, room: tuple[float, float]) -> tuple[list[str], float]:
     """Dimension lines below the links, each in the first row where it is free, and how far down that goes."""
     spans = [(a, b) for a, b in sorted([*steps.links, *steps.offsets]) if b - a > 1e-6]
-    if len(spans) > 1:
+    if len(spans) > 1 and steps.in_line:
         spans.append((0.0, steps.end))
     rows = Levels()
     parts: list[str] = []

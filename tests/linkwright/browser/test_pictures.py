@@ -1,4 +1,4 @@
-"""Every picture comes as PNG and as SVG: drawings of the pages, drawings and charts of a report."""
+"""Every picture comes as PNG, SVG and (printed alone on a page of its size) PDF: of the pages and of a report."""
 
 from xml.etree import ElementTree
 
@@ -57,6 +57,10 @@ def test_drawings_and_charts_are_saved(server, page):
     assert saved(page, chart.locator(".modebar-btn").first)[2] > 3
     assert len(saved_svg(page, inside.get_by_role("button", name="SVG of ").first)) > 3
     assert len(saved_svg(page, chart.locator(".modebar-btn").nth(1))) > 3
+    inside.get_by_role("button", name="PDF of ").first.click()
+    printed = inside.frame_locator("iframe").locator("svg")
+    printed.wait_for(state="attached")
+    assert printed.locator("*").count() > 3
     Shelf(server.folder).remove(number)
     for item in (server.folder / "made").iterdir():
         item.unlink()

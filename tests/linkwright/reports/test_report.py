@@ -17,6 +17,7 @@ from linkwright.core.sections import Circle, Tube
 from linkwright.report.described import origin_of, page_of, signed
 from linkwright.report.pictures.arm import arm_picture, shared_window, skeleton, skeleton_at
 from linkwright.report.pictures.sections import sections_grid
+from linkwright.report.pictures.side_view import side_view
 from linkwright.results import evaluation as evaluations
 from linkwright.results.diagnoses import described as diagnoses
 from linkwright.results.figures_in_words import mm
@@ -258,6 +259,30 @@ def test_a_scara_is_seen_from_above_at_its_true_reach():
     assert math.hypot(*elbow) == pytest.approx(400.0)
     assert elbow[1] > 0.0  # to the right of the line to the tip, whose joint turns to the left: below it on the page
     assert "seen from above" in Page(page_of(evaluations.describe(result))).text
+
+
+def test_an_arm_in_space_can_be_turned_beside_its_side_view():
+    """Its axis in mm and the error at its tip, in closed form: 400 and 300 mm about upright axes."""
+    joint = Joint(axis=(0.0, 0.0, 1.0), range=(0.6, 0.6), stiffness=1e4)
+    arm = arm_of((Circle(0.05), Circle(0.05)), joints=(replace(joint, range=(0.0, 0.0)), joint))
+    result = evaluate(replace(arm, gravity=(0.0, 0.0, -9.81)))
+    figure = Page(page_of(evaluations.describe(result))).figures["in-space"]
+    traces = {trace["name"]: trace for trace in figure["data"]}
+    ends = [traces["arm"][name][-1] for name in "xyz"]
+    assert ends == pytest.approx([400.0 + 300.0 * math.cos(0.6), 300.0 * math.sin(0.6), 0.0], abs=1e-6)
+    assert "reach" not in traces
+    scale = float(figure["layout"]["title"]["text"].split()[1])
+    far = [b - a for a, b in (traces["worst error"][name] for name in "xyz")]
+    assert math.hypot(*far) == pytest.approx(1e3 * scale * result.max_error, rel=1e-6)
+
+
+def test_beside_a_slide_lengths_add_up_to_no_reach():
+    """The side view lays a spindle out in line; only what is in line is summed."""
+    turning = Joint(axis=(0.0, 0.0, 1.0), range=(0.6, 0.6), stiffness=1e4)
+    arm = arm_of((Circle(0.05), Circle(0.05)), joints=(turning, turning))
+    slide = Joint(type="prismatic", axis=(0.0, 0.0, 1.0), range=(0.0, 0.0))
+    assert ">700<" in side_view(arm, arm.cases)
+    assert ">700<" not in side_view(replace(arm, joints=(turning, slide)), arm.cases)
 
 
 def test_page_of_a_single_arm(evaluation):
