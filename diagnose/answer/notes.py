@@ -71,9 +71,9 @@ def _of_names(names: Confirmed, rest: Remainder) -> Iterator[str]:
         yield nothing_singly([names.place(k) for k in names.together], names.moved(list(names.together)))
     if further := beyond_first_order_of(names):
         yield (
-            f"The offsets are large ({1e3 * further:.2g} mm RMS of them lie beyond first order). The fit is exact, not "
-            "linearised. Designs and worst cases (optimize, evaluate) are linearised, and evaluate gives the error of "
-            "that. Put such a zero, length or tool into the arm file itself."
+            f"The offsets are large: linearised they would be {1e3 * further:.2g} mm RMS off. The fit is exact. "
+            "Designs and worst cases (optimize, evaluate) are linearised, and evaluate gives the error of that. Put "
+            "such a zero, length or tool into the arm file itself."
         )
 
 

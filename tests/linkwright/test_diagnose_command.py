@@ -262,7 +262,8 @@ def test_page_says_everything_that_was_found():
     for words in (
         "21 urad/(N·m)",
         "20 to 22 urad/(N·m)",
-        "The data cannot tell compliance of the drives (joint 2) from bending of the links (link 2)",
+        "What the data cannot tell apart",
+        "bending of the links (link 2)",
         *(rung.label for rung in diagnosis.ladder),
         *(form.reason for form in diagnosis.rejected_forms),
         "joint 2 is ringed",

@@ -50,7 +50,6 @@ from .evidence import (
     where_it_sits,
 )
 from .words import (
-    alias_sentence,
     covariate_words,
     explained_share,
     name_words,
@@ -253,7 +252,6 @@ def _findings(diagnosis: Diagnosis) -> Section:
         table(headings, small_rows, title="The small ones", detail=True, folded=len(small) > MOST_SMALL)
         if small
         else None,
-        *(Paragraph(sentence) for finding in diagnosis.findings if (sentence := alias_sentence(finding))),
         Picture(lambda: joint_curves(diagnosis)),
         table(columns, similar, title=title, detail=True) if similar else None,
     )

@@ -184,17 +184,6 @@ def parameter_rows(finding: Fitted, name: str, rest: Sequence[Cell]) -> list[lis
     return [*rows, ["", further, "", "", "", *blank]] if further else rows
 
 
-def alias_sentence(finding: Finding) -> str:
-    """What the data cannot tell from a finding; empty where there is nothing."""
-    if not finding.alternatives:
-        return ""
-    others = [
-        f"{name_words(alternative)} (patterns alike to {figure(alternative.likeness, 4)})"
-        for alternative in finding.alternatives
-    ]
-    return f"The data cannot tell {name_words(finding)} from {listed(others, 'or')}."
-
-
 def explained_share(diagnosis: Diagnosis) -> float | None:
     """The share of the mismatch's sum of squares that the findings explain; None where there was nothing."""
     if diagnosis.unknown is not None or not diagnosis.findings or diagnosis.rms_before <= 0.0:
