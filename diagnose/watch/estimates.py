@@ -14,6 +14,7 @@ from linkwright.core.diagnose.compare.compare import CommonFit, candidate_of, fi
 from linkwright.core.diagnose.fitting.corrected_arm import as_entry
 from linkwright.core.diagnose.fitting.prepare import nuisances
 from linkwright.core.diagnose.fitting.terms import Term, term_at
+from linkwright.core.diagnose.options import Progress, silent
 from linkwright.core.diagnose.patterns.library import Candidate, candidates, columns_of, kind_of
 from linkwright.core.diagnose.recording import Recording
 from linkwright.core.diagnose.residual.observe import observe
@@ -210,14 +211,18 @@ def parameters_of(arm: Arm, chosen: Chosen) -> tuple[Parameter, ...]:
     )
 
 
-def estimate(arm: Arm, recordings: Sequence[Recording], chosen: Chosen, *, rules: Rules = RULES) -> Estimates:
-    """What each recording by itself says, with frame and tool of its own where they are free."""
+def estimate(
+    arm: Arm, recordings: Sequence[Recording], chosen: Chosen, tell: Progress = silent, *, rules: Rules = RULES
+) -> Estimates:
+    """What each recording by itself says, with frame and tool of its own where they are free; `tell` hears which
+    recording is at work, and what share of them is behind."""
     values: list[Array] = []
     errors: list[Array] = []
     fits: list[CommonFit] = []
     rows: list[int] = []
     left_out: list[int] = []
-    for recording in recordings:
+    for number, recording in enumerate(recordings):
+        tell(f"fitting recording {number + 1} of {len(recordings)}", number / len(recordings))
         used, fitted = _fitted(arm, recording, chosen, rules)
         values.append(np.concatenate([np.zeros(0), *fitted.sizes]))
         errors.append(np.concatenate([np.zeros(0), *fitted.errors]))

@@ -174,8 +174,7 @@ def watch(
     wanted = basics() if asked is None else asked
     asked = [name for name in wanted if name not in options.without]
     chosen = choose(arm, recordings, () if diagnosis is None else diagnosis.findings, asked, rules=rules)
-    tell("fitting each recording", 0.8)
-    estimates = estimate(arm, recordings, chosen, rules=rules)
+    estimates = estimate(arm, recordings, chosen, lambda text, share: tell(text, 0.8 + 0.15 * share), rules=rules)
     tell("searching for changes", 0.95)
     known, unwatched = parameters_of(arm, chosen), chosen.left_out
     searched = searched if search else ()
