@@ -121,6 +121,14 @@ def test_lists_of_a_problem_are_chosen_one_by_one(server, page):
     (server.folder / "example-problem.yaml").unlink()
 
 
+def test_numbers_have_room_beside_relation_and_unit(server, page):
+    """`<= 6 kg` on a phone: a number of six digits is read whole."""
+    page.goto(f"{server.url}optimise")
+    mass = page.get_by_label("mass", exact=True).first
+    mass.wait_for()
+    assert mass.bounding_box()["width"] > 48
+
+
 def test_a_new_arm_begins_as_a_shipped_one_or_a_urdf(server, page):
     """Under a name that none has; of a URDF's ends the tip is taken; nothing is written before Save."""
     page.goto(server.url)
