@@ -69,7 +69,10 @@ def test_quiet_weeks_and_what_nothing_holds():
     """Quiet: nothing moves. An instrument three times as loud from a week on is in what is left."""
     basics = ("encoder_offset", "joint_compliance")
     quiet = _weeks(12)
-    assert not watch(arm(), quiet, basics, search=False).moved
+    heard = []
+    assert not watch(arm(), quiet, basics, progress=lambda *said: heard.append(said), search=False).moved
+    assert [text for text, _ in heard if "recording" in text] == [f"fitting recording {k} of 12" for k in range(1, 13)]
+    assert [share for _, share in heard] == sorted(share for _, share in heard)
     loud = _weeks(14, sigma=lambda week: 15e-6 * (4.0 if week >= 8 else 1.0))
     result = watch(arm(), loud, basics, search=False)
     assert result.left.moved
