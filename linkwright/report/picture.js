@@ -20,11 +20,7 @@ function savePicture(svg, kind) {
     return;
   }
   if (kind === "pdf") {
-    var frame = document.createElement("iframe"), size = box.width + "px " + box.height + "px";
-    frame.style.cssText = "position: fixed; width: 0; height: 0; border: 0";
-    frame.srcdoc = "<style>@page { size: " + size + "; margin: 0 } body { margin: 0 }</style>" + copy.outerHTML +
-      "<script>onload = function () { print(); }</" + "script>";
-    document.body.appendChild(frame);
+    printPicture(copy.outerHTML, box);
     return;
   }
   image.onload = function () {
@@ -39,4 +35,13 @@ function savePicture(svg, kind) {
     link.click();
   };
   image.src = source;
+}
+// A picture alone on a page of its size, which the browser prints or saves as PDF.
+function printPicture(markup, size) {
+  "use strict";
+  var frame = document.createElement("iframe");
+  frame.style.cssText = "position: fixed; width: 0; height: 0; border: 0";
+  frame.srcdoc = "<style>@page { size: " + size.width + "px " + size.height + "px; margin: 0 } body { margin: 0 } " +
+    "svg, img { display: block }</style>" + markup + "<script>onload = function () { print(); }</" + "script>";
+  document.body.appendChild(frame);
 }

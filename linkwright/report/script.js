@@ -44,10 +44,19 @@
       Plotly.downloadImage(place, { format: "svg", filename: place.dataset.figure });
     } };
   }
+  function printed() {
+    var sheet = { width: 500, height: 500, path: "M90 0H310L410 100V500H90Z" };
+    return { name: "pdf", title: "Print plot or save it as PDF", icon: sheet, click: function (place) {
+      var box = place.getBoundingClientRect();
+      Plotly.toImage(place, { format: "svg", width: box.width, height: box.height }).then(function (image) {
+        printPicture("<img src='" + image.replace(/'/g, "%27") + "' alt=''>", box);
+      });
+    } };
+  }
   function draw() {
     places.forEach(function (place) {
       var figure = whole(figures[place.dataset.figure]);
-      Plotly.react(place, figure.data, dressed(figure.layout), { responsive: true, displaylogo: false, displayModeBar: true, modeBarButtons: [["toImage", saved()]] });
+      Plotly.react(place, figure.data, dressed(figure.layout), { responsive: true, displaylogo: false, displayModeBar: true, modeBarButtons: [["toImage", saved(), printed()]] });
     });
   }
   function unpacked(id) {

@@ -61,6 +61,10 @@ def test_drawings_and_charts_are_saved(server, page):
     printed = inside.frame_locator("iframe").locator("svg")
     printed.wait_for(state="attached")
     assert printed.locator("*").count() > 3
+    chart.locator(".modebar-btn").nth(2).click()
+    drawn = inside.frame_locator("iframe >> nth=-1").locator("img")
+    drawn.wait_for(state="attached")
+    assert drawn.get_attribute("src").startswith("data:image/svg+xml")
     Shelf(server.folder).remove(number)
     for item in (server.folder / "made").iterdir():
         item.unlink()
