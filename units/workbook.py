@@ -86,24 +86,29 @@ def _text_of(path: Path | str, content: bytes, sheet: str | None, decimal: str) 
     if sheet and sheet not in names:
         raise InputError(path, "sheet", f"there is no sheet {shown(sheet)}{nearest(sheet, names)}")
     tables = {name: list(_rows(path, book[name])) for name in ([sheet] if sheet else names)}
-    filled = [name for name, rows in tables.items() if rows]
-    filled = [name for name in filled if _has_numbers(tables[name])] or filled
-    if len(filled) > 1:
-        listed = ", ".join(shown(name, 30) for name in filled[:5])
-        message = f"has {len(filled)} sheets ({listed})"
-        if sheet is None:
-            raise InputError(path, "", f"{message}; leave only the one to be read")
-        raise refusal(path, "", message, *({"sheet": name} for name in filled[:5]))
-    if not filled:
-        raise InputError(path, "", "has no filled cell")
+    rows = tables[_sheet_of(path, tables, ask=sheet is not None)]
     stream = io.StringIO(newline="")
-    rows = tables[filled[0]]
     if decimal == "." and _commas_in_text(rows):
         decimal = ","
     width = max(len(row) for row in rows)
     writer = csv.writer(stream, lineterminator="\n")
     writer.writerows([_cell(cell, decimal) for cell in row] + [""] * (width - len(row)) for row in rows)
     return stream.getvalue()
+
+
+def _sheet_of(path: Path | str, tables: dict[str, list[list[Any]]], *, ask: bool) -> str:
+    """The sheet to read: the only one with rows of numbers, or that is filled at all. Raises `InputError`, which says
+    how to name one where a setting can (`ask`)."""
+    filled = [name for name, rows in tables.items() if rows]
+    filled = [name for name in filled if _has_numbers(tables[name])] or filled
+    if not filled:
+        raise InputError(path, "", "has no filled cell")
+    if len(filled) == 1:
+        return filled[0]
+    message = f"has {len(filled)} sheets ({', '.join(shown(name, 30) for name in filled[:5])})"
+    if not ask:
+        raise InputError(path, "", f"{message}; leave only the one to be read")
+    raise refusal(path, "", message, *({"sheet": name} for name in filled[:5]))
 
 
 def _rows(path: Path | str, sheet: Any) -> Iterator[list[Any]]:
