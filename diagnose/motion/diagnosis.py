@@ -35,13 +35,12 @@ from .model.products import products
 from .model.ripple import Ripple, ripples
 from .model.rows import LogRows, joint_rows, log_rows, with_sources
 from .preparation import PreparedLog, prepare
-from .result import MotionDiagnosis, OfJoint, OfLog, Traces
+from .result import MotionDiagnosis, OfJoint, OfLog
 from .sentences import answer, verdict_of
+from .traces import traces_of
 from .unknown import Structure, since, structure, unknown_of, variables
 from .weighed import weighed
 
-_DRAWN = 2000
-"""Samples of each log that are drawn."""
 _HELD_OUT = "Held out are the sizes: they were fitted to the rest of the motion. Names were chosen by all of it."
 """What figures on motion that was not fitted rest on."""
 _ALONE = (
@@ -312,7 +311,7 @@ def _result(
         split=identified.split,
         cutoff=prepared[0].low_pass,
         rates=_rates(logs),
-        traces=tuple(_traces(*rows, written.sizes) for rows in zip(given, written.rows, strict=True)),
+        traces=tuple(traces_of(*rows, written.sizes, written.arm) for rows in zip(given, written.rows, strict=True)),
         of_logs=tuple(_of_log(identified, judge, squares, number) for number in range(len(logs))),
         corrected=written.arm,
         notes=(
@@ -405,26 +404,6 @@ def _together(each: Array) -> float:
 def _spacing(prepared: PreparedLog) -> float:
     times = prepared.motion.time[prepared.kept]
     return float(np.median(np.diff(times))) if len(times) > 1 else 0.0
-
-
-def _traces(rows: LogRows, written: LogRows, sizes: Array) -> Traces:
-    """What is drawn of a log: `rows` are about the arm as given, `written` about that with sizes (W,)."""
-    prepared = rows.prepared
-    every = max(1, int(np.ceil(len(prepared.kept) / _DRAWN)))
-    part = slice(None, None, every)
-    at = prepared.kept[part]
-    measured = prepared.filtered(prepared.measured)[at]
-    before = measured - rows.target[part]
-    return Traces(
-        Path(prepared.log.file).name,
-        prepared.motion.time[at],
-        prepared.motion.q[at],
-        prepared.motion.velocity[at],
-        measured,
-        before,
-        measured - (written.target - written.explained(sizes))[part],
-        prepared.moving[part],
-    )
 
 
 def _of_log(identified: Identified, judge: Judged, given: Array, number: int) -> OfLog:

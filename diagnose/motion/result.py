@@ -101,7 +101,8 @@ class MotionUnknown:
 @dataclass(frozen=True)
 class Traces:
     """What is drawn of a log: `time` (M,) s, `q`, `velocity`, `measured`, `before` and `after` (M, n): the torque as
-    measured and by the model before and after, N*m (N), filtered alike; `moves` (M, n) marks the samples that count."""
+    measured and by the model before and after, N*m (N), and what of the last is `friction`, filtered alike; `moves` (M,
+    n) marks the samples that count."""
 
     log: str
     time: Array
@@ -110,6 +111,7 @@ class Traces:
     measured: Array
     before: Array
     after: Array
+    friction: Array
     moves: NDArray[np.bool_]
 
 

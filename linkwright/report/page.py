@@ -34,7 +34,7 @@ def figure_place(name: str, label: str, caption: str = "") -> str:
 
 def side_by_side(*parts: str) -> str:
     """Parts beside each other where there is room, below each other on a phone."""
-    return element("div", *parts, class_=f"columns-{len(parts)}")
+    return element("div", *parts, class_=f"columns-{min(len(parts), 2)}")
 
 
 def separate_place(name: str, when: str, label: str) -> str:

@@ -1,4 +1,4 @@
-"""Torques drawn: what is left at each joint, torques against time, and what is left against angle and speed."""
+"""Torques drawn: of each joint against time, and what is left of them against its angle."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ import numpy as np
 from linkwright.core.arm.chain.chain import Arm
 from linkwright.core.diagnose.motion.result import MotionDiagnosis, Traces
 from linkwright.core.sections.numeric import Array
-from linkwright.report.page import figure_place
+from linkwright.report.page import figure_place, side_by_side
 from linkwright.report.pictures.plots import Figure
 from linkwright.report.pictures.residual_map import chosen_rows
 from linkwright.report.pictures.svg import Plot, binned, course, dots, element, spanned, text
@@ -21,7 +21,7 @@ from linkwright.results.motion.words import torque_unit
 
 MOST_LINES = 14
 """Pictures against time at most."""
-MOST_INSTANTS, MOST_DOTS = 3600, 900
+MOST_INSTANTS, MOST_DOTS = 1600, 600
 """Instants against time and dots of a state that are drawn of all joints together: a page stays below two megabytes,
 whatever was logged."""
 _WIDTH, _HEIGHT = 420.0, 170.0
@@ -79,38 +79,27 @@ def _short(values: Array) -> list[float | None]:
 
 
 def left_against(diagnosis: MotionDiagnosis) -> str:
-    """What the model leaves of each joint's torque against its coordinate and its speed, before and after."""
+    """What the model leaves of each joint's torque against its coordinate, before and after."""
     after = bool(diagnosis.findings)
     joints = range(1, diagnosis.arm.size + 1)
-    parts = [(joint, _of_joint(diagnosis.arm, diagnosis.traces, joint, after=after)) for joint in joints]
-    return "".join(element("h4", text(f"Joint {joint}")) + drawn for joint, drawn in parts)
+    return side_by_side(*(_of_joint(diagnosis.arm, diagnosis.traces, joint, after=after) for joint in joints))
 
 
 def _of_joint(arm: Arm, traces: Sequence[Traces], joint: int, *, after: bool) -> str:
     column, turns = joint - 1, arm.joints[joint - 1].revolute
     moves = np.concatenate([trace.moves[:, column] for trace in traces])
     if not moves.any():
-        return element("p", text("It does not move."), class_="lead")
+        return element("p", text(f"Joint {joint} does not move."), class_="lead")
 
     def pooled(name: str) -> Array:
         return np.concatenate([getattr(trace, name)[:, column] for trace in traces])[moves]
 
     measured = pooled("measured")
     states = [(when, measured - pooled(when)) for when in (("before", "after") if after else ("before",))]
-    angle, speed = pooled("q"), pooled("velocity")
-    unit = torque_unit(arm, joint)
-    across = (
-        (np.degrees(angle) if turns else 1e3 * angle, f"joint {joint} in {'degrees' if turns else 'mm'}"),
-        (speed, f"speed in {'rad/s' if turns else 'm/s'}"),
-    )
-    up, most = spanned(np.concatenate([values for _, values in states])), MOST_DOTS // arm.size
-    return element("div", *(_panel(x, label, states, up, unit, most) for x, label in across), class_="columns-2")
-
-
-def _panel(
-    x: Array, label: str, states: Sequence[tuple[str, Array]], up: tuple[float, float], unit: str, most: int
-) -> str:
-    plot = Plot(_WIDTH, _HEIGHT, spanned(x, 0.03), up)
+    x = np.degrees(pooled("q")) if turns else 1e3 * pooled("q")
+    label, unit = f"joint {joint} in {'degrees' if turns else 'mm'}", torque_unit(arm, joint)
+    plot = Plot(_WIDTH, _HEIGHT, spanned(x, 0.03), spanned(np.concatenate([values for _, values in states])))
+    most = MOST_DOTS // arm.size
     known = np.flatnonzero(np.isfinite(x) & np.all([np.isfinite(values) for _, values in states], axis=0))
     rows = known[chosen_rows(len(known), most)] if len(known) else known
     drawn = [dots(plot.x(x[rows]), plot.y(values[rows]), when) for when, values in states]

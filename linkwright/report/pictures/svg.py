@@ -149,17 +149,16 @@ class Plot:
         return label(x, y, _TEXT, words).replace("<text ", f'<text transform="rotate(-90 {x:g} {y:g})" ', 1)
 
     def _ticks(self, ticks: Sequence[float] | None) -> list[str]:
-        parts: list[str] = []
-        foot = self.top + self.height
+        parts, grid, foot = list[str](), list[str](), self.top + self.height
         for value in marks(*self.across, log=self.logs[0]) if ticks is None else ticks:
             x = float(self.x(np.array(value)))
-            parts.append(line((x, self.top), (x, foot), "axis", 1.0))
+            grid.append(f"M{x:.6g},{self.top:.6g}V{foot:.6g}")
             parts.append(label(x, foot + 15.0, _TEXT, figure(value, 6)))
         for value in marks(*self.up, log=self.logs[1]):
             y = float(self.y(np.array(value)))
-            parts.append(line((self.left, y), (self.left + self.width, y), "axis", 1.0))
+            grid.append(f"M{self.left:.6g},{y:.6g}h{self.width:.6g}")
             parts.append(label(self.left - 5.0, y + 4.0, _TEXT, figure(value, 6), "end"))
-        return parts
+        return [element("path", d="".join(grid), class_="axis"), *parts]
 
 
 def _shares(values: Array, span: tuple[float, float], *, log: bool) -> Array:

@@ -8,6 +8,7 @@ from pathlib import PurePath
 
 from linkwright.core.diagnose.motion.result import MotionDiagnosis, MotionFinding, MotionUnknown, OfJoint
 from linkwright.core.diagnose.motion.sentences import since_words
+from linkwright.report.charts.joints import joints_at_a_glance
 from linkwright.core.units.lists import listed
 from linkwright.report.charts.motion import left_against, torque_against_time
 from linkwright.results.design import settings
@@ -66,6 +67,7 @@ def describe(diagnosis: MotionDiagnosis) -> Description:
     known = any(math.isfinite(item.before) for item in diagnosis.per_joint)
     items: list[Item | None] = [
         _currents(diagnosis),
+        Picture(lambda: joints_at_a_glance(diagnosis)) if diagnosis.traces else None,
         Lines(to_do(diagnosis)) if to_do(diagnosis) else None,
         Paragraph(spoken(diagnosis.sentence)),
         _facts(diagnosis),
@@ -245,12 +247,12 @@ def _unknown(diagnosis: MotionDiagnosis, unknown: MotionUnknown) -> Section:
 
 
 def _pictures(diagnosis: MotionDiagnosis) -> Section:
-    """Torques against time, and what the model leaves of them against angle and speed."""
+    """Torques against time, and what the model leaves of them against angle."""
     about = "Torques as measured, by the model as given, and with the findings. All are filtered alike."
     beside = "Measured less modelled where the joint moves, before (grey) and after (blue). Lines are means."
     time = section("Torque against time", Picture(lambda: torque_against_time(diagnosis)), lead=about)
     against = Picture(lambda: left_against(diagnosis))
-    left = section("What is left against each joint's angle and speed", against, lead=beside)
+    left = section("What is left against each joint's angle", against, lead=beside)
     return section("Torques", time, left, detail=True)
 
 

@@ -119,7 +119,11 @@ def made_motion(verdict="named", arm=None, **changed):
         cutoff=8.0,
         rates=(100.0,),
         traces=(
-            Traces("log.csv", log.time, log.q, log.velocity, log.torque, before, after, np.abs(log.velocity) > 0.03),
+            Traces(
+                *("log.csv", log.time, log.q, log.velocity, log.torque, before, after),
+                friction=after,
+                moves=np.abs(log.velocity) > 0.03,
+            ),
         ),
         of_logs=(OfLog("log.csv", "log.csv", "", "", log.size, total[0], total[1], total[1], (7,)),),
         corrected=replace(arm, effects=effects) if named else arm,

@@ -11,6 +11,7 @@ from linkwright.face.motion.log import unlike_arrays
 from linkwright.json.motion import motion_json
 from linkwright.markdown.described import markdown
 from linkwright.output.files import json_text
+from linkwright.report.charts.joints import joints_at_a_glance
 from linkwright.report.described import page_of
 from linkwright.results.diagnoses.answer import MOST_WORDS
 from linkwright.results.motion.answer import answer, to_do
@@ -21,6 +22,7 @@ from tests.diagnose.made_diagnosis import made_arm
 from tests.linkwright.motion.made_motion import made_log, made_motion
 from tests.linkwright.reports.test_report import Page
 
+NOISY = ("q", "velocity", "measured", "before", "after", "friction")
 VERDICTS = ("none", "named", "alias_class", "unknown", "insufficient_data")
 
 
@@ -77,9 +79,12 @@ def test_page_of_many_joints_and_logs_stays_small():
     diagnosis = made_motion()
     rng, trace = np.random.default_rng(1), diagnosis.traces[0]
     arm = replace(diagnosis.arm, joints=diagnosis.arm.joints * 4, links=diagnosis.arm.links * 4)
-    noise = {name: rng.standard_normal((1500, 12)) for name in ("q", "velocity", "measured", "before", "after")}
+    noise = {name: rng.standard_normal((1500, 12)) for name in NOISY}
     wide = replace(trace, **noise, moves=np.ones((1500, 12), dtype=bool))
-    made = page_of(describe(replace(diagnosis, arm=arm, traces=(wide, wide, wide))))
+    joints = tuple(replace(diagnosis.per_joint[k % 3], joint=k + 1) for k in range(12))
+    findings = tuple(replace(item, rms_explained=4 * item.rms_explained) for item in diagnosis.findings)
+    many = replace(diagnosis, arm=arm, traces=(wide, wide, wide), per_joint=joints, findings=findings)
+    made = page_of(describe(many))
     assert len(made) <= 2_000_000
     assert "2 more logs are not drawn" in Page(made).text
 
@@ -96,6 +101,51 @@ def test_figures_hold_what_was_measured():
         expected = np.interp(time, trace.time, getattr(trace, name)[:, 1])
         np.testing.assert_allclose(named[name]["y"], expected, atol=0.01)
     assert figure["layout"]["yaxis"]["title"]["text"] == "N·m"
+
+
+def cards(diagnosis):
+    """What is told and drawn of each joint at a glance, by its heading."""
+    drawn = joints_at_a_glance(diagnosis)
+    return dict(re.findall(r'<div class="card"><h3>(Joint \d+)</h3>(.*?)</div>', drawn, re.DOTALL))
+
+
+def curve(svg, class_):
+    """The points of the curves of a class in a drawing, one under another."""
+    found = re.findall(rf'd="M([^"]*)" class="course {class_}"', svg)
+    return [np.array([[float(x) for x in pair.split(",")] for pair in item.split("L")]) for item in found]
+
+
+def test_each_joint_has_its_causes_at_a_glance():
+    """The largest cause first with what it adds there; what is not explained, and where a joint stands still."""
+    made = cards(made_motion("unknown"))
+    assert list(made) == ["Joint 1", "Joint 2", "Joint 3"]
+    assert "17.7 → 0.2 N·m</strong>. Dry (Coulomb) friction 14 N·m, viscous friction 7.1 N·m.</p>" in made["Joint 2"]
+    assert "The rest is not explained. It depends on the coordinate of joint 3 and speed." in made["Joint 3"]
+    assert "is not explained" not in made["Joint 1"]
+    assert "(or 2 other names)" in cards(made_motion("alias_class"))["Joint 1"]
+    assert "Nothing is missing." in cards(made_motion("none"))["Joint 2"]
+    trace = made_motion().traces[0]
+    still = replace(trace, moves=trace.moves & np.array([False, True, True]))
+    assert cards(replace(made_motion(), traces=(still,)))["Joint 1"] == '<p class="lead">It does not move.</p>'
+
+
+def test_friction_is_drawn_over_speed():
+    """The law at each speed is that fitted, with a step where the joint turns; data are what the rest leaves. What is
+    left is drawn where the model as given leaves most."""
+    time, left, friction = re.findall(r"<figure>(.*?)</figure>", cards(made_motion())["Joint 2"], re.DOTALL)
+    back, forth = curve(friction, "law")
+    speed = np.concatenate((back, forth))[:, 0]
+    assert "dots before" in friction
+    # Both frames are linear: of a law f + d v each way, the slopes agree, and the step is 2 f.
+    slopes = [np.polyfit(item[:, 0], item[:, 1], 1) for item in (back, forth)]
+    assert slopes[0][0] == pytest.approx(slopes[1][0], rel=0.05)
+    assert (np.diff(speed) > 0.0).all()
+    step = slopes[0][1] - slopes[1][1]
+    rise = -slopes[0][0] * (speed[-1] - speed[0])
+    # 13 N·m each way, and 8 N·m s/rad over the speeds drawn (0.8 x 1.1 rad/s each way, less the edge bins' halves).
+    assert step / rise == pytest.approx(2.0 * 13.0 / (8.0 * 2.0 * 0.88), rel=0.06)
+    assert len(curve(time, "measured")) == len(curve(left, "after")) == 1
+    assert np.ptp(curve(left, "before")[0][:, 1]) > 10.0 * np.ptp(curve(left, "after")[0][:, 1])
 
 
 def test_slides_are_told_in_newtons(capsys):
