@@ -37,8 +37,8 @@ from .model.rows import LogRows, joint_rows, log_rows, with_sources
 from .preparation import PreparedLog, prepare
 from .result import MotionDiagnosis, OfJoint, OfLog
 from .sentences import answer, verdict_of
-from .traces import traces_of
 from .unknown import Structure, since, structure, unknown_of, variables
+from .uses.traces import traces_of
 from .weighed import weighed
 
 _HELD_OUT = "Held out are the sizes: they were fitted to the rest of the motion. Names were chosen by all of it."

@@ -110,6 +110,7 @@ def plan(
     sigma_depth: Annotated[Quantity | None, Option(metavar="LENGTH", kind=str)] = None,
     sigma_angle: Annotated[Quantity | None, Option(metavar="ANGLE", kind=str)] = None,
     torques: Torques = None,
+    at: Annotated[File | None, file_option("LOG")] = None,
     seconds: Annotated[float, Option(metavar="S", least=4.0, most=600.0)] = 20.0,
     seed: Annotated[int, Option(least=0)] = 1,
     progress: Progress | None = None,
@@ -153,6 +154,7 @@ def plan(
         sigma_angle: Of a camera's turns; sigma over 0.1 m.
         torques: Drives' torques too, which scatter by so much: '0.5 N*m'. In Python one for all joints that turn, or
             one for each joint; what they will tell of weights and friction is planned for beside the causes.
+        at: For the instrument motion: how far this log tells each name, before a diagnosis; no motion is chosen.
         seconds: How long a motion lasts, for the instrument motion.
         seed: The same seed gives the same plan.
         progress: Hears of the steps; a bar by default, where somebody looks.
@@ -167,6 +169,7 @@ def plan(
     >>> len(found.visits), list(found.shown["effect"])
     (10, ['backlash'])
     """
+    from linkwright.core.units.quantities import InputError
     from linkwright.face.arm import arm_of
     from linkwright.face.planning.plan import Plan
     from linkwright.face.planning.request import Reads, Request, planned_for
@@ -176,7 +179,9 @@ def plan(
     if instrument == MOTION:
         from linkwright.face.motion.plan import planned_motion
 
-        return planned_motion(given, for_, avoid, after, seconds, seed, progress)
+        return planned_motion(given, for_, avoid, after, at, seconds, seed, progress)
+    if at is not None:
+        raise InputError("", "--at", "is for motion logs; add --instrument motion")
     asked_reads = Reads(instrument, direction, anchor, anchor_free, tilt_link, camera, bar, settings_of(reads))
     noise = torque_noise(torques, given)
     request = Request(

@@ -90,7 +90,6 @@ NO_RULES = {
     "judge/for_file.py": {"_USUAL"},  # the width of a prior
     "motion/causes/swinging.py": {"_POSTURES"},
     "motion/changed.py": {"SURE", "_PARTS", "_ROUNDS"},  # how an instant is looked for, and 95 %
-    "motion/diagnosis.py": {"_DRAWN"},
     "motion/judged.py": {"_SETTLED", "_STEPS"},
     "motion/model/candidates.py": {"SHARPER", "_BETWEEN", "_MOST_VARIANTS", "_PROBED"},  # what a scan is for
     "motion/model/chance.py": {"_DRAWS"},
@@ -116,7 +115,9 @@ NO_RULES = {
     "motion/sentences.py": {"_SAID"},
     "motion/simulate.py": {"_NOISE"},
     "motion/unknown.py": {"_BINS", "_DRAWS"},
-    "motion/uses/plan.py": {"_CLOCK", "_NOISE", "_RATE, _WRITTEN", "_STARTS, _STEPS"},
+    "motion/uses/expected.py": {"RATE", "_CLOCK", "_NOISE"},
+    "motion/uses/plan.py": {"_HARMONICS", "_STARTS, _STEPS", "_WRITTEN"},
+    "motion/uses/traces.py": {"_DRAWN"},
     "motion/uses/trajectory.py": {
         "HARMONICS",
         "_ACCELERATION",

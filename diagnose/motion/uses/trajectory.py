@@ -6,6 +6,7 @@ The series is that of J. Swevers, C. Ganseman, D. B. Tukel, J. De Schutter & H. 
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -14,6 +15,7 @@ import numpy as np
 
 from linkwright.core.arm.avoid.poses import NoRoom, Room
 from linkwright.core.arm.chain.chain import Arm
+from linkwright.core.arm.motion.dynamics import model_torque
 from linkwright.core.arm.motion.motion import Motion
 from linkwright.core.diagnose.reading.files import read_table
 from linkwright.core.diagnose.reading.table import Layout
@@ -42,12 +44,13 @@ _LOOKED = 5.0
 @dataclass(frozen=True)
 class Limits:
     """What a motion keeps to: `centre` (n,) about which the joints move, `reach` (n,) how far at most, `speed` and
-    `acceleration` (n,) at most; rad and m."""
+    `acceleration` (n,) at most; rad and m. What the arm takes of a drive stays below `torque` (n,) N*m (N)."""
 
     centre: Array
     reach: Array
     speed: Array
     acceleration: Array
+    torque: Array
 
 
 def limits_of(arm: Arm, room: Room, draw: np.random.Generator) -> Limits:
@@ -66,7 +69,7 @@ def limits_of(arm: Arm, room: Room, draw: np.random.Generator) -> Limits:
     usual = [_SPEED if joint.revolute else _SLIDING for joint in arm.joints]
     known = [joint.velocity or default for joint, default in zip(arm.joints, usual, strict=True)]
     speed = (1.0 - _MARGIN) * np.array(known)
-    return Limits(centre, np.maximum(reach, 0.0), speed, _ACCELERATION * speed)
+    return Limits(centre, np.maximum(reach, 0.0), speed, _ACCELERATION * speed, np.full(arm.size, np.inf))
 
 
 def moved(arm: Arm, coefficients: Array, limits: Limits, seconds: float, rate: float, room: Room) -> Motion:
@@ -82,6 +85,7 @@ def moved(arm: Arm, coefficients: Array, limits: Limits, seconds: float, rate: f
 
     Raises:
         NoRoom: However small, it meets a region to avoid.
+        InputError: However small, it takes more of a drive than that gives.
     """
     time = np.arange(round(seconds * rate) + 1) / rate
     q, velocity, acceleration = _series(coefficients, time, seconds)
@@ -90,13 +94,18 @@ def moved(arm: Arm, coefficients: Array, limits: Limits, seconds: float, rate: f
     ]
     scale = np.minimum.reduce([limits.reach / fine[0], limits.speed / fine[1], limits.acceleration / fine[2]])
     step = max(1, round(rate / _LOOKED))
+    limited, beyond = bool(np.isfinite(limits.torque).any()), np.zeros(arm.size, dtype=bool)
     for _ in range(_TIMES):
-        if room.allows(arm, (limits.centre + scale * q)[::step]).all():
-            break
+        motion = Motion(arm, time, limits.centre + scale * q, scale * velocity, scale * acceleration)
+        taken = np.abs(model_torque(motion)).max(axis=0) if limited else np.zeros(arm.size)
+        beyond = taken > (1.0 - _MARGIN) * limits.torque
+        if not beyond.any() and room.allows(arm, motion.q[::step]).all():
+            return motion
         scale = _SHRUNK * scale
-    else:
-        raise NoRoom("leaves no room for the arm to move in")
-    return Motion(arm, time, limits.centre + scale * q, scale * velocity, scale * acceleration)
+    if beyond.any():
+        joint = int(np.argmax(beyond)) + 1
+        raise InputError("", "peak_torque", f"of joint {joint} is less than the arm takes of it about its middle pose")
+    raise NoRoom("leaves no room for the arm to move in")
 
 
 def _series(coefficients: Array, time: Array, seconds: float) -> tuple[Array, Array, Array]:
@@ -135,36 +144,50 @@ def random_series(arm: Arm, draw: np.random.Generator, count: int) -> Sequence[A
 
 
 def motion_columns(motion: Motion) -> dict[str, Array]:
-    """The columns of a motion's file: `t_s`, `q1_rad`, `dq1_radps`, `ddq1_radps2` ..., of slides in m."""
-    columns = {"t_s": motion.time}
-    for name, values, per in (("q", motion.q, ""), ("dq", motion.velocity, "ps"), ("ddq", motion.acceleration, "ps2")):
-        for number, (joint, column) in enumerate(zip(motion.arm.joints, values.T, strict=True), start=1):
-            columns[f"{name}{number}_{'rad' if joint.revolute else 'm'}{per}"] = column
+    """The columns of a motion's file: `time_s`, `q1_deg`, `qd1_deg_s`, `qdd1_deg_s2` ..., of slides in mm."""
+    columns = {"time_s": motion.time}
+    for each, values in (("q", motion.q), ("qd", motion.velocity), ("qdd", motion.acceleration)):
+        for name, factor, column in zip(*_named(motion.arm, each), values.T, strict=True):
+            columns[name] = column / factor
     return columns
 
 
-def read_motion(path: Path, arm: Arm) -> Motion:
-    """The motion that a file holds, as `motion_columns` names it; speeds and accelerations that it lacks are
-    differences of the coordinates. Raises `InputError`."""
-    table = read_table(path, Layout())
-    if "t_s" not in table.names:
-        raise InputError(table.file, "t_s", "is missing; a motion has a clock (t_s) and q1_rad, q2_rad ...")
-    time = table.numbers("t_s")
-    if len(time) < 3 or not (np.diff(time) > 0.0).all():
-        raise InputError(table.file, "t_s", "does not ascend; a motion has three instants or more, each later")
+def _named(arm: Arm, each: str, *, si: bool = False) -> tuple[list[str], list[float]]:
+    """The columns of coordinates or their rates (`q`, `qd`, `qdd`), and how large their units are in SI."""
+    names, factors = list[str](), list[float]()
+    per = {"q": ("", ""), "qd": ("_s", "ps"), "qdd": ("_s2", "ps2")}[each]
+    for number, joint in enumerate(arm.joints, start=1):
+        small, large = ("deg", "rad") if joint.revolute else ("mm", "m")
+        names.append(f"{each.lstrip('q')}q{number}_{large}{per[1]}" if si else f"{each}{number}_{small}{per[0]}")
+        factors.append(1.0 if si else math.radians(1.0) if joint.revolute else 1e-3)
+    return names, factors
 
-    def each(name: str, per: str) -> Array | None:
-        units = ["rad" if joint.revolute else "m" for joint in arm.joints]
-        names = [f"{name}{number}_{unit}{per}" for number, unit in enumerate(units, start=1)]
+
+def read_motion(path: Path, arm: Arm) -> Motion:
+    """The motion that a file holds, as `motion_columns` names it, or in SI (`t_s`, `q1_rad`, `dq1_radps`,
+    `ddq1_radps2`, of slides in m); speeds and accelerations that it lacks are differences of the coordinates. Raises
+    `InputError`."""
+    table = read_table(path, Layout())
+    clock = next((name for name in ("time_s", "t_s") if name in table.names), None)
+    if clock is None:
+        raise InputError(table.file, "time_s", "is missing; a motion has a clock (time_s) and q1_deg, q2_deg ...")
+    time = table.numbers(clock)
+    if len(time) < 3 or not (np.diff(time) > 0.0).all():
+        raise InputError(table.file, clock, "does not ascend; a motion has three instants or more, each later")
+
+    def each(name: str) -> Array | None:
+        names, factors = _named(arm, name)
+        if names[0] not in table.names:
+            names, factors = _named(arm, name, si=True)
         lacking = [column for column in names if column not in table.names]
         if lacking and name == "q":
             raise InputError(table.file, lacking[0], f"is missing; {arm.name!r} has {arm.size} joints")
-        return None if lacking else np.column_stack([table.numbers(column) for column in names])
+        return None if lacking else np.column_stack([table.numbers(column) for column in names]) * np.array(factors)
 
-    q, velocity, acceleration = each("q", ""), each("dq", "ps"), each("ddq", "ps2")
+    q, velocity, acceleration = each("q"), each("qd"), each("qdd")
     assert q is not None
     if not np.isfinite(q).all():
-        raise InputError(table.file, "q1_rad", "holds cells that are no numbers")
+        raise InputError(table.file, "q1_deg", "holds cells that are no numbers")
     velocity = np.gradient(q, time, axis=0) if velocity is None else velocity
     acceleration = np.gradient(velocity, time, axis=0) if acceleration is None else acceleration
     return Motion(arm, time, q, velocity, acceleration)

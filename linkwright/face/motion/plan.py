@@ -11,9 +11,10 @@ import numpy as np
 
 from linkwright.core.arm.avoid.poses import NoRoom, room_of
 from linkwright.core.arm.chain.chain import Arm as Model
+from linkwright.core.diagnose.motion.uses.expected import Place, Told, told_by
 from linkwright.core.diagnose.motion.uses.plan import Apart, NothingToTell, plan_motion
 from linkwright.core.diagnose.motion.uses.plan import MotionPlan as MotionPlanResult
-from linkwright.core.diagnose.motion.uses.trajectory import motion_columns, read_motion
+from linkwright.core.diagnose.motion.uses.trajectory import limits_of, motion_columns, read_motion
 from linkwright.core.diagnose.motion.written import table_text
 from linkwright.core.units.lists import listed
 from linkwright.core.units.quantities import InputError, NoAnswer
@@ -27,8 +28,8 @@ from linkwright.face.result import Field, Result, drawn
 from linkwright.json.fields import fields
 from linkwright.json.motion import OBSERVES
 from linkwright.output.table_file import frame
-from linkwright.results.diagnoses.words import effect_words
-from linkwright.results.document import Description, Item, Lines, Value, count, share, table
+from linkwright.results.diagnoses.words import effect_words, quantity
+from linkwright.results.document import Cell, Description, Item, Lines, Table, Value, count, share, table
 from linkwright.results.figures_in_words import coordinate, figure, percent, with_unit
 from linkwright.results.motion.words import torque
 
@@ -40,58 +41,86 @@ if TYPE_CHECKING:
     import plotly.graph_objects as go
 
 _SHOWN = 12
-"""Pairs that a screen shows."""
+"""Names and pairs that a screen shows."""
 
 
 def describe(result: MotionPlanResult) -> Description:
-    """What the motion tells apart, and what it keeps to."""
+    """How far the motion tells each name, what it tells apart, and what it keeps to."""
     model, motion = result.arm, result.motion
-    worst = result.apart[0]
-    seconds = with_unit(float(motion.time[-1]), "s", 3)
-    headline = (
-        f"{seconds} of motion: of {effect_words(*worst.one)} {percent(worst.share)} cannot be taken for "
-        f"{effect_words(*worst.other)}, the pair told worst (at random {percent(worst.random)})"
-    )
+    seconds = with_unit(float(motion.time[-1] - motion.time[0]), "s", 3)
+    told = [item for item in result.told if item.shown]
+    least = f", the worst of them {_name(told[0])} to {percent(told[0].share)} of its usual size" if told else ""
+    headline = f"{seconds} of motion: {len(told)} of {len(result.told)} names are told{least}"
+    best = [item.share / item.random for item in result.told if item.shown and item.random > 0.0]
+    if best:
+        headline += f"; intervals are {figure(float(np.median(best)), 2)} times those of motions at random"
     rows = [
+        (
+            _name(item),
+            f"to {percent(item.share)}" if item.shown else _why(item),
+            Value(f"± {quantity(item.half, item.kind, 2)}") if item.shown else Value("–"),
+            *([share(item.random)] if result.tried else []),
+        )
+        for item in result.told
+    ]
+    apart = [
         (effect_words(*item.one), effect_words(*item.other), share(item.share), share(item.random), torque(item.left))
         for item in result.apart
     ]
-    headings = ("what", "told from", "of its pattern is left", "motion at random", "at usual size")
-    joints = [
-        (
-            count(number),
-            Value(f"{coordinate(model, number - 1, low)} to {coordinate(model, number - 1, high)}"),
-            Value(f"{figure(speed, 3)} {'rad/s' if joint.revolute else 'm/s'}"),
-        )
-        for number, (joint, low, high, speed) in enumerate(
-            zip(
-                model.joints,
-                motion.q.min(axis=0).tolist(),
-                motion.q.max(axis=0).tolist(),
-                np.abs(motion.velocity).max(axis=0).tolist(),
-                strict=True,
-            ),
-            start=1,
-        )
-    ]
+    against = ("what", "told from", "of its pattern is left", "motion at random", "at usual size")
     items: list[Item] = [
-        table(headings, rows, first=_SHOWN, rest=f"and {len(rows) - _SHOWN} more, in the JSON"),
-        table(("joint", "moves over", "fastest"), joints),
+        _shown(("name", "told", "95 % interval", *(["motions at random"] if result.tried else [])), rows),
+        *([_shown(against, apart)] if apart else []),
+        _kept(result),
     ]
-    lines = [f"{result.tried} motions were tried. Ranges and speeds of the arm file are kept."]
+    lines = ["Shares are of the usual size. Intervals hold beside the terms that every drive has."]
+    if result.tried:
+        lines.append(f"{result.tried} motions were tried. Ranges, speeds and peak torques of the arm file are kept.")
     guessed = [str(number) for number, joint in enumerate(model.joints, start=1) if joint.velocity is None]
-    if guessed:
+    if guessed and result.tried:
         some = f"joint{'s' if len(guessed) > 1 else ''} {listed(guessed)}"
         lines.append(f"The arm file tells no greatest speed of {some} (`velocity`): 1 rad/s or 0.25 m/s is taken.")
     if result.unseen:
         lines.append(f"Does not act on this arm's torques: {listed([effect_words(*item) for item in result.unseen])}.")
     items.append(Lines(tuple(lines)))
-    return Description(f"{model.name}: a motion worth logging", headline, tuple(items), headline, f"{model.name}: ")
+    title = "a motion worth logging" if result.tried else "what a log tells"
+    return Description(f"{model.name}: {title}", headline, tuple(items), headline, f"{model.name}: ")
+
+
+def _shown(headings: Sequence[str], rows: Sequence[Sequence[Cell]]) -> Table:
+    return table(headings, rows, first=_SHOWN, rest=f"and {len(rows) - _SHOWN} more, in the JSON")
+
+
+def _name(told: Told) -> str:
+    return effect_words(*told.name)
+
+
+def _why(told: Told) -> str:
+    """Why the size of a name is not told."""
+    if told.beside is None:
+        return "no: too little of it acts"
+    return f"cannot be told: goes with {effect_words(*told.beside)}"
+
+
+def _kept(result: MotionPlanResult) -> Table:
+    """What each joint moves over, and how fast it gets."""
+    low, high = (end(axis=0).tolist() for end in (result.motion.q.min, result.motion.q.max))
+    fastest = np.abs(result.motion.velocity).max(axis=0).tolist()
+    rows = [
+        (
+            count(k + 1),
+            Value(f"{coordinate(result.arm, k, low[k])} to {coordinate(result.arm, k, high[k])}"),
+            Value(f"{figure(fastest[k], 3)} {'rad/s' if joint.revolute else 'm/s'}"),
+        )
+        for k, joint in enumerate(result.arm.joints)
+    ]
+    return table(("joint", "moves over", "fastest"), rows)
 
 
 @dataclass(frozen=True, repr=False)
 class MotionPlan(Result):
-    """A motion to log, within ranges, speeds and regions to avoid, and which causes it tells apart; `found` in SI."""
+    """A motion to log, within ranges, speeds, peak torques and regions to avoid, how far it tells the size of each
+    cause, and which causes it tells apart; `found` in SI."""
 
     _command = "plan"
     _describe = staticmethod(describe)
@@ -103,8 +132,14 @@ class MotionPlan(Result):
 
     @property
     def table(self) -> pd.DataFrame:
-        """The motion, 100 rows a second: `t_s`, `q1_rad`, `dq1_radps`, `ddq1_radps2` ..., of slides in m."""
+        """The motion, 100 rows a second: `time_s`, `q1_deg`, `qd1_deg_s`, `qdd1_deg_s2` ..., of slides in mm."""
         return frame(motion_columns(self.found.motion))
+
+    @property
+    def told(self) -> pd.DataFrame:
+        """A row for each name: half the 95 % interval that is to be expected of its first `parameter` (`half`, in SI),
+        as `share` of the usual size, at motions at `random`, and with which name it goes where it is not `shown`."""
+        return frame(self._content()["told"])
 
     @property
     def apart(self) -> pd.DataFrame:
@@ -135,8 +170,9 @@ class MotionPlan(Result):
         return {
             "arm": plan.arm.name,
             **OBSERVES,
-            "seconds": float(motion.time[-1]),
+            "seconds": float(motion.time[-1] - motion.time[0]),
             "samples": motion.size,
+            "told": [_told(item) for item in plan.told],
             "apart": [_apart(item) for item in plan.apart],
             "unseen": [{"effect": effect, "at": list(at)} for effect, at in plan.unseen],
             "joints": [_joint(plan.arm, plan, index) for index in range(plan.arm.size)],
@@ -144,7 +180,15 @@ class MotionPlan(Result):
         }
 
     def _tables(self) -> Mapping[str, pd.DataFrame]:
-        return {"Told apart": self.apart}
+        return {"Told": self.told, "Told apart": self.apart}
+
+
+def _told(told: Told) -> dict[str, Any]:
+    effect, at = told.name
+    beside = None if told.beside is None else [told.beside[0], list(told.beside[1])]
+    random = told.random if np.isfinite(told.random) else None
+    figures = fields(told, "parameter", "kind", "half", "share", "shown")
+    return {"effect": effect, "at": list(at), **figures, "random": random, "goes_with": beside}
 
 
 def _apart(apart: Apart) -> dict[str, Any]:
@@ -173,6 +217,7 @@ def planned_motion(
     for_: Sequence[str],
     avoid: Sequence[Any],
     after: object,
+    at: File | None,
     seconds: float,
     seed: int,
     progress: Progress | None,
@@ -180,7 +225,9 @@ def planned_motion(
     """The motion that tells effects apart, or `after` logs (or their diagnosis) what these could not. Raises
     `InputError`, and `NoAnswer` where there is nothing to tell apart."""
     places = [place_of(name, arm) for name in for_]
-    wanted = [(effect, tuple(index + 1 for index in at)) for effect, at in places]
+    wanted = [(effect, tuple(index + 1 for index in where)) for effect, where in places]
+    if at is not None:
+        return _of_log(arm, at, wanted)
     if after is not None:
         before = after if isinstance(after, MotionDiagnosis) else _diagnosed(after, arm, progress)
         wanted = wanted or _undecided(before)
@@ -193,6 +240,21 @@ def planned_motion(
         except NoRoom as error:
             raise InputError("", "avoid", str(error)) from None
     return MotionPlan(arm, plan)
+
+
+def _of_log(arm: Arm, file: File, wanted: Sequence[Place]) -> MotionPlan:
+    """How far a log tells names, before any diagnosis."""
+    logs = logs_of(file, arm)
+    if not logs:
+        raise InputError(
+            str(file), "", "holds the tip's place; only of motion logs it is known how far they tell names"
+        )
+    try:
+        motion, patterns, told = told_by(arm.model, logs[0].found, wanted)
+    except ValueError as error:
+        raise InputError(str(file), "", str(error)) from None
+    limits = limits_of(arm.model, room_of(arm.model, None, ()), np.random.default_rng(1))
+    return MotionPlan(arm, MotionPlanResult(arm.model, motion, limits, (), told, patterns.unseen, 0, 1))
 
 
 def _diagnosed(after: object, arm: Arm, progress: Progress | None) -> MotionDiagnosis:

@@ -8,8 +8,8 @@ from pathlib import PurePath
 
 from linkwright.core.diagnose.motion.result import MotionDiagnosis, MotionFinding, MotionUnknown, OfJoint
 from linkwright.core.diagnose.motion.sentences import since_words
-from linkwright.report.charts.joints import joints_at_a_glance
 from linkwright.core.units.lists import listed
+from linkwright.report.charts.joints import joints_at_a_glance
 from linkwright.report.charts.motion import left_against, torque_against_time
 from linkwright.results.design import settings
 from linkwright.results.diagnoses.evidence import set_aside

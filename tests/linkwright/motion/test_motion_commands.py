@@ -182,3 +182,18 @@ def test_a_planned_motion_tells_apart_more_than_one_at_random(tmp_path, capsys):
     capsys.readouterr()
     assert run(["plan", URDF, "--instrument", "motion", "--for", "link_bending"]) == 1
     assert "no two causes" in capsys.readouterr().err
+
+
+def test_a_log_says_how_far_it_tells_names(tmp_path, capsys):
+    """Before a diagnosis, in plain words; what goes together is said."""
+    words = ["plan", URDF, "--instrument", "motion", "--at", LOG, "--for", "payload,link_inertial:4,friction_viscous:1"]
+    assert run([*words, "--json", str(tmp_path / "told.json")]) == 0
+    said = " ".join(capsys.readouterr().out.split())
+    assert "1 of 3 names are told" in said
+    assert "cannot be told: goes with" in said
+    told = {item["effect"]: item for item in json.loads((tmp_path / "told.json").read_text(encoding="utf-8"))["told"]}
+    assert told["payload"]["goes_with"] == ["link_inertial", [4]]
+    assert told["friction_viscous"]["shown"]
+    assert told["friction_viscous"]["random"] is None
+    assert run(["plan", URDF, "--poses", "10", "--at", LOG]) == 2
+    assert "--instrument motion" in capsys.readouterr().err

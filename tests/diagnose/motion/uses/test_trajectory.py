@@ -80,12 +80,12 @@ def test_a_motion_is_read_as_it_was_written(tmp_path):
     """Speeds and accelerations too; without them they are differences."""
     motion, _ = a_motion(6)
     columns = motion_columns(motion)
-    assert list(columns)[:5] == ["t_s", "q1_rad", "q2_rad", "q3_m", "dq1_radps"]
+    assert list(columns)[:5] == ["time_s", "q1_deg", "q2_deg", "q3_mm", "qd1_deg_s"]
     (tmp_path / "motion.csv").write_text(table_text(columns))
     back = read_motion(tmp_path / "motion.csv", motion.arm)
     for name in ("time", "q", "velocity", "acceleration"):
         np.testing.assert_allclose(getattr(back, name), getattr(motion, name), rtol=1e-6, atol=1e-9)
-    bare = {name: values for name, values in columns.items() if not name.startswith("d")}
+    bare = {name: values for name, values in columns.items() if not name.startswith("qd")}
     (tmp_path / "bare.csv").write_text(table_text(bare))
     again = read_motion(tmp_path / "bare.csv", motion.arm)
     np.testing.assert_allclose(again.velocity, motion.velocity, atol=0.02)
@@ -95,7 +95,7 @@ def test_what_is_no_motion_is_one_line(tmp_path):
     """No clock, a joint too few."""
     place = tmp_path / "motion.csv"
     place.write_text("q1_rad,q2_rad,q3_m\n0,0,0\n")
-    with pytest.raises(InputError, match="t_s"):
+    with pytest.raises(InputError, match="time_s"):
         read_motion(place, an_arm())
     place.write_text("t_s,q1_rad,q2_rad\n0,0,0\n1,0,0\n2,0,0\n")
     with pytest.raises(InputError, match="q3_m"):

@@ -10,12 +10,11 @@ import numpy as np
 from linkwright.core.arm.chain.chain import Arm
 from linkwright.core.arm.effects import EFFECTS
 from linkwright.core.arm.motion.dynamics import torque_of, torque_stages
+from linkwright.core.diagnose.motion.model.entries import with_entries
+from linkwright.core.diagnose.motion.model.rows import LogRows
+from linkwright.core.diagnose.motion.preparation import PreparedLog
+from linkwright.core.diagnose.motion.result import Traces
 from linkwright.core.sections.numeric import Array
-
-from .model.entries import with_entries
-from .model.rows import LogRows
-from .preparation import PreparedLog
-from .result import Traces
 
 _DRAWN = 2000
 """Samples of each log that are drawn."""
