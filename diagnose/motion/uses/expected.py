@@ -72,10 +72,10 @@ class Patterns:
             unseen += [] if numbers else [(effect, at)]
         plain = {k for k in single.values() if pool.groups[k].plain}
         others = {other for k in asked for other in aliases(pool.groups[k], single)} if wanted else set[int]()
-        if sigma is None:
-            torque = inverse_dynamics(motion)
-            sigma = np.maximum(_NOISE * np.sqrt((torque**2).mean(axis=0)), 1e-3 + _NOISE * np.abs(torque).max() / 50.0)
-        return cls(pool, tuple(sorted(asked)), tuple(sorted(asked | plain | others)), sigma, tuple(unseen))
+        torque = inverse_dynamics(motion)
+        usual = np.maximum(_NOISE * np.sqrt((torque**2).mean(axis=0)), 1e-3 + _NOISE * np.abs(torque).max() / 50.0)
+        noise: Array = np.asarray(usual) if sigma is None else sigma
+        return cls(pool, tuple(sorted(asked)), tuple(sorted(asked | plain | others)), noise, tuple(unseen))
 
     @property
     def single(self) -> dict[Place, int]:

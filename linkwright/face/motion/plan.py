@@ -53,7 +53,7 @@ def describe(result: MotionPlanResult) -> Description:
     headline = f"{seconds} of motion: {len(told)} of {len(result.told)} names are told{least}"
     best = [item.share / item.random for item in result.told if item.shown and item.random > 0.0]
     if best:
-        headline += f"; intervals are {figure(float(np.median(best)), 2)} times those of motions at random"
+        headline += f". Intervals are {figure(float(np.median(best)), 2)} times those of motions at random."
     rows = [
         (
             _name(item),
@@ -246,9 +246,7 @@ def _of_log(arm: Arm, file: File, wanted: Sequence[Place]) -> MotionPlan:
     """How far a log tells names, before any diagnosis."""
     logs = logs_of(file, arm)
     if not logs:
-        raise InputError(
-            str(file), "", "holds the tip's place; only of motion logs it is known how far they tell names"
-        )
+        raise InputError(str(file), "", "holds the tip's place; name a motion log")
     try:
         motion, patterns, told = told_by(arm.model, logs[0].found, wanted)
     except ValueError as error:
