@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Any, TypeVar
 
 import numpy as np
 
 from linkwright.core.arm.chain.chain import Arm
 from linkwright.core.sections.numeric import Array
+
+_Made = TypeVar("_Made")
 
 
 @dataclass(frozen=True)
@@ -42,11 +46,18 @@ class Motion:
     payload_mass: Array | None = None
     temperature: Array | None = None
     sampled: float = 1.0
+    _kept: dict[str, Any] = field(default_factory=dict[str, Any], init=False, repr=False, compare=False)
 
     @property
     def size(self) -> int:
         """The number of instants, N."""
         return len(self.time)
+
+    def once(self, name: str, make: Callable[[], _Made]) -> _Made:
+        """What an effect makes of this motion, by a name: made once for all its sizes and shapes."""
+        if name not in self._kept:
+            self._kept[name] = make()
+        return self._kept[name]
 
     def rate(self, values: Array) -> Array:
         """The rate of change (N,) per second of values (N,) along the motion, as far as its samples tell it."""

@@ -81,7 +81,10 @@ def moving(arm: Arm, q: Array, velocity: Array, acceleration: Array, gravity: Fl
         else:
             rising = rising + more * axis + 2.0 * cross(turning, rate * axis)
         axes = link_axes(arm.joints[index], arm.links[index])
-        directions = np.stack([rows(item, count) for item in (link.along, link.height, link.width)], axis=1)
+        directions = np.empty((3, 3, count))
+        for column, direction in enumerate((link.along, link.height, link.width)):
+            for row, component in enumerate(direction):
+                directions[row, column] = component
         rotation = np.einsum("acm,bc->abm", directions, axes)
         here = MovingLink(axis, origin, rotation, rising, turning, spinning_up)
         parts = (here.inward(item) for item in (rising, turning, spinning_up))
@@ -92,12 +95,18 @@ def moving(arm: Arm, q: Array, velocity: Array, acceleration: Array, gravity: Fl
 
 def rows(vector: Vector, count: int) -> Array:
     """A vector's components, each a number or `count` of them, as rows (3, count)."""
-    return np.stack([np.broadcast_to(np.asarray(part, dtype=float), (count,)) for part in vector])
+    made = np.empty((3, count))
+    made[0], made[1], made[2] = vector
+    return made
 
 
 def cross(a: Array, b: Array) -> Array:
     """The vector product of rows (3, M)."""
-    return np.stack([a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]])
+    made = np.empty((3, max(a.shape[1], b.shape[1])))
+    made[0] = a[1] * b[2] - a[2] * b[1]
+    made[1] = a[2] * b[0] - a[0] * b[2]
+    made[2] = a[0] * b[1] - a[1] * b[0]
+    return made
 
 
 def dot(a: Array, b: Array) -> Array:

@@ -207,7 +207,10 @@ def _wrench(link: MovingLink, parameters: Array) -> tuple[Array, Array]:
 
     def tensor(vector: Array) -> Array:
         x, y, z = vector
-        return np.stack([xx * x + xy * y + xz * z, xy * x + yy * y + yz * z, xz * x + yz * y + zz * z])
+        made = np.empty_like(vector)
+        made[0], made[1] = xx * x + xy * y + xz * z, xy * x + yy * y + yz * z
+        made[2] = xz * x + yz * y + zz * z
+        return made
 
     omega, alpha, rising = link.turning, link.spinning_up, link.acceleration
     force = mass * rising + cross(alpha, first) + cross(omega, cross(omega, first))

@@ -55,8 +55,8 @@ class OfElasticDrive:
             had, more = self.file(motion.arm, joint), _named(settings)
             after = had if more is None else had + more
             before = 0.0 if more is None else had
-            drive = _Drive(motion, joint, settings.values.get("retardation", RETARDATION))
-            torque += drive.beyond(after) - drive.beyond(before)
+            drive, late = _drive(motion, joint), settings.values.get("retardation", RETARDATION)
+            torque += drive.beyond(after, late) - drive.beyond(before, late)
         return _by_joint(motion.arm, torque)
 
     def slope(self, motion: Motion, settings: Settings) -> Mapping[int, Array]:
@@ -65,8 +65,8 @@ class OfElasticDrive:
         for joint in self._joints(motion, settings):
             whole = self.whole(motion.arm, joint) + (_named(settings) or 0.0)
             step = _STEP * max(whole, _LEAST)
-            drive = _Drive(motion, joint, settings.values.get("retardation", RETARDATION))
-            torque += (drive.beyond(whole + step) - drive.beyond(whole)) / step
+            drive, late = _drive(motion, joint), settings.values.get("retardation", RETARDATION)
+            torque += (drive.beyond(whole + step, late) - drive.beyond(whole, late)) / step
         return _by_joint(motion.arm, torque)
 
     def usual(self, motion: Motion, joint: int) -> float:
@@ -96,12 +96,10 @@ def _named(settings: Settings) -> float | None:
 
 
 @dataclass(frozen=True)
-class _Drive:
-    """A drive (from 0) in a motion, whose angle lags its torque by `late` s."""
+class _Rigid:
+    """An arm in a motion as if its drives were rigid: what is alike for all that may give."""
 
     motion: Motion
-    joint: int
-    late: float
 
     @cached_property
     def parameters(self) -> Array:
@@ -109,14 +107,36 @@ class _Drive:
         return _parameters(self.motion.arm)
 
     @cached_property
-    def given(self) -> Array:
-        """The torques (N, n) of a rigid drive."""
-        return self.rigid(np.zeros(self.motion.size), np.zeros(self.motion.size), np.zeros(self.motion.size))
+    def torque(self) -> Array:
+        """The torques (N, n)."""
+        motion = self.motion
+        states = motion.q, motion.velocity, motion.acceleration
+        return rigid_torque(motion.arm, self.parameters, *states, payload_mass=motion.payload_mass)
+
+    @cached_property
+    def load(self) -> Array:
+        """The torques (N, n) that drives hold."""
+        return load_torque(self.motion)
+
+
+def _drive(motion: Motion, joint: int) -> _Drive:
+    """A drive (from 0) in a motion, the same for all compliances and dampings."""
+    arm = motion.once("rigid", lambda: _Rigid(motion))
+    return motion.once(f"drive {joint}", lambda: _Drive(motion, joint, arm))
+
+
+@dataclass(frozen=True)
+class _Drive:
+    """A drive (from 0) in a motion of an arm."""
+
+    motion: Motion
+    joint: int
+    arm: _Rigid
 
     @cached_property
     def inertia(self) -> Array:
         """What the joint feels of all beyond it (N,)."""
-        return inertia_about(self.motion.arm, self.motion.q, self.joint, self.parameters)
+        return inertia_about(self.motion.arm, self.motion.q, self.joint, self.arm.parameters)
 
     def rigid(self, behind: Array, rate: Array, rate_of_rate: Array) -> Array:
         """The torques (N, n) where the joint stands behind by so much (N,)."""
@@ -126,22 +146,22 @@ class _Drive:
             values - less[:, None] * unit
             for values, less in ((motion.q, behind), (motion.velocity, rate), (motion.acceleration, rate_of_rate))
         )
-        return rigid_torque(motion.arm, self.parameters, *moved, payload_mass=motion.payload_mass)
+        return rigid_torque(motion.arm, self.arm.parameters, *moved, payload_mass=motion.payload_mass)
 
-    def beyond(self, compliance: float) -> Array:
-        """What all drives (N, n) take more where this one gives by a compliance."""
+    def beyond(self, compliance: float, late: float) -> Array:
+        """What all drives (N, n) take more where this one gives by a compliance, its angle `late` s behind."""
         if compliance == 0.0 or self.motion.size < 6:
             return np.zeros(self.motion.q.shape)
-        load = load_torque(self.motion)[:, self.joint]
+        load = self.arm.load[:, self.joint]
         swings = compliance > _STEP * _LEAST
         inertia = compliance * self.inertia if swings else np.zeros(self.motion.size)
-        behind, left, moved = np.zeros(self.motion.size), load, self.given
+        behind, left, moved = np.zeros(self.motion.size), load, self.arm.torque
         for _ in range(_ROUNDS if swings else 1):
-            behind = behind + _swing(self.motion, inertia, self.late, left)
+            behind = behind + _swing(self.motion, inertia, late, left)
             rate, rate_of_rate = _rates(self.motion, behind)
             moved = self.rigid(compliance * behind, compliance * rate, compliance * rate_of_rate)
-            left = load + (moved - self.given)[:, self.joint] - behind - self.late * rate
-        return moved - self.given
+            left = load + (moved - self.arm.torque)[:, self.joint] - behind - late * rate
+        return moved - self.arm.torque
 
 
 def inertia_about(arm: Arm, q: Array, joint: int, parameters: Array | None = None) -> Array:

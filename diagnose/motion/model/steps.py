@@ -94,15 +94,16 @@ def tried(fit: SteppedFit, where: Iterable[Parts], groups: Sequence[Group]) -> I
     """Each group with sizes of its own in each of some sets of parts, beside the fit's steps."""
     for parts in where:
         held = _Products.of(fit.motion, fit.weights, fit.steps, parts)
+        told = fit.covariance @ held.across
+        inner, left = held.gram - held.across.T @ told, held.against - held.across.T @ fit.sizes
         for group in groups:
-            across, inner, score = held.of_group(group)
-            score = score - across.T @ fit.sizes
-            information = inner - across.T @ fit.covariance @ across
+            at, mixing = group.columns, group.mixing
+            score, information = mixing.T @ left[at], mixing.T @ inner[np.ix_(at, at)] @ mixing
             precision = np.diag(1.0 / group.usual**2)
             spread = np.asarray(np.linalg.inv(information + precision), dtype=float)
             widths = np.linalg.slogdet(information + precision)[1] - np.linalg.slogdet(precision)[1]
             numbers = spread @ score
-            common = fit.sizes[group.columns] - fit.covariance[group.columns] @ across @ numbers
+            common = fit.sizes[at] - told[np.ix_(at, at)] @ mixing @ numbers
             yield Step(group, parts, numbers, spread, common, float(0.5 * (score @ numbers - widths)))
 
 
@@ -163,30 +164,27 @@ def _alternatives(step: Step, items: Sequence[Step], rules: Rules) -> tuple[tupl
 
 @dataclass(frozen=True)
 class _Products:
-    """Products of the model's columns in some parts: `gram` (W, W), `against` (W,) with the target, and `shared`, those
-    of the parts that each of some `steps` acts in too."""
+    """Products of the model's columns in some parts: `gram` (W, W), `against` (W,) with the target, and those `across`
+    (W + k, W) with the columns and the numbers of some steps."""
 
     gram: Array
     against: Array
-    steps: Sequence[Step]
-    shared: tuple[Array, ...]
+    across: Array
 
     @classmethod
     def of(cls, motion: Products, weights: Array, steps: Sequence[Step], parts: Parts) -> _Products:
         """The products in some parts beside steps."""
         gram, against, _ = motion.whole(weights, parts)
-        return cls(gram, against, steps, tuple(motion.whole(weights, parts & step.parts)[0] for step in steps))
+        beside = [
+            step.group.mixing.T @ motion.whole(weights, parts & step.parts)[0][step.group.columns] for step in steps
+        ]
+        return cls(gram, against, np.concatenate([gram, *beside]))
 
     def of_group(self, group: Group) -> tuple[Array, Array, Array]:
         """Products of a group's numbers with the model's columns and the steps' numbers (W + k, d), with themselves
         (d, d), and with the target (d,)."""
         at, mixing = group.columns, group.mixing
-        whole = self.gram[:, at] @ mixing
-        beside = [
-            step.group.mixing.T @ gram[np.ix_(step.group.columns, at)] @ mixing
-            for step, gram in zip(self.steps, self.shared, strict=True)
-        ]
-        return np.concatenate([whole, *beside]), mixing.T @ whole[at], mixing.T @ self.against[at]
+        return self.across[:, at] @ mixing, mixing.T @ self.gram[np.ix_(at, at)] @ mixing, mixing.T @ self.against[at]
 
 
 def _apart(pool: Candidates, blocks: Products, motion: Products) -> tuple[Array, Array, Array]:
