@@ -53,7 +53,7 @@ def answer(archive: Path, name: str, scratch: Path) -> Answer:
     if status:
         return Answer(REFUSED, (), (words.getvalue().strip().splitlines() or [""])[-1])
     said = json.loads(result.read_text(encoding="utf-8"))
-    return Answer(said["verdict"], tuple(said["missing"]))
+    return Answer(said["verdict"], (*said["missing"], *said.get("events", ())))
 
 
 def faults(name: str, asked: Mapping[str, Any], given: Answer) -> list[str]:

@@ -173,7 +173,13 @@ FIELD: dict[str, tuple[str, str, str, int, dict[str, Any]]] = {
         1,
         _named(("joint_compliance", [2], {"compliance_2": 1.0 / 600.0}), kind="one"),
     ),
-    "payload-half-way": ("torques", "payload_half_way", "log.csv", 1, _unknown([], ["time"])),
+    "payload-half-way": (
+        "torques",
+        "payload_half_way",
+        "log.csv",
+        1,
+        _named(("payload", [], {"mass": 1.2}), kind="one"),
+    ),
     "clipped-torques": (
         "torques",
         "sensor_saturated",

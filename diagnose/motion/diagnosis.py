@@ -21,9 +21,11 @@ from linkwright.core.units.quantities import InputError
 
 from .causes.curves import curves_left
 from .causes.swinging import eigenfrequency_notes
-from .changed import change_of
 from .corrected import entry_of
 from .differing import Differing, differing, differing_findings, squares_of
+from .each_log import of_log
+from .events.changed import change_of
+from .events.found import event_of, next_event, set_aside
 from .findings import finding_of, findings
 from .judged import Judged, as_written, judged, rms_together
 from .log import MotionLog
@@ -35,8 +37,8 @@ from .model.products import products
 from .model.ripple import Ripple, ripples
 from .model.rows import LogRows, joint_rows, log_rows, with_sources
 from .preparation import PreparedLog, prepare
-from .result import MotionDiagnosis, OfJoint, OfLog
-from .sentences import answer, verdict_of
+from .result import Event, MotionDiagnosis, OfJoint
+from .sentences import answer, event_words, verdict_of
 from .unknown import Structure, since, structure, unknown_of, variables
 from .uses.traces import traces_of
 from .weighed import weighed
@@ -80,19 +82,18 @@ def diagnose_motion(
 
 
 def diagnosed(
-    arm: Arm, logs: Sequence[MotionLog], options: Options | None = None, progress: Progress | None = None
+    arm: Arm,
+    logs: Sequence[MotionLog],
+    options: Options | None = None,
+    progress: Progress | None = None,
+    events: tuple[Event, ...] = (),
 ) -> tuple[MotionDiagnosis, RestsOn | None]:
-    """The same beside what it rests on; None where the logs hold too little."""
-    begun = time.perf_counter()
+    """The same beside what it rests on; None where the logs hold too little. `events` are set aside in the logs."""
+    begun, whole = time.perf_counter(), logs
     request, tell = options or Options(), progress or silent
     rules = request.rules
     tell("preparing logs", 0.0)
-    prepared = [_prepared(arm, log, request.rules) for log in logs]
-    if not prepared:
-        raise InputError("", "", "no motion log; name at least one")
-    if any(log.torque_constants_free for log in logs):
-        logs = weighed(arm, prepared, rules=rules)
-        prepared = [_prepared(arm, log, request.rules) for log in logs]
+    logs, prepared = _all_prepared(arm, logs, rules)
     if max(float(item.moving.sum(axis=0).max()) * _spacing(item) for item in prepared) < rules.motion.least_moving:
         return _too_little(arm, logs, prepared, begun), None
     masses = link_parameters(arm)
@@ -105,8 +106,11 @@ def diagnosed(
         rows.append(log_rows(each, pool, rules=rules))
     scans = scanned(_effects(request))
     tell("fitting ripple by order", 0.35)
-    heard = noise(pool, products(joint_rows(rows), pool.width, near=False)).sizes
-    slow = [(effect, item) for effect, item in _ripples(rows, heard, scans, request, fast=False)]
+    heard = noise(pool, products(joint_rows(rows), pool.width, near=False))
+    event = next_event(arm, pool, rows, heard, events, rules=rules)
+    if event is not None:
+        return diagnosed(arm, set_aside(whole, rows, event), options, progress, (*events, event))
+    slow = [(effect, item) for effect, item in _ripples(rows, heard.sizes, scans, request, fast=False)]
     if slow:
         known = pool
         more = [(effect, item.joint, {effect.shapes[0].name: item.order}) for effect, item in slow]
@@ -133,7 +137,11 @@ def diagnosed(
     judge = judged(arm, identified, sizes.numbers, [entry_of(effect, item) for effect, item in swift], rules=rules)
     sizes = as_written(sizes, identified, judge.named)
     rests_on = RestsOn(identified, sizes, different)
-    return _result(arm, logs, given, rests_on, judge, seen, swift, rules, begun), rests_on
+    made = _result(arm, logs, given, rests_on, judge, seen, swift, events, rules, begun)
+    event = None if made.unknown is None else event_of(made.unknown.change, events)
+    if event is not None:
+        return diagnosed(arm, set_aside(whole, rows, event), options, progress, (*events, event))
+    return made, rests_on
 
 
 def _with_curves(
@@ -192,6 +200,17 @@ def _effects(options: Options) -> list[Effect]:
     ]
 
 
+def _all_prepared(arm: Arm, logs: Sequence[MotionLog], rules: Rules) -> tuple[Sequence[MotionLog], list[PreparedLog]]:
+    """The logs, currents as torques, and the same prepared."""
+    prepared = [_prepared(arm, log, rules) for log in logs]
+    if not prepared:
+        raise InputError("", "", "no motion log; name at least one")
+    if any(log.torque_constants_free for log in logs):
+        logs = weighed(arm, prepared, rules=rules)
+        prepared = [_prepared(arm, log, rules) for log in logs]
+    return logs, prepared
+
+
 def _prepared(arm: Arm, log: MotionLog, rules: Rules) -> PreparedLog:
     if log.q.shape[1] != arm.size:
         raise InputError(log.file, "", f"the log has {log.q.shape[1]} joints, the arm {arm.size}")
@@ -236,6 +255,7 @@ def _result(
     judge: Judged,
     seen: Sequence[Structure],
     swift: Sequence[tuple[Effect, Ripple]],
+    events: tuple[Event, ...],
     rules: Rules,
     begun: float,
 ) -> MotionDiagnosis:
@@ -293,13 +313,18 @@ def _result(
     change = None if unknown is None else change_of(identified, rules=rules)
     if unknown is not None and change is not None:
         unknown = since(unknown, change)
-    verdict = verdict_of(named, unknown)
+    verdict = verdict_of(named, unknown, events)
     with_own = rms_together(judge.named.beside[1], counts) if different.differences else None
     return MotionDiagnosis(
         arm=arm,
         logs=tuple(logs),
         verdict=verdict,
-        sentence=answer(verdict, named, unknown, per_joint, judge.rivals, different.beyond, with_own, together),
+        sentence=" ".join(
+            [
+                *map(event_words, events),
+                answer(verdict, named, unknown, per_joint, judge.rivals, different.beyond, with_own, together),
+            ]
+        ),
         per_joint=per_joint,
         findings=named,
         unknown=unknown,
@@ -312,7 +337,7 @@ def _result(
         cutoff=prepared[0].low_pass,
         rates=_rates(logs),
         traces=tuple(traces_of(*rows, written.sizes, written.arm) for rows in zip(given, written.rows, strict=True)),
-        of_logs=tuple(_of_log(identified, judge, squares, number) for number in range(len(logs))),
+        of_logs=tuple(of_log(identified, judge, squares, number) for number in range(len(logs))),
         corrected=written.arm,
         notes=(
             *_contradictions(arm, identified.split, after, held, heard, rules),
@@ -326,6 +351,7 @@ def _result(
         small_together=together,
         rms_with_own=None if with_own is None else (rms_together(written.beside[0], counts), with_own),
         seconds=time.perf_counter() - begun,
+        events=events,
     )
 
 
@@ -404,26 +430,3 @@ def _together(each: Array) -> float:
 def _spacing(prepared: PreparedLog) -> float:
     times = prepared.motion.time[prepared.kept]
     return float(np.median(np.diff(times))) if len(times) > 1 else 0.0
-
-
-def _of_log(identified: Identified, judge: Judged, given: Array, number: int) -> OfLog:
-    log, entries = identified.rows[number].prepared.log, identified.rows[number].prepared.entries
-    here = identified.products.log == number
-    rows = max(int(judge.counts[here].sum()), 1)
-
-    def size(left: Array) -> float:
-        return float(np.sqrt(left[here].sum() / rows))
-
-    return OfLog(
-        Path(log.file).name,
-        log.file,
-        log.unit,
-        log.date,
-        log.size,
-        size(given),
-        size(judge.written.left),
-        size(judge.written.held_out),
-        tuple(item.row for item in log.rejected),
-        entries,
-        size(judge.written.beside[0]) if entries else None,
-    )

@@ -13,7 +13,7 @@ from linkwright.core.arm.chain.chain import Arm
 from linkwright.core.diagnose.rules.rules import Rules
 from linkwright.core.sections.numeric import Array
 
-from .changed import sized
+from .events.changed import sized
 from .findings import finding_of_group
 from .model.candidates import Candidates
 from .model.entries import entries_of, with_entries

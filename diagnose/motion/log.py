@@ -37,6 +37,7 @@ class MotionLog:
         sigma: (n,) N*m, declared standard deviations of the torques; None where nobody declared them.
         cutoff: Hz, of the zero-phase low-pass that settings ask for; None: chosen from the data.
         rejected: Rows set aside, each with the reason.
+        aside: From when to when (s) something else acts than the arm's physics, so that no sample counts.
         warnings: Sentences for the report (gaps, jitter, duplicate stamps, missing speeds ...).
         settings: The recording.yaml that was used; empty where there is none.
         unit: Which arm of a type (a serial number); empty where nobody said.
@@ -60,6 +61,7 @@ class MotionLog:
     sigma: tuple[float, ...] | None = None
     cutoff: float | None = None
     rejected: tuple[RejectedRow, ...] = ()
+    aside: tuple[tuple[float, float], ...] = ()
     warnings: tuple[str, ...] = ()
     settings: str = ""
     unit: str = ""

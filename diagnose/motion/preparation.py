@@ -203,6 +203,8 @@ def prepare(arm: Arm, log: MotionLog, *, rules: Rules) -> PreparedLog:
         for joint in np.flatnonzero(made_up[part].any(axis=0)).tolist():
             places = np.flatnonzero(made_up[part, joint])
             known[part, joint] &= ~_around(places, blur, stretch.stop - stretch.start)
+    for begin, end in log.aside:
+        known &= ~((motion.time >= begin) & (motion.time <= end))[:, None]
     moving, near = moving & known, near & known
     near &= moving.any(axis=0)  # friction is told by steady motion first: a joint that only trembles tells none
     tidy = np.nan_to_num(np.concatenate(measured))

@@ -71,18 +71,38 @@ class OfJoint:
 
 
 @dataclass(frozen=True)
+class Instant:
+    """A `time` (s, on a log's clock) with its 95 % `interval`."""
+
+    time: float
+    interval: tuple[float, float]
+
+
+@dataclass(frozen=True)
 class Change:
-    """An effect and its joints or links (from 1) that acts otherwise in a log from `time` (s, on the log's clock) on,
-    by how much more in `parameters`, with the 95 % `interval` of that instant and the `share` of the square that it
-    explains of what was left."""
+    """An effect and its joints or links (from 1) that acts otherwise in a log from `start` on until its `end` (None:
+    the log's), by how much more in `parameters`, with the `share` of the square that it explains of what was left, and
+    the RMS `torque` (n,) N*m (N) that it adds at each joint."""
 
     effect: str
     at: tuple[int, ...]
     parameters: tuple[FittedParameter, ...]
     log: str
-    time: float
-    interval: tuple[float, float]
+    start: Instant
+    end: Instant | None
     share: float
+    torque: tuple[float, ...]
+
+
+@dataclass(frozen=True)
+class Event:
+    """What happens in a log, and is no physics of the arm: its `change`; of a push the `joints` that it loads, and the
+    `links` of which one is pushed (from 1). Its rows are set aside."""
+
+    kind: Literal["contact", "collision", "payload taken", "payload left"]
+    change: Change
+    joints: tuple[int, ...] = ()
+    links: tuple[int, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -146,7 +166,7 @@ class MotionDiagnosis:
     them `corrected` holds. `beyond` (n,) N*m is the RMS by joint of what else may differ between several logs. Figures
     are of that file alone; where one log has something of its own, `rms_with_own` is what is left beside that: by the
     file, and by what was named on motion that was not fitted. `small_together` (n,) N*m is the RMS of what the small
-    findings add at each joint together.
+    findings add at each joint together. Rows of `events` count nowhere.
     """
 
     arm: Arm
@@ -174,3 +194,4 @@ class MotionDiagnosis:
     beyond: tuple[float, ...] = ()
     rms_with_own: tuple[float, float] | None = None
     small_together: tuple[float, ...] = ()
+    events: tuple[Event, ...] = ()

@@ -11,18 +11,19 @@ from linkwright.core.diagnose.judge.needed import small_words
 from linkwright.core.diagnose.judge.rivals import Rivals
 
 from .findings import less, name_of, or_else, sized
-from .result import Change, MotionFinding, MotionUnknown, OfJoint, Verdict
+from .result import Change, Event, MotionFinding, MotionUnknown, OfJoint, Verdict
 
 _SAID = 4
 """Effects that the plain answer names; the rest are counted."""
 
 
-def verdict_of(named: Sequence[MotionFinding], unknown: MotionUnknown | None) -> Verdict:
-    """The verdict: unknown wherever something stays that nothing explains, named or not what else is."""
+def verdict_of(named: Sequence[MotionFinding], unknown: MotionUnknown | None, events: Sequence[Event] = ()) -> Verdict:
+    """The verdict: unknown wherever something stays that nothing explains, named or not what else is. A push is nothing
+    that the arm's file lacks, a load is."""
     if unknown is not None:
         return "unknown"
     if not named:
-        return "none"
+        return "named" if any(not event.links for event in events) else "none"
     return "alias_class" if any(item.alternatives for item in named[:1]) else "named"
 
 
@@ -41,26 +42,9 @@ def answer(
     `together` (n,) N*m what small names add."""
     if verdict == "insufficient_data":
         return "The logs hold too little motion: no joint moves for three seconds above 0.03 rad/s."
-    if verdict == "none":
+    if not named and unknown is None:
         return "Nothing is missing that these logs show: no cause is beyond chance and foretells other motion."
-    sentences: list[str] = []
-    if named:
-        shown, rest = _first(named, max(together, default=0.0))
-        if _mostly_friction(named):
-            rubs = [_short(each) for (effect, _), each in shown if _friction(effect)]
-            beside = [_short(each) for (effect, _), each in shown if not _friction(effect)]
-            with_it = f"; beside it {_and(beside)}" if beside else ""
-            sentences.append(f"Friction is what the model lacks most: {_and(rubs)}{with_it}{rest}.")
-        else:
-            sentences.append(f"The model lacks {_and([_short(each) for _, each in shown])}{rest}.")
-        before = float(np.sqrt(np.nanmean([each.before**2 for each in per_joint])))
-        of_named = None if rivals is None else rivals.of("named")
-        held = of_named.held_out if of_named else float(np.sqrt(np.nanmean([each.held_out**2 for each in per_joint])))
-        left = held if with_own is None else with_own
-        sentences.append(f"{left:.3g} of {before:.3g} N*m is left on motion that was not fitted.")
-        if any(item.recording for item in named):
-            sentences.append(nothing_else(beyond))
-        sentences += [_undecided(item) for item in named[:_SAID] if item.alternatives]
+    sentences = _lacking(named, per_joint, rivals, beyond, with_own, together) if named else []
     if unknown is not None:
         joints = _and([str(joint) for joint in unknown.joints])
         names = [name.replace("_", " ") for name in unknown.depends_on]
@@ -91,6 +75,35 @@ def _first(
     return every[:_SAID], rest + (f"; {small_words(len(small), f'{together:.2g} N*m')}" if small else "")
 
 
+def _lacking(
+    named: Sequence[MotionFinding],
+    per_joint: Sequence[OfJoint],
+    rivals: Rivals | None,
+    beyond: Sequence[float],
+    with_own: float | None,
+    together: Sequence[float],
+) -> list[str]:
+    """What the model lacks, what is left beside it, and what it cannot be distinguished from."""
+    sentences: list[str] = []
+    shown, rest = _first(named, max(together, default=0.0))
+    if _mostly_friction(named):
+        rubs = [_short(each) for (effect, _), each in shown if _friction(effect)]
+        beside = [_short(each) for (effect, _), each in shown if not _friction(effect)]
+        with_it = f"; beside it {_and(beside)}" if beside else ""
+        sentences.append(f"Friction is what the model lacks most: {_and(rubs)}{with_it}{rest}.")
+    else:
+        sentences.append(f"The model lacks {_and([_short(each) for _, each in shown])}{rest}.")
+    before = float(np.sqrt(np.nanmean([each.before**2 for each in per_joint])))
+    of_named = None if rivals is None else rivals.of("named")
+    held = of_named.held_out if of_named else float(np.sqrt(np.nanmean([each.held_out**2 for each in per_joint])))
+    left = held if with_own is None else with_own
+    sentences.append(f"{left:.3g} of {before:.3g} N*m is left on motion that was not fitted.")
+    if any(item.recording for item in named):
+        sentences.append(nothing_else(beyond))
+    sentences += [_undecided(item) for item in named[:_SAID] if item.alternatives]
+    return sentences
+
+
 def nothing_else(beyond: Sequence[float]) -> str:
     """By how much logs may differ beside what was named, joint by joint (n,) N*m."""
     each = [f"{value:.2g} N*m at joint {joint}" for joint, value in enumerate(beyond, start=1)]
@@ -99,11 +112,27 @@ def nothing_else(beyond: Sequence[float]) -> str:
 
 def since_words(change: Change) -> str:
     """Since when torques follow another model, and which effect explains it."""
-    effect, (low, high) = EFFECTS[change.effect], change.interval
+    effect, (low, high), end = EFFECTS[change.effect], change.start.interval, change.end
     name = name_of(effect.title, effect.place, change.at)
+    then = "From then on" if end is None else f"Until {end.time:.4g} s"
     return (
-        f"Something changed at {change.time:.4g} s (95 % interval {low:.4g} to {high:.4g} s). "
-        f"From then on, {name} ({sized(change.parameters)} more) explains {100.0 * change.share:.0f} % of what is left."
+        f"Something changed at {change.start.time:.4g} s (95 % interval {low:.4g} to {high:.4g} s). "
+        f"{then}, {name} ({sized(change.parameters)} more) explains {100.0 * change.share:.0f} % of what is left."
+    )
+
+
+def event_words(event: Event) -> str:
+    """When an event begins and ends, where, and how much."""
+    begin, end = event.change.start.time, event.change.end
+    when = f"from {begin:.4g} s on" if end is None else f"from {begin:.4g} to {end.time:.4g} s"
+    size = sized(event.change.parameters[:1])
+    if not event.links:
+        return f"{event.kind.capitalize()} {when}: {size}."
+    most = max(range(len(event.change.torque)), key=lambda joint: event.change.torque[joint])
+    links = " or ".join(str(link) for link in event.links)
+    return (
+        f"{event.kind.capitalize()} at link {links} {when}: {size}, which adds {event.change.torque[most]:.3g} N*m at "
+        f"joint {most + 1}. Its rows are set aside."
     )
 
 

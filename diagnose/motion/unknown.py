@@ -144,7 +144,7 @@ def unknown_of(
 
 def since(unknown: MotionUnknown, change: Change) -> MotionUnknown:
     """What stays unknown, where it begins within a log."""
-    shape = f"changes at {change.time:.4g} s"
+    shape = f"changes at {change.start.time:.4g} s"
     return replace(unknown, change=change, shape=shape, decide="the log before and after that instant, each by itself")
 
 

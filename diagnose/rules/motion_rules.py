@@ -89,6 +89,18 @@ class MotionRules:
         "If bins explain more than this share beyond chance, the remainder has structure.",
         _LOGS,
     )
+    event: float = rule(
+        5.0,
+        "times the usual RMS",
+        "Rows of a log further than this from what the rest of it foretells may be an event.",
+        "clean logs with rough friction: below 4 in 10 seeds",
+    )
+    steady: float = rule(
+        0.1, "share of its torque", "A push is held to be steady. Its torque may be off by this share without a cause."
+    )
+    collision: float = rule(
+        0.5, "s", "A push of a shorter time is called a collision.", "ISO/TS 15066:2016: transient contact, below 0.5 s"
+    )
     unexplained: float = rule(
         0.03,
         "share of a joint's torque",

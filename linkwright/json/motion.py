@@ -7,7 +7,7 @@ from pathlib import PurePath
 from types import MappingProxyType
 from typing import Any
 
-from linkwright.core.diagnose.motion.result import MotionDiagnosis, MotionFinding, MotionUnknown
+from linkwright.core.diagnose.motion.result import Event, MotionDiagnosis, MotionFinding, MotionUnknown
 from linkwright.json.fields import parameter_json, rivals_json
 from linkwright.results.motion.answer import answer, to_do
 
@@ -24,14 +24,29 @@ def _unknown(unknown: MotionUnknown) -> dict[str, Any]:
     change = unknown.change
     return {
         **fields(unknown, "joints", "depends_on", "amplitude", "shape", "decide"),
-        "since_s": None if change is None else change.time,
-        "since_ci95_s": None if change is None else list(change.interval),
+        "since_s": None if change is None else change.start.time,
+        "since_ci95_s": None if change is None else list(change.start.interval),
+        "until_s": None if change is None or change.end is None else change.end.time,
         "changed": None
         if change is None
         else {
             **fields(change, "effect", "at", "log", "share"),
             "parameters": {fitted.name: parameter_json(fitted) for fitted in change.parameters},
         },
+    }
+
+
+def _event(event: Event) -> dict[str, Any]:
+    """When an event begins and ends (None: it lasts), where it acts, and how much."""
+    change = event.change
+    return {
+        **fields(event, "kind", "links", "joints"),
+        **fields(change, "effect", "at", "log", "share", "rms_by_joint=torque"),
+        "start_s": change.start.time,
+        "start_ci95_s": list(change.start.interval),
+        "end_s": None if change.end is None else change.end.time,
+        "end_ci95_s": None if change.end is None else list(change.end.interval),
+        "parameters": {fitted.name: parameter_json(fitted) for fitted in change.parameters},
     }
 
 
@@ -109,6 +124,7 @@ def motion_json(diagnosis: MotionDiagnosis) -> dict[str, Any]:
         "written_arm": fields_if(written, *_WRITTEN),
         **rivals_json(diagnosis.rivals, "rms=in_sample", "rms_held_out=held_out", by_joint=True),
         "missing": [_finding(finding) for finding in diagnosis.findings],
+        "events": [_event(event) for event in diagnosis.events],
         **fields(diagnosis, "small_together", "differs_beyond=beyond"),
         "rms_with_own": None if diagnosis.rms_with_own is None else diagnosis.rms_with_own[0],
         "where": _where(diagnosis),

@@ -89,8 +89,10 @@ NO_RULES = {
     "instruments/view.py": {"_STEPS, _START_STEPS, _START_ROWS", "_BETTER", "_FOUND"},
     "judge/for_file.py": {"_USUAL"},  # the width of a prior
     "motion/causes/swinging.py": {"_POSTURES"},
-    "motion/changed.py": {"SURE", "_PARTS", "_ROUNDS"},  # how an instant is looked for, and 95 %
     "motion/judged.py": {"_SETTLED", "_STEPS"},
+    "motion/events/changed.py": {"SURE", "_PARTS", "_ROUNDS"},  # a normal distribution's; how a search goes
+    "motion/events/found.py": {"_MOST", "_PARTS", "_ROUNDS"},
+    "motion/events/push.py": {"PUSH", "_FORCE"},  # a usual size
     "motion/model/candidates.py": {"SHARPER", "_BETWEEN", "_MOST_VARIANTS", "_PROBED"},  # what a scan is for
     "motion/model/chance.py": {"_DRAWS"},
     # half of chi-squared; what is tried; no prior; Akaike's nat

@@ -213,21 +213,14 @@ def _wind(unknown: Unknown, world: World, about: About) -> None:
     world.laws.append(make)
 
 
-def _contact(unknown: Unknown, world: World, about: About) -> None:
-    """The tip leans on something soft in a part of its space."""
-    way = np.random.default_rng(unknown.seed).normal(size=3) * (1.0, 1.0, 0.3)
-    way /= np.linalg.norm(way)
-    depth, first = 0.15 * about.arm.reach, list[float]()
-    most = 4.0 * unknown.size * float(about.torque.max()) / about.arm.reach
+def _spindle(unknown: Unknown, world: World, about: About) -> None:
+    """A spindle that runs in the last link, and resists being turned (a gyroscope: moment H x omega)."""
+    way = np.random.default_rng(unknown.seed).normal(size=3)
+    momentum = 2.0 * unknown.size * float(about.torque.mean() / about.speed.mean()) * way / np.linalg.norm(way)
 
     def act(state: State) -> None:
-        site = state.data.site_xpos[0]
-        along = float(way @ site)
-        if not first:
-            first.append(along)
-        push = -most * min(max((along - first[0]) / depth - 0.3, 0.0), 3.0) * way
-        moment = np.cross(site - state.data.xipos[state.last], push)
-        state.data.xfrc_applied[state.last] = np.concatenate([push, moment])
+        spins = state.data.ximat[state.last].reshape(3, 3) @ momentum
+        state.data.xfrc_applied[state.last, 3:] = -np.cross(state.data.cvel[state.last, :3], spins)
 
     world.laws.append(lambda: act)
 
@@ -280,12 +273,12 @@ CLASSES: Mapping[str, Class] = MappingProxyType(
         "cogging_with_current": Class(_remembered(_cogging), turning=True),
         "hose_over_two_joints": Class(_remembered(_hose)),
         "sagging_supply": Class(_remembered(_sag)),
-        "soft_contact": Class(_contact, of_joint=False),
+        "spinning_tool": Class(_spindle, of_joint=False),
     }
 )
 
 
-SINCE: Mapping[str, str] = MappingProxyType({"worm_gear": "hose_over_two_joints"})
+SINCE: Mapping[str, str] = MappingProxyType({"worm_gear": "hose_over_two_joints", "soft_contact": "spinning_tool"})
 """Classes that the library has got an effect for since they were drawn, and which ones stand in their place."""
 
 

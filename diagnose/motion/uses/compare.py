@@ -9,7 +9,7 @@ import numpy as np
 
 from linkwright.core.arm.chain.chain import Arm
 from linkwright.core.diagnose.compare.compare import Change, changes_of
-from linkwright.core.diagnose.motion.changed import SURE
+from linkwright.core.diagnose.motion.events.changed import SURE
 from linkwright.core.diagnose.motion.log import MotionLog
 from linkwright.core.diagnose.motion.result import MotionDiagnosis
 from linkwright.core.diagnose.options import Options, Progress

@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 from linkwright.core.diagnose.motion.result import MotionDiagnosis, MotionFinding
+from linkwright.core.diagnose.motion.sentences import event_words
 from linkwright.core.diagnose.result import HALF
 from linkwright.results.diagnoses.answer import briefly, capital
-from linkwright.results.diagnoses.words import portion, value
+from linkwright.results.diagnoses.words import listed, portion, value
 from linkwright.results.figures_in_words import figure, from_to
 
 from .words import alternative_words, dependence_words, finding_words, of_all_joints, torque, torque_unit
 
+MOST_EVENTS = 2
+"""Events that an answer tells of."""
 _NOISE = 1.15
 """Times the floor up to which what is left on motion that was not fitted counts as the floor."""
 
@@ -24,6 +27,11 @@ def _clauses(diagnosis: MotionDiagnosis) -> list[str]:
     mismatch = torque(diagnosis.rms_before).text
     if diagnosis.verdict == "insufficient_data":
         return [diagnosis.sentence.removesuffix(".")]
+    if diagnosis.events and not diagnosis.findings and diagnosis.unknown is None:
+        happened = [event_words(event).split(": ")[0] for event in diagnosis.events[:MOST_EVENTS]]
+        more = len(diagnosis.events) - len(happened)
+        beside = f" and {more} more events" if more > 0 else ""
+        return [f"{listed(happened)}{beside}", "; nothing is missing from the rest", f", {mismatch} remain"]
     if diagnosis.verdict == "none":
         return [f"nothing is missing that this log could show; {mismatch} remain"]
     largest, part = largest_of(diagnosis), explained_share(diagnosis)
@@ -51,7 +59,7 @@ def _unexplained(diagnosis: MotionDiagnosis) -> tuple[str, str]:
     more = f" and {len(unknown.joints) - 1} more" if len(unknown.joints) > 1 else ""
     open_at = f"{torque(unknown.amplitude, torque_unit(diagnosis.arm, joint)).text} at joint {joint}{more}"
     if unknown.change is not None:
-        return open_at, f". Something changed at {figure(unknown.change.time, 4)} s"
+        return open_at, f". Something changed at {figure(unknown.change.start.time, 4)} s"
     depends = dependence_words(unknown.depends_on[:3])
     return open_at, f". It depends on {depends}" if depends else ""
 

@@ -14,11 +14,13 @@ from linkwright.report.charts.motion import left_against, torque_against_time
 from linkwright.results.design import settings
 from linkwright.results.diagnoses.evidence import set_aside
 from linkwright.results.diagnoses.words import (
+    interval,
     parameter_rows,
     place_words,
     portion,
     probability,
     spoken,
+    value,
     verdict_words,
     whole_sentence,
 )
@@ -73,6 +75,7 @@ def describe(diagnosis: MotionDiagnosis) -> Description:
         _facts(diagnosis),
         _joints(diagnosis) if known else None,
         _logs(diagnosis) if len(diagnosis.of_logs) > 1 else None,
+        _events(diagnosis) if diagnosis.events else None,
         _findings(diagnosis) if diagnosis.findings else None,
         None if diagnosis.unknown is None else _unknown(diagnosis, diagnosis.unknown),
         _pictures(diagnosis) if diagnosis.traces else None,
@@ -179,6 +182,29 @@ def _logs(diagnosis: MotionDiagnosis) -> Section:
     shown = ("samples", "before", "after", "held out", Column("rows set aside", detail=True))
     headings = ("log", *(["date"] if dated else []), *shown)
     return section("Each log", table(headings, rows), lead="The physics is shared. RMS of all joints together.")
+
+
+def _events(diagnosis: MotionDiagnosis) -> Section:
+    """What happened in the logs, when, where and how much."""
+    rows: list[list[Cell]] = []
+    for event in diagnosis.events:
+        change = event.change
+        most = max(range(len(change.torque)), key=lambda joint: change.torque[joint])
+        size = change.parameters[0] if change.parameters else None
+        instants = (change.start, change.end)
+        begins, ends = ("" if each is None else with_unit(each.time, "s", 4) for each in instants)
+        spans = [
+            "" if each is None else f"{listed([figure(t, 4) for t in each.interval], 'to')} s" for each in instants
+        ]
+        where = f"link {listed([str(link) for link in event.links], 'or')}" if event.links else "tip"
+        adds = f"{torque(change.torque[most], torque_unit(diagnosis.arm, most + 1)).text} at joint {most + 1}"
+        known = [interval(size)] if size else [""]
+        figures = [value(size) if size else "", *known, adds, PurePath(change.log).name]
+        rows.append([event.kind, where, begins, spans[0], ends, spans[1], *figures])
+    instant = ("95 % interval", "ends", "95 % interval", "how much", "95 % interval", "adds (RMS)")
+    lead = "What acted for a while. These rows are set aside from all else."
+    headings = ("event", "at", "begins", *instant, Column("log", detail=True))
+    return section("Events in the log", table(headings, rows), lead=lead)
 
 
 def _findings(diagnosis: MotionDiagnosis) -> Section:

@@ -4,6 +4,10 @@ import numpy as np
 import pytest
 
 from linkwright.core.diagnose.motion.diagnosis import diagnose_motion
+from linkwright.json.motion import motion_json
+from linkwright.results.document import Section
+from linkwright.results.motion.answer import answer
+from linkwright.results.motion.described import describe
 from tests.diagnose.motion.plumb_arm import HAND, logged, plumb_arm
 
 TAKEN, SINCE, ROUNDING = 1.2, 17.0, 1e-9
@@ -20,17 +24,19 @@ def diagnosed(tmp_path, seed, hand_of, more_of):
 def test_a_load_that_is_taken_on_the_way(tmp_path, seed):
     """Payload, when and how much: the intervals hold the truth, and rows are 0.08 s apart."""
     result = diagnosed(tmp_path, seed, lambda t: HAND + TAKEN * (t >= SINCE), np.zeros_like)
-    assert result.verdict == "unknown"
-    assert result.unknown is not None
-    change = result.unknown.change
-    assert change is not None
-    assert (change.effect, change.share > 0.9) == ("payload", True)
-    assert change.interval[0] - ROUNDING <= SINCE <= change.interval[1] + ROUNDING
-    assert change.time == pytest.approx(SINCE, abs=0.1)
+    assert (result.verdict, result.unknown) == ("named", None)
+    (event,) = result.events
+    change = event.change
+    assert (event.kind, change.effect, change.end, change.share > 0.9) == ("payload taken", "payload", None, True)
+    assert change.start.interval[0] - ROUNDING <= SINCE <= change.start.interval[1] + ROUNDING
+    assert change.start.time == pytest.approx(SINCE, abs=0.1)
     (mass,) = (item for item in change.parameters if item.parameter == "mass")
     assert mass.interval[0] <= TAKEN <= mass.interval[1]
     assert mass.value == pytest.approx(TAKEN, rel=0.03)
-    assert f"changed at {change.time:.4g} s" in result.sentence
+    assert f"from {change.start.time:.4g} s on" in result.sentence
+    assert answer(result).lower().startswith(f"payload taken from {change.start.time:.4g} s on")
+    assert "Events in the log" in [item.title for item in describe(result).items if isinstance(item, Section)]
+    assert [(item["kind"], item["end_s"]) for item in motion_json(result)["events"]] == [("payload taken", None)]
 
 
 def test_a_bump_over_the_angle_is_no_change(tmp_path):

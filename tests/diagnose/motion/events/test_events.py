@@ -1,0 +1,92 @@
+"""Pushes in closed form on two links in a plumb plane: when, on which link, how much; and none where there is none."""
+
+import numpy as np
+import pytest
+
+from linkwright.core.diagnose.motion.diagnosis import diagnose_motion
+from linkwright.json.motion import motion_json
+from linkwright.results.document import Section
+from linkwright.results.motion.answer import answer
+from linkwright.results.motion.described import describe
+from tests.diagnose.motion.plumb_arm import FORE, HAND, UPPER, logged, plumb_arm
+
+CONTACT, COLLISION = (8.0, 10.5), (12.0, 12.15)
+"""From when to when (s)."""
+STEP = 0.1
+"""s: rows are 0.08 s apart, and the low-pass is of 4 Hz."""
+
+
+def push(force, span, along=1.0):
+    """What a force (2,) N takes of both joints (2, N) while it acts on the second link, so far `along` it: -J^T f."""
+
+    def more(q, _):
+        on = (np.arange(len(q[0])) / 100.0 >= span[0]) & (np.arange(len(q[0])) / 100.0 < span[1])
+        elbow = UPPER * np.array([-np.sin(q[0]), np.cos(q[0])])
+        beyond = along * FORE * np.array([-np.sin(q[0] + q[1]), np.cos(q[0] + q[1])])
+        return -np.array([force @ (elbow + beyond), force @ beyond]) * on
+
+    return more
+
+
+def rough(seed, joint=slice(None)):
+    """Friction that nobody models: dry, and again as much with a memory of half a second (2, N)."""
+    rng = np.random.default_rng(seed)
+
+    def more(_, v):
+        noise = rng.standard_normal(v.shape)
+        for k in range(1, v.shape[1]):
+            noise[:, k] = 0.98 * noise[:, k - 1] + 0.2 * noise[:, k]
+        torque = np.zeros_like(v)
+        torque[joint] = ((1.0 + 0.3 * noise) * np.tanh(v / 0.01))[joint]
+        return torque
+
+    return more
+
+
+def diagnosed(tmp_path, seed, more_of):
+    """A load that stays, and what comes beside it."""
+    return diagnose_motion(plumb_arm(tmp_path), [logged(seed, lambda t: np.full_like(t, HAND), more_of)])
+
+
+@pytest.mark.parametrize(("seed", "along"), [(1, 1.0), (2, 0.5)])
+def test_a_contact(tmp_path, seed, along):
+    """At the tip, and half way along the link: when, which link and joints, and how much; nothing else is named."""
+    force = np.array([12.0, 16.0])
+    result = diagnosed(tmp_path, seed, push(force, CONTACT, along))
+    assert (result.verdict, result.findings, result.unknown) == ("none", (), None)
+    (event,) = result.events
+    assert (event.kind, event.links, event.joints) == ("contact", (2,), (1, 2))
+    assert (event.change.start.time, event.change.end.time) == pytest.approx(CONTACT, abs=STEP)
+    (size,) = event.change.parameters
+    assert size.interval[0] <= np.linalg.norm(force) <= size.interval[1]
+    assert size.value == pytest.approx(np.linalg.norm(force), rel=0.2)
+
+
+def test_a_collision_is_said_and_set_aside(tmp_path):
+    """Of 0.15 s: on the screen and in the JSON; what is left is what is left of the rest."""
+    result = diagnosed(tmp_path, 1, push(np.array([0.0, 150.0]), COLLISION))
+    (event,) = result.events
+    assert (event.kind, event.links, result.verdict) == ("collision", (2,), "none")
+    said = motion_json(result)["events"]
+    assert [(item["kind"], item["links"], item["effect"]) for item in said] == [("collision", [2], "push")]
+    assert (said[0]["start_s"], said[0]["end_s"]) == pytest.approx(COLLISION, abs=STEP)
+    assert answer(result).lower().startswith("collision at link 2 from")
+    assert "Events in the log" in [item.title for item in describe(result).items if isinstance(item, Section)]
+    assert result.rms_after == pytest.approx(diagnosed(tmp_path, 1, lambda q, _: 0.0 * q).rms_after, rel=0.3)
+
+
+@pytest.mark.parametrize("seed", [5, 6, 7])
+def test_rough_friction_is_no_event(tmp_path, seed):
+    """Friction of any kind is of the joints."""
+    assert diagnosed(tmp_path, seed, rough(seed)).events == ()
+
+
+def test_what_one_joint_has_alone_is_no_push(tmp_path):
+    """Five newton metres at joint 2 for a while are of its drive: nothing beyond loads one joint alone."""
+
+    def more(q, _):
+        time = np.arange(len(q[0])) / 100.0
+        return np.array([0.0 * time, 5.0 * ((time >= CONTACT[0]) & (time < CONTACT[1]))])
+
+    result = diagnosed(tmp_path, 8, more)
+    assert (result.events, result.verdict) == ((), "unknown")
