@@ -18,7 +18,6 @@ import numpy as np
 from scipy.optimize import brentq
 
 from linkwright.core.arm.chain.chain import Arm, LoadCase
-from linkwright.core.arm.error_map import ErrorMap, error_map
 from linkwright.core.arm.errors.model import beam_values, beams_of, error_model
 from linkwright.core.arm.errors.unknown_mass import of_unknown_mass
 from linkwright.core.arm.errors.varied import AFTER_PAYLOAD, as_it_is
@@ -35,14 +34,13 @@ from linkwright.core.arm.figures import (
     excess,
 )
 from linkwright.core.arm.worst.parts import worst_search
-from linkwright.core.arm.worst.search import WorstSearch
 from linkwright.core.arm.worst.workspace import Unreachable
 from linkwright.core.units.quantities import InputError, NoAnswer
 
 from .infeasible.answer import Infeasible
 from .nominal import Options
 from .problem import Problem
-from .problem_summary import limits_in_words
+from .problem_summary import limits_in_words, map_of
 from .result import BindingLimit, Candidate, Iteration, OptimizationResult, proved
 from .trust import GAP
 
@@ -61,7 +59,7 @@ _CLOSE = 1e-4
 _MOST_ROUNDS = 40
 _MOST_TIES = 10
 _NEAR = 0.03
-_POSES, _SCAN = 20_000, 4096
+_SCAN = 4096
 
 
 def with_payload(cases: Sequence[LoadCase], mass: float) -> tuple[LoadCase, ...]:
@@ -312,8 +310,8 @@ def largest_payload(problem: Problem, options: Options, optimise: Optimise) -> O
         motor_places=tuple(replace(item, objective=None) for item in best.motor_places),
         near_ties=tuple(sorted(ties, key=lambda tie: -tie.objective)),
         near_ties_left=best.near_ties_left + len(best.near_ties) - len(ties),
-        before_map=_map(problem, before),
-        after_map=_map(problem, after),
+        before_map=map_of(problem, before),
+        after_map=map_of(problem, after),
         figures=problem.figures,
         interrupted=search.interrupted,
         seconds=time.perf_counter() - began,
@@ -322,12 +320,6 @@ def largest_payload(problem: Problem, options: Options, optimise: Optimise) -> O
 
 def _without_objective(candidate: Candidate) -> Candidate:
     return replace(candidate, objective=None)
-
-
-def _map(problem: Problem, evaluation: Evaluation) -> ErrorMap:
-    arm, cases = evaluation.arm, evaluation.load_cases
-    search = WorstSearch(error_model(arm, cases), replace(problem.workspace, error="whole"))
-    return error_map(search, beam_values(beams_of(arm, cases)), poses=_POSES)
 
 
 def _priced(problem: Problem, search: _Search, after: Evaluation) -> tuple[BindingLimit, ...]:

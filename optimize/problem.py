@@ -45,6 +45,7 @@ from linkwright.core.units.reading import Mapping, load_yaml
 from .balance.balance import Balance
 from .balance.motor_places import MotorChoice, read_motor_places
 from .balance.read import check_balances, read_balances
+from .base.read import BaseSpans, read_base
 from .exchange.cycles import check_cycles, moving_cases, space_of_cycles
 from .reading.by_link import ByLink
 from .reading.by_link import by_link as _by_link
@@ -99,6 +100,8 @@ class Problem:
     balances: tuple[Balance, ...] = ()
     motors: tuple[MotorChoice, ...] = ()
     avoid: tuple[Region, ...] = ()
+    base: BaseSpans | None = None
+    """Where the base may stand; None where that is not chosen."""
     lists: tuple[LinkLists, ...] | None = None
     """What each link may be of the shapes and materials, where links have lists of their own."""
     left_out: tuple[LeftOut, ...] = ()
@@ -227,12 +230,12 @@ def problem_from(mapping: Mapping, arm: Arm, known: Catalogue, figures: MappingL
         needs = (figure.needs for figure in (figures[minimize], *(limit.figure for limit in limits)))
         chosen = _choose(mapping, known, arm, frozenset(itertools.chain(*needs)), ranges)
         shapes, materials, lists, same, actuators, sizes = chosen
-        if sizes is None and (limited := [limit for limit in limits if limit.name == PARTS.name]):
-            same |= _one_part(mapping, arm, min(limit.value for limit in limited))
+        if sizes is None:
+            same |= _one_part(mapping, arm, limits)
         if "size" in same:
             ranges = shared_ranges(mapping, ranges)
         uncertain = read_uncertain(mapping, _as_driven(arm, actuators), cases, materials or ())
-        arm, balances, motors = _balanced(mapping, arm, frozenset(limit.name for limit in limits))
+        arm, base, balances, motors = _placed(mapping, arm, workspace, frozenset(limit.name for limit in limits))
     problem = Problem(
         file=str(mapping.file),
         arm=arm,
@@ -251,6 +254,7 @@ def problem_from(mapping: Mapping, arm: Arm, known: Catalogue, figures: MappingL
         balances=balances,
         motors=motors,
         avoid=avoid,
+        base=base,
         lists=lists,
     )
     check_cycles(mapping, problem)
@@ -259,17 +263,18 @@ def problem_from(mapping: Mapping, arm: Arm, known: Catalogue, figures: MappingL
     return problem
 
 
-def _balanced(
-    mapping: Mapping, arm: Arm, limited: frozenset[str]
-) -> tuple[Arm, tuple[Balance, ...], tuple[MotorChoice, ...]]:
-    """The arm with what may balance it, and where its motors may sit."""
+def _placed(
+    mapping: Mapping, arm: Arm, workspace: Workspace, limited: frozenset[str]
+) -> tuple[Arm, BaseSpans | None, tuple[Balance, ...], tuple[MotorChoice, ...]]:
+    """The arm with what may balance it, where its base may stand, and where its motors may sit."""
     if not mapping.has("choose"):
-        return arm, (), ()
+        return arm, None, (), ()
     choose = mapping.mapping("choose")
+    base = read_base(choose, arm, workspace)
     arm, balances = read_balances(choose, arm)
     motors = read_motor_places(choose, arm)
     check_balances(choose, balances, limited)
-    return arm, balances, motors
+    return arm, base, balances, motors
 
 
 def _objective(mapping: Mapping, figures: MappingLike[str, Figure]) -> tuple[str, MappingLike[str, Figure]]:
@@ -293,8 +298,9 @@ def _objective(mapping: Mapping, figures: MappingLike[str, Figure]) -> tuple[str
     return name, figures
 
 
-def _one_part(mapping: Mapping, arm: Arm, most: float) -> frozenset[str]:
-    """What links of free dimensions must agree in where they may be so many different parts."""
+def _one_part(mapping: Mapping, arm: Arm, limits: Sequence[Limit]) -> frozenset[str]:
+    """What links of free dimensions must agree in where they may be no more than some different parts."""
+    most = min((limit.value for limit in limits if limit.name == PARTS.name), default=math.inf)
     if most >= sum(link.elastic for link in arm.links):
         return frozenset()
     if most >= 2.0:
@@ -577,7 +583,7 @@ def _choose(
 ]:
     if not mapping.has("choose"):
         return None, None, None, frozenset(), None, None
-    with mapping.mapping("choose").reading("balancer", "counterweight", "motor") as body:
+    with mapping.mapping("choose").reading("balancer", "base", "counterweight", "motor") as body:
         body.also_called(CHOICES_CALLED)
         shapes = _by_link(body, "section", arm, _shapes)
         materials = _by_link(body, "material", arm, lambda item, key: _materials(item, key, catalogue, arm, needs))

@@ -3,16 +3,21 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 
 from linkwright.core.arm.error_map import ErrorMap, error_map
 from linkwright.core.arm.errors.model import error_model
+from linkwright.core.arm.evaluation import Evaluation
 from linkwright.core.arm.worst.search import WorstSearch
 from linkwright.core.optimize.exchange.design import numeric_beams
 from linkwright.core.optimize.exchange.exchange import Context
 from linkwright.core.optimize.reading.ranges import Span
 from linkwright.core.units.quantities import format_quantity
 
+from .base.read import base_in_words
 from .problem import Problem
+
+_POSES = 20_000
 
 
 def map_of_given(given: Problem, context: Context, poses: int) -> ErrorMap:
@@ -21,6 +26,13 @@ def map_of_given(given: Problem, context: Context, poses: int) -> ErrorMap:
     if context.problem.arm is not given.arm:
         search = WorstSearch(error_model(given.arm, given.load_cases), given.workspace)
     return error_map(search, numeric_beams(given.arm, given.load_cases), poses=poses)
+
+
+def map_of(problem: Problem, evaluation: Evaluation) -> ErrorMap:
+    """The error map of an arm that was evaluated over a problem's workspace, with an error model of its own."""
+    arm, cases = evaluation.arm, evaluation.load_cases
+    search = WorstSearch(error_model(arm, cases), replace(problem.workspace, error="whole"))
+    return error_map(search, numeric_beams(arm, cases), poses=_POSES)
 
 
 def whole_error(context: Context) -> WorstSearch:
@@ -82,6 +94,8 @@ def _drives_in_words(problem: Problem) -> Iterator[str]:
         yield f"{balance.words}: {low} to {high}"
     for choice in problem.motors:
         yield f"motor {' or '.join(place.words for place in choice.places)}"
+    if problem.base is not None:
+        yield f"base: {', '.join(base_in_words(problem.base))}"
     if problem.same:
         yield f"the same for all links: {', '.join(sorted(problem.same))}"
 

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from typing import Literal, TypeVar
 
-from linkwright.core.arm.chain.chain import Arm
+from linkwright.core.arm.chain.chain import Arm, FloatVector
 from linkwright.core.arm.error_map import ErrorMap
 from linkwright.core.arm.evaluation import Evaluation
 from linkwright.core.arm.figures import FIGURES, KEPT_WITHIN, Figure
@@ -287,6 +287,8 @@ class OptimizationResult:
     """The materials and shapes of which nothing could be made, with the limits that stand in the way."""
     balance: tuple[ChosenBalance, ...] = ()
     motor_places: tuple[PlaceCandidate, ...] = ()
+    base: FloatVector | None = None
+    """Where the base stands (m), where that was chosen; the arm's first joint stands there."""
     figures: Mapping[str, Figure] = field(default_factory=lambda: FIGURES)
     robust: Robust | None = None
     """The same for what is uncertain, where the problem asks for that: `objective` is then the robust error, and

@@ -12,6 +12,7 @@ from linkwright.core.optimize.choice.combinations import Progress
 from linkwright.core.optimize.choice.picks import disagreement
 from linkwright.core.units.quantities import NoAnswer
 
+from .base.search import best_base
 from .exchange.cycles import over_whole_cycles
 from .nominal import Log, Options, nominal_optimum
 from .payload import largest_payload
@@ -49,6 +50,8 @@ def optimise(
 def _optimised(problem: Problem, options: Options) -> OptimizationResult:
     if problem.minimize == PAYLOAD.name:
         return largest_payload(problem, options, _optimised)
+    if problem.base is not None:
+        return best_base(problem, options, _optimised)
     start = start_that_reaches(problem)
     if start is not None:
         options.tell(start.why)

@@ -340,6 +340,7 @@ def optimization_json(result: OptimizationResult) -> dict[str, Any]:
         "near_ties_not_solved": result.near_ties_left,
         "actuators": [of(drive, "actuators", "outcome") for drive in result.drives],
         "motor_places": [of(place, "places", "outcome") for place in result.motor_places],
+        "base_mm": None if result.base is None else [1e3 * value for value in result.base],
         "balance": [
             fields(item, "words", "at", "field", "bound", "before_SI=before", "value_SI=value")
             for item in result.balance

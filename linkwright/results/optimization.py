@@ -84,6 +84,7 @@ def describe(result: OptimizationResult) -> Description:
         section("What binds, and its price", _binding(result), lead="Limits that hold the design where it is."),
         *_balance(result),
         *_motors(result),
+        *_base(result),
         *_drives(result),
         *_near_ties(result),
         _search(result),
@@ -277,6 +278,14 @@ def _motors(result: OptimizationResult) -> list[Section]:
     rest = f"and {len(rows) - MOST_CANDIDATES} more, in result.json, the best of them in the report"
     motors = table(("motor", "objective", "outcome"), rows, first=MOST_CANDIDATES, rest=rest)
     return [section("Where motors stand", motors)]
+
+
+def _base(result: OptimizationResult) -> list[Section]:
+    if result.base is None:
+        return []
+    rows = [(axis, Value(format_quantity(at, "length", digits=5))) for axis, at in zip("xyz", result.base, strict=True)]
+    lead = "Against the frame of the arm file. The arm written has its first joint moved by so much."
+    return [section("Where the base stands", table(("base", "stands at"), rows), lead=lead)]
 
 
 def _drives(result: OptimizationResult) -> list[Section]:

@@ -127,6 +127,9 @@ def context_of(problem: Problem) -> Context:
     if problem.sizes is not None:
         message = "is settled by `optimize` alone; leave it out for this"
         raise InputError(problem.file, "choose.sizes", message)
+    if problem.base is not None:
+        message = "is settled by `optimize` alone; shift the first joint (origin) in the arm file for this"
+        raise InputError(problem.file, "choose.base", message)
     problem = with_chosen_links(problem).aimed
     model = error_model(problem.arm, problem.load_cases)
     search = worst_search(model, problem.workspace, gap=CERTIFICATE_GAP)

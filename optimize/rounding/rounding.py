@@ -112,8 +112,8 @@ def rounded(
     """
     began = time.perf_counter()
     # Where the bounds are no multiples themselves, the optimum within those that are is what to round.
-    drawn = replace(on_grid(problem, rounding), arm=result.arm, actuators=None, balances=(), motors=())
-    problem_here = replace(problem, arm=result.arm, actuators=None, balances=(), motors=())
+    problem_here = replace(problem, arm=result.arm, actuators=None, balances=(), motors=(), base=None)
+    drawn = on_grid(problem_here, rounding)
     if drawn != problem_here:
         try:
             result_there = optimise(drawn, progress=progress)

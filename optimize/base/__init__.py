@@ -1,0 +1,1 @@
+"""Where an arm's base stands, where that is chosen."""
