@@ -27,6 +27,7 @@ from linkwright.core.arm.figures import (
     error_at_point,
     error_of_case,
 )
+from linkwright.core.arm.figures.motion.settling import SETTLING
 from linkwright.core.arm.files.avoid import read_avoid
 from linkwright.core.arm.files.branches import tip_named
 from linkwright.core.arm.files.origin import UNKNOWN_ORIGIN
@@ -52,7 +53,7 @@ from .reading.by_link import by_link as _by_link
 from .reading.called import CHOICES_CALLED, PROBLEM_CALLED
 from .reading.conditions import materials_where
 from .reading.contradictions import can_be_chosen, check_problem
-from .reading.limits import directed_figure, names_direction, read_coordinates, read_directed, read_limit
+from .reading.limits import directed_figure, names_direction, read_coordinates, read_directed, read_limit, read_settling
 from .reading.ranges import read_ranges, shared_ranges
 from .sizes.listed import Listed, read_sizes
 from .uncertain import Uncertain, read_uncertain
@@ -544,6 +545,8 @@ def _subject_to(
         known = {name: item.synonyms for name, item in (*DIRECTED.items(), *figures.items())}
         body.also_called({**RANGES_CALLED, **known})
         ranges = read_ranges(body, arm)
+        if body.has(SETTLING):
+            limits.append(read_settling(body))
         for name in dict.fromkeys((*figures, *DIRECTED)):
             if not body.has(name):
                 continue

@@ -13,7 +13,6 @@ from linkwright.core.units.quantities import Relation
 from linkwright.core.units.units import kinds
 
 from .along import DIRECTED, ORIENTATION_ERROR, REPEATABILITY, Directed, Direction
-from .cycle import MOTION_USE, PEAK_TORQUE, RMS_TORQUE
 from .design import ChosenMaterial, DesignExpressions, Designs, DesignValues, Totals
 from .error import AVERAGE_ERROR, MAX_ERROR, error_at_point, error_of_case
 from .figure import (
@@ -35,6 +34,7 @@ from .figure import (
 from .frequency import FIRST_FREQUENCY
 from .limit import KEPT_WITHIN, broken, excess, figures_of, shortfall
 from .local_buckling import LOCAL_BUCKLING
+from .motion.cycle import MOTION_USE, PEAK_TORQUE, RMS_TORQUE
 from .proportions import ASPECT, INNER_SIZE, SECTION_HEIGHT, SECTION_WIDTH
 from .statics import OfStatics, at_poses
 from .strength import BUCKLING, SAFETY_FACTOR

@@ -1,6 +1,6 @@
 """What a joint's drive has to hold: the greatest torque over a workspace, against its rated one.
 
-The loads are static: payload, process force and weights. What a motion takes is `arm.figures.cycle`'s.
+The loads are static: payload, process force and weights. What a motion takes is `arm.figures.motion.cycle`'s.
 """
 
 from __future__ import annotations

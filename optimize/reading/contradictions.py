@@ -6,6 +6,7 @@ import math
 from typing import TYPE_CHECKING, cast
 
 from linkwright.core.arm.figures import PAYLOAD, Limit
+from linkwright.core.arm.figures.motion.settling import SETTLING
 from linkwright.core.sections import SHAPES
 from linkwright.core.sections.taper import Tapered, size_ratio
 from linkwright.core.units.names import nearest
@@ -113,7 +114,7 @@ def _check_objective(mapping: Mapping, body: Mapping, problem: Problem) -> None:
     if not figure.summed and figure is not PAYLOAD and problem.sizes is not None:
         message = f"goes with sections of free sizes; of listed ones {figure.name} can be limited"
         raise mapping.error("choose.sizes", message)
-    limited = any(limit.figure.is_error for limit in problem.limits)
+    limited = any(limit.figure.is_error or limit.name.startswith(SETTLING) for limit in problem.limits)
     if not figure.is_error and not figure.more_is_better and not limited:
         other = [limit for limit in problem.limits if limit.relation == ">=" and limit.name != "reach"]
         if not other:

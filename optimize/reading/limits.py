@@ -9,7 +9,8 @@ from typing import cast
 
 from linkwright.core.arm.chain.chain import Arm
 from linkwright.core.arm.figures import DIRECTED, Demands, Direction, Figure, Limit
-from linkwright.core.units.quantities import Bound, Relation, read_bound, shown
+from linkwright.core.arm.figures.motion.settling import SETTLING, settling_time
+from linkwright.core.units.quantities import Bound, Relation, read_bound, read_quantity, shown
 from linkwright.core.units.reading import Mapping
 
 from .by_link import OTHERS, by_link, said_by_number
@@ -61,6 +62,20 @@ def read_directed(body: Mapping, name: str, entry: object, arm: Arm) -> Limit:
                 raise inner.error("poses", f"{name} is limited over the whole workspace; leave it out")
             poses = read_coordinates(inner, arm)
     return Limit(figure, relation, value, poses)
+
+
+def read_settling(body: Mapping) -> Limit:
+    """The limit on the settling time, `"<= 0.2 s to 0.05 mm"`; raises `InputError`."""
+    raw = body.raw(SETTLING)
+    time, apart, distance = raw.partition(" to ") if isinstance(raw, str) else ("", "", "")
+    if not apart:
+        raise body.error(SETTLING, f"needs a time and a distance of the tip, '<= 0.2 s to 0.05 mm', not {shown(raw)}")
+    within = read_quantity(distance, "length", file=body.file, key=body.path_of(SETTLING))
+    if within <= 0.0:
+        raise body.error(SETTLING, f"needs a distance above zero, not {shown(distance)}")
+    figure = settling_time(within)
+    bound = read_bound(time, figure.kind, file=body.file, key=body.path_of(SETTLING), senses=figure.senses)
+    return Limit(figure, *_checked(body, SETTLING, figure, bound, raw))
 
 
 def read_direction(body: Mapping, key: str) -> Direction:

@@ -18,12 +18,11 @@ import numpy as np
 from linkwright.core.arm.bodies.beams import beam_of
 from linkwright.core.arm.bodies.bodies import link_axes, rod
 from linkwright.core.arm.chain.chain import Arm, Joint
+from linkwright.core.arm.figures.design import DesignExpressions, DesignValues
+from linkwright.core.arm.figures.figure import Asked, Cut, Figure, Held, PoseFamily, ThroughPoses, Worst
 from linkwright.core.arm.motion.cycle import Cycle, cycles_of, drive_torques
 from linkwright.core.arm.motion.rigid import parameters_of, rigid_torque, without_tip_load
 from linkwright.core.sections.numeric import Array
-
-from .design import DesignExpressions, DesignValues
-from .figure import Asked, Cut, Figure, Held, PoseFamily, ThroughPoses, Worst
 
 _ROUNDING = 1e-9
 """(N*m)^2 under a root, so that it has a slope where a drive holds nothing."""
