@@ -206,13 +206,19 @@ def with_chosen_links(problem: Problem) -> Problem:
     return replace(problem, arm=problem.arm.with_links(tuple(links)))
 
 
+@lru_cache(maxsize=64)
+def _any_section(shape: str) -> Section:
+    """A section that stands for its shape alone; its sizes take a search, and every combination asks for some."""
+    return SHAPES[shape].start(1e-3, *_ANY_SIZES)
+
+
 def _candidates(problem: Problem, link: int) -> list[Section]:
     """A section of each shape that may be chosen for a link (from 0); none where its shape stays."""
     if problem.sizes is not None:
         return list({item.section.shape: item.section for item in problem.sizes[link]}.values())
     if problem.shapes is None:
         return []
-    return [SHAPES[shape].start(1e-3, *_ANY_SIZES) for shape in problem.shapes_of(link)]
+    return [_any_section(shape) for shape in problem.shapes_of(link)]
 
 
 def _free_taper(section: Section | None, near: Section) -> Section:
