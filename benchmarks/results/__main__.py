@@ -21,6 +21,7 @@ import scipy
 from .commands import commands
 from .long_work import executors, millions, random_scans
 from .optimisers import grid, optimisers
+from .questions import questions
 from .row import Row
 from .searches import certificates, links
 
@@ -32,6 +33,7 @@ SECTIONS: dict[str, tuple[str, Section]] = {
     "links": ("Cost by the number of links", links),
     "commands": ("Commands", commands),
     "millions": ("Choice among millions", millions),
+    "questions": ("Further questions against every choice singly", questions),
     "executors": ("Executors", executors),
     "scans": ("Scans against bounds", random_scans),
 }
