@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from pathlib import PurePath
 
 from linkwright.core.arm.figures import Figure as Goal
 from linkwright.core.optimize.infeasible.answer import Infeasibility, changed
-from linkwright.core.optimize.result import BindingLimit, Iteration, OptimizationResult
+from linkwright.core.optimize.result import Iteration, OptimizationResult
 from linkwright.core.units.quantities import format_quantity
 from linkwright.json.design import objective_unit
 from linkwright.report.charts import designs
@@ -17,6 +16,17 @@ from linkwright.report.pictures.sections import sections_grid
 from linkwright.report.pictures.side_view import side_view
 
 from . import design, rounding
+from .combinations import (
+    MOST_CANDIDATES,
+    binding,
+    candidates,
+    costs,
+    names_words,
+    near_ties,
+    objective_of,
+    others,
+    price_words,
+)
 from .document import (
     Cell,
     Description,
@@ -37,9 +47,9 @@ from .document import (
 from .evaluation import LOADS
 from .figures_in_words import factor_words, figure, lasted, mm, percent, robust_words, with_unit
 
-MOST_CANDIDATES = 8
 _ROUNDING = 1e-8
 _SCALE = "Both to one scale, each link as it stands in its pose."
+_STRESS = "All drawn to one scale, each beside the greatest stress that it bears."
 _NONE = "no value does"
 _UNDECIDED = "not decided"
 _COLOURS = "One colour scale for both. The numbered circles are the worst poses."
@@ -55,7 +65,8 @@ def describe(result: OptimizationResult) -> Description:
     arms = Picture(lambda: designs.arms(named))
     side = Picture(lambda: beside(side_view(result.after.arm, result.after.load_cases), result.after))
     loads = Picture(lambda: loads_picture(result.after))
-    shapes = Picture(lambda: sections_grid((("before", result.before.arm), ("after", result.after.arm))))
+    strengths = {when: evaluation.strength for when, evaluation in named}
+    shapes = Picture(lambda: sections_grid([(when, evaluation.arm) for when, evaluation in named], strengths))
     over = Picture(lambda: designs.maps(named, (result.before_map, result.after_map)))
     items: list[Item] = [
         Paragraph(design.as_sentence(status_words(result)), "under"),
@@ -78,15 +89,21 @@ def describe(result: OptimizationResult) -> Description:
         section("Before and after, each at its worst pose", arms, lead=_SCALE, detail=True),
         section("Side view of the new design", side, detail=True),
         section("What its joints carry", loads, design.joint_loads(result.after), lead=LOADS, detail=True),
-        section("Cross-sections", shapes, design.links(named), lead="All drawn to one scale."),
+        section(
+            "Cross-sections",
+            shapes,
+            design.links(named),
+            lead=_STRESS,
+        ),
         section("Error over the workspace", over, poses, lead=_COLOURS, detail=True),
         section("What each effect adds at the worst pose", effects, lead=alone, detail=True),
-        section("What binds, and its price", _binding(result), lead="Limits that hold the design where it is."),
+        section("What binds, and its price", binding(result), lead="Limits that hold the design where it is."),
+        *costs(result),
         *_balance(result),
         *_motors(result),
         *_base(result),
         *_drives(result),
-        *_near_ties(result),
+        *near_ties(result),
         _search(result),
         section("Strength, frequency and buckling", design.strength(named), design.stiffness(named), detail=True),
         section("The problem as solved", _problem(result), design.joints(result.before), detail=True),
@@ -163,97 +180,6 @@ def _facts(result: OptimizationResult) -> Facts:
     return Facts(tuple(facts))
 
 
-def _binding(result: OptimizationResult) -> Item:
-    """What holds the optimum back, and what one unit more of it would buy."""
-    if result.listed:
-        return Paragraph("Sections come from lists: between one and the next no limit has a price.")
-    if not result.binding:
-        return Paragraph("No limit holds the design back.")
-    rows = [
-        (
-            limit.text,
-            amount(limit.value, limit.unit, 5),
-            price_words(limit),
-        )
-        for limit in result.binding
-    ]
-    return table(("what binds", "has", "price"), rows)
-
-
-def _objective(result: OptimizationResult, value: float | None, digits: int = 5, mark: str = "") -> Value:
-    factor, unit = objective_unit(result.minimize, result.figures)
-    return Value("–" if value is None else f"{mark}{with_unit(factor * value, unit, digits)}")
-
-
-def _candidates(result: OptimizationResult) -> Table | None:
-    if len(result.candidates) < 2:
-        return None
-    ranked = result.candidates
-    bound = "≤ " if result.minimised.more_is_better else "≥ "
-    some = "" if result.exhaustive else _failed(result) or ", not all of them tried"
-    if result.combinations > len(ranked):
-        some = f" solved of {result.combinations:,}; {_others(result)}"
-    rows = [
-        (
-            names_words(item.shapes),
-            names_words(item.materials),
-            _objective(result, item.objective, mark=bound if item.outcome == "bounded out" else ""),
-            item.outcome,
-        )
-        for item in ranked
-    ]
-    title = f"{len(ranked)} combinations of shape and material{some}"
-    rest = f"and {len(ranked) - MOST_CANDIDATES} more, in result.json, the best of them in the report"
-    headings = ("shapes", "materials", "objective", "outcome")
-    return table(headings, rows, first=MOST_CANDIDATES, title=title, rest=rest)
-
-
-def _near_ties(result: OptimizationResult) -> list[Section]:
-    if not result.near_ties and not result.near_ties_left:
-        return []
-    rows = [
-        (
-            names_words(tie.shapes),
-            names_words(tie.materials),
-            *((names_words(tie.actuators),) if result.drives else ()),
-            _objective(result, tie.objective),
-            share(abs(tie.objective / result.objective - 1.0) if result.objective else 0.0),
-            Value(mm(tie.max_error)),
-            amount(tie.mass, "kg", 4),
-            amount(tie.cost, "EUR", 4),
-            amount(tie.first_frequency, "Hz", 4),
-        )
-        for tie in result.near_ties
-    ]
-    drives = ("actuators",) if result.drives else ()
-    headings = ("shapes", "materials", *drives, "objective", "worse by", "error", "mass", "cost", "first frequency")
-    rest = f"and {len(rows) - MOST_CANDIDATES} more, in result.json, the best of them in the report"
-    ties = table(headings, rows, first=MOST_CANDIDATES, rest=rest) if rows else None
-    rest_text = None
-    if result.near_ties_left:
-        rest_text = Paragraph(
-            f"Up to {result.near_ties_left:,} more combinations could come within 3 % by their bounds. "
-            "These were not solved."
-        )
-    return [section("Near ties", ties, rest_text, lead="Combinations within 3 % of the best, each solved to the end.")]
-
-
-def _others(result: OptimizationResult) -> str:
-    """What is known of the combinations that were not solved."""
-    if result.exhaustive:
-        return "bounds leave out the others"
-    if result.gap is None:
-        return f"nothing is known of the others{_failed(result)}"
-    if not result.gap:
-        return f"bounds leave out the others{_failed(result)}"
-    return f"none of the others is more than {percent(result.gap)} better{_failed(result)}"
-
-
-def _failed(result: OptimizationResult) -> str:
-    """On how many of the combinations the solver failed."""
-    return f", but for {len(result.unsolved):,} on which the solver failed" if result.unsolved else ""
-
-
 def _balance(result: OptimizationResult) -> list[Section]:
     if not result.balance:
         return []
@@ -273,7 +199,7 @@ def _motors(result: OptimizationResult) -> list[Section]:
     if not result.motor_places:
         return []
     rows = [
-        (", ".join(place.places), _objective(result, place.objective), place.outcome) for place in result.motor_places
+        (", ".join(place.places), objective_of(result, place.objective), place.outcome) for place in result.motor_places
     ]
     rest = f"and {len(rows) - MOST_CANDIDATES} more, in result.json, the best of them in the report"
     motors = table(("motor", "objective", "outcome"), rows, first=MOST_CANDIDATES, rest=rest)
@@ -296,7 +222,7 @@ def _drives(result: OptimizationResult) -> list[Section]:
     if len(result.drives) > 1:
         some = "" if result.drives_exhaustive else ", not all of them tried"
         rows = [
-            (names_words(drive.actuators), _objective(result, drive.objective), drive.outcome)
+            (names_words(drive.actuators), objective_of(result, drive.objective), drive.outcome)
             for drive in result.drives
         ]
         title = f"{len(rows)} choices of actuators{some}"
@@ -312,7 +238,7 @@ def _search(result: OptimizationResult) -> Section:
     rows: list[tuple[Cell, ...]] = [
         (
             count(iteration.number),
-            _objective(result, iteration.objective, 6),
+            objective_of(result, iteration.objective, 6),
             share(iteration.design_change),
             count(iteration.poses),
             Value(violation_words(iteration)),
@@ -325,7 +251,7 @@ def _search(result: OptimizationResult) -> Section:
     lead = design.as_sentence(status_words(result))
     chart = Picture(lambda: designs.exchange(result, f"Objective over the iterations: {effort_words(result)}."))
     effort = Paragraph(effort_words(result))
-    return section("How the design was found", chart, log, _candidates(result), effort, lead=lead)
+    return section("How the design was found", chart, log, candidates(result), effort, lead=lead)
 
 
 def _problem(result: OptimizationResult) -> Table:
@@ -369,7 +295,7 @@ def status_words(result: OptimizationResult) -> str:
         "certified": design.bound_words(result.after) if certified else "certified: no pose is worse",
         "certified_where_reached": f"certified over the part reached{_reached(result)}: no pose there is worse",
         "converged": "converged: no worse pose was found; there is no proof that none exists",
-        "searched": f"searched: {why}; {_others(result)}",
+        "searched": f"searched: {why}; {others(result)}",
         "stopped": "stopped at the limit of iterations: a better design may exist",
         "interrupted": f"interrupted: the best design so far, {_rests_on(result)}; a better one may exist",
         "doubtful": f"doubtful: {'; '.join(result.doubts)}",
@@ -410,21 +336,6 @@ def bound_sentence(result: OptimizationResult) -> str:
     return f"{local}no nearby design is better than {value}"
 
 
-def price_words(limit: BindingLimit) -> str:
-    """A limit's price as a sentence: what one unit more of it would buy."""
-    one = f"one {_unit_name(limit.unit)} more" if limit.unit else "one more"
-    # The price of one unit more is in the unit of the objective: 0.004 mm/kg is 0.004 mm for one kilogram.
-    size = with_unit(abs(limit.price), limit.price_unit.removesuffix(f"/{limit.unit}"), 3)
-    if limit.price == 0.0:
-        return f"{one} would buy nothing"
-    return f"{one} would buy {size}" if limit.price < 0.0 else f"{one} would cost {size}"
-
-
-def _unit_name(unit: str) -> str:
-    names = (("kg", "kilogram"), ("mm", "millimetre"), ("EUR", "euro"), ("Hz", "hertz"), ("m", "metre"))
-    return dict(names).get(unit, unit)
-
-
 def effort_words(result: OptimizationResult) -> str:
     """How many iterations it took, and how long."""
     rounds = len(result.iterations)
@@ -447,12 +358,6 @@ def better_words(result: OptimizationResult) -> str:
         was, new = (amount(figure.shown(figure.value(item)), figure.unit).text for item in (before, after))
         return f"{figure.title} {was} before, {new} after; {error}; {mass}"
     return f"{mass}; {error}" if result.minimize in ("mass", "total_mass") else f"{error}; {mass}"
-
-
-def names_words(names: Sequence[str | None]) -> str:
-    """Shapes or materials from the base out, of the links that have one; one name where all have the same."""
-    shown = [name for name in names if name]
-    return f"all {shown[0]}" if len(shown) > 1 and len(set(shown)) == 1 else ", ".join(shown) or "–"
 
 
 def describe_infeasible(result: Infeasibility) -> Description:

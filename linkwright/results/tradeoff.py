@@ -10,6 +10,7 @@ from linkwright.core.optimize.tradeoff.question import Axis
 from linkwright.report.charts import fronts
 from linkwright.report.charts.fronts import picture_words, price_words, shown, slope_factor
 
+from .combinations import names_words
 from .design import settings
 from .document import (
     Cell,
@@ -27,7 +28,6 @@ from .document import (
     table,
 )
 from .figures_in_words import lasted, load_case_words, percent, workspace_words
-from .optimization import names_words
 
 MOST_ROWS = 25
 _KNEE = "the point farthest from the chord between the ends, both axes scaled from 0 to 1 as drawn"

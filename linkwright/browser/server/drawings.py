@@ -24,9 +24,9 @@ from linkwright.report.pictures.arm import (
     skeleton_at,
 )
 from linkwright.report.pictures.loads import bent_line
+from linkwright.results.combinations import names_words
 from linkwright.results.design import poses_that_differ
 from linkwright.results.figures_in_words import figure, mm, section_words
-from linkwright.results.optimization import names_words
 
 _MOST_POSES = 4
 _SHOWN = ("max_error", "mass", "cost")
