@@ -3,24 +3,35 @@
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Annotated
 
-from linkwright.api.signature import ArmFile, Option, Progress, Quantity, listed
+from linkwright.api.signature import ArmFile, File, Option, Progress, Quantity, file_option, listed
 
 if TYPE_CHECKING:
+    from linkwright.paper.extended import SectionName
     from linkwright.paper.face import Figures, Tables
     from linkwright.paper.seam import Seam
 
 Point = Sequence[Quantity]
 
 
-def paper_tables(*, quick: Annotated[bool, Option()] = False, progress: Progress | None = None) -> "Tables":
+def paper_tables(
+    *,
+    sections: Annotated["Sequence[SectionName]", Option("--section", "NAME[:SIZES]", kind=str, many=True)] = (),
+    materials: Annotated[Sequence[str], Option("--material", "NAME", kind=str, many=True)] = (),
+    catalogue: Annotated["File | None", file_option("FILE")] = None,
+    quick: Annotated[bool, Option()] = False,
+    progress: Progress | None = None,
+) -> "Tables":
     """The paper's Tables III to VII: printed, reproduced by its conventions, as its equations read, and corrected.
 
-    JSON has also two that the paper lacks: shapes at their best proportions, and materials at equal size and mass.
+    Two that the paper lacks follow: shapes and materials at their best proportions, at equal size and at equal mass.
 
     Example: linkwright tables --markdown tables.md --json tables.json
-    Example: linkwright tables --csv tables --as md
+    Example: linkwright tables --section "tube: diameter=80 mm, thickness=3 mm" --section "IPE 80" --material invar-36
 
     Args:
+        sections: A row more: a shape, with its sizes after a colon, or a stock size. In Python also a section.
+        materials: A row more: a material of the catalogue.
+        catalogue: Materials that add to the shipped ones. Each has a row where --material names none.
         quick: Leave out the tables that the paper lacks.
         progress: Hears of it; a bar by default, where somebody looks.
 
@@ -30,14 +41,16 @@ def paper_tables(*, quick: Annotated[bool, Option()] = False, progress: Progress
     ['label', 'paper_1', 'paper_2']
     """
     from linkwright.face.progress import reporting
-    from linkwright.paper.corrected import extended
+    from linkwright.paper.extended import request
     from linkwright.paper.face import Tables
+    from linkwright.paper.printed import read_paper
     from linkwright.paper.tables import make_tables, proofs, verdicts
 
+    asked = request(read_paper(), sections, materials, catalogue)
     with reporting(progress) as tell:
         tell("the paper's tables", 0.0)
         book = make_tables()
-        further = () if quick else extended(book.paper, tell)
+        further = () if quick else asked.tables(tell)
     return Tables(book, verdicts(book), proofs(book), further)
 
 

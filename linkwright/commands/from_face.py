@@ -196,8 +196,11 @@ class Export(Written):
         return Path(f"{into.stem}-corrected{into.suffix}") if to is None else Path(arm.stem + SUFFIXES[to])
 
 
-KEYS = ("clearance", "backlash", "backlash_direction", "material", "shape")
-"""The tables' names in JSON and of the CSV files."""
+KEYS = (
+    *("clearance", "backlash", "backlash_direction", "material", "shape"),
+    *("shapes_at_their_best", "materials_compared"),
+)
+"""The tables' names in Python and of the CSV files."""
 
 
 class TableKind(StrEnum):
@@ -290,6 +293,9 @@ def _write_each(made: Any, folder: Path, kind: TableKind) -> list[Path]:
         else:
             write_table(pd.read_csv(io.StringIO(table_csv(table))), file)
         written.append(file)
+    for table in made.extended:
+        written.append(folder / f"{table.key}.{kind.value}")
+        write_table(made[table.key], written[-1])
     return written
 
 
@@ -353,7 +359,7 @@ def commands() -> Mapping[str, Made]:
         Written("import", "import_arm", out=read, catalogue=False),
         Made("columns", out=settings, catalogue=False, tip=True),
         Export("export", "export_arm", out=exported),
-        Tables("tables", "paper_tables", also=TABLES, **plain),
+        Tables("tables", "paper_tables", out=watched, pdf=True, also=TABLES, **plain),
         Made("figures", "paper_figures", **drawing, **plain),
         Made("seam", doing="following the seam", tip=True),
     )

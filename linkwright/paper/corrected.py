@@ -1,32 +1,26 @@
-"""The paper's arm in the project's physics: true distances, nothing fitted to the paper, and tables it lacks."""
+"""The paper's arm in the project's physics: true distances, nothing fitted to the paper."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 
 from linkwright.core.arm.chain.chain import Arm, Joint, Link
 from linkwright.core.arm.errors.model import beam_values, beams_of, error_model
-from linkwright.core.arm.figures import limit_on
 from linkwright.core.arm.worst.refine import uphill
 from linkwright.core.arm.worst.search import WorstSearch
 from linkwright.core.arm.worst.workspace import Workspace
-from linkwright.core.materials.catalogue import load_catalogue
 from linkwright.core.materials.catalogue_entry import read_inline
 from linkwright.core.materials.material import Material
-from linkwright.core.optimize.problem import Problem
-from linkwright.core.optimize.reading.ranges import Ranges
-from linkwright.core.optimize.run import optimise
 from linkwright.core.sections import build
 from linkwright.core.sections.numeric import Array
 from linkwright.core.sections.section import Section
 from linkwright.core.units.quantities import format_quantity
-from linkwright.paper.printed import FILE, Paper, words
+from linkwright.paper.printed import FILE, Paper
 
 DEFORMATION = frozenset({"link_bending", "slope_propagation", "axial", "torsion", "shear_deformation"})
 """The effects that are deformation; left out for the figures without it."""
@@ -137,89 +131,3 @@ def least_deformation(paper_arm: PaperArm) -> float:
     upright = np.array([[0.5 * math.pi, 0.0, 0.0], [-0.5 * math.pi, 0.0, 0.0]])
     poses = np.vstack([search.poses(design, 4096), upright])
     return float(search.errors(poses, design, 0).error.min())
-
-
-SHAPES = ("circle", "ellipse", "rectangle", "triangle", "i_section", "tube", "rectangular_tube")
-"""The paper's five shapes, and the two tubes that arms are made of."""
-MATERIALS = ("aluminium-6061-t6", "magnesium-az31b", "titanium-ti-6al-4v", "steel-s355", "cfrp-quasi-isotropic")
-"""Of the catalogue, beside what the paper compares."""
-SIZES, WALLS = (0.02, 0.14), (0.002, 0.01)
-"""Bounds of outer dimensions and of walls, m."""
-
-Rows = list[dict[str, Any]]
-
-
-@dataclass(frozen=True)
-class Extended:
-    """One of these tables: a row for each shape or material, units of its columns by suffix."""
-
-    key: str
-    title: str
-    rows: Rows
-    note: str
-
-    def to_json(self) -> dict[str, Any]:
-        """The table as JSON holds it."""
-        return {"key": self.key, "title": self.title, "rows": self.rows, "note": self.note}
-
-
-def extended(paper: Paper, tell: Callable[[str, float], None]) -> tuple[Extended, ...]:
-    """Both tables; `tell` hears of each step, with the share done."""
-    arms = PaperArm(paper)
-    tell("materials at equal size and equal mass", 0.1)
-    compared = materials(arms)
-    return shapes(arms, tell), compared
-
-
-def shapes(arms: PaperArm, tell: Callable[[str, float], None], names: Sequence[str] = SHAPES) -> Extended:
-    """The least worst error of each shape, a section of its for each link, within the mass of the paper's links."""
-    given = arms.arm()
-    rows: Rows = []
-    for number, name in enumerate(names):
-        tell(f"the best proportions of the shape {name.replace('_', ' ')}", 0.2 + 0.8 * number / len(names))
-        problem = Problem(
-            file="the paper's arm",
-            arm=given,
-            minimize="max_error",
-            workspace=search_of(given)[0].workspace,
-            load_cases=(given.payload,),
-            limits=(limit_on("mass", "<=", _mass(given)),),
-            ranges=(Ranges(section_size=SIZES, thickness=WALLS),) * len(given.links),
-            shapes=(name,),
-            materials=None,
-            same=frozenset(),
-        )
-        best = optimise(problem).after
-        rows.append({"label": name, "error_mm": 1e3 * best.worst.error, "mass_kg": best.mass})
-    rows.sort(key=lambda row: row["error_mm"])
-    return _extended("shapes_at_their_best", rows)
-
-
-def materials(arms: PaperArm, names: Sequence[str] = MATERIALS) -> Extended:
-    """The worst error of the paper's bars, and of round bars of their mass, of each material at 20 degC."""
-    catalogue = load_catalogue(user=False)
-    mass, diameter = _mass(arms.arm()), arms.paper.parameters.diameter
-    rows: Rows = []
-    for name in names:
-        alike = arms.arm(made_of=catalogue.find(name))
-        other = diameter * math.sqrt(mass / _mass(alike))
-        light = arms.arm(made_of=catalogue.find(name), section=build("circle", {"diameter": other}))
-        rows.append(
-            {
-                "label": name,
-                "equal_size_mm": 1e3 * worst_error(alike),
-                "equal_mass_mm": 1e3 * worst_error(light),
-                "diameter_at_equal_mass_mm": 1e3 * other,
-            }
-        )
-    rows.sort(key=lambda row: row["equal_mass_mm"])
-    return _extended("materials_compared", rows)
-
-
-def _extended(key: str, rows: Rows) -> Extended:
-    said = words()["extended"][key]
-    return Extended(key, said["title"], rows, said["note"])
-
-
-def _mass(arm: Arm) -> float:
-    return sum(float(beam.mass_per_length * beam.length) for beam in beams_of(arm))

@@ -6,10 +6,10 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from linkwright.face.result import Result, drawn
+from linkwright.face.result import Reported, Result, drawn
 from linkwright.output.files import REPORT, RESULT
 from linkwright.output.table_file import frame
-from linkwright.paper.corrected import Extended
+from linkwright.paper.extended import Extended
 from linkwright.paper.tables import Proof, Verdict
 from linkwright.report.described import page_of
 from linkwright.results.document import Description
@@ -28,10 +28,11 @@ FIGURE_FILES = (RESULT, REPORT, *(f"figure-{number}.csv" for number in range(5, 
 
 
 @dataclass(frozen=True, repr=False)
-class Tables(Result):
+class Tables(Reported):
     """The paper's Tables III to VII, printed, reproduced and corrected, and those that it lacks; by key."""
 
     _command = "tables"
+    _folder_files = (RESULT, REPORT)
 
     book: Book
     verdicts: tuple[Verdict, ...]
@@ -55,7 +56,7 @@ class Tables(Result):
     @property
     def description(self) -> Description:
         """All tables, the verdicts and the statements on reach."""
-        return pages.describe(self.book, self.verdicts, self.proofs)
+        return pages.describe(self.book, self.verdicts, self.proofs, self.extended)
 
     def _content(self) -> Mapping[str, Any]:
         further = [item.to_json() for item in self.extended]
@@ -70,7 +71,7 @@ class Tables(Result):
                 cells = {f"{name}_{k}": x for name, values in measures.items() for k, x in enumerate(values, 1)}
                 rows.append({"label": row.label, **cells, "note": row.note})
             frames[table.key] = frame(rows)
-        return {**frames, **{item.key: frame(item.rows) for item in self.extended}}
+        return {**frames, **{item.key: frame([*item.rows]) for item in self.extended}}
 
 
 @dataclass(frozen=True, repr=False)

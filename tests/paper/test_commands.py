@@ -2,27 +2,49 @@
 
 import csv
 import json
+import math
 import re
 from pathlib import Path
 
 import pytest
 
+import linkwright as lw
 from linkwright.cli import run
 from linkwright.markdown.described import markdown
+from linkwright.paper.extended import request
 from linkwright.paper.output.pages import BEGIN, END, describe, into
 from linkwright.paper.tables import proofs, verdicts
 
 pytestmark = pytest.mark.slow
 
 TABLES = ("clearance", "backlash", "backlash_direction", "material", "shape")
+MINE = """format_version: 1
+references: {sheet: a data sheet}
+materials: {mine: {source: sheet, elastic_modulus: 142 GPa, density: 4000 kg/m^3, poisson_ratio: 0.33}}
+"""
 DOCS = Path(__file__).resolve().parents[2] / "docs" / "paper.md"
+
+
+@pytest.fixture(scope="module")
+def extended(book):
+    """The tables that the paper lacks."""
+    return request(book.paper, (), (), None).tables(lambda *_: None)
 
 
 @pytest.fixture(scope="module")
 def written(tmp_path_factory):
     """One run of `tables` with everything written."""
     folder = tmp_path_factory.mktemp("tables")
-    files = ["--json", folder / "t.json", "--csv", folder / "csv", "--markdown", folder / "t.md"]
+    files = [
+        "--json",
+        folder / "t.json",
+        "--csv",
+        folder / "csv",
+        "--markdown",
+        folder / "t.md",
+        "--out",
+        folder / "out",
+    ]
     arguments = ["tables", *files]
     assert run([str(argument) for argument in arguments]) == 0
     return folder
@@ -58,7 +80,59 @@ def test_json_holds_tables_that_the_paper_lacks(written):
     aluminium, steel = of["aluminium-6061-t6"], of["steel-s355"]
     ratio = steel["equal_mass_mm"] / steel["equal_size_mm"]
     assert ratio == pytest.approx(7850 / 2700, rel=0.01)
-    assert aluminium["diameter_at_equal_mass_mm"] == pytest.approx(100.0, rel=1e-6)
+    assert aluminium["diameter_mm"] == pytest.approx(100.0, rel=1e-6)
+
+
+def test_extended_tables_stand_in_every_format(written):
+    """CSV, Markdown and the page, as JSON has them."""
+    shapes, materials = json.loads((written / "t.json").read_text(encoding="utf-8"))["extended"]
+    for table in (shapes, materials):
+        with (written / "csv" / f"{table['key']}.csv").open(encoding="utf-8", newline="") as file:
+            assert [row["label"] for row in csv.DictReader(file)] == [row["label"] for row in table["rows"]]
+        for name in ("t.md", "out/report.html"):
+            assert table["title"] in (written / name).read_text(encoding="utf-8")
+    circle = next(row for row in shapes["rows"] if row["label"] == "circle")
+    assert circle["equal_size_mm"] == pytest.approx(circle["equal_mass_mm"], rel=1e-9)
+    assert circle["equal_size_mm"] == pytest.approx(0.17729, abs=1e-5)
+    assert circle["error_mm"] < circle["within_mm"] < circle["equal_size_mm"]
+
+
+def test_rows_of_ones_own(tmp_path):
+    """A tube by its sizes sags by q L^4 / (8 E I), whose mass and I follow its size; a stock size and a material of a
+    file stand beside it."""
+    (tmp_path / "mine.yaml").write_text(MINE, encoding="utf-8")
+    tube = lw.shapes.Tube(diameter="80 mm", thickness="3 mm")
+    made = lw.paper_tables(sections=[tube, "ipe80"], catalogue=tmp_path / "mine.yaml")
+    shapes = made["shapes_at_their_best"].set_index("label")
+    row = shapes.loc["tube: diameter 80, thickness 3 mm"]
+    area, second = math.pi * (0.04**2 - 0.037**2), math.pi / 4 * (0.04**4 - 0.037**4)
+    bent = 1e3 * 2700 * 9.81 * area * 1.24**4 / (8 * 71e9 * second)
+    sheared = 1e3 * 2700 * 9.81 * 1.24**2 / (2 * 0.5 * 71e9 / 2.66)  # half of a thin tube's area shears, of any size
+    assert row["equal_size_mm"] == pytest.approx(bent + sheared, rel=0.002)
+    assert row["equal_size_kg"] == pytest.approx(2700 * 1.24 * area, rel=1e-6)
+    assert row["equal_mass_mm"] == pytest.approx(bent * row["equal_size_kg"] / 26.2951 + sheared, rel=0.01)
+    assert row["error_mm"] == shapes.loc["tube", "error_mm"]
+    assert shapes.loc["IPE 80", "error_mm"] == shapes.loc["i_section", "error_mm"]
+    mine = made["materials_compared"].set_index("label").loc["mine"]
+    assert mine["equal_size_mm"] == pytest.approx(0.1764 * (4000 / 2700) / (142 / 71), rel=0.01)
+
+
+@pytest.mark.parametrize(
+    ("given", "said"),
+    [
+        (["--section", "tubbe"], "--section: there is no shape or stock size 'tubbe'; did you mean 'tube'?"),
+        (["--section", "tubbe: diameter=3 mm"], "--section: there is no shape 'tubbe'; did you mean 'tube'?"),
+        (["--section", "tube: diamter=80 mm"], "a tube has no dimension 'diamter'; did you mean 'diameter'?"),
+        (["--section", "tube: diameter=80"], "needs a unit"),
+        (["--material", "steel-s35"], "there is no material 'steel-s35'; did you mean 'steel-s355'?"),
+    ],
+)
+def test_wrong_rows_are_refused_before_any_work(given, said, capsys):
+    """In one line."""
+    assert run(["tables", *given]) == 2
+    captured = capsys.readouterr()
+    assert (captured.out, len(captured.err.strip().splitlines())) == ("", 1)
+    assert said in captured.err
 
 
 def test_csv_has_a_line_per_row(written, book):
@@ -88,10 +162,10 @@ def test_markdown_replaces_only_what_is_between_the_marks():
     assert into("a page without marks", "new\n") == "new\n"
 
 
-def test_the_docs_page_holds_what_the_command_prints(book):
+def test_the_docs_page_holds_what_the_command_prints(book, extended):
     """`linkwright tables --markdown docs/paper.md` renews it."""
     page = DOCS.read_text(encoding="utf-8")
-    assert into(page, markdown(describe(book, verdicts(book), proofs(book)), 2)) == page
+    assert into(page, markdown(describe(book, verdicts(book), proofs(book), extended), 2)) == page
 
 
 def test_the_command_on_the_docs_page_leaves_it_as_it_is(tmp_path, monkeypatch):

@@ -7,10 +7,11 @@ from collections.abc import Iterable, Sequence
 from typing import Any
 
 from linkwright.output.table_file import frame
+from linkwright.paper.extended import Extended
 from linkwright.paper.output.figures import Figure
 from linkwright.paper.printed import Row, Table, tally
 from linkwright.paper.tables import Book, Proof, Verdict
-from linkwright.results.document import Description, Lines, Paragraph, Section, Value, section
+from linkwright.results.document import Description, Lines, Paragraph, Section, Value, number, section
 from linkwright.results.document import table as shown
 
 BEGIN, END = "<!-- begin: linkwright tables -->", "<!-- end: linkwright tables -->"
@@ -143,8 +144,10 @@ def tally_words(book: Book) -> str:
     )
 
 
-def describe(book: Book, verdicts: Sequence[Verdict], proofs: Sequence[Proof]) -> Description:
-    """All tables, the verdicts and the statements on reach."""
+def describe(
+    book: Book, verdicts: Sequence[Verdict], proofs: Sequence[Proof], extended: Sequence[Extended] = ()
+) -> Description:
+    """All tables, those that the paper lacks, the verdicts and the statements on reach."""
     counted = tally(book.tables)
     judged = [f"{verdict.number}. “{verdict.claim}”: {verdict.judgement}. {verdict.reason}" for verdict in verdicts]
     reach = [f"{proof.statement} {'Holds' if proof.holds else 'Does not hold'}. {proof.shown_by}" for proof in proofs]
@@ -152,6 +155,7 @@ def describe(book: Book, verdicts: Sequence[Verdict], proofs: Sequence[Proof]) -
         Paragraph(tally_words(book)),
         Lines(book.tables[0].remarks[1:]),
         *(_section(table) for table in book.tables),
+        *(_further(table) for table in extended),
         section("The paper's four conclusions", Lines(tuple(judged)), opened=True),
         section("What it says about reach", Lines(tuple(reach)), opened=True),
     )
@@ -165,6 +169,14 @@ def _section(table: Table) -> Section:
     rows = [(row.label, *map(Value, cells(row))) for row in table.rows]
     notes_here = tuple(f"{labels}: {note}" for labels, note in notes(table))
     return section(heading(table), Paragraph(table.remarks[0]), shown(columns, rows), Lines(notes_here), opened=True)
+
+
+def _further(table: Extended) -> Section:
+    rows = [
+        tuple(cell if isinstance(cell, str) else number(cell, 3) for cell in (row[key] for key in table.columns))
+        for row in table.rows
+    ]
+    return section(table.title, Paragraph(table.note), shown(table.columns.values(), rows), opened=True)
 
 
 def into(document: str, block: str, begin: str = BEGIN, end: str = END) -> str:
