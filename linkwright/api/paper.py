@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Annotated
 
-from linkwright.api.signature import ArmFile, File, Option, Progress, Quantity, file_option, listed
+from linkwright.api.signature import ArmFile, File, Option, Progress, Quantity, file_option, listed, named
 
 if TYPE_CHECKING:
     from linkwright.paper.extended import SectionName
@@ -54,20 +54,32 @@ def paper_tables(
     return Tables(book, verdicts(book), proofs(book), further)
 
 
-def paper_figures() -> "Figures":
+def paper_figures(
+    *, formats: Annotated[Sequence[str], Option("--format", "svg,pdf", kind=str, read=named)] = ()
+) -> "Figures":
     """The paper's Figures 5 to 9: what it plots by its own conventions, and the truth beside it.
 
-    Example: linkwright figures --out figures
+    Example: linkwright figures --out figures --format svg,pdf
+
+    Args:
+        formats: Draw each for print too, 180 mm wide: svg, pdf (by Chromium, Chrome or Edge). Needs --out.
 
     >>> import linkwright as lw
     >>> drawn = lw.paper_figures()
     >>> list(drawn[7].columns)[:2]
     ['clearance_mm', 'corrected_clearance_mm']
     """
-    from linkwright.paper.face import Figures
+    from linkwright.core.units.quantities import InputError
+    from linkwright.paper.face import FORMATS, Figures
     from linkwright.paper.output.figures import make_figures
+    from linkwright.report.pdf import need_browser
 
-    return Figures(make_figures())
+    unknown = [kind for kind in formats if kind not in FORMATS]
+    if unknown:
+        raise InputError("", "formats", f"knows {' and '.join(FORMATS)}, not '{unknown[0]}'")
+    if "pdf" in formats:
+        need_browser()
+    return Figures(make_figures(), tuple(formats))
 
 
 def seam(

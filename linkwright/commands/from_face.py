@@ -318,8 +318,18 @@ def _opens_with(path: Path, signature: str) -> bool:
         return False
 
 
+class Drawings(Made):
+    """`figures`: drawings stand in the folder."""
+
+    def checked(self, targets: Targets, words: dict[str, Any], inputs: Sequence[Path]) -> Targets:
+        """A folder, where there are drawings."""
+        if words["formats"] and targets.out is None:
+            raise InputError("", "--format", "needs the folder to write to; name it with --out")
+        return super().checked(targets, words, inputs)
+
+
 FOLDER = Out("Write report.html, picture, CSV, JSON, and an arm file a point.")
-FIGURES = (RESULT, REPORT, *(f"figure-{number}.csv" for number in range(5, 10)))
+FIGURES = (RESULT, REPORT, *(f"figure-{n}.{kind}" for n in range(5, 10) for kind in ("csv", "svg", "pdf")))
 NOTHING = "Nothing is written without --out DIR or --json FILE."
 
 
@@ -360,7 +370,7 @@ def commands() -> Mapping[str, Made]:
         Made("columns", out=settings, catalogue=False, tip=True),
         Export("export", "export_arm", out=exported),
         Tables("tables", "paper_tables", out=watched, pdf=True, also=TABLES, **plain),
-        Made("figures", "paper_figures", **drawing, **plain),
+        Drawings("figures", "paper_figures", **drawing, **plain),
         Made("seam", doing="following the seam", tip=True),
     )
     return {item.name: item for item in made}

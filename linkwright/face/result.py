@@ -95,7 +95,7 @@ class Result(ABC):
     def plot(self) -> go.Figure:
         """The result as a plotly figure."""
 
-    def _files(self) -> Mapping[str, str | ReadBack]:
+    def _files(self) -> Mapping[str, str | bytes | ReadBack]:
         """What `--out` writes beside the result, text by name."""
         return {}
 

@@ -192,13 +192,13 @@ def made_by(path: Path) -> str | None:
     return words[1] if len(words) > 1 and words[0] == "linkwright" else None
 
 
-def write_folder(folder: Path | None, files: Mapping[str, str | ReadBack]) -> None:
+def write_folder(folder: Path | None, files: Mapping[str, str | bytes | ReadBack]) -> None:
     """Write a command's files into its folder, `result.json` first. Raises `InputError`, `NotAsWritten`."""
     if folder is not None:
         write_each({folder / name: files[name] for name in sorted(files, key=lambda name: name != RESULT)})
 
 
-def write_each(files: Mapping[Path, str | ReadBack]) -> None:
+def write_each(files: Mapping[Path, str | bytes | ReadBack]) -> None:
     """Write files in their order, all of them, whatever one of them reads back as. Raises `InputError`, and at the end
     `NotAsWritten` for the first that does not read back as the result."""
     unlike: list[NotAsWritten] = []

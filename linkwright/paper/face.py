@@ -12,6 +12,7 @@ from linkwright.output.table_file import frame
 from linkwright.paper.extended import Extended
 from linkwright.paper.tables import Proof, Verdict
 from linkwright.report.described import page_of
+from linkwright.report.pdf import pdf_of
 from linkwright.results.document import Description
 
 from .output import pages, pictures
@@ -23,7 +24,9 @@ if TYPE_CHECKING:
     import pandas as pd
     import plotly.graph_objects as go
 
-FIGURE_FILES = (RESULT, REPORT, *(f"figure-{number}.csv" for number in range(5, 10)))
+FORMATS = ("svg", "pdf")
+"""What figures can be drawn as beside the page."""
+FIGURE_FILES = (RESULT, REPORT, *(f"figure-{n}.{kind}" for n in range(5, 10) for kind in ("csv", *FORMATS)))
 """What `figures --out` writes."""
 
 
@@ -82,6 +85,7 @@ class Figures(Result):
     _folder_files = FIGURE_FILES
 
     figures: tuple[Figure, ...]
+    formats: tuple[str, ...] = ()
 
     def __getitem__(self, number: int | str) -> pd.DataFrame:
         """A figure's columns by its number, NaN where a map has no pose; raises KeyError."""
@@ -104,8 +108,12 @@ class Figures(Result):
     def _tables(self) -> Mapping[str, pd.DataFrame]:
         return {figure.number: frame(dict(figure.columns)) for figure in self.figures}
 
-    def _files(self) -> Mapping[str, str]:
-        return {
-            REPORT: page_of(self.description),
-            **{f"figure-{figure.number}.csv": figure_csv(figure) for figure in self.figures},
-        }
+    def _files(self) -> Mapping[str, str | bytes]:
+        files: dict[str, str | bytes] = {REPORT: page_of(self.description)}
+        for figure in self.figures:
+            files[f"figure-{figure.number}.csv"] = figure_csv(figure)
+            if "svg" in self.formats:
+                files[f"figure-{figure.number}.svg"] = pictures.figure_svg(figure)
+            if "pdf" in self.formats:
+                files[f"figure-{figure.number}.pdf"] = pdf_of(pictures.figure_page(figure))
+        return files

@@ -15,4 +15,4 @@ def book():
 @pytest.fixture(scope="session")
 def figures():
     """Figures 5 to 9 by number, coarser than the command makes them."""
-    return {figure.number: figure for figure in make_figures(poses=2**15, cells=31, points=9)}
+    return {figure.number: figure for figure in make_figures(rings=16, spokes=48, points=9)}

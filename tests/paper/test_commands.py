@@ -199,6 +199,17 @@ def test_figures_are_written_and_written_again(tmp_path, capsys):
     assert [item["number"] for item in content["figures"]] == list("56789")
 
 
+def test_figures_are_drawn_for_print(tmp_path):
+    """Each as SVG and as a PDF of one page, with its fonts inside."""
+    assert run(["figures", "--format", "svg,pdf", "--out", str(tmp_path)]) == 0
+    for number in "56789":
+        assert "<svg " in (tmp_path / f"figure-{number}.svg").read_text(encoding="utf-8")
+        printed = (tmp_path / f"figure-{number}.pdf").read_bytes()
+        assert printed.startswith(b"%PDF")
+        assert len(re.findall(rb"/Type\s*/Page\b", printed)) == 1
+        assert b"/FontFile" in printed
+
+
 @pytest.mark.parametrize(
     "arguments",
     [
@@ -212,6 +223,8 @@ def test_figures_are_written_and_written_again(tmp_path, capsys):
         ("figures", "--out", "file/below"),
         ("figures", "--json", "."),
         ("figures", "--out", "others"),
+        ("figures", "--format", "svg"),
+        ("figures", "--format", "png", "--out", "new"),
     ],
 )
 def test_wrong_use_is_one_line_and_status_2(arguments, tmp_path, monkeypatch, capsys):

@@ -6,7 +6,7 @@ The paper's figures are not digitised: its curves are computed by the convention
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from types import MappingProxyType
@@ -15,7 +15,6 @@ from typing import Any
 import numpy as np
 
 from linkwright.core.arm.chain.chain import LoadCase
-from linkwright.core.arm.chain.kinematics import tip_position
 from linkwright.core.arm.errors.model import BEAM_FIELDS
 from linkwright.core.arm.figures.strength import LARGEST_DEFLECTION, StrengthResult, strength_over
 from linkwright.core.arm.worst.search import WorstSearch
@@ -29,6 +28,9 @@ from linkwright.results.figures_in_words import figure, mm
 
 YIELD_MATERIAL = "aluminium-6061-t6"
 """Whose yield strength figure 9 takes: the paper prints none."""
+_SHARES = np.unique(np.concatenate([np.linspace(-1.0, 1.0, 26) ** power for power in (1, 3)]))
+"""Directions of the last link that are looked at, at each place of figure 5, as shares of those that it can have. They
+are denser where the elbow is folded and turns fastest."""
 _FULL = np.array([math.pi] * 3)
 _ALL = (1, 2, 3)
 
@@ -51,10 +53,27 @@ class Figure:
         return np.array(self.columns[name])
 
 
-def make_figures(*, poses: int = 2**18, cells: int = 56, points: int = 25) -> tuple[Figure, ...]:
-    """Compute figures 5 to 9; `poses` and `cells` (across) set how fine figure 5 is, `points` the sweeps."""
-    maker = _Maker(poses, cells, points)
+def make_figures(*, rings: int = 32, spokes: int = 96, points: int = 25) -> tuple[Figure, ...]:
+    """Compute figures 5 to 9; `rings` and `spokes` set how fine figure 5 is, `points` the sweeps."""
+    maker = _Maker(rings, spokes, points)
     return (maker.error_map(), maker.around(), maker.clearance(), maker.backlash(), maker.length())
+
+
+def postures_at(lengths: Sequence[float], radius: Array, angle: Array, share: float) -> Array:
+    """Joint angles (2, N, 3), rad, of a planar 3R arm with its tip at polar coordinates (N,): the elbow on either side,
+    the last link at that share (-1 to 1) of the directions that it can have there."""
+    a, b, c = lengths
+    # The elbow is straight at one end of what the last link can do, and folded at the other, in the middle.
+    ends = [np.arccos(np.clip((radius**2 + c**2 - far**2) / (2.0 * radius * c), -1.0, 1.0)) for far in (a - b, a + b)]
+    last = angle + np.copysign(ends[0] + np.abs(share) * (ends[1] - ends[0]), share)
+    x, y = radius * np.cos(angle) - c * np.cos(last), radius * np.sin(angle) - c * np.sin(last)
+    elbow = np.arccos(np.clip((x**2 + y**2 - a**2 - b**2) / (2.0 * a * b), -1.0, 1.0))
+    made: list[Array] = []
+    for second in (elbow, -elbow):
+        first = np.arctan2(y, x) - np.arctan2(b * np.sin(second), a + b * np.cos(second))
+        q = np.stack([first, second, last - first - second], axis=-1)
+        made.append((q + math.pi) % (2.0 * math.pi) - math.pi)
+    return np.stack(made)
 
 
 def _figure(number: str, columns: Mapping[str, Any], marks: Mapping[str, float], **values: str) -> Figure:
@@ -67,8 +86,8 @@ def _figure(number: str, columns: Mapping[str, Any], marks: Mapping[str, float],
 
 @dataclass(frozen=True)
 class _Maker:
-    poses: int
-    cells: int
+    rings: int
+    spokes: int
     points: int
 
     @cached_property
@@ -81,21 +100,18 @@ class _Maker:
 
     def error_map(self) -> Figure:
         arm = self.arms.arm()
-        q = spread(-_FULL, _FULL, self.poses)
         reach = sum(arm.lengths)
-        size = 2.0 * reach / self.cells
-        cell = np.clip(((tip_position(arm, q)[:, :2] + reach) / size).astype(int), 0, self.cells - 1)
-        flat = cell[:, 1] * self.cells + cell[:, 0]
-        middles = 1e3 * ((np.arange(self.cells) + 0.5) * size - reach)
-        columns = {"x_mm": np.tile(middles, self.cells), "y_mm": np.repeat(middles, self.cells)}
+        radius = np.repeat(reach * np.linspace(1e-6, 1.0, self.rings + 1), self.spokes)
+        angle = np.tile(2.0 * math.pi * np.arange(self.spokes) / self.spokes, self.rings + 1)
+        postures = [postures_at(arm.lengths, radius, angle, share) for share in _SHARES]
+        columns = {"x_mm": 1e3 * radius * np.cos(angle), "y_mm": 1e3 * radius * np.sin(angle)}
+        q = np.concatenate(postures).reshape(-1, 3)
         errors = {"corrected_mm": 1e3 * pose_errors(arm, q), "paper_mm2": self._paper_squares(np.cumsum(q, axis=1))}
         for name, values in errors.items():
-            columns[name] = np.full(self.cells**2, np.nan)
-            order = np.argsort(values)
-            columns[name][flat[order]] = values[order]  # the largest of a cell is written last
+            columns[name] = values.reshape(-1, len(radius)).max(axis=0)
         largest, sag = worst_error(arm), self.conventions.printed.sag
         marks = {"corrected_max_mm": 1e3 * largest, "paper_max_mm2": squared(sag)}
-        said = {"poses": figure(float(self.poses), 6), "largest": mm(largest), "sag": mm(sag, 3)}
+        said = {"poses": figure(float(len(q)), 6), "largest": mm(largest), "sag": mm(sag, 3)}
         return _figure("5", columns, marks, **said)
 
     def _paper_squares(self, absolute: Array) -> Array:
