@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from functools import partial
+from types import MappingProxyType
 
 import numpy as np
 
@@ -24,22 +25,22 @@ _HALVES = (
     ("corrected_", "The truth, mm", "worst error in mm"),
     ("paper_", "By the paper's conventions, mm²", "PE in mm²"),
 )
-_CURVES = {
-    "clearance_mm": "clearance alone",
-    "clearance_mm2": "clearance alone",
-    "backlash_mm": "backlash alone",
-    "backlash_mm2": "backlash alone",
-    "with_deformation_mm": "with deformation",
-    "with_deformation_mm2": "with deformation",
-    "mm": "worst error",
-    "mm2": "PE",
-}
-_ACROSS = {
-    "6": ("shoulder_deg", "angle of the shoulder in degrees"),
-    "7": ("clearance_mm", "clearance of each joint in mm"),
-    "8": ("backlash_rad", "backlash to either side in rad"),
-    "9": ("reach_mm", "reach in mm"),
-}
+_CURVES = MappingProxyType(
+    {
+        "clearance": "clearance alone",
+        "backlash": "backlash alone",
+        "with_deformation": "with deformation",
+        "": "worst error",
+    }
+)
+_ACROSS = MappingProxyType(
+    {
+        "6": ("shoulder_deg", "angle of the shoulder in degrees"),
+        "7": ("clearance_mm", "clearance of each joint in mm"),
+        "8": ("backlash_rad", "backlash to either side in rad"),
+        "9": ("reach_mm", "reach in mm"),
+    }
+)
 _MARKS = (("linear_to_reach_mm", "linear bending ends", "2 4"), ("yields_at_reach_mm", "a link yields", None))
 _LOGARITHMIC = ("7", "9")
 _SIZE, _HEAD = 280.0, 30.0
@@ -171,7 +172,7 @@ def _curves(figure: Figure, half: int) -> str:
     for at, (name, values) in enumerate(lines.items()):
         # Curves that lie on each other are both seen where the later one is dashed.
         look = ("after", "6 5") if at else ("before" if len(lines) > 1 else "after", None)
-        legend.append((_dashed(course(plot.x(x), plot.y(values), look[0]), look[1]), _CURVES[name]))
+        legend.append((_dashed(course(plot.x(x), plot.y(values), look[0]), look[1]), _CURVES[name.rpartition("_")[0]]))
     if figure.number == "9" and not half:
         for mark, words, dash in _MARKS:
             at_x = float(plot.x(np.array(figure.marks[mark])))
