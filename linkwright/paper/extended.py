@@ -92,7 +92,8 @@ class Request:
 
     @cached_property
     def _mass(self) -> float:
-        return lw.evaluate(self._arm()).mass_kg
+        ((_, mass),) = self._swept([("", self._bar, self._metal)])
+        return mass
 
     def _arm(self, material: str = "") -> lw.Arm:
         """The paper's arm, of another material."""
@@ -109,7 +110,7 @@ class Request:
             within, _ = self._least(shape, material, self.paper.parameters.diameter)
         return {"error_mm": free[0], "mass_kg": free[1], "within_mm": within}
 
-    def _least(self, shape: str, material: str, most: float) -> tuple[float, float]:
+    def _least(self, shape: str, material: str, most: float) -> tuple[float, float | None]:
         problem = lw.Problem(
             arm=self._arm(material),
             subject_to={"mass": f"<= {self._mass!r} kg", "section_size": [SIZES[0], most], "thickness": WALLS},

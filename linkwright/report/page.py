@@ -64,7 +64,8 @@ def packed(source: str) -> str:
 
 
 def page(title: str, summary: str, body: Sequence[str], figures: Mapping[str, Figure], without: str) -> str:
-    """The whole page. It loads nothing: styles, script, figures and plotly stand in the file.
+    """The whole page. It loads nothing: styles, script, figures and plotly stand in the file,
+    the last only where figures need it.
 
     `without` says what a reader misses whose browser runs no scripts.
     """
@@ -77,11 +78,12 @@ def page(title: str, summary: str, body: Sequence[str], figures: Mapping[str, Fi
         '<meta name="color-scheme" content="light dark">'
         f"<title>{text(title)}</title><style>{styles}</style>"
     )
+    library = packed(get_plotlyjs()) if figures else ""
     scripts = (
         f'<script type="application/gzip" id="figures">{data}</script>'
-        f'<script type="application/gzip" id="plotly">{packed(get_plotlyjs())}</script><script>{script}</script>'
+        f'<script type="application/gzip" id="plotly">{library}</script><script>{script}</script>'
     )
-    missing = element("noscript", element("p", without, class_="lead"))
+    missing = element("noscript", element("p", without, class_="lead")) if figures else ""
     title_text = _unbroken(summary[:1].upper() + summary[1:])
     opening = element("header", element("h1", text(title)), element("p", text(title_text), class_="headline"), missing)
     main = element("main", opening, *body)

@@ -78,7 +78,7 @@ def describe(figures: Sequence[Figure]) -> Description:
         )
         for figure in figures
     ]
-    return Description(_TITLE, _SUMMARY, tuple(parts), f"{len(figures)} figures beside the truth")
+    return Description(_TITLE, _SUMMARY, tuple(parts), f"{len(figures)} figures beside the truth", without="")
 
 
 def figure_svg(figure: Figure) -> str:
