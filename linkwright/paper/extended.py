@@ -116,10 +116,10 @@ class Request:
             subject_to={"mass": f"<= {self._mass!r} kg", "section_size": [SIZES[0], most], "thickness": WALLS},
             choose={"section": [shape]},
         )
-        best = lw.optimize(problem, progress=lambda *_: None)
+        best = lw.optimize(problem, progress=_unheard)
         return best.max_error_mm, best.mass_kg
 
-    def _at_equal_mass(self, rows: Sequence[tuple[str, lw.Shape, Any]]) -> dict[str, dict[str, float]]:
+    def _at_equal_mass(self, rows: Sequence[tuple[str, lw.Shape, Any]]) -> dict[str, Mapping[str, float | None]]:
         """For each label, with the section and material of its links: worst error and mass as they are, and with the
         section scaled until they weigh what the paper's do."""
         given = self._swept(rows)
@@ -139,12 +139,18 @@ class Request:
         of_rows = {"section": [section for _, section, _ in rows], "material": [made_of for _, _, made_of in rows]}
         links = range(1, len(self.paper.parameters.lengths) + 1)
         values = {f"chain[{link}].link.{key}": listed for link in links for key, listed in of_rows.items()}
-        table = lw.sweep(self._arm(), values, figures=["max_error", "mass"], zipped=True, progress=lambda *_: None)
+        table = lw.sweep(self._arm(), values, figures=["max_error", "mass"], zipped=True, progress=_unheard)
         return table[["max_error_mm", "mass_kg"]].to_numpy().tolist()
 
 
-_UNSIZED = MappingProxyType(dict.fromkeys(("equal_size_mm", "equal_size_kg", "equal_mass_mm", "diameter_mm")))
+_UNSIZED: Mapping[str, float | None] = MappingProxyType(
+    dict.fromkeys(("equal_size_mm", "equal_size_kg", "equal_mass_mm", "diameter_mm"))
+)
 """What a row without sizes lacks."""
+
+
+def _unheard(_text: str, _share: float) -> None:
+    """Hears of the steps of one row, which nobody is told of."""
 
 
 def request(paper: Paper, sections: Iterable[SectionName], materials: Iterable[str], catalogue: File | None) -> Request:
