@@ -30,7 +30,9 @@ if TYPE_CHECKING:
     from linkwright.core.units.quantities import InputError, NoAnswer
     from linkwright.face.arm import Arm, Joint, Link, read_arm
     from linkwright.face.catalogues.catalogues import actuators, materials, sections
-    from linkwright.face.catalogues.registered import effects, instruments, limits
+    from linkwright.face.catalogues.effects import effects
+    from linkwright.face.catalogues.instruments import instruments
+    from linkwright.face.catalogues.limits import limits
     from linkwright.face.catalogues.shapes import Shape, shapes
     from linkwright.face.motion.log import read_log
     from linkwright.face.planning.sweep import sweep
@@ -56,7 +58,9 @@ HOMES = MappingProxyType(
         "linkwright.core.sections.section": ("Dimension",),
         "linkwright.core.units.quantities": ("InputError", "NoAnswer"),
         "linkwright.face.arm": ("Arm", "Joint", "Link", "read_arm"),
-        "linkwright.face.catalogues.registered": ("effects", "instruments", "limits"),
+        "linkwright.face.catalogues.effects": ("effects",),
+        "linkwright.face.catalogues.instruments": ("instruments",),
+        "linkwright.face.catalogues.limits": ("limits",),
         "linkwright.face.catalogues.catalogues": ("actuators", "materials", "sections"),
         "linkwright.face.catalogues.shapes": ("Shape", "shapes"),
         "linkwright.face.motion.log": ("read_log",),

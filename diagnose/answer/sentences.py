@@ -351,10 +351,6 @@ def _named(finding: Finding) -> str:
     return name_of(finding.effect, finding.at, finding.recording) + size
 
 
-def _finding_name(finding: Finding) -> str:
-    return name_of(finding.effect, finding.at, finding.recording)
-
-
 def _summed_up(findings: Sequence[Finding], causes: Sequence[tuple[str, float]], together: float) -> str:
     """Many findings by their cause: what, where, and how much it moves the tip; the small ones `together` (m)."""
     parts: list[str] = []

@@ -72,7 +72,7 @@ def paper_figures(
     from linkwright.core.units.quantities import InputError
     from linkwright.paper.face import FORMATS, Figures
     from linkwright.paper.output.figures import make_figures
-    from linkwright.report.pdf import need_browser
+    from linkwright.report.page import need_browser
 
     unknown = [kind for kind in formats if kind not in FORMATS]
     if unknown:

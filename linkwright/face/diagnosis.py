@@ -12,7 +12,8 @@ from linkwright.core.diagnose.result import Diagnosis as DiagnosisResult
 from linkwright.core.diagnose.several.recordings import together
 from linkwright.core.units.quantities import InputError
 from linkwright.json.diagnosis import diagnosis_json
-from linkwright.json.fields import fields, parameter_row
+from linkwright.json.fields import fields
+from linkwright.json.parameters import parameter_row
 from linkwright.output.diagnosis_folder import claim_diagnosis, residuals, write_diagnosis
 from linkwright.output.files import REPORT
 from linkwright.output.table_file import frame

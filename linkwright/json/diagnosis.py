@@ -28,12 +28,13 @@ from linkwright.core.diagnose.result import (
     Unknown,
     WrittenArm,
 )
-from linkwright.json.fields import in_unit, parameter_json, rivals_json, unit_of
+from linkwright.json.parameters import rivals_json
 from linkwright.results.diagnoses.answer import answer, to_do
 from linkwright.results.diagnoses.evidence import unit_files
 
 from .design import coordinates
 from .fields import fields, fields_if, in_joint_unit, in_mm
+from .parameters import in_unit, parameter_json, unit_of
 
 
 def _finding(finding: Finding) -> dict[str, Any]:

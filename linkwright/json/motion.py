@@ -8,10 +8,10 @@ from types import MappingProxyType
 from typing import Any
 
 from linkwright.core.diagnose.motion.result import Event, MotionDiagnosis, MotionFinding, MotionUnknown
-from linkwright.json.fields import parameter_json, rivals_json
 from linkwright.results.motion.answer import answer, to_do
 
 from .fields import fields, fields_if
+from .parameters import parameter_json, rivals_json
 
 OBSERVES = MappingProxyType({"observes": "motion", "rms_unit": "N*m"})
 """What says in a result that its figures are of torques."""

@@ -12,7 +12,7 @@ from linkwright.output.table_file import frame
 from linkwright.paper.extended import Extended
 from linkwright.paper.tables import Proof, Verdict
 from linkwright.report.described import page_of
-from linkwright.report.pdf import pdf_of
+from linkwright.report.page import pdf_of
 from linkwright.results.document import Description
 
 from .output import pages, pictures

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 from linkwright.core.arm.chain.chain import Arm, FloatVector
 from linkwright.core.arm.worst.workspace import Workspace
-from linkwright.core.optimize.ranges import Span
+from linkwright.core.optimize.reading.ranges import Span
 from linkwright.core.units.quantities import format_quantity
 from linkwright.core.units.reading import Mapping
 

@@ -20,7 +20,7 @@ from linkwright.core.diagnose.result import Alternative, Detectable, FittedParam
 from linkwright.core.units.quantities import read_quantity
 from linkwright.core.units.units import kinds
 from linkwright.json.diagnosis import diagnosis_json, minimum_detectable
-from linkwright.json.fields import in_unit, unit_of
+from linkwright.json.parameters import in_unit, unit_of
 from linkwright.output.diagnosis_folder import compensated, residuals
 from linkwright.output.files import json_text
 from linkwright.report.charts.covariates import covariates

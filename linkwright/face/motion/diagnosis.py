@@ -13,8 +13,9 @@ from linkwright.core.diagnose.options import Options
 from linkwright.face.arm import Arm, catalogue_of
 from linkwright.face.progress import Progress
 from linkwright.face.result import Field, Reported, drawn
-from linkwright.json.fields import fields, parameter_row
+from linkwright.json.fields import fields
 from linkwright.json.motion import motion_json
+from linkwright.json.parameters import parameter_row
 from linkwright.output.diagnosis_folder import claim_diagnosis, with_written_motion, write_motion
 from linkwright.output.files import REPORT
 from linkwright.output.table_file import frame

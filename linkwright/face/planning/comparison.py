@@ -20,7 +20,8 @@ from linkwright.face.progress import Progress
 from linkwright.face.recording import Recording
 from linkwright.face.result import Result, drawn
 from linkwright.json.diagnosis import covered_json
-from linkwright.json.fields import fields, in_mm, in_unit, parameter_json, unit_of
+from linkwright.json.fields import fields, in_mm
+from linkwright.json.parameters import in_unit, parameter_json, unit_of
 from linkwright.output.table_file import frame
 from linkwright.results.diagnoses.words import (
     covered,

@@ -21,7 +21,8 @@ from linkwright.face.plain_input import File
 from linkwright.face.recording import recording_columns, saved
 from linkwright.face.result import Field, Result, drawn
 from linkwright.json.diagnosis import joint_coordinates
-from linkwright.json.fields import fields, in_unit, unit_of
+from linkwright.json.fields import fields
+from linkwright.json.parameters import in_unit, unit_of
 from linkwright.output.table_file import frame
 from linkwright.results.planning import describe
 

@@ -21,8 +21,9 @@ from linkwright.face.motion.log import Log
 from linkwright.face.plain_input import File
 from linkwright.face.recording import Recording
 from linkwright.face.result import Reported, figure_of
-from linkwright.json.fields import fields, in_unit, unit_of
+from linkwright.json.fields import fields
 from linkwright.json.motion import OBSERVES
+from linkwright.json.parameters import in_unit, unit_of
 from linkwright.output.files import REPORT, RESULT
 from linkwright.output.table_file import frame
 from linkwright.results.diagnoses.watched import before_change, days_of, describe, title_of, watch_sentence
