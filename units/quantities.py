@@ -308,13 +308,16 @@ def format_quantity(si_value: float, kind: str, unit: str | None = None, digits:
     """Return the SI value as `400 mm`, `71 GPa`, `60 kN*m/rad`: short symbols, in a unit that suits its size.
 
     `unit` asks for a certain unit. Without `digits` the shortest number that reads back within 1e-12 of the
-    value is written; `digits` rounds to that many significant digits. Raises `ValueError` where the value is
-    not finite or `unit` does not measure this kind.
+    value is written; `digits` rounds to that many significant digits. What no reader takes, as it is less than any
+    size of an arm, is written as 0. Raises `ValueError` where the value is not finite or `unit` does not measure this
+    kind.
     """
     if not math.isfinite(si_value):
         raise ValueError(f"a {kind} of {si_value} cannot be written")
     due = kind_of(kind)
     symbol = _good_unit(si_value, due) if unit is None else unit
+    if due.si and abs(si_value) < _LEAST:
+        si_value = 0.0
     value = Decimal(float(si_value))
     pint_unit = None
     if due.si:

@@ -147,9 +147,8 @@ class Actuators:
     def find(self, name: str, *, file: object = "", key: str = "actuator") -> Actuator:
         """The actuator of that name; raises `InputError` for file and key with the nearest known name."""
         if name not in self.by_name:
-            would_do = "of another drive give `stiffness`, `backlash` and `mass` at the joint in place of its name"
-            message = f"there is no actuator '{name}'{nearest(name, list(self.by_name))}; {would_do}"
-            raise InputError(file, key, message)
+            would_do = "; of another drive give `stiffness`, `backlash` and `mass` at the joint in place of its name"
+            raise InputError(file, key, f"there is no actuator '{name}'{nearest(name, list(self.by_name)) or would_do}")
         return self.by_name[name]
 
 

@@ -93,7 +93,7 @@ class MotionRules:
         5.0,
         "times the usual RMS",
         "Rows of a log further than this from what the rest of it foretells may be an event.",
-        "clean logs with rough friction: below 4 in 10 seeds",
+        "no event in 10 clean logs with rough friction (python -m benchmarks.motion_events 0 10 clean)",
     )
     steady: float = rule(
         0.1, "share of its torque", "A push is held to be steady. Its torque may be off by this share without a cause."

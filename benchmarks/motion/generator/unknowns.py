@@ -214,13 +214,17 @@ def _wind(unknown: Unknown, world: World, about: About) -> None:
 
 
 def _spindle(unknown: Unknown, world: World, about: About) -> None:
-    """A spindle that runs in the last link, and resists being turned (a gyroscope: moment H x omega)."""
-    way = np.random.default_rng(unknown.seed).normal(size=3)
+    """A spindle in the last link, whose speed ripples: it resists being turned (a gyroscope: moment H x omega) and
+    pushes back as it speeds up."""
+    rng = np.random.default_rng(unknown.seed)
+    way, ripple, rate = rng.normal(size=3), 0.15, 2.0 * np.pi / 2.5
     momentum = 2.0 * unknown.size * float(about.torque.mean() / about.speed.mean()) * way / np.linalg.norm(way)
 
     def act(state: State) -> None:
-        spins = state.data.ximat[state.last].reshape(3, 3) @ momentum
-        state.data.xfrc_applied[state.last, 3:] = -np.cross(state.data.cvel[state.last, :3], spins)
+        along = state.data.ximat[state.last].reshape(3, 3) @ momentum
+        spins = along * (1.0 + ripple * np.sin(rate * state.time))
+        speeds_up = along * ripple * rate * np.cos(rate * state.time)
+        state.data.xfrc_applied[state.last, 3:] = -np.cross(state.data.cvel[state.last, :3], spins) - speeds_up
 
     world.laws.append(lambda: act)
 

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from linkwright.core.arm.files.read import read_arm
-from linkwright.core.diagnose.diagnosis import diagnose
+from linkwright.core.diagnose.steps.diagnosis import diagnose
 from linkwright.core.diagnose.judge.predict import predict, residual_under
 from linkwright.core.diagnose.reading.read import read_recording
 from tests.diagnose.core_cases import with_effects

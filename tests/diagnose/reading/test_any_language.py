@@ -6,7 +6,7 @@ import numpy as np
 import openpyxl
 import pytest
 
-from linkwright.core.diagnose.reading.foreign.proposed_file import propose
+from linkwright.core.diagnose.columns.proposed_file import propose
 from linkwright.core.diagnose.reading.read import read_recording
 from tests.diagnose.reading.test_foreign_files import ANGLES, ARM, TIPS
 

@@ -40,7 +40,7 @@ def test_a_zero_off_by_two_degrees_is_named_alone(tmp_path, frame):
     low, high = result.findings[0].parameters[0].interval
     assert low < off < high
     assert result.rms_after < 1.1 * result.noise_floor
-    assert any("beyond first order" in note for note in result.notes)
+    assert any("linearised they would be" in note for note in result.notes)
     assert diagnose(result.corrected, recording).verdict == "none"
 
 

@@ -49,6 +49,7 @@ INPUTS = [
     "plan {} --poses 9",
     "plan arm.yaml --poses 9 --after {}",
     "plan arm.yaml --poses 9 --after r.csv --after {}",
+    "plan arm.yaml --instrument motion --at {}",
     "plan arm.yaml --poses 9 --catalogue {}",
     "budget {}",
     "budget arm.yaml --sheet {}",
@@ -88,6 +89,7 @@ INPUTS = [
     "actuators remove x --used-in {}",
     "actuators export --catalogue {} --out e.yaml",
     "actuators edit x mass 3kg --catalogue {}",
+    "tables --catalogue {}",
     "serve {}",
 ]
 """Every place of every command where a file is named that is read."""

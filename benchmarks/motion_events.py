@@ -1,6 +1,6 @@
 """Events in logs of six joints, simulated by MuJoCo: contacts, a collision, a load taken, and rough friction alone.
 
-python -m benchmarks.motion.events FIRST LAST [KIND ...]
+python -m benchmarks.motion_events FIRST LAST [KIND ...]
 """
 
 from __future__ import annotations
