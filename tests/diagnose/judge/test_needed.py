@@ -5,9 +5,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from linkwright.core.diagnose.steps.diagnosis import diagnose
 from linkwright.core.diagnose.judge.needed import needed
 from linkwright.core.diagnose.rules.rules import RULES
+from linkwright.core.diagnose.steps.diagnosis import diagnose
 from tests.diagnose.core_cases import recorded, with_effects
 from tests.diagnose.made_diagnosis import made_arm
 

@@ -11,9 +11,9 @@ import numpy as np
 import pytest
 
 from linkwright.core.arm.files.read import read_arm
-from linkwright.core.diagnose.steps.diagnosis import diagnose
 from linkwright.core.diagnose.judge.predict import predict, residual_under
 from linkwright.core.diagnose.reading.read import read_recording
+from linkwright.core.diagnose.steps.diagnosis import diagnose
 from tests.diagnose.core_cases import with_effects
 
 WIDTH, HEIGHT, WALL, LONGEST = 0.15, 0.25, 0.008, 9.0
