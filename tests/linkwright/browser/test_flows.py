@@ -29,10 +29,12 @@ def test_an_arm_is_edited_drawn_and_evaluated(server, page):
     length = page.get_by_label("length", exact=True).first
     page.get_by_role("tab", name="From the side").click()
     page.locator(".lw-picture svg .joint").first.wait_for()
-    before = page.locator(".lw-picture").first.inner_html()
+    before = page.locator(".lw-picture:has(.joint)").inner_html()
     page.locator(".q-slider [tabindex]").first.press("ArrowRight")
     page.get_by_text("36°", exact=True).wait_for()
-    page.wait_for_function("before => document.querySelector('.lw-picture').innerHTML !== before", arg=before)
+    page.wait_for_function(
+        "before => document.querySelector('.lw-picture:has(.joint)').innerHTML !== before", arg=before
+    )
     length.fill("650 kg")
     length.press("Enter")
     page.get_by_role("alert").filter(has_text="chain[1].link.length: '650 kg' is a mass").wait_for()
