@@ -161,7 +161,8 @@ class _Search:
         return self.problem.objective.badness(self.best.objective)
 
     def _begun(self) -> Iterator[Array]:
-        """The best places of a grid for the arm as given that are no neighbours, those out of reach last."""
+        """The best places of a grid for the arm as given that are no neighbours, those out of reach last; then where the
+        arm file has it, for no answer may be worse than that place gives."""
         error = self.held_error(self.problem.arm)
         steps = np.linspace(0.0, 1.0, _GRID[len(self.axes) - 1])
         grid = [np.array(at) for at in itertools.product(steps, repeat=len(self.axes))]
@@ -173,6 +174,10 @@ class _Search:
                 at, _ = descend(error, at, score, _HELD)
             if len(begun) < _BEGUN and all(float(np.abs(at - other).max()) > _APART for other in begun):
                 begun.append(at)
+        spans = [self._spans[axis] for axis in self.axes]
+        given = [low / (low - high) for low, high in spans if low <= 0.0 <= high]
+        if len(given) == len(self.axes) and not any(np.allclose(given, at) for at in begun):
+            begun.append(np.array(given))
         yield from begun
 
     def _narrow(self) -> None:
